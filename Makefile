@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+# Builds Penumbra: build/penumbrad, build/penumbra, build/libpenumbra.a.
+# Results depend on the flags in PIXEL_FLAGS: no contraction, no fast-math, on every file.
+# Files named *_avx2.c are compiled with -mavx2 -mfma and are entered only after a cpuid check.
+
+BUILD ?= build
+PREFIX ?= /usr/local
+DESTDIR ?=
+OPT ?= -O2 -g
+SAN ?=
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+
+VERSION := 0.1.0
+RENDER_ROOMS := base math geom accel scene shade film render io
+SERVICE_ROOMS := store jobs http
+CMD_COMMON := $(filter-out src/cmd/penumbra.c src/cmd/penumbrad.c,$(wildcard src/cmd/*.c))
+
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla
+PIXEL_FLAGS := -std=c11 -ffp-contract=off
+HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
+CPPFLAGS += -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Iinclude
+CFLAGS += $(PIXEL_FLAGS) $(OPT) $(WARN) $(HARDEN) $(SAN)
+LDFLAGS += $(SAN) -pthread
+
+PKGS := libmicrohttpd jansson libpng sqlite3 libzstd libsodium libcurl
+PKG_CFLAGS = $(shell pkg-config --cflags $(PKGS))
+PKG_LIBS = $(shell pkg-config --libs $(PKGS)) -lm
+CHECK_CFLAGS = $(shell pkg-config --cflags check)
+CHECK_LIBS = $(shell pkg-config --libs check)
+
+MACHINE := $(shell $(CC) -dumpmachine)
+ifneq ($(findstring x86_64,$(MACHINE)),)
+AVX2_FLAGS := -mavx2 -mfma
+endif
+
+LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(sort $(wildcard src/$(r)/*.c)))
+SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(sort $(wildcard src/$(r)/*.c)))
+LIB_OBJ := $(LIB_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/builtin_scenes.o
+SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o
+CMD_OBJ := $(CMD_COMMON:%.c=$(BUILD)/%.o)
+TEST_SRC := $(sort $(wildcard tests/*/test_*.c))
+TEST_BIN := $(TEST_SRC:%.c=$(BUILD)/%)
+TEST_SUPPORT := $(sort $(wildcard tests/support/*.c))
+TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
+
+.PHONY: all tests check run-tests demo lint asan tsan clean install conformance bench
+all: $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
+tests: all $(TEST_BIN)
+
+$(BUILD)/libpenumbra.a: $(LIB_OBJ)
+	@rm -f $@
+	ar rcs $@ $(LIB_OBJ)
+
+$(BUILD)/libservice.a: $(SVC_OBJ)
+	@rm -f $@
+	ar rcs $@ $(SVC_OBJ)
+
+$(BUILD)/penumbra $(BUILD)/penumbrad: $(BUILD)/%: $(BUILD)/src/cmd/%.o $(CMD_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+	$(CC) $(LDFLAGS) -o $@ $^ $(PKG_LIBS)
+
+$(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
+$(BUILD)/%.o: %.c Makefile
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
+
+# Files that the programs carry inside themselves: scenes/*.json and api/*.
+$(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
+	@mkdir -p $(@D)
+	sh deploy/embed.sh pen_builtin_files $(sort $(wildcard scenes/*.json)) > $@.tmp && mv $@.tmp $@
+$(BUILD)/gen/api_files.c: $(sort $(wildcard api/*.yaml api/*.json)) deploy/embed.sh
+	@mkdir -p $(@D)
+	sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@
+$(BUILD)/gen/%.o: $(BUILD)/gen/%.c
+	$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+$(BUILD)/tests/support/%.o: CPPFLAGS += $(CHECK_CFLAGS) -Itests
+$(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) $(CFLAGS) -MMD -MP $(LDFLAGS) -o $@ $< \
+	    $(TEST_SUPPORT_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
+$(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
+
+check:
+	sh deploy/install-deps.sh
+	$(MAKE) run-tests
+run-tests: tests
+	sh tests/run.sh $(BUILD)
+
+demo:
+	sh deploy/install-deps.sh
+	$(MAKE) all
+	sh deploy/demo.sh $(BUILD)
+
+lint:
+	sh deploy/lint.sh $(BUILD)
+
+asan:
+	$(MAKE) BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" OPT="-O1 -g" run-tests
+tsan:
+	$(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" OPT="-O1 -g" run-tests
+
+conformance: all
+	sh tests/conformance.sh $(BUILD) $(REF)
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include
+	install $(BUILD)/penumbrad $(BUILD)/penumbra $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(BUILD)/libpenumbra.a $(DESTDIR)$(PREFIX)/lib
+	cp -r include/pen $(DESTDIR)$(PREFIX)/include
+
+clean:
+	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan
+
+-include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d)
+-include $(BUILD)/src/cmd/penumbra.d $(BUILD)/src/cmd/penumbrad.d

@@ -1,0 +1,23 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Prints a C table of whole files: embed.sh TABLE FILE...
+# The table is an array of struct pen_embedded_file (pen/base/embed.h), ended by a null name.
+set -eu
+table=$1
+shift
+echo '#include "pen/base/embed.h"'
+n=0
+for f in "$@"; do
+    echo "static const unsigned char file_$n[] = {"
+    od -An -v -tu1 "$f" | sed 's/ *\([0-9][0-9]*\)/\1,/g'
+    echo "0};"
+    n=$((n + 1))
+done
+echo "const struct pen_embedded_file ${table}[] = {"
+n=0
+for f in "$@"; do
+    echo "    {\"$(basename "$f")\", file_$n, sizeof file_$n - 1},"
+    n=$((n + 1))
+done
+echo "    {0, 0, 0},"
+echo "};"

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/* Arenas: memory with one lifetime (a scene, a request, a thread's scratch) and a byte cap.
+ * Nothing is freed alone; an arena is reset or freed whole. Running into the cap or out of memory
+ * returns NULL: a hostile scene gets an error, the process lives. */
+#ifndef PEN_BASE_ARENA_H
+#define PEN_BASE_ARENA_H
+
+#include <stddef.h>
+
+struct pen_arena;
+
+/* A new arena that will hold at most cap_bytes of allocations (0: no cap).
+ * Owns: the caller frees it with pen_arena_free. Fails: NULL when out of memory. */
+struct pen_arena *pen_arena_new(size_t cap_bytes);
+
+/* Frees the arena and everything in it. NULL is allowed. */
+void pen_arena_free(struct pen_arena *arena);
+
+/* Forgets all allocations, keeping the memory for reuse. */
+void pen_arena_reset(struct pen_arena *arena);
+
+/* Zeroed memory for count elements of size bytes, aligned to 64 bytes if the whole is at least
+ * 64 bytes long, else to 16. Fails: NULL on overflow of count * size, cap or memory. */
+void *pen_arena_alloc(struct pen_arena *arena, size_t count, size_t size);
+
+/* A copy of a string with its end. Fails: NULL as pen_arena_alloc. */
+char *pen_arena_strdup(struct pen_arena *arena, const char *text);
+
+/* Bytes handed out since the last reset. */
+size_t pen_arena_used(const struct pen_arena *arena);
+
+#endif

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT */
+/* Clocks. Durations are taken from the monotonic clock, time stamps from the wall clock. */
+#ifndef PEN_BASE_CLOCK_H
+#define PEN_BASE_CLOCK_H
+
+#include <stdint.h>
+
+/* Units: ns since an arbitrary start; never goes back. */
+int64_t pen_clock_ns(void);
+
+/* Units: ns of processor time used by all threads of this process. */
+int64_t pen_clock_cpu_ns(void);
+
+/* Units: ms since 1970-01-01 UTC. */
+int64_t pen_clock_wall_ms(void);
+
+/* Writes wall time as RFC 3339 in UTC with milliseconds, "2026-01-31T12:00:00.000Z". */
+void pen_clock_format(int64_t wall_ms, char out[25]);
+
+#endif

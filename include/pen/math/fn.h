@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/* exp, log, pow, sin and cos of our own, so that a picture does not depend on the machine's
+ * libm. Each is a fixed sequence of IEEE operations (+ - * / sqrt fma, integer work): the same
+ * bits on every machine, compiler and optimisation level. Error bounds are against the exact
+ * result, in ulp of the result, and are tested against __float128. */
+#ifndef PEN_MATH_FN_H
+#define PEN_MATH_FN_H
+
+/* e^x. Error: <= 1 ulp (gradual underflow included: <= 1 ulp of the subnormal). Overflows to
+ * +inf, underflows to 0; NaN gives NaN. */
+double pen_exp(double x);
+
+/* Natural logarithm. Error: <= 1 ulp. 0 gives -inf, negative and NaN give NaN. */
+double pen_log(double x);
+
+/* The shading model's power: x^y for x > 0, y >= 0; 0 if x <= 0 (whatever y); 1 if y is 0 and
+ * x > 0. Error: <= 1 ulp, also for x near 1 and y up to 1e6 and beyond. */
+double pen_pow(double x, double y);
+
+/* Units: radians. Error: <= 1 ulp for |x| <= 2^20. Outside that range the result is NaN. */
+void pen_sincos(double x, double *sine, double *cosine);
+
+/* Units: degrees. Exact at multiples of 90 (and 30 and 60 where the result is representable);
+ * error <= 1 ulp for |degrees| <= 2^20, after exact reduction in degrees. Outside: NaN. */
+void pen_sincos_deg(double degrees, double *sine, double *cosine);
+
+#endif
