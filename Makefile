@@ -47,6 +47,8 @@ TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
 
 .PHONY: all tests check run-tests demo lint asan tsan clean install conformance bench
 all: $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
+.PHONY: libpenumbra
+libpenumbra: $(BUILD)/libpenumbra.a
 tests: all $(TEST_BIN)
 
 $(BUILD)/libpenumbra.a: $(LIB_OBJ)
