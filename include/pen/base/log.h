@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The log: one line per event on standard error (or a sink), text or JSON lines.
- * The sink is the one mutable global of the library. Threads: all functions are thread-safe. */
+/* The log: one line per event on standard error, text or JSON lines, one write() each.
+ * Its settings are the one mutable global of the library. Threads: all functions are thread-safe.
+ */
 #ifndef PEN_BASE_LOG_H
 #define PEN_BASE_LOG_H
 

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT */
+/* Growth doubles, so appending is linear overall. The invariant is in the header: once there is
+ * data, a zero byte follows it, so the contents can be read as a string. */
+#include "pen/base/buf.h"
+
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FIRST_CAPACITY = 256 };
+
+void pen_buf_init(struct pen_buf *buf)
+{
+    *buf = (struct pen_buf){0};
+}
+
+void pen_buf_release(struct pen_buf *buf)
+{
+    free(buf->data);
+    pen_buf_init(buf);
+}
+
+/* Makes room for `more` bytes and a zero byte after them. */
+static bool reserve(struct pen_buf *buf, size_t more)
+{
+    if (buf->failed)
+        return false;
+    if (more >= SIZE_MAX / 2 - buf->bytes)
+        return !(buf->failed = true);
+    size_t needed = buf->bytes + more + 1;
+    if (needed <= buf->capacity)
+        return true;
+    size_t capacity = buf->capacity ? buf->capacity : FIRST_CAPACITY;
+    while (capacity < needed)
+        capacity *= 2;
+    unsigned char *data = realloc(buf->data, capacity);
+    if (!data)
+        return !(buf->failed = true);
+    buf->data = data;
+    buf->capacity = capacity;
+    return true;
+}
+
+bool pen_buf_add(struct pen_buf *buf, const void *data, size_t bytes)
+{
+    if (!reserve(buf, bytes))
+        return false;
+    if (bytes)
+        memcpy(buf->data + buf->bytes, data, bytes);
+    buf->bytes += bytes;
+    buf->data[buf->bytes] = '\0';
+    return true;
+}
+
+bool pen_buf_puts(struct pen_buf *buf, const char *text)
+{
+    return pen_buf_add(buf, text, strlen(text));
+}
+
+bool pen_buf_printf(struct pen_buf *buf, const char *format, ...)
+{
+    va_list args, again;
+    va_start(args, format);
+    va_copy(again, args);
+    int length = vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    bool ok = length >= 0 && reserve(buf, (size_t)length);
+    if (ok) {
+        vsnprintf((char *)buf->data + buf->bytes, (size_t)length + 1, format, again);
+        buf->bytes += (size_t)length;
+    }
+    va_end(again);
+    buf->failed = !ok;
+    return ok;
+}

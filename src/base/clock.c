@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* The clocks of the system, and one way to write a time stamp. */
+#include "pen/base/clock.h"
+
+#include <stdio.h>
+#include <time.h>
+
+static int64_t read_ns(clockid_t id)
+{
+    struct timespec t = {0};
+    clock_gettime(id, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+int64_t pen_clock_ns(void)
+{
+    return read_ns(CLOCK_MONOTONIC);
+}
+
+int64_t pen_clock_cpu_ns(void)
+{
+    return read_ns(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+int64_t pen_clock_wall_ms(void)
+{
+    return read_ns(CLOCK_REALTIME) / 1000000;
+}
+
+void pen_clock_format(int64_t wall_ms, char out[25])
+{
+    /* Years 0 to 9999 have four digits; stored times outside them can only be damage. */
+    const int64_t first = -62167219200000, last = 253402300799999;
+    int64_t ms = wall_ms < first ? first : wall_ms > last ? last : wall_ms;
+    int64_t rest = ((ms % 1000) + 1000) % 1000;
+    time_t seconds = (time_t)((ms - rest) / 1000);
+    struct tm t = {0};
+    gmtime_r(&seconds, &t);
+    char text[80];
+    snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", t.tm_year + 1900,
+             t.tm_mon + 1, t.tm_mday, t.tm_hour, t.tm_min, t.tm_sec, (int)rest);
+    snprintf(out, 25, "%.24s", text);
+}

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+/* Which compiled variant of the hot files this processor may enter, and what it is called. */
+#include "pen/base/cpu.h"
+
+#include <sched.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "pen/base/utf8.h"
+
+static bool has_avx2(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+    return false;
+#endif
+}
+
+enum pen_isa pen_cpu_isa(void)
+{
+    const char *forced = getenv("PENUMBRA_ISA");
+    if (forced && strcmp(forced, "base") == 0)
+        return PEN_ISA_BASE;
+    return has_avx2() ? PEN_ISA_AVX2 : PEN_ISA_BASE;
+}
+
+const char *pen_isa_name(enum pen_isa isa)
+{
+    return isa == PEN_ISA_AVX2 ? "avx2" : "base";
+}
+
+int pen_cpu_count(void)
+{
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
+        return CPU_COUNT(&set);
+    /* More processors than a cpu_set_t holds. */
+    long online = sysconf(_SC_NPROCESSORS_ONLN);
+    return online > 0 ? (int)online : 1;
+}
+
+void pen_cpu_model(char *out, int bytes)
+{
+    if (bytes <= 0)
+        return;
+    pen_utf8_copy(out, (size_t)bytes, "unknown");
+    FILE *file = fopen("/proc/cpuinfo", "re");
+    if (!file)
+        return;
+    char line[512];
+    while (fgets(line, sizeof line, file)) {
+        const char *colon = strchr(line, ':');
+        if (strncmp(line, "model name", 10) != 0 || !colon)
+            continue;
+        line[strcspn(line, "\n")] = '\0';
+        pen_utf8_copy(out, (size_t)bytes, colon + 1 + strspn(colon + 1, " \t"));
+        break;
+    }
+    fclose(file);
+}
