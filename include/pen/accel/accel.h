@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT */
+/* Acceleration structures: a builder makes a frozen tree over the finite primitives; infinite
+ * ones stay in a short list beside it. Every kind gives the same crossings, bit for bit:
+ * boxes are float, rounded outward, and tested so that no crossing is ever missed (Ize, JCGT
+ * 2(2), 2013, and directed rounding of origins); a box is entered when its near distance is
+ * <= the best t; the order of crossings is that of pen/geom/ray.h.
+ *
+ * Threads: a built tree is immutable and may be used by any number of threads. */
+#ifndef PEN_ACCEL_ACCEL_H
+#define PEN_ACCEL_ACCEL_H
+
+#include "pen/base/arena.h"
+#include "pen/base/cpu.h"
+#include "pen/base/status.h"
+#include "pen/geom/prims.h"
+
+enum pen_accelerator {
+    PEN_ACCEL_AUTO, /* surface-area heuristic */
+    PEN_ACCEL_NONE, /* every primitive, in order */
+    PEN_ACCEL_CBR,
+    PEN_ACCEL_MANUAL,
+    PEN_ACCEL_MEDIAN
+};
+
+struct pen_accel; /* lives in the arena it was built in */
+
+struct pen_accel_stats {
+    enum pen_accelerator kind;
+    uint32_t nodes, leaves, depth;
+    uint64_t bytes;
+    double sah_cost; /* expected tests per ray, in units of one primitive test */
+    double build_ms;
+};
+
+/* Builds. Units: local frame. Owns: the tree borrows `prims`, which must outlive it.
+ * Fails: PEN_NO_MEMORY; PEN_UNSUPPORTED for kinds still to come (cbr, manual, median). */
+struct pen_accel *pen_accel_build(const struct pen_prims *prims, enum pen_accelerator kind,
+                                  struct pen_arena *arena, struct pen_status *st);
+
+const struct pen_accel_stats *pen_accel_get_stats(const struct pen_accel *accel);
+
+/* Which crossings a query looks for: after `after` in the order of crossings, and t <= tmax.
+ * For a fresh ray `after` is pen_after_start, which means t > 0. */
+struct pen_span {
+    struct pen_hit after;
+    double tmax;
+};
+
+extern const struct pen_hit pen_after_start;
+
+enum { PEN_SHADOW_MAX = 32 };
+
+/* A shadow query: crossings with 0 < t < tmax (strictly). With `to_point` set the ray ends in a
+ * light at t = 1 = tmax, and a surface that contains the light within rounding is not crossed.
+ * see_through[prim] != 0 marks primitives that let light pass; NULL means none does. */
+struct pen_shadow {
+    double tmax;
+    bool to_point;
+    const uint8_t *see_through;
+    uint32_t last_occluder; /* in and out: tried first; PEN_NO_PRIM at start */
+    /* Results, valid when the query returned false (not blocked): see-through crossings in
+     * order. With more than PEN_SHADOW_MAX, `overflow` is set and the caller walks the ray with
+     * `nearest` instead. */
+    bool overflow;
+    int count;
+    struct pen_hit hit[PEN_SHADOW_MAX];
+};
+
+/* The traversals, one table per compiled variant; all variants give the same bits. */
+struct pen_trace_ops {
+    const char *name;
+    /* First crossing in the span; false if there is none. */
+    bool (*nearest)(const struct pen_accel *accel, const struct pen_ray *ray,
+                    const struct pen_leave *leave, const struct pen_span *span,
+                    struct pen_hit *hit);
+    /* Whether an opaque surface is crossed. */
+    bool (*shadow)(const struct pen_accel *accel, const struct pen_ray *ray,
+                   const struct pen_leave *leave, struct pen_shadow *query);
+};
+
+/* The table for an instruction set; falls back to the baseline where a build lacks it. */
+const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa);
+
+#endif

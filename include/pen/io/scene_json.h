@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads `penumbra-scene/1` and the render settings of jobs: bytes in memory -> pen_scene_desc,
+ * with every error located. Nothing is repaired silently.
+ *
+ * Syntax errors (malformed JSON, duplicate keys, NaN, overflowing numbers) are reported alone,
+ * as PEN_SYNTAX with line and column. Everything else is collected, up to PEN_ERRORS_MAX, each
+ * with a JSON Pointer. */
+#ifndef PEN_IO_SCENE_JSON_H
+#define PEN_IO_SCENE_JSON_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "pen/base/arena.h"
+#include "pen/base/status.h"
+#include "pen/scene/desc.h"
+
+/* Limits, scene-format.md; pen_limits_default gives the defaults. */
+struct pen_limits {
+    size_t body_bytes;
+    int nesting;
+    uint64_t objects;
+    uint64_t pixels_per_view;
+    uint32_t views;
+    double work; /* upper bound of primary and shadow rays */
+};
+
+struct pen_limits pen_limits_default(void);
+
+/* Parses JSON strictly: bytes and nesting are checked before parsing, duplicate keys refused.
+ * Owns: the caller json_decref()s. Fails: PEN_TOO_LARGE, PEN_SYNTAX, PEN_INVALID (nesting,
+ * with at), PEN_NO_MEMORY. */
+json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *limits,
+                       struct pen_status *st);
+
+/* Reads a scene from a parsed document. `at` is prefixed to every pointer ("" for a bare scene,
+ * "/scene" inside a job). Owns: everything in *desc lives in `arena`.
+ * Fails: returns false with errors->count > 0; *desc is then not to be used. */
+bool pen_scene_read(const json_t *document, const char *at, const struct pen_limits *limits,
+                    struct pen_arena *arena, struct pen_scene_desc *desc,
+                    struct pen_errors *errors);
+
+/* Applies a `render` object on top of *settings. Errors as pen_scene_read. */
+bool pen_settings_read(const json_t *render, const char *at, struct pen_settings *settings,
+                       struct pen_errors *errors);
+
+/* Applies one `key=value` of the command line (`--set`), the value as JSON or a bare word. */
+bool pen_settings_set(struct pen_settings *settings, const char *assignment,
+                      struct pen_status *st);
+
+/* Checks the limits that depend on settings and views: pixels per view, work. `at` points at the
+ * document. Fails: PEN_TOO_LARGE. */
+bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_desc *desc,
+                      const struct pen_settings *settings, uint32_t views, const char *at,
+                      struct pen_status *st);
+
+/* Upper bound of primary and shadow rays of one pixel, from counts alone. */
+double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_settings *settings);
+
+/* Notes on a valid scene that a person may want to know (a T-junction, an unused material).
+ * Each is a JSON Pointer and a sentence. */
+void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
+                        struct pen_errors *warnings);
+
+/* Parses and reads a whole bare scene in one go: the path of `penumbra render FILE`. */
+bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
+                    struct pen_arena *arena, struct pen_scene_desc *desc,
+                    struct pen_errors *errors);
+
+/* The member of names[] (NULL-terminated) nearest to `word`, or NULL if none is near: edit
+ * distance with transpositions <= 2 and less than half the word. */
+const char *pen_nearest_name(const char *word, const char *const *names);
+
+/* One sentence for an error: place, message. For the command line. */
+void pen_status_describe(const struct pen_status *st, const char *file, char *out, size_t bytes);
+
+#endif
