@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* The life of a job as the API sees it: submit, look, list, cancel, delete, results. Bytes in,
+ * JSON out; no HTTP here. The api process never renders: it validates, queues and answers.
+ *
+ * Threads: a pen_jobs handle is used by one thread at a time (it owns a store handle). */
+#ifndef PEN_JOBS_JOBS_H
+#define PEN_JOBS_JOBS_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pen/base/buf.h"
+#include "pen/base/status.h"
+#include "pen/io/scene_json.h"
+#include "pen/store/store.h"
+
+struct pen_jobs;
+
+/* Fails: as pen_store_open. */
+struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *limits,
+                               struct pen_status *st);
+void pen_jobs_close(struct pen_jobs *jobs);
+
+/* The store behind the handle, for pen_store_wait and pen_store_probe. */
+struct pen_store *pen_jobs_store(struct pen_jobs *jobs);
+
+struct pen_submission {
+    const char *body;
+    size_t bytes;
+    bool xml;
+    const char *idempotency_key; /* NULL: none */
+};
+
+struct pen_submitted {
+    char id[PEN_ID_BYTES];
+    struct pen_buf answer; /* the job as JSON; release it */
+};
+
+/* Accepts a job (an object with `scene`), or a bare scene (an object with `format`).
+ * When it returns true the job is on disk. Fails: errors->count > 0; with PEN_INVALID and at ""
+ * for a key reused with another body. */
+bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
+                     struct pen_submitted *out, struct pen_errors *errors);
+
+/* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}.
+ * Needs no store: jobs may be a handle or NULL (then default limits). */
+bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, json_t **answer,
+                       struct pen_errors *errors);
+
+struct pen_job_snapshot {
+    json_t *json; /* the job object of http-api.md; the caller json_decref()s */
+    enum pen_job_state state;
+    int64_t revision;
+};
+
+bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
+                  struct pen_status *st);
+
+struct pen_list_query {
+    int state;          /* enum pen_job_state or -1 */
+    const char *kind;   /* or NULL */
+    int limit;          /* 1…500 */
+    const char *cursor; /* opaque, or NULL. A cursor that is none of ours: PEN_USAGE */
+};
+
+/* {jobs: […], next: cursor | null}. */
+json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
+                      struct pen_status *st);
+
+bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
+                     struct pen_status *st);
+bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, struct pen_status *st);
+
+struct pen_image_query {
+    const char *view;   /* NULL: the first */
+    const char *layer;  /* NULL: beauty */
+    const char *format; /* "png" (also for NULL), "png16", "pfm" */
+};
+
+struct pen_image {
+    struct pen_buf bytes; /* release it */
+    char type[32];        /* media type */
+    char etag[72];        /* quoted, strong: a hash of the bytes */
+};
+
+/* The result. Fails: PEN_CONFLICT (unfinished, failed, cancelled), PEN_NOT_FOUND (view, layer
+ * not requested), PEN_USAGE (format). */
+bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
+                    struct pen_image *out, struct pen_status *st);
+
+/* What is committed so far, RGBA PNG, pixels not committed transparent. */
+bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
+                      struct pen_image *out, struct pen_status *st);
+
+/* The statistics object. Fails: PEN_CONFLICT until the job has ended. */
+json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
+
+/* The scene as accepted, as bytes. */
+bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
+                    struct pen_status *st);
+
+/* {"scenes": [{name, title, …}]}: the built-in scenes. */
+json_t *pen_jobs_scenes(void);
+
+/* A problem document (RFC 9457) for one status or for a list of errors. The same object is the
+ * HTTP body, the stored error of a job and the command line's --json error. */
+json_t *pen_problem(const struct pen_status *st);
+json_t *pen_problem_list(const struct pen_errors *errors);
+
+#endif

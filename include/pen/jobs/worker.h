@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* The worker: claims batches, renders them on one pool of threads, commits pixels. It holds no
+ * state that matters: killed anywhere, it costs at most the batches in flight. */
+#ifndef PEN_JOBS_WORKER_H
+#define PEN_JOBS_WORKER_H
+
+#include <jansson.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+
+#include "pen/base/status.h"
+#include "pen/render/render.h"
+#include "pen/scene/scene.h"
+
+struct pen_worker_options {
+    const char *store_url;
+    const char *name; /* unique among running workers: host:pid:start */
+    int threads;      /* 0: one per processor */
+    size_t scene_cap_bytes; /* memory cap of a scene's arena, 0: none */
+};
+
+/* Works until *stop becomes true: then the batch in flight is finished or given back. Wake the
+ * store's PEN_SIGNAL_WORK after setting *stop. Fails: the store cannot be opened or broke. */
+bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
+                    struct pen_status *st);
+
+/* The timing and rays of one render, as both the worker and `penumbra render --stats` report
+ * them: the statistics object of http-api.md. */
+struct pen_stats_input {
+    double queue_ms, parse_ms, build_ms, encode_ms, store_ms, total_ms;
+    const struct pen_render_stats *render;
+    const struct pen_scene *scene;
+};
+json_t *pen_stats_json(const struct pen_stats_input *in);
+
+#endif

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT */
+/* The durable store: the only door between the api process and the workers. Jobs, their scene
+ * documents, batches with leases, committed pixels, artefacts, idempotency keys and workers.
+ * SQLite is the first implementation; PostgreSQL comes behind this same header (src/store/ops.h
+ * holds the table that pen_store_* calls go through).
+ *
+ * What it promises
+ *  - A function that returned true has its effect on disk (WAL, synchronous=FULL).
+ *  - A commit is one transaction: pixels, statistics, artefact and state together. It is refused
+ *    with PEN_STALE unless the batch is still leased under the same attempt number.
+ *  - A commit repeated with the same claim succeeds as a duplicate and changes nothing.
+ *  - Leases use the store's clock only.
+ *  - Everything stored as text is opaque here (JSON written by room jobs).
+ *
+ * Threads: a handle is used by one thread at a time; open one per thread. Handles of different
+ * processes may be open on the same store. */
+#ifndef PEN_STORE_STORE_H
+#define PEN_STORE_STORE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pen/base/buf.h"
+#include "pen/base/status.h"
+
+enum { PEN_ID_BYTES = 37 }; /* UUID text and its end */
+
+enum pen_job_state {
+    PEN_JOB_QUEUED,
+    PEN_JOB_RUNNING,
+    PEN_JOB_SUCCEEDED,
+    PEN_JOB_FAILED,
+    PEN_JOB_CANCELLED,
+    PEN_JOB_STATE_COUNT
+};
+
+enum pen_batch_state {
+    PEN_BATCH_OPEN,   /* may be claimed */
+    PEN_BATCH_LEASED, /* a worker holds an attempt */
+    PEN_BATCH_DONE,   /* result committed */
+    PEN_BATCH_ENDED   /* its job failed or was cancelled */
+};
+
+enum pen_batch_kind {
+    PEN_BATCH_RENDER,  /* tiles of a view */
+    PEN_BATCH_ASSEMBLE /* makes a view's picture from its committed batches */
+};
+
+const char *pen_job_state_name(enum pen_job_state state);
+bool pen_job_state_of_name(const char *name, enum pen_job_state *state);
+
+static inline bool pen_job_state_ended(enum pen_job_state state)
+{
+    return state >= PEN_JOB_SUCCEEDED;
+}
+
+struct pen_store;
+
+/* Opens a store: a file path (SQLite; folders are made) or a postgres:// URL (to come).
+ * Creates and migrates it as needed. Fails: PEN_STORAGE (not a Penumbra store, corrupt, newer
+ * schema: the message says what to do), PEN_UNSUPPORTED (postgres://). */
+struct pen_store *pen_store_open(const char *url, struct pen_status *st);
+void pen_store_close(struct pen_store *store);
+
+/* Whether a write gets to disk now; the reason if not. */
+bool pen_store_probe(struct pen_store *store, struct pen_status *st);
+
+struct pen_view_new {
+    const char *name;
+    int width, height;
+};
+
+struct pen_batch_new {
+    int view;
+    int first_tile, tile_count;
+    int64_t pixels;
+};
+
+struct pen_job_new {
+    const char *id; /* UUIDv7 */
+    const char *kind;
+    const char *request; /* the job as accepted, without its scene: JSON */
+    const void *scene;   /* the scene document as sent; stored once per content */
+    size_t scene_bytes;
+    const unsigned char *scene_sha256; /* 32 bytes */
+    int priority, max_attempts;
+    int64_t timeout_ms; /* 0: none */
+    int view_count;
+    const struct pen_view_new *views;
+    int batch_count;
+    const struct pen_batch_new *batches;
+    const char *idempotency_key;      /* NULL: none */
+    const unsigned char *body_sha256; /* 32 bytes; with a key */
+    const char *answer;               /* stored with the key, given back on a repeat */
+};
+
+enum pen_submit_result {
+    PEN_SUBMIT_CREATED,
+    PEN_SUBMIT_REPEATED, /* same key, same body: *first_answer is the answer of then */
+    PEN_SUBMIT_REUSED    /* same key, another body: nothing was stored */
+};
+
+/* Stores a job. Owns: *first_answer is appended to a caller's buffer. Fails: PEN_STORAGE_FULL,
+ * PEN_STORAGE, PEN_UNAVAILABLE (busy too long). */
+bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
+                      enum pen_submit_result *result, struct pen_buf *first_answer,
+                      struct pen_status *st);
+
+/* A job as stored. Owns: text fields belong to the record; release it. */
+struct pen_job_record {
+    int64_t number; /* order of submission */
+    char id[PEN_ID_BYTES];
+    enum pen_job_state state;
+    int64_t revision; /* grows with every change that a reader can see */
+    char *kind, *request;
+    char *error; /* JSON of the problem, NULL unless failed */
+    int priority, max_attempts, attempts;
+    int64_t timeout_ms;
+    int64_t created_ms, started_ms, finished_ms; /* wall clock; 0: not yet */
+    int64_t done_pixels, total_pixels;
+};
+
+void pen_job_record_release(struct pen_job_record *job);
+
+/* Fails: PEN_NOT_FOUND. */
+bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
+                   struct pen_status *st);
+
+struct pen_job_filter {
+    int state;        /* enum pen_job_state, or -1: any */
+    const char *kind; /* NULL: any */
+    int64_t below;    /* only numbers below this (the cursor); 0: from the newest */
+    int limit;
+};
+
+/* Newest first. Owns: *jobs is malloc()ed, *count records; free with pen_job_records_free. */
+bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
+                    struct pen_job_record **jobs, int *count, struct pen_status *st);
+void pen_job_records_free(struct pen_job_record *jobs, int count);
+
+/* The scene document as sent. */
+bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
+                     struct pen_status *st);
+
+/* Cancels: the job and its open and leased batches, in one transaction. A job that has ended
+ * stays as it is. Fails: PEN_NOT_FOUND. */
+bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st);
+
+/* Removes an ended job and all that belongs to it. Fails: PEN_NOT_FOUND, PEN_CONFLICT. */
+bool pen_store_delete(struct pen_store *store, const char *id, struct pen_status *st);
+
+/* A claim: a batch leased to a worker under an attempt number. */
+struct pen_claim {
+    int64_t batch, attempt; /* the fencing token */
+    enum pen_batch_kind kind;
+    char job_id[PEN_ID_BYTES];
+    int view, first_tile, tile_count;
+    int job_batches; /* render batches of this view: 1 means encode and commit together */
+    unsigned char scene_sha256[32];
+    int64_t submitted_ms, claimed_ms;
+};
+
+/* Claims the next batch by (priority, age); the job becomes running. Returns true with
+ * *found = false when there is nothing to do. */
+bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
+                     struct pen_claim *claim, bool *found, struct pen_status *st);
+
+/* What a batch came to. */
+struct pen_result {
+    const float *rgb; /* tiles in order, each its rows; tile_pixels * 3 values; NULL: assemble */
+    int64_t pixels;
+    const char *stats; /* JSON, kept as long as the job */
+    const char *layer, *format; /* of the artefact; NULL: none */
+    const void *artefact;
+    size_t artefact_bytes;
+};
+
+/* Commits a batch. The commit that leaves no open render batch in a view of several batches adds
+ * an assemble batch; the one that ends the last view makes the job succeeded.
+ * Fails: PEN_STALE; PEN_STORAGE_FULL, PEN_STORAGE. */
+bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
+                      const struct pen_result *result, struct pen_status *st);
+
+/* Gives a batch back without a result and without charge. */
+bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
+                       struct pen_status *st);
+
+/* Ends the claim's job as failed, with a problem document. Fails: PEN_STALE. */
+bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                    struct pen_status *st);
+
+/* Extends the lease. *held = false: cancelled, taken or ended; stop working on it. */
+bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
+                         bool *held, struct pen_status *st);
+
+/* Opens batches whose lease has run out, and those of a worker that is known to be dead (NULL:
+ * none). *opened is their number. */
+bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *opened,
+                     struct pen_status *st);
+
+/* Calls `each` for every committed render batch of a view, in order, with its pixels and place;
+ * stops when it returns false. */
+typedef bool pen_pixels_fn(void *user, int first_tile, int tile_count, const float *rgb,
+                           int64_t pixels);
+bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
+                      void *user, struct pen_status *st);
+
+/* Calls `each` for the statistics of every committed batch of a job, in order. */
+typedef bool pen_stats_fn(void *user, int view, enum pen_batch_kind kind, const char *stats);
+bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
+                     struct pen_status *st);
+
+/* Stored pictures. Fails: PEN_NOT_FOUND. */
+bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
+                        const char *format, struct pen_buf *out, struct pen_status *st);
+bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
+                            const char *format, const void *data, size_t bytes,
+                            struct pen_status *st);
+
+/* Housekeeping: idempotency keys older than max_age_ms go, unused scene documents go. */
+bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+
+/* Wake-up hints across processes: two counters that only grow. WORK grows when a batch may be
+ * claimed, NEWS when any job changed. A hint may be lost; polling is the safety net. */
+enum pen_signal { PEN_SIGNAL_WORK, PEN_SIGNAL_NEWS };
+
+/* Waits until the counter differs from *seen or the time is up; *seen becomes its value.
+ * Threads: may be called while another thread uses the same handle. */
+void pen_store_wait(struct pen_store *store, enum pen_signal signal, uint32_t *seen,
+                    int timeout_ms);
+
+/* Wakes all waiters of the store in all processes (used at shutdown). */
+void pen_store_wake(struct pen_store *store, enum pen_signal signal);
+
+#endif
