@@ -8,6 +8,7 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 OPT ?= -O2 -g
 SAN ?=
+WERROR ?=
 ifeq ($(origin CC),default)
 CC := gcc
 endif
@@ -17,7 +18,7 @@ RENDER_ROOMS := base math geom accel scene shade film render io
 SERVICE_ROOMS := store jobs http
 CMD_COMMON := $(filter-out src/cmd/penumbra.c src/cmd/penumbrad.c,$(wildcard src/cmd/*.c))
 
-WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla $(WERROR)
 PIXEL_FLAGS := -std=c11 -ffp-contract=off
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
 CPPFLAGS += -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Iinclude
@@ -45,7 +46,7 @@ TEST_BIN := $(TEST_SRC:%.c=$(BUILD)/%)
 TEST_SUPPORT := $(sort $(wildcard tests/support/*.c))
 TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
 
-.PHONY: all tests check run-tests demo lint asan tsan clean install conformance bench
+.PHONY: asan-build all tests check run-tests demo lint asan tsan clean install conformance bench
 all: $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
 .PHONY: libpenumbra
 libpenumbra: $(BUILD)/libpenumbra.a
@@ -98,8 +99,11 @@ demo:
 lint:
 	sh deploy/lint.sh $(BUILD)
 
+ASAN := BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" OPT="-O1 -g"
+asan-build:
+	$(MAKE) $(ASAN) tests
 asan:
-	$(MAKE) BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" OPT="-O1 -g" run-tests
+	$(MAKE) $(ASAN) run-tests
 tsan:
 	$(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" OPT="-O1 -g" run-tests
 

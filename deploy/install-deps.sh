@@ -1,0 +1,47 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Installs what building and testing Penumbra needs and the machine lacks: Debian packages only.
+# Running it again changes nothing. Needs root or sudo only when something is missing.
+#
+#   install-deps.sh           to build, run and test
+#   install-deps.sh --lint    also what `make lint` and the clang build use
+#   install-deps.sh --bench   also what the comparisons in tests/bench use
+set -eu
+
+packages="gcc make libc6-dev pkg-config libmicrohttpd-dev libjansson-dev libpng-dev libsqlite3-dev
+    libzstd-dev libsodium-dev libcurl4-openssl-dev check curl ca-certificates jq procps
+    python3-minimal python3-yaml python3-jsonschema"
+for option in "$@"; do
+    case $option in
+    --lint) packages="$packages clang clang-format libclang-rt-14-dev binutils" ;;
+    --bench) packages="$packages povray" ;;
+    *)
+        echo "install-deps.sh: unknown option '$option' (allowed: --lint, --bench)" >&2
+        exit 2
+        ;;
+    esac
+done
+
+if ! command -v dpkg-query >/dev/null 2>&1; then
+    echo "install-deps.sh: this is no Debian system; install the equivalents of:" $packages >&2
+    exit 1
+fi
+
+missing=
+for package in $packages; do
+    status=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || :)
+    [ "$status" = "install ok installed" ] || missing="$missing $package"
+done
+[ -n "$missing" ] || exit 0
+
+echo "installing:$missing"
+as_root=
+if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null 2>&1 || {
+        echo "install-deps.sh: run as root, or install sudo, or install these packages:$missing" >&2
+        exit 1
+    }
+    as_root=sudo
+fi
+$as_root apt-get update -qq
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing

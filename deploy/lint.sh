@@ -1,0 +1,110 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Checks the house rules: layers, headers that compile alone, format, exported symbols, no libm in
+# the renderer, no long lines of history left in comments. Prints every offence; exit 1 if any.
+set -eu
+build=${1:-build}
+cd "$(dirname "$0")/.."
+sh deploy/install-deps.sh --lint
+fails=0
+bad() {
+    echo "lint: $*"
+    fails=$((fails + 1))
+}
+count() { # counts what a command prints, a line an offence
+    while IFS= read -r line; do
+        bad "$line"
+    done <"$1"
+}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# 1. Layers: each #include against src/LAYERS.
+git ls-files 'src/*.[ch]' 'include/*.h' | sort >"$work/files"
+awk '
+FNR == NR {
+    sub(/#.*/, "")
+    if ($0 ~ /</) { header = $1; for (i = 3; i <= NF; i++) allowed[header, $i] = 1; known[header] = 1 }
+    else if ($0 ~ /:/) {
+        room = $1; sub(/:/, "", room); rooms[room] = 1; sees[room, room] = 1
+        for (i = 2; i <= NF; i++)
+            for (r in rooms) if (sees[$i, r]) sees[room, r] = 1
+    }
+    next
+}
+FNR == 1 {
+    n = split(FILENAME, part, "/")
+    room = part[1] == "src" ? part[2] : part[3]
+    if (part[1] == "src" && n < 3) room = ""
+    if (room != "" && !(room in rooms)) print FILENAME ": room \"" room "\" is not in src/LAYERS"
+}
+/^[ \t]*#[ \t]*include/ {
+    target = $0
+    sub(/^[^"<]*["<]/, "", target); sub(/[">].*/, "", target)
+    if (target ~ /^pen\//) {
+        split(target, t, "/")
+        if (!sees[room, t[2]]) print FILENAME ":" FNR ": room " room " must not see " target
+    } else if ($0 ~ /"/) {
+        if (target ~ /\//) {
+            split(target, t, "/")
+            if (t[1] != room) print FILENAME ":" FNR ": private header of another room: " target
+        }
+    } else if (target in known) {
+        if (!allowed[target, room]) print FILENAME ":" FNR ": room " room " must not use " target
+    }
+}' src/LAYERS $(cat "$work/files") >"$work/out"
+count "$work/out"
+
+# 2. Every header compiles alone, without warnings, with both compilers.
+flags="-std=c11 -D_GNU_SOURCE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Iinclude"
+flags="$flags $(pkg-config --cflags jansson libmicrohttpd)"
+git ls-files 'include/*.h' >"$work/headers"
+while IFS= read -r header; do
+    name=${header#include/}
+    printf '#include "%s"\n#include "%s"\nextern int pen_lint;\nint pen_lint;\n' "$name" "$name" >"$work/alone.c"
+    for compiler in gcc clang; do
+        $compiler $flags -Werror -fsyntax-only "$work/alone.c" 2>"$work/err" ||
+            bad "$header does not compile alone with $compiler: $(grep -m1 error "$work/err")"
+    done
+done <"$work/headers"
+
+# 3. Format.
+git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' | xargs -r clang-format --dry-run 2>&1 |
+    grep 'warning: code should be clang-formatted' | cut -d: -f1 | sort -u >"$work/out" || :
+sed -i 's/$/: not formatted (clang-format -i)/' "$work/out"
+count "$work/out"
+
+# 4. Exported symbols begin with pen_; the renderer calls no libm but sqrt, fma and rounding.
+make -s all BUILD="$build" >/dev/null
+nm -g --defined-only "$build/libpenumbra.a" "$build/libservice.a" 2>/dev/null |
+    awk 'NF == 3 && $3 !~ /^pen_/ && $3 !~ /^_?_?(asan|ubsan|odr_asan)/ { print "exported symbol without pen_: " $3 }' |
+    sort -u >"$work/out"
+count "$work/out"
+nm -u "$build/libpenumbra.a" | awk 'NF == 2 { print $2 }' | sort -u |
+    grep -xE '(a?(sin|cos|tan)h?|atan2|sincos|exp|exp2|expm1|exp10|log|log2|log10|log1p|pow|powi|cbrt|hypot|fmod|remainder|tgamma|lgamma|erfc?)[fl]?' \
+    >"$work/out" || :
+sed -i 's/$/: libm symbol in libpenumbra.a/' "$work/out"
+count "$work/out"
+
+# 5. No process-ending or printing calls outside src/cmd.
+git ls-files 'src/*.c' 'src/*.h' | grep -v '^src/cmd/' |
+    xargs -r grep -nE '(^|[^a-z_.>])(exit|_exit|abort|printf|puts|putchar|perror)\(' >"$work/out" || :
+sed -i 's/^/exit, abort or printing outside src\/cmd: /' "$work/out"
+count "$work/out"
+
+# 6. Nothing in the top level but what belongs there.
+git ls-files | cut -d/ -f1 | sort -u |
+    grep -vxE 'Makefile|README\.md|LICENSE|src|include|api|scenes|tests|deploy|\..*' >"$work/out" || :
+sed -i 's/$/: does not belong in the top level/' "$work/out"
+count "$work/out"
+
+# 7. Every source file names its licence.
+git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' '*.sh' | xargs -r grep -L 'SPDX-License-Identifier: MIT' >"$work/out" || :
+sed -i 's/$/: no SPDX line/' "$work/out"
+count "$work/out"
+
+if [ "$fails" -gt 0 ]; then
+    echo "lint: $fails offences"
+    exit 1
+fi
+echo "lint: clean"
