@@ -53,7 +53,7 @@ static const struct code_row table[PEN_CODE_COUNT] = {
     [PEN_STALE] = {"stale", "Lease lost", 409, EXIT_STATE},
     [PEN_CANCELLED] = {"cancelled", "Cancelled", 409, EXIT_JOB},
     [PEN_TIMEOUT] = {"timeout", "Timed out", 504, EXIT_TIME},
-    [PEN_JOB_FAILED] = {"job-failed", "Job failed", 409, EXIT_JOB},
+    [PEN_RENDER_FAILED] = {"job-failed", "Job failed", 409, EXIT_JOB},
     [PEN_DIFFERENT] = {"different", "Pictures differ", 409, EXIT_DIFFERENT},
     [PEN_INTERNAL] = {"internal", "Internal error", 500, EXIT_BUG},
 };

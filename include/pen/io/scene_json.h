@@ -46,8 +46,7 @@ bool pen_settings_read(const json_t *render, const char *at, struct pen_settings
                        struct pen_errors *errors);
 
 /* Applies one `key=value` of the command line (`--set`), the value as JSON or a bare word. */
-bool pen_settings_set(struct pen_settings *settings, const char *assignment,
-                      struct pen_status *st);
+bool pen_settings_set(struct pen_settings *settings, const char *assignment, struct pen_status *st);
 
 /* Checks the limits that depend on settings and views: pixels per view, work. `at` points at the
  * document. Fails: PEN_TOO_LARGE. */

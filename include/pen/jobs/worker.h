@@ -14,8 +14,8 @@
 
 struct pen_worker_options {
     const char *store_url;
-    const char *name; /* unique among running workers: host:pid:start */
-    int threads;      /* 0: one per processor */
+    const char *name;       /* unique among running workers: host:pid:start */
+    int threads;            /* 0: one per processor */
     size_t scene_cap_bytes; /* memory cap of a scene's arena, 0: none */
 };
 

@@ -118,7 +118,7 @@ struct pen_scene_desc {
     struct pen_light_desc *lights;
     uint32_t object_count; /* top level */
     struct pen_object_desc *objects;
-    uint64_t primitive_count; /* all, groups entered, groups themselves not counted */
+    uint64_t primitive_count;     /* all, groups entered, groups themselves not counted */
     struct pen_settings settings; /* defaults and the scene's own `render` */
 };
 

@@ -72,8 +72,8 @@ struct pen_scene {
     const struct pen_scene_view *views;
     uint32_t view_count;
     const struct pen_accel *accel;
-    unsigned effects;  /* PEN_FX_* the scene itself calls for, whatever the settings */
-    double freeze_ms;  /* without the tree */
+    unsigned effects; /* PEN_FX_* the scene itself calls for, whatever the settings */
+    double freeze_ms; /* without the tree */
 };
 
 /* Freezes: transforms primitives once, in double, makes the local frame, builds the tree.

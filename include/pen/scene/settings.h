@@ -13,20 +13,20 @@ enum pen_light_pattern { PEN_PATTERN_SOBOL, PEN_PATTERN_GRID, PEN_PATTERN_RANDOM
 enum pen_precision { PEN_PRECISION_ROBUST, PEN_PRECISION_FAST };
 
 struct pen_settings {
-    int width, height;          /* pixels */
-    int samples_per_pixel;      /* 1: the pixel's centre */
-    int light_samples;          /* shadow rays per soft light and point */
-    int light_pattern;          /* enum pen_light_pattern */
+    int width, height;     /* pixels */
+    int samples_per_pixel; /* 1: the pixel's centre */
+    int light_samples;     /* shadow rays per soft light and point */
+    int light_pattern;     /* enum pen_light_pattern */
     int blur_samples, lens_samples, max_samples;
-    int max_depth;              /* surfaces a path shades at most */
-    double min_contribution;    /* weight below which a secondary ray is not traced */
-    double target_error;        /* 0: fixed sample counts */
-    int precision;              /* enum pen_precision */
-    int accelerator;            /* enum pen_accelerator */
-    int transfer;               /* enum pen_transfer_name */
+    int max_depth;           /* surfaces a path shades at most */
+    double min_contribution; /* weight below which a secondary ray is not traced */
+    double target_error;     /* 0: fixed sample counts */
+    int precision;           /* enum pen_precision */
+    int accelerator;         /* enum pen_accelerator */
+    int transfer;            /* enum pen_transfer_name */
     uint64_t seed;
-    int tile;                   /* tile edge, pixels */
-    int threads;                /* 0: the whole pool */
+    int tile;    /* tile edge, pixels */
+    int threads; /* 0: the whole pool */
 };
 
 /* The defaults of scene-format.md. */

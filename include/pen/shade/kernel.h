@@ -37,8 +37,8 @@ typedef void pen_kernel_fn(const struct pen_kernel_input *input, struct pen_kern
                            int x, int y, double rgb[3], struct pen_ray_counts *counts);
 
 struct pen_kernel {
-    const char *name;  /* e.g. "hard+mirror/avx2": shown in statistics */
-    unsigned effects;  /* the instance's mask */
+    const char *name; /* e.g. "hard+mirror/avx2": shown in statistics */
+    unsigned effects; /* the instance's mask */
     pen_kernel_fn *pixel;
 };
 

@@ -170,7 +170,7 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
 struct pen_result {
     const float *rgb; /* tiles in order, each its rows; tile_pixels * 3 values; NULL: assemble */
     int64_t pixels;
-    const char *stats; /* JSON, kept as long as the job */
+    const char *stats;          /* JSON, kept as long as the job */
     const char *layer, *format; /* of the artefact; NULL: none */
     const void *artefact;
     size_t artefact_bytes;
