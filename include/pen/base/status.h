@@ -14,31 +14,31 @@
 
 enum pen_code {
     PEN_OK = 0,
-    PEN_USAGE,        /* a command line or query parameter is wrong */
-    PEN_SYNTAX,       /* malformed JSON, duplicate key, number out of range: line and column */
-    PEN_INVALID,      /* well-formed, but not a valid scene or job: JSON Pointer */
-    PEN_UNSUPPORTED,  /* known, not supported yet: JSON Pointer */
-    PEN_TOO_LARGE,    /* a limit on bytes, pixels or work is exceeded */
-    PEN_UNAUTHORIZED, /* no token */
-    PEN_FORBIDDEN,    /* token lacks the scope; Host not allowed */
-    PEN_NOT_FOUND,    /* no such job, view, scene, file, route */
-    PEN_METHOD,       /* method not allowed here */
-    PEN_CONFLICT,     /* the object is in the wrong state for this */
-    PEN_LENGTH,       /* Content-Length missing */
-    PEN_MEDIA_TYPE,   /* body of an unknown type */
-    PEN_QUOTA,        /* queue or client quota full */
-    PEN_UNAVAILABLE,  /* not ready, draining, busy */
-    PEN_STORAGE_FULL, /* the store has no room */
-    PEN_STORAGE,      /* the store failed: I/O error, corrupt */
-    PEN_IO,           /* a file cannot be read or written */
-    PEN_NETWORK,      /* a daemon cannot be reached, or answered nonsense */
-    PEN_NO_MEMORY,    /* an allocation or an arena's cap */
-    PEN_STALE,        /* a commit whose lease is no longer held: throw the result away */
-    PEN_CANCELLED,    /* stopped on request */
-    PEN_TIMEOUT,      /* took longer than allowed */
-    PEN_JOB_FAILED,   /* the job ended as failed */
-    PEN_DIFFERENT,    /* compared pictures differ by more than allowed */
-    PEN_INTERNAL,     /* a bug in Penumbra */
+    PEN_USAGE,         /* a command line or query parameter is wrong */
+    PEN_SYNTAX,        /* malformed JSON, duplicate key, number out of range: line and column */
+    PEN_INVALID,       /* well-formed, but not a valid scene or job: JSON Pointer */
+    PEN_UNSUPPORTED,   /* known, not supported yet: JSON Pointer */
+    PEN_TOO_LARGE,     /* a limit on bytes, pixels or work is exceeded */
+    PEN_UNAUTHORIZED,  /* no token */
+    PEN_FORBIDDEN,     /* token lacks the scope; Host not allowed */
+    PEN_NOT_FOUND,     /* no such job, view, scene, file, route */
+    PEN_METHOD,        /* method not allowed here */
+    PEN_CONFLICT,      /* the object is in the wrong state for this */
+    PEN_LENGTH,        /* Content-Length missing */
+    PEN_MEDIA_TYPE,    /* body of an unknown type */
+    PEN_QUOTA,         /* queue or client quota full */
+    PEN_UNAVAILABLE,   /* not ready, draining, busy */
+    PEN_STORAGE_FULL,  /* the store has no room */
+    PEN_STORAGE,       /* the store failed: I/O error, corrupt */
+    PEN_IO,            /* a file cannot be read or written */
+    PEN_NETWORK,       /* a daemon cannot be reached, or answered nonsense */
+    PEN_NO_MEMORY,     /* an allocation or an arena's cap */
+    PEN_STALE,         /* a commit whose lease is no longer held: throw the result away */
+    PEN_CANCELLED,     /* stopped on request */
+    PEN_TIMEOUT,       /* took longer than allowed */
+    PEN_RENDER_FAILED, /* the job ended as failed */
+    PEN_DIFFERENT,     /* compared pictures differ by more than allowed */
+    PEN_INTERNAL,      /* a bug in Penumbra */
     PEN_CODE_COUNT
 };
 
