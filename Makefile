@@ -21,17 +21,17 @@ CMD_COMMON := $(filter-out src/cmd/penumbra.c src/cmd/penumbrad.c,$(wildcard src
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla $(WERROR)
 PIXEL_FLAGS := -std=c11 -ffp-contract=off
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
-CPPFLAGS += -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Iinclude
-CFLAGS += $(PIXEL_FLAGS) $(OPT) $(WARN) $(HARDEN) $(SAN)
-LDFLAGS += $(SAN) -pthread
+CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Iinclude $(CPPFLAGS)
+COMPILE = $(CC) $(CPP) $(OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
+LINK = $(CC) $(SAN) -pthread $(LDFLAGS)
 
 PKGS := libmicrohttpd jansson libpng sqlite3 libzstd libsodium libcurl
-PKG_CFLAGS = $(shell pkg-config --cflags $(PKGS))
-PKG_LIBS = $(shell pkg-config --libs $(PKGS)) -lm
-CHECK_CFLAGS = $(shell pkg-config --cflags check)
-CHECK_LIBS = $(shell pkg-config --libs check)
+PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
+PKG_LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm
+CHECK_CFLAGS := $(shell pkg-config --cflags check 2>/dev/null)
+CHECK_LIBS := $(shell pkg-config --libs check 2>/dev/null)
 
-MACHINE := $(shell $(CC) -dumpmachine)
+MACHINE := $(shell $(CC) -dumpmachine 2>/dev/null)
 ifneq ($(findstring x86_64,$(MACHINE)),)
 AVX2_FLAGS := -mavx2 -mfma
 endif
@@ -46,11 +46,15 @@ TEST_BIN := $(TEST_SRC:%.c=$(BUILD)/%)
 TEST_SUPPORT := $(sort $(wildcard tests/support/*.c))
 TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
 
-.PHONY: asan-build all tests check run-tests demo lint asan tsan clean install conformance bench
-all: $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
+.PHONY: asan-build have-deps all tests check run-tests demo lint asan tsan clean install conformance bench
+all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
 .PHONY: libpenumbra
 libpenumbra: $(BUILD)/libpenumbra.a
 tests: all $(TEST_BIN)
+
+have-deps:
+	@pkg-config --exists $(PKGS) || { \
+	    echo "libraries are missing (wanted: $(PKGS)): run sh deploy/install-deps.sh" >&2; exit 1; }
 
 $(BUILD)/libpenumbra.a: $(LIB_OBJ)
 	@rm -f $@
@@ -61,12 +65,12 @@ $(BUILD)/libservice.a: $(SVC_OBJ)
 	ar rcs $@ $(SVC_OBJ)
 
 $(BUILD)/penumbra $(BUILD)/penumbrad: $(BUILD)/%: $(BUILD)/src/cmd/%.o $(CMD_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
-	$(CC) $(LDFLAGS) -o $@ $^ $(PKG_LIBS)
+	$(LINK) -o $@ $^ $(PKG_LIBS)
 
 $(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
 $(BUILD)/%.o: %.c Makefile
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
+	$(COMPILE) $(PKG_CFLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
 
 # Files that the programs carry inside themselves: scenes/*.json and api/*.
 $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
@@ -76,12 +80,12 @@ $(BUILD)/gen/api_files.c: $(sort $(wildcard api/*.yaml api/*.json)) deploy/embed
 	@mkdir -p $(@D)
 	sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/%.o: $(BUILD)/gen/%.c
-	$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+	$(COMPILE) -c -o $@ $<
 
-$(BUILD)/tests/support/%.o: CPPFLAGS += $(CHECK_CFLAGS) -Itests
+$(BUILD)/tests/support/%.o: EXTRA := $(CHECK_CFLAGS) -Itests
 $(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) $(CFLAGS) -MMD -MP $(LDFLAGS) -o $@ $< \
+	$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
 	    $(TEST_SUPPORT_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
 
