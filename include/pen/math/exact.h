@@ -32,6 +32,19 @@ static inline struct pen_vec3 pen_cross(struct pen_vec3 a, struct pen_vec3 b)
 
 /* The dot product as if computed in twice the precision and rounded once (compensated).
  * Source: Ogita, Rump, Oishi, "Accurate sum and dot product", SIAM J. Sci. Comput. 26, 2005. */
-double pen_dot2(struct pen_vec3 a, struct pen_vec3 b);
+static inline double pen_dot2(struct pen_vec3 a, struct pen_vec3 b)
+{
+    double sum = a.x * b.x, low = fma(a.x, b.x, -sum);
+    const double left[2] = {a.y, a.z}, right[2] = {b.y, b.z};
+    for (int i = 0; i < 2; i++) {
+        double product = left[i] * right[i];
+        double next = sum + product;
+        double part = next - sum;
+        double lost = (sum - (next - part)) + (product - part); /* Knuth's exact sum */
+        low += lost + fma(left[i], right[i], -product);
+        sum = next;
+    }
+    return sum + low;
+}
 
 #endif
