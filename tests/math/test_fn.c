@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "pen/math/fn.h"
+#include "support/random.h"
 #include "support/suite.h"
 
 __extension__ typedef __float128 quad;
@@ -25,27 +26,14 @@ static int N;
 struct worst {
     const char *what;
     double bound, ulp, x, y;
-    uint64_t seed;
+    struct random random;
     long count;
 };
 
-static uint64_t next(uint64_t *state)
-{
-    uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
-    z = (z ^ z >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ z >> 27) * UINT64_C(0x94D049BB133111EB);
-    return z ^ z >> 31;
-}
-
-static double uniform(uint64_t *state, double lo, double hi)
-{
-    return lo + (hi - lo) * ((double)(next(state) >> 11) * 0x1p-53);
-}
-
 /* Log-uniform in size. */
-static double spread(uint64_t *state, double lo, double hi)
+static double spread(struct random *state, double lo, double hi)
 {
-    return exp(uniform(state, log(lo), log(hi)));
+    return exp(random_uniform(state, log(lo), log(hi)));
 }
 
 static double of_bits(uint64_t bits)
@@ -85,16 +73,15 @@ static void note(struct worst *w, double got, quad exact, double x, double y)
 static void report(const struct worst *w)
 {
     printf("%s: worst %.4f ulp of %ld at x=%a y=%a (seed %llu)\n", w->what, w->ulp, w->count, w->x,
-           w->y, (unsigned long long)w->seed);
+           w->y, (unsigned long long)w->random.seed);
     ck_assert_msg(w->ulp <= w->bound, "%s: %.4f ulp at x=%a y=%a", w->what, w->ulp, w->x, w->y);
 }
 
 static struct worst begin(const char *what, double bound, uint64_t seed)
 {
-    const char *given = getenv("PEN_SEED"), *count = getenv("PEN_N");
+    const char *count = getenv("PEN_N");
     N = count ? atoi(count) : 40000;
-    return (struct worst){
-        .what = what, .bound = bound, .seed = given ? strtoull(given, NULL, 0) : seed};
+    return (struct worst){.what = what, .bound = bound, .random = random_begin(seed)};
 }
 
 static void check_exp(struct worst *w, double x)
@@ -105,16 +92,16 @@ static void check_exp(struct worst *w, double x)
 START_TEST(test_fn__exp_is_within_its_bound)
 {
     struct worst w = begin("exp", 0.58, 1), tiny = begin("exp, subnormal results", 0.77, 1);
-    uint64_t s = w.seed;
+    struct random s = w.random;
     for (int i = 0; i < N; i++) {
-        check_exp(&w, uniform(&s, -1, 1));
-        check_exp(&w, uniform(&s, -708, 709.7));
-        check_exp(&tiny, uniform(&s, -746, -708.4));
-        check_exp(&w, uniform(&s, 709.7, 709.8));
-        check_exp(&w, (next(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
+        check_exp(&w, random_uniform(&s, -1, 1));
+        check_exp(&w, random_uniform(&s, -708, 709.7));
+        check_exp(&tiny, random_uniform(&s, -746, -708.4));
+        check_exp(&w, random_uniform(&s, 709.7, 709.8));
+        check_exp(&w, (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
         /* just beside a switch of table entries */
-        check_exp(&w,
-                  ((double)(next(&s) % 4000) - 1999.5) * (M_LN2 / 128) * uniform(&s, 1, 1 + 1e-12));
+        check_exp(&w, ((double)(random_bits(&s) % 4000) - 1999.5) * (M_LN2 / 128) *
+                          random_uniform(&s, 1, 1 + 1e-12));
     }
     report(&w);
     report(&tiny);
@@ -140,15 +127,15 @@ static void check_log(struct worst *w, double x)
 START_TEST(test_fn__log_is_within_its_bound)
 {
     struct worst w = begin("ln", 0.502, 2);
-    uint64_t s = w.seed;
+    struct random s = w.random;
     for (int i = 0; i < N; i++) {
-        check_log(&w, uniform(&s, 0.5, 2));
-        check_log(&w, 1 + (next(&s) & 1 ? 1 : -1) * spread(&s, 1e-16, 0.1));
-        check_log(&w, of_bits(1 + next(&s) % UINT64_C(0x7FEFFFFFFFFFFFFF)));
-        check_log(&w, of_bits(1 + next(&s) % UINT64_C(0x000FFFFFFFFFFFFF))); /* subnormal */
+        check_log(&w, random_uniform(&s, 0.5, 2));
+        check_log(&w, 1 + (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-16, 0.1));
+        check_log(&w, of_bits(1 + random_bits(&s) % UINT64_C(0x7FEFFFFFFFFFFFFF)));
+        check_log(&w, of_bits(1 + random_bits(&s) % UINT64_C(0x000FFFFFFFFFFFFF))); /* subnormal */
         /* just beside a switch of table entries */
-        check_log(
-            &w, of_bits(UINT64_C(0x3fe6900000000000) + (next(&s) % 128 << 45) - 2 + next(&s) % 4));
+        check_log(&w, of_bits(UINT64_C(0x3fe6900000000000) + (random_bits(&s) % 128 << 45) - 2 +
+                              random_bits(&s) % 4));
     }
     report(&w);
 }
@@ -175,21 +162,25 @@ static void check_pow(struct worst w[2], double x, double y)
 START_TEST(test_fn__pow_is_within_its_bound)
 {
     struct worst w[2] = {begin("pow", 0.58, 3), begin("pow, subnormal results", 0.77, 3)};
-    uint64_t s = w[0].seed;
+    struct random s = w[0].random;
     for (int i = 0; i < N; i++) {
-        double x = uniform(&s, 0, 1), near = 1 + (next(&s) & 1 ? 1 : -1) * spread(&s, 1e-16, 1e-3);
-        check_pow(w, x, (double)(next(&s) % 1001)); /* highlights */
-        check_pow(w, x, uniform(&s, 0, 10));
+        double x = random_uniform(&s, 0, 1),
+               near = 1 + (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-16, 1e-3);
+        check_pow(w, x, (double)(random_bits(&s) % 1001)); /* highlights */
+        check_pow(w, x, random_uniform(&s, 0, 10));
         check_pow(w, x, 1 / 2.4);
         check_pow(w, near, spread(&s, 1, 1e6));
-        check_pow(w, near, uniform(&s, 0, 1) * 745 / fabs(log(near))); /* beyond 1e6 */
-        check_pow(w, of_bits(1 + next(&s) % UINT64_C(0x7FEFFFFFFFFFFFFF)), uniform(&s, 0, 1));
+        check_pow(w, near, random_uniform(&s, 0, 1) * 745 / fabs(log(near))); /* beyond 1e6 */
+        check_pow(w, of_bits(1 + random_bits(&s) % UINT64_C(0x7FEFFFFFFFFFFFFF)),
+                  random_uniform(&s, 0, 1));
         x = spread(&s, 1e-300, 1 - 1e-9);
-        check_pow(w, x, uniform(&s, 600, 708.3) / -log(x)); /* to the brink of the subnormal */
-        check_pow(w, x, uniform(&s, 708.4, 746) / -log(x));
+        check_pow(w, x,
+                  random_uniform(&s, 600, 708.3) / -log(x)); /* to the brink of the subnormal */
+        check_pow(w, x, random_uniform(&s, 708.4, 746) / -log(x));
         x = spread(&s, 1 + 1e-9, 1e300);
-        check_pow(w, x, uniform(&s, 709.7, 709.8) / log(x)); /* to the brink of overflow */
-        check_pow(w, of_bits(1 + next(&s) % UINT64_C(0x000FFFFFFFFFFFFF)), uniform(&s, 0, 1));
+        check_pow(w, x, random_uniform(&s, 709.7, 709.8) / log(x)); /* to the brink of overflow */
+        check_pow(w, of_bits(1 + random_bits(&s) % UINT64_C(0x000FFFFFFFFFFFFF)),
+                  random_uniform(&s, 0, 1));
     }
     report(&w[0]);
     report(&w[1]);
@@ -223,14 +214,14 @@ static void check_sincos(struct worst *w, double x)
 START_TEST(test_fn__sincos_is_within_its_bound)
 {
     struct worst w = begin("sincos", 0.83, 4);
-    uint64_t s = w.seed;
+    struct random s = w.random;
     for (int i = 0; i < N; i++) {
-        check_sincos(&w, uniform(&s, -4, 4));
-        check_sincos(&w, uniform(&s, -0x1p20, 0x1p20));
-        check_sincos(&w, (next(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
+        check_sincos(&w, random_uniform(&s, -4, 4));
+        check_sincos(&w, random_uniform(&s, -0x1p20, 0x1p20));
+        check_sincos(&w, (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
         /* the doubles next to a multiple of pi/4, where one of them vanishes or they are equal */
-        double close = (double)(next(&s) % (1 << 20)) * M_PI_4;
-        check_sincos(&w, nextafter(close, next(&s) & 1 ? INFINITY : -INFINITY));
+        double close = (double)(random_bits(&s) % (1 << 20)) * M_PI_4;
+        check_sincos(&w, nextafter(close, random_bits(&s) & 1 ? INFINITY : -INFINITY));
         check_sincos(&w, close);
     }
     report(&w);
@@ -252,14 +243,14 @@ static void check_sincos_deg(struct worst *w, double x)
 START_TEST(test_fn__sincos_deg_is_within_its_bound)
 {
     struct worst w = begin("sincos_deg", 0.83, 5);
-    uint64_t s = w.seed;
+    struct random s = w.random;
     for (int i = 0; i < N; i++) {
-        check_sincos_deg(&w, uniform(&s, -360, 360));
-        check_sincos_deg(&w, uniform(&s, -0x1p20, 0x1p20));
-        check_sincos_deg(&w, (next(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
-        double close = (double)(next(&s) % 20000) * 45;
-        check_sincos_deg(&w, nextafter(close, next(&s) & 1 ? INFINITY : -INFINITY));
-        check_sincos_deg(&w, (double)(next(&s) % 1000000) * 0.5);
+        check_sincos_deg(&w, random_uniform(&s, -360, 360));
+        check_sincos_deg(&w, random_uniform(&s, -0x1p20, 0x1p20));
+        check_sincos_deg(&w, (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
+        double close = (double)(random_bits(&s) % 20000) * 45;
+        check_sincos_deg(&w, nextafter(close, random_bits(&s) & 1 ? INFINITY : -INFINITY));
+        check_sincos_deg(&w, (double)(random_bits(&s) % 1000000) * 0.5);
     }
     report(&w);
 }
@@ -297,10 +288,11 @@ END_TEST
 /* The same bits whatever the compiler and its options: a sum over many results. */
 START_TEST(test_fn__bits_are_the_same_everywhere)
 {
-    uint64_t hash = 0, s = 6;
+    uint64_t hash = 0;
+    struct random s = {6, 6};
     for (int i = 0; i < 40000; i++) {
-        double value[7], x = uniform(&s, 0, 1);
-        double y = uniform(&s, 0, 1) * (double)(1 << next(&s) % 20);
+        double value[7], x = random_uniform(&s, 0, 1);
+        double y = random_uniform(&s, 0, 1) * (double)(1 << random_bits(&s) % 20);
         value[0] = pen_exp((x - 0.5) * 1400);
         value[1] = pen_ln(x * y);
         value[2] = pen_pow(x, y);
