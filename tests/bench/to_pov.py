@@ -98,7 +98,7 @@ class Transform:
 
 
 def vec(v):
-    return "<%s>" % ", ".join("%.12g" % c for c in v)
+    return "<%s>" % ", ".join("%.17g" % c for c in v)
 
 
 def normal_map(transform, n):
@@ -152,7 +152,7 @@ def quadric_tube(origin, axis, radius):
     o = sub(origin, mul(a, dot(origin, a)))
     square = tuple(1.0 - c * c for c in a)
     mixed = (-2.0 * a[0] * a[1], -2.0 * a[0] * a[2], -2.0 * a[1] * a[2])
-    return "quadric { %s, %s, %s, %.12g " % (vec(square), vec(mixed), vec(mul(o, -2.0)),
+    return "quadric { %s, %s, %s, %.17g " % (vec(square), vec(mixed), vec(mul(o, -2.0)),
                                             dot(o, o) - radius * radius)
 
 
@@ -160,10 +160,10 @@ def body(o, t):
     """One primitive without its closing brace."""
     kind = o["type"]
     if kind == "sphere":
-        return "sphere { %s, %.12g " % (vec(t.point(o["center"])), o["radius"] * t.size())
+        return "sphere { %s, %.17g " % (vec(t.point(o["center"])), o["radius"] * t.size())
     if kind == "plane":
         n = unit(normal_map(t, o["normal"]))
-        return "plane { %s, %.12g " % (vec(n), dot(n, t.point(o["point"])))
+        return "plane { %s, %.17g " % (vec(n), dot(n, t.point(o["point"])))
     if kind == "triangle":
         return "triangle { %s " % ", ".join(vec(t.point(v)) for v in o["vertices"])
     if kind == "polygon":
@@ -174,7 +174,7 @@ def body(o, t):
     if kind == "cylinder":
         top = add(o["base"], mul(unit(o["axis"]), o["height"]))
         opened = "" if o.get("caps", True) else "open "
-        return "cylinder { %s, %s, %.12g %s" % (vec(t.point(o["base"])), vec(t.point(top)),
+        return "cylinder { %s, %s, %.17g %s" % (vec(t.point(o["base"])), vec(t.point(top)),
                                                 o["radius"] * t.size(), opened)
     raise SystemExit("to_pov.py: no translation for object type '%s'" % kind)
 
