@@ -98,22 +98,22 @@ struct pen_transform pen_transform_identity(void)
     return (struct pen_transform){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 }
 
-/* Rodrigues' formula as a matrix: cos I + sin [k]x + (1 - cos) k k^T. The axis is divided by its
- * length, not multiplied with an inverse: a coordinate axis becomes a unit vector exactly, and
- * then all products are with 0 or 1. */
+/* Rodrigues' formula as a matrix: cos I + sin [k]x + (1 - cos) k k^T, with k = a / |a|. The axis
+ * is divided, not multiplied with an inverse: along a coordinate axis k and k k^T are then exact,
+ * and all products are with 0 or 1. */
 static struct pen_transform rotation(struct pen_vec3 axis, double degrees)
 {
-    struct pen_vec3 a = pen_scale(axis, power_of_two(-vector_exponent(axis)));
-    double length = sqrt(pen_dot2(a, a));
-    double k[3] = {a.x / length, a.y / length, a.z / length};
+    struct pen_vec3 scaled = pen_scale(axis, power_of_two(-vector_exponent(axis)));
+    const double a[3] = {scaled.x, scaled.y, scaled.z};
+    double square = pen_dot2(scaled, scaled), length = sqrt(square);
     double sine, cosine;
     pen_sincos_deg(degrees, &sine, &cosine);
     struct pen_transform f = pen_transform_identity();
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, l = (i + 2) % 3;
-        f.m[i][i] = fma((1 - cosine) * k[i], k[i], cosine);
-        f.m[i][j] = pen_dop((1 - cosine) * k[i], k[j], sine, k[l]);
-        f.m[j][i] = pen_sop((1 - cosine) * k[i], k[j], sine, k[l]);
+        f.m[i][i] = fma(1 - cosine, a[i] * a[i] / square, cosine);
+        f.m[i][j] = pen_dop(1 - cosine, a[i] * a[j] / square, sine, a[l] / length);
+        f.m[j][i] = pen_sop(1 - cosine, a[i] * a[j] / square, sine, a[l] / length);
     }
     return f;
 }

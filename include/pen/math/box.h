@@ -25,9 +25,14 @@ static inline struct pen_box pen_box_add_point(struct pen_box b, struct pen_vec3
     return b;
 }
 
+/* The smallest box around both; either may be empty. */
 static inline struct pen_box pen_box_union(struct pen_box a, struct pen_box b)
 {
-    return pen_box_add_point(pen_box_add_point(a, b.lo), b.hi);
+    return (struct pen_box){
+        pen_vec3(a.lo.x < b.lo.x ? a.lo.x : b.lo.x, a.lo.y < b.lo.y ? a.lo.y : b.lo.y,
+                 a.lo.z < b.lo.z ? a.lo.z : b.lo.z),
+        pen_vec3(a.hi.x > b.hi.x ? a.hi.x : b.hi.x, a.hi.y > b.hi.y ? a.hi.y : b.hi.y,
+                 a.hi.z > b.hi.z ? a.hi.z : b.hi.z)};
 }
 
 static inline struct pen_vec3 pen_box_center(struct pen_box b)
