@@ -291,8 +291,8 @@ START_TEST(test_fn__bits_are_the_same_everywhere)
     uint64_t hash = 0;
     struct random s = {6, 6};
     for (int i = 0; i < 40000; i++) {
-        double value[7], x = random_uniform(&s, 0, 1);
-        double y = random_uniform(&s, 0, 1) * (double)(1 << random_bits(&s) % 20);
+        double value[7], x = random_uniform(&s, 0, 1), y = random_uniform(&s, 0, 1);
+        y *= (double)(1 << random_bits(&s) % 20);
         value[0] = pen_exp((x - 0.5) * 1400);
         value[1] = pen_ln(x * y);
         value[2] = pen_pow(x, y);

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "pen/base/log.h"
+#include "support/suite.h"
+
+static int saved, reading;
+
+/* Standard error goes to a file from here to the matching log_end. */
+static void log_begin(void)
+{
+    char name[] = "/tmp/pen_test_log_XXXXXX";
+    reading = mkstemp(name);
+    ck_assert_int_ge(reading, 0);
+    unlink(name);
+    fflush(stderr);
+    saved = dup(STDERR_FILENO);
+    dup2(reading, STDERR_FILENO);
+}
+
+static const char *log_end(void)
+{
+    static char text[1 << 20];
+    dup2(saved, STDERR_FILENO);
+    close(saved);
+    ssize_t bytes = pread(reading, text, sizeof text - 1, 0);
+    close(reading);
+    text[bytes > 0 ? bytes : 0] = '\0';
+    return text;
+}
+
+START_TEST(test_log__text_lines)
+{
+    log_begin();
+    pen_log(PEN_LOG_INFO, "plain %d", 1);
+    pen_log_set_name("worker");
+    pen_log(PEN_LOG_ERROR, "two\nlines \x1b[31m \"quoted\" \xFF");
+    pen_log(PEN_LOG_DEBUG, "not shown");
+    const char *text = log_end();
+    int year, length = 0;
+    char level[8];
+    ck_assert_int_eq(sscanf(text, "%d-%*d-%*dT%*d:%*d:%*d.%*dZ %7s%n", &year, level, &length), 2);
+    ck_assert(year >= 2024 && year < 3000);
+    ck_assert_str_eq(level, "info");
+    ck_assert_ptr_nonnull(strstr(text, "] plain 1\n"));
+    ck_assert_ptr_nonnull(strstr(text, " error worker["));
+    ck_assert_ptr_nonnull(strstr(text, "] two\\nlines \\u001b[31m \"quoted\" ?\n"));
+    ck_assert_ptr_null(strstr(text, "not shown"));
+}
+END_TEST
+
+START_TEST(test_log__json_lines)
+{
+    pen_log_set_json(true);
+    pen_log_set_level(PEN_LOG_WARN);
+    pen_log_set_name("a \"name\" that is too long");
+    log_begin();
+    pen_log(PEN_LOG_INFO, "not shown");
+    pen_log(PEN_LOG_WARN, "say \"%s\" \\ \t \xC3\xA9", "x");
+    const char *text = log_end();
+    ck_assert_int_eq(strncmp(text, "{\"time\":\"20", 11), 0);
+    ck_assert_ptr_nonnull(
+        strstr(text, "\"level\":\"warn\",\"process\":\"a \\\"name\\\" that i\","));
+    ck_assert_ptr_nonnull(strstr(text, ",\"message\":\"say \\\"x\\\" \\\\ \\u0009 \xC3\xA9\"}\n"));
+    ck_assert_ptr_eq(strchr(text, '\n'), strrchr(text, '\n'));
+}
+END_TEST
+
+START_TEST(test_log__long_messages_are_cut_not_split)
+{
+    static char longer[20000];
+    memset(longer, '\x01', sizeof longer - 1); /* six bytes each when escaped */
+    for (int json = 0; json < 2; json++) {
+        pen_log_set_json(json);
+        log_begin();
+        pen_log(PEN_LOG_INFO, "%s", longer);
+        const char *text = log_end();
+        ck_assert_uint_le(strlen(text), 4096);
+        ck_assert_uint_ge(strlen(text), 3000);
+        ck_assert_ptr_eq(strchr(text, '\n'), text + strlen(text) - 1);
+        ck_assert(!json || strcmp(text + strlen(text) - 3, "\"}\n") == 0);
+    }
+}
+END_TEST
+
+START_TEST(test_log__keeps_errno)
+{
+    log_begin();
+    errno = ENOSPC;
+    pen_log(PEN_LOG_INFO, "x");
+    int kept = errno;
+    log_end();
+    ck_assert_int_eq(kept, ENOSPC);
+}
+END_TEST
+
+static void *chatter(void *letter)
+{
+    char word[201];
+    memset(word, *(const char *)letter, sizeof word - 1);
+    word[sizeof word - 1] = '\0';
+    for (int i = 0; i < 300; i++)
+        pen_log(PEN_LOG_INFO, "%s", word);
+    return NULL;
+}
+
+START_TEST(test_log__lines_of_threads_do_not_mix)
+{
+    pthread_t thread[4];
+    char letters[] = "abcd";
+    log_begin();
+    fcntl(STDERR_FILENO, F_SETFL, O_APPEND);
+    for (int i = 0; i < 4; i++)
+        ck_assert_int_eq(pthread_create(&thread[i], NULL, chatter, &letters[i]), 0);
+    for (int i = 0; i < 4; i++)
+        pthread_join(thread[i], NULL);
+    const char *text = log_end();
+    int lines = 0;
+    for (const char *at = text; *at; lines++) {
+        const char *end = strchr(at, '\n'), *word = strstr(at, "] ");
+        ck_assert(end && word && end - word == 202);
+        ck_assert_uint_eq(strspn(word + 2, (char[]){word[2], '\0'}), 200);
+        at = end + 1;
+    }
+    ck_assert_int_eq(lines, 4 * 300);
+}
+END_TEST
+
+PEN_SUITE("log", test_log__text_lines, test_log__json_lines,
+          test_log__long_messages_are_cut_not_split, test_log__keeps_errno,
+          test_log__lines_of_threads_do_not_mix)

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/* Allocations that fail on request. Included by one file of a test program, this defines the
+ * program's malloc, calloc, realloc and aligned_alloc, which pass on to the system's. A test lets
+ * the n-th allocation fail for every n until its work succeeds:
+ *
+ *     for (long n = 0; ; n++) {
+ *         alloc_fail_after(n);
+ *         bool ok = work();
+ *         if (!alloc_succeed()) break;      // nothing was refused: ok must be true
+ *         // ok must be false, and nothing leaked
+ *     }
+ */
+#ifndef TESTS_SUPPORT_ALLOC_H
+#define TESTS_SUPPORT_ALLOC_H
+
+#include <dlfcn.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct {
+    bool armed, refused;
+    long left;
+} alloc_state;
+
+/* Lets n allocations succeed, then all fail until alloc_succeed. */
+static inline void alloc_fail_after(long n)
+{
+    alloc_state.left = n;
+    alloc_state.refused = false;
+    alloc_state.armed = true;
+}
+
+/* Allocations succeed again. Returns whether one was refused since alloc_fail_after. */
+static inline bool alloc_succeed(void)
+{
+    alloc_state.armed = false;
+    return alloc_state.refused;
+}
+
+static bool alloc_refuse(void)
+{
+    if (!alloc_state.armed || alloc_state.left-- > 0)
+        return false;
+    return alloc_state.refused = true;
+}
+
+/* The system's function of that name; ISO C has no cast from dlsym's object pointer. */
+#define ALLOC_SYSTEM(type, name)                                                                   \
+    static type system_##name;                                                                     \
+    if (!system_##name) {                                                                          \
+        void *found = dlsym(RTLD_NEXT, #name);                                                     \
+        memcpy(&system_##name, &found, sizeof found);                                              \
+    }
+
+typedef void *(*alloc_one)(size_t);
+typedef void *(*alloc_two)(size_t, size_t);
+typedef void *(*alloc_again)(void *, size_t);
+
+void *malloc(size_t bytes)
+{
+    ALLOC_SYSTEM(alloc_one, malloc)
+    return alloc_refuse() ? NULL : system_malloc(bytes);
+}
+
+void *calloc(size_t count, size_t size)
+{
+    ALLOC_SYSTEM(alloc_two, calloc)
+    return alloc_refuse() ? NULL : system_calloc(count, size);
+}
+
+void *realloc(void *old, size_t bytes)
+{
+    ALLOC_SYSTEM(alloc_again, realloc)
+    return alloc_refuse() ? NULL : system_realloc(old, bytes);
+}
+
+void *aligned_alloc(size_t alignment, size_t bytes)
+{
+    ALLOC_SYSTEM(alloc_two, aligned_alloc)
+    return alloc_refuse() ? NULL : system_aligned_alloc(alignment, bytes);
+}
+
+#endif
