@@ -2,9 +2,24 @@
 /* The primitives of a frozen scene: one typed array per kind, in the local frame (coordinates
  * about 1). A primitive's number is its place in the document, depth first, and decides ties.
  *
- * One header per kind holds its struct and its functions, static inline because they are the
- * hot path: pen_<kind>_cross (all crossings), _normal (unit, outward), _project (the point of the
- * surface nearest a computed hit), _bounds (finite kinds). Outward is as scene-format.md says. */
+ * One header per kind holds its struct, how it is made, and its hot functions, static inline:
+ * where a ray's line crosses it, projection of a computed hit on the surface, bounds. Outward is
+ * as scene-format.md says.
+ *
+ * Leaving (pen_leave). Let a ray start at p on primitive P, arrived from the direction w
+ * (`toward`), and let Q be another primitive whose crossing with the ray's line is p itself
+ * within rounding: p misses Q's surface by no more than the bounds of p and of Q's own test.
+ * Whether that crossing counts can not be seen in its t, whose sign is an accident. It counts, at
+ * the smallest positive t, if the ray goes over to the side of Q that it did not come from (for
+ * a ray that goes `through` P: if it comes back to the side it came from, since all surfaces at p
+ * were passed in one event), and if Q extends beyond P's tangent plane on the side where the ray
+ * goes. Else it does not count, whatever the sign. So
+ *  - in a wedge or a corner of walls, a ray into the other wall is stopped by it;
+ *  - over a convex edge, or a seam between two boxes, no neighbour shades its neighbour;
+ *  - coplanar and coincident surfaces neither shade each other nor are entered twice;
+ *  - things resting on each other shade each other at the contact.
+ * A quadric that p touches has its other root at -2 b / a, as if it were left itself, so that
+ * coincident quadrics agree bit for bit. Nothing else is dropped, however near it is. */
 #ifndef PEN_GEOM_PRIMS_H
 #define PEN_GEOM_PRIMS_H
 
@@ -67,11 +82,16 @@ struct pen_vec3 pen_prim_normal(const struct pen_prims *prims, struct pen_hit hi
 struct pen_vec3 pen_prim_point(const struct pen_prims *prims, struct pen_hit hit,
                                const struct pen_ray *ray);
 
-/* Bounds in double precision, rounded outward so that every computed hit point lies inside.
- * Only for finite kinds. */
+/* Bounds in double precision, such that for every ray that has a crossing at t, o + t d lies
+ * inside to within a relative error of 2^-24 of t. Only for finite kinds. */
 struct pen_box pen_prim_bounds(const struct pen_prims *prims, uint32_t prim);
 
 /* The rounding bound for rays that start at p: 16u (|p|_1 + the primitive's own scale). */
 double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
+
+/* Whether a crossing is the ray's point at t_end, up to `bound` and the rounding of the crossing
+ * itself: for rays that end in a light, where the light's own surface is not crossed. */
+bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
+                       double t_end, double bound);
 
 #endif

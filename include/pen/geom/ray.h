@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays, hits, and the rule for leaving a surface. The words of every primitive file.
+/* Rays, crossings, and what a ray starts on. The words of every primitive file.
  *
  * A crossing is a point where a ray passes through a surface. Crossings of one ray are ordered by
  * (t, primitive number, part); at equal t the primitive that comes first in the document comes
@@ -9,10 +9,9 @@
  * Leaving a surface is decided by identity, never by an epsilon in scene units:
  *  - a flat primitive is not crossed again by a ray that starts on it;
  *  - a quadric that the ray starts on has one root that is 0 exactly; it is dropped by identity,
- *    and the other root is kept if it is positive;
+ *    and the other root, -2 b / a, is kept if it is positive;
  *  - another primitive that contains the origin within the rounding bound of the origin's own
- *    computation is treated the same way at that point, when the ray leaves it on the side that
- *    the leave states (see pen_leave_ignores). */
+ *    computation touches it: pen/geom/prims.h states when that counts as a crossing. */
 #ifndef PEN_GEOM_RAY_H
 #define PEN_GEOM_RAY_H
 
@@ -33,16 +32,41 @@ enum pen_part {
     PEN_PART_TOP = 2   /* the other cap */
 };
 
-/* A ray, with what the watertight polygon test needs once per ray (Woop, Benthin, Wald, JCGT
- * 2(1), 2013, section 3.2). d has any length but zero; t is in units of d. */
+/* A ray, with what primitives need once per ray: the shear that turns it into the z axis (Woop,
+ * Benthin, Wald, JCGT 2(1), 2013, section 3.2) and 1/d.d. d has any length; t is in units of d. */
 struct pen_ray {
     struct pen_vec3 o, d;
-    int kx, ky, kz;    /* axes permuted so that kz is d's largest component */
+    double inv_dd;     /* 1 / d.d */
     double sx, sy, sz; /* shear: d[kx]/d[kz], d[ky]/d[kz], 1/d[kz] */
+    double ox, oy, oz; /* o[kx], o[ky], o[kz] */
+    int kx, ky, kz;    /* axes permuted so that kz is d's largest component */
 };
 
-/* Makes a ray. Fails (returns false) if o or d is not finite or d is zero. */
-bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d);
+/* Makes a ray. Fails (returns false, *ray undefined) if o or d is not finite, or if the largest
+ * component of d lies outside 2^-400 ... 2^400 (zero is): squares must stay in range. */
+static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d)
+{
+    double ax = fabs(d.x), ay = fabs(d.y), az = fabs(d.z);
+    int kz = ax >= ay ? (ax >= az ? 0 : 2) : (ay >= az ? 1 : 2);
+    double largest = kz == 0 ? ax : kz == 1 ? ay : az;
+    double poison = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (ax - ax) + (ay - ay) + (az - az);
+    if (!(poison == 0 && largest >= 0x1p-400 && largest <= 0x1p400))
+        return false;
+    ray->o = o;
+    ray->d = d;
+    ray->inv_dd = 1.0 / pen_dot(d, d);
+    ray->kz = kz;
+    ray->kx = kz == 2 ? 0 : kz + 1;
+    ray->ky = 3 - kz - ray->kx;
+    double dz = pen_component(d, kz);
+    ray->sx = pen_component(d, ray->kx) / dz;
+    ray->sy = pen_component(d, ray->ky) / dz;
+    ray->sz = 1.0 / dz;
+    ray->ox = pen_component(o, ray->kx);
+    ray->oy = pen_component(o, ray->ky);
+    ray->oz = pen_component(o, kz);
+    return true;
+}
 
 /* What a ray starts on. prim is PEN_NO_PRIM for rays that start in free space. */
 struct pen_leave {
@@ -50,7 +74,7 @@ struct pen_leave {
     uint8_t part;
     bool through;           /* it goes on at the other side of the surface than it arrived from */
     struct pen_vec3 toward; /* from the origin back to where the arriving ray came from */
-    double bound;           /* distance by which the origin may miss its surface by rounding */
+    double bound; /* distance by which the origin may miss its surface: pen_prim_rounding */
 };
 
 extern const struct pen_leave pen_leave_nothing;
@@ -77,18 +101,5 @@ struct pen_crossings {
     double t[2];
     uint8_t part[2];
 };
-
-/* Whether a crossing at t of another primitive with unit normal n (either sign) is the origin
- * itself: within the bound of the primitive, and left on the side that the leave states.
- * Call only for prim != leave->prim and leave->prim != PEN_NO_PRIM. */
-static inline bool pen_leave_ignores(const struct pen_leave *leave, const struct pen_ray *ray,
-                                     double t, struct pen_vec3 n)
-{
-    double dn = pen_dot(ray->d, n);
-    if (!(t * fabs(dn) <= leave->bound))
-        return false;
-    double wn = pen_dot(leave->toward, n);
-    return leave->through ? dn * wn <= 0 : dn * wn >= 0;
-}
 
 #endif

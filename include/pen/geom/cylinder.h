@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/* Cylinders with two ends, capped or open. A capped one is convex: the part of the ray inside is
+ * the overlap of two intervals, one of the endless side and one of the slab between the caps, so
+ * entry and exit always pair up. Outward is away from the axis on the side and along the axis on
+ * the caps. */
+#ifndef PEN_GEOM_CYLINDER_H
+#define PEN_GEOM_CYLINDER_H
+
+#include "pen/geom/plane.h"
+#include "pen/geom/tube.h"
+
+struct pen_cylinder {
+    struct pen_round round; /* q is the middle of the base */
+    double top;             /* height times |a|: the caps are at (p - q).a = 0 and = top */
+    double h;               /* height */
+    bool caps;
+};
+
+/* Fails: returns false if an argument is not finite, the axis is zero, or r or h is not in
+ * 2^-400 ... 2^400. */
+bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
+                       double h, bool caps);
+
+/* Which parts the ray's origin lies on; what bounds the ray there does so at t = 0 exactly. */
+enum {
+    PEN_ON_SIDE = 1 << PEN_PART_SIDE,
+    PEN_ON_BASE = 1 << PEN_PART_BASE,
+    PEN_ON_TOP = 1 << PEN_PART_TOP
+};
+
+/* A part of the ray's line inside a body, and the part of the surface at each end. */
+struct pen_inside {
+    double lo, hi;
+    uint8_t lo_part, hi_part;
+};
+
+/* The slab between the caps; false if the ray runs beside or along it. */
+static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct pen_ray *ray,
+                                     struct pen_inside *in)
+{
+    double da = pen_dot_guarded(ray->d, c->round.a);
+    double fa = pen_dot(pen_sub(ray->o, c->round.q), c->round.a);
+    if (da == 0) {
+        *in = (struct pen_inside){-INFINITY, INFINITY, PEN_PART_BASE, PEN_PART_TOP};
+        return fa > 0 && fa < c->top;
+    }
+    double inv = 1.0 / da, base = -fa * inv, top = (c->top - fa) * inv;
+    if (da > 0)
+        *in = (struct pen_inside){base, top, PEN_PART_BASE, PEN_PART_TOP};
+    else
+        *in = (struct pen_inside){top, base, PEN_PART_TOP, PEN_PART_BASE};
+    return true;
+}
+
+/* Cuts the slab's interval down to the side's: the later entry and the earlier exit, the cap
+ * where they are equal. False if nothing is left. */
+static inline bool pen_inside_cut(struct pen_inside *in, const double side[2])
+{
+    if (side[0] > in->lo) {
+        in->lo = side[0];
+        in->lo_part = PEN_PART_SIDE;
+    }
+    if (side[1] < in->hi) {
+        in->hi = side[1];
+        in->hi_part = PEN_PART_SIDE;
+    }
+    return in->lo < in->hi;
+}
+
+/* The part of the ray's line inside; false if there is none. Ends at caps of an open cylinder are
+ * no crossings: the caller drops them. */
+static inline bool pen_cylinder_inside(const struct pen_cylinder *c, const struct pen_ray *ray,
+                                       struct pen_inside *in)
+{
+    double side[2];
+    if (!pen_cylinder_slab(c, ray, in))
+        return false;
+    if (!pen_round_roots(&c->round, ray, side))
+        return pen_round_along(&c->round, ray);
+    return pen_inside_cut(in, side);
+}
+
+/* The parts that p lies on, each taken as endless, up to `bound` and the body's own rounding. */
+static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct pen_vec3 p,
+                                            double bound)
+{
+    double b = bound + 8 * PEN_U * (c->round.r + c->h);
+    double fa = pen_dot(pen_sub(p, c->round.q), c->round.a);
+    unsigned on = pen_round_touches(&c->round, p, b) ? PEN_ON_SIDE : 0;
+    if (fabs(fa) <= b * c->round.length)
+        on |= PEN_ON_BASE;
+    if (fabs(c->top - fa) <= b * c->round.length)
+        on |= PEN_ON_TOP;
+    return on;
+}
+
+/* As pen_cylinder_inside for a ray whose origin lies on the parts `on`. */
+bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
+                              struct pen_inside *in);
+
+/* Whether a ray that leaves the cylinder at `part` goes inward; then in->hi, in->hi_part say where
+ * it comes out again (hi <= 0: at once). */
+bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
+                         struct pen_inside *in);
+
+struct pen_vec3 pen_cylinder_normal(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
+
+/* The point of the part's surface, endless, nearest p. */
+struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
+
+struct pen_box pen_cylinder_bounds(const struct pen_cylinder *c);
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/* Flat polygons of any outline, convex or not. Inside is decided by the half-open winding of
+ * pen/geom/triangle.h; the depth is interpolated on the line y = 0 of ray space between the two
+ * crossed edges nearest the ray, so it is a mean of the vertices' depths with weights in [0, 1],
+ * at any angle, and neighbours that share an edge agree on it. Outward is the side from which the
+ * vertices run counter-clockwise. */
+#ifndef PEN_GEOM_POLYGON_H
+#define PEN_GEOM_POLYGON_H
+
+#include "pen/geom/triangle.h"
+
+struct pen_polygon {
+    const struct pen_vec3 *v; /* borrowed */
+    uint32_t count;
+    struct pen_vec3 n; /* unit */
+    double extent;     /* no vertex is farther than this from another, in any axis */
+};
+
+/* Fails: returns false if a vertex is not finite, there are fewer than three, or the sum of signed
+ * areas is zero. Simplicity and flatness are the reader's business. Owns: borrows v. */
+bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count);
+
+/* One end of the segment of y = 0 that contains the ray: x = s / h, depth z = w / h. */
+struct pen_scan_end {
+    double s, w, h;
+};
+
+/* Where the ray's line crosses the polygon; false if it does not. */
+static inline bool pen_polygon_root(const struct pen_polygon *p, const struct pen_ray *ray,
+                                    double *t)
+{
+    struct pen_scan_end left = {0, 0, 0}, right = {0, 0, 0};
+    int winding = 0;
+    struct pen_sheared a = pen_shear(ray, &p->v[p->count - 1]);
+    for (uint32_t i = 0; i < p->count; i++) {
+        struct pen_sheared b = pen_shear(ray, &p->v[i]);
+        if ((a.y <= 0) != (b.y <= 0)) {
+            bool up = a.y <= 0;
+            struct pen_sheared lo = up ? a : b, hi = up ? b : a;
+            struct pen_scan_end e = {pen_edge(lo, hi), lo.z * hi.y - lo.y * hi.z, hi.y - lo.y};
+            if (e.s > 0) {
+                winding += up ? 1 : -1;
+                if (right.h == 0 || e.s * right.h < right.s * e.h)
+                    right = e;
+            } else if (left.h == 0 || e.s * left.h > left.s * e.h) {
+                left = e;
+            }
+        }
+        a = b;
+    }
+    if (winding == 0)
+        return false;
+    *t = (left.w * right.s - right.w * left.s) * ray->sz / (right.s * left.h - left.s * right.h);
+    return true;
+}
+
+static inline struct pen_vec3 pen_polygon_project(const struct pen_polygon *pg, struct pen_vec3 p)
+{
+    return pen_along(p, pg->n, pen_dot(pg->n, pen_sub(pg->v[0], p)));
+}
+
+struct pen_box pen_polygon_bounds(const struct pen_polygon *p);
+
+#endif

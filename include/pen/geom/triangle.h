@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/* Triangles, and the rule by which every flat body owns its border: half-open winding in sheared
+ * ray space. Seen along the ray, an edge counts if it passes from y <= 0 to y > 0 (or back) on
+ * the right of the ray; an edge shared by two bodies takes the same decision in both, because the
+ * difference of products has an exact sign, so a ray through an edge or a vertex of a closed
+ * surface crosses exactly one of the faces that meet there. Outward is the side from which the
+ * vertices run counter-clockwise.
+ * Source: Woop, Benthin, Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013, with the
+ * differences of products of pen/math/exact.h in place of its fallback. */
+#ifndef PEN_GEOM_TRIANGLE_H
+#define PEN_GEOM_TRIANGLE_H
+
+#include "pen/geom/ray.h"
+#include "pen/math/box.h"
+
+struct pen_triangle {
+    struct pen_vec3 v[3];
+    struct pen_vec3 n; /* unit */
+};
+
+/* Fails: returns false if a vertex is not finite or the area is zero, decided exactly. */
+bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
+                       struct pen_vec3 c);
+
+/* A point in ray space: the ray is the z axis, its origin is 0; z is not yet divided by d[kz]. */
+struct pen_sheared {
+    double x, y, z;
+};
+
+static inline struct pen_sheared pen_shear(const struct pen_ray *ray, const struct pen_vec3 *v)
+{
+    const double *c = (const double *)v;
+    double z = c[ray->kz] - ray->oz;
+    return (struct pen_sheared){(c[ray->kx] - ray->ox) - ray->sx * z,
+                                (c[ray->ky] - ray->oy) - ray->sy * z, z};
+}
+
+/* Twice the area of (ray, P, Q) seen along the ray; its sign is exact. */
+static inline double pen_edge(struct pen_sheared p, struct pen_sheared q)
+{
+    return pen_dop(p.x, q.y, p.y, q.x);
+}
+
+/* Whether edge PQ, with s = pen_edge(p, q), counts to the winding: +1, -1 or 0. */
+static inline int pen_edge_counts(struct pen_sheared p, struct pen_sheared q, double s)
+{
+    return (p.y <= 0 && q.y > 0 && s > 0) - (p.y > 0 && q.y <= 0 && s < 0);
+}
+
+/* Where the ray's line crosses the triangle; false if it does not. *t lies among the depths of
+ * the vertices. */
+static inline bool pen_triangle_root(const struct pen_triangle *tri, const struct pen_ray *ray,
+                                     double *t)
+{
+    struct pen_sheared a = pen_shear(ray, &tri->v[0]);
+    struct pen_sheared b = pen_shear(ray, &tri->v[1]);
+    struct pen_sheared c = pen_shear(ray, &tri->v[2]);
+    double w = pen_edge(a, b), u = pen_edge(b, c), v = pen_edge(c, a);
+    if (pen_edge_counts(a, b, w) + pen_edge_counts(b, c, u) + pen_edge_counts(c, a, v) == 0)
+        return false;
+    *t = (u * a.z + v * b.z + w * c.z) * ray->sz / (u + v + w);
+    return true;
+}
+
+static inline struct pen_vec3 pen_triangle_project(const struct pen_triangle *tri,
+                                                   struct pen_vec3 p)
+{
+    return pen_along(p, tri->n, pen_dot(tri->n, pen_sub(tri->v[0], p)));
+}
+
+/* The largest distance between two vertices along an axis. */
+double pen_triangle_extent(const struct pen_triangle *tri);
+
+struct pen_box pen_triangle_bounds(const struct pen_triangle *tri);
+
+#endif

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/* Infinite tubes: cylinders without ends. Outward is away from the axis. Everything happens in
+ * the plane across the axis, reached by cross products with differences of products, so neither
+ * thin tubes nor rays nearly along the axis lose digits. */
+#ifndef PEN_GEOM_TUBE_H
+#define PEN_GEOM_TUBE_H
+
+#include "pen/geom/ray.h"
+#include "pen/math/box.h"
+
+/* The round side that tubes and capped cylinders share. */
+struct pen_round {
+    struct pen_vec3 q; /* a point of the axis */
+    struct pen_vec3
+        a; /* along the axis: as given, times a power of two, largest part in [1/2, 1) */
+    double r;
+    double rr, rr_low; /* (r |a|)^2, to twice the precision */
+    double length;     /* |a| */
+};
+
+struct pen_tube {
+    struct pen_round round; /* q is near the origin */
+};
+
+/* Fails: returns false if an argument is not finite, the axis is zero, or r is not in
+ * 2^-400 ... 2^400. */
+bool pen_tube_make(struct pen_tube *tube, struct pen_vec3 origin, struct pen_vec3 axis, double r);
+
+/* The two crossings of the ray's line with the endless side, t[0] < t[1]; false if there are
+ * none. Tangents and parallels are misses. */
+static inline bool pen_round_roots(const struct pen_round *s, const struct pen_ray *ray,
+                                   double t[2])
+{
+    struct pen_vec3 m = pen_cross(ray->d, s->a);
+    struct pen_vec3 n = pen_cross(pen_sub(ray->o, s->q), s->a);
+    double inv = 1.0 / pen_dot(m, m);
+    double tp = -pen_dot(m, n) * inv;
+    struct pen_vec3 l = pen_along(n, m, tp);
+    double disc = (s->rr - pen_dot(l, l)) + s->rr_low;
+    double h = sqrt(disc * inv); /* NaN for a miss */
+    t[0] = tp - h;
+    t[1] = tp + h;
+    return t[0] < t[1];
+}
+
+/* Whether p is on the endless side, up to `bound` (which includes the body's own rounding). */
+static inline bool pen_round_touches(const struct pen_round *s, struct pen_vec3 p, double bound)
+{
+    struct pen_vec3 n = pen_cross(pen_sub(p, s->q), s->a);
+    return fabs(pen_dot(n, n) - s->rr) <= 2 * s->r * bound * (s->length * s->length);
+}
+
+/* The tube's own rounding. */
+static inline double pen_tube_rounding(const struct pen_tube *tube)
+{
+    return 8 * PEN_U * (tube->round.r + pen_norm1(tube->round.q));
+}
+
+/* The other crossing of a ray whose origin is on the side by identity; 0 if parallel. */
+double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray);
+
+/* Whether the ray runs parallel to the axis, inside. */
+bool pen_round_along(const struct pen_round *s, const struct pen_ray *ray);
+
+/* Unit normal of the side at p. On the axis, where there is none, some unit vector across it. */
+struct pen_vec3 pen_round_normal(const struct pen_round *s, struct pen_vec3 p);
+
+/* The point of the side nearest p. */
+struct pen_vec3 pen_round_project(const struct pen_round *s, struct pen_vec3 p);
+
+#endif

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/* Cylinders: what is not hot. */
+#include "pen/geom/cylinder.h"
+
+#include "make.h"
+#include "round.h"
+#include "twofold.h"
+
+bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
+                       double h, bool caps)
+{
+    if (!is_length(h) || !pen_round_make(&c->round, base, axis, r))
+        return false;
+    c->top = h * c->round.length;
+    c->h = h;
+    c->caps = caps;
+    return true;
+}
+
+/* The interval of the endless side with one end at the origin. */
+static bool side_from(const struct pen_round *s, const struct pen_ray *ray, double side[2])
+{
+    double chord = pen_round_chord(s, ray);
+    side[0] = chord < 0 ? chord : 0;
+    side[1] = chord < 0 ? 0 : chord;
+    return chord != 0;
+}
+
+bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
+                              struct pen_inside *in)
+{
+    double side[2];
+    bool slab = pen_cylinder_slab(c, ray, in);
+    double da = pen_dot_guarded(ray->d, c->round.a);
+    if (on & (da > 0 ? PEN_ON_BASE : PEN_ON_TOP))
+        in->lo = 0;
+    if (on & (da > 0 ? PEN_ON_TOP : PEN_ON_BASE))
+        in->hi = 0;
+    if (!slab || (da == 0 && (on & (PEN_ON_BASE | PEN_ON_TOP))))
+        return false;
+    if (!(on & PEN_ON_SIDE ? side_from(&c->round, ray, side)
+                           : pen_round_roots(&c->round, ray, side)))
+        return !(on & PEN_ON_SIDE) && pen_round_along(&c->round, ray) && in->lo < in->hi;
+    return pen_inside_cut(in, side);
+}
+
+bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
+                         struct pen_inside *in)
+{
+    double side[2] = {0, 0}, da = pen_dot_guarded(ray->d, c->round.a);
+    if (part == PEN_PART_SIDE) {
+        side[1] = pen_round_chord(&c->round, ray);
+        if (!(side[1] > 0))
+            return false;
+        pen_cylinder_slab(c, ray, in);
+    } else {
+        if (part == PEN_PART_BASE ? !(da > 0) : !(da < 0))
+            return false;
+        pen_cylinder_slab(c, ray, in);
+        if (!pen_round_roots(&c->round, ray, side) && pen_round_along(&c->round, ray))
+            side[1] = INFINITY;
+    }
+    pen_inside_cut(in, side);
+    return true;
+}
+
+static struct pen_vec3 axis_unit(const struct pen_cylinder *c)
+{
+    struct pen_vec3 a = c->round.a;
+    double length = c->round.length;
+    return pen_vec3(a.x / length, a.y / length, a.z / length);
+}
+
+struct pen_vec3 pen_cylinder_normal(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p)
+{
+    if (part == PEN_PART_SIDE)
+        return pen_round_normal(&c->round, p);
+    return part == PEN_PART_TOP ? axis_unit(c) : pen_neg(axis_unit(c));
+}
+
+struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p)
+{
+    if (part == PEN_PART_SIDE)
+        return pen_round_project(&c->round, p);
+    struct pen_vec3 n = axis_unit(c);
+    double height = pen_dot2(n, pen_sub(p, c->round.q));
+    return pen_along(p, n, (part == PEN_PART_TOP ? c->h : 0) - height);
+}
+
+struct pen_box pen_cylinder_bounds(const struct pen_cylinder *c)
+{
+    const struct pen_round *s = &c->round;
+    struct pen_vec3 a = s->a;
+    double k = s->r / s->length;
+    struct pen_vec3 reach =
+        pen_vec3(k * sqrt(a.y * a.y + a.z * a.z), k * sqrt(a.z * a.z + a.x * a.x),
+                 k * sqrt(a.x * a.x + a.y * a.y));
+    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h);
+    struct pen_box b = pen_box_empty();
+    b = pen_box_add_point(b, pen_sub(s->q, reach));
+    b = pen_box_add_point(b, pen_add(s->q, reach));
+    b = pen_box_add_point(b, pen_sub(top, reach));
+    b = pen_box_add_point(b, pen_add(top, reach));
+    return pen_box_grow(b, s->r + c->h);
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/* Polygons: how they are made. */
+#include "pen/geom/polygon.h"
+
+#include "make.h"
+#include "twofold.h"
+
+struct pen_box pen_polygon_bounds(const struct pen_polygon *p)
+{
+    struct pen_box b = pen_box_empty();
+    for (uint32_t i = 0; i < p->count; i++)
+        b = pen_box_add_point(b, p->v[i]);
+    return b;
+}
+
+/* Newell's normal, relative to the first vertex. */
+static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
+{
+    struct twofold3 sum = tf_of3(pen_vec3(0, 0, 0));
+    struct twofold3 e = tf_sub3(v[1], v[0]);
+    for (uint32_t i = 2; i < count; i++) {
+        struct twofold3 f = tf_sub3(v[i], v[0]);
+        sum = tf_add3(sum, tf_cross(e, f));
+        e = f;
+    }
+    return tf_round3(sum);
+}
+
+bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count)
+{
+    if (count < 3)
+        return false;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!is_finite3(v[i]))
+            return false;
+    }
+    *p = (struct pen_polygon){.v = v, .count = count};
+    struct pen_box b = pen_polygon_bounds(p);
+    p->extent = pen_largest3(pen_sub(b.hi, b.lo));
+    struct pen_vec3 n = newell(v, count);
+    /* Below this, the sum may be nothing but its own rounding. */
+    double least = 0x1p-90 * count * p->extent * p->extent;
+    if (!is_finite3(n) || !(pen_largest3(n) > least))
+        return false;
+    p->n = pen_unit_of(n);
+    return true;
+}

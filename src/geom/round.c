@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/* The round side of tubes and cylinders: what is not hot. */
+#include "round.h"
+
+#include "make.h"
+#include "twofold.h"
+
+bool pen_round_make(struct pen_round *s, struct pen_vec3 origin, struct pen_vec3 axis, double r)
+{
+    if (!is_finite3(origin) || !is_finite3(axis) || pen_largest3(axis) == 0 || !is_length(r))
+        return false;
+    s->q = origin;
+    s->a = pen_scale_to_one(axis);
+    s->r = r;
+    s->length = pen_length(s->a);
+    struct twofold3 a = tf_of3(s->a);
+    struct twofold rr = tf_mul(two_prod(r, r), tf_dot(a, a));
+    s->rr = rr.hi;
+    s->rr_low = rr.lo;
+    return true;
+}
+
+double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray)
+{
+    struct twofold3 a = tf_of3(s->a);
+    struct twofold3 m = tf_cross(tf_of3(ray->d), a);
+    struct twofold3 n = tf_cross(tf_sub3(ray->o, s->q), a);
+    double mm = tf_dot(m, m).hi;
+    return mm == 0 ? 0 : -2 * tf_dot(m, n).hi / mm;
+}
+
+bool pen_round_along(const struct pen_round *s, const struct pen_ray *ray)
+{
+    struct pen_vec3 m = pen_cross(ray->d, s->a);
+    struct pen_vec3 n = pen_cross(pen_sub(ray->o, s->q), s->a);
+    return pen_dot(m, m) == 0 && pen_dot(n, n) < s->rr;
+}
+
+struct pen_vec3 pen_round_across(const struct pen_round *s, struct pen_vec3 p)
+{
+    struct twofold3 f = tf_sub3(p, s->q);
+    struct pen_vec3 hi = pen_vec3(f.x.hi, f.y.hi, f.z.hi);
+    struct pen_vec3 lo = pen_vec3(f.x.lo, f.y.lo, f.z.lo);
+    return pen_add(pen_cross(hi, s->a), pen_cross(lo, s->a));
+}
+
+struct pen_vec3 pen_round_normal(const struct pen_round *s, struct pen_vec3 p)
+{
+    struct pen_vec3 n = pen_cross(s->a, pen_round_across(s, p));
+    if (pen_largest3(n) == 0) {
+        struct pen_vec3 a = s->a;
+        bool x = fabs(a.x) <= fabs(a.y) && fabs(a.x) <= fabs(a.z);
+        n = pen_cross(a, x                        ? pen_vec3(1, 0, 0)
+                         : fabs(a.y) <= fabs(a.z) ? pen_vec3(0, 1, 0)
+                                                  : pen_vec3(0, 0, 1));
+    }
+    return pen_unit_of(n);
+}
+
+struct pen_vec3 pen_round_project(const struct pen_round *s, struct pen_vec3 p)
+{
+    double distance = pen_length(pen_round_across(s, p)) / s->length;
+    return pen_along(p, pen_round_normal(s, p), s->r - distance);
+}

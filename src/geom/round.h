@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* Making the round side of tubes and cylinders. */
+#ifndef PEN_SRC_GEOM_ROUND_H
+#define PEN_SRC_GEOM_ROUND_H
+
+#include "pen/geom/tube.h"
+
+/* Fails: returns false as pen_tube_make. */
+bool pen_round_make(struct pen_round *s, struct pen_vec3 origin, struct pen_vec3 axis, double r);
+
+/* (p - q) x a: across the axis, turned by a right angle, times |a|. */
+struct pen_vec3 pen_round_across(const struct pen_round *s, struct pen_vec3 p);
+
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/* Spheres: what is not hot. */
+#include "pen/geom/sphere.h"
+
+#include "make.h"
+#include "twofold.h"
+
+bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r)
+{
+    if (!is_finite3(c) || !is_length(r))
+        return false;
+    struct twofold rr = two_prod(r, r);
+    *s = (struct pen_sphere){c, r, rr.hi, rr.lo};
+    return true;
+}
+
+double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray)
+{
+    struct twofold b = tf_dot(tf_sub3(ray->o, s->c), tf_of3(ray->d));
+    return -2 * b.hi / pen_dot(ray->d, ray->d);
+}
+
+struct pen_box pen_sphere_bounds(const struct pen_sphere *s)
+{
+    struct pen_vec3 r = pen_vec3(s->r, s->r, s->r);
+    return pen_box_grow((struct pen_box){pen_sub(s->c, r), pen_add(s->c, r)}, s->r);
+}

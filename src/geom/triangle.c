@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* Triangles: how they are made. */
+#include "pen/geom/triangle.h"
+
+#include "make.h"
+#include "twofold.h"
+
+bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
+                       struct pen_vec3 c)
+{
+    if (!is_finite3(a) || !is_finite3(b) || !is_finite3(c))
+        return false;
+    *tri = (struct pen_triangle){.v = {a, b, c}};
+    struct twofold3 e = tf_sub3(b, a), f = tf_sub3(c, a);
+    struct pen_vec3 n = tf_round3(tf_cross(e, f));
+    /* Below this, the cross product may be nothing but its own rounding. */
+    double least = 0x1p-90 * pen_largest3(tf_round3(e)) * pen_largest3(tf_round3(f));
+    if (!is_finite3(n) || !(pen_largest3(n) > least))
+        return false;
+    tri->n = pen_unit_of(n);
+    return true;
+}
+
+struct pen_box pen_triangle_bounds(const struct pen_triangle *tri)
+{
+    struct pen_box b = pen_box_empty();
+    for (int i = 0; i < 3; i++)
+        b = pen_box_add_point(b, tri->v[i]);
+    return b;
+}
+
+double pen_triangle_extent(const struct pen_triangle *tri)
+{
+    struct pen_box b = pen_triangle_bounds(tri);
+    return pen_largest3(pen_sub(b.hi, b.lo));
+}
