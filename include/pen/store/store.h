@@ -39,7 +39,8 @@ enum pen_batch_state {
     PEN_BATCH_OPEN,   /* may be claimed */
     PEN_BATCH_LEASED, /* a worker holds an attempt */
     PEN_BATCH_DONE,   /* result committed */
-    PEN_BATCH_ENDED   /* its job failed or was cancelled */
+    PEN_BATCH_ENDED,  /* its job failed or was cancelled */
+    PEN_BATCH_STATE_COUNT
 };
 
 enum pen_batch_kind {
@@ -59,9 +60,14 @@ struct pen_store;
 
 /* Opens a store: a file path (SQLite; folders are made) or a postgres:// URL (to come).
  * Creates and migrates it as needed. Fails: PEN_STORAGE (not a Penumbra store, corrupt, newer
- * schema: the message says what to do), PEN_UNSUPPORTED (postgres://). */
+ * schema: the message says what to do, and the file is as it was), PEN_UNSUPPORTED (postgres://),
+ * PEN_STORAGE_FULL, PEN_UNAVAILABLE, PEN_NO_MEMORY. */
 struct pen_store *pen_store_open(const char *url, struct pen_status *st);
 void pen_store_close(struct pen_store *store);
+
+/* Reads the whole store for damage. The daemon does so once at its start.
+ * Fails: PEN_STORAGE with the first damage found. Cost: reads every page. */
+bool pen_store_check(struct pen_store *store, struct pen_status *st);
 
 /* Whether a write gets to disk now; the reason if not. */
 bool pen_store_probe(struct pen_store *store, struct pen_status *st);
@@ -78,7 +84,8 @@ struct pen_batch_new {
 };
 
 struct pen_job_new {
-    const char *id; /* UUIDv7 */
+    const char *id;     /* UUIDv7 */
+    int64_t created_ms; /* wall clock; the time in the id and in the answer */
     const char *kind;
     const char *request; /* the job as accepted, without its scene: JSON */
     const void *scene;   /* the scene document as sent; stored once per content */
@@ -115,9 +122,12 @@ struct pen_job_record {
     int64_t revision; /* grows with every change that a reader can see */
     char *kind, *request;
     char *error; /* JSON of the problem, NULL unless failed */
-    int priority, max_attempts, attempts;
+    int priority, max_attempts;
+    int attempts; /* the attempt it is on: 0 before the first claim, 1 from then on, and one more
+                     for every death of a worker charged to it since its last commit */
     int64_t timeout_ms;
     int64_t created_ms, started_ms, finished_ms; /* wall clock; 0: not yet */
+    int64_t updated_ms;                          /* when the revision began */
     int64_t done_pixels, total_pixels;
 };
 
@@ -156,9 +166,13 @@ struct pen_claim {
     enum pen_batch_kind kind;
     char job_id[PEN_ID_BYTES];
     int view, first_tile, tile_count;
-    int job_batches; /* render batches of this view: 1 means encode and commit together */
+    int view_batches; /* render batches of this view: 1 means encode and commit together */
+    int64_t pixels;
     unsigned char scene_sha256[32];
-    int64_t submitted_ms, claimed_ms;
+    int64_t submitted_ms;
+    int64_t started_ms; /* the job's first claim */
+    int64_t claimed_ms;
+    int64_t timeout_ms; /* of the job, from started_ms; 0: none */
 };
 
 /* Claims the next batch by (priority, age); the job becomes running. Returns true with
@@ -177,12 +191,28 @@ struct pen_result {
 };
 
 /* Commits a batch. The commit that leaves no open render batch in a view of several batches adds
- * an assemble batch; the one that ends the last view makes the job succeeded.
- * Fails: PEN_STALE; PEN_STORAGE_FULL, PEN_STORAGE. */
+ * an assemble batch; the one that ends the last view makes the job succeeded. The batch that ends
+ * a view (its only one, or the assemble batch) brings the view's picture.
+ * Fails: PEN_STALE; PEN_STORAGE_FULL, PEN_STORAGE, PEN_UNAVAILABLE (nothing was changed, or the
+ * outcome is unknown: commit again); PEN_INTERNAL (a result that does not fit the batch). */
 bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
                       const struct pen_result *result, struct pen_status *st);
 
-/* Gives a batch back without a result and without charge. */
+/* The next claim of a worker, taken in the transaction of a commit. */
+struct pen_next {
+    const char *worker;
+    int64_t lease_ms;
+    bool found; /* filled, with the claim, when the commit succeeded */
+    struct pen_claim claim;
+};
+
+/* Commits, and claims the next batch in the same transaction. Fails: as pen_store_commit. */
+bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
+                                const struct pen_result *result, struct pen_next *next,
+                                struct pen_status *st);
+
+/* Gives a batch back without a result and without charge. A batch no longer held is left as it
+ * is. */
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 
@@ -190,7 +220,9 @@ bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                     struct pen_status *st);
 
-/* Extends the lease. *held = false: cancelled, taken or ended; stop working on it. */
+/* Asks whether the claim still holds, and extends its lease once a third of it has gone, so it
+ * may be called often: most calls only read. *held = false: cancelled, taken or ended; stop
+ * working on it. */
 bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st);
 
@@ -199,8 +231,8 @@ bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *opened,
                      struct pen_status *st);
 
-/* Calls `each` for every committed render batch of a view, in order, with its pixels and place;
- * stops when it returns false. */
+/* Calls `each` for every committed render batch of a view, in order of tiles, with its pixels
+ * and place; stops when it returns false. Fails: PEN_NOT_FOUND (no such job). */
 typedef bool pen_pixels_fn(void *user, int first_tile, int tile_count, const float *rgb,
                            int64_t pixels);
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
@@ -211,15 +243,40 @@ typedef bool pen_stats_fn(void *user, int view, enum pen_batch_kind kind, const 
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
                      struct pen_status *st);
 
-/* Stored pictures. Fails: PEN_NOT_FOUND. */
+/* Stored pictures; view -1 is for what is made from all views. Putting one that is there replaces
+ * it. Fails: PEN_NOT_FOUND. */
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st);
 bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st);
 
-/* Housekeeping: idempotency keys older than max_age_ms go, unused scene documents go. */
+/* Housekeeping: idempotency keys older than key_age_ms go, unused scene documents go, room no
+ * longer needed is given back to the file system. */
 bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+
+/* One batch as stored, for looking on. */
+struct pen_batch_record {
+    int64_t batch, attempt;
+    enum pen_batch_kind kind;
+    enum pen_batch_state state;
+    int view, first_tile, tile_count;
+    int64_t pixels;
+    const char *worker; /* who holds it, NULL unless leased */
+};
+
+/* Calls `each` for every batch of a job, oldest first; stops when it returns false.
+ * Fails: PEN_NOT_FOUND (no such job). */
+typedef bool pen_batch_fn(void *user, const struct pen_batch_record *batch);
+bool pen_store_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
+                       struct pen_status *st);
+
+/* Looks for what must never be: rows without an owner, states that contradict each other, sums
+ * that do not add up. Calls `each` with a sentence for every one found; *found is their number.
+ * For tests and after a crash. Cost: reads everything but pixels and pictures. */
+typedef void pen_audit_fn(void *user, const char *finding);
+bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
+                     struct pen_status *st);
 
 /* Wake-up hints across processes: two counters that only grow. WORK grows when a batch may be
  * claimed, NEWS when any job changed. A hint may be lost; polling is the safety net. */

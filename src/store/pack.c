@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* Level 1: pixels are written once and read a few times, and the renderer waits for neither.
+ * Floats go to twelve planes, one for each byte of each channel: the planes of exponents and high
+ * mantissa bits are nearly constant, and zstd passes quickly over the ones that are noise. */
+#include "pack.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <zstd.h>
+#include <zstd_errors.h>
+
+enum { LEVEL = 1, PIXEL_BYTES = 12 };
+
+/* Memory that is kept from call to call and only grows. */
+struct room {
+    unsigned char *data;
+    size_t capacity;
+};
+
+struct pen_packer {
+    ZSTD_CCtx *pack;
+    ZSTD_DCtx *unpack;
+    struct room planes, out;
+};
+
+struct pen_packer *pen_packer_new(void)
+{
+    struct pen_packer *packer = calloc(1, sizeof *packer);
+    if (!packer)
+        return NULL;
+    packer->pack = ZSTD_createCCtx();
+    packer->unpack = ZSTD_createDCtx();
+    if (!packer->pack || !packer->unpack) {
+        pen_packer_free(packer);
+        return NULL;
+    }
+    ZSTD_CCtx_setParameter(packer->pack, ZSTD_c_compressionLevel, LEVEL);
+    ZSTD_CCtx_setParameter(packer->pack, ZSTD_c_checksumFlag, 1);
+    return packer;
+}
+
+void pen_packer_free(struct pen_packer *packer)
+{
+    if (!packer)
+        return;
+    ZSTD_freeCCtx(packer->pack);
+    ZSTD_freeDCtx(packer->unpack);
+    free(packer->planes.data);
+    free(packer->out.data);
+    free(packer);
+}
+
+static bool make_room(struct room *room, size_t bytes, struct pen_status *st)
+{
+    if (bytes <= room->capacity && room->data)
+        return true;
+    free(room->data);
+    room->capacity = 0;
+    room->data = malloc(bytes ? bytes : 1);
+    if (!room->data)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu bytes of packed data", bytes);
+    room->capacity = bytes;
+    return true;
+}
+
+bool pen_pack(struct pen_packer *packer, const void *data, size_t bytes, struct pen_packed *out,
+              struct pen_status *st)
+{
+    size_t bound = ZSTD_compressBound(bytes);
+    if (!make_room(&packer->out, bound, st))
+        return false;
+    size_t n = ZSTD_compress2(packer->pack, packer->out.data, bound, data, bytes);
+    if (ZSTD_isError(n))
+        return pen_fail(st, PEN_NO_MEMORY, "cannot pack: %s", ZSTD_getErrorName(n));
+    *out = (struct pen_packed){packer->out.data, n};
+    return true;
+}
+
+bool pen_pack_rgb(struct pen_packer *packer, const float *rgb, size_t pixels,
+                  struct pen_packed *out, struct pen_status *st)
+{
+    if (pixels > SIZE_MAX / PIXEL_BYTES)
+        return pen_fail(st, PEN_NO_MEMORY, "too many pixels to pack");
+    if (!make_room(&packer->planes, pixels * PIXEL_BYTES, st))
+        return false;
+    const unsigned char *from = (const unsigned char *)rgb;
+    for (size_t plane = 0; plane < PIXEL_BYTES; plane++) {
+        unsigned char *to = packer->planes.data + plane * pixels;
+        for (size_t i = 0; i < pixels; i++)
+            to[i] = from[i * PIXEL_BYTES + plane];
+    }
+    return pen_pack(packer, packer->planes.data, pixels * PIXEL_BYTES, out, st);
+}
+
+/* Unpacks into `room`. */
+static bool unpack_into(struct pen_packer *packer, struct room *room, const struct pen_packed *in,
+                        struct pen_packed *out, struct pen_status *st)
+{
+    unsigned long long bytes = ZSTD_getFrameContentSize(in->data, in->bytes);
+    if (bytes == ZSTD_CONTENTSIZE_UNKNOWN || bytes == ZSTD_CONTENTSIZE_ERROR || bytes > SIZE_MAX)
+        return pen_fail(st, PEN_STORAGE, "stored data is damaged: no packed frame");
+    if (!make_room(room, (size_t)bytes, st))
+        return false;
+    size_t n = ZSTD_decompressDCtx(packer->unpack, room->data, room->capacity, in->data, in->bytes);
+    if (ZSTD_isError(n) && ZSTD_getErrorCode(n) == ZSTD_error_memory_allocation)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory to unpack stored data");
+    if (ZSTD_isError(n) || n != bytes)
+        return pen_fail(st, PEN_STORAGE, "stored data is damaged: %s",
+                        ZSTD_isError(n) ? ZSTD_getErrorName(n) : "wrong size");
+    *out = (struct pen_packed){room->data, n};
+    return true;
+}
+
+bool pen_unpack(struct pen_packer *packer, const void *data, size_t bytes, struct pen_packed *out,
+                struct pen_status *st)
+{
+    return unpack_into(packer, &packer->out, &(struct pen_packed){data, bytes}, out, st);
+}
+
+bool pen_unpack_rgb(struct pen_packer *packer, const void *data, size_t bytes,
+                    struct pen_packed *out, struct pen_status *st)
+{
+    struct pen_packed planes;
+    if (!unpack_into(packer, &packer->planes, &(struct pen_packed){data, bytes}, &planes, st))
+        return false;
+    if (planes.bytes % PIXEL_BYTES != 0)
+        return pen_fail(st, PEN_STORAGE, "stored pixels are damaged: %zu bytes", planes.bytes);
+    if (!make_room(&packer->out, planes.bytes, st))
+        return false;
+    size_t pixels = planes.bytes / PIXEL_BYTES;
+    for (size_t plane = 0; plane < PIXEL_BYTES; plane++) {
+        const unsigned char *from = (const unsigned char *)planes.data + plane * pixels;
+        for (size_t i = 0; i < pixels; i++)
+            packer->out.data[i * PIXEL_BYTES + plane] = from[i];
+    }
+    *out = (struct pen_packed){packer->out.data, planes.bytes};
+    return true;
+}

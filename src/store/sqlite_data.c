@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: MIT */
+/* What was committed: pixels, statistics, batches, pictures. Lists are read inside one snapshot,
+ * so a caller sees one moment of the job. */
+#include <stddef.h>
+
+#include "sqlite.h"
+
+struct listing {
+    const char *id;
+    int view;
+    pen_pixels_fn *pixels;
+    pen_stats_fn *stats;
+    pen_batch_fn *batches;
+    void *user;
+};
+
+static bool hand_pixels(struct pen_sq_store *store, const struct pen_sq_query *row,
+                        const struct listing *listing, bool *more, struct pen_status *st)
+{
+    struct pen_packed packed = pen_sq_column_blob(row, 3), rgb;
+    int64_t pixels = pen_sq_column_int(row, 2);
+    if (!pen_unpack_rgb(store->packer, packed.data, packed.bytes, &rgb, st))
+        return false;
+    if (rgb.bytes != (size_t)pixels * 3 * sizeof(float))
+        return pen_fail(st, PEN_STORAGE, "stored pixels are damaged: %zu bytes for %lld pixels",
+                        rgb.bytes, (long long)pixels);
+    *more = listing->pixels(listing->user, (int)pen_sq_column_int(row, 0),
+                            (int)pen_sq_column_int(row, 1), rgb.data, pixels);
+    return true;
+}
+
+static bool read_pixels(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    const struct listing *listing = arg;
+    int64_t number;
+    if (!pen_sq_job_number(store, listing->id, &number, st))
+        return false;
+    struct pen_sq_query query = pen_sq_query(store, SQ_PIXELS_LIST);
+    pen_sq_int(&query, number);
+    pen_sq_int(&query, listing->view);
+    bool ok = true, row = true, more = true;
+    while (ok && row && more) {
+        ok = pen_sq_next(&query, &row, st);
+        if (ok && row)
+            ok = hand_pixels(store, &query, listing, &more, st);
+    }
+    pen_sq_end(&query);
+    return ok;
+}
+
+bool pen_sq_pixels(struct pen_store *base, const char *id, int view, pen_pixels_fn *each,
+                   void *user, struct pen_status *st)
+{
+    struct listing listing = {.id = id, .view = view, .pixels = each, .user = user};
+    return pen_sq_snapshot(pen_sq_of(base), read_pixels, &listing, st);
+}
+
+static bool read_stats(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    const struct listing *listing = arg;
+    int64_t number;
+    if (!pen_sq_job_number(store, listing->id, &number, st))
+        return false;
+    struct pen_sq_query query = pen_sq_query(store, SQ_STATS_LIST);
+    pen_sq_int(&query, number);
+    bool ok = true, row = true, more = true;
+    while (ok && row && more) {
+        ok = pen_sq_next(&query, &row, st);
+        if (ok && row)
+            more = listing->stats(listing->user, (int)pen_sq_column_int(&query, 0),
+                                  (enum pen_batch_kind)pen_sq_column_int(&query, 1),
+                                  pen_sq_column_text(&query, 2));
+    }
+    pen_sq_end(&query);
+    return ok;
+}
+
+bool pen_sq_stats(struct pen_store *base, const char *id, pen_stats_fn *each, void *user,
+                  struct pen_status *st)
+{
+    struct listing listing = {.id = id, .stats = each, .user = user};
+    return pen_sq_snapshot(pen_sq_of(base), read_stats, &listing, st);
+}
+
+static struct pen_batch_record batch_record(const struct pen_sq_query *row)
+{
+    return (struct pen_batch_record){
+        .batch = pen_sq_column_int(row, 0),
+        .attempt = pen_sq_column_int(row, 1),
+        .kind = (enum pen_batch_kind)pen_sq_column_int(row, 2),
+        .state = (enum pen_batch_state)pen_sq_column_int(row, 3),
+        .view = (int)pen_sq_column_int(row, 4),
+        .first_tile = (int)pen_sq_column_int(row, 5),
+        .tile_count = (int)pen_sq_column_int(row, 6),
+        .pixels = pen_sq_column_int(row, 7),
+        .worker = pen_sq_column_text(row, 8),
+    };
+}
+
+static bool read_batches(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    const struct listing *listing = arg;
+    int64_t number;
+    if (!pen_sq_job_number(store, listing->id, &number, st))
+        return false;
+    struct pen_sq_query query = pen_sq_query(store, SQ_BATCH_LIST);
+    pen_sq_int(&query, number);
+    bool ok = true, row = true, more = true;
+    while (ok && row && more) {
+        ok = pen_sq_next(&query, &row, st);
+        if (ok && row) {
+            struct pen_batch_record batch = batch_record(&query);
+            more = listing->batches(listing->user, &batch);
+        }
+    }
+    pen_sq_end(&query);
+    return ok;
+}
+
+bool pen_sq_batches(struct pen_store *base, const char *id, pen_batch_fn *each, void *user,
+                    struct pen_status *st)
+{
+    struct listing listing = {.id = id, .batches = each, .user = user};
+    return pen_sq_snapshot(pen_sq_of(base), read_batches, &listing, st);
+}
+
+/* One picture: what it is of, and where it goes to or comes from. */
+struct picture {
+    const char *id, *layer, *format;
+    int view;
+    struct pen_buf *out;
+    const void *data;
+    size_t bytes;
+};
+
+static void bind_picture(struct pen_sq_query *query, int64_t number, const struct picture *picture)
+{
+    pen_sq_int(query, number);
+    pen_sq_int(query, picture->view);
+    pen_sq_text(query, picture->layer);
+    pen_sq_text(query, picture->format);
+}
+
+static bool read_picture(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    const struct picture *picture = arg;
+    int64_t number;
+    if (!pen_sq_job_number(store, picture->id, &number, st))
+        return false;
+    struct pen_sq_query query = pen_sq_query(store, SQ_ARTEFACT_GET);
+    bind_picture(&query, number, picture);
+    bool row;
+    if (!pen_sq_next(&query, &row, st))
+        return false;
+    if (!row)
+        return pen_fail(st, PEN_NOT_FOUND, "job %s has no stored %s %s", picture->id,
+                        picture->layer, picture->format);
+    struct pen_packed data = pen_sq_column_blob(&query, 0);
+    bool ok = pen_buf_add(picture->out, data.data, data.bytes);
+    pen_sq_end(&query);
+    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
+}
+
+bool pen_sq_artefact(struct pen_store *base, const char *id, int view, const char *layer,
+                     const char *format, struct pen_buf *out, struct pen_status *st)
+{
+    struct picture picture = {.id = id, .view = view, .layer = layer, .format = format, .out = out};
+    return pen_sq_snapshot(pen_sq_of(base), read_picture, &picture, st);
+}
+
+static bool write_picture(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    const struct picture *picture = arg;
+    int64_t number;
+    if (!pen_sq_job_number(store, picture->id, &number, st))
+        return false;
+    struct pen_sq_query query = pen_sq_query(store, SQ_ARTEFACT_PUT);
+    bind_picture(&query, number, picture);
+    pen_sq_blob(&query, picture->data, picture->bytes);
+    return pen_sq_run(&query, st);
+}
+
+bool pen_sq_artefact_put(struct pen_store *base, const char *id, int view, const char *layer,
+                         const char *format, const void *data, size_t bytes, struct pen_status *st)
+{
+    struct picture picture = {
+        .id = id, .view = view, .layer = layer, .format = format, .data = data, .bytes = bytes};
+    return pen_sq_transaction(pen_sq_of(base), write_picture, &picture, st);
+}

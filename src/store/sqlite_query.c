@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+/* Statements, transactions and errors of the SQLite engine. Also here: how the write-ahead log is
+ * kept short. SQLite's own rule (a passive checkpoint every so many pages) lets the log grow for
+ * as long as readers overlap; beyond a second mark the log is wound back with a short wait for
+ * readers instead. */
+#include "sqlite.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/base/clock.h"
+
+enum {
+    WAL_CHECKPOINT_PAGES = 2000, /* 8 MiB: copied into the database as far as readers allow */
+    WAL_TRUNCATE_PAGES = 6000,   /* 24 MiB: wound back, waiting for readers */
+    WAL_PATIENCE_MS = 20         /* for readers to leave; writers wait meanwhile */
+};
+
+struct pen_sq_query pen_sq_query(struct pen_sq_store *store, enum pen_sq_sql sql)
+{
+    struct pen_sq_query query = {.store = store, .stmt = store->stmt[sql]};
+    if (!query.stmt) {
+        query.rc = sqlite3_prepare_v3(store->db, pen_sq_sql_text(sql), -1,
+                                      SQLITE_PREPARE_PERSISTENT, &query.stmt, NULL);
+        store->stmt[sql] = query.stmt;
+    }
+    return query;
+}
+
+void pen_sq_int(struct pen_sq_query *query, int64_t value)
+{
+    if (query->rc == SQLITE_OK)
+        query->rc = sqlite3_bind_int64(query->stmt, ++query->bound, value);
+}
+
+void pen_sq_text(struct pen_sq_query *query, const char *text)
+{
+    if (query->rc == SQLITE_OK)
+        query->rc = sqlite3_bind_text(query->stmt, ++query->bound, text, -1, SQLITE_STATIC);
+}
+
+void pen_sq_blob(struct pen_sq_query *query, const void *data, size_t bytes)
+{
+    if (query->rc == SQLITE_OK)
+        query->rc = sqlite3_bind_blob64(query->stmt, ++query->bound, bytes ? data : "", bytes,
+                                        SQLITE_STATIC);
+}
+
+void pen_sq_end(struct pen_sq_query *query)
+{
+    if (query->stmt) {
+        sqlite3_reset(query->stmt);
+        sqlite3_clear_bindings(query->stmt);
+    }
+}
+
+bool pen_sq_next(struct pen_sq_query *query, bool *row, struct pen_status *st)
+{
+    int rc = query->rc;
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(query->stmt);
+    *row = rc == SQLITE_ROW;
+    if (*row)
+        return true;
+    bool ok = rc == SQLITE_DONE || pen_sq_error(query->store, rc, st);
+    pen_sq_end(query);
+    return ok;
+}
+
+bool pen_sq_run(struct pen_sq_query *query, struct pen_status *st)
+{
+    bool row = true;
+    while (row) {
+        if (!pen_sq_next(query, &row, st))
+            return false;
+    }
+    return true;
+}
+
+int pen_sq_changes(const struct pen_sq_store *store)
+{
+    return sqlite3_changes(store->db);
+}
+
+int64_t pen_sq_column_int(const struct pen_sq_query *query, int column)
+{
+    return sqlite3_column_int64(query->stmt, column);
+}
+
+const char *pen_sq_column_text(const struct pen_sq_query *query, int column)
+{
+    return (const char *)sqlite3_column_text(query->stmt, column);
+}
+
+struct pen_packed pen_sq_column_blob(const struct pen_sq_query *query, int column)
+{
+    const void *data = sqlite3_column_blob(query->stmt, column);
+    return (struct pen_packed){data, data ? (size_t)sqlite3_column_bytes(query->stmt, column) : 0};
+}
+
+char *pen_sq_column_dup(const struct pen_sq_query *query, int column, bool *ok)
+{
+    if (sqlite3_column_type(query->stmt, column) == SQLITE_NULL)
+        return NULL;
+    const char *text = pen_sq_column_text(query, column);
+    char *copy = text ? strdup(text) : NULL;
+    if (!copy)
+        *ok = false;
+    return copy;
+}
+
+static bool disk_is_full(struct pen_sq_store *store, int rc)
+{
+    int error = sqlite3_system_errno(store->db);
+    return (rc & 0xff) == SQLITE_FULL ||
+           ((rc & 0xff) == SQLITE_IOERR && (error == ENOSPC || error == EDQUOT));
+}
+
+bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st)
+{
+    if (disk_is_full(store, rc))
+        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no room left", store->path);
+    switch (rc & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+        return pen_fail(st, PEN_UNAVAILABLE, "the store %s is busy", store->path);
+    case SQLITE_NOMEM:
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    case SQLITE_TOOBIG:
+        return pen_fail(st, PEN_TOO_LARGE, "too large to be stored in one piece");
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+        return pen_fail(st, PEN_STORAGE,
+                        "the store %s is damaged (%s); nothing was changed: stop Penumbra and "
+                        "restore a backup, or move the file away to begin anew",
+                        store->path, sqlite3_errmsg(store->db));
+    default:
+        return pen_fail(st, PEN_STORAGE, "the store %s failed: %s", store->path,
+                        sqlite3_errmsg(store->db));
+    }
+}
+
+bool pen_sq_exec(struct pen_sq_store *store, const char *sql, struct pen_status *st)
+{
+    int rc = sqlite3_exec(store->db, sql, NULL, NULL, NULL);
+    return rc == SQLITE_OK || pen_sq_error(store, rc, st);
+}
+
+/* A checkpoint that does not get through is no failure: the next one does. */
+static void checkpoint(struct pen_sq_store *store, int mode)
+{
+    int64_t patience = store->patience_ms;
+    store->patience_ms = WAL_PATIENCE_MS;
+    sqlite3_wal_checkpoint_v2(store->db, "main", mode, NULL, NULL);
+    store->patience_ms = patience;
+    store->wal_pages = 0;
+}
+
+void pen_sq_wind_back_log(struct pen_sq_store *store)
+{
+    checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
+}
+
+static void keep_log_short(struct pen_sq_store *store)
+{
+    if (store->wal_pages >= WAL_TRUNCATE_PAGES)
+        checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
+    else if (store->wal_pages >= WAL_CHECKPOINT_PAGES)
+        checkpoint(store, SQLITE_CHECKPOINT_PASSIVE);
+}
+
+static bool run_plain(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_status *st)
+{
+    struct pen_sq_query query = pen_sq_query(store, sql);
+    return pen_sq_run(&query, st);
+}
+
+/* Some failures have ended the transaction already. */
+static void roll_back(struct pen_sq_store *store)
+{
+    struct pen_status ignored;
+    if (!sqlite3_get_autocommit(store->db))
+        run_plain(store, SQ_ROLLBACK, &ignored);
+}
+
+bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg,
+                        struct pen_status *st)
+{
+    if (!run_plain(store, SQ_BEGIN_WRITE, st))
+        return false;
+    if (!body(store, arg, st) || !run_plain(store, SQ_COMMIT, st)) {
+        roll_back(store);
+        store->base.work = store->base.news = false;
+        return false;
+    }
+    keep_log_short(store);
+    return true;
+}
+
+bool pen_sq_snapshot(struct pen_sq_store *store, pen_sq_body *body, void *arg,
+                     struct pen_status *st)
+{
+    if (!run_plain(store, SQ_BEGIN_READ, st))
+        return false;
+    bool ok = body(store, arg, st);
+    roll_back(store);
+    return ok;
+}
+
+bool pen_sq_job_number(struct pen_sq_store *store, const char *id, int64_t *number,
+                       struct pen_status *st)
+{
+    struct pen_sq_query query = pen_sq_query(store, SQ_JOB_NUMBER);
+    pen_sq_text(&query, id);
+    bool row;
+    if (!pen_sq_next(&query, &row, st))
+        return false;
+    if (!row)
+        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
+    *number = pen_sq_column_int(&query, 0);
+    pen_sq_end(&query);
+    return true;
+}

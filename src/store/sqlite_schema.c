@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT */
+/* The schema and its migrations. A store's schema version (PRAGMA user_version) is the number of
+ * steps it has been through; a step once released is never edited, a change is a new step.
+ *
+ * scene        a document, once per content; gone with the last job that names it
+ * job, view, batch   what is to be done and how far it is
+ * pixels       what a render batch came to; exactly one row for a batch that is done
+ * artefact     encoded pictures; view -1 is for what is made from all views
+ * idempotency  keys of submits, their bodies' hashes and the answers given; they outlive the job,
+ *              since what a client was promised does not end with a delete
+ *
+ * Numbers of jobs and batches are never used twice (AUTOINCREMENT): a claim names a batch by
+ * number and attempt, and must not fit another batch after a delete. view.open_batches and
+ * job.open_views are counted down by commits, so that a commit costs the same in a job of many
+ * batches as in one of few. */
+#include "sqlite.h"
+
+#include <stdio.h>
+
+#include "pen/store/states.h"
+
+static const char step_1[] =
+    "CREATE TABLE scene ("
+    " id INTEGER PRIMARY KEY,"
+    " sha256 BLOB NOT NULL UNIQUE CHECK (length(sha256) = 32),"
+    " document BLOB NOT NULL"
+    ") STRICT;"
+    "CREATE TABLE job ("
+    " number INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " id TEXT NOT NULL UNIQUE,"
+    " state INTEGER NOT NULL DEFAULT 0 CHECK (state BETWEEN 0 AND 4),"
+    " revision INTEGER NOT NULL DEFAULT 1,"
+    " kind TEXT NOT NULL,"
+    " scene INTEGER NOT NULL REFERENCES scene(id),"
+    " priority INTEGER NOT NULL,"
+    " max_attempts INTEGER NOT NULL,"
+    " charges INTEGER NOT NULL DEFAULT 0,"
+    " timeout_ms INTEGER NOT NULL,"
+    " created_ms INTEGER NOT NULL,"
+    " started_ms INTEGER NOT NULL DEFAULT 0,"
+    " finished_ms INTEGER NOT NULL DEFAULT 0,"
+    " updated_ms INTEGER NOT NULL,"
+    " done_pixels INTEGER NOT NULL DEFAULT 0 CHECK (done_pixels <= total_pixels),"
+    " total_pixels INTEGER NOT NULL,"
+    " open_views INTEGER NOT NULL CHECK (open_views >= 0),"
+    " request TEXT NOT NULL,"
+    " error TEXT"
+    ") STRICT;"
+    "CREATE INDEX job_by_state ON job(state, number);"
+    "CREATE INDEX job_by_scene ON job(scene);"
+    "CREATE TABLE view ("
+    " job INTEGER NOT NULL REFERENCES job(number) ON DELETE CASCADE,"
+    " view INTEGER NOT NULL,"
+    " name TEXT NOT NULL,"
+    " width INTEGER NOT NULL,"
+    " height INTEGER NOT NULL,"
+    " batches INTEGER NOT NULL,"
+    " open_batches INTEGER NOT NULL CHECK (open_batches BETWEEN 0 AND batches),"
+    " PRIMARY KEY (job, view)"
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE TABLE batch ("
+    " id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " job INTEGER NOT NULL,"
+    " view INTEGER NOT NULL,"
+    " kind INTEGER NOT NULL,"
+    " first_tile INTEGER NOT NULL,"
+    " tile_count INTEGER NOT NULL,"
+    " pixels INTEGER NOT NULL,"
+    " priority INTEGER NOT NULL,"
+    " state INTEGER NOT NULL DEFAULT 0 CHECK (state BETWEEN 0 AND 3),"
+    " attempt INTEGER NOT NULL DEFAULT 0,"
+    " worker TEXT,"
+    " lease_until_ms INTEGER,"
+    " stats TEXT,"
+    " FOREIGN KEY (job, view) REFERENCES view(job, view) ON DELETE CASCADE,"
+    " CHECK ((state = 1) = (worker IS NOT NULL)),"
+    " CHECK ((state = 1) = (lease_until_ms IS NOT NULL))"
+    ") STRICT;"
+    "CREATE INDEX batch_by_job ON batch(job, view);"
+    "CREATE INDEX batch_open ON batch(priority DESC, job, id) WHERE state = 0;"
+    "CREATE INDEX batch_leased ON batch(lease_until_ms) WHERE state = 1;"
+    "CREATE TABLE pixels ("
+    " batch INTEGER PRIMARY KEY REFERENCES batch(id) ON DELETE CASCADE,"
+    " data BLOB NOT NULL"
+    ") STRICT;"
+    "CREATE TABLE artefact ("
+    " id INTEGER PRIMARY KEY,"
+    " job INTEGER NOT NULL REFERENCES job(number) ON DELETE CASCADE,"
+    " view INTEGER NOT NULL,"
+    " layer TEXT NOT NULL,"
+    " format TEXT NOT NULL,"
+    " data BLOB NOT NULL,"
+    " UNIQUE (job, view, layer, format)"
+    ") STRICT;"
+    "CREATE TABLE idempotency ("
+    " key TEXT PRIMARY KEY,"
+    " body_sha256 BLOB NOT NULL CHECK (length(body_sha256) = 32),"
+    " answer TEXT NOT NULL,"
+    " created_ms INTEGER NOT NULL"
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE INDEX idempotency_by_age ON idempotency(created_ms);";
+
+static const char *const steps[] = {step_1};
+enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
+
+static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,
+                        struct pen_status *st)
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(store->db, sql, -1, &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    if (rc == SQLITE_ROW)
+        *value = sqlite3_column_int64(stmt, 0);
+    bool ok = rc == SQLITE_ROW || pen_sq_error(store, rc, st);
+    sqlite3_finalize(stmt);
+    return ok;
+}
+
+/* What kind of file it is, from inside. */
+static bool look_at_file(struct pen_sq_store *store, int64_t *version, bool *empty,
+                         struct pen_status *st)
+{
+    int64_t application = 0, pages = 0;
+    if (!read_pragma(store, "PRAGMA page_count", &pages, st) ||
+        !read_pragma(store, "PRAGMA application_id", &application, st) ||
+        !read_pragma(store, "PRAGMA user_version", version, st))
+        return false;
+    *empty = pages == 0;
+    if (!*empty && application != SQ_APPLICATION_ID)
+        return pen_fail(st, PEN_STORAGE,
+                        "%s is a database of another program; give another path for the store",
+                        store->path);
+    if (*version > STEP_COUNT)
+        return pen_fail(st, PEN_STORAGE,
+                        "the store %s was written by a newer Penumbra (schema %d, this one knows "
+                        "%d); use that version, or another store",
+                        store->path, (int)*version, (int)STEP_COUNT);
+    return true;
+}
+
+/* All missing steps in one transaction: after a crash the store is of the old schema or the new. */
+static bool take_steps(struct pen_sq_store *store, int version, struct pen_status *st)
+{
+    char mark[96];
+    snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d",
+             (int)SQ_APPLICATION_ID, (int)STEP_COUNT);
+    bool ok = pen_sq_exec(store, "BEGIN IMMEDIATE", st);
+    for (int i = version; ok && i < STEP_COUNT; i++)
+        ok = pen_sq_exec(store, steps[i], st);
+    ok = ok && pen_sq_exec(store, mark, st) && pen_sq_exec(store, "COMMIT", st);
+    if (!ok && !sqlite3_get_autocommit(store->db))
+        sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
+    return ok;
+}
+
+/* The schema of a new file is written in rollback-journal mode, so that the file is marked as ours
+ * from its first byte on; the switch to write-ahead logging comes after. */
+bool pen_sq_migrate(struct pen_sq_store *store, struct pen_status *st)
+{
+    int64_t version = 0;
+    bool empty = false;
+    if (!look_at_file(store, &version, &empty, st))
+        return false;
+    if (empty && !pen_sq_exec(store, "PRAGMA auto_vacuum = INCREMENTAL", st))
+        return false;
+    if (version < STEP_COUNT && !take_steps(store, (int)version, st))
+        return false;
+    return pen_sq_exec(store, "PRAGMA journal_mode = WAL", st);
+}
+
+/* A trigger that refuses every change of state that has no arrow. */
+static bool guard(struct pen_sq_store *store, const char *table, const struct pen_arrow *arrows,
+                  int count, struct pen_status *st)
+{
+    struct pen_buf sql = {0};
+    pen_buf_printf(&sql,
+                   "CREATE TEMP TRIGGER %s_arrow BEFORE UPDATE OF state ON main.%s"
+                   " WHEN NEW.state <> OLD.state AND NOT (0",
+                   table, table);
+    for (int i = 0; i < count; i++)
+        pen_buf_printf(&sql, " OR (OLD.state = %d AND NEW.state = %d)", arrows[i].from,
+                       arrows[i].to);
+    pen_buf_printf(&sql, ") BEGIN SELECT RAISE(ABORT, 'illegal change of state of a %s'); END",
+                   table);
+    bool ok = sql.failed ? pen_fail(st, PEN_NO_MEMORY, "no memory for the store")
+                         : pen_sq_exec(store, (const char *)sql.data, st);
+    pen_buf_release(&sql);
+    return ok;
+}
+
+bool pen_sq_guard_states(struct pen_sq_store *store, struct pen_status *st)
+{
+    int count;
+    const struct pen_arrow *arrows = pen_job_arrows(&count);
+    if (!guard(store, "job", arrows, count, st))
+        return false;
+    arrows = pen_batch_arrows(&count);
+    return guard(store, "batch", arrows, count, st);
+}

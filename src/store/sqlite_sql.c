@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/* The statements of the SQLite engine. Parameters are bound in the order of their question marks.
+ */
+#include "sqlite.h"
+
+#define JOB_COLUMNS                                                                                \
+    "number, id, state, revision, kind, request, error, priority, max_attempts, charges,"          \
+    " timeout_ms, created_ms, started_ms, finished_ms, updated_ms, done_pixels, total_pixels"
+
+static const char *const sql_text[SQ_COUNT] = {
+    [SQ_BEGIN_READ] = "BEGIN",
+    [SQ_BEGIN_WRITE] = "BEGIN IMMEDIATE",
+    [SQ_COMMIT] = "COMMIT",
+    [SQ_ROLLBACK] = "ROLLBACK",
+    /* Any change will do, as long as it is written and synced. */
+    [SQ_PROBE] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
+                 " VALUES ('', zeroblob(32), '', ?) ON CONFLICT (key)"
+                 " DO UPDATE SET created_ms = excluded.created_ms",
+
+    [SQ_KEY_FIND] = "SELECT body_sha256, answer FROM idempotency WHERE key = ?",
+    [SQ_KEY_ADD] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
+                   " VALUES (?, ?, ?, ?)",
+    [SQ_SCENE_FIND] = "SELECT id FROM scene WHERE sha256 = ?",
+    [SQ_SCENE_ADD] = "INSERT INTO scene (sha256, document) VALUES (?, ?)",
+    [SQ_JOB_ADD] = "INSERT INTO job (id, kind, scene, priority, max_attempts, timeout_ms,"
+                   " created_ms, updated_ms, total_pixels, open_views, request)"
+                   " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+    [SQ_VIEW_ADD] = "INSERT INTO view (job, view, name, width, height, batches, open_batches)"
+                    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6)",
+    [SQ_BATCH_ADD] = "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, priority)"
+                     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, (SELECT priority FROM job"
+                     " WHERE number = ?1))",
+
+    [SQ_JOB_GET] = "SELECT " JOB_COLUMNS " FROM job WHERE id = ?",
+    [SQ_JOB_LIST] = "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1"
+                    " AND (?2 IS NULL OR kind = ?2) ORDER BY number DESC LIMIT ?3",
+    [SQ_JOB_LIST_STATE] = "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1"
+                          " AND (?2 IS NULL OR kind = ?2) AND state = ?4"
+                          " ORDER BY number DESC LIMIT ?3",
+    [SQ_JOB_NUMBER] = "SELECT number, state, scene FROM job WHERE id = ?",
+    [SQ_SCENE_GET] = "SELECT s.document FROM job j JOIN scene s ON s.id = j.scene WHERE j.id = ?",
+
+    [SQ_JOB_END] = "UPDATE job SET state = ?2, error = ?3, finished_ms = ?4, updated_ms = ?4,"
+                   " revision = revision + 1 WHERE number = ?1 AND state IN (0, 1)",
+    [SQ_BATCHES_END] = "UPDATE batch SET state = 3, worker = NULL, lease_until_ms = NULL"
+                       " WHERE job = ? AND state IN (0, 1)",
+    [SQ_JOB_REMOVE] = "DELETE FROM job WHERE number = ?",
+    [SQ_SCENE_REMOVE_UNUSED] = "DELETE FROM scene WHERE id = ?1"
+                               " AND NOT EXISTS (SELECT 1 FROM job WHERE scene = ?1)",
+
+    [SQ_OPEN_ANY] = "SELECT 1 FROM batch WHERE state = 0 LIMIT 1",
+    [SQ_OPEN_NEXT] = "SELECT b.id, b.attempt, b.kind, b.job, b.view, b.first_tile, b.tile_count,"
+                     " b.pixels, v.batches, j.id, j.created_ms, j.started_ms, j.timeout_ms,"
+                     " s.sha256 FROM batch b JOIN job j ON j.number = b.job"
+                     " JOIN view v ON v.job = b.job AND v.view = b.view"
+                     " JOIN scene s ON s.id = j.scene"
+                     " WHERE b.state = 0 ORDER BY b.priority DESC, b.job, b.id LIMIT 1",
+    [SQ_BATCH_LEASE] = "UPDATE batch SET state = 1, attempt = ?2, worker = ?3, lease_until_ms = ?4"
+                       " WHERE id = ?1 AND state = 0",
+    [SQ_JOB_START] = "UPDATE job SET state = 1, started_ms = ?2, updated_ms = ?2,"
+                     " revision = revision + 1 WHERE number = ?1 AND state = 0",
+
+    [SQ_BATCH_GET] = "SELECT job, view, kind, state, attempt, pixels, lease_until_ms FROM batch"
+                     " WHERE id = ?",
+    [SQ_BATCH_DONE] = "UPDATE batch SET state = 2, worker = NULL, lease_until_ms = NULL, stats = ?3"
+                      " WHERE id = ?1 AND attempt = ?2 AND state = 1",
+    [SQ_PIXELS_ADD] = "INSERT INTO pixels (batch, data) VALUES (?, ?)",
+    [SQ_VIEW_COUNT_DOWN] = "UPDATE view SET open_batches = open_batches - 1"
+                           " WHERE job = ? AND view = ?",
+    [SQ_VIEW_GET] = "SELECT batches, open_batches FROM view WHERE job = ? AND view = ?",
+    [SQ_JOB_PROGRESS] = "UPDATE job SET done_pixels = done_pixels + ?2, updated_ms = ?3,"
+                        " charges = 0, revision = revision + 1 WHERE number = ?1",
+    [SQ_JOB_VIEW_ENDED] = "UPDATE job SET open_views = open_views - 1,"
+                          " state = CASE WHEN open_views = 1 THEN 2 ELSE state END,"
+                          " finished_ms = CASE WHEN open_views = 1 THEN ?2 ELSE finished_ms END"
+                          " WHERE number = ?1",
+    [SQ_BATCH_OPEN] = "UPDATE batch SET state = 0, worker = NULL, lease_until_ms = NULL"
+                      " WHERE id = ? AND attempt = ? AND state = 1",
+    [SQ_LEASE_EXTEND] = "UPDATE batch SET lease_until_ms = ?3"
+                        " WHERE id = ?1 AND attempt = ?2 AND state = 1",
+    [SQ_SWEEP_ANY] = "SELECT 1 FROM batch WHERE state = 1"
+                     " AND (lease_until_ms < ? OR worker = ?) LIMIT 1",
+    [SQ_SWEEP] = "UPDATE batch SET state = 0, worker = NULL, lease_until_ms = NULL"
+                 " WHERE state = 1 AND (lease_until_ms < ? OR worker = ?)",
+
+    [SQ_PIXELS_LIST] = "SELECT b.first_tile, b.tile_count, b.pixels, p.data"
+                       " FROM batch b JOIN pixels p ON p.batch = b.id"
+                       " WHERE b.job = ? AND b.view = ? AND b.kind = 0 ORDER BY b.id",
+    [SQ_STATS_LIST] = "SELECT view, kind, stats FROM batch"
+                      " WHERE job = ? AND state = 2 AND stats IS NOT NULL ORDER BY id",
+    [SQ_BATCH_LIST] = "SELECT id, attempt, kind, state, view, first_tile, tile_count, pixels,"
+                      " worker FROM batch WHERE job = ? ORDER BY id",
+    [SQ_ARTEFACT_GET] = "SELECT data FROM artefact"
+                        " WHERE job = ? AND view = ? AND layer = ? AND format = ?",
+    [SQ_ARTEFACT_PUT] = "INSERT INTO artefact (job, view, layer, format, data)"
+                        " VALUES (?, ?, ?, ?, ?) ON CONFLICT (job, view, layer, format)"
+                        " DO UPDATE SET data = excluded.data",
+
+    [SQ_TIDY_KEYS] = "DELETE FROM idempotency WHERE created_ms < ?",
+    [SQ_TIDY_SCENES] = "DELETE FROM scene WHERE NOT EXISTS"
+                       " (SELECT 1 FROM job WHERE job.scene = scene.id)",
+    [SQ_FREE_PAGES] = "PRAGMA freelist_count",
+    [SQ_VACUUM] = "PRAGMA incremental_vacuum(2048)",
+};
+
+const char *pen_sq_sql_text(enum pen_sq_sql sql)
+{
+    return sql_text[sql];
+}

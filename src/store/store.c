@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+/* The door: picks the engine by the URL, hands each call to it, and gives the wake-up hints that
+ * the call has earned. Hints are given after the engine is done, so whoever wakes sees the change.
+ */
+#include "pen/store/store.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "ops.h"
+#include "wake.h"
+
+static bool has_prefix(const char *text, const char *prefix)
+{
+    return strncmp(text, prefix, strlen(prefix)) == 0;
+}
+
+struct pen_store *pen_store_open(const char *url, struct pen_status *st)
+{
+    if (has_prefix(url, "postgres://") || has_prefix(url, "postgresql://")) {
+        pen_fail(st, PEN_UNSUPPORTED,
+                 "a PostgreSQL store is known, not supported yet; give the path of a file");
+        return NULL;
+    }
+    if (url[0] == '\0') {
+        pen_fail(st, PEN_USAGE, "the store needs the path of a file");
+        return NULL;
+    }
+    return pen_sqlite_open(url, st);
+}
+
+void pen_store_close(struct pen_store *store)
+{
+    if (!store)
+        return;
+    struct pen_wake *wake = store->wake;
+    store->ops->close(store);
+    pen_wake_close(wake);
+}
+
+/* Gives the hints due, and passes the call's outcome through. */
+static bool told(struct pen_store *store, bool ok)
+{
+    if (store->work)
+        pen_wake_all(store->wake, PEN_SIGNAL_WORK);
+    if (store->news)
+        pen_wake_all(store->wake, PEN_SIGNAL_NEWS);
+    store->work = store->news = false;
+    return ok;
+}
+
+bool pen_store_check(struct pen_store *store, struct pen_status *st)
+{
+    return store->ops->check(store, st);
+}
+
+bool pen_store_probe(struct pen_store *store, struct pen_status *st)
+{
+    return store->ops->probe(store, st);
+}
+
+bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
+                      enum pen_submit_result *result, struct pen_buf *first_answer,
+                      struct pen_status *st)
+{
+    return told(store, store->ops->submit(store, job, result, first_answer, st));
+}
+
+void pen_job_record_release(struct pen_job_record *job)
+{
+    free(job->kind);
+    free(job->request);
+    free(job->error);
+    job->kind = job->request = job->error = NULL;
+}
+
+bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
+                   struct pen_status *st)
+{
+    return store->ops->job(store, id, job, st);
+}
+
+bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
+                    struct pen_job_record **jobs, int *count, struct pen_status *st)
+{
+    return store->ops->jobs(store, filter, jobs, count, st);
+}
+
+void pen_job_records_free(struct pen_job_record *jobs, int count)
+{
+    for (int i = 0; i < count; i++)
+        pen_job_record_release(&jobs[i]);
+    free(jobs);
+}
+
+bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
+                     struct pen_status *st)
+{
+    return store->ops->scene(store, id, scene, st);
+}
+
+bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    return told(store, store->ops->cancel(store, id, st));
+}
+
+bool pen_store_delete(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    return told(store, store->ops->remove(store, id, st));
+}
+
+bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
+                     struct pen_claim *claim, bool *found, struct pen_status *st)
+{
+    return told(store, store->ops->claim(store, worker, lease_ms, claim, found, st));
+}
+
+bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
+                      const struct pen_result *result, struct pen_status *st)
+{
+    return told(store, store->ops->commit(store, claim, result, NULL, st));
+}
+
+bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
+                                const struct pen_result *result, struct pen_next *next,
+                                struct pen_status *st)
+{
+    return told(store, store->ops->commit(store, claim, result, next, st));
+}
+
+bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
+                       struct pen_status *st)
+{
+    return told(store, store->ops->release(store, claim, st));
+}
+
+bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                    struct pen_status *st)
+{
+    return told(store, store->ops->fail(store, claim, error, st));
+}
+
+bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
+                         bool *held, struct pen_status *st)
+{
+    return store->ops->heartbeat(store, claim, lease_ms, held, st);
+}
+
+bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *opened,
+                     struct pen_status *st)
+{
+    return told(store, store->ops->sweep(store, dead_worker, opened, st));
+}
+
+bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
+                      void *user, struct pen_status *st)
+{
+    return store->ops->pixels(store, id, view, each, user, st);
+}
+
+bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
+                     struct pen_status *st)
+{
+    return store->ops->stats(store, id, each, user, st);
+}
+
+bool pen_store_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
+                       struct pen_status *st)
+{
+    return store->ops->batches(store, id, each, user, st);
+}
+
+bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
+                        const char *format, struct pen_buf *out, struct pen_status *st)
+{
+    return store->ops->artefact(store, id, view, layer, format, out, st);
+}
+
+bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
+                            const char *format, const void *data, size_t bytes,
+                            struct pen_status *st)
+{
+    return store->ops->artefact_put(store, id, view, layer, format, data, bytes, st);
+}
+
+bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
+{
+    return store->ops->tidy(store, key_age_ms, st);
+}
+
+bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
+                     struct pen_status *st)
+{
+    return store->ops->audit(store, each, user, found, st);
+}
+
+void pen_store_wait(struct pen_store *store, enum pen_signal signal, uint32_t *seen, int timeout_ms)
+{
+    pen_wake_wait(store->wake, signal, seen, timeout_ms);
+}
+
+void pen_store_wake(struct pen_store *store, enum pen_signal signal)
+{
+    pen_wake_all(store->wake, signal);
+}

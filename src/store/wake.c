@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT */
+/* The counters only grow, so a waiter that read a counter before it looked at the store cannot
+ * miss what came after: it either sees another value or the futex wakes it. The file keeps its
+ * length for ever (it is extended when short, never truncated), because a mapping of a file that
+ * shrinks faults. */
+#include "wake.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <linux/futex.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "pen/base/clock.h"
+
+enum { SIGNAL_COUNT = 2, FILE_BYTES = 4096 };
+
+struct pen_wake {
+    _Atomic uint32_t *counter;          /* SIGNAL_COUNT of them; atomic: release with the wake,
+                                           acquire in the wait */
+    _Atomic uint32_t own[SIGNAL_COUNT]; /* used where the file is not */
+};
+
+/* Extends a short file with written zeros: a hole could not be filled on a full disk, and storing
+ * to a mapped hole would then kill the process. */
+static bool fill_file(int fd)
+{
+    struct stat info;
+    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
+        return false;
+    static const char zeros[FILE_BYTES];
+    while (info.st_size < FILE_BYTES) {
+        ssize_t n = pwrite(fd, zeros, (size_t)(FILE_BYTES - info.st_size), info.st_size);
+        if (n <= 0)
+            return false;
+        info.st_size += n;
+    }
+    return true;
+}
+
+struct pen_wake *pen_wake_open(const char *path)
+{
+    struct pen_wake *wake = calloc(1, sizeof *wake);
+    if (!wake)
+        return NULL;
+    wake->counter = wake->own;
+    int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (fd < 0)
+        return wake;
+    if (fill_file(fd)) {
+        void *map = mmap(NULL, FILE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+        if (map != MAP_FAILED)
+            wake->counter = map;
+    }
+    close(fd);
+    return wake;
+}
+
+void pen_wake_close(struct pen_wake *wake)
+{
+    if (!wake)
+        return;
+    if (wake->counter != wake->own)
+        munmap(wake->counter, FILE_BYTES);
+    free(wake);
+}
+
+void pen_wake_wait(struct pen_wake *wake, enum pen_signal signal, uint32_t *seen, int timeout_ms)
+{
+    _Atomic uint32_t *counter = &wake->counter[signal];
+    int64_t end = pen_clock_ns() + (int64_t)timeout_ms * 1000000;
+    for (;;) {
+        uint32_t now = atomic_load_explicit(counter, memory_order_acquire);
+        int64_t left = end - pen_clock_ns();
+        if (now != *seen || left <= 0) {
+            *seen = now;
+            return;
+        }
+        struct timespec time = {.tv_sec = (time_t)(left / 1000000000),
+                                .tv_nsec = (long)(left % 1000000000)};
+        syscall(SYS_futex, (uint32_t *)counter, FUTEX_WAIT, now, &time, NULL, 0);
+    }
+}
+
+void pen_wake_all(struct pen_wake *wake, enum pen_signal signal)
+{
+    atomic_fetch_add_explicit(&wake->counter[signal], 1, memory_order_release);
+    syscall(SYS_futex, (uint32_t *)&wake->counter[signal], FUTEX_WAKE, INT_MAX, NULL, NULL, 0);
+}

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT */
+/* Wake-up hints: which calls give them, across processes, and without the file. */
+#include <stdio.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "pen/base/clock.h"
+#include "support/store.h"
+#include "support/suite.h"
+
+static struct store_bed bed;
+
+static uint32_t count(enum pen_signal signal)
+{
+    uint32_t seen = UINT32_MAX;
+    pen_store_wait(bed.store, signal, &seen, 0);
+    return seen;
+}
+
+static void pause_ms(unsigned ms)
+{
+    usleep(ms * 1000);
+}
+
+/* Waits up to 20 s; returns the ms it took. */
+static int64_t time_to_wake(struct pen_store *store, enum pen_signal signal, uint32_t seen)
+{
+    int64_t begin = pen_clock_ns();
+    uint32_t before = seen;
+    pen_store_wait(store, signal, &seen, 20000);
+    ck_assert_uint_ne(seen, before);
+    return (pen_clock_ns() - begin) / 1000000;
+}
+
+START_TEST(test_wake__waiting_ends_when_time_is_up)
+{
+    store_bed_open(&bed);
+    uint32_t seen = count(PEN_SIGNAL_WORK);
+    int64_t begin = pen_clock_ns();
+    pen_store_wait(bed.store, PEN_SIGNAL_WORK, &seen, 50);
+    int64_t took = (pen_clock_ns() - begin) / 1000000;
+    ck_assert_int_ge(took, 50);
+    ck_assert_int_lt(took, 5000);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_wake__a_change_missed_before_the_wait_ends_it_at_once)
+{
+    store_bed_open(&bed);
+    uint32_t seen = count(PEN_SIGNAL_NEWS);
+    pen_store_wake(bed.store, PEN_SIGNAL_NEWS);
+    ck_assert_int_lt(time_to_wake(bed.store, PEN_SIGNAL_NEWS, seen), 1000);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_wake__submit_in_another_process_wakes_a_waiting_worker)
+{
+    store_bed_open(&bed);
+    uint32_t seen = count(PEN_SIGNAL_WORK);
+    pid_t pid = fork();
+    ck_assert_int_ge(pid, 0);
+    if (pid == 0) {
+        struct store_job in;
+        struct pen_store *store = store_bed_handle(&bed);
+        store_job_init(&in, 1, 1, 1);
+        pause_ms(100);
+        store_job_submit(store, &in);
+        pen_store_close(store);
+        _exit(0);
+    }
+    ck_assert_int_lt(time_to_wake(bed.store, PEN_SIGNAL_WORK, seen), 10000);
+    ck_assert_int_eq(store_work_off(bed.store, "w"), 1);
+    waitpid(pid, NULL, 0);
+    store_bed_close(&bed);
+}
+END_TEST
+
+struct tally {
+    uint32_t work, news;
+};
+
+static struct tally take(void)
+{
+    return (struct tally){count(PEN_SIGNAL_WORK), count(PEN_SIGNAL_NEWS)};
+}
+
+/* Whether work and news have grown since the last look. */
+static void expect(struct tally *last, bool work, bool news, const char *what)
+{
+    struct tally now = take();
+    ck_assert_msg((now.work != last->work) == work, "%s: work", what);
+    ck_assert_msg((now.news != last->news) == news, "%s: news", what);
+    *last = now;
+}
+
+START_TEST(test_wake__each_call_tells_whom_it_concerns)
+{
+    store_bed_open(&bed);
+    struct pen_status st;
+    struct store_job in;
+    int opened;
+    struct tally last = take();
+    store_job_init(&in, 1, 1, 2);
+    store_job_submit(bed.store, &in);
+    expect(&last, true, true, "submit");
+    struct pen_claim one = store_claim(bed.store, "w");
+    expect(&last, false, true, "first claim");
+    struct pen_claim two = store_claim(bed.store, "w");
+    expect(&last, false, false, "second claim");
+    ck_assert_int_eq(store_commit(bed.store, &one), PEN_OK);
+    expect(&last, false, true, "commit");
+    store_must(pen_store_release(bed.store, &two, &st), &st, "release");
+    expect(&last, true, false, "release");
+    two = store_claim(bed.store, "w");
+    store_must(pen_store_sweep(bed.store, "w", &opened, &st), &st, "sweep");
+    expect(&last, true, false, "sweep");
+    store_must(pen_store_sweep(bed.store, "w", &opened, &st), &st, "sweep");
+    expect(&last, false, false, "sweep of nothing");
+    two = store_claim(bed.store, "w");
+    ck_assert_int_eq(store_commit(bed.store, &two), PEN_OK);
+    expect(&last, true, true, "commit that calls for the picture");
+    ck_assert_int_eq(store_commit(bed.store, &two), PEN_OK);
+    expect(&last, false, false, "duplicate commit");
+    ck_assert(!pen_store_delete(bed.store, in.id, &st));
+    expect(&last, false, false, "refused delete");
+    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    expect(&last, false, true, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    expect(&last, false, false, "cancel again");
+    store_must(pen_store_delete(bed.store, in.id, &st), &st, "delete");
+    expect(&last, false, true, "delete");
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_wake__file_missing_short_or_unusable_is_no_failure)
+{
+    store_bed_open(&bed);
+    pen_store_close(bed.store);
+    char path[128];
+    snprintf(path, sizeof path, "%s-wake", bed.url);
+    for (int i = 0; i < 2; i++) {
+        if (i == 0)
+            ck_assert_int_eq(unlink(path), 0);
+        else
+            ck_assert_int_eq(truncate(path, 3), 0);
+        bed.store = store_bed_handle(&bed);
+        uint32_t seen = count(PEN_SIGNAL_WORK);
+        pen_store_wake(bed.store, PEN_SIGNAL_WORK);
+        ck_assert_uint_eq(count(PEN_SIGNAL_WORK), seen + 1);
+        pen_store_close(bed.store);
+    }
+    bed.store = store_bed_handle(&bed);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("store wake", test_wake__waiting_ends_when_time_is_up,
+          test_wake__a_change_missed_before_the_wait_ends_it_at_once,
+          test_wake__submit_in_another_process_wakes_a_waiting_worker,
+          test_wake__each_call_tells_whom_it_concerns,
+          test_wake__file_missing_short_or_unusable_is_no_failure)

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+#include "support/store.h"
+
+#include <check.h>
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+void store_must(bool ok, const struct pen_status *st, const char *what)
+{
+    if (!ok)
+        ck_abort_msg("%s: %s (%s)", what, st->msg, pen_code_name(st->code));
+}
+
+struct pen_store *store_bed_handle(const struct store_bed *bed)
+{
+    struct pen_status st;
+    struct pen_store *store = pen_store_open(bed->url, &st);
+    store_must(store != NULL, &st, "open");
+    return store;
+}
+
+void store_bed_open(struct store_bed *bed)
+{
+    snprintf(bed->folder, sizeof bed->folder, "/tmp/penumbra-test-XXXXXX");
+    ck_assert_ptr_nonnull(mkdtemp(bed->folder));
+    snprintf(bed->url, sizeof bed->url, "%s/penumbra.db", bed->folder);
+    bed->store = store_bed_handle(bed);
+}
+
+static void print_finding(void *user, const char *finding)
+{
+    (void)user;
+    fprintf(stderr, "audit: %s\n", finding);
+}
+
+void store_audit_clean(struct pen_store *store)
+{
+    struct pen_status st;
+    int found = -1;
+    store_must(pen_store_audit(store, print_finding, NULL, &found, &st), &st, "audit");
+    ck_assert_int_eq(found, 0);
+    store_must(pen_store_check(store, &st), &st, "check");
+}
+
+static void remove_folder(const char *folder)
+{
+    DIR *dir = opendir(folder);
+    ck_assert_ptr_nonnull(dir);
+    char path[400];
+    for (struct dirent *entry; (entry = readdir(dir)) != NULL;) {
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        if (entry->d_name[0] != '.')
+            unlink(path);
+    }
+    closedir(dir);
+    ck_assert_int_eq(rmdir(folder), 0);
+}
+
+void store_bed_close(struct store_bed *bed)
+{
+    store_audit_clean(bed->store);
+    pen_store_close(bed->store);
+    remove_folder(bed->folder);
+}
+
+void store_job_init(struct store_job *job, int n, int views, int batches)
+{
+    static const char *const names[8] = {"a", "b", "c", "d", "e", "f", "g", "h"};
+    *job = (struct store_job){0};
+    snprintf(job->id, sizeof job->id, "01900000-0000-7000-8000-%012d", n);
+    snprintf(job->scene, sizeof job->scene, "{\"scene\": %d}", n % 8);
+    job->sha256[0] = (unsigned char)(n % 8);
+    for (int v = 0; v < views; v++) {
+        job->view[v] = (struct pen_view_new){names[v], STORE_JOB_TILE * batches, STORE_JOB_TILE};
+        for (int b = 0; b < batches; b++)
+            job->batch[v * batches + b] =
+                (struct pen_batch_new){v, b, 1, STORE_JOB_TILE * STORE_JOB_TILE};
+    }
+    job->job = (struct pen_job_new){
+        .id = job->id,
+        .created_ms = 1000 + n,
+        .kind = "render",
+        .request = "{\"name\": \"test\"}",
+        .scene = job->scene,
+        .scene_bytes = strlen(job->scene),
+        .scene_sha256 = job->sha256,
+        .max_attempts = 3,
+        .view_count = views,
+        .views = job->view,
+        .batch_count = views * batches,
+        .batches = job->batch,
+    };
+}
+
+void store_job_submit(struct pen_store *store, const struct store_job *job)
+{
+    struct pen_status st;
+    struct pen_buf answer = {0};
+    enum pen_submit_result result = PEN_SUBMIT_REUSED;
+    store_must(pen_store_submit(store, &job->job, &result, &answer, &st), &st, "submit");
+    ck_assert_int_eq(result, PEN_SUBMIT_CREATED);
+    pen_buf_release(&answer);
+}
+
+struct pen_claim store_claim(struct pen_store *store, const char *worker)
+{
+    struct pen_status st;
+    struct pen_claim claim = {0};
+    bool found = false;
+    store_must(pen_store_claim(store, worker, 60000, &claim, &found, &st), &st, "claim");
+    ck_assert(found);
+    return claim;
+}
+
+enum pen_code store_commit(struct pen_store *store, const struct pen_claim *claim)
+{
+    struct pen_status st = {0};
+    float rgb[STORE_JOB_TILE * STORE_JOB_TILE * 3];
+    for (size_t i = 0; i < sizeof rgb / sizeof rgb[0]; i++)
+        rgb[i] = (float)claim->first_tile + (float)i / 64;
+    struct pen_result result = {.stats = "{}"};
+    if (claim->kind == PEN_BATCH_RENDER) {
+        result.rgb = rgb;
+        result.pixels = claim->pixels;
+    }
+    if (claim->kind == PEN_BATCH_ASSEMBLE || claim->view_batches == 1) {
+        result.layer = "beauty";
+        result.format = "png";
+        result.artefact = "picture";
+        result.artefact_bytes = strlen("picture");
+    }
+    return pen_store_commit(store, claim, &result, &st) ? PEN_OK : st.code;
+}
+
+int store_work_off(struct pen_store *store, const char *worker)
+{
+    struct pen_status st;
+    for (int count = 0;; count++) {
+        struct pen_claim claim;
+        bool found = false;
+        store_must(pen_store_claim(store, worker, 60000, &claim, &found, &st), &st, "claim");
+        if (!found)
+            return count;
+        ck_assert_int_eq(store_commit(store, &claim), PEN_OK);
+    }
+}
+
+struct pen_job_record store_job_get(struct pen_store *store, const char *id)
+{
+    struct pen_status st;
+    struct pen_job_record job;
+    store_must(pen_store_job(store, id, &job, &st), &st, "get");
+    return job;
+}
+
+enum pen_job_state store_job_state(struct pen_store *store, const char *id)
+{
+    struct pen_job_record job = store_job_get(store, id);
+    enum pen_job_state state = job.state;
+    pen_job_record_release(&job);
+    return state;
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+/* A store in a folder of its own, and jobs to put in it, for tests of rooms store and jobs. The
+ * URL is a parameter of this file alone: the tests that use it hold for every engine. */
+#ifndef TESTS_SUPPORT_STORE_H
+#define TESTS_SUPPORT_STORE_H
+
+#include "pen/store/store.h"
+
+struct store_bed {
+    char folder[64], url[96];
+    struct pen_store *store;
+};
+
+/* Opens a new store; ends the test when it cannot. */
+void store_bed_open(struct store_bed *bed);
+
+/* Audits the store (the test fails on any finding), closes it, removes the folder. */
+void store_bed_close(struct store_bed *bed);
+
+/* A further handle on the bed's store. */
+struct pen_store *store_bed_handle(const struct store_bed *bed);
+
+/* Fails the test with every finding of the audit. */
+void store_audit_clean(struct pen_store *store);
+
+enum { STORE_JOB_BATCHES = 64, STORE_JOB_TILE = 4 };
+
+/* A job of `views` views, each of `batches` batches of one tile of 4x4 pixels. Fields may be
+ * changed before it is submitted; it must stay where it is. */
+struct store_job {
+    char id[PEN_ID_BYTES], scene[64];
+    unsigned char sha256[32];
+    struct pen_view_new view[8];
+    struct pen_batch_new batch[STORE_JOB_BATCHES];
+    struct pen_job_new job;
+};
+
+/* Number n gives the id and, modulo 8, the scene. */
+void store_job_init(struct store_job *job, int n, int views, int batches);
+
+/* Submits; fails the test unless it was created. */
+void store_job_submit(struct pen_store *store, const struct store_job *job);
+
+/* Claims; fails the test when there is nothing to claim. */
+struct pen_claim store_claim(struct pen_store *store, const char *worker);
+
+/* Commits what the batch calls for: pixels that depend on the tile alone, and a picture where the
+ * batch ends a view. Returns the code. */
+enum pen_code store_commit(struct pen_store *store, const struct pen_claim *claim);
+
+/* Claims and commits until nothing is left; returns the number of batches. */
+int store_work_off(struct pen_store *store, const char *worker);
+
+/* The job; the caller releases it. */
+struct pen_job_record store_job_get(struct pen_store *store, const char *id);
+enum pen_job_state store_job_state(struct pen_store *store, const char *id);
+
+/* Ends the test with the status's message. */
+void store_must(bool ok, const struct pen_status *st, const char *what);
+
+#endif
