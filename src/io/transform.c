@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+/* Transforms of groups, and what a chain of them does to quadrics. */
+#include <math.h>
+#include <stdio.h>
+
+#include "object.h"
+
+struct transform_parts {
+    double scale;
+    struct pen_vec3 axis, translate;
+    double degrees;
+};
+
+#define PART(name) offsetof(struct transform_parts, name)
+
+static const struct pen_field transform_fields[] = {
+    {"scale", PEN_FIELD_NUMBER, .offset = PART(scale), .range = &pen_range_positive},
+    {"rotate", PEN_FIELD_OTHER},
+    {"translate", PEN_FIELD_POINT, .offset = PART(translate)},
+    {"matrix", PEN_FIELD_OTHER},
+    {0}};
+
+static const struct pen_field rotate_fields[] = {
+    {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = PART(axis)},
+    {"degrees", PEN_FIELD_NUMBER, .required = true, .offset = PART(degrees),
+     .range = &pen_range_any},
+    {0}};
+
+static bool read_matrix(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                        struct pen_transform *f)
+{
+    if (json_array_size(json) != 12) {
+        struct pen_text found = pen_text_value(json);
+        return pen_reader_fail(r, at, PEN_INVALID,
+                               "must be an array of 12 numbers, three rows of four, found %s",
+                               found.text);
+    }
+    bool ok = true;
+    for (size_t i = 0; i < 12; i++) {
+        struct pen_place place = pen_place_index(at, i);
+        ok &= pen_read_number(r, &place, json_array_get(json, i), &pen_range_any,
+                              &f->m[i / 4][i % 4]);
+    }
+    return ok;
+}
+
+static bool read_parts(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                       struct pen_transform *f)
+{
+    struct transform_parts parts = {.scale = 1, .axis = {0, 0, 1}};
+    const json_t *rotate = json_object_get(json, "rotate");
+    struct pen_place rotate_at = pen_place_key(at, "rotate");
+    bool ok = pen_fields_read(r, at, json, transform_fields, &parts);
+    if (rotate)
+        ok &= pen_fields_read(r, &rotate_at, rotate, rotate_fields, &parts) &&
+              pen_fields_require(r, &rotate_at, rotate, rotate_fields);
+    if (ok)
+        *f = pen_transform_make(parts.scale, parts.axis, parts.degrees, parts.translate);
+    return ok;
+}
+
+/* The largest entry of the linear part in magnitude, NaN if one is. */
+static double magnitude(const struct pen_transform *f)
+{
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            most = fabs(f->m[i][j]) <= most ? most : fabs(f->m[i][j]);
+    }
+    return most;
+}
+
+/* The linear part with entries up to 1, so that its determinant cannot over- or underflow. */
+static struct pen_transform normalized(const struct pen_transform *f)
+{
+    struct pen_transform n = *f;
+    double most = magnitude(f);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            n.m[i][j] = most > 0 ? f->m[i][j] / most : 0;
+        n.m[i][3] = 0;
+    }
+    return n;
+}
+
+static bool in_range(const struct pen_transform *f)
+{
+    bool ok = true;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 4; j++)
+            ok &= fabs(f->m[i][j]) <= PEN_NUMBER_MAX;
+    }
+    return ok;
+}
+
+static bool is_similarity(const struct pen_transform *f)
+{
+    double scale;
+    struct pen_transform n = normalized(f);
+    return pen_transform_similarity(&n, &scale);
+}
+
+bool pen_group_transform_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                              struct pen_transform *f)
+{
+    const json_t *matrix = json_object_get(json, "matrix");
+    struct pen_place matrix_at = pen_place_key(at, "matrix");
+    if (!matrix)
+        return read_parts(r, at, json, f);
+    struct transform_parts ignored;
+    bool ok = pen_fields_read(r, at, json, transform_fields, &ignored);
+    if (json_object_size(json) > 1 && ok)
+        ok = pen_reader_fail(r, &matrix_at, PEN_INVALID,
+                             "\"matrix\" excludes \"scale\", \"rotate\" and \"translate\", found "
+                             "both");
+    if (!read_matrix(r, &matrix_at, matrix, f) || !ok)
+        return false;
+    struct pen_transform n = normalized(f);
+    if (!pen_transform_invertible(&n))
+        return pen_reader_fail(r, &matrix_at, PEN_INVALID,
+                               "must be invertible, found a matrix that flattens space");
+    return true;
+}
+
+bool pen_chain_add(struct pen_reader *r, const struct pen_place *at, const struct pen_transform *f,
+                   struct pen_chain *chain)
+{
+    bool similar = is_similarity(f);
+    if (!similar && !chain->blame) {
+        chain->blame = at;
+        chain->blamed = *f;
+    }
+    chain->f = pen_transform_compose(&chain->f, f);
+    chain->similar = (similar && chain->similar) || is_similarity(&chain->f);
+    struct pen_transform n = normalized(&chain->f);
+    if (in_range(&chain->f) && magnitude(&chain->f) > 0 && pen_transform_invertible(&n))
+        return true;
+    return pen_reader_fail(r, at, PEN_INVALID,
+                           "together with the transforms of the groups around it, this one %s",
+                           in_range(&chain->f) ? "flattens space, and must be invertible"
+                                               : "reaches beyond 1e100 in magnitude");
+}
+
+bool pen_chain_takes_quadric(struct pen_reader *r, const struct pen_place *at, const char *what,
+                             const struct pen_chain *chain)
+{
+    if (chain->similar)
+        return true;
+    double length[3];
+    for (int j = 0; j < 3; j++)
+        length[j] = pen_length(
+            pen_vec3(chain->blamed.m[0][j], chain->blamed.m[1][j], chain->blamed.m[2][j]));
+    bool equal = fabs(length[0] - length[1]) <= 1e-6 * length[0] &&
+                 fabs(length[0] - length[2]) <= 1e-6 * length[0];
+    struct pen_text a = pen_text_number(length[0]), b = pen_text_number(length[1]),
+                    c = pen_text_number(length[2]);
+    char place[PEN_AT_BYTES], why[128];
+    pen_place_text(chain->blame, r->prefix, place, sizeof place);
+    snprintf(why, sizeof why, "of lengths %.30s, %.30s, %.30s", a.text, b.text, c.text);
+    return pen_reader_fail(
+        r, at, PEN_INVALID,
+        "a %s takes only similarities (uniform scale, rotation, translation, mirror), and the "
+        "transform at %s is none: the columns of its matrix are %s",
+        what, place, equal ? "not at right angles" : why);
+}
