@@ -10,69 +10,50 @@
 static const struct pen_range fov_range = {0, 180, true, true};
 
 static const struct pen_field camera_fields[] = {
-    {"position", PEN_FIELD_POINT,
-     .required = true,
+    {"position", PEN_FIELD_POINT, .required = true,
      .offset = offsetof(struct pen_camera_desc, position)},
-    {"look_at", PEN_FIELD_POINT,
-     .offset = offsetof(struct pen_camera_desc, look_at)},
-    {"direction", PEN_FIELD_DIRECTION,
-     .offset = offsetof(struct pen_camera_desc, direction)},
+    {"look_at", PEN_FIELD_POINT, .offset = offsetof(struct pen_camera_desc, look_at)},
+    {"direction", PEN_FIELD_DIRECTION, .offset = offsetof(struct pen_camera_desc, direction)},
     {"up", PEN_FIELD_DIRECTION, .offset = offsetof(struct pen_camera_desc, up)},
-    {"view_plane", PEN_FIELD_OTHER},
-    {"fov_degrees", PEN_FIELD_NUMBER,
-     .offset = offsetof(struct pen_camera_desc, fov_degrees),
+    {"view_plane", .type = PEN_FIELD_OTHER},
+    {"fov_degrees", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_camera_desc, fov_degrees),
      .range = &fov_range},
     {"aperture_radius", PEN_FIELD_NUMBER,
-     .offset = offsetof(struct pen_camera_desc, aperture_radius),
-     .range = &pen_range_not_negative,
+     .offset = offsetof(struct pen_camera_desc, aperture_radius), .range = &pen_range_not_negative,
      .later = "a lens, that is, an aperture radius above 0"},
-    {"focus_distance", PEN_FIELD_NUMBER,
-     .offset = offsetof(struct pen_camera_desc, focus_distance),
+    {"focus_distance", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_camera_desc, focus_distance),
      .range = &pen_range_positive},
-    {"transforms", PEN_FIELD_OTHER},
+    {"transforms", .type = PEN_FIELD_OTHER},
     {0}};
 
 static const struct pen_field plane_fields[] = {
-    {"distance", PEN_FIELD_NUMBER,
-     .required = true,
-     .offset = offsetof(struct pen_camera_desc, plane_distance),
-     .range = &pen_range_positive},
-    {"width", PEN_FIELD_NUMBER,
-     .required = true,
-     .offset = offsetof(struct pen_camera_desc, plane_width),
-     .range = &pen_range_positive},
-    {"height", PEN_FIELD_NUMBER,
-     .required = true,
-     .offset = offsetof(struct pen_camera_desc, plane_height),
-     .range = &pen_range_positive},
+    {"distance", PEN_FIELD_NUMBER, .required = true,
+     .offset = offsetof(struct pen_camera_desc, plane_distance), .range = &pen_range_positive},
+    {"width", PEN_FIELD_NUMBER, .required = true,
+     .offset = offsetof(struct pen_camera_desc, plane_width), .range = &pen_range_positive},
+    {"height", PEN_FIELD_NUMBER, .required = true,
+     .offset = offsetof(struct pen_camera_desc, plane_height), .range = &pen_range_positive},
     {0}};
 
 static const struct pen_field move_fields[] = {
-    {"translate", PEN_FIELD_POINT,
-     .offset = offsetof(struct pen_camera_move, vector)},
-    {"rotate", PEN_FIELD_OTHER},
-    {"orbit", PEN_FIELD_OTHER},
+    {"translate", PEN_FIELD_POINT, .offset = offsetof(struct pen_camera_move, vector)},
+    {"rotate", .type = PEN_FIELD_OTHER},
+    {"orbit", .type = PEN_FIELD_OTHER},
     {0}};
 
 static const struct pen_field rotate_fields[] = {
     {"axis", PEN_FIELD_OTHER, .required = true},
-    {"degrees", PEN_FIELD_NUMBER,
-     .required = true,
-     .offset = offsetof(struct pen_camera_move, degrees),
-     .range = &pen_range_any},
+    {"degrees", PEN_FIELD_NUMBER, .required = true,
+     .offset = offsetof(struct pen_camera_move, degrees), .range = &pen_range_any},
     {0}};
 
 static const struct pen_field orbit_fields[] = {
-    {"target", PEN_FIELD_POINT,
-     .required = true,
+    {"target", PEN_FIELD_POINT, .required = true,
      .offset = offsetof(struct pen_camera_move, vector)},
-    {"axis", PEN_FIELD_DIRECTION,
-     .required = true,
+    {"axis", PEN_FIELD_DIRECTION, .required = true,
      .offset = offsetof(struct pen_camera_move, axis)},
-    {"degrees", PEN_FIELD_NUMBER,
-     .required = true,
-     .offset = offsetof(struct pen_camera_move, degrees),
-     .range = &pen_range_any},
+    {"degrees", PEN_FIELD_NUMBER, .required = true,
+     .offset = offsetof(struct pen_camera_move, degrees), .range = &pen_range_any},
     {0}};
 
 static const struct pen_word axis_words[] = {{"forward", PEN_AXIS_FORWARD, NULL},
@@ -84,10 +65,7 @@ static bool read_rotate(struct pen_reader *r, const struct pen_place *at, const 
                         struct pen_camera_move *move)
 {
     move->kind = PEN_MOVE_ROTATE;
-    bool ok = pen_fields_read(r, at, json, rotate_fields, move);
-    if (!json_is_object(json))
-        return false;
-    ok &= pen_fields_require(r, at, json, rotate_fields);
+    bool ok = pen_fields_read_whole(r, at, json, rotate_fields, move);
     const json_t *axis = json_object_get(json, "axis");
     struct pen_place place = pen_place_key(at, "axis");
     int word = PEN_AXIS_VECTOR;
@@ -103,8 +81,7 @@ static bool read_orbit(struct pen_reader *r, const struct pen_place *at, const j
                        struct pen_camera_move *move)
 {
     move->kind = PEN_MOVE_ORBIT;
-    bool ok = pen_fields_read(r, at, json, orbit_fields, move);
-    return json_is_object(json) && pen_fields_require(r, at, json, orbit_fields) && ok;
+    return pen_fields_read_whole(r, at, json, orbit_fields, move);
 }
 
 static bool read_move(struct pen_reader *r, const struct pen_place *at, const json_t *json,
@@ -172,13 +149,11 @@ static bool check_frame(struct pen_reader *r, const struct pen_place *at, const 
     return pen_reader_fail(r, here ? &place : at, st.code, "%s", st.msg);
 }
 
-/* Reads what is there; a key that excludes another takes its place. */
-static bool read_keys(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                      struct pen_camera_desc *camera)
+/* Reads what the table does not say; a key that excludes another takes its place. */
+static bool read_others(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                        struct pen_camera_desc *camera)
 {
-    bool ok = pen_fields_read(r, at, json, camera_fields, camera);
-    if (!json_is_object(json))
-        return false;
+    bool ok = true;
     const json_t *plane = json_object_get(json, "view_plane");
     const json_t *moves = json_object_get(json, "transforms");
     struct pen_place plane_at = pen_place_key(at, "view_plane");
@@ -186,8 +161,7 @@ static bool read_keys(struct pen_reader *r, const struct pen_place *at, const js
     ok &= refuse_both(r, at, json, "look_at", "direction");
     ok &= refuse_both(r, at, json, "view_plane", "fov_degrees");
     if (plane)
-        ok &= pen_fields_read(r, &plane_at, plane, plane_fields, camera) &&
-              pen_fields_require(r, &plane_at, plane, plane_fields);
+        ok &= pen_fields_read_whole(r, &plane_at, plane, plane_fields, camera);
     if (moves)
         ok &= read_moves(r, &moves_at, moves, camera);
     if (json_object_get(json, "look_at") || json_object_get(json, "direction"))
@@ -201,11 +175,10 @@ bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const jso
                      struct pen_camera_desc *camera)
 {
     *camera = (struct pen_camera_desc){.up = {0, 1, 0}, .fov_degrees = 50};
-    bool ok = read_keys(r, at, json, camera);
-    if (!json_is_object(json))
-        return false;
-    ok &= pen_fields_require(r, at, json, camera_fields);
-    if (!json_object_get(json, "look_at") && !json_object_get(json, "direction"))
+    bool ok = pen_fields_read_whole(r, at, json, camera_fields, camera);
+    ok &= read_others(r, at, json, camera);
+    if (json_is_object(json) && !json_object_get(json, "look_at") &&
+        !json_object_get(json, "direction"))
         ok = pen_reader_fail(r, at, PEN_INVALID, "missing key \"look_at\" or \"direction\"");
     return ok && check_frame(r, at, json, camera);
 }
@@ -213,5 +186,7 @@ bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const jso
 bool pen_camera_override(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                          bool check, struct pen_camera_desc *camera)
 {
-    return read_keys(r, at, json, camera) && (!check || check_frame(r, at, json, camera));
+    bool ok = pen_fields_read(r, at, json, camera_fields, camera);
+    ok &= read_others(r, at, json, camera);
+    return ok && (!check || check_frame(r, at, json, camera));
 }

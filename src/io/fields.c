@@ -5,8 +5,8 @@
 
 #include "reader.h"
 
-static bool read_number_field(struct pen_reader *r, const struct pen_place *at,
-                              const json_t *value, const struct pen_field *field, double *out)
+static bool read_number_field(struct pen_reader *r, const struct pen_place *at, const json_t *value,
+                              const struct pen_field *field, double *out)
 {
     if (!pen_read_number(r, at, value, field->range, out))
         return false;
@@ -120,13 +120,13 @@ bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const jso
     return ok;
 }
 
-bool pen_fields_require(struct pen_reader *r, const struct pen_place *at, const json_t *object,
-                        const struct pen_field *fields)
+bool pen_fields_read_whole(struct pen_reader *r, const struct pen_place *at, const json_t *object,
+                           const struct pen_field *fields, void *target)
 {
-    bool ok = true;
-    for (; fields->key; fields++) {
-        if (fields->required && !json_object_get(object, fields->key))
-            ok = pen_reader_fail(r, at, PEN_INVALID, "missing key \"%s\"", fields->key);
+    bool ok = pen_fields_read(r, at, object, fields, target);
+    for (const struct pen_field *f = fields; f->key && json_is_object(object); f++) {
+        if (f->required && !json_object_get(object, f->key))
+            ok = pen_reader_fail(r, at, PEN_INVALID, "missing key \"%s\"", f->key);
     }
     return ok;
 }

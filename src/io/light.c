@@ -13,7 +13,8 @@ static const char soft[] = "soft shadows, that is, a light with a radius above 0
 
 static const struct pen_field directional_fields[] = {
     {"type", PEN_FIELD_OTHER, .required = true},
-    {"intensity", PEN_FIELD_COLOUR, .required = true, .offset = offsetof(struct pen_light_desc, intensity)},
+    {"intensity", PEN_FIELD_COLOUR, .required = true,
+     .offset = offsetof(struct pen_light_desc, intensity)},
     {"shadows", PEN_FIELD_BOOL, .offset = offsetof(struct pen_light_desc, shadows)},
     {"direction", PEN_FIELD_DIRECTION, .required = true,
      .offset = offsetof(struct pen_light_desc, direction)},
@@ -23,9 +24,11 @@ static const struct pen_field directional_fields[] = {
 
 static const struct pen_field point_fields[] = {
     {"type", PEN_FIELD_OTHER, .required = true},
-    {"intensity", PEN_FIELD_COLOUR, .required = true, .offset = offsetof(struct pen_light_desc, intensity)},
+    {"intensity", PEN_FIELD_COLOUR, .required = true,
+     .offset = offsetof(struct pen_light_desc, intensity)},
     {"shadows", PEN_FIELD_BOOL, .offset = offsetof(struct pen_light_desc, shadows)},
-    {"position", PEN_FIELD_POINT, .required = true, .offset = offsetof(struct pen_light_desc, position)},
+    {"position", PEN_FIELD_POINT, .required = true,
+     .offset = offsetof(struct pen_light_desc, position)},
     {"attenuation", PEN_FIELD_COEFFICIENTS, .offset = offsetof(struct pen_light_desc, attenuation)},
     {"radius", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_light_desc, radius),
      .range = &pen_range_not_negative, .later = soft},
@@ -33,9 +36,11 @@ static const struct pen_field point_fields[] = {
 
 static const struct pen_field spot_fields[] = {
     {"type", PEN_FIELD_OTHER, .required = true},
-    {"intensity", PEN_FIELD_COLOUR, .required = true, .offset = offsetof(struct pen_light_desc, intensity)},
+    {"intensity", PEN_FIELD_COLOUR, .required = true,
+     .offset = offsetof(struct pen_light_desc, intensity)},
     {"shadows", PEN_FIELD_BOOL, .offset = offsetof(struct pen_light_desc, shadows)},
-    {"position", PEN_FIELD_POINT, .required = true, .offset = offsetof(struct pen_light_desc, position)},
+    {"position", PEN_FIELD_POINT, .required = true,
+     .offset = offsetof(struct pen_light_desc, position)},
     {"attenuation", PEN_FIELD_COEFFICIENTS, .offset = offsetof(struct pen_light_desc, attenuation)},
     {"radius", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_light_desc, radius),
      .range = &pen_range_not_negative, .later = soft},
@@ -51,14 +56,12 @@ static bool read_light(struct pen_reader *r, const struct pen_place *at, const j
     static const struct pen_field *const tables[] = {[PEN_LIGHT_DIRECTIONAL] = directional_fields,
                                                      [PEN_LIGHT_POINT] = point_fields,
                                                      [PEN_LIGHT_SPOT] = spot_fields};
-    *light = (struct pen_light_desc){
-        .shadows = true, .attenuation = {1, 0, 0}, .beam_exponent = 1};
+    *light = (struct pen_light_desc){.shadows = true, .attenuation = {1, 0, 0}, .beam_exponent = 1};
     int kind;
     if (!pen_read_type(r, at, json, kinds, &kind))
         return false;
     light->kind = (enum pen_light_kind)kind;
-    bool ok = pen_fields_read(r, at, json, tables[kind], light);
-    return pen_fields_require(r, at, json, tables[kind]) && ok;
+    return pen_fields_read_whole(r, at, json, tables[kind], light);
 }
 
 bool pen_lights_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,

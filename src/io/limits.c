@@ -7,7 +7,8 @@
 /* Shadow rays that one light costs per shaded point, at most. */
 static double shadow_rays(const struct pen_light_desc *light, const struct pen_settings *settings)
 {
-    bool soft = light->kind == PEN_LIGHT_DIRECTIONAL ? light->angular_radius > 0 : light->radius > 0;
+    bool soft =
+        light->kind == PEN_LIGHT_DIRECTIONAL ? light->angular_radius > 0 : light->radius > 0;
     if (!light->shadows)
         return 0;
     if (!soft)
@@ -38,10 +39,9 @@ bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_de
     double pixels = (double)settings->width * settings->height;
     double work = views * pixels * pen_work_per_pixel(desc, settings);
     if (pixels > (double)limits->pixels_per_view)
-        return pen_fail_at(st, PEN_TOO_LARGE, at,
-                           "%d x %d are %.0f pixels in a view, at most %llu are allowed",
-                           settings->width, settings->height, pixels,
-                           (unsigned long long)limits->pixels_per_view);
+        return pen_fail_at(
+            st, PEN_TOO_LARGE, at, "%d x %d are %.0f pixels in a view, at most %llu are allowed",
+            settings->width, settings->height, pixels, (unsigned long long)limits->pixels_per_view);
     if (work > limits->work)
         return pen_fail_at(st, PEN_TOO_LARGE, at,
                            "%u views of %d x %d pixels with these samples and lights take up to "

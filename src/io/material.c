@@ -12,18 +12,16 @@ static const struct pen_field material_fields[] = {
     {"ka", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, ka)},
     {"kd", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kd)},
     {"ks", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, ks)},
-    {"shininess", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, shininess), .range = &pen_range_not_negative},
+    {"shininess", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, shininess),
+     .range = &pen_range_not_negative},
     {"kt", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kt)},
     {"kr", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kr)},
     {"ior", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, ior),
-     .range = &pen_range_positive,
-     .later = "refraction, that is, an index other than 1",
-     .off = 1},
+     .range = &pen_range_positive, .later = "refraction, that is, an index other than 1", .off = 1},
     {"reflection_blur", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, reflection_blur),
-     .range = &blur_range,
-     .later = "glossy reflection, that is, a blur above 0"},
-    {"transmission_blur", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, transmission_blur),
-     .range = &blur_range,
+     .range = &blur_range, .later = "glossy reflection, that is, a blur above 0"},
+    {"transmission_blur", PEN_FIELD_NUMBER,
+     .offset = offsetof(struct pen_material, transmission_blur), .range = &blur_range,
      .later = "frosted glass, that is, a blur above 0"},
     {0}};
 
@@ -56,7 +54,8 @@ bool pen_materials_read(struct pen_reader *r, const struct pen_place *at, const 
     const char *key;
     json_t *value;
     uint32_t i = 0;
-    json_object_foreach((json_t *)json, key, value) {
+    json_object_foreach((json_t *)json, key, value)
+    {
         struct pen_place place = pen_place_key(at, key);
         ok &= pen_material_read(r, &place, value, &r->materials[i]);
         names[i] = (struct pen_name_index){key, i};
@@ -109,9 +108,9 @@ bool pen_material_of(struct pen_reader *r, const struct pen_place *at, const jso
     if (json_is_string(json)) {
         struct pen_name_index wanted = {json_string_value(json), 0};
         const struct pen_name_index *found =
-            r->named_count == 0 ? NULL
-                                : bsearch(&wanted, r->names, r->named_count, sizeof wanted,
-                                          compare_names);
+            r->named_count == 0
+                ? NULL
+                : bsearch(&wanted, r->names, r->named_count, sizeof wanted, compare_names);
         if (!found)
             return unknown_name(r, at, wanted.name);
         *index = (int)found->index;

@@ -10,48 +10,47 @@
 /* Kinds that the format knows and this version does not. */
 enum { KIND_LATER = -1 };
 
-static const struct pen_word kinds[] = {
-    {"sphere", PEN_OBJECT_SPHERE, NULL},
-    {"plane", PEN_OBJECT_PLANE, NULL},
-    {"triangle", PEN_OBJECT_TRIANGLE, NULL},
-    {"polygon", PEN_OBJECT_POLYGON, NULL},
-    {"tube", PEN_OBJECT_TUBE, NULL},
-    {"cylinder", PEN_OBJECT_CYLINDER, NULL},
-    {"group", PEN_OBJECT_GROUP, NULL},
-    {"mesh", KIND_LATER, "the object type \"mesh\""},
-    {"instance", KIND_LATER, "the object type \"instance\""},
-    {0}};
+static const struct pen_word kinds[] = {{"sphere", PEN_OBJECT_SPHERE, NULL},
+                                        {"plane", PEN_OBJECT_PLANE, NULL},
+                                        {"triangle", PEN_OBJECT_TRIANGLE, NULL},
+                                        {"polygon", PEN_OBJECT_POLYGON, NULL},
+                                        {"tube", PEN_OBJECT_TUBE, NULL},
+                                        {"cylinder", PEN_OBJECT_CYLINDER, NULL},
+                                        {"group", PEN_OBJECT_GROUP, NULL},
+                                        {"mesh", KIND_LATER, "the object type \"mesh\""},
+                                        {"instance", KIND_LATER, "the object type \"instance\""},
+                                        {0}};
 
 #define MEMBER(path) offsetof(struct pen_object_desc, path)
 
 static const struct pen_field sphere_fields[] = {
-    {"type", PEN_FIELD_OTHER},
+    {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", PEN_FIELD_OTHER},
+    {"material", .type = PEN_FIELD_OTHER},
     {"center", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.sphere.center)},
     {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.sphere.radius),
      .range = &pen_range_positive},
     {0}};
 
 static const struct pen_field plane_fields[] = {
-    {"type", PEN_FIELD_OTHER},
+    {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", PEN_FIELD_OTHER},
+    {"material", .type = PEN_FIELD_OTHER},
     {"point", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.plane.point)},
     {"normal", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.plane.normal)},
     {0}};
 
 static const struct pen_field polygon_fields[] = {
-    {"type", PEN_FIELD_OTHER},
+    {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", PEN_FIELD_OTHER},
+    {"material", .type = PEN_FIELD_OTHER},
     {"vertices", PEN_FIELD_OTHER, .required = true},
     {0}};
 
 static const struct pen_field tube_fields[] = {
-    {"type", PEN_FIELD_OTHER},
+    {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", PEN_FIELD_OTHER},
+    {"material", .type = PEN_FIELD_OTHER},
     {"origin", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.tube.origin)},
     {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.tube.axis)},
     {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.tube.radius),
@@ -59,9 +58,9 @@ static const struct pen_field tube_fields[] = {
     {0}};
 
 static const struct pen_field cylinder_fields[] = {
-    {"type", PEN_FIELD_OTHER},
+    {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", PEN_FIELD_OTHER},
+    {"material", .type = PEN_FIELD_OTHER},
     {"base", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.cylinder.base)},
     {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.cylinder.axis)},
     {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.cylinder.radius),
@@ -71,12 +70,11 @@ static const struct pen_field cylinder_fields[] = {
     {"caps", PEN_FIELD_BOOL, .offset = MEMBER(u.cylinder.caps)},
     {0}};
 
-static const struct pen_field group_fields[] = {
-    {"type", PEN_FIELD_OTHER},
-    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"objects", PEN_FIELD_OTHER, .required = true},
-    {"transform", PEN_FIELD_OTHER},
-    {0}};
+static const struct pen_field group_fields[] = {{"type", .type = PEN_FIELD_OTHER},
+                                                {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+                                                {"objects", PEN_FIELD_OTHER, .required = true},
+                                                {"transform", .type = PEN_FIELD_OTHER},
+                                                {0}};
 
 static const struct {
     const char *name;
@@ -199,8 +197,7 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
     if (kind == PEN_OBJECT_CYLINDER)
         object->u.cylinder.caps = true;
     const struct pen_field *fields = by_kind[kind].fields;
-    bool ok = pen_fields_read(r, at, json, fields, object);
-    ok &= pen_fields_require(r, at, json, fields);
+    bool ok = pen_fields_read_whole(r, at, json, fields, object);
     if (kind == PEN_OBJECT_GROUP)
         return read_group(r, at, json, chain, object) && ok;
     r->primitive_count++;

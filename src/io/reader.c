@@ -16,9 +16,7 @@
 static size_t append(char *out, size_t bytes, size_t used, const char *text, bool escape)
 {
     for (; *text; text++) {
-        const char *piece = escape && *text == '~'   ? "~0"
-                            : escape && *text == '/' ? "~1"
-                                                     : NULL;
+        const char *piece = escape && *text == '~' ? "~0" : escape && *text == '/' ? "~1" : NULL;
         size_t length = piece ? 2 : 1;
         if (used + length >= bytes)
             break;
@@ -139,8 +137,8 @@ struct pen_text pen_text_value(const json_t *value)
         break;
     case JSON_STRING: {
         struct pen_text quoted = pen_text_quote(json_string_value(value));
-        append(out.text, sizeof out.text, append(out.text, sizeof out.text, 0, "the string ", false),
-               quoted.text, false);
+        append(out.text, sizeof out.text,
+               append(out.text, sizeof out.text, 0, "the string ", false), quoted.text, false);
         break;
     }
     case JSON_INTEGER:

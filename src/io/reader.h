@@ -108,15 +108,15 @@ extern const struct pen_range pen_range_count;        /* 1 to what an int holds 
 enum pen_field_type {
     PEN_FIELD_OTHER, /* known here, read by code */
     PEN_FIELD_NUMBER,
-    PEN_FIELD_INTEGER,   /* int */
-    PEN_FIELD_SEED,      /* uint64_t */
-    PEN_FIELD_BOOL,      /* bool */
-    PEN_FIELD_WORD,      /* int, one of `words` */
-    PEN_FIELD_STRING,    /* const char *, copied into the arena */
-    PEN_FIELD_COLOUR,    /* struct pen_vec3, each >= 0 */
-    PEN_FIELD_FACTOR,    /* struct pen_vec3 from a number or a triple, each in 0 to 1 */
-    PEN_FIELD_POINT,     /* struct pen_vec3 */
-    PEN_FIELD_DIRECTION, /* struct pen_vec3, not zero */
+    PEN_FIELD_INTEGER,     /* int */
+    PEN_FIELD_SEED,        /* uint64_t */
+    PEN_FIELD_BOOL,        /* bool */
+    PEN_FIELD_WORD,        /* int, one of `words` */
+    PEN_FIELD_STRING,      /* const char *, copied into the arena */
+    PEN_FIELD_COLOUR,      /* struct pen_vec3, each >= 0 */
+    PEN_FIELD_FACTOR,      /* struct pen_vec3 from a number or a triple, each in 0 to 1 */
+    PEN_FIELD_POINT,       /* struct pen_vec3 */
+    PEN_FIELD_DIRECTION,   /* struct pen_vec3, not zero */
     PEN_FIELD_COEFFICIENTS /* double[3], each >= 0, not all 0 */
 };
 
@@ -145,11 +145,12 @@ struct pen_field {
 bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *object,
                      const struct pen_field *fields, void *target);
 
-/* Reports the required fields that are missing. */
-bool pen_fields_require(struct pen_reader *r, const struct pen_place *at, const json_t *object,
-                        const struct pen_field *fields);
+/* The same for an object that must be whole: also reports the required fields that are missing. */
+bool pen_fields_read_whole(struct pen_reader *r, const struct pen_place *at, const json_t *object,
+                           const struct pen_field *fields, void *target);
 
-/* The `type` of an object that has one: reports what is no object, and a missing or unknown type. */
+/* The `type` of an object that has one: reports what is no object, and a missing or unknown type.
+ */
 bool pen_read_type(struct pen_reader *r, const struct pen_place *at, const json_t *object,
                    const struct pen_word *types, int *type);
 
@@ -194,7 +195,7 @@ bool pen_lights_read(struct pen_reader *r, const struct pen_place *at, const jso
                      struct pen_scene_desc *desc);
 bool pen_objects_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                       struct pen_scene_desc *desc);
-bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at,
-                              const json_t *json, struct pen_settings *settings);
+bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                              struct pen_settings *settings);
 
 #endif

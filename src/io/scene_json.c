@@ -23,17 +23,17 @@ static const struct pen_field fields[] = {
     {"background", PEN_FIELD_COLOUR, .offset = offsetof(struct target, background)},
     {"ambient", PEN_FIELD_COLOUR, .offset = offsetof(struct target, ambient)},
     {"camera", PEN_FIELD_OTHER, .required = true},
-    {"views", PEN_FIELD_OTHER},
-    {"materials", PEN_FIELD_OTHER},
-    {"lights", PEN_FIELD_OTHER},
-    {"objects", PEN_FIELD_OTHER},
-    {"definitions", PEN_FIELD_OTHER},
-    {"render", PEN_FIELD_OTHER},
+    {"views", .type = PEN_FIELD_OTHER},
+    {"materials", .type = PEN_FIELD_OTHER},
+    {"lights", .type = PEN_FIELD_OTHER},
+    {"objects", .type = PEN_FIELD_OTHER},
+    {"definitions", .type = PEN_FIELD_OTHER},
+    {"render", .type = PEN_FIELD_OTHER},
     {0}};
 
 static const struct pen_field view_fields[] = {
     {"name", PEN_FIELD_STRING, .required = true, .offset = offsetof(struct pen_view_desc, name)},
-    {"camera", PEN_FIELD_OTHER},
+    {"camera", .type = PEN_FIELD_OTHER},
     {0}};
 
 struct pen_limits pen_limits_default(void)
@@ -49,7 +49,8 @@ struct pen_limits pen_limits_default(void)
 static bool check_view_name(struct pen_reader *r, const struct pen_place *up,
                             const struct pen_view_desc *views, size_t i)
 {
-    static const char allowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+    static const char allowed[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
     const char *name = views[i].name;
     struct pen_place at = pen_place_key(up, "name");
     struct pen_text quoted = pen_text_quote(name);
@@ -71,10 +72,7 @@ static bool check_view_name(struct pen_reader *r, const struct pen_place *up,
 static bool read_view(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                       bool camera_ok, struct pen_view_desc *views, size_t i)
 {
-    bool ok = pen_fields_read(r, at, json, view_fields, &views[i]);
-    if (!json_is_object(json))
-        return false;
-    ok &= pen_fields_require(r, at, json, view_fields);
+    bool ok = pen_fields_read_whole(r, at, json, view_fields, &views[i]);
     if (views[i].name)
         ok &= check_view_name(r, at, views, i);
     struct pen_place camera_at = pen_place_key(at, "camera");
@@ -147,18 +145,16 @@ static void read_parts(struct pen_reader *r, const json_t *document, struct pen_
 }
 
 bool pen_scene_read(const json_t *document, const char *at, const struct pen_limits *limits,
-                    struct pen_arena *arena, struct pen_scene_desc *desc,
-                    struct pen_errors *errors)
+                    struct pen_arena *arena, struct pen_scene_desc *desc, struct pen_errors *errors)
 {
     const struct pen_place root = {0};
     struct pen_reader r = {.errors = errors, .prefix = at, .arena = arena, .limits = limits};
     struct target target = {.name = ""};
     size_t before = errors->total;
     *desc = (struct pen_scene_desc){.settings = pen_settings_default()};
-    pen_fields_read(&r, &root, document, fields, &target);
+    pen_fields_read_whole(&r, &root, document, fields, &target);
     if (!json_is_object(document))
         return false;
-    pen_fields_require(&r, &root, document, fields);
     desc->name = target.name;
     desc->background = target.background;
     desc->ambient = target.ambient;
@@ -167,8 +163,7 @@ bool pen_scene_read(const json_t *document, const char *at, const struct pen_lim
 }
 
 bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
-                    struct pen_arena *arena, struct pen_scene_desc *desc,
-                    struct pen_errors *errors)
+                    struct pen_arena *arena, struct pen_scene_desc *desc, struct pen_errors *errors)
 {
     struct pen_status st;
     json_t *document = pen_json_parse(text, bytes, limits, &st);

@@ -37,9 +37,11 @@ static const struct pen_word transfers[] = {
 
 static const char presets[] = "quality presets; leave the key out";
 
-static const struct pen_word qualities[] = {
-    {"draft", 0, presets}, {"good", 1, presets}, {"final", 2, presets}, {"reference", 3, presets},
-    {0}};
+static const struct pen_word qualities[] = {{"draft", 0, presets},
+                                            {"good", 1, presets},
+                                            {"final", 2, presets},
+                                            {"reference", 3, presets},
+                                            {0}};
 
 /* The settings and what is read but not kept. */
 struct target {
@@ -74,8 +76,8 @@ static const struct pen_field fields[] = {
     {"threads", PEN_FIELD_INTEGER, .offset = MEMBER(threads), .range = &threads_range},
     {0}};
 
-bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at,
-                              const json_t *json, struct pen_settings *settings)
+bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                              struct pen_settings *settings)
 {
     struct target target = {.settings = *settings};
     bool ok = pen_fields_read(r, at, json, fields, &target);
@@ -99,8 +101,7 @@ static json_t *parse_value(const char *text)
     return value ? value : json_string(text);
 }
 
-bool pen_settings_set(struct pen_settings *settings, const char *assignment,
-                      struct pen_status *st)
+bool pen_settings_set(struct pen_settings *settings, const char *assignment, struct pen_status *st)
 {
     const char *equals = strchr(assignment, '=');
     struct pen_text quoted = pen_text_quote(assignment);

@@ -273,8 +273,8 @@ static bool starts_with(const char *text, const char *start)
 }
 
 /* A fault inside the string `here`, which jansson read up to `stop`. */
-static bool fail_string(const char *text, struct piece here, size_t stop,
-                        const json_error_t *error, struct pen_status *st)
+static bool fail_string(const char *text, struct piece here, size_t stop, const json_error_t *error,
+                        struct pen_status *st)
 {
     for (size_t i = 0; i < sizeof string_faults / sizeof string_faults[0]; i++) {
         if (!starts_with(error->text, string_faults[i].jansson))

@@ -15,9 +15,9 @@ struct transform_parts {
 
 static const struct pen_field transform_fields[] = {
     {"scale", PEN_FIELD_NUMBER, .offset = PART(scale), .range = &pen_range_positive},
-    {"rotate", PEN_FIELD_OTHER},
+    {"rotate", .type = PEN_FIELD_OTHER},
     {"translate", PEN_FIELD_POINT, .offset = PART(translate)},
-    {"matrix", PEN_FIELD_OTHER},
+    {"matrix", .type = PEN_FIELD_OTHER},
     {0}};
 
 static const struct pen_field rotate_fields[] = {
@@ -52,8 +52,7 @@ static bool read_parts(struct pen_reader *r, const struct pen_place *at, const j
     struct pen_place rotate_at = pen_place_key(at, "rotate");
     bool ok = pen_fields_read(r, at, json, transform_fields, &parts);
     if (rotate)
-        ok &= pen_fields_read(r, &rotate_at, rotate, rotate_fields, &parts) &&
-              pen_fields_require(r, &rotate_at, rotate, rotate_fields);
+        ok &= pen_fields_read_whole(r, &rotate_at, rotate, rotate_fields, &parts);
     if (ok)
         *f = pen_transform_make(parts.scale, parts.axis, parts.degrees, parts.translate);
     return ok;

@@ -197,8 +197,8 @@ static bool wrong_word(struct pen_reader *r, const struct pen_place *at, const j
     int count = 0;
     for (size_t used = 0; words[count].name && count < WORDS_MAX; count++) {
         names[count] = words[count].name;
-        int n = snprintf(list + used, sizeof list - used, "%s\"%s\"", count ? ", " : "",
-                         names[count]);
+        int n =
+            snprintf(list + used, sizeof list - used, "%s\"%s\"", count ? ", " : "", names[count]);
         used += (size_t)n < sizeof list - used ? (size_t)n : 0;
     }
     names[count] = NULL;

@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT */
+/* The reader against tests/io/corpus. Beside each bad/NAME.json, NAME.expect lists its errors in
+ * order, one per line:
+ *
+ *     CODE | PLACE | PART OF THE MESSAGE
+ *
+ * PLACE is a JSON Pointer, or LINE:COLUMN of a syntax error; one that ends in … stands for all
+ * that begin so. The line `more | N |` says that N more were found than are kept. A line
+ * `schema-blind: WHY` is for the schema's test. Beside good/NAME.json, NAME.expect lists the
+ * notes that a person gets on the scene; without it there are none. */
+#include <glob.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/io/scene_json.h"
+#include "support/suite.h"
+
+enum { LINES_MAX = PEN_ERRORS_MAX + 2 };
+
+struct expectation {
+    char code[32], place[512], part[512];
+};
+
+struct expectations {
+    int count;
+    size_t more;
+    struct expectation line[LINES_MAX];
+};
+
+static char *read_file(const char *path, size_t *bytes)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return NULL;
+    fseek(file, 0, SEEK_END);
+    *bytes = (size_t)ftell(file);
+    rewind(file);
+    char *text = malloc(*bytes + 1); /* one spare byte so that empty files have a place */
+    ck_assert_uint_eq(fread(text, 1, *bytes, file), *bytes);
+    fclose(file);
+    return text;
+}
+
+static void copy_part(char *out, size_t bytes, const char *from, const char *to)
+{
+    ck_assert(to && (size_t)(to - from) < bytes);
+    memcpy(out, from, (size_t)(to - from));
+    out[to - from] = '\0';
+}
+
+/* The file NAME.expect beside NAME.json; none is an empty one. */
+static struct expectations read_expectations(const char *json_path)
+{
+    struct expectations e = {0};
+    char path[512];
+    size_t bytes = 0;
+    copy_part(path, sizeof path - 8, json_path, strrchr(json_path, '.'));
+    strcat(path, ".expect");
+    char *text = read_file(path, &bytes);
+    for (char *line = text; line && line < text + bytes;) {
+        char *end = memchr(line, '\n', (size_t)(text + bytes - line));
+        ck_assert_msg(end != NULL, "%s: last line without an end", path);
+        *end = '\0';
+        if (strncmp(line, "schema-blind: ", 14) != 0) {
+            ck_assert_int_lt(e.count, LINES_MAX);
+            struct expectation *x = &e.line[e.count];
+            char *one = strstr(line, " | "), *two = one ? strstr(one + 3, " | ") : NULL;
+            ck_assert_msg(two != NULL, "%s: %s", path, line);
+            copy_part(x->code, sizeof x->code, line, one);
+            copy_part(x->place, sizeof x->place, one + 3, two);
+            copy_part(x->part, sizeof x->part, two + 3, end);
+            if (strcmp(x->code, "more") == 0)
+                e.more = strtoul(x->place, NULL, 10);
+            else
+                e.count++;
+        }
+        line = end + 1;
+    }
+    free(text);
+    return e;
+}
+
+static bool place_fits(const char *wanted, const char *found)
+{
+    static const char more[] = "…";
+    size_t length = strlen(wanted);
+    if (length >= strlen(more) && strcmp(wanted + length - strlen(more), more) == 0)
+        return strncmp(wanted, found, length - strlen(more)) == 0;
+    return strcmp(wanted, found) == 0;
+}
+
+/* Prints what differs. Returns whether nothing does. */
+static bool compare(const char *path, const struct expectations *wanted,
+                    const struct pen_errors *found)
+{
+    bool ok = (size_t)wanted->count == found->count && found->total == found->count + wanted->more;
+    for (size_t i = 0; i < found->count; i++) {
+        const struct pen_status *st = &found->item[i];
+        char place[PEN_AT_BYTES];
+        if (st->line)
+            snprintf(place, sizeof place, "%d:%d", st->line, st->column);
+        else
+            snprintf(place, sizeof place, "%s", st->at);
+        bool fits = (int)i < wanted->count &&
+                    strcmp(wanted->line[i].code, pen_code_name(st->code)) == 0 &&
+                    place_fits(wanted->line[i].place, place) &&
+                    strstr(st->msg, wanted->line[i].part) != NULL;
+        if (!fits)
+            printf("%s: found\n  %s | %s | %s\n", path, pen_code_name(st->code), place, st->msg);
+        if (!fits && (int)i < wanted->count)
+            printf("expected\n  %s | %s | %s\n", wanted->line[i].code, wanted->line[i].place,
+                   wanted->line[i].part);
+        ok &= fits;
+    }
+    if (!ok)
+        printf("%s: %zu of %zu kept, expected %d and %zu more\n", path, found->count, found->total,
+               wanted->count, wanted->more);
+    fflush(stdout); /* a failed test ends its process at once */
+    return ok;
+}
+
+/* Reads a copy of exact size, so that a sanitizer sees a step beyond it. */
+static bool load(const char *path, struct pen_errors *errors, struct pen_errors *warnings)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_arena *arena = pen_arena_new(0);
+    struct pen_scene_desc desc;
+    size_t bytes;
+    char *file = read_file(path, &bytes);
+    char *text = malloc(bytes ? bytes : 1);
+    memcpy(text, file, bytes);
+    bool ok = pen_scene_load(text, bytes, &limits, arena, &desc, errors);
+    if (ok && warnings) {
+        struct pen_status st;
+        json_t *document = pen_json_parse(text, bytes, &limits, &st);
+        pen_scene_warnings(document, "", &desc, warnings);
+        json_decref(document);
+    }
+    free(text);
+    free(file);
+    pen_arena_free(arena);
+    return ok;
+}
+
+START_TEST(test_corpus__bad_scenes_are_refused_where_and_as_expected)
+{
+    glob_t files;
+    int wrong = 0;
+    ck_assert_int_eq(glob("tests/io/corpus/bad/*.json", 0, NULL, &files), 0);
+    ck_assert_uint_ge(files.gl_pathc, 120);
+    for (size_t i = 0; i < files.gl_pathc; i++) {
+        struct pen_errors errors = {0};
+        struct expectations wanted = read_expectations(files.gl_pathv[i]);
+        ck_assert_int_gt(wanted.count, 0);
+        bool refused = !load(files.gl_pathv[i], &errors, NULL);
+        wrong += !compare(files.gl_pathv[i], &wanted, &errors) || !refused;
+    }
+    globfree(&files);
+    ck_assert_int_eq(wrong, 0);
+}
+END_TEST
+
+START_TEST(test_corpus__good_scenes_are_read_with_the_notes_expected)
+{
+    glob_t files;
+    int wrong = 0;
+    ck_assert_int_eq(glob("tests/io/corpus/good/*.json", 0, NULL, &files), 0);
+    ck_assert_int_eq(glob("scenes/*.json", GLOB_APPEND, NULL, &files), 0);
+    for (size_t i = 0; i < files.gl_pathc; i++) {
+        struct pen_errors errors = {0}, warnings = {0};
+        struct expectations wanted = read_expectations(files.gl_pathv[i]), none = {0};
+        bool read = load(files.gl_pathv[i], &errors, &warnings);
+        wrong += !compare(files.gl_pathv[i], &none, &errors) || !read;
+        wrong += !compare(files.gl_pathv[i], &wanted, &warnings);
+    }
+    globfree(&files);
+    ck_assert_int_eq(wrong, 0);
+}
+END_TEST
+
+/* Inside a job every pointer begins with the scene's own. */
+START_TEST(test_corpus__pointers_start_at_the_place_given)
+{
+    static const char text[] = "{\"format\": \"penumbra-scene/1\", \"camera\": {}, \"x\": 1}";
+    struct pen_limits limits = pen_limits_default();
+    struct pen_arena *arena = pen_arena_new(0);
+    struct pen_scene_desc desc;
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    json_t *document = pen_json_parse(text, sizeof text - 1, &limits, &st);
+    ck_assert_ptr_nonnull(document);
+    ck_assert(!pen_scene_read(document, "/scene", &limits, arena, &desc, &errors));
+    ck_assert_uint_eq(errors.count, 3);
+    ck_assert_str_eq(errors.item[0].at, "/scene/x");
+    ck_assert_str_eq(errors.item[1].at, "/scene/camera");
+    json_decref(document);
+    pen_arena_free(arena);
+}
+END_TEST
+
+PEN_SUITE("io/corpus", test_corpus__bad_scenes_are_refused_where_and_as_expected,
+          test_corpus__good_scenes_are_read_with_the_notes_expected,
+          test_corpus__pointers_start_at_the_place_given)
