@@ -13,10 +13,11 @@
 #include "pen/io/scene_json.h"
 
 struct pen_http_options {
-    int listen_fd; /* a listening socket; stays the caller's */
+    int listen_fd; /* a listening socket; stays the caller's, and becomes non-blocking */
     const char *store_url;
     struct pen_limits limits;
     int store_threads; /* 0: a sensible number */
+    int idle_seconds;  /* a connection on which nothing happens is closed; 0: 30 */
 };
 
 struct pen_http;

@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT */
+/* A request's way through libmicrohttpd's callbacks (see the phases in request.h), and parking.
+ *
+ * A reply is queued in the access callback only, never from another thread: who answers fills the
+ * reply and wakes the connection, whereupon libmicrohttpd calls back once more. */
+#include <stddef.h>
+#include <string.h>
+#include <strings.h>
+
+#include "adapter_internal.h"
+#include "http.h"
+#include "pen/base/clock.h"
+#include "pen/base/log.h"
+#include "pool.h"
+#include "request.h"
+#include "routes.h"
+
+bool adapter_hold(struct request *request)
+{
+    struct adapter *adapter = request->http->adapter;
+    pthread_mutex_lock(&adapter->parking);
+    bool hold = !request->woken;
+    request->woken = false;
+    if (hold) {
+        request->held = true;
+        MHD_suspend_connection(request->connection);
+    }
+    pthread_mutex_unlock(&adapter->parking);
+    return hold;
+}
+
+void adapter_wake(struct request *request)
+{
+    struct adapter *adapter = request->http->adapter;
+    pthread_mutex_lock(&adapter->parking);
+    if (request->held) {
+        request->held = false;
+        MHD_resume_connection(request->connection);
+    } else {
+        request->woken = true;
+    }
+    pthread_mutex_unlock(&adapter->parking);
+}
+
+static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
+                                const char *value)
+{
+    static const struct {
+        const char *name;
+        size_t offset;
+        bool single;
+    } wanted[] = {
+        {"Host", offsetof(struct fields, host), true},
+        {"Content-Length", offsetof(struct fields, content_length), true},
+        {"Transfer-Encoding", offsetof(struct fields, transfer_encoding), true},
+        {"Content-Type", offsetof(struct fields, content_type), true},
+        {"Idempotency-Key", offsetof(struct fields, idempotency_key), true},
+        {"If-None-Match", offsetof(struct fields, if_none_match), false},
+        {"Range", offsetof(struct fields, range), false},
+        {"If-Range", offsetof(struct fields, if_range), false},
+        {"Origin", offsetof(struct fields, origin), true},
+        {"X-Request-Id", offsetof(struct fields, request_id), false},
+        {"Expect", offsetof(struct fields, expect), false},
+    };
+    (void)kind;
+    struct fields *fields = cls;
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        if (strcasecmp(name, wanted[i].name) != 0)
+            continue;
+        const char **field = (const char **)((char *)fields + wanted[i].offset);
+        if (*field)
+            fields->repeated = fields->repeated || wanted[i].single;
+        else
+            *field = value ? value : "";
+    }
+    return MHD_YES;
+}
+
+static void unref_body(void *blob)
+{
+    blob_unref(blob);
+}
+
+/* The reply as libmicrohttpd wants it; NULL when out of memory. */
+static struct MHD_Response *make_response(const struct reply *reply)
+{
+    if (reply->failed || !reply->body || reply->bytes == 0)
+        return MHD_create_response_from_buffer(0, (void *)"", MHD_RESPMEM_PERSISTENT);
+    struct blob *blob = blob_ref(reply->body);
+    struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(
+        reply->bytes, blob->content.data + reply->first, unref_body, blob);
+    if (!response)
+        blob_unref(blob);
+    return response;
+}
+
+static void add_fields(struct MHD_Response *response, const struct request *request)
+{
+    const struct reply *reply = &request->reply;
+    for (int i = 0; !reply->failed && i < reply->field_count; i++)
+        MHD_add_response_header(response, reply->field[i].name, reply->field[i].value);
+    MHD_add_response_header(response, "X-Request-Id", request->id);
+    MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
+    if (atomic_load_explicit(&request->http->stopping, memory_order_relaxed))
+        MHD_add_response_header(response, "Connection", "close");
+}
+
+static enum MHD_Result send_reply(struct request *request)
+{
+    struct reply *reply = &request->reply;
+    request->phase = PHASE_ANSWERED;
+    if (reply->failed || reply->status == 0)
+        reply->status = 503;
+    struct MHD_Response *response = make_response(reply);
+    if (!response)
+        return MHD_NO;
+    add_fields(response, request);
+    enum MHD_Result queued =
+        MHD_queue_response(request->connection, (unsigned)reply->status, response);
+    MHD_destroy_response(response);
+    return queued;
+}
+
+static enum MHD_Result dispatch(struct request *request)
+{
+    const struct route *route = request->route;
+    if (route->quick && route->quick(request))
+        return send_reply(request);
+    enum lane lane = route_lane(route, &request->target);
+    if (lane == LANE_INLINE) {
+        route->handle(request, NULL);
+        return send_reply(request);
+    }
+    request->phase = PHASE_HELD;
+    adapter_hold(request);
+    if (!pool_push(request->http->pool, lane, request)) {
+        struct pen_status st;
+        pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
+        request_fail(request, &st);
+        adapter_wake(request);
+    }
+    return MHD_YES;
+}
+
+/* The head is complete. An answer queued now makes libmicrohttpd close the connection, so it
+ * waits for the next call unless there is a body that nobody wants. */
+static enum MHD_Result begin(struct request *request, const char *method)
+{
+    request->method = method;
+    MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->fields);
+    atomic_fetch_add_explicit(&request->http->active, 1, memory_order_relaxed);
+    request_admit(request);
+    bool body_comes = request->declared_bytes > 0 || request->fields.transfer_encoding;
+    return request->phase == PHASE_ANSWERED && body_comes ? send_reply(request) : MHD_YES;
+}
+
+void *adapter_on_line(void *cls, const char *uri, struct MHD_Connection *connection)
+{
+    struct request *request = uri ? request_new(cls, uri) : NULL;
+    if (request)
+        request->connection = connection;
+    return request;
+}
+
+enum MHD_Result adapter_on_access(void *cls, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *data,
+                                  size_t *bytes, void **state)
+{
+    (void)cls, (void)connection, (void)url, (void)version;
+    struct request *request = *state;
+    if (!request)
+        return MHD_NO;
+    if (request->phase == PHASE_LINE)
+        return begin(request, method);
+    if (*bytes > 0) {
+        request_receive(request, data, *bytes);
+        *bytes = 0;
+        return MHD_YES;
+    }
+    return request->phase == PHASE_BODY ? dispatch(request) : send_reply(request);
+}
+
+static void log_access(const struct request *request, bool complete)
+{
+    const struct reply *reply = &request->reply;
+    bool reads = request->head || strcmp(request->method, "GET") == 0;
+    enum pen_log_level level = reply->status >= 500 ? PEN_LOG_WARN
+                               : reads              ? PEN_LOG_DEBUG
+                                                    : PEN_LOG_INFO;
+    int64_t us = (pen_clock_ns() - request->begun_ns) / 1000;
+    bool sent = !request->head && reply->status != 304;
+    pen_log(level, "%s %.300s %d %zu bytes %lld.%03lld ms request=%s%s", request->method,
+            request->raw_target, reply->status, sent ? reply->bytes : 0, (long long)(us / 1000),
+            (long long)(us % 1000), request->id, complete ? "" : " (cut short)");
+}
+
+void adapter_on_completed(void *cls, struct MHD_Connection *connection, void **state,
+                          enum MHD_RequestTerminationCode why)
+{
+    (void)connection;
+    struct pen_http *http = cls;
+    struct request *request = *state;
+    *state = NULL;
+    if (request && request->phase != PHASE_LINE) {
+        log_access(request, why == MHD_REQUEST_TERMINATED_COMPLETED_OK);
+        atomic_fetch_sub_explicit(&http->active, 1, memory_order_relaxed);
+    }
+    request_free(request);
+}

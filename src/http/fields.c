@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT */
+/* What single header fields and parameters mean. Where a field is malformed, the harmless reading
+ * wins: no match, no range, another type, a foreign host. */
+#include <ctype.h>
+#include <stddef.h>
+#include <string.h>
+#include <strings.h>
+
+#include "pen/http/message.h"
+
+bool pen_number_parse(const char *text, long low, long high, long *number)
+{
+    enum { DIGITS = 9 };
+    size_t digits = strspn(text, "0123456789");
+    if (digits == 0 || digits > DIGITS || text[digits] != '\0')
+        return false;
+    long value = 0;
+    for (size_t i = 0; i < digits; i++)
+        value = 10 * value + (text[i] - '0');
+    if (value < low || value > high)
+        return false;
+    *number = value;
+    return true;
+}
+
+/* An empty port is allowed by RFC 3986. */
+static bool is_port(const char *text)
+{
+    long port;
+    return *text == '\0' ||
+           (*text == ':' && (text[1] == '\0' || pen_number_parse(text + 1, 0, 65535, &port)));
+}
+
+bool pen_host_is_loopback(const char *host)
+{
+    static const char *const names[] = {"localhost", "127.0.0.1", "[::1]"};
+    for (size_t i = 0; host && i < sizeof names / sizeof names[0]; i++) {
+        size_t length = strlen(names[i]);
+        if (strncasecmp(host, names[i], length) == 0 && is_port(host + length))
+            return true;
+    }
+    return false;
+}
+
+bool pen_origin_is_host(const char *origin, const char *host)
+{
+    const char *authority = strstr(origin, "://");
+    return authority && host && strcasecmp(authority + 3, host) == 0;
+}
+
+static bool charset_is_utf8(const char *parameters)
+{
+    const char *charset = strcasestr(parameters, "charset=");
+    if (!charset)
+        return true;
+    charset += strlen("charset=");
+    charset += *charset == '"';
+    size_t length = strcspn(charset, "\"; \t");
+    return (length == 5 && strncasecmp(charset, "utf-8", length) == 0) ||
+           (length == 8 && strncasecmp(charset, "us-ascii", length) == 0);
+}
+
+enum pen_media pen_media_parse(const char *content_type)
+{
+    static const struct {
+        const char *name;
+        enum pen_media media;
+    } types[] = {{"application/json", PEN_MEDIA_JSON},
+                 {"application/x-www-form-urlencoded", PEN_MEDIA_NONE},
+                 {"application/xml", PEN_MEDIA_XML},
+                 {"text/xml", PEN_MEDIA_XML}};
+    if (!content_type)
+        return PEN_MEDIA_NONE;
+    size_t length = strcspn(content_type, "; \t");
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
+        if (strlen(types[i].name) == length &&
+            strncasecmp(content_type, types[i].name, length) == 0)
+            return charset_is_utf8(content_type + length) ? types[i].media : PEN_MEDIA_OTHER;
+    }
+    return PEN_MEDIA_OTHER;
+}
+
+bool pen_etag_listed(const char *if_none_match, const char *etag)
+{
+    const char *at = if_none_match + strspn(if_none_match, " \t");
+    if (*at == '*')
+        return true;
+    size_t length = strlen(etag);
+    while (*at) {
+        at += strspn(at, " \t,");
+        if (strncmp(at, "W/", 2) == 0)
+            at += 2;
+        const char *close = *at == '"' ? strchr(at + 1, '"') : NULL;
+        if (!close)
+            return false;
+        size_t bytes = (size_t)(close - at) + 1;
+        if (bytes == length && memcmp(at, etag, length) == 0)
+            return true;
+        at = close + 1;
+    }
+    return false;
+}
+
+/* Reads digits, stopping at the largest value: everything beyond any size is the same. */
+static bool read_offset(const char **text, uint64_t *value)
+{
+    const char *at = *text;
+    *value = 0;
+    for (; isdigit((unsigned char)*at); at++) {
+        unsigned digit = (unsigned)(*at - '0');
+        *value = *value > (UINT64_MAX - digit) / 10 ? UINT64_MAX : 10 * *value + digit;
+    }
+    bool any = at != *text;
+    *text = at;
+    return any;
+}
+
+enum pen_range_kind pen_range_parse(const char *range, uint64_t size, uint64_t *first,
+                                    uint64_t *count)
+{
+    if (strncasecmp(range, "bytes=", 6) != 0)
+        return PEN_RANGE_WHOLE;
+    range += 6;
+    uint64_t from, to;
+    bool has_from = read_offset(&range, &from);
+    if (*range++ != '-')
+        return PEN_RANGE_WHOLE;
+    bool has_to = read_offset(&range, &to);
+    if (*range != '\0' || (!has_from && !has_to) || (has_from && has_to && to < from))
+        return PEN_RANGE_WHOLE;
+    if (!has_from) { /* the last `to` bytes */
+        if (to == 0 || size == 0)
+            return PEN_RANGE_OUTSIDE;
+        *count = to < size ? to : size;
+        *first = size - *count;
+        return PEN_RANGE_PART;
+    }
+    if (from >= size)
+        return PEN_RANGE_OUTSIDE;
+    *first = from;
+    *count = (has_to && to < size ? to + 1 : size) - from;
+    return PEN_RANGE_PART;
+}

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: MIT */
+/* Submit, look, list, cancel, delete, validate. */
+#include <stdio.h>
+#include <string.h>
+
+#include "handlers.h"
+#include "http.h"
+#include "request.h"
+#include "snapshots.h"
+#include "watch.h"
+
+static enum outcome answer_errors(struct request *request, const struct pen_errors *errors)
+{
+    reply_problem(&request->reply, pen_problem_list(errors), request->id);
+    return OUTCOME_ANSWERED;
+}
+
+static enum outcome answer_status(struct request *request, const struct pen_status *st)
+{
+    request_fail(request, st);
+    return OUTCOME_ANSWERED;
+}
+
+/* The body as a submission. A body without a type is XML if it looks like it. */
+static bool read_submission(const struct request *request, struct pen_submission *in,
+                            struct pen_status *st)
+{
+    *in =
+        (struct pen_submission){.body = request->body.data ? (const char *)request->body.data : "",
+                                .bytes = request->body.bytes,
+                                .idempotency_key = request->fields.idempotency_key};
+    bool untyped = pen_media_parse(request->fields.content_type) == PEN_MEDIA_NONE;
+    if (untyped && in->body[strspn(in->body, " \t\r\n")] == '<')
+        return pen_fail(st, PEN_MEDIA_TYPE,
+                        "the body looks like XML; scenes in XML are known, but not supported "
+                        "yet; application/json is accepted");
+    return true;
+}
+
+enum outcome handle_submit(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_submission in;
+    struct pen_submitted out = {0};
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    if (!read_submission(request, &in, &st))
+        return answer_status(request, &st);
+    if (!pen_jobs_submit(jobs, &in, &out, &errors))
+        return answer_errors(request, &errors);
+    reply_body(&request->reply, 202, blob_take(&out.answer), "application/json");
+    reply_field(&request->reply, "Location", "/v1/jobs/%s", out.id);
+    reply_field(&request->reply, "Retry-After", "1");
+    return OUTCOME_ANSWERED;
+}
+
+enum outcome handle_validate(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_submission in;
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    json_t *answer = NULL;
+    if (!read_submission(request, &in, &st))
+        return answer_status(request, &st);
+    if (!pen_jobs_validate(jobs, &in, &answer, &errors))
+        return answer_errors(request, &errors);
+    reply_json(&request->reply, 200, answer);
+    return OUTCOME_ANSWERED;
+}
+
+bool quick_job(struct request *request)
+{
+    struct snapshot snapshot;
+    struct pen_http *http = request->http;
+    if (!snapshots_peek(http->snapshots, watch_news(http->watch), request->job_id, &snapshot))
+        return false;
+    bool due = request_number(request, "wait", 0) == 0 || snapshot_is_due(&snapshot, request);
+    if (due)
+        snapshot_reply(&snapshot, request);
+    snapshot_release(&snapshot);
+    return due;
+}
+
+/* Looks at the job once. Sets *again if news came between looking and waiting. */
+static enum outcome look_at_job(struct request *request, struct pen_jobs *jobs, long wait,
+                                bool *again)
+{
+    struct pen_http *http = request->http;
+    struct snapshot snapshot;
+    struct pen_status st;
+    uint32_t news = watch_news(http->watch);
+    *again = false;
+    if (!snapshots_read(http->snapshots, news, jobs, request->job_id, &snapshot, &st))
+        return answer_status(request, &st);
+    enum watch_answer given = WATCH_CLOSED;
+    if (wait > 0 && !snapshot_is_due(&snapshot, request))
+        given = watch_add(http->watch, request, news);
+    /* Once the watcher has the request it is not ours to read. */
+    if (given == WATCH_CLOSED)
+        snapshot_reply(&snapshot, request);
+    snapshot_release(&snapshot);
+    if (given == WATCH_FULL) {
+        pen_fail(&st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
+                 WATCH_MAX);
+        return answer_status(request, &st);
+    }
+    *again = given == WATCH_NEWS;
+    return given == WATCH_TAKEN ? OUTCOME_WATCHED : OUTCOME_ANSWERED;
+}
+
+enum outcome handle_job(struct request *request, struct pen_jobs *jobs)
+{
+    long wait = request_number(request, "wait", 0);
+    request->deadline_ns = request->begun_ns + wait * INT64_C(1000000000);
+    bool again;
+    enum outcome outcome;
+    do
+        outcome = look_at_job(request, jobs, wait, &again);
+    while (again);
+    return outcome;
+}
+
+/* Appends name=value, percent-encoded, if the query of this request has the parameter. */
+static void add_param(struct pen_buf *query, const char *name, const char *value)
+{
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+    if (!value)
+        return;
+    pen_buf_printf(query, "%s%s=", query->bytes ? "&" : "", name);
+    for (; *value; value++)
+        pen_buf_printf(query, strchr(plain, *value) ? "%c" : "%%%02X", (unsigned char)*value);
+}
+
+static void link_next(struct request *request, const char *next)
+{
+    struct pen_buf query = {0};
+    add_param(&query, "state", request_param(request, "state"));
+    add_param(&query, "kind", request_param(request, "kind"));
+    add_param(&query, "limit", request_param(request, "limit"));
+    add_param(&query, "cursor", next);
+    if (query.failed)
+        request->reply.failed = true;
+    else
+        reply_field(&request->reply, "Link", "</v1/jobs?%s>; rel=\"next\"",
+                    (const char *)query.data);
+    pen_buf_release(&query);
+}
+
+enum outcome handle_list(struct request *request, struct pen_jobs *jobs)
+{
+    const char *state_name = request_param(request, "state");
+    enum pen_job_state state;
+    struct pen_list_query query = {.state = -1,
+                                   .kind = request_param(request, "kind"),
+                                   .limit = (int)request_number(request, "limit", 50),
+                                   .cursor = request_param(request, "cursor")};
+    if (state_name && pen_job_state_of_name(state_name, &state))
+        query.state = (int)state;
+    struct pen_status st;
+    json_t *list = pen_jobs_list(jobs, &query, &st);
+    if (!list)
+        return answer_status(request, &st);
+    const char *next = json_string_value(json_object_get(list, "next"));
+    if (next)
+        link_next(request, next);
+    reply_json(&request->reply, 200, list);
+    reply_field(&request->reply, "Cache-Control", "no-store");
+    return OUTCOME_ANSWERED;
+}
+
+enum outcome handle_cancel(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_job_snapshot job;
+    struct pen_status st;
+    if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
+        return answer_status(request, &st);
+    reply_json(&request->reply, 202, job.json);
+    return OUTCOME_ANSWERED;
+}
+
+enum outcome handle_delete(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_status st;
+    if (!pen_jobs_delete(jobs, request->job_id, &st))
+        return answer_status(request, &st);
+    request->reply.status = 204;
+    return OUTCOME_ANSWERED;
+}

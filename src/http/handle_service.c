@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/* The service itself: health, readiness, and the files it carries. */
+#include <stdio.h>
+#include <string.h>
+
+#include "handlers.h"
+#include "http.h"
+#include "pen/base/clock.h"
+#include "pen/io/builtin.h"
+#include "request.h"
+#include "statics.h"
+
+static const int64_t probe_again_ns = INT64_C(1000000000);
+
+static enum outcome answer_file(struct request *request, const struct static_file *file)
+{
+    const struct content content = {.blob = blob_ref(file->blob),
+                                    .type = file->type,
+                                    .etag = file->etag,
+                                    .cache_control = "no-cache"};
+    request_content(request, &content);
+    return OUTCOME_ANSWERED;
+}
+
+enum outcome handle_scenes(struct request *request, struct pen_jobs *jobs)
+{
+    (void)jobs;
+    return answer_file(request, statics_find(request->http->statics, "scenes"));
+}
+
+enum outcome handle_builtin(struct request *request, struct pen_jobs *jobs)
+{
+    (void)jobs;
+    char name[64];
+    int length = snprintf(name, sizeof name, "scenes/%s", request->arg);
+    const struct static_file *file =
+        length < (int)sizeof name ? statics_find(request->http->statics, name) : NULL;
+    if (file)
+        return answer_file(request, file);
+    struct pen_status st;
+    pen_fail(&st, PEN_NOT_FOUND,
+             "there is no built-in scene \"%.80s\"; GET /v1/scenes lists those there are",
+             request->arg);
+    request_fail(request, &st);
+    return OUTCOME_ANSWERED;
+}
+
+enum outcome handle_api_file(struct request *request, struct pen_jobs *jobs)
+{
+    (void)jobs;
+    const struct static_file *file =
+        statics_find(request->http->statics, request->target.segment[0]);
+    if (file)
+        return answer_file(request, file);
+    struct pen_status st;
+    pen_fail(&st, PEN_NOT_FOUND, "this build does not carry %s", request->target.segment[0]);
+    request_fail(request, &st);
+    return OUTCOME_ANSWERED;
+}
+
+static enum outcome answer_health(struct request *request, const char *state)
+{
+    reply_json(&request->reply, 200,
+               json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION));
+    reply_field(&request->reply, "Cache-Control", "no-store");
+    return OUTCOME_ANSWERED;
+}
+
+enum outcome handle_healthz(struct request *request, struct pen_jobs *jobs)
+{
+    (void)jobs;
+    return answer_health(request, "ok");
+}
+
+/* Whether a write gets to disk: asked of the store once a second at most, so that a monitor in a
+ * hurry does not wear the disk. */
+static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
+{
+    int64_t now = pen_clock_ns();
+    pthread_mutex_lock(&http->ready_lock);
+    bool fresh = http->ready_ns && now - http->ready_ns < probe_again_ns;
+    *st = http->ready;
+    pthread_mutex_unlock(&http->ready_lock);
+    if (fresh)
+        return st->code == PEN_OK;
+    *st = (struct pen_status){.code = PEN_OK};
+    pen_store_probe(pen_jobs_store(jobs), st);
+    pthread_mutex_lock(&http->ready_lock);
+    http->ready_ns = now;
+    http->ready = *st;
+    pthread_mutex_unlock(&http->ready_lock);
+    return st->code == PEN_OK;
+}
+
+enum outcome handle_readyz(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_http *http = request->http;
+    struct pen_status st;
+    bool ready = true;
+    if (atomic_load_explicit(&http->draining, memory_order_relaxed))
+        ready = pen_fail(&st, PEN_UNAVAILABLE, "the daemon is draining");
+    else if (!probe(http, jobs, &st))
+        ready = pen_fail(&st, PEN_UNAVAILABLE, "the store does not take writes: %s", st.msg);
+    if (ready)
+        return answer_health(request, "ready");
+    request_fail(request, &st);
+    return OUTCOME_ANSWERED;
+}

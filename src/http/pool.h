@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* The threads that may block: store threads and side threads, each with a jobs handle of its own.
+ * Requests wait in one queue per lane, first come first served; the number of connections bounds
+ * the queues. */
+#ifndef HTTP_POOL_H
+#define HTTP_POOL_H
+
+#include <stdbool.h>
+
+#include "pen/base/status.h"
+#include "pen/io/scene_json.h"
+#include "routes.h"
+
+struct pool;
+
+struct pool_options {
+    const char *store_url;
+    const struct pen_limits *limits;
+    int store_threads, side_threads;
+};
+
+/* Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads). */
+struct pool *pool_start(const struct pool_options *options, struct pen_status *st);
+
+/* Works off what is queued, then ends the threads. Requests may still be offered. */
+void pool_stop(struct pool *pool);
+
+/* Frees a stopped pool, when no thread offers requests any more. NULL is allowed. */
+void pool_free(struct pool *pool);
+
+/* Queues a held request. False after pool_stop has begun: the request stays the caller's. */
+bool pool_push(struct pool *pool, enum lane lane, struct request *request);
+
+#endif

@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: MIT */
+/* Admission: what can be refused from the request line and the fields alone is refused before the
+ * body is read. A refused body of allowed size is still read and dropped, so that clients which
+ * write before they read get their answer and keep their connection; with `Expect: 100-continue`,
+ * a body over the limit, or one of unknown length, the answer goes out at once. */
+#include "request.h"
+
+#include <ctype.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "http.h"
+#include "pen/base/clock.h"
+#include "routes.h"
+
+/* All bodies in memory together: beyond this, uploads are read, dropped and answered 503. */
+enum { INTAKE_BYTES = 256 << 20 };
+
+struct request *request_new(struct pen_http *http, const char *raw_target)
+{
+    struct request *request = calloc(1, sizeof *request);
+    if (!request)
+        return NULL;
+    request->http = http;
+    request->begun_ns = pen_clock_ns();
+    request->raw_target = strdup(raw_target);
+    if (!request->raw_target) {
+        free(request);
+        return NULL;
+    }
+    return request;
+}
+
+void request_free(struct request *request)
+{
+    if (!request)
+        return;
+    request_drop_body(request);
+    reply_release(&request->reply);
+    pen_target_release(&request->target);
+    free(request->raw_target);
+    free(request);
+}
+
+void request_drop_body(struct request *request)
+{
+    atomic_fetch_sub_explicit(&request->http->intake_bytes, request->body.bytes,
+                              memory_order_relaxed);
+    pen_buf_release(&request->body);
+}
+
+void request_fail(struct request *request, const struct pen_status *st)
+{
+    reply_problem(&request->reply, pen_problem(st), request->id);
+}
+
+const char *request_param(const struct request *request, const char *name)
+{
+    return pen_target_param(&request->target, name);
+}
+
+long request_number(const struct request *request, const char *name, long otherwise)
+{
+    const char *text = request_param(request, name);
+    return text ? strtol(text, NULL, 10) : otherwise;
+}
+
+void request_content(struct request *request, const struct content *content)
+{
+    const struct fields *fields = &request->fields;
+    bool ranges = content->ranges && !request->head; /* Range is defined for GET only */
+    struct reply_conditions conditions = {fields->if_none_match, ranges ? fields->range : NULL,
+                                          fields->if_range};
+    size_t size = content->blob ? content->blob->content.bytes : 0;
+    if (reply_content(&request->reply, content->blob, content->type, content->etag, &conditions)) {
+        reply_field(&request->reply, "Cache-Control", "%s", content->cache_control);
+    } else {
+        struct pen_status st;
+        pen_fail(&st, PEN_RANGE, "the range %s lies outside the %zu bytes there are", fields->range,
+                 size);
+        request_fail(request, &st);
+        reply_field(&request->reply, "Content-Range", "bytes */%zu", size);
+    }
+    if (content->ranges)
+        reply_field(&request->reply, "Accept-Ranges", "bytes");
+}
+
+/* Takes a client's own request id if it is one that is safe in logs, else makes one. */
+static void name_request(struct request *request)
+{
+    const char *theirs = request->fields.request_id;
+    size_t length = theirs ? strspn(theirs, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                            "0123456789._-")
+                           : 0;
+    if (length > 0 && length < sizeof request->id && theirs[length] == '\0') {
+        memcpy(request->id, theirs, length + 1);
+        return;
+    }
+    struct pen_http *http = request->http;
+    unsigned n = atomic_fetch_add_explicit(&http->request_count, 1, memory_order_relaxed);
+    snprintf(request->id, sizeof request->id, "%08" PRIx32 "-%06x", http->id_prefix, n);
+}
+
+static bool check_sender(const struct request *request, struct pen_status *st)
+{
+    const struct fields *fields = &request->fields;
+    if (fields->repeated)
+        return pen_fail(st, PEN_SYNTAX, "a header field that must come once came twice");
+    if (fields->content_length && fields->transfer_encoding)
+        return pen_fail(st, PEN_SYNTAX, "both Content-Length and Transfer-Encoding were sent");
+    const char *host = request->target.authority ? request->target.authority : fields->host;
+    if (!pen_host_is_loopback(host))
+        return pen_fail(st, PEN_FORBIDDEN,
+                        "the Host of this daemon is localhost, 127.0.0.1 or [::1], not \"%s\"",
+                        host ? host : "");
+    /* A page of another site may send simple requests here without asking; it must not act. */
+    bool reads = strcmp(request->method, "GET") == 0 || request->head;
+    if (!reads && fields->origin && !pen_origin_is_host(fields->origin, host))
+        return pen_fail(st, PEN_FORBIDDEN, "requests from pages of %s are not allowed",
+                        fields->origin);
+    return true;
+}
+
+/* Ids are UUIDs: anything else names no job. Case does not matter in a UUID. */
+static bool read_job_id(struct request *request, struct pen_status *st)
+{
+    static const char form[] = "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx";
+    const char *arg = request->arg;
+    for (size_t i = 0; i < sizeof form; i++) {
+        char c = arg[i];
+        bool good = form[i] == 'x' ? isxdigit((unsigned char)c) != 0 : c == form[i];
+        if (!good)
+            return pen_fail(st, PEN_NOT_FOUND, "there is no job \"%.80s\"", arg);
+        request->job_id[i] = (char)tolower((unsigned char)c);
+    }
+    return true;
+}
+
+static bool find_route(struct request *request, char allow[ALLOW_BYTES], struct pen_status *st)
+{
+    const char *method = request->head ? "GET" : request->method;
+    request->route = route_find(method, &request->target, &request->arg, allow, st);
+    if (!request->route || !route_check_params(request->route, &request->target, st))
+        return false;
+    return strncmp(request->route->path, "/v1/jobs/{id}", 13) != 0 || read_job_id(request, st);
+}
+
+static bool check_length(struct request *request, struct pen_status *st)
+{
+    const struct fields *fields = &request->fields;
+    size_t limit = request->http->limits.body_bytes;
+    if (fields->transfer_encoding)
+        return pen_fail(st, PEN_LENGTH, "chunked bodies are not taken: send Content-Length");
+    if (!fields->content_length)
+        return !request->route->takes_body ||
+               pen_fail(st, PEN_LENGTH, "a body with its Content-Length is needed here");
+    if (request->declared_bytes > limit)
+        return pen_fail(st, PEN_TOO_LARGE, "the body has %" PRIu64 " bytes, %zu are allowed",
+                        request->declared_bytes, limit);
+    return true;
+}
+
+static bool check_media(const struct request *request, struct pen_status *st)
+{
+    if (!request->route->takes_body)
+        return true;
+    switch (pen_media_parse(request->fields.content_type)) {
+    case PEN_MEDIA_NONE:
+    case PEN_MEDIA_JSON:
+        return true;
+    case PEN_MEDIA_XML:
+        return pen_fail(st, PEN_MEDIA_TYPE,
+                        "scenes in XML are known, but not supported yet; "
+                        "application/json is accepted");
+    case PEN_MEDIA_OTHER:
+        break;
+    }
+    return pen_fail(st, PEN_MEDIA_TYPE,
+                    "a body of type %s is not taken; application/json in UTF-8 is accepted",
+                    request->fields.content_type);
+}
+
+static bool check_key(const struct request *request, struct pen_status *st)
+{
+    enum { KEY_BYTES = 255 };
+    const char *key = request->fields.idempotency_key;
+    if (!key || !request->route->submits)
+        return true;
+    size_t length = strlen(key);
+    if (length == 0 || length > KEY_BYTES)
+        return pen_fail(st, PEN_USAGE, "an Idempotency-Key has 1 to %d bytes, not %zu", KEY_BYTES,
+                        length);
+    return true;
+}
+
+static bool check_drain(const struct request *request, struct pen_status *st)
+{
+    struct pen_http *http = request->http;
+    if (atomic_load_explicit(&http->stopping, memory_order_relaxed))
+        return pen_fail(st, PEN_UNAVAILABLE, "the daemon is stopping");
+    if (request->route->submits && atomic_load_explicit(&http->draining, memory_order_relaxed))
+        return pen_fail(st, PEN_UNAVAILABLE,
+                        "the daemon is draining and takes no new jobs; try again later");
+    return true;
+}
+
+/* Whether a refused request's body is to be read all the same. */
+static bool wants_swallow(const struct request *request)
+{
+    const struct fields *fields = &request->fields;
+    bool waits = fields->expect && strcasecmp(fields->expect, "100-continue") == 0;
+    return fields->content_length && !fields->transfer_encoding && !fields->repeated && !waits &&
+           request->declared_bytes <= request->http->limits.body_bytes;
+}
+
+void request_admit(struct request *request)
+{
+    struct pen_status st;
+    char allow[ALLOW_BYTES] = "";
+    request->head = strcmp(request->method, "HEAD") == 0;
+    name_request(request);
+    if (request->fields.content_length)
+        request->declared_bytes = strtoull(request->fields.content_length, NULL, 10);
+    bool ok = pen_target_parse(request->raw_target, &request->target, &st) &&
+              check_sender(request, &st) && find_route(request, allow, &st) &&
+              check_length(request, &st) && check_media(request, &st) && check_key(request, &st) &&
+              check_drain(request, &st);
+    if (ok) {
+        request->phase = PHASE_BODY;
+        return;
+    }
+    request->route = NULL;
+    request_fail(request, &st);
+    if (allow[0])
+        reply_field(&request->reply, "Allow", "%s", allow);
+    request->phase = wants_swallow(request) ? PHASE_SWALLOW : PHASE_ANSWERED;
+}
+
+void request_receive(struct request *request, const char *data, size_t bytes)
+{
+    if (request->phase != PHASE_BODY || !request->route->takes_body)
+        return;
+    atomic_size_t *intake = &request->http->intake_bytes;
+    size_t before = atomic_fetch_add_explicit(intake, bytes, memory_order_relaxed);
+    bool room = before + bytes <= INTAKE_BYTES && pen_buf_add(&request->body, data, bytes);
+    if (room)
+        return;
+    atomic_fetch_sub_explicit(intake, bytes, memory_order_relaxed);
+    request_drop_body(request);
+    struct pen_status st;
+    pen_fail(&st, PEN_UNAVAILABLE, "there is no room for this body now; try again later");
+    request_fail(request, &st);
+    request->phase = PHASE_SWALLOW;
+}

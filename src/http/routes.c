@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/* The route table, and what it says about a request. */
+#include "routes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "handlers.h"
+#include "pen/http/server.h"
+#include "pen/io/scene_json.h"
+
+static const char *const states[] = {"queued", "running", "succeeded", "failed", "cancelled", NULL};
+static const char *const kinds[] = {"render", "benchmark", "accuracy", "effects", NULL};
+static const char *const layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
+static const char *const formats[] = {"png", "png16", "pfm", NULL};
+
+static const struct param_rule list_params[] = {{.name = "state", .allowed = states},
+                                                {.name = "kind", .allowed = kinds},
+                                                {.name = "limit", .low = 1, .high = 500},
+                                                {.name = "cursor", .longest = 200},
+                                                {0}};
+static const struct param_rule job_params[] = {{.name = "wait", .low = 0, .high = 60}, {0}};
+static const struct param_rule image_params[] = {{.name = "view", .longest = 200},
+                                                 {.name = "layer", .allowed = layers},
+                                                 {.name = "format", .allowed = formats},
+                                                 {0}};
+static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};
+
+static const struct route table[] = {
+    {.method = "POST",
+     .path = "/v1/jobs",
+     .handle = handle_submit,
+     .lane = LANE_STORE,
+     .takes_body = true,
+     .submits = true},
+    {.method = "GET",
+     .path = "/v1/jobs",
+     .handle = handle_list,
+     .lane = LANE_STORE,
+     .params = list_params},
+    {.method = "GET",
+     .path = "/v1/jobs/{id}",
+     .handle = handle_job,
+     .quick = quick_job,
+     .lane = LANE_STORE,
+     .params = job_params},
+    {.method = "DELETE", .path = "/v1/jobs/{id}", .handle = handle_delete, .lane = LANE_STORE},
+    {.method = "GET",
+     .path = "/v1/jobs/{id}/image",
+     .handle = handle_image,
+     .lane = LANE_SIDE,
+     .params = image_params},
+    {.method = "GET",
+     .path = "/v1/jobs/{id}/preview",
+     .handle = handle_preview,
+     .lane = LANE_SIDE,
+     .params = preview_params},
+    {.method = "GET", .path = "/v1/jobs/{id}/stats", .handle = handle_stats, .lane = LANE_STORE},
+    {.method = "GET", .path = "/v1/jobs/{id}/scene", .handle = handle_scene, .lane = LANE_STORE},
+    {.method = "POST", .path = "/v1/jobs/{id}/cancel", .handle = handle_cancel, .lane = LANE_STORE},
+    {.method = "POST",
+     .path = "/v1/validate",
+     .handle = handle_validate,
+     .lane = LANE_SIDE,
+     .takes_body = true},
+    {.method = "GET", .path = "/v1/scenes", .handle = handle_scenes},
+    {.method = "GET", .path = "/v1/scenes/{name}", .handle = handle_builtin},
+    {.method = "GET", .path = "/healthz", .handle = handle_healthz},
+    {.method = "GET", .path = "/readyz", .handle = handle_readyz, .lane = LANE_STORE},
+    {.method = "GET", .path = "/openapi.yaml", .handle = handle_api_file},
+    {.method = "GET", .path = "/scene.schema.json", .handle = handle_api_file},
+};
+
+enum { ROUTES = sizeof table / sizeof table[0] };
+
+/* Resources that are part of the design and still to come. */
+static const char *const to_come[] = {"/v1/jobs/{id}/events",
+                                      "/v1/jobs/{id}/report",
+                                      "/v1/plan",
+                                      "/v1/assets/{sha256}",
+                                      "/v1/workers",
+                                      "/metrics",
+                                      "/"};
+
+bool pen_http_route(int i, const char **method, const char **path)
+{
+    if (i < 0 || i >= ROUTES)
+        return false;
+    *method = table[i].method;
+    *path = table[i].path;
+    return true;
+}
+
+static void allow_method(char allow[ALLOW_BYTES], const char *method)
+{
+    size_t used = strlen(allow);
+    snprintf(allow + used, ALLOW_BYTES - used, "%s%s", used ? ", " : "", method);
+    if (strcmp(method, "GET") == 0)
+        allow_method(allow, "HEAD");
+}
+
+static bool fail_unknown(const struct pen_target *target, struct pen_status *st)
+{
+    const char *arg;
+    for (size_t i = 0; i < sizeof to_come / sizeof to_come[0]; i++) {
+        if (pen_target_matches(target, to_come[i], &arg))
+            return pen_fail(st, PEN_NOT_FOUND, "%s is known, but not supported yet", to_come[i]);
+    }
+    return pen_fail(st, PEN_NOT_FOUND,
+                    "there is nothing at this path; GET /openapi.yaml says "
+                    "what there is");
+}
+
+const struct route *route_find(const char *method, const struct pen_target *target,
+                               const char **arg, char allow[ALLOW_BYTES], struct pen_status *st)
+{
+    allow[0] = '\0';
+    for (size_t i = 0; i < ROUTES; i++) {
+        if (!pen_target_matches(target, table[i].path, arg))
+            continue;
+        if (strcmp(table[i].method, method) == 0) {
+            allow[0] = '\0';
+            return &table[i];
+        }
+        allow_method(allow, table[i].method);
+    }
+    if (allow[0])
+        pen_fail(st, PEN_METHOD, "the method %.40s is not allowed here; %s are", method, allow);
+    else
+        fail_unknown(target, st);
+    return NULL;
+}
+
+/* Joins names as "a, b, c". */
+static void join_names(char *out, size_t bytes, const char *const *names)
+{
+    out[0] = '\0';
+    for (size_t used = 0; *names && used < bytes; names++)
+        used += (size_t)snprintf(out + used, bytes - used, "%s%s", used ? ", " : "", *names);
+}
+
+static bool fail_unknown_param(const struct route *route, const char *name, struct pen_status *st)
+{
+    enum { NAMES = 8 };
+    const char *names[NAMES + 1] = {0};
+    if (!route->params)
+        return pen_fail(st, PEN_USAGE, "unknown query parameter \"%.100s\": none is allowed here",
+                        name);
+    for (int i = 0; i < NAMES && route->params[i].name; i++)
+        names[i] = route->params[i].name;
+    char list[200];
+    join_names(list, sizeof list, names);
+    const char *near = pen_nearest_name(name, names);
+    return pen_fail(st, PEN_USAGE, "unknown query parameter \"%.100s\"%s%s%s: allowed are %s", name,
+                    near ? ", did you mean \"" : "", near ? near : "", near ? "\"?" : "", list);
+}
+
+static bool check_value(const struct param_rule *rule, const char *value, struct pen_status *st)
+{
+    if (rule->allowed) {
+        for (const char *const *name = rule->allowed; *name; name++) {
+            if (strcmp(*name, value) == 0)
+                return true;
+        }
+        char list[200];
+        join_names(list, sizeof list, rule->allowed);
+        const char *near = pen_nearest_name(value, rule->allowed);
+        return pen_fail(st, PEN_USAGE, "query parameter %s is \"%.100s\"%s%s%s: allowed are %s",
+                        rule->name, value, near ? ", did you mean \"" : "", near ? near : "",
+                        near ? "\"?" : "", list);
+    }
+    if (rule->high > 0) {
+        long number;
+        return pen_number_parse(value, rule->low, rule->high, &number) ||
+               pen_fail(st, PEN_USAGE,
+                        "query parameter %s is \"%.100s\": a whole number from %ld to %ld is "
+                        "allowed",
+                        rule->name, value, rule->low, rule->high);
+    }
+    size_t length = strlen(value);
+    return (length > 0 && length <= rule->longest) ||
+           pen_fail(st, PEN_USAGE, "query parameter %s has %zu bytes: 1 to %zu are allowed",
+                    rule->name, length, rule->longest);
+}
+
+static bool check_param(const struct route *route, const struct pen_param *param,
+                        struct pen_status *st)
+{
+    for (const struct param_rule *rule = route->params; rule && rule->name; rule++) {
+        if (strcmp(rule->name, param->name) == 0)
+            return check_value(rule, param->value, st);
+    }
+    return fail_unknown_param(route, param->name, st);
+}
+
+bool route_check_params(const struct route *route, const struct pen_target *target,
+                        struct pen_status *st)
+{
+    for (int i = 0; i < target->param_count; i++) {
+        const struct pen_param *param = &target->param[i];
+        if (!check_param(route, param, st))
+            return false;
+        if (pen_target_param(target, param->name) != param->value)
+            return pen_fail(st, PEN_USAGE, "query parameter %s is given twice", param->name);
+    }
+    return true;
+}
+
+enum lane route_lane(const struct route *route, const struct pen_target *target)
+{
+    if (route->handle != handle_image)
+        return route->lane;
+    const char *layer = pen_target_param(target, "layer");
+    const char *format = pen_target_param(target, "format");
+    bool stored =
+        (!layer || strcmp(layer, "beauty") == 0) && (!format || strcmp(format, "png") == 0);
+    return stored ? LANE_STORE : LANE_SIDE;
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/* Start and stop. Stopping goes from the outside in: no new connections, no new work, long polls
+ * answered, work in progress finished and sent, threads ended, connections closed. */
+#include "pen/http/server.h"
+
+#include <sodium.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "adapter.h"
+#include "http.h"
+#include "pen/base/clock.h"
+#include "pen/jobs/jobs.h"
+#include "pool.h"
+#include "snapshots.h"
+#include "statics.h"
+#include "watch.h"
+
+enum { STORE_THREADS = 4, SIDE_THREADS = 2, IDLE_SECONDS = 30 };
+static const int64_t finish_ns = INT64_C(5000000000);
+
+/* Frees whatever there is. No connection may be open. */
+static void release(struct pen_http *http)
+{
+    pool_free(http->pool);
+    watch_free(http->watch);
+    snapshots_free(http->snapshots);
+    statics_free(http->statics);
+    pthread_mutex_destroy(&http->ready_lock);
+    free(http);
+}
+
+static bool start_threads(struct pen_http *http, const struct pen_http_options *options,
+                          struct pen_status *st)
+{
+    struct pen_jobs *jobs = pen_jobs_open(options->store_url, &http->limits, st);
+    if (!jobs)
+        return false;
+    http->watch = watch_start(http, jobs, st);
+    if (!http->watch)
+        return false;
+    const struct pool_options pool = {
+        .store_url = options->store_url,
+        .limits = &http->limits,
+        .store_threads = options->store_threads > 0 ? options->store_threads : STORE_THREADS,
+        .side_threads = SIDE_THREADS};
+    http->pool = pool_start(&pool, st);
+    return http->pool != NULL;
+}
+
+static void stop_threads(struct pen_http *http)
+{
+    if (http->pool)
+        pool_stop(http->pool);
+    if (http->watch)
+        watch_stop(http->watch);
+}
+
+static bool prepare(struct pen_http *http, struct pen_status *st)
+{
+    http->snapshots = snapshots_new();
+    if (!http->snapshots)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
+    http->statics = statics_new(st);
+    return http->statics != NULL;
+}
+
+struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st)
+{
+    struct pen_http *http = sodium_init() >= 0 ? calloc(1, sizeof *http) : NULL;
+    if (!http) {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
+        return NULL;
+    }
+    http->limits = options->limits;
+    http->id_prefix = randombytes_random();
+    pthread_mutex_init(&http->ready_lock, NULL);
+    int idle = options->idle_seconds > 0 ? options->idle_seconds : IDLE_SECONDS;
+    bool ok = prepare(http, st) && start_threads(http, options, st) &&
+              (http->adapter = adapter_start(http, options->listen_fd, idle, st)) &&
+              adapter_accept(http->adapter, st);
+    if (ok)
+        return http;
+    stop_threads(http);
+    adapter_stop(http->adapter);
+    release(http);
+    return NULL;
+}
+
+void pen_http_drain(struct pen_http *http)
+{
+    atomic_store_explicit(&http->draining, true, memory_order_relaxed);
+}
+
+/* Waits until no request is in progress, but not for ever: a client may not be reading. */
+static void wait_for_quiet(struct pen_http *http)
+{
+    const struct timespec pause = {.tv_nsec = 5000000};
+    int64_t until = pen_clock_ns() + finish_ns;
+    while (atomic_load_explicit(&http->active, memory_order_relaxed) > 0 && pen_clock_ns() < until)
+        nanosleep(&pause, NULL);
+}
+
+void pen_http_stop(struct pen_http *http)
+{
+    if (!http)
+        return;
+    adapter_stop_accepting(http->adapter);
+    atomic_store_explicit(&http->stopping, true, memory_order_relaxed);
+    watch_stop(http->watch);
+    wait_for_quiet(http);
+    pool_stop(http->pool);
+    adapter_stop(http->adapter);
+    release(http);
+}

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+/* A table with one place per hash value: a collision costs a read of the store, nothing else. */
+#include "snapshots.h"
+
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/base/clock.h"
+
+enum { PLACES = 1024 };
+static const int64_t longest_ns = INT64_C(1000000000);
+
+struct place {
+    struct snapshot snapshot; /* json is NULL while the place is empty */
+    uint32_t news;
+    int64_t read_ns;
+};
+
+struct snapshots {
+    pthread_mutex_t lock;
+    struct place place[PLACES]; /* guarded by lock */
+};
+
+struct snapshots *snapshots_new(void)
+{
+    struct snapshots *cache = calloc(1, sizeof *cache);
+    if (cache)
+        pthread_mutex_init(&cache->lock, NULL);
+    return cache;
+}
+
+void snapshots_free(struct snapshots *cache)
+{
+    for (int i = 0; cache && i < PLACES; i++)
+        snapshot_release(&cache->place[i].snapshot);
+    if (cache)
+        pthread_mutex_destroy(&cache->lock);
+    free(cache);
+}
+
+void snapshot_release(struct snapshot *snapshot)
+{
+    blob_unref(snapshot->json);
+    snapshot->json = NULL;
+}
+
+/* FNV-1a. The ids begin with the time, so all of their characters have to count. */
+static struct place *place_of(struct snapshots *cache, const char *id)
+{
+    uint32_t hash = 2166136261u;
+    for (const char *c = id; *c; c++)
+        hash = (hash ^ (unsigned char)*c) * 16777619u;
+    return &cache->place[hash % PLACES];
+}
+
+bool snapshots_peek(struct snapshots *cache, uint32_t news, const char *id, struct snapshot *out)
+{
+    struct place *place = place_of(cache, id);
+    int64_t now = pen_clock_ns();
+    pthread_mutex_lock(&cache->lock);
+    bool good = place->snapshot.json && place->news == news && now - place->read_ns < longest_ns &&
+                strcmp(place->snapshot.id, id) == 0;
+    if (good) {
+        *out = place->snapshot;
+        blob_ref(out->json);
+    }
+    pthread_mutex_unlock(&cache->lock);
+    return good;
+}
+
+static void remember(struct snapshots *cache, uint32_t news, int64_t read_ns,
+                     const struct snapshot *snapshot)
+{
+    struct place *place = place_of(cache, snapshot->id);
+    blob_ref(snapshot->json);
+    pthread_mutex_lock(&cache->lock);
+    struct blob *old = place->snapshot.json;
+    *place = (struct place){*snapshot, news, read_ns};
+    pthread_mutex_unlock(&cache->lock);
+    blob_unref(old);
+}
+
+bool snapshots_read(struct snapshots *cache, uint32_t news, struct pen_jobs *jobs, const char *id,
+                    struct snapshot *out, struct pen_status *st)
+{
+    if (snapshots_peek(cache, news, id, out))
+        return true;
+    int64_t now = pen_clock_ns();
+    struct pen_job_snapshot job;
+    if (!pen_jobs_get(jobs, id, &job, st))
+        return false;
+    *out = (struct snapshot){.state = job.state, .revision = job.revision};
+    snprintf(out->id, sizeof out->id, "%s", id);
+    out->json = blob_json(job.json);
+    json_decref(job.json);
+    if (!out->json)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the job");
+    remember(cache, news, now, out);
+    return true;
+}
+
+static void tag_of(const struct snapshot *snapshot, char etag[ETAG_BYTES])
+{
+    snprintf(etag, ETAG_BYTES, "\"%" PRId64 "\"", snapshot->revision);
+}
+
+bool snapshot_is_due(const struct snapshot *snapshot, const struct request *request)
+{
+    const char *known = request->fields.if_none_match;
+    char etag[ETAG_BYTES];
+    tag_of(snapshot, etag);
+    return pen_job_state_ended(snapshot->state) || (known && !pen_etag_listed(known, etag));
+}
+
+void snapshot_reply(const struct snapshot *snapshot, struct request *request)
+{
+    char etag[ETAG_BYTES];
+    tag_of(snapshot, etag);
+    bool ended = pen_job_state_ended(snapshot->state);
+    const struct content content = {.blob = blob_ref(snapshot->json),
+                                    .type = "application/json",
+                                    .etag = etag,
+                                    .cache_control = ended ? "private, max-age=5" : "no-cache"};
+    request_content(request, &content);
+    if (!ended)
+        reply_field(&request->reply, "Retry-After", "1");
+}

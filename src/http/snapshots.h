@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/* Jobs as they were when the store's NEWS counter had a certain value. As long as it has that
+ * value the job is the same, and a poll is answered from here without a store thread.
+ *
+ * A hint may get lost, so an entry is not used for longer than a second. */
+#ifndef HTTP_SNAPSHOTS_H
+#define HTTP_SNAPSHOTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pen/jobs/jobs.h"
+#include "reply.h"
+#include "request.h"
+
+struct snapshots;
+
+struct snapshot {
+    char id[PEN_ID_BYTES];
+    enum pen_job_state state;
+    int64_t revision;
+    struct blob *json;
+};
+
+void snapshot_release(struct snapshot *snapshot);
+
+struct snapshots *snapshots_new(void);
+void snapshots_free(struct snapshots *cache); /* NULL is allowed */
+
+/* The job from memory, if that is still good. Owns: the caller releases *out. */
+bool snapshots_peek(struct snapshots *cache, uint32_t news, const char *id, struct snapshot *out);
+
+/* The job from memory or else from the store, remembered for others. `news` is the counter from
+ * before the call. Owns: the caller releases *out. Fails: as pen_jobs_get; PEN_NO_MEMORY. */
+bool snapshots_read(struct snapshots *cache, uint32_t news, struct pen_jobs *jobs, const char *id,
+                    struct snapshot *out, struct pen_status *st);
+
+/* Whether a GET of this job has to wait no longer: it has ended, or the client knows another
+ * revision. */
+bool snapshot_is_due(const struct snapshot *snapshot, const struct request *request);
+
+/* Answers a GET of the job. */
+void snapshot_reply(const struct snapshot *snapshot, struct request *request);
+
+#endif

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT */
+/* The watcher's list is short-lived state: a request is in it from watch_add until it is answered.
+ * While the thread looks at jobs, the entries in question are in its own hands, not in the list.
+ *
+ * Why no change is missed: `seen` is raised, under the lock, before the jobs are looked at. An
+ * entry that comes with an older counter than `seen` may have missed that look, so its caller has
+ * to look again; an entry with the same or a newer one is in the list before the next look. */
+#include "watch.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+#include "adapter.h"
+#include "http.h"
+#include "pen/base/clock.h"
+#include "pen/jobs/jobs.h"
+#include "request.h"
+#include "snapshots.h"
+
+enum { TICK_MS = 250 }; /* how late a deadline may be noticed */
+static const int64_t look_anyway_ns = INT64_C(1000000000);
+
+struct watch {
+    struct pen_http *http;
+    struct pen_jobs *jobs; /* the thread's, but for pen_store_wait */
+    pthread_t thread;
+    pthread_mutex_t lock;
+    pthread_cond_t filled;
+    struct request *list; /* guarded by lock */
+    int count;            /* guarded by lock: in the list or in the thread's hands */
+    uint32_t seen;        /* guarded by lock: NEWS at the last look */
+    bool closed;          /* guarded by lock */
+};
+
+uint32_t watch_news(struct watch *watch)
+{
+    uint32_t news = 0;
+    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_NEWS, &news, 0);
+    return news;
+}
+
+/* Answers a request whose job is as it waits for, or whose time is up. False: it waits on. */
+static bool answer(struct watch *watch, struct request *request, uint32_t news, bool at_once)
+{
+    struct snapshot snapshot;
+    struct pen_status st;
+    if (!snapshots_read(watch->http->snapshots, news, watch->jobs, request->job_id, &snapshot,
+                        &st)) {
+        request_fail(request, &st);
+        return true;
+    }
+    bool due = at_once || snapshot_is_due(&snapshot, request);
+    if (due)
+        snapshot_reply(&snapshot, request);
+    snapshot_release(&snapshot);
+    return due;
+}
+
+/* Takes out of the list what has to be looked at: all of it, or what has run out of time. */
+static struct request *take(struct watch *watch, bool all, int64_t now)
+{
+    struct request *taken = NULL;
+    struct request **link = &watch->list;
+    while (*link) {
+        struct request *request = *link;
+        if (all || request->deadline_ns <= now) {
+            *link = request->next;
+            request->next = taken;
+            taken = request;
+        } else {
+            link = &request->next;
+        }
+    }
+    return taken;
+}
+
+/* Looks at the jobs of these requests; those that wait on go back to the list. */
+static void look(struct watch *watch, struct request *taken, uint32_t news, bool closing)
+{
+    for (struct request *next; taken; taken = next) {
+        next = taken->next;
+        bool late = closing || taken->deadline_ns <= pen_clock_ns();
+        bool answered = answer(watch, taken, news, late);
+        pthread_mutex_lock(&watch->lock);
+        if (answered) {
+            watch->count--;
+        } else {
+            taken->next = watch->list;
+            watch->list = taken;
+        }
+        pthread_mutex_unlock(&watch->lock);
+        if (answered)
+            adapter_wake(taken);
+    }
+}
+
+static void *run(void *arg)
+{
+    struct watch *watch = arg;
+    struct pen_store *store = pen_jobs_store(watch->jobs);
+    int64_t looked_ns = 0;
+    bool closing = false;
+    while (!closing) {
+        pthread_mutex_lock(&watch->lock);
+        while (!watch->list && !watch->closed)
+            pthread_cond_wait(&watch->filled, &watch->lock);
+        uint32_t news = watch->seen;
+        closing = watch->closed;
+        pthread_mutex_unlock(&watch->lock);
+
+        pen_store_wait(store, PEN_SIGNAL_NEWS, &news, closing ? 0 : TICK_MS);
+
+        int64_t now = pen_clock_ns();
+        pthread_mutex_lock(&watch->lock);
+        closing = watch->closed;
+        bool all = closing || news != watch->seen || now - looked_ns >= look_anyway_ns;
+        watch->seen = news;
+        struct request *taken = take(watch, all, now);
+        pthread_mutex_unlock(&watch->lock);
+        if (all)
+            looked_ns = now;
+        look(watch, taken, news, closing);
+    }
+    return NULL;
+}
+
+struct watch *watch_start(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
+{
+    struct watch *watch = calloc(1, sizeof *watch);
+    if (!watch) {
+        pen_jobs_close(jobs);
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the watcher");
+        return NULL;
+    }
+    *watch = (struct watch){.http = http, .jobs = jobs};
+    pthread_mutex_init(&watch->lock, NULL);
+    pthread_cond_init(&watch->filled, NULL);
+    watch->seen = watch_news(watch);
+    if (pthread_create(&watch->thread, NULL, run, watch) == 0)
+        return watch;
+    watch_free(watch);
+    pen_fail(st, PEN_UNAVAILABLE, "no thread for the watcher");
+    return NULL;
+}
+
+void watch_stop(struct watch *watch)
+{
+    pthread_mutex_lock(&watch->lock);
+    watch->closed = true;
+    pthread_cond_signal(&watch->filled);
+    pthread_mutex_unlock(&watch->lock);
+    pthread_join(watch->thread, NULL);
+}
+
+void watch_free(struct watch *watch)
+{
+    if (!watch)
+        return;
+    pen_jobs_close(watch->jobs);
+    pthread_cond_destroy(&watch->filled);
+    pthread_mutex_destroy(&watch->lock);
+    free(watch);
+}
+
+enum watch_answer watch_add(struct watch *watch, struct request *request, uint32_t news)
+{
+    enum watch_answer given = WATCH_TAKEN;
+    pthread_mutex_lock(&watch->lock);
+    if (!watch->count)
+        watch->seen = news; /* nobody else waits, so nothing was missed before this */
+    if (watch->closed)
+        given = WATCH_CLOSED;
+    else if (watch->count == WATCH_MAX)
+        given = WATCH_FULL;
+    else if ((int32_t)(news - watch->seen) < 0)
+        given = WATCH_NEWS;
+    if (given == WATCH_TAKEN) {
+        request->next = watch->list;
+        watch->list = request;
+        watch->count++;
+        pthread_cond_signal(&watch->filled);
+    }
+    pthread_mutex_unlock(&watch->lock);
+    return given;
+}
