@@ -17,7 +17,7 @@
 #include "watch.h"
 
 enum { STORE_THREADS = 4, SIDE_THREADS = 2, IDLE_SECONDS = 30 };
-static const int64_t finish_ns = INT64_C(5000000000);
+static const int64_t finish_ns = INT64_C(1500000000);
 
 /* Frees whatever there is. No connection may be open. */
 static void release(struct pen_http *http)
