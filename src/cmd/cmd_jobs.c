@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: MIT */
+/* The subcommands about jobs that a daemon has: wait, fetch, stats, cancel, delete. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "files.h"
+#include "output.h"
+#include "remote.h"
+#include "report.h"
+
+struct values {
+    struct pen_remote remote;
+    const char *output, *format, *view, *layer;
+    bool quiet, json;
+};
+
+/* What one of these subcommands does with one job. Errors become *errors. */
+typedef bool each_fn(struct pen_client *client, const char *id, const struct values *values,
+                     struct pen_errors *errors);
+
+/* Carries `each` out for all arguments; the exit code is that of the first that failed. */
+static int run_each(const struct pen_command *command, int argc, char **argv, each_fn *each)
+{
+    struct values values = {.remote = PEN_REMOTE_DEFAULT};
+    struct pen_parsed parsed;
+    int code = pen_command_begin(command, argc, argv, &values, &parsed);
+    if (code >= 0)
+        return code;
+    struct pen_status st;
+    struct pen_client *client = pen_client_open(&values.remote, &st);
+    if (!client)
+        return pen_report_json(NULL, values.json, &st);
+    code = 0;
+    for (int i = 0; i < parsed.count; i++) {
+        struct pen_errors errors = {0};
+        int one = 0;
+        if (!each(client, parsed.args[i], &values, &errors))
+            one = pen_report_errors_json(NULL, values.json, &errors);
+        code = code ? code : one;
+    }
+    pen_client_close(client);
+    return code;
+}
+
+static void print_state(const json_t *job, const struct values *values)
+{
+    if (values->json)
+        pen_report_line(json_deep_copy(job));
+    else if (!values->quiet)
+        printf("%s %s\n", pen_remote_text(job, "id"), pen_remote_text(job, "state"));
+    fflush(stdout);
+}
+
+static bool wait_one(struct pen_client *client, const char *id, const struct values *values,
+                     struct pen_errors *errors)
+{
+    json_t *job;
+    bool ok = pen_remote_wait(client, id, values->quiet, &job, errors);
+    if (job)
+        print_state(job, values);
+    json_decref(job);
+    return ok;
+}
+
+static bool fetch_one(struct pen_client *client, const char *id, const struct values *values,
+                      struct pen_errors *errors)
+{
+    struct pen_fetch fetch = {.output = values->output,
+                              .format = values->format,
+                              .view = values->view,
+                              .layer = values->layer};
+    struct pen_status st;
+    if (values->output)
+        return pen_remote_fetch(client, id, &fetch, errors);
+    pen_fail(&st, PEN_USAGE, "missing -o OUT");
+    pen_errors_add(errors, &st);
+    return false;
+}
+
+static bool stats_one(struct pen_client *client, const char *id, const struct values *values,
+                      struct pen_errors *errors)
+{
+    json_t *stats;
+    if (!pen_remote_job(client, "GET", id, "/stats", &stats, errors))
+        return false;
+    size_t indent = values->json ? 0 : 2;
+    char *text = json_dumps(stats, JSON_INDENT(indent) | JSON_REAL_PRECISION(17));
+    struct pen_buf line = {0};
+    struct pen_status st;
+    bool ok = text && pen_buf_printf(&line, "%s\n", text);
+    if (!ok)
+        pen_fail(&st, PEN_NO_MEMORY, "out of memory");
+    else
+        ok = pen_file_write(values->output ? values->output : "-", line.data, line.bytes, &st);
+    if (!ok)
+        pen_errors_add(errors, &st);
+    pen_buf_release(&line);
+    free(text);
+    json_decref(stats);
+    return ok;
+}
+
+static bool cancel_one(struct pen_client *client, const char *id, const struct values *values,
+                       struct pen_errors *errors)
+{
+    json_t *job;
+    bool ok = pen_remote_job(client, "POST", id, "/cancel", &job, errors);
+    if (ok)
+        print_state(job, values);
+    json_decref(job);
+    return ok;
+}
+
+static bool delete_one(struct pen_client *client, const char *id, const struct values *values,
+                       struct pen_errors *errors)
+{
+    json_t *none;
+    bool ok = pen_remote_job(client, "DELETE", id, "", &none, errors);
+    json_decref(none);
+    if (ok && values->json)
+        pen_report_line(json_pack("{s:s, s:b}", "id", id, "deleted", 1));
+    else if (ok && !values->quiet)
+        printf("%s deleted\n", id);
+    return ok;
+}
+
+#define QUIET_OPTION(text)                                                                         \
+    {                                                                                              \
+        .name = "quiet", .letter = 'q', .kind = PEN_OPTION_FLAG,                                   \
+        .offset = offsetof(struct values, quiet), .help = text                                     \
+    }
+#define JSON_OPTION(text)                                                                          \
+    {                                                                                              \
+        .name = "json", .kind = PEN_OPTION_FLAG, .offset = offsetof(struct values, json),          \
+        .help = text                                                                               \
+    }
+
+static const struct pen_option state_options[] = {QUIET_OPTION("no progress bar, no states"),
+                                                  JSON_OPTION("print each job as a line of JSON"),
+                                                  PEN_REMOTE_OPTIONS(struct values),
+                                                  {0}};
+
+static const struct pen_option fetch_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, output),
+     .value = "OUT",
+     .help = "where the picture goes; .png or .pfm by its ending"},
+    {.name = "format",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, format),
+     .value = "png|png16|pfm",
+     .choices = pen_output_formats,
+     .help = "whatever the ending of OUT says"},
+    {.name = "view",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, view),
+     .value = "NAME",
+     .help = "which view of the job, the first by default"},
+    {.name = "layer",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, layer),
+     .value = "NAME",
+     .choices = pen_output_layers,
+     .help = "which layer of the job, beauty by default"},
+    JSON_OPTION("print errors as a line of JSON too"),
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
+
+static const struct pen_option stats_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, output),
+     .value = "FILE",
+     .help = "write there instead of standard output"},
+    JSON_OPTION("print on one line"),
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
+
+static int run_wait(int argc, char **argv)
+{
+    return run_each(&pen_command_wait, argc, argv, wait_one);
+}
+
+static int run_fetch(int argc, char **argv)
+{
+    return run_each(&pen_command_fetch, argc, argv, fetch_one);
+}
+
+static int run_stats(int argc, char **argv)
+{
+    return run_each(&pen_command_stats, argc, argv, stats_one);
+}
+
+static int run_cancel(int argc, char **argv)
+{
+    return run_each(&pen_command_cancel, argc, argv, cancel_one);
+}
+
+static int run_delete(int argc, char **argv)
+{
+    return run_each(&pen_command_delete, argc, argv, delete_one);
+}
+
+const struct pen_command pen_command_wait = {
+    .program = "penumbra",
+    .name = "wait",
+    .arguments = "ID…",
+    .summary = "Waits until jobs have ended.",
+    .details = "Prints each job's id and last state. A progress bar is shown on a terminal.",
+    .options = state_options,
+    .min_args = 1,
+    .max_args = -1,
+    .run = run_wait,
+};
+
+const struct pen_command pen_command_fetch = {
+    .program = "penumbra",
+    .name = "fetch",
+    .arguments = "ID -o OUT",
+    .summary = "Fetches the picture of a job.",
+    .options = fetch_options,
+    .min_args = 1,
+    .max_args = 1,
+    .run = run_fetch,
+};
+
+const struct pen_command pen_command_stats = {
+    .program = "penumbra",
+    .name = "stats",
+    .arguments = "ID",
+    .summary = "Prints the statistics of a job that has ended.",
+    .options = stats_options,
+    .min_args = 1,
+    .max_args = 1,
+    .run = run_stats,
+};
+
+const struct pen_command pen_command_cancel = {
+    .program = "penumbra",
+    .name = "cancel",
+    .arguments = "ID…",
+    .summary = "Cancels jobs; those that have ended stay as they are.",
+    .options = state_options,
+    .min_args = 1,
+    .max_args = -1,
+    .run = run_cancel,
+};
+
+const struct pen_command pen_command_delete = {
+    .program = "penumbra",
+    .name = "delete",
+    .arguments = "ID…",
+    .summary = "Removes jobs that have ended, with their results.",
+    .options = state_options,
+    .min_args = 1,
+    .max_args = -1,
+    .run = run_delete,
+};

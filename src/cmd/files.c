@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+#include "files.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "pen/io/builtin.h"
+#include "pen/io/scene_json.h"
+
+static bool fail_errno(struct pen_status *st, enum pen_code code, const char *doing,
+                       const char *path)
+{
+    return pen_fail(st, code, "cannot %s %s: %s", doing, path, strerror(errno));
+}
+
+/* Reads a descriptor to its end. */
+static bool read_all(int fd, const char *label, size_t max_bytes, struct pen_buf *out,
+                     struct pen_status *st)
+{
+    enum { CHUNK = 1 << 16 };
+    char chunk[CHUNK];
+    for (;;) {
+        ssize_t got = read(fd, chunk, sizeof chunk);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return fail_errno(st, PEN_IO, "read", label);
+        if (got == 0)
+            break;
+        if (max_bytes && out->bytes + (size_t)got > max_bytes)
+            return pen_fail(st, PEN_TOO_LARGE, "larger than the limit of %zu bytes", max_bytes);
+        if (!pen_buf_add(out, chunk, (size_t)got))
+            return pen_fail(st, PEN_NO_MEMORY, "out of memory reading %s", label);
+    }
+    if (!pen_buf_add(out, "", 0))
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory reading %s", label);
+    return true;
+}
+
+bool pen_file_read(const char *path, size_t max_bytes, struct pen_buf *out, struct pen_status *st)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return pen_fail(st, errno == ENOENT || errno == ENOTDIR ? PEN_NOT_FOUND : PEN_IO,
+                        "cannot open: %s", strerror(errno));
+    bool ok = read_all(fd, path, max_bytes, out, st);
+    close(fd);
+    return ok;
+}
+
+static bool fail_builtin(const char *name, struct pen_status *st)
+{
+    enum { MANY = 63 };
+    char text[MANY][64];
+    const char *names[MANY + 1];
+    size_t count = pen_builtin_count() < MANY ? pen_builtin_count() : MANY;
+    for (size_t i = 0; i < count; i++)
+        names[i] = pen_builtin_name(i, text[i], sizeof text[i]);
+    names[count] = NULL;
+    const char *near = pen_nearest_name(name, names);
+    if (near)
+        return pen_fail(st, PEN_NOT_FOUND, "no built-in scene \"%s\", nearest is \"%s\"", name,
+                        near);
+    return pen_fail(st, PEN_NOT_FOUND, "no built-in scene \"%s\", see penumbra scenes", name);
+}
+
+static bool read_builtin(struct pen_source *source, const char *name, struct pen_status *st)
+{
+    size_t bytes;
+    const char *text = pen_builtin_find(name, &bytes);
+    source->builtin = true;
+    if (!text)
+        return fail_builtin(name, st);
+    if (!pen_buf_add(&source->text, text, bytes))
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    return true;
+}
+
+bool pen_source_read(struct pen_source *source, const char *name, size_t max_bytes,
+                     struct pen_status *st)
+{
+    static const char builtin[] = "builtin:";
+    *source = (struct pen_source){.label = name};
+    if (strncmp(name, builtin, sizeof builtin - 1) == 0)
+        return read_builtin(source, name + sizeof builtin - 1, st);
+    if (strcmp(name, "-") == 0) {
+        source->label = "standard input";
+        return read_all(STDIN_FILENO, source->label, max_bytes, &source->text, st);
+    }
+    size_t length = strlen(name);
+    source->xml = length > 4 && strcmp(name + length - 4, ".xml") == 0;
+    return pen_file_read(name, max_bytes, &source->text, st);
+}
+
+void pen_source_release(struct pen_source *source)
+{
+    pen_buf_release(&source->text);
+}
+
+static bool write_all(int fd, const char *data, size_t bytes)
+{
+    while (bytes > 0) {
+        ssize_t put = write(fd, data, bytes);
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put < 0)
+            return false;
+        data += put;
+        bytes -= (size_t)put;
+    }
+    return true;
+}
+
+/* Writes to something that cannot be replaced: a pipe, a terminal, a device. */
+static bool write_directly(const char *path, const void *data, size_t bytes, struct pen_status *st)
+{
+    int fd = open(path, O_WRONLY | O_CLOEXEC);
+    if (fd < 0)
+        return fail_errno(st, PEN_IO, "open", path);
+    bool ok = write_all(fd, data, bytes);
+    if (!ok)
+        fail_errno(st, PEN_IO, "write", path);
+    if (close(fd) != 0 && ok)
+        ok = fail_errno(st, PEN_IO, "write", path);
+    return ok;
+}
+
+/* The rename is on disk only when the folder is. Some file systems cannot flush a folder; that
+ * is no failure of the write. */
+static void flush_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    int fd = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (fd >= 0) {
+        fsync(fd);
+        close(fd);
+    }
+    free(folder);
+}
+
+/* A new file beside `path` with the mode it will have. */
+static int create_beside(char *name, mode_t mode)
+{
+    int fd = mkostemp(name, O_CLOEXEC);
+    if (fd >= 0)
+        fchmod(fd, mode);
+    return fd;
+}
+
+static bool replace(const char *path, mode_t mode, const void *data, size_t bytes,
+                    struct pen_status *st)
+{
+    char *name = NULL;
+    if (asprintf(&name, "%s.XXXXXX", path) < 0)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    int fd = create_beside(name, mode);
+    bool ok = fd >= 0 && write_all(fd, data, bytes) && fsync(fd) == 0;
+    int cause = errno;
+    if (fd >= 0 && close(fd) != 0 && ok) {
+        ok = false;
+        cause = errno;
+    }
+    if (ok && rename(name, path) != 0) {
+        ok = false;
+        cause = errno;
+    }
+    if (!ok && fd >= 0)
+        unlink(name);
+    free(name);
+    if (ok)
+        flush_folder(path);
+    errno = cause;
+    return ok || fail_errno(st, PEN_IO, "write", path);
+}
+
+bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen_status *st)
+{
+    struct stat info;
+    if (strcmp(path, "-") == 0)
+        return write_all(STDOUT_FILENO, data, bytes) || fail_errno(st, PEN_IO, "write", "-");
+    if (stat(path, &info) == 0) {
+        if (S_ISDIR(info.st_mode))
+            return pen_fail(st, PEN_IO, "cannot write %s: it is a folder", path);
+        if (!S_ISREG(info.st_mode))
+            return write_directly(path, data, bytes, st);
+        return replace(path, info.st_mode & 07777, data, bytes, st);
+    }
+    mode_t mask = umask(0);
+    umask(mask);
+    return replace(path, 0666 & ~mask, data, bytes, st);
+}

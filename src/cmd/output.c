@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+#include "output.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "pen/film/encode.h"
+#include "pen/io/scene_json.h"
+
+const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
+const char *const pen_output_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
+
+static bool ends_in(const char *path, const char *ending)
+{
+    size_t length = strlen(path), tail = strlen(ending);
+    return length > tail && strcmp(path + length - tail, ending) == 0;
+}
+
+const char *pen_output_format(const char *path, const char *format, struct pen_status *st)
+{
+    if (format)
+        return format;
+    if (ends_in(path, ".png"))
+        return "png";
+    if (ends_in(path, ".pfm"))
+        return "pfm";
+    pen_fail(st, PEN_USAGE,
+             "--output: found \"%s\", allowed is a name ending in .png or .pfm, or any name with "
+             "--format png, png16 or pfm",
+             path);
+    return NULL;
+}
+
+bool pen_output_layer_check(const char *layer, struct pen_status *st)
+{
+    if (!layer || strcmp(layer, "beauty") == 0)
+        return true;
+    return pen_fail(st, PEN_UNSUPPORTED, "--layer %s: known, not supported yet", layer);
+}
+
+bool pen_output_set(struct pen_settings *settings, const char *assignment, struct pen_status *st)
+{
+    struct pen_status cause;
+    if (pen_settings_set(settings, assignment, &cause))
+        return true;
+    return pen_fail(st, cause.code, "--set %s: %s", assignment, cause.msg);
+}
+
+static enum pen_transfer transfer_of(const struct pen_settings *settings)
+{
+    return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
+}
+
+bool pen_output_encode(const char *format, const struct pen_film *film,
+                       const struct pen_settings *settings, struct pen_buf *out,
+                       struct pen_status *st)
+{
+    if (strcmp(format, "pfm") == 0)
+        return pen_pfm_write(film, out, st);
+    struct pen_png_options options = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
+                                      .transfer = transfer_of(settings)};
+    return pen_png_write(film, &options, out, st);
+}
+
+void pen_output_pixel(const float rgb[3], const struct pen_settings *settings, int png8[3],
+                      int png16[3])
+{
+    unsigned char narrow[3];
+    uint16_t wide[3];
+    pen_encode_8(rgb, 3, transfer_of(settings), narrow);
+    pen_encode_16(rgb, 3, transfer_of(settings), wide);
+    for (int c = 0; c < 3; c++) {
+        png8[c] = narrow[c];
+        png16[c] = wide[c];
+    }
+}

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/* The daemon: reads its configuration and becomes what it says: the supervisor of an api and a
+ * worker process, or one of the two alone. */
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "config.h"
+#include "pen/store/store.h"
+#include "report.h"
+#include "roles.h"
+#include "supervisor.h"
+
+static const char program[] = "penumbrad";
+
+/* A store that cannot be opened, or is damaged, is said at once and on the terminal, not by
+ * children in a loop; and its folder and tables are made before two processes want them. */
+static bool check_store(const char *url, struct pen_status *st)
+{
+    struct pen_store *store = pen_store_open(url, st);
+    bool ok = store && pen_store_check(store, st);
+    pen_store_close(store);
+    return ok;
+}
+
+static int serve(const struct pen_config *config, int argc, char **argv)
+{
+    struct pen_status st;
+    int port;
+    if (!check_store(config->store, &st))
+        return pen_report(program, config->store, &st);
+    int fd = pen_address_listen(&config->address, &port, &st);
+    if (fd < 0)
+        return pen_report(program, NULL, &st);
+    printf("listening on http://%s:%d\n", config->address.host, port);
+    int code = pen_report_finish(program, 0);
+    if (code == 0)
+        code = strcmp(config->role, "all") == 0 ? pen_supervisor_run(config, argc, argv, fd)
+                                                : pen_role_api(config, fd);
+    close(fd);
+    return code;
+}
+
+static int run(const struct pen_config *config, int argc, char **argv)
+{
+    struct pen_status st;
+    struct pen_log_target target = {config->log_level, config->log_format, config->log_file};
+    pen_log_set_name("supervisor");
+    if (!pen_config_log(&target, &st))
+        return pen_report(program, NULL, &st);
+    if (strcmp(config->role, "worker") == 0)
+        return pen_role_worker(config);
+    if (config->listen_fd >= 0)
+        return pen_role_api(config, config->listen_fd);
+    return serve(config, argc, argv);
+}
+
+int main(int argc, char **argv)
+{
+    struct pen_config config;
+    int code = pen_config_load(&config, argc, argv);
+    if (code < 0)
+        code = run(&config, argc, argv);
+    pen_config_release(&config);
+    return pen_report_finish(program, code);
+}

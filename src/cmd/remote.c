@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT */
+#include "remote.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "files.h"
+#include "output.h"
+#include "progress.h"
+
+enum { ANSWER_S = 30, LONG_POLL_S = 30 };
+
+const char *pen_remote_text(const json_t *job, const char *key)
+{
+    const char *text = json_string_value(json_object_get(job, key));
+    return text ? text : "";
+}
+
+static bool out_of_memory(struct pen_errors *errors)
+{
+    struct pen_status st;
+    *errors = (struct pen_errors){0};
+    pen_fail(&st, PEN_NO_MEMORY, "out of memory");
+    pen_errors_add(errors, &st);
+    return false;
+}
+
+static bool job_path(struct pen_client *client, const char *id, const char *suffix,
+                     struct pen_buf *path)
+{
+    return pen_buf_puts(path, "/v1/jobs/") && pen_client_escape(client, path, id) &&
+           pen_buf_puts(path, suffix);
+}
+
+bool pen_remote_job(struct pen_client *client, const char *method, const char *id,
+                    const char *suffix, json_t **json, struct pen_errors *errors)
+{
+    struct pen_buf path = {0};
+    struct pen_reply reply = {0};
+    *json = NULL;
+    bool ok = job_path(client, id, suffix, &path) || out_of_memory(errors);
+    if (ok) {
+        struct pen_request request = {.method = method,
+                                      .path = (const char *)path.data,
+                                      .repeatable = true, /* also cancel and delete */
+                                      .timeout_s = ANSWER_S};
+        ok = pen_client_json(client, &request, &reply, json, errors);
+    }
+    pen_reply_release(&reply);
+    pen_buf_release(&path);
+    return ok;
+}
+
+/* One look at the job: at once if *etag is empty, else when its revision differs or after a
+ * while. *job becomes the new state, or stays. */
+static bool look(struct pen_client *client, const char *path, char etag[128], json_t **job,
+                 struct pen_errors *errors)
+{
+    struct pen_request request = {.method = "GET",
+                                  .path = path,
+                                  .if_none_match = etag[0] ? etag : NULL,
+                                  .repeatable = true,
+                                  .timeout_s = LONG_POLL_S + ANSWER_S};
+    struct pen_reply reply = {0};
+    json_t *state = NULL;
+    bool ok = pen_client_json(client, &request, &reply, &state, errors);
+    if (ok && state) {
+        json_decref(*job);
+        *job = state;
+        memcpy(etag, reply.etag, sizeof reply.etag);
+    }
+    pen_reply_release(&reply);
+    return ok;
+}
+
+static bool has_ended(const json_t *job)
+{
+    const char *state = pen_remote_text(job, "state");
+    return strcmp(state, "succeeded") == 0 || strcmp(state, "failed") == 0 ||
+           strcmp(state, "cancelled") == 0;
+}
+
+static void show(struct pen_progress *progress, const json_t *job)
+{
+    const json_t *done = json_object_get(job, "progress");
+    const json_t *eta = json_object_get(done, "eta_seconds");
+    if (strcmp(pen_remote_text(job, "state"), "queued") == 0)
+        pen_progress_note(progress, "queued");
+    else
+        pen_progress_show(progress, json_number_value(json_object_get(done, "fraction")),
+                          json_is_number(eta) ? json_number_value(eta) : -1);
+}
+
+static void on_pause(void *user, const char *reason)
+{
+    char note[128];
+    snprintf(note, sizeof note, "%s, trying again", reason);
+    pen_progress_note(user, note);
+}
+
+/* The reason why a job did not succeed, as its problem document gives it. */
+static bool check_end(const json_t *job, struct pen_errors *errors)
+{
+    struct pen_status st;
+    const char *state = pen_remote_text(job, "state");
+    const char *id = pen_remote_text(job, "id");
+    if (strcmp(state, "succeeded") == 0)
+        return true;
+    const char *detail = pen_remote_text(json_object_get(job, "error"), "detail");
+    if (strcmp(state, "failed") == 0)
+        pen_fail(&st, PEN_RENDER_FAILED, "job %s failed%s%s", id, *detail ? ": " : "", detail);
+    else
+        pen_fail(&st, PEN_RENDER_FAILED, "job %s was cancelled", id);
+    pen_errors_add(errors, &st);
+    return false;
+}
+
+static bool follow(struct pen_client *client, const char *path, struct pen_progress *progress,
+                   json_t **job, struct pen_errors *errors)
+{
+    char now[sizeof((struct pen_reply *)0)->etag] = "";
+    const char *query = "?wait=30";
+    struct pen_buf waiting = {0};
+    bool ok =
+        (pen_buf_puts(&waiting, path) && pen_buf_puts(&waiting, query)) || out_of_memory(errors);
+    ok = ok && look(client, path, now, job, errors);
+    while (ok && !has_ended(*job)) {
+        show(progress, *job);
+        ok = look(client, (const char *)waiting.data, now, job, errors);
+    }
+    pen_buf_release(&waiting);
+    return ok;
+}
+
+bool pen_remote_wait(struct pen_client *client, const char *id, bool quiet, json_t **job,
+                     struct pen_errors *errors)
+{
+    struct pen_progress progress;
+    struct pen_buf path = {0};
+    char label[16];
+    *job = NULL;
+    snprintf(label, sizeof label, "job %.8s…", id);
+    pen_progress_begin(&progress, label, quiet);
+    pen_client_on_pause(client, on_pause, &progress);
+    bool ok = job_path(client, id, "", &path) || out_of_memory(errors);
+    ok = ok && follow(client, (const char *)path.data, &progress, job, errors);
+    pen_client_on_pause(client, NULL, NULL);
+    pen_progress_end(&progress);
+    pen_buf_release(&path);
+    return ok && check_end(*job, errors);
+}
+
+static bool add_query(struct pen_client *client, struct pen_buf *path, const char *key,
+                      const char *value, char separator)
+{
+    return !value || (pen_buf_printf(path, "%c%s=", separator, key) &&
+                      pen_client_escape(client, path, value));
+}
+
+static bool image_path(struct pen_client *client, const char *id, const struct pen_fetch *fetch,
+                       const char *format, struct pen_buf *path)
+{
+    return job_path(client, id, "/image", path) && add_query(client, path, "format", format, '?') &&
+           add_query(client, path, "view", fetch->view, '&') &&
+           add_query(client, path, "layer", fetch->layer, '&');
+}
+
+bool pen_remote_fetch(struct pen_client *client, const char *id, const struct pen_fetch *fetch,
+                      struct pen_errors *errors)
+{
+    struct pen_status st;
+    struct pen_buf path = {0};
+    struct pen_reply reply = {0};
+    const char *format = pen_output_format(fetch->output, fetch->format, &st);
+    if (!format) {
+        pen_errors_add(errors, &st);
+        return false;
+    }
+    bool ok = image_path(client, id, fetch, format, &path) || out_of_memory(errors);
+    if (ok) {
+        struct pen_request request = {.method = "GET",
+                                      .path = (const char *)path.data,
+                                      .repeatable = true,
+                                      .timeout_s = ANSWER_S};
+        ok = pen_client_send(client, &request, &reply, errors);
+    }
+    if (ok && !pen_file_write(fetch->output, reply.body.data, reply.body.bytes, &st)) {
+        pen_errors_add(errors, &st);
+        ok = false;
+    }
+    pen_reply_release(&reply);
+    pen_buf_release(&path);
+    return ok;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/* What several commands do with a job of a daemon: follow it to its end, fetch its picture, show
+ * it. */
+#ifndef CMD_REMOTE_H
+#define CMD_REMOTE_H
+
+#include <jansson.h>
+#include <stdbool.h>
+
+#include "client.h"
+
+/* A request about one job, with `suffix` after its path ("/stats", "?wait=30", ""). The answer,
+ * if there is one, is *json. Errors as pen_client_json. */
+bool pen_remote_job(struct pen_client *client, const char *method, const char *id,
+                    const char *suffix, json_t **json, struct pen_errors *errors);
+
+/* Follows a job until it has ended, with a progress bar; *job is its last state. A job that
+ * failed or was cancelled is PEN_JOB_FAILED, with *job set too. Owns: the caller json_decref()s
+ * *job in any case. */
+bool pen_remote_wait(struct pen_client *client, const char *id, bool quiet, json_t **job,
+                     struct pen_errors *errors);
+
+struct pen_fetch {
+    const char *output, *format; /* format NULL: by the ending of output */
+    const char *view, *layer;    /* NULL: the daemon's defaults */
+};
+
+/* Downloads a job's picture into a file. */
+bool pen_remote_fetch(struct pen_client *client, const char *id, const struct pen_fetch *fetch,
+                      struct pen_errors *errors);
+
+/* A member of a job that is text; "" if there is none. */
+const char *pen_remote_text(const json_t *job, const char *key);
+
+#endif

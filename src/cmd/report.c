@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+#include "report.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/io/scene_json.h"
+#include "pen/jobs/jobs.h"
+
+/* A message is at most a pointer, a sentence and a path. */
+enum { LINE_BYTES = PEN_AT_BYTES + PEN_MSG_BYTES + 4096 };
+
+int pen_report(const char *program, const char *file, const struct pen_status *st)
+{
+    char line[LINE_BYTES];
+    pen_status_describe(st, file, line, sizeof line);
+    fprintf(stderr, "%s: %s\n", program, line);
+    return pen_code_exit(st->code);
+}
+
+int pen_report_errors(const char *program, const char *file, const struct pen_errors *errors)
+{
+    if (errors->count == 0)
+        return pen_code_exit(PEN_INTERNAL);
+    for (size_t i = 0; i < errors->count; i++)
+        pen_report(program, file, &errors->item[i]);
+    if (errors->total > errors->count)
+        fprintf(stderr, "%s: %s%s%zu more errors\n", program, file ? file : "", file ? ": " : "",
+                errors->total - errors->count);
+    return pen_code_exit(errors->item[0].code);
+}
+
+void pen_report_line(json_t *value)
+{
+    char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    puts(text ? text : "{\"type\":\"no-memory\"}");
+    free(text);
+    json_decref(value);
+}
+
+int pen_report_json(const char *file, bool json, const struct pen_status *st)
+{
+    if (json)
+        pen_report_line(pen_problem(st));
+    return pen_report("penumbra", file, st);
+}
+
+int pen_report_errors_json(const char *file, bool json, const struct pen_errors *errors)
+{
+    if (json)
+        pen_report_line(pen_problem_list(errors));
+    return pen_report_errors("penumbra", file, errors);
+}
+
+void pen_report_version(const char *program)
+{
+    printf("%s %s\n", program, PEN_VERSION);
+}
+
+void pen_report_exit_codes(FILE *out)
+{
+    static const struct {
+        enum pen_code code;
+        const char *meaning;
+    } rows[] = {
+        {PEN_OK, "done"},
+        {PEN_USAGE, "wrong command line or configuration"},
+        {PEN_INVALID, "wrong input: malformed, invalid, too large, not supported yet"},
+        {PEN_NOT_FOUND, "not there, or not in the state for this"},
+        {PEN_NETWORK, "daemon out of reach, not ready or busy"},
+        {PEN_RENDER_FAILED, "the job failed or was cancelled"},
+        {PEN_DIFFERENT, "the compared pictures differ by more than allowed"},
+        {PEN_IO, "a file or the store cannot be read or written"},
+        {PEN_NO_MEMORY, "out of memory"},
+        {PEN_TIMEOUT, "took longer than allowed"},
+        {PEN_FORBIDDEN, "not permitted"},
+        {PEN_INTERNAL, "a bug in Penumbra"},
+    };
+    fputs("Exit codes:\n", out);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        fprintf(out, "  %2d  %s\n", pen_code_exit(rows[i].code), rows[i].meaning);
+}
+
+int pen_report_finish(const char *program, int code)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return code;
+    fprintf(stderr, "%s: cannot write to standard output: %s\n", program, strerror(errno));
+    return code ? code : pen_code_exit(PEN_IO);
+}

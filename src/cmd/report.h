@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* What a program says on its way out: errors as one line each on standard error, and as a problem
+ * document on standard output where --json asks for it; the exit code is the error's. */
+#ifndef CMD_REPORT_H
+#define CMD_REPORT_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "pen/base/status.h"
+
+/* Prints `PROGRAM: FILE: place: message`; file may be NULL. Returns the exit code. */
+int pen_report(const char *program, const char *file, const struct pen_status *st);
+
+/* Prints every error kept, and how many there are besides. Returns the first one's exit code. */
+int pen_report_errors(const char *program, const char *file, const struct pen_errors *errors);
+
+/* As pen_report and pen_report_errors, with the problem document on standard output if json. */
+int pen_report_json(const char *file, bool json, const struct pen_status *st);
+int pen_report_errors_json(const char *file, bool json, const struct pen_errors *errors);
+
+/* Prints one JSON value as a line on standard output, and drops the caller's reference. */
+void pen_report_line(json_t *value);
+
+/* "penumbra 0.1.0" on standard output. */
+void pen_report_version(const char *program);
+
+/* The table of exit codes, for --help. */
+void pen_report_exit_codes(FILE *out);
+
+/* Flushes standard output. Returns `code`, or an error's exit code if what was printed got lost.
+ */
+int pen_report_finish(const char *program, int code);
+
+#endif

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+#include "roles.h"
+
+#include <malloc.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include "control.h"
+#include "pen/base/clock.h"
+#include "pen/base/log.h"
+#include "pen/http/server.h"
+#include "pen/jobs/worker.h"
+#include "pen/store/store.h"
+
+/* How long the api may take to end its answers before it is ended by force. */
+enum { STOP_API_S = 2 };
+
+void pen_worker_name(int pid, long long start_ms, char *out, size_t bytes)
+{
+    char host[65] = "";
+    if (gethostname(host, sizeof host - 1) != 0 || !host[0])
+        snprintf(host, sizeof host, "localhost");
+    snprintf(out, bytes, "%s:%d:%lld", host, pid, start_ms);
+}
+
+/* "LEVEL FORMAT FILE" from the supervisor; after a bare SIGHUP the configuration stays. */
+static void reopen_log(const struct pen_config *config, const char *text)
+{
+    char level[16] = "", format[16] = "";
+    int end = 0;
+    struct pen_status st;
+    struct pen_log_target target = {config->log_level, config->log_format, config->log_file};
+    if (sscanf(text, "%15s %15s %n", level, format, &end) == 2)
+        target = (struct pen_log_target){level, format, text + end};
+    if (!pen_config_log(&target, &st))
+        pen_log(PEN_LOG_ERROR, "%s", st.msg);
+}
+
+static int fail(const struct pen_status *st)
+{
+    pen_log(PEN_LOG_ERROR, "%s", st->msg);
+    return pen_code_exit(st->code);
+}
+
+/* The last resort of a process that does not end by itself. */
+static void end_within(unsigned seconds)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGALRM);
+    pthread_sigmask(SIG_UNBLOCK, &set, NULL);
+    signal(SIGALRM, SIG_DFL);
+    alarm(seconds);
+}
+
+/* Handles events until it is time to stop. */
+static void serve(const struct pen_config *config, struct pen_watch *watch, struct pen_http *http)
+{
+    for (;;) {
+        struct pen_event event;
+        pen_watch_next(watch, -1, &event);
+        switch (event.kind) {
+        case PEN_EVENT_DRAIN:
+            pen_http_drain(http);
+            break;
+        case PEN_EVENT_LOG:
+            reopen_log(config, event.text);
+            break;
+        case PEN_EVENT_STOP:
+            pen_http_drain(http);
+            end_within(STOP_API_S);
+            return;
+        case PEN_EVENT_LOST:
+            pen_log(PEN_LOG_ERROR, "the supervisor is gone: ending");
+            end_within(PEN_LOST_MS / 1000);
+            return;
+        case PEN_EVENT_STATE:
+        case PEN_EVENT_WORK_END:
+        case PEN_EVENT_TIMEOUT:
+            break;
+        }
+    }
+}
+
+int pen_role_api(const struct pen_config *config, int listen_fd)
+{
+    struct pen_watch watch;
+    struct pen_status st;
+    pen_log_set_name("api");
+    prctl(PR_SET_NAME, "penumbrad-api");
+    mallopt(M_ARENA_MAX, 2); /* many small answers: arenas per thread would only hold memory */
+    if (!pen_watch_open(&watch, config->control_fd, &st))
+        return fail(&st);
+    struct pen_http_options options = {
+        .listen_fd = listen_fd, .store_url = config->store, .limits = pen_limits_default()};
+    struct pen_http *http = pen_http_start(&options, &st);
+    if (!http) {
+        pen_watch_close(&watch);
+        return fail(&st);
+    }
+    pen_log(PEN_LOG_INFO, "serving");
+    pen_control_send(watch.control_fd, "ready");
+    serve(config, &watch, http);
+    pen_http_stop(http);
+    pen_watch_close(&watch);
+    pen_log(PEN_LOG_INFO, "ended");
+    return 0;
+}
+
+/* The worker runs in a thread of its own, so that the process can be told things meanwhile. */
+struct work {
+    struct pen_worker_options options;
+    atomic_bool stop;
+    const struct pen_watch *watch;
+    bool ok; /* written by the thread, read after it was joined */
+    struct pen_status st;
+};
+
+static void *run_worker(void *user)
+{
+    struct work *work = user;
+    work->ok = pen_worker_run(&work->options, &work->stop, &work->st);
+    pen_watch_end(work->watch);
+    return NULL;
+}
+
+/* What died holding leases cannot give them back: its successor does. */
+static bool sweep(struct pen_store *store, const char *dead, struct pen_status *st)
+{
+    int opened = 0;
+    if (!dead || !*dead)
+        return true;
+    if (!pen_store_sweep(store, dead, &opened, st))
+        return false;
+    if (opened > 0)
+        pen_log(PEN_LOG_INFO, "took back %d batches of worker %s", opened, dead);
+    return true;
+}
+
+/* The batch in hand takes too long: its lease is given up here, the commit would be refused, and
+ * the process ends under the render threads. */
+static void give_up(struct pen_store *store, const struct work *work)
+{
+    struct pen_status st;
+    end_within(1);
+    pen_log(PEN_LOG_WARN, "the batch in hand is given back unfinished");
+    if (!sweep(store, work->options.name, &st))
+        pen_log(PEN_LOG_ERROR, "%s", st.msg);
+    _exit(0);
+}
+
+/* Handles events until the worker's thread has ended. */
+static void attend(const struct pen_config *config, struct pen_watch *watch, struct work *work,
+                   struct pen_store *store)
+{
+    int64_t deadline_ns = INT64_MAX;
+    for (;;) {
+        struct pen_event event;
+        int64_t left_ms = (deadline_ns - pen_clock_ns()) / 1000000;
+        int timeout_ms = deadline_ns == INT64_MAX ? -1 : left_ms > 0 ? (int)left_ms : 0;
+        pen_watch_next(watch, timeout_ms, &event);
+        if (event.kind == PEN_EVENT_WORK_END)
+            return;
+        if (event.kind == PEN_EVENT_TIMEOUT)
+            give_up(store, work);
+        if (event.kind == PEN_EVENT_LOG)
+            reopen_log(config, event.text);
+        bool lost = event.kind == PEN_EVENT_LOST;
+        if (lost)
+            pen_log(PEN_LOG_ERROR, "the supervisor is gone: ending");
+        if (!lost && event.kind != PEN_EVENT_STOP)
+            continue;
+        int64_t until =
+            pen_clock_ns() + (lost ? PEN_LOST_MS / 2 : PEN_DRAIN_WORKER_MS) * INT64_C(1000000);
+        deadline_ns = until < deadline_ns ? until : deadline_ns;
+        atomic_store(&work->stop, true);
+        pen_store_wake(store, PEN_SIGNAL_WORK);
+    }
+}
+
+static int work_until_told(const struct pen_config *config, struct pen_watch *watch,
+                           struct pen_store *store, const char *name)
+{
+    struct work work = {
+        .watch = watch,
+        .options = {.store_url = config->store, .name = name, .threads = config->threads}};
+    struct pen_status st;
+    pthread_t thread;
+    if (!sweep(store, config->dead_worker, &st))
+        return fail(&st);
+    if (pthread_create(&thread, NULL, run_worker, &work) != 0) {
+        pen_fail(&st, PEN_NO_MEMORY, "cannot start a thread");
+        return fail(&st);
+    }
+    pen_log(PEN_LOG_INFO, "working as %s", name);
+    pen_control_send(watch->control_fd, "ready");
+    attend(config, watch, &work, store);
+    pthread_join(thread, NULL);
+    if (!work.ok)
+        return fail(&work.st);
+    pen_log(PEN_LOG_INFO, "ended");
+    return 0;
+}
+
+int pen_role_worker(const struct pen_config *config)
+{
+    struct pen_watch watch;
+    struct pen_status st;
+    char name[160];
+    pen_log_set_name("worker");
+    prctl(PR_SET_NAME, "penumbrad-work");
+    if (config->worker_name)
+        snprintf(name, sizeof name, "%s", config->worker_name);
+    else
+        pen_worker_name(getpid(), pen_clock_wall_ms(), name, sizeof name);
+    if (!pen_watch_open(&watch, config->control_fd, &st))
+        return fail(&st);
+    struct pen_store *store = pen_store_open(config->store, &st);
+    int code = store ? work_until_told(config, &watch, store, name) : fail(&st);
+    pen_store_close(store);
+    pen_watch_close(&watch);
+    return code;
+}
