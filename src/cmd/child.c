@@ -86,8 +86,8 @@ static _Noreturn void become(const struct arguments *arguments, int control_fd, 
     _exit(EXEC_FAILED);
 }
 
-/* The next start, counted from now. */
-static void schedule(struct pen_child *child, int64_t lived_ns)
+/* Sets the next start. Returns the pause until then. */
+static int64_t schedule(struct pen_child *child, int64_t lived_ns)
 {
     int64_t pause = 0;
     if (lived_ns >= stable_ns)
@@ -98,6 +98,7 @@ static void schedule(struct pen_child *child, int64_t lived_ns)
         pause = longest_pause_ns;
     child->failures++;
     child->start_at_ns = pen_clock_ns() + pause;
+    return pause;
 }
 
 void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd)
@@ -167,9 +168,9 @@ void pen_child_ended(struct pen_child *child, int wait_status)
                 pid, child->last_end);
         return;
     }
-    schedule(child, lived_ns);
+    int64_t pause_ns = schedule(child, lived_ns);
     pen_log(PEN_LOG_WARN,
             "the %s process %d ended: %s, after %.1f s; starting it again in %.1f s (%d in a row)",
-            child->role, pid, child->last_end, (double)lived_ns * 1e-9,
-            (double)(child->start_at_ns - pen_clock_ns()) * 1e-9, child->failures);
+            child->role, pid, child->last_end, (double)lived_ns * 1e-9, (double)pause_ns * 1e-9,
+            child->failures);
 }

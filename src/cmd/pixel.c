@@ -51,9 +51,9 @@ void pen_pixel_print(const struct pen_pixel *pixel, const struct pen_settings *s
            rays->primary, rays->shadow, rays->reflection, rays->transmission);
 }
 
-static json_t *reals(double a, double b, double c)
+static json_t *reals(const double v[3])
 {
-    return json_pack("[f, f, f]", a, b, c);
+    return json_pack("[f, f, f]", v[0], v[1], v[2]);
 }
 
 static json_t *hex(const double v[3])
@@ -68,12 +68,13 @@ json_t *pen_pixel_json(const struct pen_pixel *pixel, const struct pen_settings 
 {
     const struct pen_ray_counts *rays = &pixel->rays;
     struct outputs out = outputs_of(pixel, settings);
-    return json_pack(
-        "{s:i, s:i, s:s, s:o, s:o, s:o, s:[i, i, i], s:[i, i, i], s:{s:I, s:I, s:I, s:I}}", "x",
-        pixel->x, "y", pixel->y, "view", pixel->view, "linear",
-        reals(pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]), "linear_hex", hex(pixel->rgb), "film",
-        reals((double)out.film[0], (double)out.film[1], (double)out.film[2]), "png", out.png8[0],
-        out.png8[1], out.png8[2], "png16", out.png16[0], out.png16[1], out.png16[2], "rays",
-        "primary", (json_int_t)rays->primary, "shadow", (json_int_t)rays->shadow, "reflection",
-        (json_int_t)rays->reflection, "transmission", (json_int_t)rays->transmission);
+    double film[3] = {(double)out.film[0], (double)out.film[1], (double)out.film[2]};
+    return json_pack("{s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:[i, i, i], s:[i, i, i], "
+                     "s:{s:I, s:I, s:I, s:I}}",
+                     "x", pixel->x, "y", pixel->y, "view", pixel->view, "linear", reals(pixel->rgb),
+                     "linear_hex", hex(pixel->rgb), "film", reals(film), "film_hex", hex(film),
+                     "png", out.png8[0], out.png8[1], out.png8[2], "png16", out.png16[0],
+                     out.png16[1], out.png16[2], "rays", "primary", (json_int_t)rays->primary,
+                     "shadow", (json_int_t)rays->shadow, "reflection", (json_int_t)rays->reflection,
+                     "transmission", (json_int_t)rays->transmission);
 }

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "control.h"
+#include "orphans.h"
 #include "pen/base/clock.h"
 #include "pen/base/log.h"
 #include "pen/http/server.h"
@@ -134,12 +135,12 @@ static void *run_worker(void *user)
 static bool sweep(struct pen_store *store, const char *dead, struct pen_status *st)
 {
     int opened = 0;
-    if (!dead || !*dead)
-        return true;
-    if (!pen_store_sweep(store, dead, &opened, st))
+    bool known = dead && *dead;
+    if (known ? !pen_store_sweep(store, dead, &opened, st) : !pen_orphans_sweep(store, &opened, st))
         return false;
     if (opened > 0)
-        pen_log(PEN_LOG_INFO, "took back %d batches of worker %s", opened, dead);
+        pen_log(PEN_LOG_INFO, "took back %d batches of %s", opened,
+                known ? dead : "workers that are no more");
     return true;
 }
 
@@ -214,7 +215,7 @@ int pen_role_worker(const struct pen_config *config)
     struct pen_status st;
     char name[160];
     pen_log_set_name("worker");
-    prctl(PR_SET_NAME, "penumbrad-work");
+    prctl(PR_SET_NAME, PEN_WORKER_PROCESS);
     if (config->worker_name)
         snprintf(name, sizeof name, "%s", config->worker_name);
     else

@@ -12,6 +12,9 @@ enum {
     PEN_DRAIN_WORKER_MS = 7000 /* for the batch in hand; then it is given back */
 };
 
+/* What the kernel lists a worker process as. */
+#define PEN_WORKER_PROCESS "penumbrad-work"
+
 /* Serves until told to stop. Returns the exit code. */
 int pen_role_api(const struct pen_config *config, int listen_fd);
 
