@@ -86,6 +86,12 @@ nm -u "$build/libpenumbra.a" | awk 'NF == 2 { print $2 }' | sort -u |
 sed -i 's/$/: libm symbol in libpenumbra.a/' "$work/out"
 count "$work/out"
 
+# One name, one definition: an archive member that defines it again would be left out in silence.
+nm -g --defined-only "$build/libpenumbra.a" "$build/libservice.a" "$build"/src/cmd/*.o 2>/dev/null |
+    awk 'NF == 3 && $3 ~ /^pen_/ { print $3 }' | sort | uniq -d >"$work/out"
+sed -i 's/$/: defined more than once/' "$work/out"
+count "$work/out"
+
 # 5. No process-ending or printing calls outside src/cmd.
 git ls-files 'src/*.c' 'src/*.h' | grep -v '^src/cmd/' |
     xargs -r grep -nE '(^|[^a-z_.>])(exit|_exit|abort|printf|puts|putchar|perror)\(' >"$work/out" || :

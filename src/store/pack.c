@@ -63,8 +63,8 @@ static bool make_room(struct room *room, size_t bytes, struct pen_status *st)
     return true;
 }
 
-bool pen_pack(struct pen_packer *packer, const void *data, size_t bytes, struct pen_packed *out,
-              struct pen_status *st)
+bool pen_packer_pack(struct pen_packer *packer, const void *data, size_t bytes,
+                     struct pen_packed *out, struct pen_status *st)
 {
     size_t bound = ZSTD_compressBound(bytes);
     if (!make_room(&packer->out, bound, st))
@@ -89,7 +89,7 @@ bool pen_pack_rgb(struct pen_packer *packer, const float *rgb, size_t pixels,
         for (size_t i = 0; i < pixels; i++)
             to[i] = from[i * PIXEL_BYTES + plane];
     }
-    return pen_pack(packer, packer->planes.data, pixels * PIXEL_BYTES, out, st);
+    return pen_packer_pack(packer, packer->planes.data, pixels * PIXEL_BYTES, out, st);
 }
 
 /* Unpacks into `room`. */

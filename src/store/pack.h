@@ -21,8 +21,8 @@ struct pen_packer *pen_packer_new(void);
 void pen_packer_free(struct pen_packer *packer);
 
 /* Packs bytes. Fails: PEN_NO_MEMORY. */
-bool pen_pack(struct pen_packer *packer, const void *data, size_t bytes, struct pen_packed *out,
-              struct pen_status *st);
+bool pen_packer_pack(struct pen_packer *packer, const void *data, size_t bytes,
+                     struct pen_packed *out, struct pen_status *st);
 
 /* Packs pixels of 3 values each. */
 bool pen_pack_rgb(struct pen_packer *packer, const float *rgb, size_t pixels,

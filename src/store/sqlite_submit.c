@@ -69,7 +69,7 @@ static bool add_scene(struct pen_sq_store *store, struct submission *in, int64_t
     if (*id)
         return true;
     if (!in->packed &&
-        !pen_pack(store->packer, in->job->scene, in->job->scene_bytes, &in->document, st))
+        !pen_packer_pack(store->packer, in->job->scene, in->job->scene_bytes, &in->document, st))
         return false;
     struct pen_sq_query query = pen_sq_query(store, SQ_SCENE_ADD);
     pen_sq_blob(&query, in->job->scene_sha256, 32);
@@ -169,7 +169,7 @@ bool pen_sq_submit(struct pen_store *base, const struct pen_job_new *job,
     if (!find_scene(store, job, &scene, st))
         return false;
     if (!scene) {
-        in.packed = pen_pack(store->packer, job->scene, job->scene_bytes, &in.document, st);
+        in.packed = pen_packer_pack(store->packer, job->scene, job->scene_bytes, &in.document, st);
         if (!in.packed)
             return false;
     }
