@@ -33,10 +33,11 @@ struct pen_rect pen_tile_rect(int width, int height, int tile, int index);
 struct pen_render_stats {
     double render_ms; /* first tile begun to last tile done */
     double cpu_ms;    /* of the render threads, over those tiles */
-    int threads;      /* how many worked on it */
+    int threads;      /* how many worked on it: no more than there were tiles */
     struct pen_ray_counts rays;
     uint32_t tile_count;
-    double *tile_ms; /* tile_count values; NULL if not asked for. Owns: caller frees with free() */
+    double *tile_ms; /* tile_count values; NULL if not asked for, or if the run failed.
+                      * Owns: the caller frees it with free(). */
     const char *kernel;
     unsigned effects;
 };
@@ -48,20 +49,24 @@ struct pen_render_task {
     const struct pen_settings *settings;
     int first_tile, tile_count; /* tile_count -1: all from first_tile on */
     float *rgb;                 /* the whole image, width * height * 3, row 0 on top */
-    const atomic_bool *cancel;  /* polled between tiles; may be NULL */
+    const atomic_bool *cancel;  /* polled between rows of pixels; may be NULL */
     /* Called after each tile from a render thread, one call at a time; may be NULL. */
     void (*tile_done)(void *user, struct pen_rect rect);
     void *user;
     bool keep_tile_ms;
 };
 
-/* Renders; returns when the tiles are done. One task at a time per pool.
- * Fails: PEN_CANCELLED (pixels of finished tiles are valid), PEN_NO_MEMORY. */
+/* Renders; returns when the tiles are done. One task at a time per pool; the calling thread only
+ * waits. Fails: PEN_CANCELLED (pixels of the tiles that tile_done was called for are valid, and
+ * *stats covers what was done), PEN_NO_MEMORY, PEN_INTERNAL (tiles that the image does not have).
+ */
 bool pen_render_run(struct pen_pool *pool, const struct pen_render_task *task,
                     struct pen_render_stats *stats, struct pen_status *st);
 
-/* One pixel, for looking closely. */
-void pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_settings *settings,
-                      int x, int y, double rgb[3], struct pen_ray_counts *rays);
+/* One pixel, for looking closely, on the calling thread: the values that the film is rounded
+ * from. *rays counts its rays. Fails: PEN_NO_MEMORY. */
+bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_settings *settings,
+                      int x, int y, double rgb[3], struct pen_ray_counts *rays,
+                      struct pen_status *st);
 
 #endif

@@ -42,11 +42,13 @@ struct pen_light {
     double beam_exponent;
 };
 
-/* A pinhole: the ray through (fx, fy) in [0,1]^2 of the image, fy downwards, has direction
- * corner + fx dx + fy dy (not normalised). */
+/* A pinhole: the ray through the image point (px, py), in pixels from the top left corner, has
+ * direction middle + (px - half_width) dx + (py - half_height) dy (not normalised). Measured from
+ * the middle, so that mirrored pixels have exactly mirrored rays. */
 struct pen_pinhole {
     struct pen_vec3 eye; /* local frame */
-    struct pen_vec3 corner, dx, dy;
+    struct pen_vec3 middle, dx, dy;
+    double half_width, half_height;
 };
 
 struct pen_scene_view {

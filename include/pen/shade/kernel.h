@@ -42,6 +42,10 @@ struct pen_kernel {
     pen_kernel_fn *pixel;
 };
 
+/* The instances one by one, for tests and reports; NULL behind the last. The instances for an
+ * instruction set run on processors that have it (pen_cpu_isa). */
+const struct pen_kernel *pen_kernel_at(int index, enum pen_isa isa);
+
 /* The smallest instance covering the effects, for an instruction set. Never NULL. */
 const struct pen_kernel *pen_kernel_select(unsigned effects, enum pen_isa isa);
 

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* The pool: threads that sleep until there is a run, and take part in it if their number is among
+ * those asked for. What a run writes is seen by whoever called it: its end is under the lock. */
+#include "pool.h"
+
+#include <fenv.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/base/cpu.h"
+
+struct thread {
+    pthread_t id;
+    struct pen_pool *pool;
+    int index;
+};
+
+struct pen_pool {
+    int count; /* threads that run; fixed once pen_pool_new has returned */
+    struct thread *threads;
+    pthread_mutex_t lock;
+    pthread_cond_t wake; /* a run has begun, or `stop` is set */
+    pthread_cond_t idle; /* busy has become 0 */
+    /* Guarded by lock. */
+    bool stop;
+    unsigned run; /* number of runs begun */
+    int asked;    /* threads that take part in the run */
+    int busy;     /* of those, how many have not returned */
+    pen_pool_work *work;
+    void *user;
+};
+
+/* Waits for the next run that this thread takes part in; false when the pool ends. */
+static bool next_run(struct thread *thread, unsigned *seen)
+{
+    struct pen_pool *pool = thread->pool;
+    while (!pool->stop) {
+        if (*seen != pool->run) {
+            *seen = pool->run;
+            if (thread->index < pool->asked)
+                return true;
+            continue;
+        }
+        pthread_cond_wait(&pool->wake, &pool->lock);
+    }
+    return false;
+}
+
+static void *thread_main(void *argument)
+{
+    struct thread *thread = argument;
+    struct pen_pool *pool = thread->pool;
+    unsigned seen = 0;
+    pthread_mutex_lock(&pool->lock);
+    while (next_run(thread, &seen)) {
+        pthread_mutex_unlock(&pool->lock);
+        /* A thread inherits the state of whoever made it, and a library may have changed it since:
+         * flushed subnormals or another rounding would be another picture. */
+        fesetenv(FE_DFL_ENV);
+        pool->work(pool->user, thread->index);
+        pthread_mutex_lock(&pool->lock);
+        if (--pool->busy == 0)
+            pthread_cond_signal(&pool->idle);
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+static bool start_threads(struct pen_pool *pool, int threads, struct pen_status *st)
+{
+    for (int i = 0; i < threads; i++) {
+        struct thread *thread = &pool->threads[i];
+        *thread = (struct thread){.pool = pool, .index = i};
+        int error = pthread_create(&thread->id, NULL, thread_main, thread);
+        if (error)
+            return pen_fail(st, PEN_NO_MEMORY, "cannot start render thread %d of %d: %s", i + 1,
+                            threads, strerror(error));
+        pool->count++;
+    }
+    return true;
+}
+
+struct pen_pool *pen_pool_new(int threads, struct pen_status *st)
+{
+    if (threads <= 0)
+        threads = pen_cpu_count();
+    struct pen_pool *pool = calloc(1, sizeof *pool);
+    if (pool)
+        pool->threads = calloc((size_t)threads, sizeof *pool->threads);
+    if (!pool || !pool->threads) {
+        free(pool);
+        pen_fail(st, PEN_NO_MEMORY, "out of memory for a pool of %d render threads", threads);
+        return NULL;
+    }
+    pthread_mutex_init(&pool->lock, NULL);
+    pthread_cond_init(&pool->wake, NULL);
+    pthread_cond_init(&pool->idle, NULL);
+    if (start_threads(pool, threads, st))
+        return pool;
+    pen_pool_free(pool);
+    return NULL;
+}
+
+void pen_pool_free(struct pen_pool *pool)
+{
+    if (!pool)
+        return;
+    pthread_mutex_lock(&pool->lock);
+    pool->stop = true;
+    pthread_cond_broadcast(&pool->wake);
+    pthread_mutex_unlock(&pool->lock);
+    for (int i = 0; i < pool->count; i++)
+        pthread_join(pool->threads[i].id, NULL);
+    pthread_cond_destroy(&pool->idle);
+    pthread_cond_destroy(&pool->wake);
+    pthread_mutex_destroy(&pool->lock);
+    free(pool->threads);
+    free(pool);
+}
+
+int pen_pool_threads(const struct pen_pool *pool)
+{
+    return pool->count;
+}
+
+void pen_pool_run(struct pen_pool *pool, int threads, pen_pool_work *work, void *user)
+{
+    pthread_mutex_lock(&pool->lock);
+    pool->work = work;
+    pool->user = user;
+    pool->asked = pool->busy = threads;
+    pool->run++;
+    pthread_cond_broadcast(&pool->wake);
+    while (pool->busy > 0)
+        pthread_cond_wait(&pool->idle, &pool->lock);
+    pthread_mutex_unlock(&pool->lock);
+}

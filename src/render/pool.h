@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* Runs one function on several threads of a pool at once. */
+#ifndef RENDER_POOL_H
+#define RENDER_POOL_H
+
+#include "pen/render/render.h"
+
+/* Work for one thread; `index` counts the threads of this run from 0. The thread's floating-point
+ * unit is in its default state: round to nearest, gradual underflow, no traps. */
+typedef void pen_pool_work(void *user, int index);
+
+/* Calls work(user, 0 .. threads - 1), each on a thread of its own, and returns when all have
+ * returned. threads is 1 .. pen_pool_threads(pool). One run at a time. */
+void pen_pool_run(struct pen_pool *pool, int threads, pen_pool_work *work, void *user);
+
+#endif

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+/* Cameras: from what a document says to a frame, and from a frame to the rays of an image.
+ * A frame is made from the keys, then the moves apply in order; after every turn it is made
+ * orthonormal again, so any number of moves leaves a camera that does not skew the picture. */
+#include "pen/math/exact.h"
+#include "pen/math/fn.h"
+#include "pen/scene/scene.h"
+#include "unit.h"
+
+/* The sine of the smallest angle between view direction and `up` that still says which way is up:
+ * below it the difference is rounding of the numbers in the document. */
+static const double PARALLEL_SINE = 0x1p-40;
+
+/* Makes right and up orthonormal to forward (unit). False if up is parallel to forward. */
+static bool settle(struct pen_camera_frame *frame, struct pen_vec3 up)
+{
+    struct pen_vec3 right = pen_cross(frame->forward, unit_of(up));
+    if (!(pen_length(right) > PARALLEL_SINE))
+        return false;
+    frame->right = unit_of(right);
+    frame->up = unit_of(pen_cross(frame->right, frame->forward));
+    return true;
+}
+
+static void turn(struct pen_camera_frame *frame, struct pen_vec3 axis, double degrees)
+{
+    if (degrees == 0)
+        return; /* not even a rounding */
+    frame->forward = unit_of(pen_rotate(frame->forward, axis, degrees));
+    settle(frame, pen_rotate(frame->up, axis, degrees));
+}
+
+static struct pen_vec3 move_axis(const struct pen_camera_frame *frame,
+                                 const struct pen_camera_move *move)
+{
+    switch (move->axis_kind) {
+    case PEN_AXIS_FORWARD:
+        return frame->forward;
+    case PEN_AXIS_RIGHT:
+        return frame->right;
+    case PEN_AXIS_UP:
+        return frame->up;
+    case PEN_AXIS_VECTOR:
+        break;
+    }
+    return unit_of(move->axis);
+}
+
+static void apply(struct pen_camera_frame *frame, const struct pen_camera_move *move)
+{
+    struct pen_vec3 axis, arm;
+    switch (move->kind) {
+    case PEN_MOVE_TRANSLATE:
+        frame->eye = pen_add(frame->eye, move->vector);
+        break;
+    case PEN_MOVE_ROTATE:
+        turn(frame, move_axis(frame, move), move->degrees);
+        break;
+    case PEN_MOVE_ORBIT:
+        axis = unit_of(move->axis);
+        arm = pen_sub(frame->eye, move->vector);
+        frame->eye = pen_add(move->vector, pen_rotate(arm, axis, move->degrees));
+        turn(frame, axis, move->degrees);
+        break;
+    }
+}
+
+bool pen_camera_frame_make(const struct pen_camera_desc *camera, struct pen_camera_frame *frame,
+                           struct pen_status *st)
+{
+    struct pen_vec3 direction = camera->direction;
+    if (camera->has_look_at)
+        direction = pen_sub(camera->look_at, camera->position);
+    if (!(unit_max(direction) > 0) && camera->has_look_at)
+        return pen_fail_at(st, PEN_INVALID, "/look_at", "is the same point as position");
+    if (!(unit_max(direction) > 0))
+        return pen_fail_at(st, PEN_INVALID, "/direction", "has no length");
+    if (!(unit_max(camera->up) > 0))
+        return pen_fail_at(st, PEN_INVALID, "/up", "has no length");
+    if (!isfinite(unit_max(direction)))
+        return pen_fail_at(st, PEN_INVALID, "/look_at", "is too far from position");
+    *frame = (struct pen_camera_frame){.eye = camera->position, .forward = unit_of(direction)};
+    if (!settle(frame, camera->up))
+        return pen_fail_at(st, PEN_INVALID, "/up", "is parallel to the view direction");
+    for (uint32_t i = 0; i < camera->move_count; i++)
+        apply(frame, &camera->moves[i]);
+    return true;
+}
+
+struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, int width, int height)
+{
+    const struct pen_scene_view *v = &scene->views[view];
+    const struct pen_camera_desc *camera = &v->camera;
+    double distance = camera->plane_distance;
+    double plane_width = camera->plane_width, plane_height = camera->plane_height;
+    if (!camera->has_view_plane) {
+        double sine, cosine;
+        pen_sincos_deg(0.5 * camera->fov_degrees, &sine, &cosine);
+        distance = cosine;
+        plane_height = 2 * sine;
+        plane_width = plane_height * width / height;
+    }
+    /* A direction has any length: brought to about 1 by a power of two, which rounds nothing. */
+    int exponent;
+    frexp(fmax(distance, fmax(plane_width, plane_height)), &exponent);
+    double step_x = ldexp(plane_width, -exponent) / width;
+    double step_y = ldexp(plane_height, -exponent) / height;
+    return (struct pen_pinhole){
+        .eye = unit_shift(pen_sub(v->frame.eye, scene->center), scene->exponent),
+        .middle = pen_scale(v->frame.forward, ldexp(distance, -exponent)),
+        .dx = pen_scale(v->frame.right, step_x),
+        .dy = pen_scale(v->frame.up, -step_y),
+        .half_width = 0.5 * width,
+        .half_height = 0.5 * height,
+    };
+}

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+/* Freezing: description -> what kernels read. Two walks over the bodies: the first counts them and
+ * finds the local frame, the second fills the typed arrays in it. Everything that lasts lives in
+ * the scene's arena, whose cap is the job's limit on memory. */
+#include "freeze.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "effects.h"
+#include "pen/base/clock.h"
+
+/* Primitive numbers must fit into pen_prim_ref. */
+enum { PRIMS_MAX = 1 << 28 };
+
+static bool reserve_buffer(struct pen_freezer *f, const struct pen_walk_body *at)
+{
+    enum pen_object_kind kind = at->object->kind;
+    bool loop = kind == PEN_OBJECT_TRIANGLE || kind == PEN_OBJECT_POLYGON;
+    uint32_t count = loop && at->moved ? at->object->u.polygon.count : 0;
+    if (count <= f->buffer_capacity)
+        return true;
+    struct pen_vec3 *buffer = realloc(f->buffer, count * sizeof *buffer);
+    if (!buffer)
+        return pen_freeze_no_memory(f);
+    f->buffer = buffer;
+    f->buffer_capacity = count;
+    return true;
+}
+
+bool pen_freeze_each(struct pen_freezer *f, pen_freeze_body *fn, void *user)
+{
+    struct pen_walk walk;
+    if (!pen_walk_init(&walk, f->desc, f->st))
+        return false;
+    struct pen_walk_body at;
+    struct pen_placed body;
+    enum pen_walk_step step;
+    while ((step = pen_walk_next(&walk, &at, f->st)) == PEN_WALK_BODY) {
+        if (!reserve_buffer(f, &at))
+            break;
+        if (!pen_place_body(&at, f->buffer, &body, f->st) || !fn(f, &body, user)) {
+            pen_walk_pointer(&walk, f->st->at, sizeof f->st->at);
+            break;
+        }
+    }
+    pen_walk_release(&walk);
+    return step == PEN_WALK_END;
+}
+
+static bool survey_body(struct pen_freezer *f, const struct pen_placed *body, void *user)
+{
+    (void)user;
+    if (f->survey.total == PRIMS_MAX)
+        return pen_fail(f->st, PEN_INVALID, "is one body too many: %d are possible", PRIMS_MAX);
+    pen_survey_add(&f->survey, body);
+    return true;
+}
+
+/* The views: names, cameras as written, and their frames. */
+static bool freeze_views(struct pen_freezer *f)
+{
+    struct pen_arena *arena = f->scene->arena;
+    uint32_t count = f->desc->view_count;
+    struct pen_scene_view *views = pen_arena_alloc(arena, count, sizeof *views);
+    f->cameras = pen_arena_alloc(arena, count, sizeof *f->cameras);
+    if (!views || !f->cameras)
+        return pen_freeze_no_memory(f);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct pen_view_desc *view = &f->desc->views[i];
+        views[i].name = pen_arena_strdup(arena, view->name);
+        if (!views[i].name)
+            return pen_freeze_no_memory(f);
+        if (!pen_camera_frame_make(&view->camera, &views[i].frame, f->st))
+            return false;
+        views[i].camera = view->camera;
+        views[i].camera.moves = NULL; /* they are in the frame */
+        views[i].camera.move_count = 0;
+        f->cameras[i] = views[i].frame;
+    }
+    f->scene->views = views;
+    f->scene->view_count = count;
+    return true;
+}
+
+static bool freeze_frame(struct pen_freezer *f)
+{
+    f->survey = pen_survey_empty();
+    if (!pen_freeze_each(f, survey_body, NULL))
+        return false;
+    if (!pen_local_frame_make(&f->survey, f->cameras, f->desc->view_count, &f->frame))
+        return pen_fail(f->st, PEN_INVALID, "the scene is larger than numbers can say");
+    f->scene->center = f->frame.center;
+    f->scene->exponent = f->frame.exponent;
+    for (uint32_t i = 0; i < f->desc->view_count; i++)
+        if (!pen_freeze_in_range(pen_local_point(&f->frame, f->cameras[i].eye)))
+            return pen_fail(f->st, PEN_INVALID, "view \"%s\": the eye is too far from the scene",
+                            f->desc->views[i].name);
+    return true;
+}
+
+/* Copies the materials; behind them comes the one of bodies without any. */
+static bool freeze_materials(struct pen_freezer *f)
+{
+    uint32_t count = f->desc->material_count;
+    struct pen_material *materials =
+        pen_arena_alloc(f->scene->arena, (size_t)count + 1, sizeof *materials);
+    if (!materials)
+        return pen_freeze_no_memory(f);
+    if (count > 0)
+        memcpy(materials, f->desc->materials, count * sizeof *materials);
+    materials[count] = pen_material_default();
+    f->scene->materials = materials;
+    f->scene->material_count = count + 1;
+    return true;
+}
+
+/* A light in the local frame, where a distance is 2^-exponent of what it was. */
+static struct pen_light local_light(const struct pen_freezer *f, const struct pen_light_desc *desc)
+{
+    struct pen_light light = {
+        .kind = desc->kind,
+        .shadows = desc->shadows,
+        .intensity = desc->intensity,
+        .kc = desc->attenuation[0],
+        .kl = ldexp(desc->attenuation[1], f->frame.exponent),
+        .kq = ldexp(desc->attenuation[2], 2 * f->frame.exponent),
+        .beam_exponent = desc->beam_exponent,
+    };
+    if (desc->kind != PEN_LIGHT_DIRECTIONAL)
+        light.position = pen_local_point(&f->frame, desc->position);
+    if (desc->kind != PEN_LIGHT_POINT)
+        light.direction = unit_of(desc->direction);
+    return light;
+}
+
+/* Lights that shine, in document order. */
+static bool freeze_lights(struct pen_freezer *f)
+{
+    uint32_t count = f->desc->light_count, kept = 0;
+    struct pen_light *lights = pen_arena_alloc(f->scene->arena, count, sizeof *lights);
+    uint32_t *index = pen_arena_alloc(f->scene->arena, count, sizeof *index);
+    if (!lights || !index)
+        return pen_freeze_no_memory(f);
+    for (uint32_t i = 0; i < count; i++) {
+        if (!unit_lit(f->desc->lights[i].intensity))
+            continue;
+        lights[kept] = local_light(f, &f->desc->lights[i]);
+        index[kept] = i;
+        if (!pen_freeze_in_range(lights[kept].position)) {
+            pen_fail(f->st, PEN_INVALID, "is too far from the scene");
+            snprintf(f->st->at, sizeof f->st->at, "/lights/%u/position", i);
+            return false;
+        }
+        kept++;
+    }
+    f->scene->lights = lights;
+    f->scene->light_index = index;
+    f->scene->light_count = kept;
+    return true;
+}
+
+static bool freeze_all(struct pen_freezer *f)
+{
+    f->scene->background = f->desc->background;
+    f->scene->ambient = f->desc->ambient;
+    if (!freeze_views(f) || !freeze_frame(f) || !freeze_materials(f) || !freeze_lights(f) ||
+        !pen_freeze_prims(f))
+        return false;
+    f->scene->effects = pen_effects_of_scene(f->scene);
+    return true;
+}
+
+struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
+                                   enum pen_accelerator accelerator, size_t cap_bytes,
+                                   struct pen_status *st)
+{
+    int64_t begun = pen_clock_ns();
+    struct pen_arena *arena = pen_arena_new(cap_bytes);
+    struct pen_scene *scene = arena ? pen_arena_alloc(arena, 1, sizeof *scene) : NULL;
+    struct pen_freezer f = {.desc = desc, .scene = scene, .st = st};
+    if (!scene) {
+        pen_freeze_no_memory(&f);
+        pen_arena_free(arena);
+        return NULL;
+    }
+    scene->arena = arena;
+    bool ok = freeze_all(&f);
+    free(f.buffer);
+    scene->freeze_ms = (double)(pen_clock_ns() - begun) * 1e-6;
+    if (ok)
+        scene->accel = pen_accel_build(&scene->prims, accelerator, arena, st);
+    if (scene->accel)
+        return scene;
+    pen_arena_free(arena);
+    return NULL;
+}
+
+void pen_scene_free(struct pen_scene *scene)
+{
+    if (scene)
+        pen_arena_free(scene->arena);
+}
+
+int pen_scene_find_view(const struct pen_scene *scene, const char *name)
+{
+    for (uint32_t i = 0; i < scene->view_count; i++)
+        if (strcmp(scene->views[i].name, name) == 0)
+            return (int)i;
+    return -1;
+}

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+/* Whether a loop of vertices is a polygon: distinct vertices, an area, one plane, no edge that
+ * meets another. The plane is that of the largest triangle among a first vertex, the one farthest
+ * from it and the one farthest from their line; unlike a sum over the edges it is there also for a
+ * loop that crosses itself, which then is refused for what it is. Whether edges meet is decided
+ * exactly, after dropping the coordinate that the plane's normal is longest in. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "orient.h"
+#include "pen/math/box.h"
+#include "pen/math/exact.h"
+#include "pen/scene/desc.h"
+#include "sweep.h"
+#include "unit.h"
+
+/* How far a vertex may be from the plane, in parts of the polygon's extent. */
+static const double PLANARITY = 1e-6;
+
+struct keyed {
+    struct pen_vec3 p;
+    uint32_t vertex;
+};
+
+struct loop {
+    uint32_t count;
+    double extent;           /* the longest side of the bounds of `points` */
+    struct pen_vec3 *points; /* the vertices, shifted by a power of two to be at most 1 */
+    struct keyed *sorted;
+    struct pen_flat_point *flat;
+    uint32_t *order;
+};
+
+static int compare_keyed(const void *a, const void *b)
+{
+    const struct keyed *k = a, *l = b;
+    for (int axis = 0; axis < 3; axis++) {
+        double x = pen_component(k->p, axis), y = pen_component(l->p, axis);
+        if (x != y)
+            return x < y ? -1 : 1;
+    }
+    return k->vertex < l->vertex ? -1 : 1;
+}
+
+/* Sorts the vertices; refuses two that are equal in all coordinates sorted by. */
+static bool check_distinct(struct loop *loop, struct pen_status *st)
+{
+    struct keyed *s = loop->sorted;
+    qsort(s, loop->count, sizeof *s, compare_keyed);
+    for (uint32_t i = 1; i < loop->count; i++) {
+        struct pen_vec3 a = s[i - 1].p, b = s[i].p;
+        if (a.x != b.x || a.y != b.y || a.z != b.z)
+            continue;
+        char at[32];
+        snprintf(at, sizeof at, "/vertices/%u", s[i].vertex);
+        return pen_fail_at(st, PEN_INVALID, at, "repeats vertex %u", s[i - 1].vertex);
+    }
+    return true;
+}
+
+/* From vertex 0 to vertex i, in units of about the extent. */
+static struct pen_vec3 arm(const struct loop *loop, uint32_t i)
+{
+    int exponent;
+    frexp(loop->extent, &exponent);
+    return unit_shift(pen_sub(loop->points[i], loop->points[0]), exponent);
+}
+
+/* The normal of the largest triangle; zero if all vertices are on one line. */
+static struct pen_vec3 largest_normal(const struct loop *loop)
+{
+    struct pen_vec3 base = {0, 0, 0}, normal = {0, 0, 0};
+    for (uint32_t i = 1; i < loop->count; i++) {
+        struct pen_vec3 a = arm(loop, i);
+        if (unit_max(a) > unit_max(base))
+            base = a;
+    }
+    for (uint32_t i = 1; i < loop->count; i++) {
+        struct pen_vec3 n = pen_cross(base, arm(loop, i));
+        if (unit_max(n) > unit_max(normal))
+            normal = n;
+    }
+    return normal;
+}
+
+/* The first normal that three vertices in the order of the document give: whoever reads the
+ * message takes the plane from the vertices that come first. */
+static struct pen_vec3 first_normal(const struct loop *loop)
+{
+    for (uint32_t i = 2; i < loop->count; i++) {
+        struct pen_vec3 n = pen_cross(arm(loop, 1), arm(loop, i));
+        if (unit_max(n) > 0)
+            return unit_of(n);
+    }
+    return (struct pen_vec3){0, 0, 1};
+}
+
+/* The vertex farthest from the plane through vertex 0, and how far it is. */
+static uint32_t farthest(const struct loop *loop, struct pen_vec3 normal, double *distance)
+{
+    uint32_t worst = 0;
+    *distance = 0;
+    for (uint32_t i = 1; i < loop->count; i++) {
+        double d = fabs(pen_dot(normal, pen_sub(loop->points[i], loop->points[0])));
+        if (d > *distance) {
+            *distance = d;
+            worst = i;
+        }
+    }
+    return worst;
+}
+
+static bool check_planar(const struct loop *loop, struct pen_vec3 normal, struct pen_status *st)
+{
+    double off, blame, allowed = PLANARITY * loop->extent;
+    uint32_t worst = farthest(loop, normal, &off);
+    if (off <= allowed)
+        return true;
+    uint32_t vertex = farthest(loop, first_normal(loop), &blame);
+    if (blame > allowed)
+        worst = vertex;
+    char at[32];
+    snprintf(at, sizeof at, "/vertices/%u", worst);
+    return pen_fail_at(st, PEN_INVALID, at,
+                       "is not in the plane of the other vertices: off by %.3g of the polygon's "
+                       "extent, allowed is %g",
+                       (blame > allowed ? blame : off) / loop->extent, PLANARITY);
+}
+
+/* Shifts one coordinate of the flat points to be at most 1: sides of a line stay what they are. */
+static void shift_axis(double *first, uint32_t count)
+{
+    const uint32_t stride = sizeof(struct pen_flat_point) / sizeof(double);
+    double largest = 0;
+    for (uint32_t i = 0; i < count; i++)
+        largest = fmax(largest, fabs(first[i * stride]));
+    int exponent;
+    frexp(largest, &exponent);
+    for (uint32_t i = 0; i < count; i++)
+        first[i * stride] = ldexp(first[i * stride], -exponent);
+}
+
+/* Fills the flat points: the coordinate along the longest part of the normal is dropped. */
+static void flatten(struct loop *loop, struct pen_vec3 normal)
+{
+    double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
+    int drop = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    for (uint32_t i = 0; i < loop->count; i++) {
+        struct pen_vec3 p = loop->points[i];
+        loop->flat[i] = (struct pen_flat_point){drop == 0 ? p.y : p.x, drop == 2 ? p.y : p.z};
+    }
+    shift_axis(&loop->flat[0].x, loop->count);
+    shift_axis(&loop->flat[0].y, loop->count);
+    for (uint32_t i = 0; i < loop->count; i++)
+        loop->sorted[i] = (struct keyed){{loop->flat[i].x, loop->flat[i].y, 0}, i};
+}
+
+static bool check_simple(struct loop *loop, struct pen_vec3 normal, struct pen_status *st)
+{
+    flatten(loop, normal);
+    if (!check_distinct(loop, st))
+        return false;
+    for (uint32_t i = 0; i < loop->count; i++)
+        loop->order[i] = loop->sorted[i].vertex;
+    struct pen_sweep_result result;
+    if (!pen_sweep_loop(loop->flat, loop->order, loop->count, &result))
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory while checking a polygon");
+    if (result.simple)
+        return true;
+    char at[32];
+    snprintf(at, sizeof at, "/vertices/%u", result.edge[1]);
+    return pen_fail_at(st, PEN_INVALID, at,
+                       "the polygon meets itself: the edge from vertex %u crosses or touches the "
+                       "edge from vertex %u",
+                       result.edge[1], result.edge[0]);
+}
+
+/* Copies the vertices, shifted to be at most 1 so that no difference overflows. */
+static void copy_vertices(struct loop *loop, const struct pen_vec3 *vertices)
+{
+    double largest = 0;
+    for (uint32_t i = 0; i < loop->count; i++)
+        largest = fmax(largest, unit_max(vertices[i]));
+    int exponent;
+    frexp(largest, &exponent);
+    struct pen_box box = pen_box_empty();
+    for (uint32_t i = 0; i < loop->count; i++) {
+        loop->points[i] = unit_shift(vertices[i], exponent);
+        loop->sorted[i] = (struct keyed){loop->points[i], i};
+        box = pen_box_add_point(box, loop->points[i]);
+    }
+    loop->extent = unit_max(pen_sub(box.hi, box.lo));
+}
+
+static bool check_loop(struct loop *loop, const struct pen_vec3 *vertices, struct pen_status *st)
+{
+    copy_vertices(loop, vertices);
+    if (!check_distinct(loop, st))
+        return false;
+    struct pen_vec3 normal = largest_normal(loop);
+    if (!(unit_max(normal) > 0))
+        return pen_fail_at(st, PEN_INVALID, "/vertices", "are all on one line: the area is zero");
+    normal = unit_of(normal);
+    return check_planar(loop, normal, st) && check_simple(loop, normal, st);
+}
+
+bool pen_polygon_check(const struct pen_vec3 *vertices, uint32_t count, struct pen_status *st)
+{
+    if (count < 3)
+        return pen_fail_at(st, PEN_INVALID, "/vertices", "has %u vertices, needs at least 3",
+                           count);
+    struct loop loop = {
+        .count = count,
+        .points = malloc(count * sizeof *loop.points),
+        .sorted = malloc(count * sizeof *loop.sorted),
+        .flat = malloc(count * sizeof *loop.flat),
+        .order = malloc(count * sizeof *loop.order),
+    };
+    bool ok = false;
+    if (!loop.points || !loop.sorted || !loop.flat || !loop.order)
+        pen_fail(st, PEN_NO_MEMORY, "out of memory while checking a polygon");
+    else
+        ok = check_loop(&loop, vertices, st);
+    free(loop.points);
+    free(loop.sorted);
+    free(loop.flat);
+    free(loop.order);
+    return ok;
+}

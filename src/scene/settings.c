@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/* The defaults of everything a document may leave out: render settings and materials. They are
+ * the tables of the scene format, in one place. */
+#include "pen/scene/settings.h"
+#include "pen/scene/desc.h"
+
+struct pen_settings pen_settings_default(void)
+{
+    return (struct pen_settings){
+        .width = 800,
+        .height = 600,
+        .samples_per_pixel = 1,
+        .light_samples = 16,
+        .light_pattern = PEN_PATTERN_SOBOL,
+        .blur_samples = 16,
+        .lens_samples = 16,
+        .max_samples = 4096,
+        .max_depth = 10,
+        .min_contribution = 0.001,
+        .target_error = 0,
+        .precision = PEN_PRECISION_ROBUST,
+        .accelerator = PEN_ACCEL_AUTO,
+        .transfer = PEN_SETTING_SRGB,
+        .seed = 0,
+        .tile = 32,
+        .threads = 0,
+    };
+}
+
+struct pen_material pen_material_default(void)
+{
+    return (struct pen_material){
+        .ka = {1, 1, 1},
+        .shininess = 1,
+        .ior = 1,
+    };
+}
+
+const char *pen_accelerator_name(enum pen_accelerator kind)
+{
+    switch (kind) {
+    case PEN_ACCEL_AUTO:
+        return "auto";
+    case PEN_ACCEL_NONE:
+        return "none";
+    case PEN_ACCEL_CBR:
+        return "cbr";
+    case PEN_ACCEL_MANUAL:
+        return "manual";
+    case PEN_ACCEL_MEDIAN:
+        return "median";
+    }
+    return "unknown";
+}

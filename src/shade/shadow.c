@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/* The rare shadow ray through more sheets than a query returns: crossing by crossing. */
+#include "shadow.h"
+
+struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
+                                const struct pen_leave *leave, const struct pen_shadow *query)
+{
+    const struct pen_scene *scene = input->scene;
+    struct pen_vec3 t = {1, 1, 1};
+    struct pen_span span = {pen_after_start, query->tmax};
+    struct pen_hit hit;
+    while (!is_black(t) && input->trace->nearest(scene->accel, ray, leave, &span, &hit)) {
+        if (!(hit.t < query->tmax))
+            break;
+        t = shadow_filter(scene, hit.prim, t);
+        span.after = hit;
+    }
+    return t;
+}

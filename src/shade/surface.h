@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/* The point that a ray hit, with all that shading asks about it. */
+#ifndef SHADE_SURFACE_H
+#define SHADE_SURFACE_H
+
+#include "scratch.h"
+
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
+struct surface {
+    struct pen_hit hit;
+    const struct pen_material *material;
+    struct pen_vec3 p; /* on the surface */
+    struct pen_vec3 n; /* unit, turned towards the viewer */
+    struct pen_vec3 v; /* unit, from the viewer to p */
+    double nv;         /* n.v <= 0 */
+    double bound;      /* how far p may be off by rounding */
+};
+
+/* p = o + t d misses its surface by the rounding of the sum before it is put back, and may miss
+ * others there by as much: 16u covers the products, t and the sum. */
+static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
+                                               const struct pen_ray *ray, struct pen_hit hit)
+{
+    struct surface s;
+    s.hit = hit;
+    s.material = &scene->materials[scene->prim_material[hit.prim]];
+    s.p = pen_prim_point(&scene->prims, hit, ray);
+    s.n = pen_prim_normal(&scene->prims, hit, s.p);
+    s.v = pen_normalize(ray->d);
+    s.nv = pen_dot(s.n, s.v);
+    if (s.nv > 0) {
+        s.n = pen_neg(s.n);
+        s.nv = -s.nv;
+    }
+    s.bound = pen_prim_rounding(&scene->prims, hit.prim, s.p) + 16 * PEN_U * pen_norm1(ray->o);
+    return s;
+}
+
+/* What a ray leaves that goes on from p at the viewer's side. */
+static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s)
+{
+    return (struct pen_leave){
+        .prim = s->hit.prim,
+        .part = s->hit.part,
+        .through = false,
+        .toward = pen_neg(s->v),
+        .bound = s->bound,
+    };
+}
+
+static ALWAYS_INLINE bool is_black(struct pen_vec3 c)
+{
+    return c.x == 0 && c.y == 0 && c.z == 0;
+}
+
+#endif
