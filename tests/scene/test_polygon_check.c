@@ -118,7 +118,7 @@ START_TEST(test_polygon_check__sides_are_exact)
 {
     for (int i = 0; i < 32; i++)
         for (int j = 0; j < 32; j++) {
-            vec3 v[] = {{0.25, 0.25, 0}, {24, 24, 0}, {0, 30, 0}, {0, 0, 0}, {-1, 5, 0}};
+            vec3 v[] = {{-24, -24, 0}, {24, 24, 0}, {0, 30, 0}, {0, 0, 0}, {-30, 5, 0}};
             v[3] = pen_vec3(0.5 + i * 0x1p-53, 0.5 + j * 0x1p-53, 0);
             struct pen_status st;
             ck_assert_int_eq(accepted(v, 5, &st), j > i);
