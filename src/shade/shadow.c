@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The rare shadow ray through more sheets than a query returns: crossing by crossing. */
+/* The rare shadow ray through more sheets than a query returns: crossing by crossing, by the same
+ * rules: strictly before the light, and not in it. */
 #include "shadow.h"
 
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
@@ -9,11 +10,14 @@ struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const stru
     struct pen_vec3 t = {1, 1, 1};
     struct pen_span span = {pen_after_start, query->tmax};
     struct pen_hit hit;
+    double light = 16 * PEN_U * pen_norm1(pen_add(ray->o, ray->d)); /* how far off it may be */
     while (!is_black(t) && input->trace->nearest(scene->accel, ray, leave, &span, &hit)) {
         if (!(hit.t < query->tmax))
             break;
-        t = shadow_filter(scene, hit.prim, t);
         span.after = hit;
+        if (query->to_point && pen_prim_ends_ray(&scene->prims, hit, ray, query->tmax, light))
+            continue;
+        t = shadow_filter(scene, hit.prim, t);
     }
     return t;
 }

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/* Builds small scenes in code and looks at their pixels. A kit is large: keep it static. */
+#ifndef TESTS_SUPPORT_KIT_H
+#define TESTS_SUPPORT_KIT_H
+
+#include "pen/render/render.h"
+#include "pen/scene/scene.h"
+
+enum { KIT_OBJECTS = 256, KIT_MATERIALS = 64, KIT_LIGHTS = 16, KIT_VERTICES = 2048 };
+
+struct kit {
+    struct pen_scene_desc desc; /* to be changed freely before kit_freeze */
+    struct pen_settings settings;
+    struct pen_view_desc view;
+    struct pen_object_desc objects[KIT_OBJECTS];
+    struct pen_material materials[KIT_MATERIALS];
+    struct pen_light_desc lights[KIT_LIGHTS];
+    struct pen_vec3 vertices[KIT_VERTICES];
+    uint32_t vertex_count;
+    uint32_t parked; /* objects inside groups, at the end of the array */
+};
+
+/* An empty scene of 1 x 1 pixel, black, seen from (0, 0, 10) along -z. */
+void kit_init(struct kit *kit);
+
+/* Adds a material and returns its number. */
+int kit_material(struct kit *kit, struct pen_material material);
+
+/* Materials of one grey property, ambient 0. */
+struct pen_material kit_matte(double kd);
+struct pen_material kit_glow(double r, double g, double b); /* emission only */
+
+/* Add an object at the top level; what is returned may be changed further. */
+struct pen_object_desc *kit_sphere(struct kit *kit, struct pen_vec3 center, double radius,
+                                   int material);
+struct pen_object_desc *kit_plane(struct kit *kit, struct pen_vec3 point, struct pen_vec3 normal,
+                                  int material);
+struct pen_object_desc *kit_triangle(struct kit *kit, struct pen_vec3 a, struct pen_vec3 b,
+                                     struct pen_vec3 c, int material);
+struct pen_object_desc *kit_polygon(struct kit *kit, const struct pen_vec3 *vertices,
+                                    uint32_t count, int material);
+struct pen_object_desc *kit_tube(struct kit *kit, struct pen_vec3 origin, struct pen_vec3 axis,
+                                 double radius, int material);
+struct pen_object_desc *kit_cylinder(struct kit *kit, struct pen_vec3 base, struct pen_vec3 axis,
+                                     double radius, double height, int material);
+
+/* A square of side 2 `half` across the z axis, facing +z. */
+struct pen_object_desc *kit_sheet(struct kit *kit, double z, double half, int material);
+
+/* Puts all objects from number `first` on into one group with a transform. */
+struct pen_object_desc *kit_group(struct kit *kit, uint32_t first,
+                                  const struct pen_transform *transform);
+
+/* Add a light, casting shadows, without attenuation. */
+struct pen_light_desc *kit_point(struct kit *kit, struct pen_vec3 position,
+                                 struct pen_vec3 intensity);
+struct pen_light_desc *kit_directional(struct kit *kit, struct pen_vec3 direction,
+                                       struct pen_vec3 intensity);
+struct pen_light_desc *kit_spot(struct kit *kit, struct pen_vec3 position,
+                                struct pen_vec3 direction, struct pen_vec3 intensity);
+
+/* Freezes with the accelerator of the settings; the test fails if that fails. */
+struct pen_scene *kit_freeze(struct kit *kit);
+
+/* Freezes, renders pixel (x, y), frees. */
+struct pen_vec3 kit_pixel(struct kit *kit, int x, int y, struct pen_ray_counts *rays);
+
+/* The film of a frozen scene's first view; free() it. */
+float *kit_film(const struct pen_scene *scene, const struct pen_settings *settings, int threads);
+
+/* A scene with every kind of body and light, glass, mirrors and shadows; 40 x 30 pixels. */
+void kit_medley(struct kit *kit);
+
+#endif
