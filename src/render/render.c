@@ -45,16 +45,22 @@ static bool cancelled(const struct pen_render_task *task)
     return task->cancel && atomic_load_explicit(task->cancel, memory_order_relaxed);
 }
 
+/* Made in default arithmetic, whatever the calling thread's is. */
 static struct pen_kernel_input kernel_input(const struct pen_scene *scene, int view,
                                             const struct pen_settings *settings)
 {
-    return (struct pen_kernel_input){
+    fenv_t caller;
+    fegetenv(&caller);
+    fesetenv(FE_DFL_ENV);
+    struct pen_kernel_input input = {
         .scene = scene,
         .settings = settings,
         .pinhole = pen_scene_pinhole(scene, view, settings->width, settings->height),
         .effects = pen_scene_effects(scene, settings),
         .trace = pen_trace_ops_get(pen_cpu_isa()),
     };
+    fesetenv(&caller);
+    return input;
 }
 
 /* Renders one tile; false if cancelled on the way. */
@@ -227,12 +233,12 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
     struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(&input);
     if (!scratch)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory for the paths of a pixel");
-    fenv_t environment;
-    fegetenv(&environment);
+    fenv_t caller;
+    fegetenv(&caller);
     fesetenv(FE_DFL_ENV);
     *rays = (struct pen_ray_counts){0};
     pen_kernel_select(input.effects, pen_cpu_isa())->pixel(&input, scratch, x, y, rgb, rays);
-    fesetenv(&environment);
+    fesetenv(&caller);
     pen_kernel_scratch_free(scratch);
     return true;
 }

@@ -4,6 +4,7 @@
  * the scene's arena, whose cap is the job's limit on memory. */
 #include "freeze.h"
 
+#include <fenv.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -186,11 +187,15 @@ struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
         return NULL;
     }
     scene->arena = arena;
+    fenv_t caller; /* a scene is the same whatever the caller's rounding */
+    fegetenv(&caller);
+    fesetenv(FE_DFL_ENV);
     bool ok = freeze_all(&f);
     free(f.buffer);
     scene->freeze_ms = (double)(pen_clock_ns() - begun) * 1e-6;
     if (ok)
         scene->accel = pen_accel_build(&scene->prims, accelerator, arena, st);
+    fesetenv(&caller);
     if (scene->accel)
         return scene;
     pen_arena_free(arena);

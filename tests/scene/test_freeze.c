@@ -1,0 +1,377 @@
+/* SPDX-License-Identifier: MIT */
+/* Freezing: what bodies become under transforms, the local frame, and what is kept of the rest. */
+#include <dlfcn.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/alloc.h"
+#include "support/kit.h"
+#include "support/suite.h"
+
+typedef struct pen_vec3 vec3;
+
+static struct kit kit;
+
+/* A point of the frozen scene in scene units. */
+static vec3 global(const struct pen_scene *scene, vec3 p)
+{
+    return pen_add(pen_scale(p, ldexp(1, scene->exponent)), scene->center);
+}
+
+static double global_length(const struct pen_scene *scene, double length)
+{
+    return ldexp(length, scene->exponent);
+}
+
+static void assert_close(vec3 got, double x, double y, double z)
+{
+    const double tolerance = 1e-14 * (1 + fabs(x) + fabs(y) + fabs(z));
+    ck_assert_msg(pen_norm1(pen_sub(got, pen_vec3(x, y, z))) <= tolerance,
+                  "(%.17g %.17g %.17g), want (%g %g %g)", got.x, got.y, got.z, x, y, z);
+}
+
+static struct pen_transform turn(double scale, double degrees, vec3 translate)
+{
+    return pen_transform_make(scale, pen_vec3(0, 0, 1), degrees, translate);
+}
+
+START_TEST(test_freeze__bodies_are_numbered_depth_first)
+{
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
+    kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 1, 0), -1);
+    kit_sphere(&kit, pen_vec3(1, 0, 0), 1, -1);
+    kit_group(&kit, 2, NULL); /* the group of one sphere and, below, of a triangle */
+    kit_triangle(&kit, pen_vec3(0, 0, 0), pen_vec3(1, 0, 0), pen_vec3(0, 1, 0), -1);
+    kit_group(&kit, 2, NULL);
+    kit_tube(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), 1, -1);
+    struct pen_scene *scene = kit_freeze(&kit);
+    static const uint32_t kinds[] = {PEN_PRIM_SPHERE, PEN_PRIM_PLANE, PEN_PRIM_SPHERE,
+                                     PEN_PRIM_TRIANGLE, PEN_PRIM_TUBE};
+    static const uint32_t indices[] = {0, 0, 1, 0, 0};
+    ck_assert_uint_eq(scene->prims.count, 5);
+    for (int i = 0; i < 5; i++) {
+        ck_assert_uint_eq(scene->prims.ref[i].kind, kinds[i]);
+        ck_assert_uint_eq(scene->prims.ref[i].index, indices[i]);
+    }
+    ck_assert_uint_eq(scene->prims.kind_count[PEN_PRIM_SPHERE], 2);
+    assert_close(global(scene, scene->prims.sphere[1].c), 1, 0, 0);
+    pen_scene_free(scene);
+}
+END_TEST
+
+START_TEST(test_freeze__quadrics_under_similarities)
+{
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(1, 0, 0), 0.5, -1);
+    kit_cylinder(&kit, pen_vec3(1, 0, 0), pen_vec3(5, 0, 0), 0.5, 2, -1);
+    kit_tube(&kit, pen_vec3(0, 1, 0), pen_vec3(0, 3, 0), 0.25, -1);
+    struct pen_transform inner = turn(2, 90, pen_vec3(10, 0, 0));
+    kit_group(&kit, 0, &inner);
+    struct pen_transform outer = turn(1, 0, pen_vec3(0, 0, 7));
+    kit_group(&kit, 0, &outer);
+    struct pen_scene *scene = kit_freeze(&kit);
+    const struct pen_prims *prims = &scene->prims;
+    assert_close(global(scene, prims->sphere[0].c), 10, 2, 7);
+    ck_assert_double_eq_tol(global_length(scene, prims->sphere[0].r), 1, 1e-15);
+    assert_close(global(scene, prims->cylinder[0].round.q), 10, 2, 7);
+    vec3 axis = pen_normalize(prims->cylinder[0].round.a);
+    assert_close(axis, 0, 1, 0);
+    ck_assert_double_eq_tol(global_length(scene, prims->cylinder[0].round.r), 1, 1e-15);
+    ck_assert_double_eq_tol(global_length(scene, prims->cylinder[0].h), 4, 1e-15);
+    assert_close(pen_normalize(prims->tube[0].round.a), -1, 0, 0);
+    ck_assert_double_eq_tol(global_length(scene, prims->tube[0].round.r), 0.5, 1e-15);
+    pen_scene_free(scene);
+}
+END_TEST
+
+/* Outward normals where rays along `d` from far off first meet the bodies. */
+static vec3 outward(const struct pen_scene *scene, vec3 from, vec3 d)
+{
+    struct pen_ray ray;
+    struct pen_hit hit;
+    struct pen_span span = {pen_after_start, INFINITY};
+    vec3 o = pen_scale(pen_sub(from, scene->center), ldexp(1, -scene->exponent));
+    ck_assert(pen_ray_make(&ray, o, d));
+    ck_assert(pen_trace_ops_get(PEN_ISA_BASE)
+                  ->nearest(scene->accel, &ray, &pen_leave_nothing, &span, &hit));
+    return pen_prim_normal(&scene->prims, hit, pen_prim_point(&scene->prims, hit, &ray));
+}
+
+START_TEST(test_freeze__mirrors_keep_the_outside)
+{
+    struct pen_transform mirror = {{{-1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    struct pen_transform stretched = {{{-2, 0.5, 0, 1}, {0, 1, 0, 0}, {0, 0.25, 3, 0}}};
+    for (int flat = 0; flat < 3; flat++)
+        for (int stretch = 0; stretch < 2; stretch++) {
+            kit_init(&kit);
+            const vec3 quad[] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+            if (flat == 0)
+                kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), -1);
+            else
+                kit_polygon(&kit, quad, flat == 1 ? 3 : 4, -1);
+            struct pen_transform *f = stretch ? &stretched : &mirror;
+            kit_group(&kit, 0, f);
+            struct pen_scene *scene = kit_freeze(&kit);
+            vec3 inside = pen_transform_point(f, pen_vec3(0.25, -0.25, 0));
+            vec3 above = pen_transform_point(f, pen_vec3(0.25, -0.25, 1));
+            vec3 n = outward(scene, above, pen_sub(inside, above));
+            ck_assert_double_gt(pen_dot(n, pen_sub(above, inside)), 0);
+            vec3 x = pen_transform_vector(f, pen_vec3(1, 0, 0));
+            vec3 y = pen_transform_vector(f, pen_vec3(0, 1, 0));
+            ck_assert_double_eq_tol(pen_dot(n, x), 0, 1e-15);
+            ck_assert_double_eq_tol(pen_dot(n, y), 0, 1e-15);
+            pen_scene_free(scene);
+        }
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(3, 0, 0), 1, -1);
+    kit_group(&kit, 0, &mirror);
+    struct pen_scene *scene = kit_freeze(&kit);
+    assert_close(outward(scene, pen_vec3(-9, 0, 0), pen_vec3(1, 0, 0)), -1, 0, 0);
+    assert_close(global(scene, scene->prims.sphere[0].c), -3, 0, 0);
+    pen_scene_free(scene);
+}
+END_TEST
+
+static void assert_freeze_fails(enum pen_code code, const char *at, const char *says)
+{
+    struct pen_status st = {0};
+    ck_assert(pen_scene_freeze(&kit.desc, PEN_ACCEL_NONE, 0, &st) == NULL);
+    ck_assert_int_eq(st.code, code);
+    ck_assert_str_eq(st.at, at);
+    ck_assert_msg(strstr(st.msg, says) != NULL, "%s", st.msg);
+}
+
+START_TEST(test_freeze__refuses_stretched_quadrics)
+{
+    kit_init(&kit);
+    kit_sheet(&kit, 0, 1, -1);
+    kit_sheet(&kit, 1, 1, -1);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
+    struct pen_transform f = {{{1, 0, 0, 0}, {0, 1.5, 0, 0}, {0, 0, 1, 0}}};
+    kit_group(&kit, 1, &f);
+    assert_freeze_fails(PEN_INVALID, "/objects/1/objects/1", "similarity");
+}
+END_TEST
+
+START_TEST(test_freeze__refuses_what_numbers_cannot_say)
+{
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(1e308, 0, 0), 1, -1);
+    kit_sphere(&kit, pen_vec3(-1e308, 0, 0), 1, -1);
+    assert_freeze_fails(PEN_INVALID, "", "larger");
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1e-300, -1);
+    kit_sphere(&kit, pen_vec3(1, 0, 0), 1, -1);
+    assert_freeze_fails(PEN_INVALID, "/objects/0", "too small");
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1e-150, -1);
+    kit.view.camera.position = pen_vec3(0, 0, 1e-149);
+    kit_point(&kit, pen_vec3(1e200, 0, 0), pen_vec3(1, 1, 1));
+    assert_freeze_fails(PEN_INVALID, "/lights/0/position", "too far");
+    kit.desc.light_count = 0;
+    kit.view.camera.position = pen_vec3(0, 1e200, 0);
+    assert_freeze_fails(PEN_INVALID, "", "\"main\"");
+    kit.view.camera = (struct pen_camera_desc){.direction = {0, 1, 0}, .up = {0, 1, 0}};
+    assert_freeze_fails(PEN_INVALID, "/up", "parallel");
+}
+END_TEST
+
+START_TEST(test_freeze__deep_groups)
+{
+    enum { DEPTH = 200000 };
+    kit_init(&kit);
+    struct pen_object_desc *chain = calloc(DEPTH, sizeof *chain);
+    for (int i = 0; i < DEPTH - 1; i++) {
+        chain[i].kind = PEN_OBJECT_GROUP;
+        chain[i].u.group.count = 1;
+        chain[i].u.group.objects = &chain[i + 1];
+        chain[i].u.group.has_transform = true;
+        chain[i].u.group.transform = turn(1, 0, pen_vec3(0.25, 0, 0));
+    }
+    chain[DEPTH - 1].kind = PEN_OBJECT_SPHERE;
+    chain[DEPTH - 1].material = -1;
+    chain[DEPTH - 1].u.sphere.radius = 1;
+    kit.desc.objects = chain;
+    kit.desc.object_count = 1;
+    struct pen_scene *scene = kit_freeze(&kit);
+    assert_close(global(scene, scene->prims.sphere[0].c), 0.25 * (DEPTH - 1), 0, 0);
+    pen_scene_free(scene);
+    free(chain);
+}
+END_TEST
+
+START_TEST(test_freeze__materials_and_lights)
+{
+    kit_init(&kit);
+    struct pen_material m = kit_matte(0.5);
+    m.kt = pen_vec3(0, 0, 0.5);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, kit_material(&kit, m));
+    kit_point(&kit, pen_vec3(0, 0, 5), pen_vec3(0, 0, 0));
+    kit_spot(&kit, pen_vec3(0, 0, 5), pen_vec3(0, 0, -7), pen_vec3(0, 1, 0))->shadows = false;
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_material none = pen_material_default();
+    ck_assert(memcmp(&scene->materials[scene->prim_material[0]], &none, sizeof none) == 0);
+    ck_assert_uint_eq(scene->prim_material[1], 0);
+    ck_assert_int_eq(scene->see_through[0], 0);
+    ck_assert_int_ne(scene->see_through[1], 0);
+    ck_assert(scene->any_see_through);
+    ck_assert_uint_eq(scene->light_count, 1); /* the black one is not there */
+    ck_assert_uint_eq(scene->light_index[0], 1);
+    ck_assert(!scene->lights[0].shadows);
+    assert_close(global(scene, scene->lights[0].position), 0, 0, 5);
+    assert_close(scene->lights[0].direction, 0, 0, -1);
+    ck_assert_int_eq(pen_scene_find_view(scene, "main"), 0);
+    ck_assert_int_eq(pen_scene_find_view(scene, "Main"), -1);
+    pen_scene_free(scene);
+}
+END_TEST
+
+START_TEST(test_freeze__local_frame_is_about_one)
+{
+    for (int k = -900; k <= 900; k += 100) {
+        kit_init(&kit);
+        double s = ldexp(1, k);
+        kit_sphere(&kit, pen_vec3(100 * s, 100 * s, 100 * s), 1.5 * s, -1);
+        kit_sphere(&kit, pen_vec3(103 * s, 101 * s, 100 * s), 0.5 * s, -1);
+        kit.view.camera.position = pen_vec3(100 * s, 100 * s, 120 * s);
+        struct pen_scene *scene = kit_freeze(&kit);
+        ck_assert_int_eq(scene->exponent, k + 3);
+        for (int i = 0; i < 2; i++) {
+            vec3 c = scene->prims.sphere[i].c;
+            ck_assert(fabs(c.x) <= 1 && fabs(c.y) <= 1 && fabs(c.z) <= 1);
+        }
+        vec3 steps = pen_scale(scene->center, ldexp(1, -(k + 3)));
+        ck_assert(steps.x == floor(steps.x) && steps.y == floor(steps.y));
+        pen_scene_free(scene);
+    }
+}
+END_TEST
+
+START_TEST(test_freeze__scenes_without_finite_bodies)
+{
+    kit_init(&kit);
+    struct pen_scene *scene = kit_freeze(&kit); /* nothing at all */
+    ck_assert_uint_eq(scene->prims.count, 0);
+    ck_assert_uint_eq(scene->effects, 0);
+    pen_scene_free(scene);
+    kit.view.camera.position = pen_vec3(1e6, 2e6, 10);
+    kit_plane(&kit, pen_vec3(1e6, 2e6, 0), pen_vec3(0, 0, 1), -1);
+    scene = kit_freeze(&kit);
+    ck_assert_int_eq(scene->exponent, 4); /* the plane's point and the eye are 10 apart */
+    pen_scene_free(scene);
+}
+END_TEST
+
+START_TEST(test_freeze__memory_cap_is_an_error)
+{
+    kit_medley(&kit);
+    struct pen_scene *scene = kit_freeze(&kit);
+    size_t used = pen_arena_used(scene->arena);
+    pen_scene_free(scene);
+    for (size_t cap = 1; cap < used; cap += 1 + cap / 3) {
+        struct pen_status st = {0};
+        ck_assert(pen_scene_freeze(&kit.desc, PEN_ACCEL_AUTO, cap, &st) == NULL);
+        ck_assert_int_eq(st.code, PEN_NO_MEMORY);
+    }
+    struct pen_status st;
+    scene = pen_scene_freeze(&kit.desc, PEN_ACCEL_AUTO, used, &st);
+    ck_assert(scene != NULL);
+    pen_scene_free(scene);
+}
+END_TEST
+
+START_TEST(test_freeze__every_allocation_may_fail)
+{
+    kit_medley(&kit);
+    struct pen_transform f = turn(2, 30, pen_vec3(1, 2, 3));
+    kit_group(&kit, 2, &f);
+    long n = 0;
+    for (;; n++) {
+        struct pen_status st = {0};
+        alloc_fail_after(n);
+        struct pen_scene *scene = pen_scene_freeze(&kit.desc, PEN_ACCEL_AUTO, 0, &st);
+        bool refused = alloc_succeed();
+        ck_assert_int_eq(scene == NULL, refused);
+        pen_scene_free(scene);
+        if (!refused)
+            break;
+        ck_assert_int_eq(st.code, PEN_NO_MEMORY);
+    }
+    ck_assert_int_gt(n, 3);
+}
+END_TEST
+
+START_TEST(test_freeze__accelerators_to_come)
+{
+    kit_medley(&kit);
+    struct pen_status st;
+    ck_assert(pen_scene_freeze(&kit.desc, PEN_ACCEL_MANUAL, 0, &st) == NULL);
+    ck_assert_int_eq(st.code, PEN_UNSUPPORTED);
+    ck_assert_str_eq(pen_accelerator_name(PEN_ACCEL_MANUAL), "manual");
+}
+END_TEST
+
+/* ---- H037: rays of a 3 x 3 view plane against one body: how many crossings in all ---- */
+
+static int all_crossings(void)
+{
+    kit.settings.width = kit.settings.height = 3;
+    kit.view.camera.position = pen_vec3(0, 0, 0);
+    kit.view.camera.has_view_plane = true;
+    kit.view.camera.plane_distance = 1;
+    kit.view.camera.plane_width = kit.view.camera.plane_height = 3;
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_pinhole p = pen_scene_pinhole(scene, 0, 3, 3);
+    int n = 0;
+    for (int i = 0; i < 9; i++) {
+        vec3 d = pen_along(p.middle, p.dx, i % 3 + 0.5 - p.half_width);
+        struct pen_ray ray;
+        ck_assert(pen_ray_make(&ray, p.eye, pen_along(d, p.dy, i / 3 + 0.5 - p.half_height)));
+        struct pen_span span = {pen_after_start, INFINITY};
+        while (pen_trace_ops_get(PEN_ISA_BASE)
+                   ->nearest(scene->accel, &ray, &pen_leave_nothing, &span, &span.after))
+            n++;
+    }
+    pen_scene_free(scene);
+    return n;
+}
+
+START_TEST(test_freeze__crossings_of_a_small_view_plane)
+{
+    static const struct {
+        double z, r;
+        int crossings;
+    } spheres[] = {{-3, 1, 2}, {-2.5, 2.5, 18}, {-2, 2, 10}, {0, 4, 9}, {1, 0.5, 0}};
+    for (int i = 0; i < 5; i++) {
+        kit_init(&kit);
+        kit_sphere(&kit, pen_vec3(0, 0, spheres[i].z), spheres[i].r, -1);
+        if (spheres[i].r == 2.5 || spheres[i].r == 2) /* these are seen from half a unit behind */
+            kit.objects[0].u.sphere.center.z -= 0.5;
+        ck_assert_int_eq(all_crossings(), spheres[i].crossings);
+    }
+    static const vec3 normals[] = {{0, 0, 1}, {0, -1, 2}, {0, -1, 1}};
+    static const int plane_crossings[] = {9, 9, 6};
+    for (int i = 0; i < 3; i++) {
+        kit_init(&kit);
+        kit_plane(&kit, pen_vec3(0, 0, -5), normals[i], -1);
+        ck_assert_int_eq(all_crossings(), plane_crossings[i]);
+    }
+    kit_init(&kit);
+    kit_triangle(&kit, pen_vec3(0, 1, -2), pen_vec3(1, -1, -2), pen_vec3(-1, -1, -2), -1);
+    ck_assert_int_eq(all_crossings(), 1);
+    kit_init(&kit);
+    kit_triangle(&kit, pen_vec3(0, 20, -2), pen_vec3(1, -1, -2), pen_vec3(-1, -1, -2), -1);
+    ck_assert_int_eq(all_crossings(), 2);
+}
+END_TEST
+
+PEN_SUITE("freeze", test_freeze__bodies_are_numbered_depth_first,
+          test_freeze__quadrics_under_similarities, test_freeze__mirrors_keep_the_outside,
+          test_freeze__refuses_stretched_quadrics, test_freeze__refuses_what_numbers_cannot_say,
+          test_freeze__deep_groups, test_freeze__materials_and_lights,
+          test_freeze__local_frame_is_about_one, test_freeze__scenes_without_finite_bodies,
+          test_freeze__memory_cap_is_an_error, test_freeze__every_allocation_may_fail,
+          test_freeze__accelerators_to_come, test_freeze__crossings_of_a_small_view_plane)

@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: MIT */
+/* Kernels: that it does not matter which instance renders a scene, and how samples make a pixel. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/math/sample.h"
+#include "support/kit.h"
+#include "support/suite.h"
+
+static struct kit kit;
+
+static int instances(void)
+{
+    int n = 0;
+    while (pen_kernel_at(n, PEN_ISA_BASE))
+        n++;
+    return n;
+}
+
+static struct pen_kernel_input input_of(const struct pen_scene *scene, enum pen_isa isa)
+{
+    const struct pen_settings *s = &kit.settings;
+    return (struct pen_kernel_input){
+        .scene = scene,
+        .settings = s,
+        .pinhole = pen_scene_pinhole(scene, 0, s->width, s->height),
+        .effects = pen_scene_effects(scene, s),
+        .trace = pen_trace_ops_get(isa),
+    };
+}
+
+/* The whole image by one kernel: 3 doubles per pixel. */
+static double *image_by(const struct pen_kernel *kernel, const struct pen_kernel_input *input,
+                        struct pen_ray_counts *rays)
+{
+    struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(input);
+    ck_assert(scratch != NULL);
+    int width = kit.settings.width, height = kit.settings.height;
+    double *out = calloc((size_t)(3 * width * height), sizeof *out);
+    *rays = (struct pen_ray_counts){0};
+    for (int i = 0; i < width * height; i++)
+        kernel->pixel(input, scratch, i % width, i / width, &out[3 * i], rays);
+    pen_kernel_scratch_free(scratch);
+    return out;
+}
+
+/* Renders the kit's scene by every instance that covers it, for both instruction sets, and
+ * compares bits and counts. Returns how many were compared. */
+static int compare_instances(void)
+{
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_kernel_input input = input_of(scene, PEN_ISA_BASE);
+    struct pen_ray_counts want_rays, rays;
+    double *want = image_by(pen_kernel_select(input.effects, PEN_ISA_BASE), &input, &want_rays);
+    size_t bytes = (size_t)(3 * kit.settings.width * kit.settings.height) * sizeof *want;
+    int compared = 0;
+    for (int isa = PEN_ISA_BASE; isa <= (int)pen_cpu_isa(); isa++) {
+        input.trace = pen_trace_ops_get((enum pen_isa)isa);
+        for (int i = 0; i < instances(); i++) {
+            const struct pen_kernel *kernel = pen_kernel_at(i, (enum pen_isa)isa);
+            if (input.effects & ~kernel->effects)
+                continue;
+            double *got = image_by(kernel, &input, &rays);
+            ck_assert_msg(memcmp(got, want, bytes) == 0, "%s differs", kernel->name);
+            ck_assert_msg(memcmp(&rays, &want_rays, sizeof rays) == 0, "%s: rays", kernel->name);
+            free(got);
+            compared++;
+        }
+    }
+    free(want);
+    pen_scene_free(scene);
+    return compared;
+}
+
+/* Takes effects out of the medley, as the API's `effects` says what leaving out means. */
+static void leave_out(unsigned effects)
+{
+    if (effects & PEN_FX_AMBIENT)
+        kit.desc.ambient = pen_vec3(0, 0, 0);
+    for (uint32_t i = 0; i < kit.desc.light_count; i++)
+        if (effects & PEN_FX_HARD_SHADOWS)
+            kit.lights[i].shadows = false;
+    for (uint32_t i = 0; i < kit.desc.material_count; i++) {
+        if (effects & PEN_FX_MIRROR)
+            kit.materials[i].kr = pen_vec3(0, 0, 0);
+        if (effects & PEN_FX_TRANSMISSION)
+            kit.materials[i].kt = pen_vec3(0, 0, 0);
+        if (effects & PEN_FX_SPECULAR)
+            kit.materials[i].ks = pen_vec3(0, 0, 0);
+    }
+}
+
+START_TEST(test_kernel__every_instance_gives_the_same_bits)
+{
+    int compared = 0;
+    for (unsigned out = 0; out < 1u << PEN_FX_COUNT; out++) {
+        if (out & (PEN_FX_SHADOW_TRANSMITTANCE | PEN_FX_ANTI_ALIASING))
+            continue;
+        for (int samples = 1; samples <= 3; samples += 2) {
+            kit_medley(&kit);
+            leave_out(out);
+            kit.settings.samples_per_pixel = samples;
+            compared += compare_instances();
+        }
+    }
+    ck_assert_int_gt(compared, 100);
+}
+END_TEST
+
+START_TEST(test_kernel__select_takes_the_smallest)
+{
+    for (int isa = PEN_ISA_BASE; isa <= PEN_ISA_AVX2; isa++)
+        for (unsigned fx = 0; fx < 1u << PEN_FX_COUNT; fx++) {
+            const struct pen_kernel *kernel = pen_kernel_select(fx, (enum pen_isa)isa);
+            ck_assert_uint_eq(fx & ~kernel->effects, 0);
+            for (int i = 0; i < instances(); i++) {
+                const struct pen_kernel *other = pen_kernel_at(i, (enum pen_isa)isa);
+                if ((fx & ~other->effects) == 0)
+                    ck_assert_int_le(__builtin_popcount(kernel->effects),
+                                     __builtin_popcount(other->effects));
+            }
+            ck_assert(strstr(kernel->name, pen_isa_name((enum pen_isa)isa)) != NULL);
+        }
+    ck_assert(pen_kernel_at(-1, PEN_ISA_BASE) == NULL);
+    ck_assert(pen_kernel_at(instances(), PEN_ISA_AVX2) == NULL);
+}
+END_TEST
+
+static unsigned effects_of_medley(unsigned out)
+{
+    kit_medley(&kit);
+    leave_out(out);
+    struct pen_scene *scene = kit_freeze(&kit);
+    unsigned effects = pen_scene_effects(scene, &kit.settings);
+    pen_scene_free(scene);
+    return effects;
+}
+
+START_TEST(test_kernel__effects_follow_the_scene)
+{
+    const unsigned all = (1u << PEN_FX_COUNT) - 1 - PEN_FX_ANTI_ALIASING;
+    ck_assert_uint_eq(effects_of_medley(0), all);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_AMBIENT), all & ~(unsigned)PEN_FX_AMBIENT);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_MIRROR), all & ~(unsigned)PEN_FX_MIRROR);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_SPECULAR), all & ~(unsigned)PEN_FX_SPECULAR);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_TRANSMISSION),
+                      all & ~(unsigned)(PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE));
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_HARD_SHADOWS),
+                      all & ~(unsigned)(PEN_FX_HARD_SHADOWS | PEN_FX_SHADOW_TRANSMITTANCE));
+}
+END_TEST
+
+START_TEST(test_kernel__effects_need_a_body_that_shows_them)
+{
+    kit_init(&kit);
+    struct pen_material m = kit_matte(0.5);
+    m.kr = pen_vec3(0, 1e-9, 0);
+    kit_material(&kit, m); /* no body has it */
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
+    kit_point(&kit, pen_vec3(0, 5, 5), pen_vec3(1, 1, 1));
+    struct pen_scene *scene = kit_freeze(&kit);
+    ck_assert_uint_eq(pen_scene_effects(scene, &kit.settings), 0);
+    pen_scene_free(scene);
+    kit.objects[0].material = 0;
+    scene = kit_freeze(&kit);
+    ck_assert_uint_eq(pen_scene_effects(scene, &kit.settings), PEN_FX_MIRROR | PEN_FX_HARD_SHADOWS);
+    kit.settings.max_depth = 1;
+    kit.settings.samples_per_pixel = 2;
+    ck_assert_uint_eq(pen_scene_effects(scene, &kit.settings),
+                      PEN_FX_ANTI_ALIASING | PEN_FX_HARD_SHADOWS);
+    pen_scene_free(scene);
+}
+END_TEST
+
+/* A half-plane x >= 0.25 of light fills part of pixel (1, 0) of a 4 x 2 image whose plane is at
+ * the screen: the mean counts the points of the set that fall on it. */
+static void half_lit(double emission)
+{
+    kit_init(&kit);
+    kit.settings.width = 4;
+    kit.settings.height = 2;
+    kit.view.camera.has_view_plane = true;
+    kit.view.camera.plane_distance = 10;
+    kit.view.camera.plane_width = 4;
+    kit.view.camera.plane_height = 2;
+    const struct pen_vec3 v[] = {{-0.625, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-0.625, 9, 0}};
+    kit_polygon(&kit, v, 4, kit_material(&kit, kit_glow(emission, emission, emission)));
+    kit.desc.background = pen_vec3(1, 1, 1);
+}
+
+static int points_on_light(int samples)
+{
+    struct pen_sample_key key = {
+        .seed = kit.settings.seed, .x = 1, .y = 0, .purpose = PEN_PURPOSE_PIXEL};
+    uint64_t hash = pen_sample_hash(&key);
+    int n = 0;
+    for (int i = 0; i < samples; i++)
+        n += pen_sobol2(hash, (uint32_t)i).x >= 0.375;
+    return n;
+}
+
+START_TEST(test_kernel__samples_are_the_sets_of_the_pixel)
+{
+    int different = 0;
+    for (int samples = 2; samples <= 40; samples += 3)
+        for (uint64_t seed = 0; seed < 3; seed++) {
+            half_lit(3);
+            kit.settings.samples_per_pixel = samples;
+            kit.settings.seed = seed;
+            int lit = points_on_light(samples);
+            struct pen_ray_counts rays;
+            struct pen_vec3 got = kit_pixel(&kit, 1, 0, &rays);
+            ck_assert(got.x == (3.0 * lit + (samples - lit)) / samples);
+            ck_assert_uint_eq(rays.primary, (uint64_t)samples);
+            kit.settings.seed = 77;
+            different += kit_pixel(&kit, 1, 0, NULL).x != got.x;
+        }
+    ck_assert_int_gt(different, 0);
+}
+END_TEST
+
+START_TEST(test_kernel__one_sample_is_the_centre)
+{
+    half_lit(3);
+    ck_assert(kit_pixel(&kit, 1, 0, NULL).x == 3); /* -0.5 is lit, -0.625 the border */
+    const struct pen_vec3 v[] = {{-0.4375, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-0.4375, 9, 0}};
+    memcpy(kit.vertices, v, sizeof v);
+    ck_assert(kit_pixel(&kit, 1, 0, NULL).x == 1);
+}
+END_TEST
+
+START_TEST(test_kernel__samples_beyond_the_film_are_left_out)
+{
+    const int samples = 16;
+    half_lit(1e39);
+    kit.settings.samples_per_pixel = samples;
+    uint64_t lit = (uint64_t)points_on_light(samples);
+    ck_assert_uint_gt(lit, 0);
+    struct pen_ray_counts rays;
+    ck_assert(kit_pixel(&kit, 1, 0, &rays).x == 1);
+    ck_assert_uint_eq(rays.dropped_samples, lit);
+    ck_assert(kit_pixel(&kit, 3, 0, &rays).x == 0); /* none is left */
+    ck_assert_uint_eq(rays.dropped_samples, (uint64_t)samples);
+    half_lit(FLT_MAX);
+    kit.settings.samples_per_pixel = samples;
+    ck_assert(kit_pixel(&kit, 3, 0, &rays).x == (double)FLT_MAX);
+    ck_assert_uint_eq(rays.dropped_samples, 0);
+}
+END_TEST
+
+PEN_SUITE("kernel", test_kernel__every_instance_gives_the_same_bits,
+          test_kernel__select_takes_the_smallest, test_kernel__effects_follow_the_scene,
+          test_kernel__effects_need_a_body_that_shows_them,
+          test_kernel__samples_are_the_sets_of_the_pixel, test_kernel__one_sample_is_the_centre,
+          test_kernel__samples_beyond_the_film_are_left_out)
