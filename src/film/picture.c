@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/* Pictures: which reader a file gets, and rows in either scale whatever the samples are. */
+#include "picture.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/film/encode.h"
+
+static size_t sample_bytes(enum picture_kind kind)
+{
+    return kind == PICTURE_8 ? 1 : kind == PICTURE_16 ? sizeof(uint16_t) : sizeof(float);
+}
+
+struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_kind kind,
+                                    struct pen_status *st)
+{
+    if (width < 1 || height < 1) {
+        pen_fail(st, PEN_SYNTAX, "the picture has no pixels");
+        return NULL;
+    }
+    if (width > PEN_FILM_PIXELS_MAX || height > PEN_FILM_PIXELS_MAX ||
+        width * height > PEN_FILM_PIXELS_MAX) {
+        pen_fail(st, PEN_TOO_LARGE, "the picture has more than %d pixels", PEN_FILM_PIXELS_MAX);
+        return NULL;
+    }
+    struct pen_picture *picture = calloc(1, sizeof *picture);
+    void *samples = calloc((size_t)(width * height), 3 * sample_bytes(kind));
+    if (!picture || !samples) {
+        free(picture);
+        free(samples);
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the picture's pixels");
+        return NULL;
+    }
+    *picture = (struct pen_picture){.width = (int)width,
+                                    .height = (int)height,
+                                    .kind = kind,
+                                    .linear = kind == PICTURE_FLOAT,
+                                    .samples = samples,
+                                    .owned = samples};
+    return picture;
+}
+
+struct pen_picture *pen_image_read(const void *bytes, size_t count, struct pen_status *st)
+{
+    static const unsigned char png[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+    const unsigned char *data = bytes;
+    if (count >= sizeof png && memcmp(data, png, sizeof png) == 0)
+        return pen_png_read(data, count, st);
+    if (count >= 3 && data[0] == 'P' && (data[1] == 'F' || data[1] == 'f'))
+        return pen_pfm_read(data, count, st);
+    pen_fail(st, PEN_MEDIA_TYPE, "neither a PNG nor a PFM file");
+    return NULL;
+}
+
+struct pen_picture *pen_picture_of_film(const struct pen_film *film, struct pen_status *st)
+{
+    struct pen_picture *picture = calloc(1, sizeof *picture);
+    if (!picture) {
+        pen_fail(st, PEN_NO_MEMORY, "out of memory");
+        return NULL;
+    }
+    *picture = (struct pen_picture){.width = film->width,
+                                    .height = film->height,
+                                    .kind = PICTURE_FLOAT,
+                                    .linear = true,
+                                    .samples = film->rgb};
+    return picture;
+}
+
+void pen_picture_free(struct pen_picture *picture)
+{
+    if (!picture)
+        return;
+    free(picture->owned);
+    free(picture);
+}
+
+int pen_picture_width(const struct pen_picture *picture)
+{
+    return picture->width;
+}
+
+int pen_picture_height(const struct pen_picture *picture)
+{
+    return picture->height;
+}
+
+/* Row y as the samples stand: integers divided by their maximum. */
+static void raw_row(const struct pen_picture *picture, int y, double *out)
+{
+    size_t count = (size_t)picture->width * 3, first = (size_t)y * count;
+    const unsigned char *codes = picture->samples;
+    const uint16_t *wide = picture->samples;
+    const float *values = picture->samples;
+    for (size_t i = 0; i < count; i++) {
+        if (picture->kind == PICTURE_8)
+            out[i] = codes[first + i] / 255.0;
+        else if (picture->kind == PICTURE_16)
+            out[i] = wide[first + i] / 65535.0;
+        else
+            out[i] = (double)values[first + i];
+    }
+}
+
+void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *out)
+{
+    raw_row(picture, y, out);
+    if (!picture->linear)
+        return;
+    for (size_t i = 0; i < (size_t)picture->width * 3; i++)
+        out[i] = pen_encode_unit(out[i], PEN_TRANSFER_SRGB);
+}
+
+void pen_picture_linear_row(const struct pen_picture *picture, int y, double *out)
+{
+    raw_row(picture, y, out);
+    if (picture->linear)
+        return;
+    for (size_t i = 0; i < (size_t)picture->width * 3; i++)
+        out[i] = pen_decode_srgb(out[i]);
+}

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+/* PNG files from anywhere. libpng checks the format; what is decided here is how much a file may
+ * ask for, and that every failure, also one that libpng reports by longjmp, is an error with
+ * nothing leaked: all state lies behind one pointer, which the function that sets the jump does
+ * not change. */
+#include <png.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "picture.h"
+
+/* A chunk besides the pixels may take this much, and so many of them are kept. */
+enum { CHUNK_BYTES_MAX = 1 << 20, CHUNKS_MAX = 16 };
+
+struct reader {
+    const unsigned char *bytes;
+    size_t left;
+    struct pen_status *st;
+    png_structp png;
+    png_infop info;
+    struct pen_picture *picture;
+    int passes; /* over all rows: several if interlaced */
+};
+
+static void on_error(png_structp png, png_const_charp message)
+{
+    struct reader *r = png_get_error_ptr(png);
+    enum pen_code code = strstr(message, "emory") ? PEN_NO_MEMORY : PEN_SYNTAX;
+    pen_fail(r->st, code, "cannot read PNG: %s", message);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp message)
+{
+    (void)png;
+    (void)message;
+}
+
+static void on_bytes(png_structp png, png_bytep out, size_t count)
+{
+    struct reader *r = png_get_io_ptr(png);
+    if (count > r->left)
+        png_error(png, "the file ends too early");
+    memcpy(out, r->bytes, count);
+    r->bytes += count;
+    r->left -= count;
+}
+
+/* Any kind of pixel becomes RGB of 8 or 16 bits. */
+static void ask_for_rgb(struct reader *r)
+{
+    png_set_palette_to_rgb(r->png);
+    if (png_get_color_type(r->png, r->info) == PNG_COLOR_TYPE_GRAY)
+        png_set_expand_gray_1_2_4_to_8(r->png);
+    png_set_gray_to_rgb(r->png);
+    png_set_strip_alpha(r->png);
+    const uint16_t one = 1;
+    if (*(const unsigned char *)&one == 1)
+        png_set_swap(r->png); /* a PNG's 16 bits are big-endian, samples are the machine's */
+    r->passes = png_set_interlace_handling(r->png);
+    png_read_update_info(r->png, r->info);
+}
+
+/* A file that says nothing of its transfer is taken as sRGB. */
+static bool says_linear(const struct reader *r)
+{
+    int intent;
+    png_fixed_point gamma;
+    if (png_get_sRGB(r->png, r->info, &intent))
+        return false;
+    return png_get_gAMA_fixed(r->png, r->info, &gamma) && gamma == PNG_GAMMA_LINEAR;
+}
+
+/* Makes the picture, once the head has told its size. */
+static bool make_picture(struct reader *r)
+{
+    bool wide = png_get_bit_depth(r->png, r->info) == 16;
+    int64_t width = png_get_image_width(r->png, r->info);
+    int64_t height = png_get_image_height(r->png, r->info);
+    r->picture = pen_picture_new(width, height, wide ? PICTURE_16 : PICTURE_8, r->st);
+    if (!r->picture)
+        return false;
+    r->picture->linear = says_linear(r);
+    return true;
+}
+
+/* Row by row, not through an array of row pointers: for a narrow picture that would take more
+ * memory than its pixels. */
+static void read_rows(struct reader *r)
+{
+    size_t row_bytes = (size_t)r->picture->width * (r->picture->kind == PICTURE_16 ? 6 : 3);
+    if (png_get_rowbytes(r->png, r->info) != row_bytes)
+        png_error(r->png, "unexpected size of a row");
+    for (int pass = 0; pass < r->passes; pass++) {
+        for (int y = 0; y < r->picture->height; y++)
+            png_read_row(r->png, (png_bytep)r->picture->owned + (size_t)y * row_bytes, NULL);
+    }
+}
+
+/* Fails by jumping, from anywhere inside libpng. */
+static bool read_all(struct reader *r)
+{
+    if (setjmp(png_jmpbuf(r->png)))
+        return false;
+    png_set_read_fn(r->png, r, on_bytes);
+    png_set_user_limits(r->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* make_picture's are lower */
+    png_set_chunk_malloc_max(r->png, CHUNK_BYTES_MAX);
+    png_set_chunk_cache_max(r->png, CHUNKS_MAX);
+    png_read_info(r->png, r->info);
+    if (!make_picture(r)) /* libpng makes room for rows next: the size must be checked by now */
+        return false;
+    ask_for_rgb(r);
+    read_rows(r);
+    png_read_end(r->png, NULL);
+    return true;
+}
+
+struct pen_picture *pen_png_read(const unsigned char *bytes, size_t count, struct pen_status *st)
+{
+    struct reader r = {.bytes = bytes, .left = count, .st = st};
+    r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, on_error, on_warning);
+    r.info = r.png ? png_create_info_struct(r.png) : NULL;
+    bool ok = false;
+    if (r.info)
+        ok = read_all(&r);
+    else
+        pen_fail(st, PEN_NO_MEMORY, "no memory to read PNG");
+    png_destroy_read_struct(&r.png, &r.info, NULL);
+    if (ok)
+        return r.picture;
+    pen_picture_free(r.picture);
+    return NULL;
+}

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+/* PNG through libpng, into memory. libpng reports errors by longjmp; the only function that sets
+ * the jump keeps all its state behind one pointer, so nothing of it can be stale afterwards.
+ *
+ * Compression is chosen for speed: what a person waits for is the picture. On rendered pictures
+ * the Paeth filter for every row and then runs only (no search for matches) is about as fast as
+ * zlib's fastest level and up to a fifth smaller; its default level takes three times as long. All
+ * of it is fixed, and so are the bytes, for one version of zlib. */
+#include <png.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "pen/film/encode.h"
+
+struct writer {
+    const struct pen_film *film;
+    const struct pen_png_options *options;
+    struct pen_buf *out;
+    struct pen_status *st;
+    png_structp png;
+    png_infop info;
+    unsigned char *row; /* one row as it goes into the file */
+    uint16_t *wide;     /* its values before they are cut into bytes, if 16 bits */
+};
+
+static void on_error(png_structp png, png_const_charp message)
+{
+    struct writer *w = png_get_error_ptr(png);
+    bool memory = w->out->failed || strstr(message, "emory");
+    pen_fail(w->st, memory ? PEN_NO_MEMORY : PEN_INTERNAL, "cannot write PNG: %s", message);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp message)
+{
+    (void)png;
+    (void)message;
+}
+
+static void on_bytes(png_structp png, png_bytep data, size_t bytes)
+{
+    struct writer *w = png_get_io_ptr(png);
+    if (!pen_buf_add(w->out, data, bytes))
+        png_error(png, "out of memory");
+}
+
+static void on_flush(png_structp png)
+{
+    (void)png;
+}
+
+static void encode_row(struct writer *w, int y)
+{
+    size_t count = (size_t)w->film->width * 3;
+    const float *rgb = w->film->rgb + (size_t)y * count;
+    if (w->options->bits == 8) {
+        pen_encode_8(rgb, count, w->options->transfer, w->row);
+        return;
+    }
+    pen_encode_16(rgb, count, w->options->transfer, w->wide);
+    for (size_t i = 0; i < count; i++) {
+        w->row[2 * i] = (unsigned char)(w->wide[i] >> 8);
+        w->row[2 * i + 1] = (unsigned char)w->wide[i];
+    }
+}
+
+/* Spreads a row of RGB to RGBA in place, from its end. */
+static void add_alpha(struct writer *w, int y)
+{
+    size_t width = (size_t)w->film->width, value = w->options->bits == 8 ? 1 : 2;
+    const unsigned char *mask = w->options->mask + (size_t)y * width;
+    for (size_t x = width; x-- > 0;) {
+        unsigned char *to = w->row + x * 4 * value;
+        memmove(to, w->row + x * 3 * value, 3 * value);
+        memset(to + 3 * value, 0xFF, value);
+        if (!mask[x])
+            memset(to, 0, 4 * value);
+    }
+}
+
+static void write_head(struct writer *w)
+{
+    png_set_IHDR(w->png, w->info, (png_uint_32)w->film->width, (png_uint_32)w->film->height,
+                 w->options->bits, w->options->mask ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (w->options->transfer == PEN_TRANSFER_SRGB)
+        png_set_sRGB_gAMA_and_cHRM(w->png, w->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    else
+        png_set_gAMA_fixed(w->png, w->info, PNG_GAMMA_LINEAR);
+    png_set_filter(w->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_PAETH);
+    png_set_compression_strategy(w->png, Z_RLE);
+    png_write_info(w->png, w->info);
+}
+
+/* Fails by jumping, from anywhere inside libpng. */
+static bool write_all(struct writer *w)
+{
+    if (setjmp(png_jmpbuf(w->png)))
+        return false;
+    write_head(w);
+    for (int y = 0; y < w->film->height; y++) {
+        encode_row(w, y);
+        if (w->options->mask)
+            add_alpha(w, y);
+        png_write_row(w->png, w->row);
+    }
+    png_write_end(w->png, NULL);
+    return true;
+}
+
+bool pen_png_write(const struct pen_film *film, const struct pen_png_options *options,
+                   struct pen_buf *out, struct pen_status *st)
+{
+    struct writer w = {.film = film, .options = options, .out = out, .st = st};
+    size_t width = (size_t)film->width;
+    w.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w, on_error, on_warning);
+    w.info = w.png ? png_create_info_struct(w.png) : NULL;
+    w.row = malloc(width * 8);
+    w.wide = malloc(width * 3 * sizeof *w.wide);
+    bool ok = false;
+    if (w.info && w.row && w.wide) {
+        png_set_write_fn(w.png, &w, on_bytes, on_flush);
+        ok = write_all(&w);
+    } else {
+        pen_fail(st, PEN_NO_MEMORY, "no memory to write PNG");
+    }
+    png_destroy_write_struct(&w.png, &w.info);
+    free(w.row);
+    free(w.wide);
+    return ok;
+}

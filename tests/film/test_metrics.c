@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+#include <math.h>
+
+#include "pen/film/encode.h"
+#include "pen/film/metrics.h"
+#include "support/alloc.h"
+#include "support/suite.h"
+
+enum { W = 4, H = 3 };
+
+/* A film whose sRGB-encoded values are those given. */
+static void fill(float rgb[W * H * 3], double encoded)
+{
+    for (int i = 0; i < W * H * 3; i++)
+        rgb[i] = (float)pen_decode_srgb(encoded);
+}
+
+static struct pen_difference compare(float *a, float *b, double tolerance)
+{
+    struct pen_status st;
+    struct pen_film fa = {W, H, a}, fb = {W, H, b};
+    struct pen_picture *pa = pen_picture_of_film(&fa, &st), *pb = pen_picture_of_film(&fb, &st);
+    struct pen_difference d;
+    ck_assert(pa && pb && pen_picture_compare(pa, pb, tolerance, &d, &st));
+    pen_picture_free(pa);
+    pen_picture_free(pb);
+    return d;
+}
+
+START_TEST(test_metrics__equal_pictures_do_not_differ)
+{
+    float a[W * H * 3];
+    fill(a, 0.3);
+    struct pen_difference d = compare(a, a, 0);
+    ck_assert(d.rmse == 0 && d.psnr == INFINITY && d.max_error == 0 && d.differing == 0);
+    ck_assert(d.over == 0 && d.rmse_within == 0);
+}
+END_TEST
+
+START_TEST(test_metrics__figures_are_of_encoded_values)
+{
+    float a[W * H * 3], b[W * H * 3];
+    fill(a, 0.25);
+    fill(b, 0.5);
+    struct pen_difference d = compare(a, b, 1);
+    ck_assert(fabs(d.rmse - 0.25) < 1e-7 && fabs(d.max_error - 0.25) < 1e-7);
+    ck_assert(fabs(d.psnr - 12.041199826559248) < 1e-5);
+    ck_assert(d.differing == W * H && d.over == 0 && d.rmse_within == d.rmse);
+    ck_assert(d.max_x == 0 && d.max_y == 0);
+}
+END_TEST
+
+START_TEST(test_metrics__one_value_weighs_one_in_all)
+{
+    float a[W * H * 3], b[W * H * 3];
+    fill(a, 0.5);
+    fill(b, 0.5);
+    b[(1 * W + 2) * 3 + 1] = (float)pen_decode_srgb(0.75);
+    b[(2 * W + 3) * 3] = (float)pen_decode_srgb(0.6);
+    struct pen_difference d = compare(a, b, 0.2);
+    ck_assert(fabs(d.rmse - sqrt((0.0625 + 0.01) / (W * H * 3))) < 1e-7);
+    ck_assert(fabs(d.max_error - 0.25) < 1e-7 && d.max_x == 2 && d.max_y == 1);
+    ck_assert(d.differing == 2 && d.over == 1);
+    ck_assert(fabs(d.rmse_within - sqrt(0.01 / ((W * H - 1) * 3))) < 1e-7);
+    d = compare(a, b, 0);
+    ck_assert(d.over == 2 && d.rmse_within == 0);
+}
+END_TEST
+
+START_TEST(test_metrics__values_are_clamped_before_they_are_compared)
+{
+    float a[W * H * 3], b[W * H * 3];
+    for (int i = 0; i < W * H * 3; i++) {
+        a[i] = i % 2 ? 1 : -5;
+        b[i] = i % 2 ? 100 : 0;
+    }
+    struct pen_difference d = compare(a, b, 0);
+    ck_assert(d.rmse == 0 && d.differing == 0);
+}
+END_TEST
+
+/* Codes of 8 bits that are 2 apart are within 2/255, whichever they are. */
+START_TEST(test_metrics__tolerance_is_not_a_matter_of_rounding)
+{
+    struct pen_status st;
+    float rgb[256 * 3], shifted[256 * 3];
+    for (int i = 0; i < 256 * 3; i++) {
+        rgb[i] = (float)pen_decode_srgb(i / 3 / 255.0);
+        shifted[i] = (float)pen_decode_srgb((i / 3 + 2) / 255.0);
+    }
+    struct pen_film film = {256, 1, rgb}, other = {256, 1, shifted};
+    struct pen_png_options options = {8, PEN_TRANSFER_SRGB, NULL};
+    struct pen_buf a = {0}, b = {0};
+    ck_assert(pen_png_write(&film, &options, &a, &st) && pen_png_write(&other, &options, &b, &st));
+    struct pen_picture *pa = pen_image_read(a.data, a.bytes, &st);
+    struct pen_picture *pb = pen_image_read(b.data, b.bytes, &st);
+    struct pen_difference d;
+    ck_assert(pen_picture_compare(pa, pb, 2 / 255.0, &d, &st));
+    ck_assert_int_eq(d.over, 0);
+    ck_assert(pen_picture_compare(pa, pb, 1.99 / 255.0, &d, &st));
+    ck_assert_int_eq(d.over, 254);
+    pen_picture_free(pa);
+    pen_picture_free(pb);
+    pen_buf_release(&a);
+    pen_buf_release(&b);
+}
+END_TEST
+
+START_TEST(test_metrics__what_cannot_be_compared_is_an_error)
+{
+    struct pen_status st;
+    float a[W * H * 3];
+    fill(a, 0.5);
+    struct pen_film film = {W, H, a}, turned = {H, W, a};
+    struct pen_picture *p = pen_picture_of_film(&film, &st), *q = pen_picture_of_film(&turned, &st);
+    struct pen_difference d;
+    ck_assert(!pen_picture_compare(p, q, 0, &d, &st) && st.code == PEN_INVALID);
+    ck_assert_str_eq(st.msg, "pictures of 4 x 3 and 3 x 4 pixels do not compare");
+    alloc_fail_after(0);
+    bool ok = pen_picture_compare(p, p, 0, &d, &st);
+    struct pen_picture *none = pen_picture_of_film(&film, &st);
+    alloc_succeed();
+    ck_assert(!ok && !none && st.code == PEN_NO_MEMORY);
+    pen_picture_free(p);
+    pen_picture_free(q);
+}
+END_TEST
+
+PEN_SUITE("metrics", test_metrics__equal_pictures_do_not_differ,
+          test_metrics__figures_are_of_encoded_values, test_metrics__one_value_weighs_one_in_all,
+          test_metrics__values_are_clamped_before_they_are_compared,
+          test_metrics__tolerance_is_not_a_matter_of_rounding,
+          test_metrics__what_cannot_be_compared_is_an_error)

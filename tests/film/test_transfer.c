@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT */
+/* The sRGB transfer function, and that the table of 8-bit steps is the formula. The table
+ * src/film/transfer_tables.h is derived here and held against its derivation; to write it anew:
+ * PEN_WRITE_TABLES=1 build/tests/film/test_transfer */
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/film/encode.h"
+#include "support/random.h"
+#include "support/suite.h"
+
+static const char path[] = "src/film/transfer_tables.h";
+
+/* Cells of floats with equal upper bits: 128 in each power of two, so fine that none holds two
+ * steps (checked by comparing with the formula at every step). */
+enum { CELL_SHIFT = 16 };
+
+static float of_bits(uint32_t bits)
+{
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static uint32_t bits_of(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+/* The formula of the scene format, word for word. */
+static unsigned formula(double v, double max, enum pen_transfer transfer)
+{
+    double e = transfer == PEN_TRANSFER_SRGB ? pen_encode_srgb(v) : v;
+    double clamped = e > 1 ? 1 : e > 0 ? e : 0;
+    return (unsigned)floor(max * clamped + 0.5);
+}
+
+/* The smallest float whose 8-bit value exceeds code. */
+static float step_above(unsigned code)
+{
+    uint32_t lo = 0, hi = bits_of(1.0f);
+    while (hi - lo > 1) {
+        uint32_t middle = lo + (hi - lo) / 2;
+        if (formula((double)of_bits(middle), 255, PEN_TRANSFER_SRGB) > code)
+            hi = middle;
+        else
+            lo = middle;
+    }
+    return of_bits(hi);
+}
+
+static void derive(struct pen_buf *out)
+{
+    uint32_t first = bits_of(step_above(0)) >> CELL_SHIFT;
+    uint32_t end = (bits_of(step_above(254)) >> CELL_SHIFT) + 1;
+    pen_buf_puts(out, "/* SPDX-License-Identifier: MIT */\n"
+                      "/* The steps of 8-bit sRGB. Written by tests/film/test_transfer.c, which\n"
+                      " * finds them by bisection; not edited by hand. */\n"
+                      "#ifndef PEN_SRC_FILM_TRANSFER_TABLES_H\n"
+                      "#define PEN_SRC_FILM_TRANSFER_TABLES_H\n\n");
+    pen_buf_printf(out,
+                   "/* Floats with equal bits above the lowest SRGB_CELL_SHIFT are a cell. */\n"
+                   "enum { SRGB_CELL_SHIFT = %d, SRGB_FIRST_CELL = %u, SRGB_CELLS = %u };\n\n",
+                   CELL_SHIFT, first, end - first);
+    pen_buf_printf(out, "static const float srgb_first_float = %af;\n\n",
+                   (double)of_bits(first << CELL_SHIFT));
+    pen_buf_puts(out, "/* srgb_steps[c] is the smallest float whose value is above c. */\n"
+                      "static const float srgb_steps[256] = {\n");
+    for (unsigned c = 0; c < 255; c++)
+        pen_buf_printf(out, "%af, ", (double)step_above(c));
+    pen_buf_puts(out, "0x1p+127f};\n\n");
+    pen_buf_puts(out, "/* The value of a cell's first float. */\n"
+                      "static const unsigned char srgb_cells[SRGB_CELLS] = {\n");
+    for (uint32_t cell = first; cell < end; cell++) {
+        float value = of_bits(cell << CELL_SHIFT);
+        pen_buf_printf(out, "%u,%s", formula((double)value, 255, PEN_TRANSFER_SRGB),
+                       cell + 1 == end ? "};\n\n#endif\n" : " ");
+    }
+}
+
+/* Layout is clang-format's business: compare without white space. */
+static void strip(struct pen_buf *buf)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < buf->bytes; i++) {
+        if (!strchr(" \n", buf->data[i]))
+            buf->data[kept++] = buf->data[i];
+    }
+    buf->bytes = kept;
+    buf->data[kept] = '\0';
+}
+
+START_TEST(test_transfer__table_is_what_its_derivation_gives)
+{
+    struct pen_buf derived = {0}, stored = {0};
+    derive(&derived);
+    if (getenv("PEN_WRITE_TABLES")) {
+        FILE *out = fopen(path, "w");
+        ck_assert_ptr_nonnull(out);
+        ck_assert_uint_eq(fwrite(derived.data, 1, derived.bytes, out), derived.bytes);
+        ck_assert_int_eq(fclose(out), 0);
+    }
+    FILE *file = fopen(path, "r");
+    ck_assert_msg(file != NULL, "cannot read %s; run this from the top folder", path);
+    char piece[4096];
+    for (size_t bytes; (bytes = fread(piece, 1, sizeof piece, file)) > 0;)
+        pen_buf_add(&stored, piece, bytes);
+    fclose(file);
+    strip(&derived);
+    strip(&stored);
+    ck_assert_msg(stored.bytes == derived.bytes &&
+                      memcmp(stored.data, derived.data, derived.bytes) == 0,
+                  "%s differs from its derivation", path);
+    pen_buf_release(&derived);
+    pen_buf_release(&stored);
+}
+END_TEST
+
+static void check_8(float v)
+{
+    unsigned char srgb, linear;
+    pen_encode_8(&v, 1, PEN_TRANSFER_SRGB, &srgb);
+    pen_encode_8(&v, 1, PEN_TRANSFER_LINEAR, &linear);
+    if (srgb != formula((double)v, 255, PEN_TRANSFER_SRGB) ||
+        linear != formula((double)v, 255, PEN_TRANSFER_LINEAR))
+        ck_abort_msg("%a: srgb %u, linear %u", (double)v, srgb, linear);
+}
+
+static void check_16(float v)
+{
+    uint16_t srgb, linear;
+    pen_encode_16(&v, 1, PEN_TRANSFER_SRGB, &srgb);
+    pen_encode_16(&v, 1, PEN_TRANSFER_LINEAR, &linear);
+    if (srgb != formula((double)v, 65535, PEN_TRANSFER_SRGB) ||
+        linear != formula((double)v, 65535, PEN_TRANSFER_LINEAR))
+        ck_abort_msg("%a: srgb %u, linear %u", (double)v, srgb, linear);
+}
+
+/* Every float within 300 of a step and every first and last float of a cell; PEN_EXHAUSTIVE=1
+ * takes all 2^30 floats up to 1 (minutes). */
+START_TEST(test_transfer__eight_bits_are_the_formula)
+{
+    uint32_t end = bits_of(1.0f) + 1000;
+    if (getenv("PEN_EXHAUSTIVE")) {
+        for (uint32_t bits = 0; bits < end; bits++)
+            check_8(of_bits(bits));
+        return;
+    }
+    for (unsigned c = 0; c < 255; c++) {
+        uint32_t step = bits_of(step_above(c));
+        for (uint32_t bits = step - 300; bits < step + 300; bits++)
+            check_8(of_bits(bits));
+    }
+    for (uint32_t bits = 0; bits < end; bits += 1u << CELL_SHIFT) {
+        check_8(of_bits(bits));
+        check_8(of_bits(bits + (1u << CELL_SHIFT) - 1));
+    }
+    struct random r = random_begin(1);
+    for (int i = 0; i < 1000000; i++) {
+        check_8(of_bits(random_below(&r, end)));
+        check_8((float)random_uniform(&r, 0, 1));
+    }
+}
+END_TEST
+
+START_TEST(test_transfer__sixteen_bits_are_the_formula)
+{
+    struct random r = random_begin(2);
+    for (int i = 0; i < 300000; i++)
+        check_16((float)random_uniform(&r, 0, 1.01));
+}
+END_TEST
+
+START_TEST(test_transfer__values_outside_the_range_are_clamped)
+{
+    const float below[] = {-0.0f, -1e-30f, -1, -INFINITY, NAN, 1e-45f, 0};
+    const float above[] = {1, 1.5f, 1e30f, INFINITY, 0x1.fffffep-1f};
+    for (int transfer = 0; transfer < 2; transfer++) {
+        for (size_t i = 0; i < sizeof below / sizeof below[0]; i++) {
+            unsigned char v8 = 7;
+            uint16_t v16 = 7;
+            pen_encode_8(&below[i], 1, (enum pen_transfer)transfer, &v8);
+            pen_encode_16(&below[i], 1, (enum pen_transfer)transfer, &v16);
+            ck_assert(v8 == 0 && v16 == 0);
+        }
+        for (size_t i = 0; i < sizeof above / sizeof above[0]; i++) {
+            unsigned char v8 = 7;
+            uint16_t v16 = 7;
+            pen_encode_8(&above[i], 1, (enum pen_transfer)transfer, &v8);
+            pen_encode_16(&above[i], 1, (enum pen_transfer)transfer, &v16);
+            ck_assert(v8 == 255 && v16 == 65535);
+        }
+        ck_assert(pen_encode_unit(NAN, (enum pen_transfer)transfer) == 0);
+        ck_assert(pen_encode_unit(-INFINITY, (enum pen_transfer)transfer) == 0);
+        ck_assert(pen_encode_unit(INFINITY, (enum pen_transfer)transfer) == 1);
+    }
+}
+END_TEST
+
+/* Against libm, and the values that the standard's own tables show. */
+START_TEST(test_transfer__srgb_is_the_standard_s)
+{
+    ck_assert(pen_encode_srgb(0) == 0 && fabs(pen_encode_srgb(1) - 1) < 1e-15);
+    ck_assert(fabs(pen_encode_srgb(0.5) - 0.7353569830524495) < 1e-15);
+    ck_assert(fabs(pen_encode_srgb(0.001) - 0.01292) < 1e-17);
+    ck_assert(fabs(pen_decode_srgb(0.5) - 0.21404114048223255) < 1e-15);
+    for (int i = 0; i <= 100000; i++) {
+        double v = i * 1e-5;
+        double exact = v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
+        if (!(fabs(pen_encode_srgb(v) - exact) < 1e-15 &&
+              fabs(pen_decode_srgb(pen_encode_srgb(v)) - v) < 1e-7))
+            ck_abort_msg("%a", v);
+    }
+    for (unsigned c = 0; c < 256; c++) { /* codes survive the way there and back */
+        float v = (float)pen_decode_srgb(c / 255.0);
+        unsigned char code;
+        pen_encode_8(&v, 1, PEN_TRANSFER_SRGB, &code);
+        ck_assert_uint_eq(code, c);
+    }
+}
+END_TEST
+
+PEN_SUITE("transfer", test_transfer__table_is_what_its_derivation_gives,
+          test_transfer__eight_bits_are_the_formula, test_transfer__sixteen_bits_are_the_formula,
+          test_transfer__values_outside_the_range_are_clamped,
+          test_transfer__srgb_is_the_standard_s)
