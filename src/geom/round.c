@@ -32,16 +32,8 @@ double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray)
 bool pen_round_along(const struct pen_round *s, const struct pen_ray *ray)
 {
     struct pen_vec3 m = pen_cross(ray->d, s->a);
-    struct pen_vec3 n = pen_cross(pen_sub(ray->o, s->q), s->a);
+    struct pen_vec3 n = pen_round_across(s, ray->o);
     return pen_dot(m, m) == 0 && pen_dot(n, n) < s->rr;
-}
-
-struct pen_vec3 pen_round_across(const struct pen_round *s, struct pen_vec3 p)
-{
-    struct twofold3 f = tf_sub3(p, s->q);
-    struct pen_vec3 hi = pen_vec3(f.x.hi, f.y.hi, f.z.hi);
-    struct pen_vec3 lo = pen_vec3(f.x.lo, f.y.lo, f.z.lo);
-    return pen_add(pen_cross(hi, s->a), pen_cross(lo, s->a));
 }
 
 struct pen_vec3 pen_round_normal(const struct pen_round *s, struct pen_vec3 p)

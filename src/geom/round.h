@@ -8,7 +8,4 @@
 /* Fails: returns false as pen_tube_make. */
 bool pen_round_make(struct pen_round *s, struct pen_vec3 origin, struct pen_vec3 axis, double r);
 
-/* (p - q) x a: across the axis, turned by a right angle, times |a|. */
-struct pen_vec3 pen_round_across(const struct pen_round *s, struct pen_vec3 p);
-
 #endif

@@ -68,6 +68,26 @@ static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct p
     return true;
 }
 
+/* What was lost to rounding in diff = a - b, exactly (Knuth). */
+static inline double pen_lost(double a, double b, double diff)
+{
+    double part = diff - a;
+    return (a - (diff - part)) - (b + part);
+}
+
+/* The same for vectors. */
+static inline struct pen_vec3 pen_lost3(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 diff)
+{
+    return pen_vec3(pen_lost(a.x, b.x, diff.x), pen_lost(a.y, b.y, diff.y),
+                    pen_lost(a.z, b.z, diff.z));
+}
+
+/* a + t d, each component rounded once. */
+static inline struct pen_vec3 pen_along_once(struct pen_vec3 a, struct pen_vec3 d, double t)
+{
+    return pen_vec3(fma(t, d.x, a.x), fma(t, d.y, a.y), fma(t, d.z, a.z));
+}
+
 /* What a ray starts on. prim is PEN_NO_PRIM for rays that start in free space. */
 struct pen_leave {
     uint32_t prim;

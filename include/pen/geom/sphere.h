@@ -16,18 +16,21 @@ struct pen_sphere {
 bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r);
 
 /* The two crossings of the ray's line, t[0] < t[1]; false if there are none. A tangent is a miss.
- * The discriminant is taken at the point of the line nearest the centre, so its error does not
- * grow with the distance (Haines, Guenther, Akenine-Moeller, Ray Tracing Gems, 2019, chapter 7). */
+ * The discriminant is taken at the point l of the line nearest the centre (Haines, Guenther,
+ * Akenine-Moeller, Ray Tracing Gems, 2019, chapter 7). l is found to a unit roundoff of itself,
+ * whatever the distance: o - c is kept exactly, o - c + tp d rounds once, and what is left of it
+ * along d corrects tp. */
 static inline bool pen_sphere_roots(const struct pen_sphere *s, const struct pen_ray *ray,
                                     double t[2])
 {
-    struct pen_vec3 f = pen_sub(ray->o, s->c);
+    struct pen_vec3 f = pen_sub(ray->o, s->c), low = pen_lost3(ray->o, s->c, f);
     double tp = -pen_dot(f, ray->d) * ray->inv_dd;
-    struct pen_vec3 l = pen_along(f, ray->d, tp);
+    struct pen_vec3 l = pen_add(pen_along_once(f, ray->d, tp), low);
+    double rest = -pen_dot(l, ray->d) * ray->inv_dd;
     double disc = (s->rr - pen_dot(l, l)) + s->rr_low;
     double h = sqrt(disc * ray->inv_dd); /* NaN for a miss */
-    t[0] = tp - h;
-    t[1] = tp + h;
+    t[0] = tp + (rest - h);
+    t[1] = tp + (rest + h);
     return t[0] < t[1];
 }
 

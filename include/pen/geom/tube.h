@@ -26,27 +26,38 @@ struct pen_tube {
  * 2^-400 ... 2^400. */
 bool pen_tube_make(struct pen_tube *tube, struct pen_vec3 origin, struct pen_vec3 axis, double r);
 
+/* (p - q) x a: across the axis, turned by a right angle, times |a|. p - q is taken exactly, so
+ * the distance from q along the axis does not matter. */
+static inline struct pen_vec3 pen_round_across(const struct pen_round *s, struct pen_vec3 p)
+{
+    struct pen_vec3 f = pen_sub(p, s->q), low = pen_lost3(p, s->q, f), a = s->a;
+    struct pen_vec3 rest =
+        pen_vec3(low.y * a.z - low.z * a.y, low.z * a.x - low.x * a.z, low.x * a.y - low.y * a.x);
+    return pen_add(pen_cross(f, a), rest);
+}
+
 /* The two crossings of the ray's line with the endless side, t[0] < t[1]; false if there are
- * none. Tangents and parallels are misses. */
+ * none. Tangents and parallels are misses. As for spheres, in the plane across the axis. */
 static inline bool pen_round_roots(const struct pen_round *s, const struct pen_ray *ray,
                                    double t[2])
 {
     struct pen_vec3 m = pen_cross(ray->d, s->a);
-    struct pen_vec3 n = pen_cross(pen_sub(ray->o, s->q), s->a);
+    struct pen_vec3 n = pen_round_across(s, ray->o);
     double inv = 1.0 / pen_dot(m, m);
     double tp = -pen_dot(m, n) * inv;
-    struct pen_vec3 l = pen_along(n, m, tp);
+    struct pen_vec3 l = pen_along_once(n, m, tp);
+    double rest = -pen_dot(l, m) * inv;
     double disc = (s->rr - pen_dot(l, l)) + s->rr_low;
     double h = sqrt(disc * inv); /* NaN for a miss */
-    t[0] = tp - h;
-    t[1] = tp + h;
+    t[0] = tp + (rest - h);
+    t[1] = tp + (rest + h);
     return t[0] < t[1];
 }
 
 /* Whether p is on the endless side, up to `bound` (which includes the body's own rounding). */
 static inline bool pen_round_touches(const struct pen_round *s, struct pen_vec3 p, double bound)
 {
-    struct pen_vec3 n = pen_cross(pen_sub(p, s->q), s->a);
+    struct pen_vec3 n = pen_round_across(s, p);
     return fabs(pen_dot(n, n) - s->rr) <= 2 * s->r * bound * (s->length * s->length);
 }
 
