@@ -1,12 +1,85 @@
 /* SPDX-License-Identifier: MIT */
-/* Inside of the acceleration structure, shared by builders and traversals. */
+/* Inside of the acceleration structure, shared by builders and traversals.
+ *
+ * A tree has nodes of up to eight children, each with a box in binary32 rounded outward, and
+ * leaves that are short lists of blocks. A block holds up to four primitives of one kind, lane by
+ * lane, as a copy of what their test reads. Primitives without bounds, and all of them for
+ * PEN_ACCEL_NONE, are in lists beside the tree.
+ *
+ * Why boxes never hide a crossing: a crossing's point is a mean of vertices with weights in [0, 1]
+ * (flat bodies) or lies within the box's own margin (quadrics), up to errors of a few 2^-53 of t
+ * and of the vertices' distance from the box's faces; the box test leaves at least 2^-24 of t. */
 #ifndef PEN_SRC_ACCEL_ACCEL_H
 #define PEN_SRC_ACCEL_ACCEL_H
 
 #include "pen/accel/accel.h"
 
+enum { PEN_WIDE = 8, PEN_LANES = 4, PEN_MAX_DEPTH = 64 };
+
+/* A child is a node, or a leaf's first item with this bit set. */
+#define PEN_CHILD_LEAF 0x80000000u
+
+/* An item is a block of a kind; the last of a leaf has the top bit set. */
+enum pen_block_kind {
+    PEN_BLOCK_TRIANGLES,
+    PEN_BLOCK_POLYGONS,
+    PEN_BLOCK_SPHERES,
+    PEN_BLOCK_CYLINDERS,
+    PEN_BLOCK_KIND_COUNT,
+    PEN_BLOCK_NOTHING = PEN_BLOCK_KIND_COUNT
+};
+#define PEN_ITEM_LAST 0x80000000u
+#define PEN_ITEM_KIND(item) ((item) >> 28 & 7u)
+#define PEN_ITEM_INDEX(item) ((item)&0x0fffffffu)
+
+/* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing. */
+struct pen_node {
+    float lo[3][PEN_WIDE], hi[3][PEN_WIDE];
+    uint32_t child[PEN_WIDE];
+};
+
+/* Lanes beyond the last primitive have prim = PEN_NO_PRIM and data that nothing crosses. */
+struct pen_triangles4 {
+    double v[3][3][PEN_LANES]; /* vertex, axis, lane */
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_polygons4 {
+    uint32_t first, count; /* vertices in `corners`; short outlines repeat their last vertex */
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_corner4 {
+    double v[3][PEN_LANES];
+};
+
+struct pen_spheres4 {
+    double c[3][PEN_LANES];
+    double r[PEN_LANES], rr[PEN_LANES], rr_low[PEN_LANES];
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_cylinders4 {
+    double q[3][PEN_LANES], a[3][PEN_LANES];
+    double rr[PEN_LANES], rr_low[PEN_LANES], top[PEN_LANES];
+    uint32_t prim[PEN_LANES];
+    uint32_t open; /* bit per lane: no caps */
+};
+
 struct pen_accel {
     const struct pen_prims *prims;
+    const struct pen_node *nodes; /* the root is the first; none if node_count is 0 */
+    uint32_t node_count;
+    uint32_t list; /* first item of the list of finite primitives beside the tree */
+    const uint32_t *items;
+    const struct pen_triangles4 *triangles;
+    const struct pen_polygons4 *polygons;
+    const struct pen_corner4 *corners;
+    const struct pen_spheres4 *spheres;
+    const struct pen_cylinders4 *cylinders;
+    const uint32_t *infinite; /* primitive numbers */
+    uint32_t infinite_count;
+    double scale; /* the largest pen_prim_scale of a finite primitive */
     struct pen_accel_stats stats;
 };
 

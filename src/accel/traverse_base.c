@@ -1,67 +1,37 @@
 /* SPDX-License-Identifier: MIT */
-/* Queries in plain C: the reference for every other variant. */
-#include "accel.h"
+/* Queries in plain C, for any processor: the reference for the other variants. */
+#include "ops.h"
+#include "traverse.h"
 
-static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
-                    const struct pen_leave *leave, const struct pen_span *span, struct pen_hit *hit)
+static inline unsigned enter_node(const struct pen_node *node, const struct box_ray *box,
+                                  float limit, float near[PEN_WIDE])
 {
-    bool found = false;
-    struct pen_crossings c;
-    for (uint32_t prim = 0; prim < accel->prims->count; prim++) {
-        pen_prim_cross(accel->prims, prim, ray, leave, &c);
-        for (int i = 0; i < c.count; i++) {
-            struct pen_hit h = {c.t[i], prim, c.part[i]};
-            if (!(h.t <= span->tmax) || !pen_hit_before(span->after, h))
-                continue;
-            if (!found || pen_hit_before(h, *hit))
-                *hit = h;
-            found = true;
+    unsigned mask = 0;
+    for (int lane = 0; lane < PEN_WIDE; lane++) {
+        float t0 = box->tmin, t1 = limit;
+        for (int axis = 0; axis < 3; axis++) {
+            float lo = node->lo[axis][lane], hi = node->hi[axis][lane];
+            float a = ((box->sign[axis] ? hi : lo) - box->near_o[axis]) * box->near_inv[axis];
+            float b = ((box->sign[axis] ? lo : hi) - box->far_o[axis]) * box->far_inv[axis];
+            t0 = a > t0 ? a : t0; /* NaN, from 0 times infinity, leaves the axis out */
+            t1 = b < t1 ? b : t1;
         }
+        near[lane] = t0;
+        mask |= (unsigned)(t0 <= t1) << lane;
     }
-    return found;
+    return mask;
 }
 
-/* Keeps the see-through crossings in order. */
-static void keep(struct pen_shadow *query, struct pen_hit h)
+static inline bool test_item(struct trace *w, uint32_t item, bool any)
 {
-    if (query->count == PEN_SHADOW_MAX) {
-        query->overflow = true;
-        return;
-    }
-    int at = query->count++;
-    for (; at > 0 && pen_hit_before(h, query->hit[at - 1]); at--)
-        query->hit[at] = query->hit[at - 1];
-    query->hit[at] = h;
-}
-
-static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
-                   const struct pen_leave *leave, struct pen_shadow *query)
-{
-    struct pen_crossings c;
-    double light = query->to_point ? 16 * PEN_U * pen_norm1(pen_add(ray->o, ray->d)) : 0;
-    query->count = 0;
-    query->overflow = false;
-    for (uint32_t prim = 0; prim < accel->prims->count; prim++) {
-        pen_prim_cross(accel->prims, prim, ray, leave, &c);
-        for (int i = 0; i < c.count; i++) {
-            struct pen_hit h = {c.t[i], prim, c.part[i]};
-            if (!(h.t > 0 && h.t < query->tmax))
-                continue;
-            if (query->to_point && pen_prim_ends_ray(accel->prims, h, ray, query->tmax, light))
-                continue;
-            if (!query->see_through || !query->see_through[prim]) {
-                query->last_occluder = prim;
-                return true;
-            }
-            keep(query, h);
-        }
+    const uint32_t *prim = block_prims(w->accel, item);
+    for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
+        if (test_prim(w, prim[lane], any))
+            return true;
     }
     return false;
 }
 
-const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa)
-{
-    static const struct pen_trace_ops base = {"base", nearest, shadow};
-    (void)isa;
-    return &base;
-}
+#include "traverse_walk.h"
+
+const struct pen_trace_ops pen_trace_base = {"base", nearest, shadow};

@@ -13,7 +13,4 @@ void pen_prim_cross_line(const struct pen_prims *prims, uint32_t prim, const str
 void pen_inside_ends(const struct pen_cylinder *c, const struct pen_inside *in,
                      struct pen_crossings *out);
 
-/* The length that a primitive's own rounding at p is proportional to. */
-double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
-
 #endif

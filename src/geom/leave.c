@@ -7,10 +7,6 @@
 /* A crossing at the origin that counts is reported here: behind nothing, before everything. */
 static const double first_t = DBL_TRUE_MIN;
 
-/* A flat body behind the origin is the origin itself only if it is so near, in units of the
- * rounding bound; farther away it is merely seen edge-on. */
-static const double edge_on = 0x1p10;
-
 static double max2(double a, double b)
 {
     return a > b ? a : b;
@@ -135,10 +131,8 @@ static void quadric_touching(const struct pen_prims *prims, uint32_t prim,
 static bool flat_touches(const struct pen_prims *prims, struct pen_hit hit,
                          const struct pen_ray *ray, double bound)
 {
-    double b = bound + own_rounding(prims, hit.prim, ray->o);
-    if (!(fabs(hit.t * pen_dot(ray->d, pen_prim_normal(prims, hit, ray->o))) <= b))
-        return false;
-    return hit.t > 0 || -hit.t * pen_length(ray->d) <= edge_on * b;
+    return pen_flat_touches(pen_prim_normal(prims, hit, ray->o),
+                            pen_prim_scale(prims, hit.prim, ray->o), ray, hit.t, bound);
 }
 
 void pen_prim_cross(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,

@@ -1,40 +1,69 @@
 /* SPDX-License-Identifier: MIT */
-/* Random numbers for property tests: SplitMix64, so that a seed printed on failure repeats it. */
+/* Random numbers for property tests: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). A test prints
+ * its seed with its failures. */
 #ifndef TESTS_SUPPORT_RANDOM_H
 #define TESTS_SUPPORT_RANDOM_H
 
 #include <stdint.h>
-#include <stdlib.h>
+
+#include "pen/math/vec3.h"
 
 struct random {
-    uint64_t seed, state;
+    uint64_t state;
 };
-
-/* The seed given, or that of the environment variable PEN_SEED. */
-static inline struct random random_begin(uint64_t seed)
-{
-    const char *given = getenv("PEN_SEED");
-    seed = given ? strtoull(given, NULL, 0) : seed;
-    return (struct random){seed, seed};
-}
 
 static inline uint64_t random_bits(struct random *r)
 {
-    uint64_t z = r->state += UINT64_C(0x9E3779B97F4A7C15);
-    z = (z ^ z >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ z >> 27) * UINT64_C(0x94D049BB133111EB);
-    return z ^ z >> 31;
+    uint64_t z = (r->state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
 }
 
-/* 0 to count - 1. */
+/* Uniform in [0, 1). */
+static inline double random_unit(struct random *r)
+{
+    return (double)(random_bits(r) >> 11) * 0x1p-53;
+}
+
+/* Uniform in [lo, hi). */
+static inline double random_in(struct random *r, double lo, double hi)
+{
+    return lo + (hi - lo) * random_unit(r);
+}
+
+/* 0 ... count - 1. */
 static inline uint32_t random_below(struct random *r, uint32_t count)
 {
-    return (uint32_t)((random_bits(r) >> 32) * count >> 32);
+    return (uint32_t)(random_bits(r) % count);
 }
 
-static inline double random_uniform(struct random *r, double lo, double hi)
+/* Uniform in the cube of that half-width. */
+static inline struct pen_vec3 random_vec(struct random *r, double half)
 {
-    return lo + (hi - lo) * ((double)(random_bits(r) >> 11) * 0x1p-53);
+    double x = random_in(r, -half, half), y = random_in(r, -half, half);
+    return pen_vec3(x, y, random_in(r, -half, half));
+}
+
+/* Uniform on the unit sphere. */
+static inline struct pen_vec3 random_direction(struct random *r)
+{
+    for (;;) {
+        struct pen_vec3 v = random_vec(r, 1);
+        double square = pen_dot(v, v);
+        if (square <= 1 && square > 0.01)
+            return pen_normalize(v);
+    }
+}
+
+/* x moved by n ulps. */
+static inline double random_nudge(double x, int n)
+{
+    for (; n > 0; n--)
+        x = nextafter(x, INFINITY);
+    for (; n < 0; n++)
+        x = nextafter(x, -INFINITY);
+    return x;
 }
 
 #endif

@@ -86,6 +86,9 @@ struct pen_vec3 pen_prim_point(const struct pen_prims *prims, struct pen_hit hit
  * inside to within a relative error of 2^-24 of t. Only for finite kinds. */
 struct pen_box pen_prim_bounds(const struct pen_prims *prims, uint32_t prim);
 
+/* The length that the primitive's own rounding near p is proportional to. */
+double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
+
 /* The rounding bound for rays that start at p: 16u (|p|_1 + the primitive's own scale). */
 double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
 

@@ -68,6 +68,18 @@ static inline struct pen_vec3 pen_triangle_project(const struct pen_triangle *tr
     return pen_along(p, tri->n, pen_dot(tri->n, pen_sub(tri->v[0], p)));
 }
 
+/* Whether a crossing at t of a flat body with unit normal n is the ray's origin itself, up to
+ * `bound` and the body's own rounding, which is proportional to `scale`. What lies behind the
+ * origin must be within 2^10 bounds of it: farther away it is merely seen edge-on. */
+static inline bool pen_flat_touches(struct pen_vec3 n, double scale, const struct pen_ray *ray,
+                                    double t, double bound)
+{
+    double b = bound + 8 * PEN_U * scale;
+    if (!(fabs(t * pen_dot(ray->d, n)) <= b))
+        return false;
+    return t > 0 || t * t <= (0x1p20 * b * b) * ray->inv_dd;
+}
+
 /* The largest distance between two vertices along an axis. */
 double pen_triangle_extent(const struct pen_triangle *tri);
 

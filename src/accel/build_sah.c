@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: MIT */
+/* The builder of `auto`: binned surface-area heuristic, made eight-wide on the way down by
+ * splitting the child of largest surface until there are eight (Wald, Benthin, Boulos, "Getting
+ * rid of packets", RT 2008; binning: Wald, "On fast construction of SAH-based BVHs", RT 2007).
+ * Single-threaded, and so a pure function of the primitives.
+ *
+ * Below a depth of PEN_MAX_DEPTH / 2, and where centroids can not be told apart, ranges are cut in
+ * half by number, so no input makes a tree deeper than PEN_MAX_DEPTH. */
+#include <float.h>
+#include <string.h>
+
+#include "plan.h"
+
+enum { BINS = 16, KINDS = PEN_BLOCK_KIND_COUNT, BLOCKS_MAX = 4 };
+
+struct bounds {
+    float lo[3], hi[3];
+};
+
+/* A range of ref[], not yet a node or a leaf. */
+struct range {
+    uint32_t begin, end;
+    struct bounds box;      /* of the primitives */
+    struct bounds centroid; /* of lo + hi */
+    uint32_t n[KINDS];
+    bool leaf; /* splitting does not pay */
+};
+
+struct bin {
+    struct bounds box;
+    uint32_t n[KINDS];
+};
+
+struct cut {
+    int axis, bin; /* the first bin on the right; axis -1: none found */
+    float cost;
+};
+
+static struct bounds empty(void)
+{
+    return (struct bounds){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+}
+
+static void add_point(struct bounds *b, const float lo[3], const float hi[3])
+{
+    for (int a = 0; a < 3; a++) {
+        b->lo[a] = lo[a] < b->lo[a] ? lo[a] : b->lo[a];
+        b->hi[a] = hi[a] > b->hi[a] ? hi[a] : b->hi[a];
+    }
+}
+
+static void add_bounds(struct bounds *b, const struct bounds *c)
+{
+    add_point(b, c->lo, c->hi);
+}
+
+static float half_area(const struct bounds *b)
+{
+    float x = b->hi[0] - b->lo[0], y = b->hi[1] - b->lo[1], z = b->hi[2] - b->lo[2];
+    return x >= 0 ? x * y + y * z + z * x : 0;
+}
+
+static void add_ref(struct range *r, const struct pen_ref *ref)
+{
+    float c[3] = {ref->lo[0] + ref->hi[0], ref->lo[1] + ref->hi[1], ref->lo[2] + ref->hi[2]};
+    add_point(&r->box, ref->lo, ref->hi);
+    add_point(&r->centroid, c, c);
+    r->n[ref->kind]++;
+}
+
+static struct range measure(const struct pen_ref *ref, uint32_t begin, uint32_t end)
+{
+    struct range r = {.begin = begin, .end = end, .box = empty(), .centroid = empty()};
+    for (uint32_t i = begin; i < end; i++)
+        add_ref(&r, &ref[i]);
+    return r;
+}
+
+/* Where along its axis a primitive falls. */
+static int bin_of(const struct pen_ref *ref, int axis, float start, float scale)
+{
+    int bin = (int)((ref->lo[axis] + ref->hi[axis] - start) * scale);
+    return bin < BINS ? bin : BINS - 1;
+}
+
+/* Bins per unit of centroid; 0 where the axis can not be binned. */
+static float bin_scale(const struct range *r, int axis)
+{
+    float extent = r->centroid.hi[axis] - r->centroid.lo[axis];
+    float scale = (float)BINS * 0.999f / extent;
+    return extent > 0 && extent <= FLT_MAX && scale <= FLT_MAX ? scale : 0;
+}
+
+static void fill_bins(const struct pen_ref *ref, const struct range *r, const float scale[3],
+                      struct bin bins[3][BINS])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        for (int i = 0; i < BINS; i++)
+            bins[axis][i] = (struct bin){empty(), {0}};
+    }
+    for (uint32_t i = r->begin; i < r->end; i++) {
+        for (int axis = 0; axis < 3; axis++) {
+            if (scale[axis] == 0)
+                continue;
+            struct bin *bin = &bins[axis][bin_of(&ref[i], axis, r->centroid.lo[axis], scale[axis])];
+            add_point(&bin->box, ref[i].lo, ref[i].hi);
+            bin->n[ref[i].kind]++;
+        }
+    }
+}
+
+static void add_bin(struct bin *sum, const struct bin *b)
+{
+    add_bounds(&sum->box, &b->box);
+    for (int k = 0; k < KINDS; k++)
+        sum->n[k] += b->n[k];
+}
+
+/* The best plane among one axis's bins. */
+static void sweep(const struct bin bins[BINS], int axis, struct cut *best)
+{
+    float right[BINS];
+    struct bin sum = {empty(), {0}};
+    for (int i = BINS - 1; i > 0; i--) {
+        add_bin(&sum, &bins[i]);
+        right[i] = half_area(&sum.box) * pen_leaf_cost(sum.n);
+    }
+    sum = (struct bin){empty(), {0}};
+    for (int i = 1; i < BINS; i++) {
+        add_bin(&sum, &bins[i - 1]);
+        float cost = half_area(&sum.box) * pen_leaf_cost(sum.n) + right[i];
+        if (cost < best->cost)
+            *best = (struct cut){axis, i, cost};
+    }
+}
+
+static struct cut find_cut(const struct pen_ref *ref, const struct range *r, const float scale[3])
+{
+    struct bin bins[3][BINS];
+    struct cut best = {-1, 0, INFINITY};
+    fill_bins(ref, r, scale, bins);
+    for (int axis = 0; axis < 3; axis++) {
+        if (scale[axis] > 0)
+            sweep(bins[axis], axis, &best);
+    }
+    return best;
+}
+
+/* Moves what falls left of the cut to the front, keeping neither side's order, and measures. */
+static void divide(struct pen_ref *ref, const struct range *r, const struct cut *cut, float scale,
+                   struct range *left, struct range *right)
+{
+    float start = r->centroid.lo[cut->axis];
+    uint32_t i = r->begin, j = r->end;
+    *left = (struct range){.box = empty(), .centroid = empty()};
+    *right = *left;
+    while (i < j) {
+        if (bin_of(&ref[i], cut->axis, start, scale) < cut->bin) {
+            add_ref(left, &ref[i++]);
+        } else {
+            struct pen_ref moved = ref[i];
+            ref[i] = ref[--j];
+            ref[j] = moved;
+            add_ref(right, &moved);
+        }
+    }
+    left->begin = r->begin;
+    left->end = right->begin = i;
+    right->end = r->end;
+}
+
+/* Splits a range in two; false if a leaf is better (and marks it). */
+static bool split(struct pen_plan *plan, struct range *r, uint32_t depth, struct range *right)
+{
+    uint32_t count = r->end - r->begin, blocks = 0;
+    for (int k = 0; k < KINDS; k++)
+        blocks += (r->n[k] + PEN_LANES - 1) / PEN_LANES;
+    r->leaf = count <= 1 || (blocks == 1 && count <= 2);
+    if (r->leaf)
+        return false;
+    float scale[3] = {bin_scale(r, 0), bin_scale(r, 1), bin_scale(r, 2)};
+    struct cut cut = {-1, 0, INFINITY};
+    if (depth < PEN_MAX_DEPTH / 2)
+        cut = find_cut(plan->ref, r, scale);
+    float area = half_area(&r->box);
+    if (blocks <= BLOCKS_MAX && !(cut.cost + pen_node_cost * area < pen_leaf_cost(r->n) * area)) {
+        r->leaf = true;
+        return false;
+    }
+    struct range whole = *r;
+    if (cut.axis >= 0) {
+        divide(plan->ref, &whole, &cut, scale[cut.axis], r, right);
+    } else {
+        uint32_t middle = whole.begin + count / 2;
+        *r = measure(plan->ref, whole.begin, middle);
+        *right = measure(plan->ref, middle, whole.end);
+    }
+    return true;
+}
+
+/* Splits the largest of the ranges until there are eight or all are leaves. */
+static int widen(struct pen_plan *plan, struct range *child, uint32_t depth)
+{
+    int count = 1;
+    while (count < PEN_WIDE) {
+        int largest = -1;
+        for (int i = 0; i < count; i++) {
+            if (!child[i].leaf &&
+                (largest < 0 || half_area(&child[i].box) > half_area(&child[largest].box)))
+                largest = i;
+        }
+        if (largest < 0)
+            break;
+        if (split(plan, &child[largest], depth, &child[count]))
+            count++;
+    }
+    return count;
+}
+
+/* Makes the subtree of a range and returns it as a child; PEN_NO_CHILD when out of memory. */
+static uint32_t build(struct pen_plan *plan, const struct range *r, uint32_t depth)
+{
+    struct range child[PEN_WIDE] = {*r};
+    int count = r->leaf ? 1 : widen(plan, child, depth);
+    if (plan->depth < depth)
+        plan->depth = depth;
+    if (count == 1)
+        return pen_plan_leaf(plan, r->begin, r->end - r->begin);
+    uint32_t number = plan->nodes.count;
+    if (!pen_plan_node(plan))
+        return PEN_NO_CHILD;
+    for (int i = 0; i < count; i++) {
+        uint32_t made = build(plan, &child[i], depth + 1);
+        if (made == PEN_NO_CHILD)
+            return PEN_NO_CHILD;
+        struct pen_node *node = (struct pen_node *)plan->nodes.data + number;
+        node->child[i] = made;
+        for (int a = 0; a < 3; a++) {
+            node->lo[a][i] = child[i].box.lo[a];
+            node->hi[a][i] = child[i].box.hi[a];
+        }
+    }
+    return number;
+}
+
+bool pen_build_sah(struct pen_plan *plan)
+{
+    if (plan->count == 0)
+        return true;
+    struct range all = measure(plan->ref, 0, plan->count);
+    uint32_t root = build(plan, &all, 0);
+    if (root == PEN_NO_CHILD || !(root & PEN_CHILD_LEAF))
+        return root != PEN_NO_CHILD;
+    /* One leaf: it gets a node of its own, so that its box is tested. */
+    struct pen_node *node = pen_plan_node(plan);
+    if (!node)
+        return false;
+    node->child[0] = root;
+    for (int a = 0; a < 3; a++) {
+        node->lo[a][0] = all.box.lo[a];
+        node->hi[a][0] = all.box.hi[a];
+    }
+    return true;
+}

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+/* The tables of the compiled variants. */
+#ifndef PEN_SRC_ACCEL_OPS_H
+#define PEN_SRC_ACCEL_OPS_H
+
+#include "pen/accel/accel.h"
+
+extern const struct pen_trace_ops pen_trace_base;
+
+/* NULL where the build lacks AVX2. */
+const struct pen_trace_ops *pen_trace_avx2(void);
+
+#endif

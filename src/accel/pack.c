@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+/* Packing: from a plan to the frozen tree in an arena. */
+#include <string.h>
+
+#include "plan.h"
+
+/* What is being packed, and how much of each array is filled. */
+struct packer {
+    const struct pen_prims *prims;
+    const struct pen_ref *ref;
+    uint32_t *items;
+    struct pen_triangles4 *triangles;
+    struct pen_polygons4 *polygons;
+    struct pen_corner4 *corners;
+    struct pen_spheres4 *spheres;
+    struct pen_cylinders4 *cylinders;
+    uint32_t item_count, corner_count, block_count[PEN_BLOCK_KIND_COUNT];
+};
+
+/* Up to four primitives of one kind: what goes into one block. */
+struct lanes {
+    uint32_t prim[PEN_LANES], index[PEN_LANES];
+    int count;
+};
+
+static void put(double to[3][PEN_LANES], int lane, struct pen_vec3 v)
+{
+    to[0][lane] = v.x;
+    to[1][lane] = v.y;
+    to[2][lane] = v.z;
+}
+
+/* Lanes beyond the last are all zero: a point, which no ray crosses. */
+static void pack_triangles(struct packer *p, const struct lanes *in, uint32_t block)
+{
+    struct pen_triangles4 *b = &p->triangles[block];
+    memcpy(b->prim, in->prim, sizeof b->prim);
+    for (int lane = 0; lane < in->count; lane++) {
+        for (int i = 0; i < 3; i++)
+            put(b->v[i], lane, p->prims->triangle[in->index[lane]].v[i]);
+    }
+}
+
+static uint32_t most_corners(const struct pen_prims *prims, const struct lanes *in)
+{
+    uint32_t most = 0;
+    for (int lane = 0; lane < in->count; lane++) {
+        uint32_t count = prims->polygon[in->index[lane]].count;
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+static void pack_polygons(struct packer *p, const struct lanes *in, uint32_t block)
+{
+    struct pen_polygons4 *b = &p->polygons[block];
+    memcpy(b->prim, in->prim, sizeof b->prim);
+    b->first = p->corner_count;
+    b->count = most_corners(p->prims, in);
+    p->corner_count += b->count;
+    for (int lane = 0; lane < in->count; lane++) {
+        const struct pen_polygon *pg = &p->prims->polygon[in->index[lane]];
+        for (uint32_t i = 0; i < b->count; i++)
+            put(p->corners[b->first + i].v, lane, pg->v[i < pg->count ? i : pg->count - 1]);
+    }
+}
+
+static void pack_spheres(struct packer *p, const struct lanes *in, uint32_t block)
+{
+    struct pen_spheres4 *b = &p->spheres[block];
+    memcpy(b->prim, in->prim, sizeof b->prim);
+    for (int lane = 0; lane < PEN_LANES; lane++)
+        b->rr[lane] = -1; /* an empty lane */
+    for (int lane = 0; lane < in->count; lane++) {
+        const struct pen_sphere *s = &p->prims->sphere[in->index[lane]];
+        put(b->c, lane, s->c);
+        b->r[lane] = s->r;
+        b->rr[lane] = s->rr;
+        b->rr_low[lane] = s->rr_low;
+    }
+}
+
+static void pack_cylinders(struct packer *p, const struct lanes *in, uint32_t block)
+{
+    struct pen_cylinders4 *b = &p->cylinders[block];
+    memcpy(b->prim, in->prim, sizeof b->prim);
+    for (int lane = 0; lane < PEN_LANES; lane++)
+        b->rr[lane] = -1; /* an empty lane */
+    for (int lane = 0; lane < in->count; lane++) {
+        const struct pen_cylinder *c = &p->prims->cylinder[in->index[lane]];
+        put(b->q, lane, c->round.q);
+        put(b->a, lane, c->round.a);
+        b->rr[lane] = c->round.rr;
+        b->rr_low[lane] = c->round.rr_low;
+        b->top[lane] = c->top;
+        b->open |= (uint32_t)!c->caps << lane;
+    }
+}
+
+/* Packs one block, in the second pass, or only counts it, in the first. */
+static void pack_block(struct packer *p, const struct lanes *in, uint32_t kind)
+{
+    uint32_t block = p->block_count[kind]++, item = p->item_count++;
+    if (!p->items) {
+        if (kind == PEN_BLOCK_POLYGONS)
+            p->corner_count += most_corners(p->prims, in);
+        return;
+    }
+    p->items[item] = kind << 28 | block;
+    if (kind == PEN_BLOCK_TRIANGLES)
+        pack_triangles(p, in, block);
+    else if (kind == PEN_BLOCK_POLYGONS)
+        pack_polygons(p, in, block);
+    else if (kind == PEN_BLOCK_SPHERES)
+        pack_spheres(p, in, block);
+    else
+        pack_cylinders(p, in, block);
+}
+
+/* Packs a leaf, kind by kind, and returns its first item. */
+static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
+{
+    uint32_t first = p->item_count;
+    for (uint32_t kind = 0; kind < PEN_BLOCK_KIND_COUNT; kind++) {
+        struct lanes in = {{PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM}, {0}, 0};
+        const struct lanes none = in;
+        for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++) {
+            if (p->ref[i].kind != kind)
+                continue;
+            in.prim[in.count] = p->ref[i].prim;
+            in.index[in.count++] = p->prims->ref[p->ref[i].prim].index;
+            if (in.count == PEN_LANES) {
+                pack_block(p, &in, kind);
+                in = none;
+            }
+        }
+        if (in.count > 0)
+            pack_block(p, &in, kind);
+    }
+    if (p->item_count == first) {
+        if (p->items)
+            p->items[first] = (uint32_t)PEN_BLOCK_NOTHING << 28;
+        p->item_count++;
+    }
+    if (p->items)
+        p->items[p->item_count - 1] |= PEN_ITEM_LAST;
+    return first;
+}
+
+/* Item 0 is a leaf of nothing; then come the plan's leaves, in order. */
+static void pack_leaves(struct packer *p, const struct pen_plan *plan, uint32_t *first_item)
+{
+    const struct pen_leaf *leaf = plan->leaves.data;
+    pack_leaf(p, (struct pen_leaf){0, 0});
+    for (uint32_t i = 0; i < plan->leaves.count; i++) {
+        uint32_t first = pack_leaf(p, leaf[i]);
+        if (first_item)
+            first_item[i] = first;
+    }
+}
+
+static bool allocate(struct packer *p, const struct packer *counted, struct pen_arena *arena)
+{
+    const uint32_t *n = counted->block_count;
+    p->items = pen_arena_alloc(arena, counted->item_count, sizeof *p->items);
+    p->triangles = pen_arena_alloc(arena, n[PEN_BLOCK_TRIANGLES], sizeof *p->triangles);
+    p->polygons = pen_arena_alloc(arena, n[PEN_BLOCK_POLYGONS], sizeof *p->polygons);
+    p->corners = pen_arena_alloc(arena, counted->corner_count, sizeof *p->corners);
+    p->spheres = pen_arena_alloc(arena, n[PEN_BLOCK_SPHERES], sizeof *p->spheres);
+    p->cylinders = pen_arena_alloc(arena, n[PEN_BLOCK_CYLINDERS], sizeof *p->cylinders);
+    return p->items && p->triangles && p->polygons && p->corners && p->spheres && p->cylinders;
+}
+
+/* The plan's nodes, with leaf numbers replaced by first items. */
+static bool pack_nodes(const struct pen_plan *plan, const uint32_t *first_item,
+                       struct pen_arena *arena, struct pen_accel *accel)
+{
+    uint32_t count = plan->nodes.count;
+    struct pen_node *nodes = pen_arena_alloc(arena, count, sizeof *nodes);
+    if (!nodes)
+        return false;
+    if (count > 0)
+        memcpy(nodes, plan->nodes.data, count * sizeof *nodes);
+    for (uint32_t i = 0; i < count; i++) {
+        for (int lane = 0; lane < PEN_WIDE; lane++) {
+            uint32_t *child = &nodes[i].child[lane];
+            if (*child == PEN_NO_CHILD)
+                *child = PEN_CHILD_LEAF;
+            else if (*child & PEN_CHILD_LEAF)
+                *child = PEN_CHILD_LEAF | first_item[*child & ~PEN_CHILD_LEAF];
+        }
+    }
+    accel->nodes = nodes;
+    accel->node_count = count;
+    return true;
+}
+
+/* Primitives without bounds, and the largest length that roundings are proportional to. */
+static bool list_infinite(const struct pen_prims *prims, struct pen_arena *arena,
+                          struct pen_accel *accel)
+{
+    uint32_t count = prims->kind_count[PEN_PRIM_PLANE] + prims->kind_count[PEN_PRIM_TUBE];
+    uint32_t *list = pen_arena_alloc(arena, count, sizeof *list);
+    if (!list)
+        return false;
+    accel->infinite = list;
+    accel->infinite_count = 0;
+    accel->scale = 0;
+    for (uint32_t prim = 0; prim < prims->count; prim++) {
+        if (pen_prim_infinite(prims->ref[prim].kind)) {
+            list[accel->infinite_count++] = prim;
+            continue;
+        }
+        double scale = pen_prim_scale(prims, prim, pen_vec3(0, 0, 0));
+        accel->scale = scale > accel->scale ? scale : accel->scale;
+    }
+    return true;
+}
+
+bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_accel *accel)
+{
+    struct packer counted = {.prims = plan->prims, .ref = plan->ref}, p = counted;
+    accel->prims = plan->prims;
+    pack_leaves(&counted, plan, NULL);
+    struct pen_pool first = {.size = sizeof(uint32_t)};
+    bool ok = pen_pool_add(&first, plan->leaves.count + 1) && allocate(&p, &counted, arena);
+    if (ok) {
+        pack_leaves(&p, plan, first.data);
+        ok = pack_nodes(plan, first.data, arena, accel) && list_infinite(plan->prims, arena, accel);
+        accel->list =
+            plan->nodes.count == 0 && plan->leaves.count > 0 ? *(uint32_t *)first.data : 0;
+    }
+    pen_pool_release(&first);
+    accel->items = p.items;
+    accel->triangles = p.triangles;
+    accel->polygons = p.polygons;
+    accel->corners = p.corners;
+    accel->spheres = p.spheres;
+    accel->cylinders = p.cylinders;
+    accel->stats.nodes = plan->nodes.count;
+    accel->stats.leaves = plan->leaves.count;
+    accel->stats.depth = plan->depth;
+    return ok;
+}

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT */
+/* Plans: the list of finite primitives that builders sort, and growing arrays. */
+#include "plan.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "rounding.h"
+
+void *pen_pool_add(struct pen_pool *pool, uint32_t more)
+{
+    if (pool->count > UINT32_MAX / 2 - more)
+        return NULL;
+    if (pool->count + more > pool->capacity) {
+        uint32_t capacity = pool->capacity * 2 > 64 ? pool->capacity * 2 : 64;
+        if (capacity < pool->count + more)
+            capacity = pool->count + more;
+        void *data = realloc(pool->data, capacity * pool->size);
+        if (!data)
+            return NULL;
+        pool->data = data;
+        pool->capacity = capacity;
+    }
+    void *place = (char *)pool->data + pool->count * pool->size;
+    pool->count += more;
+    return place;
+}
+
+void pen_pool_release(struct pen_pool *pool)
+{
+    free(pool->data);
+    *pool = (struct pen_pool){.size = pool->size};
+}
+
+static uint32_t block_kind(uint32_t kind)
+{
+    switch ((enum pen_prim_kind)kind) {
+    case PEN_PRIM_SPHERE:
+        return PEN_BLOCK_SPHERES;
+    case PEN_PRIM_TRIANGLE:
+        return PEN_BLOCK_TRIANGLES;
+    case PEN_PRIM_POLYGON:
+        return PEN_BLOCK_POLYGONS;
+    case PEN_PRIM_CYLINDER:
+        return PEN_BLOCK_CYLINDERS;
+    case PEN_PRIM_PLANE:
+    case PEN_PRIM_TUBE:
+    case PEN_PRIM_KIND_COUNT:
+        break;
+    }
+    return PEN_BLOCK_NOTHING;
+}
+
+bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims)
+{
+    *plan = (struct pen_plan){.prims = prims,
+                              .nodes = {.size = sizeof(struct pen_node)},
+                              .leaves = {.size = sizeof(struct pen_leaf)}};
+    plan->ref = malloc(((size_t)prims->count + 1) * sizeof *plan->ref);
+    if (!plan->ref)
+        return false;
+    for (uint32_t prim = 0; prim < prims->count; prim++) {
+        uint32_t kind = block_kind(prims->ref[prim].kind);
+        if (kind == PEN_BLOCK_NOTHING)
+            continue;
+        struct pen_box box = pen_prim_bounds(prims, prim);
+        plan->ref[plan->count++] = (struct pen_ref){
+            {pen_float_down(box.lo.x), pen_float_down(box.lo.y), pen_float_down(box.lo.z)},
+            prim,
+            {pen_float_up(box.hi.x), pen_float_up(box.hi.y), pen_float_up(box.hi.z)},
+            kind};
+    }
+    return true;
+}
+
+void pen_plan_release(struct pen_plan *plan)
+{
+    free(plan->ref);
+    pen_pool_release(&plan->nodes);
+    pen_pool_release(&plan->leaves);
+}
+
+uint32_t pen_plan_leaf(struct pen_plan *plan, uint32_t begin, uint32_t count)
+{
+    struct pen_leaf *leaf = pen_pool_add(&plan->leaves, 1);
+    if (!leaf)
+        return PEN_NO_CHILD;
+    *leaf = (struct pen_leaf){begin, count};
+    return PEN_CHILD_LEAF | (plan->leaves.count - 1);
+}
+
+struct pen_node *pen_plan_node(struct pen_plan *plan)
+{
+    struct pen_node *node = pen_pool_add(&plan->nodes, 1);
+    if (!node)
+        return NULL;
+    memset(node, 0, sizeof *node);
+    for (int axis = 0; axis < 3; axis++) {
+        for (int lane = 0; lane < PEN_WIDE; lane++) {
+            node->lo[axis][lane] = INFINITY;
+            node->hi[axis][lane] = -INFINITY;
+        }
+    }
+    for (int lane = 0; lane < PEN_WIDE; lane++)
+        node->child[lane] = PEN_NO_CHILD;
+    return node;
+}
+
+const float pen_node_cost = 1.0f;
+
+float pen_leaf_cost(const uint32_t n[PEN_BLOCK_KIND_COUNT])
+{
+    static const float cost[PEN_BLOCK_KIND_COUNT] = {1.0f, 2.0f, 1.0f, 3.0f};
+    float sum = 0;
+    for (int k = 0; k < PEN_BLOCK_KIND_COUNT; k++)
+        sum += cost[k] * (float)((n[k] + PEN_LANES - 1) / PEN_LANES);
+    return sum;
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+/* What a builder decides: an order of the finite primitives, leaves as ranges of that order, and
+ * nodes over them. Packing turns a plan into the frozen tree. */
+#ifndef PEN_SRC_ACCEL_PLAN_H
+#define PEN_SRC_ACCEL_PLAN_H
+
+#include <stddef.h>
+
+#include "accel.h"
+
+/* A growing array of elements of one size. */
+struct pen_pool {
+    void *data;
+    size_t size; /* of an element, in bytes */
+    uint32_t count, capacity;
+};
+
+/* Room for `more` elements at the end, not zeroed; NULL when out of memory. */
+void *pen_pool_add(struct pen_pool *pool, uint32_t more);
+void pen_pool_release(struct pen_pool *pool);
+
+struct pen_leaf {
+    uint32_t begin, count; /* in order[] */
+};
+
+/* What a builder reads of a primitive. */
+struct pen_ref {
+    float lo[3];
+    uint32_t prim;
+    float hi[3];
+    uint32_t kind; /* enum pen_block_kind */
+};
+
+struct pen_plan {
+    const struct pen_prims *prims;
+    struct pen_ref *ref; /* the finite primitives; builders bring them into their order */
+    uint32_t count;
+    struct pen_pool nodes;  /* struct pen_node; leaf children hold PEN_CHILD_LEAF | leaf number */
+    struct pen_pool leaves; /* struct pen_leaf */
+    uint32_t depth;
+};
+
+/* Lists the finite primitives in document order, with boxes rounded outward.
+ * Fails: returns false when out of memory. */
+bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims);
+void pen_plan_release(struct pen_plan *plan);
+
+/* Adds a leaf of a range of ref[]; returns the child, or PEN_NO_CHILD when out of memory. */
+uint32_t pen_plan_leaf(struct pen_plan *plan, uint32_t begin, uint32_t count);
+#define PEN_NO_CHILD UINT32_MAX
+
+/* A node whose lanes are all empty; NULL when out of memory. Nodes move when others are added. */
+struct pen_node *pen_plan_node(struct pen_plan *plan);
+
+/* The expected number of box and block tests for `n` primitives of each kind in one leaf, in units
+ * of one test of four triangles. */
+float pen_leaf_cost(const uint32_t n[PEN_BLOCK_KIND_COUNT]);
+extern const float pen_node_cost;
+
+/* The surface-area heuristic. Fails: returns false when out of memory. */
+bool pen_build_sah(struct pen_plan *plan);
+
+/* Fills in everything of *accel but stats.kind and build_ms. Owns: all in the arena.
+ * Fails: returns false when out of memory. */
+bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_accel *accel);
+
+#endif

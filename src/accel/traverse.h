@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+/* Queries: the body that every variant compiles. The including file states how a node and an item
+ * are tested, as
+ *     static inline unsigned enter_node(const struct pen_node *, const struct box_ray *,
+ *                                       float limit, float near[PEN_WIDE]);
+ *     static inline bool test_item(struct trace *, uint32_t item, bool any);
+ * and then includes traverse_walk.h. Whatever a variant does there, it offers the same crossings:
+ * those that pen_prim_cross states. */
+#ifndef PEN_SRC_ACCEL_TRAVERSE_H
+#define PEN_SRC_ACCEL_TRAVERSE_H
+
+#include "accel.h"
+#include "rounding.h"
+
+/* A ray as boxes see it, in binary32, scaled by a power of two such that the largest component of
+ * d is in [1, 2). The near plane of an axis is compared with an origin rounded to make the way to
+ * it shorter, the far plane with one that makes it longer; reciprocals are off by 2^-22 to the
+ * same ends, more than the three roundings of a slab take away. */
+struct box_ray {
+    float near_o[3], far_o[3];
+    float near_inv[3], far_inv[3];
+    int sign[3];  /* 1 where d is negative or -0: the near plane is hi */
+    float tmin;   /* >= 0 */
+    double scale; /* box t = t * scale */
+};
+
+/* One query under way. */
+struct trace {
+    const struct pen_accel *accel;
+    const struct pen_ray *ray;
+    const struct pen_leave *leave;
+    bool leaving;               /* the ray starts on a primitive */
+    double grow;                /* then nothing farther from the origin than this touches it */
+    double back_sq;             /* square of the t that is this far */
+    struct pen_hit after, best; /* nearest: the crossing looked for is between them */
+    struct pen_shadow *shadow;
+    double light_bound; /* shadow: by how much the light may miss a surface that contains it */
+};
+
+/* Keeps a see-through crossing in order. */
+static inline void keep_crossing(struct pen_shadow *query, struct pen_hit h)
+{
+    if (query->count == PEN_SHADOW_MAX) {
+        query->overflow = true;
+        return;
+    }
+    int at = query->count++;
+    for (; at > 0 && pen_hit_before(h, query->hit[at - 1]); at--)
+        query->hit[at] = query->hit[at - 1];
+    query->hit[at] = h;
+}
+
+/* Takes note of a crossing; true if it ends the query. */
+static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part, bool any)
+{
+    struct pen_hit h = {t, prim, part};
+    if (!any) {
+        if (pen_hit_before(w->after, h) && pen_hit_before(h, w->best))
+            w->best = h;
+        return false;
+    }
+    struct pen_shadow *query = w->shadow;
+    if (!(t > 0 && t < query->tmax))
+        return false;
+    if (query->to_point &&
+        pen_prim_ends_ray(w->accel->prims, h, w->ray, query->tmax, w->light_bound))
+        return false;
+    if (query->see_through && query->see_through[prim]) {
+        keep_crossing(query, h);
+        return false;
+    }
+    query->last_occluder = prim;
+    return true;
+}
+
+/* The crossings of a primitive that the ray leaves or touches at its origin. */
+static __attribute__((noinline)) bool test_at_origin(struct trace *w, uint32_t prim, bool any)
+{
+    struct pen_crossings c;
+    pen_prim_cross(w->accel->prims, prim, w->ray, w->leave, &c);
+    for (int i = 0; i < c.count; i++) {
+        if (offer(w, prim, c.t[i], c.part[i], any))
+            return true;
+    }
+    return false;
+}
+
+static inline bool offer_pair(struct trace *w, uint32_t prim, const double t[2], bool any)
+{
+    return offer(w, prim, t[0], PEN_PART_SIDE, any) || offer(w, prim, t[1], PEN_PART_SIDE, any);
+}
+
+static inline bool test_sphere(struct trace *w, uint32_t prim, const struct pen_sphere *s, bool any)
+{
+    double t[2];
+    if (w->leaving && (prim == w->leave->prim || pen_sphere_touches(s, w->ray->o, w->leave->bound)))
+        return test_at_origin(w, prim, any);
+    return pen_sphere_roots(s, w->ray, t) && offer_pair(w, prim, t, any);
+}
+
+static inline bool test_tube(struct trace *w, uint32_t prim, const struct pen_tube *tube, bool any)
+{
+    double t[2];
+    if (prim == w->leave->prim)
+        return test_at_origin(w, prim, any);
+    if (!pen_round_roots(&tube->round, w->ray, t))
+        return false;
+    if (w->leaving &&
+        pen_round_touches(&tube->round, w->ray->o, w->leave->bound + pen_tube_rounding(tube)))
+        return test_at_origin(w, prim, any);
+    return offer_pair(w, prim, t, any);
+}
+
+static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pen_cylinder *c,
+                                 bool any)
+{
+    struct pen_inside in;
+    if (prim == w->leave->prim)
+        return test_at_origin(w, prim, any);
+    if (!pen_cylinder_inside(c, w->ray, &in))
+        return false;
+    if (w->leaving && pen_cylinder_touches(c, w->ray->o, w->leave->bound))
+        return test_at_origin(w, prim, any);
+    return ((c->caps || in.lo_part == PEN_PART_SIDE) && offer(w, prim, in.lo, in.lo_part, any)) ||
+           ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(w, prim, in.hi, in.hi_part, any));
+}
+
+/* A crossing of a flat primitive at t. */
+static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any)
+{
+    if (t > (any ? w->shadow->tmax : w->best.t))
+        return false;
+    if (!w->leaving)
+        return t > 0 && offer(w, prim, t, PEN_PART_SIDE, any);
+    if (prim == w->leave->prim)
+        return false;
+    struct pen_hit h = {t, prim, PEN_PART_SIDE};
+    const struct pen_prims *prims = w->accel->prims;
+    if (pen_flat_touches(pen_prim_normal(prims, h, w->ray->o),
+                         pen_prim_scale(prims, prim, w->ray->o), w->ray, t, w->leave->bound))
+        return test_at_origin(w, prim, any);
+    return offer(w, prim, t, PEN_PART_SIDE, any);
+}
+
+/* The same for a finite primitive, most of which are cheaply seen to be well behind. */
+static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool any)
+{
+    if (t < 0 && (!w->leaving || t * t > w->back_sq))
+        return false;
+    return offer_flat(w, prim, t, any);
+}
+
+/* One primitive of any kind, by the functions of its header. */
+static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
+{
+    const struct pen_prims *prims = w->accel->prims;
+    const struct pen_prim_ref ref = prims->ref[prim];
+    double t;
+    switch ((enum pen_prim_kind)ref.kind) {
+    case PEN_PRIM_SPHERE:
+        return test_sphere(w, prim, &prims->sphere[ref.index], any);
+    case PEN_PRIM_TUBE:
+        return test_tube(w, prim, &prims->tube[ref.index], any);
+    case PEN_PRIM_CYLINDER:
+        return test_cylinder(w, prim, &prims->cylinder[ref.index], any);
+    case PEN_PRIM_PLANE:
+        return pen_plane_root(&prims->plane[ref.index], w->ray, &t) && offer_flat(w, prim, t, any);
+    case PEN_PRIM_TRIANGLE:
+        return pen_triangle_root(&prims->triangle[ref.index], w->ray, &t) &&
+               offer_bounded(w, prim, t, any);
+    case PEN_PRIM_POLYGON:
+        return pen_polygon_root(&prims->polygon[ref.index], w->ray, &t) &&
+               offer_bounded(w, prim, t, any);
+    case PEN_PRIM_KIND_COUNT:
+        break;
+    }
+    return false;
+}
+
+/* The primitives of a block, in order. */
+static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_t item)
+{
+    uint32_t index = PEN_ITEM_INDEX(item);
+    switch (PEN_ITEM_KIND(item)) {
+    case PEN_BLOCK_TRIANGLES:
+        return accel->triangles[index].prim;
+    case PEN_BLOCK_POLYGONS:
+        return accel->polygons[index].prim;
+    case PEN_BLOCK_SPHERES:
+        return accel->spheres[index].prim;
+    case PEN_BLOCK_CYLINDERS:
+        return accel->cylinders[index].prim;
+    default:
+        return NULL;
+    }
+}
+
+static inline void box_axis(struct box_ray *box, int axis, double o, double d, double grow)
+{
+    double inv = box->scale / d;
+    double down = 1 - 0x1p-22, up = 1 + 0x1p-22;
+    bool negative = signbit(d);
+    float low = pen_float_down(o - grow), high = pen_float_up(o + grow);
+    box->sign[axis] = negative;
+    box->near_o[axis] = negative ? low : high;
+    box->far_o[axis] = negative ? high : low;
+    box->near_inv[axis] = pen_float_near(inv * down);
+    box->far_inv[axis] = fabs(inv) < (double)FLT_MAX / 2 ? (float)(inv * up)
+                         : negative                      ? -INFINITY
+                                                         : INFINITY;
+}
+
+/* Boxes grow by `grow`, so that what touches the origin within that distance is entered. */
+static inline struct box_ray box_ray_make(const struct pen_ray *ray, double tmin, double grow)
+{
+    struct box_ray box;
+    double largest = pen_component(ray->d, ray->kz);
+    uint64_t bits;
+    memcpy(&bits, &largest, sizeof bits);
+    bits &= 0x7ff0000000000000u; /* the power of two */
+    memcpy(&box.scale, &bits, sizeof bits);
+    box_axis(&box, 0, ray->o.x, ray->d.x, grow);
+    box_axis(&box, 1, ray->o.y, ray->d.y, grow);
+    box_axis(&box, 2, ray->o.z, ray->d.z, grow);
+    box.tmin = pen_float_down(tmin * box.scale);
+    return box;
+}
+
+#endif

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT */
+/* The walk through a tree and the two queries; see traverse.h. */
+#ifndef PEN_SRC_ACCEL_TRAVERSE_WALK_H
+#define PEN_SRC_ACCEL_TRAVERSE_WALK_H
+
+#include "traverse.h"
+
+/* Each node on the way down leaves at most seven others behind. */
+enum { STACK = (PEN_WIDE - 1) * PEN_MAX_DEPTH + 1 };
+
+struct pending {
+    float near;
+    uint32_t child;
+};
+
+static inline bool test_leaf(struct trace *w, uint32_t first, bool any)
+{
+    for (const uint32_t *item = &w->accel->items[first];; item++) {
+        if (test_item(w, *item, any))
+            return true;
+        if (*item & PEN_ITEM_LAST)
+            return false;
+    }
+}
+
+/* Puts the entered children on the stack, the nearest on top. */
+static inline int push_children(struct pending *stack, int top, const struct pen_node *node,
+                                unsigned mask, const float near[PEN_WIDE])
+{
+    int bottom = top;
+    for (; mask; mask &= mask - 1) {
+        int lane = __builtin_ctz(mask);
+        struct pending p = {near[lane], node->child[lane]};
+        int at = top++;
+        for (; at > bottom && stack[at - 1].near < p.near; at--)
+            stack[at] = stack[at - 1];
+        stack[at] = p;
+    }
+    return top;
+}
+
+/* Visits what the ray may meet, nearest boxes first; true if the query ended early. A box is
+ * entered when its near distance is <= the best t, so that ties are decided by number. */
+static inline bool walk(struct trace *w, const struct box_ray *box, bool any)
+{
+    struct pending stack[STACK];
+    int top = 0;
+    uint32_t child = 0;
+    float limit = pen_float_up((any ? w->shadow->tmax : w->best.t) * box->scale);
+    for (;;) {
+        if (child & PEN_CHILD_LEAF) {
+            if (test_leaf(w, child & ~PEN_CHILD_LEAF, any))
+                return true;
+            if (!any)
+                limit = pen_float_up(w->best.t * box->scale);
+        } else {
+            const struct pen_node *node = &w->accel->nodes[child];
+            float near[PEN_WIDE];
+            unsigned mask = enter_node(node, box, limit, near);
+            if (mask && !(mask & (mask - 1))) {
+                child = node->child[__builtin_ctz(mask)];
+                continue;
+            }
+            top = push_children(stack, top, node, mask, near);
+        }
+        do {
+            if (top == 0)
+                return false;
+            top--;
+        } while (stack[top].near > limit);
+        child = stack[top].child;
+    }
+}
+
+static inline bool search(struct trace *w, double tmin, bool any)
+{
+    const struct pen_accel *accel = w->accel;
+    for (uint32_t i = 0; i < accel->infinite_count; i++) {
+        if (test_prim(w, accel->infinite[i], any))
+            return true;
+    }
+    if (test_leaf(w, accel->list, any))
+        return true;
+    if (accel->node_count == 0)
+        return false;
+    struct box_ray box = box_ray_make(w->ray, tmin, w->grow);
+    return walk(w, &box, any);
+}
+
+static inline struct trace begin(const struct pen_accel *accel, const struct pen_ray *ray,
+                                 const struct pen_leave *leave)
+{
+    struct trace w = {.accel = accel, .ray = ray, .leave = leave};
+    w.leaving = leave->prim != PEN_NO_PRIM;
+    if (w.leaving) {
+        w.grow = 0x1p10 * (leave->bound + 8 * PEN_U * accel->scale);
+        w.back_sq = 2 * w.grow * w.grow * ray->inv_dd;
+    }
+    return w;
+}
+
+static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
+                    const struct pen_leave *leave, const struct pen_span *span, struct pen_hit *hit)
+{
+    struct trace w = begin(accel, ray, leave);
+    w.after = span->after;
+    w.best = (struct pen_hit){span->tmax, PEN_NO_PRIM, UINT8_MAX};
+    search(&w, span->after.t, false);
+    if (w.best.prim == PEN_NO_PRIM)
+        return false;
+    *hit = w.best;
+    return true;
+}
+
+static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
+                   const struct pen_leave *leave, struct pen_shadow *query)
+{
+    struct trace w = begin(accel, ray, leave);
+    w.shadow = query;
+    if (query->to_point)
+        w.light_bound = 16 * PEN_U * pen_norm1(pen_along(ray->o, ray->d, query->tmax));
+    query->count = 0;
+    query->overflow = false;
+    uint32_t last = query->last_occluder;
+    if (last < accel->prims->count && !(query->see_through && query->see_through[last]) &&
+        test_prim(&w, last, true))
+        return true;
+    return search(&w, 0, true);
+}
+
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+/* Every accelerator and every compiled variant gives the same crossings as trying all primitives,
+ * bit for bit. */
+#include "support/suite.h"
+#include "support/world.h"
+
+static struct world world;
+
+/* All four ways to ask. */
+struct ways {
+    struct pen_arena *arena;
+    const struct pen_accel *accel[2];
+    const struct pen_trace_ops *ops[2];
+};
+
+static struct ways build(const struct world *w)
+{
+    struct pen_status st;
+    struct ways ways = {.arena = pen_arena_new(0)};
+    ways.accel[0] = pen_accel_build(&w->prims, PEN_ACCEL_NONE, ways.arena, &st);
+    ways.accel[1] = pen_accel_build(&w->prims, PEN_ACCEL_AUTO, ways.arena, &st);
+    ck_assert(ways.accel[0] && ways.accel[1]);
+    ways.ops[0] = pen_trace_ops_get(PEN_ISA_BASE);
+    ways.ops[1] = pen_trace_ops_get(pen_cpu_isa());
+    return ways;
+}
+
+/* Compares one nearest query; returns the hit. */
+static struct pen_hit nearest(const struct world *w, const struct ways *ways,
+                              const struct pen_ray *ray, const struct pen_leave *leave,
+                              const struct pen_span *span)
+{
+    struct pen_hit truth = world_nearest(w, ray, leave, span);
+    for (int i = 0; i < 4; i++) {
+        struct pen_hit hit = {0, PEN_NO_PRIM, 0};
+        bool found = ways->ops[i & 1]->nearest(ways->accel[i / 2], ray, leave, span, &hit);
+        ck_assert_msg(
+            found == (truth.prim != PEN_NO_PRIM) &&
+                (!found || (hit.t == truth.t && hit.prim == truth.prim && hit.part == truth.part)),
+            "way %d: o %a %a %a d %a %a %a: %a %u.%u, not %a %u.%u", i, ray->o.x, ray->o.y,
+            ray->o.z, ray->d.x, ray->d.y, ray->d.z, hit.t, hit.prim, hit.part, truth.t, truth.prim,
+            truth.part);
+    }
+    return truth;
+}
+
+/* Compares one shadow query with a walk over all crossings. */
+static void shadow(const struct world *w, const struct ways *ways, const struct pen_ray *ray,
+                   const struct pen_leave *leave, const uint8_t *see_through)
+{
+    bool blocked = false;
+    int count = 0;
+    struct pen_hit kept[PEN_SHADOW_MAX];
+    struct pen_span span = {pen_after_start, nextafter(1, 0)};
+    for (;;) {
+        struct pen_hit h = world_nearest(w, ray, leave, &span);
+        if (h.prim == PEN_NO_PRIM)
+            break;
+        if (!see_through || !see_through[h.prim]) {
+            blocked = true;
+            break;
+        }
+        if (count < PEN_SHADOW_MAX)
+            kept[count] = h;
+        count++;
+        span.after = h;
+    }
+    for (int i = 0; i < 4; i++) {
+        struct pen_shadow query = {.tmax = 1, .see_through = see_through};
+        query.last_occluder = i == 1 ? 0 : PEN_NO_PRIM;
+        bool b = ways->ops[i & 1]->shadow(ways->accel[i / 2], ray, leave, &query);
+        ck_assert_msg(b == blocked, "way %d: blocked %d, not %d", i, b, blocked);
+        if (blocked)
+            continue;
+        ck_assert(query.overflow == (count > PEN_SHADOW_MAX));
+        if (query.overflow)
+            continue;
+        ck_assert_int_eq(query.count, count);
+        for (int k = 0; k < count; k++)
+            ck_assert(query.hit[k].t == kept[k].t && query.hit[k].prim == kept[k].prim &&
+                      query.hit[k].part == kept[k].part);
+    }
+}
+
+/* A path of a few bounces through the world, comparing everything asked on the way. */
+static void follow_path(struct random *random, const struct ways *ways, const uint8_t *see_through)
+{
+    struct pen_leave leave = pen_leave_nothing;
+    struct pen_vec3 o = random_vec(random, 2), d = random_direction(random);
+    if (random_below(random, 4) == 0)
+        o = pen_vec3(round(4 * o.x) / 4, round(4 * o.y) / 4, round(4 * o.z) / 4);
+    if (random_below(random, 4) == 0)
+        d = pen_vec3(round(d.x), round(d.y), round(d.z) == 0 ? 1 : round(d.z));
+    for (int bounce = 0; bounce < 4; bounce++) {
+        struct pen_ray ray = world_ray(o, d);
+        struct pen_span span = {pen_after_start, random_below(random, 3) ? INFINITY : 1};
+        shadow(&world, ways, &ray, &leave, see_through);
+        shadow(&world, ways, &ray, &leave, NULL);
+        struct pen_hit hit = nearest(&world, ways, &ray, &leave, &span);
+        if (hit.prim == PEN_NO_PRIM)
+            return;
+        span.after = hit;
+        nearest(&world, ways, &ray, &leave, &span);
+        span = (struct pen_span){pen_after_start, hit.t}; /* H094: tmax is inclusive */
+        nearest(&world, ways, &ray, &leave, &span);
+        span.tmax = nextafter(hit.t, 0);
+        nearest(&world, ways, &ray, &leave, &span);
+        o = pen_prim_point(&world.prims, hit, &ray);
+        leave = world_leave(&world, hit, o, d, false);
+        struct pen_vec3 n = pen_prim_normal(&world.prims, hit, o);
+        struct pen_vec3 next = random_direction(random);
+        leave.through = (pen_dot(next, n) > 0) != (pen_dot(leave.toward, n) > 0);
+        d = next;
+    }
+}
+
+START_TEST(test_accel__h095_equals_brute_force)
+{
+    struct random random = {2};
+    static uint8_t see_through[WORLD_MAX];
+    for (int scene = 0; scene < 400; scene++) {
+        world_clear(&world);
+        world_random(&world, &random, random_below(&random, 60), random_in(&random, 0.02, 1));
+        for (uint32_t i = 0; i < world.prims.count; i++)
+            see_through[i] = random_below(&random, 8) != 0;
+        struct ways ways = build(&world);
+        for (int i = 0; i < 60; i++)
+            follow_path(&random, &ways, see_through);
+        pen_arena_free(ways.arena);
+    }
+}
+END_TEST
+
+PEN_SUITE("same", test_accel__h095_equals_brute_force)

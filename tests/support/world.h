@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/* Primitives by hand: what a test shoots rays at. */
+#ifndef TESTS_SUPPORT_WORLD_H
+#define TESTS_SUPPORT_WORLD_H
+
+#include "pen/accel/accel.h"
+#include "support/random.h"
+
+enum { WORLD_MAX = 2048 };
+
+/* Holds its own arrays; big, so tests keep it static. Primitive numbers count in order of adding.
+ */
+struct world {
+    struct pen_prims prims;
+    struct pen_prim_ref ref[WORLD_MAX];
+    struct pen_sphere sphere[WORLD_MAX];
+    struct pen_plane plane[WORLD_MAX];
+    struct pen_triangle triangle[WORLD_MAX];
+    struct pen_polygon polygon[WORLD_MAX];
+    struct pen_tube tube[WORLD_MAX];
+    struct pen_cylinder cylinder[WORLD_MAX];
+    struct pen_vec3 corner[8 * WORLD_MAX];
+    uint32_t corners;
+};
+
+void world_clear(struct world *w);
+
+/* Each adds one primitive and returns its number; they fail the test if it can not be made. */
+uint32_t world_sphere(struct world *w, struct pen_vec3 c, double r);
+uint32_t world_plane(struct world *w, struct pen_vec3 point, struct pen_vec3 normal);
+uint32_t world_triangle(struct world *w, struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c);
+uint32_t world_polygon(struct world *w, const struct pen_vec3 *v, uint32_t count);
+uint32_t world_tube(struct world *w, struct pen_vec3 origin, struct pen_vec3 axis, double r);
+uint32_t world_cylinder(struct world *w, struct pen_vec3 base, struct pen_vec3 axis, double r,
+                        double h, bool caps);
+
+/* Six outward polygons: a box. */
+void world_box(struct world *w, struct pen_vec3 lo, struct pen_vec3 hi);
+
+/* Adds `count` primitives of all kinds, of sizes up to `size`, inside a cube of half-width 1. */
+void world_random(struct world *w, struct random *random, uint32_t count, double size);
+
+/* A ray that must be one. */
+struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d);
+
+/* What a ray that starts at hit p of the world, reached along v, leaves. */
+struct pen_leave world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
+                             struct pen_vec3 v, bool through);
+
+/* First crossing after `after` with t <= tmax, by trying all primitives; prim = PEN_NO_PRIM if
+ * there is none. */
+struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
+                             const struct pen_leave *leave, const struct pen_span *span);
+
+/* How many crossings with t > 0. */
+int world_count(const struct world *w, const struct pen_ray *ray, const struct pen_leave *leave);
+
+#endif
