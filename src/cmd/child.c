@@ -86,12 +86,21 @@ static _Noreturn void become(const struct arguments *arguments, int control_fd, 
     _exit(EXEC_FAILED);
 }
 
+int64_t pen_child_settles_ns(const struct pen_child *child)
+{
+    return child->pid && child->failures > 0 ? child->started_ns + stable_ns : INT64_MAX;
+}
+
+void pen_child_settle(struct pen_child *child)
+{
+    if (pen_clock_ns() >= pen_child_settles_ns(child))
+        child->failures = 0;
+}
+
 /* Sets the next start. Returns the pause until then. */
-static int64_t schedule(struct pen_child *child, int64_t lived_ns)
+static int64_t schedule(struct pen_child *child)
 {
     int64_t pause = 0;
-    if (lived_ns >= stable_ns)
-        child->failures = 0;
     if (child->failures > 0)
         pause = child->failures > 7 ? longest_pause_ns : first_pause_ns << (child->failures - 1);
     if (pause > longest_pause_ns)
@@ -125,7 +134,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     }
     if (pid < 0) {
         pen_log(PEN_LOG_ERROR, "cannot start the %s process: %s", child->role, strerror(errno));
-        schedule(child, 0);
+        schedule(child);
         return;
     }
     child->pid = pid;
@@ -152,6 +161,7 @@ void pen_child_ended(struct pen_child *child, int wait_status)
     bool expected = child->stopping && WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
     int64_t lived_ns = pen_clock_ns() - child->started_ns;
     int pid = (int)child->pid;
+    pen_child_settle(child);
     describe_end(wait_status, child->last_end, sizeof child->last_end);
     if (child->control_fd >= 0)
         close(child->control_fd);
@@ -168,7 +178,7 @@ void pen_child_ended(struct pen_child *child, int wait_status)
                 pid, child->last_end);
         return;
     }
-    int64_t pause_ns = schedule(child, lived_ns);
+    int64_t pause_ns = schedule(child);
     pen_log(PEN_LOG_WARN,
             "the %s process %d ended: %s, after %.1f s; starting it again in %.1f s (%d in a row)",
             child->role, pid, child->last_end, (double)lived_ns * 1e-9, (double)pause_ns * 1e-9,

@@ -19,8 +19,7 @@ struct pen_child {
     bool killed;                     /* by the supervisor */
     int64_t started_ns, start_at_ns; /* when it was, or is to be started */
     int failures;                    /* ends in a row, each soon after the start */
-    int restarts;
-    char name[160];      /* worker: its name in the store */
+    char name[160];                  /* worker: its name in the store */
     char dead_name[160]; /* worker: a predecessor whose leases are not swept yet; "" if none */
     char last_end[96];   /* "signal 11 (SEGV)", "" at first */
 };
@@ -30,6 +29,11 @@ void pen_child_init(struct pen_child *child, const char *role);
 /* Starts the program again in this role. The child gets listen_fd if that is not -1. The call
  * never fails: a start that does not succeed is an end, with its pause. */
 void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd);
+
+/* When a child that is running will have lived long enough to count as no crash loop any more:
+ * then its failures are forgotten. Returns the time, or INT64_MAX if there is nothing to forget. */
+int64_t pen_child_settles_ns(const struct pen_child *child);
+void pen_child_settle(struct pen_child *child);
 
 /* Notes that the process has ended with this wait status, writes it to the log, and sets the time
  * of the next start: at once after a life of some length, else after a pause that doubles. */

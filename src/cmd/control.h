@@ -6,7 +6,7 @@
  *   supervisor to child:  "drain"                   take no new jobs, answer everything else
  *                         "stop"                    finish or give back what is in hand, and end
  *                         "log LEVEL FORMAT FILE"   open the log anew, FILE may be empty
- *                         "state JSON"              (api) how the other processes are
+ *                         "state TEXT"              (api) why the daemon is not ready, or nothing
  *   child to supervisor:  "ready"                   works; leases of its predecessor are swept */
 #ifndef CMD_CONTROL_H
 #define CMD_CONTROL_H

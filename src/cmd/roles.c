@@ -20,7 +20,7 @@
 #include "pen/store/store.h"
 
 /* How long the api may take to end its answers before it is ended by force. */
-enum { STOP_API_S = 2 };
+enum { STOP_API_S = 3 };
 
 void pen_worker_name(int pid, long long start_ms, char *out, size_t bytes)
 {
@@ -82,6 +82,8 @@ static void serve(const struct pen_config *config, struct pen_watch *watch, stru
             end_within(PEN_LOST_MS / 1000);
             return;
         case PEN_EVENT_STATE:
+            pen_http_note(http, event.text);
+            break;
         case PEN_EVENT_WORK_END:
         case PEN_EVENT_TIMEOUT:
             break;

@@ -9,7 +9,7 @@
 
 enum {
     PEN_LOST_MS = 1000,        /* a child whose supervisor is gone */
-    PEN_DRAIN_WORKER_MS = 7000 /* for the batch in hand; then it is given back */
+    PEN_DRAIN_WORKER_MS = 6000 /* for the batch in hand; then it is given back */
 };
 
 /* What the kernel lists a worker process as. */

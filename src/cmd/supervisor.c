@@ -17,7 +17,9 @@
 
 /* A drain in time, counted from the signal: the worker gives up by itself before the first. */
 static const int64_t second_ns = 1000000000;
-enum { KILL_WORKER_S = 8, KILL_API_S = 9, LOOK_MS = 20 };
+enum { KILL_WORKER_S = 7, KILL_API_S = 9, LOOK_MS = 20 };
+/* Ends in a row from which on the daemon is not ready. */
+enum { TROUBLE = 3 };
 /* A process that even SIGKILL does not end hangs in the kernel; it is not waited for. */
 static const int64_t longest_drain_ns = 9700000000;
 
@@ -34,28 +36,26 @@ struct supervisor {
     char state[256];  /* as last told to the api */
 };
 
-/* How the worker is, for the api to tell others. */
+/* Tells the api what others should know of the worker. */
 static void tell_state(struct supervisor *s, bool anyway)
 {
-    char state[sizeof s->state];
+    char text[sizeof s->state] = "state ";
     const struct pen_child *worker = &s->worker;
-    const char *how = worker->ready ? "running" : worker->pid ? "starting" : "waiting";
-    snprintf(state, sizeof state,
-             "state {\"worker\":\"%s\",\"pid\":%d,\"restarts\":%d,\"in_a_row\":%d,"
-             "\"last_end\":\"%s\"}",
-             how, (int)worker->pid, worker->restarts, worker->failures, worker->last_end);
-    if (!anyway && strcmp(state, s->state) == 0)
+    if (worker->failures >= TROUBLE)
+        snprintf(text, sizeof text,
+                 "state the worker process ended %d times in a row, soon after its start, the last "
+                 "time by %s",
+                 worker->failures, worker->last_end);
+    if (!anyway && strcmp(text, s->state) == 0)
         return;
-    memcpy(s->state, state, sizeof state);
-    pen_control_send(s->api.control_fd, state);
+    memcpy(s->state, text, sizeof text);
+    pen_control_send(s->api.control_fd, text);
 }
 
 static void start_if_due(struct supervisor *s, struct pen_child *child, int listen_fd)
 {
     if (child->pid || s->draining || pen_clock_ns() < child->start_at_ns)
         return;
-    if (child->last_end[0])
-        child->restarts++;
     pen_child_start(child, &s->now, listen_fd);
 }
 
@@ -175,7 +175,7 @@ static void take_message(struct supervisor *s, struct pen_child *child)
         tell_state(s, true);
 }
 
-/* Until the next start that is due, or for a short while when draining. */
+/* Until the next start that is due or the next failures to forget; a short while when draining. */
 static int wait_ms(const struct supervisor *s)
 {
     if (s->draining)
@@ -183,8 +183,9 @@ static int wait_ms(const struct supervisor *s)
     const struct pen_child *children[] = {&s->api, &s->worker};
     int64_t next = INT64_MAX, now = pen_clock_ns();
     for (int i = 0; i < 2; i++) {
-        if (!children[i]->pid && children[i]->start_at_ns < next)
-            next = children[i]->start_at_ns;
+        const struct pen_child *child = children[i];
+        int64_t at = child->pid ? pen_child_settles_ns(child) : child->start_at_ns;
+        next = at < next ? at : next;
     }
     if (next == INT64_MAX)
         return -1;
@@ -229,6 +230,8 @@ static void run(struct supervisor *s)
     for (;;) {
         start_if_due(s, &s->api, s->listen_fd);
         start_if_due(s, &s->worker, -1);
+        pen_child_settle(&s->api);
+        pen_child_settle(&s->worker);
         tell_state(s, false);
         if (s->draining)
             advance_drain(s);

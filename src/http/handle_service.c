@@ -92,6 +92,15 @@ static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_statu
     return st->code == PEN_OK;
 }
 
+/* Whether nothing else stands in the way of work. */
+static bool untroubled(struct pen_http *http, struct pen_status *st)
+{
+    pthread_mutex_lock(&http->ready_lock);
+    bool ok = !http->trouble[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->trouble);
+    pthread_mutex_unlock(&http->ready_lock);
+    return ok;
+}
+
 enum outcome handle_readyz(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_http *http = request->http;
@@ -101,6 +110,8 @@ enum outcome handle_readyz(struct request *request, struct pen_jobs *jobs)
         ready = pen_fail(&st, PEN_UNAVAILABLE, "the daemon is draining");
     else if (!probe(http, jobs, &st))
         ready = pen_fail(&st, PEN_UNAVAILABLE, "the store does not take writes: %s", st.msg);
+    else
+        ready = untroubled(http, &st);
     if (ready)
         return answer_health(request, "ready");
     request_fail(request, &st);

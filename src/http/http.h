@@ -28,8 +28,9 @@ struct pen_http {
     uint32_t id_prefix;             /* tells this process's request ids from others' */
 
     pthread_mutex_t ready_lock;
-    int64_t ready_ns;        /* guarded by ready_lock: when the store was probed */
-    struct pen_status ready; /* guarded by ready_lock: what came of it */
+    int64_t ready_ns;            /* guarded by ready_lock: when the store was probed */
+    struct pen_status ready;     /* guarded by ready_lock: what came of it */
+    char trouble[PEN_MSG_BYTES]; /* guarded by ready_lock: as pen_http_note said */
 };
 
 #endif

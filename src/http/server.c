@@ -10,6 +10,7 @@
 #include "adapter.h"
 #include "http.h"
 #include "pen/base/clock.h"
+#include "pen/base/utf8.h"
 #include "pen/jobs/jobs.h"
 #include "pool.h"
 #include "snapshots.h"
@@ -90,6 +91,13 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
 void pen_http_drain(struct pen_http *http)
 {
     atomic_store_explicit(&http->draining, true, memory_order_relaxed);
+}
+
+void pen_http_note(struct pen_http *http, const char *trouble)
+{
+    pthread_mutex_lock(&http->ready_lock);
+    pen_utf8_copy(http->trouble, sizeof http->trouble, trouble);
+    pthread_mutex_unlock(&http->ready_lock);
 }
 
 /* Waits until no request is in progress, but not for ever: a client may not be reading. */

@@ -28,6 +28,10 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
 /* From now on submits are answered 503 with Retry-After; everything else goes on. */
 void pen_http_drain(struct pen_http *http);
 
+/* Says why the daemon is not ready although its store is, for /readyz; "" when it is. Cut to
+ * PEN_MSG_BYTES. */
+void pen_http_note(struct pen_http *http, const char *trouble);
+
 /* Stops: answers waiting long polls, finishes requests in progress, frees everything. */
 void pen_http_stop(struct pen_http *http);
 
