@@ -39,7 +39,11 @@ static inline bool alloc_succeed(void)
     return alloc_state.refused;
 }
 
-static bool alloc_refuse(void)
+/* The sanitizers' own start-up allocates through these functions too, before it is ready to
+ * watch them. */
+#define ALLOC_UNWATCHED __attribute__((no_sanitize("thread"), no_sanitize("address")))
+
+ALLOC_UNWATCHED static bool alloc_refuse(void)
 {
     if (!alloc_state.armed || alloc_state.left-- > 0)
         return false;
@@ -58,25 +62,25 @@ typedef void *(*alloc_one)(size_t);
 typedef void *(*alloc_two)(size_t, size_t);
 typedef void *(*alloc_again)(void *, size_t);
 
-void *malloc(size_t bytes)
+ALLOC_UNWATCHED void *malloc(size_t bytes)
 {
     ALLOC_SYSTEM(alloc_one, malloc)
     return alloc_refuse() ? NULL : system_malloc(bytes);
 }
 
-void *calloc(size_t count, size_t size)
+ALLOC_UNWATCHED void *calloc(size_t count, size_t size)
 {
     ALLOC_SYSTEM(alloc_two, calloc)
     return alloc_refuse() ? NULL : system_calloc(count, size);
 }
 
-void *realloc(void *old, size_t bytes)
+ALLOC_UNWATCHED void *realloc(void *old, size_t bytes)
 {
     ALLOC_SYSTEM(alloc_again, realloc)
     return alloc_refuse() ? NULL : system_realloc(old, bytes);
 }
 
-void *aligned_alloc(size_t alignment, size_t bytes)
+ALLOC_UNWATCHED void *aligned_alloc(size_t alignment, size_t bytes)
 {
     ALLOC_SYSTEM(alloc_two, aligned_alloc)
     return alloc_refuse() ? NULL : system_aligned_alloc(alignment, bytes);
