@@ -118,7 +118,7 @@ static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
     struct trace w = begin(accel, ray, leave);
     w.shadow = query;
     if (query->to_point)
-        w.light_bound = 16 * PEN_U * pen_norm1(pen_along(ray->o, ray->d, query->tmax));
+        w.light_bound = pen_shadow_light_bound(ray);
     query->count = 0;
     query->overflow = false;
     uint32_t last = query->last_occluder;

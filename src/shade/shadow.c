@@ -10,7 +10,7 @@ struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const stru
     struct pen_vec3 t = {1, 1, 1};
     struct pen_span span = {pen_after_start, query->tmax};
     struct pen_hit hit;
-    double light = 16 * PEN_U * pen_norm1(pen_add(ray->o, ray->d)); /* how far off it may be */
+    double light = pen_shadow_light_bound(ray);
     while (!is_black(t) && input->trace->nearest(scene->accel, ray, leave, &span, &hit)) {
         if (!(hit.t < query->tmax))
             break;

@@ -66,6 +66,13 @@ struct pen_shadow {
     struct pen_hit hit[PEN_SHADOW_MAX];
 };
 
+/* How far o + d may be from the light that a shadow ray was aimed at: d = light - o was rounded,
+ * so a far origin counts as much as a far light. */
+static inline double pen_shadow_light_bound(const struct pen_ray *ray)
+{
+    return 16 * PEN_U * (pen_norm1(ray->o) + pen_norm1(ray->d));
+}
+
 /* The traversals, one table per compiled variant; all variants give the same bits. */
 struct pen_trace_ops {
     const char *name;
