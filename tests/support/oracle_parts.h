@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/* What the two halves of the oracle share: its bodies, lights and small vector sums. */
+#ifndef TESTS_SUPPORT_ORACLE_PARTS_H
+#define TESTS_SUPPORT_ORACLE_PARTS_H
+
+#include <math.h>
+#include <stdbool.h>
+
+typedef long double real;
+
+struct point {
+    real x, y, z;
+};
+
+static inline struct point point_sum(struct point a, struct point b)
+{
+    return (struct point){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline struct point point_difference(struct point a, struct point b)
+{
+    return (struct point){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static inline struct point point_times(struct point a, real s)
+{
+    return (struct point){a.x * s, a.y * s, a.z * s};
+}
+/* Component by component: colours. */
+static inline struct point point_product(struct point a, struct point b)
+{
+    return (struct point){a.x * b.x, a.y * b.y, a.z * b.z};
+}
+static inline real point_dot(struct point a, struct point b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline struct point point_cross(struct point a, struct point b)
+{
+    return (struct point){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+static inline real point_length(struct point a)
+{
+    return sqrtl(point_dot(a, a));
+}
+static inline struct point point_unit(struct point a)
+{
+    return point_times(a, 1 / point_length(a));
+}
+static inline real point_largest(struct point a)
+{
+    return fmaxl(a.x, fmaxl(a.y, a.z));
+}
+
+struct oracle_material {
+    struct point emission, ka, kd, ks, kt, kr;
+    real shininess;
+};
+
+enum oracle_kind { ORACLE_SPHERE, ORACLE_PLANE, ORACLE_RING, ORACLE_TUBE, ORACLE_CYLINDER };
+
+/* A body in world space. */
+struct oracle_body {
+    enum oracle_kind kind;
+    struct oracle_material material;
+    struct point origin; /* centre, a point of the plane or axis, the base's centre */
+    struct point axis;   /* unit: of the tube or cylinder; the normal of a flat body */
+    real radius, height;
+    bool caps;
+    int count; /* of a ring's corners: triangles and polygons */
+    struct point *corners;
+};
+
+enum oracle_light_kind { ORACLE_DIRECTIONAL, ORACLE_POINT, ORACLE_SPOT };
+
+struct oracle_light {
+    enum oracle_light_kind kind;
+    struct point intensity, position, direction; /* direction: unit */
+    real kc, kl, kq, beam_exponent;
+    bool shadows;
+};
+
+struct oracle_scene {
+    struct point background, ambient;
+    struct point eye, forward, right, up; /* unit frame */
+    real distance, plane_width, plane_height;
+    bool square_pixels; /* the plane's width follows the image's shape */
+    int max_depth;
+    real min_contribution;
+    real tie; /* distances nearer than this are the same place */
+    int body_count, body_capacity, light_count;
+    struct oracle_body *bodies;
+    struct oracle_light *lights;
+};
+
+#endif

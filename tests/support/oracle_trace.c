@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: MIT */
+/* The oracle's optics: shading-model.md read aloud, in long double, by trying every body. */
+#include "support/oracle.h"
+#include "support/oracle_parts.h"
+
+struct ray {
+    struct point from, way; /* way: unit */
+};
+
+/* A place on a ray, ordered by distance and then by the document. */
+struct place {
+    real t;
+    int body; /* -1: the ray's own start */
+};
+
+static struct point ray_at(struct ray ray, real t)
+{
+    return point_sum(ray.from, point_times(ray.way, t));
+}
+
+static int sphere_roots(const struct oracle_body *b, struct ray ray, real t[2])
+{
+    struct point m = point_difference(b->origin, ray.from);
+    real middle = point_dot(m, ray.way);
+    struct point off = point_difference(m, point_times(ray.way, middle));
+    real half = b->radius * b->radius - point_dot(off, off);
+    if (half < 0)
+        return 0;
+    t[0] = middle - sqrtl(half);
+    t[1] = middle + sqrtl(half);
+    return 2;
+}
+
+/* The side of a tube or cylinder, as if infinite. */
+static int side_roots(const struct oracle_body *b, struct ray ray, real t[2])
+{
+    struct point m = point_difference(ray.from, b->origin);
+    struct point flat_way =
+        point_difference(ray.way, point_times(b->axis, point_dot(ray.way, b->axis)));
+    struct point flat_m = point_difference(m, point_times(b->axis, point_dot(m, b->axis)));
+    real speed = point_length(flat_way);
+    if (speed < 1e-15L)
+        return 0;
+    struct point u = point_times(flat_way, 1 / speed);
+    real middle = -point_dot(flat_m, u);
+    struct point off = point_sum(flat_m, point_times(u, middle));
+    real half = b->radius * b->radius - point_dot(off, off);
+    if (half < 0)
+        return 0;
+    t[0] = (middle - sqrtl(half)) / speed;
+    t[1] = (middle + sqrtl(half)) / speed;
+    return 2;
+}
+
+static int plane_root(struct point origin, struct point normal, struct ray ray, real t[1])
+{
+    real slope = point_dot(ray.way, normal);
+    if (slope == 0)
+        return 0;
+    t[0] = point_dot(point_difference(origin, ray.from), normal) / slope;
+    return 1;
+}
+
+static int cylinder_roots(const struct oracle_body *b, struct ray ray, real t[4])
+{
+    real side[2];
+    int n = 0;
+    for (int i = 0, found = side_roots(b, ray, side); i < found; i++) {
+        real h = point_dot(point_difference(ray_at(ray, side[i]), b->origin), b->axis);
+        if (h >= 0 && h <= b->height)
+            t[n++] = side[i];
+    }
+    for (int end = 0; end < 2 && b->caps; end++) {
+        struct point center = point_sum(b->origin, point_times(b->axis, end ? b->height : 0));
+        if (!plane_root(center, b->axis, ray, t + n))
+            continue;
+        struct point off = point_difference(ray_at(ray, t[n]), center);
+        if (point_dot(off, off) <= b->radius * b->radius)
+            n++;
+    }
+    return n;
+}
+
+/* Even-odd rule, seen along the normal's longest axis. */
+static bool ring_holds(const struct oracle_body *b, struct point p)
+{
+    real nx = fabsl(b->axis.x), ny = fabsl(b->axis.y), nz = fabsl(b->axis.z);
+    bool drop_x = nx >= ny && nx >= nz, drop_y = !drop_x && ny >= nz;
+    bool inside = false;
+    real pu = drop_x ? p.y : p.x, pv = drop_x || drop_y ? p.z : p.y;
+    for (int i = 0, j = b->count - 1; i < b->count; j = i++) {
+        struct point c = b->corners[i], d = b->corners[j];
+        real cu = drop_x ? c.y : c.x, cv = drop_x || drop_y ? c.z : c.y;
+        real du = drop_x ? d.y : d.x, dv = drop_x || drop_y ? d.z : d.y;
+        if ((cv > pv) != (dv > pv) && pu < (du - cu) * (pv - cv) / (dv - cv) + cu)
+            inside = !inside;
+    }
+    return inside;
+}
+
+static int roots(const struct oracle_body *b, struct ray ray, real t[4])
+{
+    switch (b->kind) {
+    case ORACLE_SPHERE:
+        return sphere_roots(b, ray, t);
+    case ORACLE_TUBE:
+        return side_roots(b, ray, t);
+    case ORACLE_CYLINDER:
+        return cylinder_roots(b, ray, t);
+    case ORACLE_PLANE:
+        return plane_root(b->origin, b->axis, ray, t);
+    default:
+        return plane_root(b->origin, b->axis, ray, t) && ring_holds(b, ray_at(ray, t[0]));
+    }
+}
+
+static bool comes_after(real t, int body, struct place place, real tie)
+{
+    if (place.body < 0)
+        return t > tie;
+    return t > place.t + tie || (t >= place.t - tie && body > place.body);
+}
+
+/* The first place on the ray after another one. */
+static bool next_hit(const struct oracle_scene *s, struct ray ray, struct place after,
+                     struct place *hit)
+{
+    hit->body = -1;
+    for (int i = 0; i < s->body_count; i++) {
+        real t[4];
+        int n = roots(&s->bodies[i], ray, t);
+        for (int k = 0; k < n; k++)
+            if (comes_after(t[k], i, after, s->tie) && (hit->body < 0 || t[k] < hit->t - s->tie)) {
+                hit->t = t[k];
+                hit->body = i;
+            }
+    }
+    return hit->body >= 0;
+}
+
+static struct point normal_at(const struct oracle_body *b, struct point p, real tie)
+{
+    struct point m = point_difference(p, b->origin);
+    real h = point_dot(m, b->axis);
+    if (b->kind == ORACLE_PLANE || b->kind == ORACLE_RING)
+        return b->axis;
+    if (b->kind == ORACLE_SPHERE)
+        return point_unit(m);
+    struct point out = point_difference(m, point_times(b->axis, h));
+    if (b->kind == ORACLE_CYLINDER && b->caps && point_length(out) < b->radius - tie &&
+        (fabsl(h) <= tie || fabsl(h - b->height) <= tie))
+        return b->axis;
+    return point_unit(out);
+}
+
+/* The product of kt over what lies strictly between; `reach` HUGE_VALL for a direction. */
+static struct point transmittance(const struct oracle_scene *s, struct point p, struct point way,
+                                  real reach)
+{
+    struct point clear = {1, 1, 1};
+    struct ray ray = {p, way};
+    for (int i = 0; i < s->body_count; i++) {
+        real t[4];
+        int n = roots(&s->bodies[i], ray, t);
+        for (int k = 0; k < n; k++)
+            if (t[k] > s->tie && t[k] < reach - s->tie)
+                clear = point_product(clear, s->bodies[i].material.kt);
+    }
+    return clear;
+}
+
+static real power(real base, real exponent)
+{
+    return base <= 0 ? 0 : powl(base, exponent);
+}
+
+static struct point light_at(const struct oracle_scene *s, const struct oracle_light *light,
+                             const struct oracle_material *m, struct point p, struct point n,
+                             struct point v)
+{
+    struct point none = {0, 0, 0}, l = light->direction, arriving = light->intensity;
+    real reach = HUGE_VALL;
+    if (light->kind != ORACLE_DIRECTIONAL) {
+        l = point_difference(p, light->position);
+        reach = point_length(l);
+        l = point_times(l, 1 / reach);
+        real fade = light->kc + light->kl * reach + light->kq * reach * reach;
+        if (light->kind == ORACLE_SPOT)
+            fade /= power(point_dot(light->direction, l), light->beam_exponent);
+        arriving = point_times(arriving, 1 / fade);
+    }
+    real facing = point_dot(n, l);
+    if (facing >= 0)
+        return none;
+    struct point r = point_difference(l, point_times(n, 2 * facing));
+    struct point term = point_sum(point_times(m->kd, -facing),
+                                  point_times(m->ks, power(-point_dot(v, r), m->shininess)));
+    if (light->shadows)
+        arriving = point_product(arriving, transmittance(s, p, point_times(l, -1), reach));
+    return point_product(arriving, term);
+}
+
+/* How far a path has come. */
+struct progress {
+    struct place after;
+    int depth; /* surfaces shaded before */
+    struct point weight;
+};
+
+static struct point seen(const struct oracle_scene *s, struct ray ray, struct progress path);
+
+/* What a secondary ray adds, its factor applied. */
+static struct point secondary(const struct oracle_scene *s, struct ray ray, struct progress path,
+                              struct point factor)
+{
+    struct point none = {0, 0, 0};
+    path.weight = point_product(path.weight, factor);
+    path.depth++;
+    real most = point_largest(path.weight);
+    if (path.depth >= s->max_depth || most <= 0 || most < s->min_contribution)
+        return none;
+    return point_product(factor, seen(s, ray, path));
+}
+
+static struct point seen(const struct oracle_scene *s, struct ray ray, struct progress path)
+{
+    struct place hit;
+    if (!next_hit(s, ray, path.after, &hit))
+        return s->background;
+    const struct oracle_body *b = &s->bodies[hit.body];
+    const struct oracle_material *m = &b->material;
+    struct point p = ray_at(ray, hit.t), n = normal_at(b, p, s->tie), sum = m->emission;
+    if (point_dot(n, ray.way) > 0)
+        n = point_times(n, -1);
+    if (path.depth == 0)
+        sum = point_sum(sum, point_product(s->ambient, m->ka));
+    for (int i = 0; i < s->light_count; i++)
+        sum = point_sum(sum, light_at(s, &s->lights[i], m, p, n, ray.way));
+    struct progress through = {hit, path.depth, path.weight};
+    sum = point_sum(sum, secondary(s, ray, through, m->kt));
+    struct point back = point_difference(ray.way, point_times(n, 2 * point_dot(n, ray.way)));
+    struct progress away = {{0, -1}, path.depth, path.weight};
+    return point_sum(sum, secondary(s, (struct ray){p, point_unit(back)}, away, m->kr));
+}
+
+void oracle_pixel(const struct oracle_scene *s, int width, int height, int x, int y, double rgb[3])
+{
+    real w = s->square_pixels ? s->plane_height * width / height : s->plane_width;
+    real right = w * ((x + 0.5L) / width - 0.5L);
+    real up = s->plane_height * (0.5L - (y + 0.5L) / height);
+    struct point way = point_sum(point_times(s->forward, s->distance),
+                                 point_sum(point_times(s->right, right), point_times(s->up, up)));
+    struct progress start = {{0, -1}, 0, {1, 1, 1}};
+    struct point c = seen(s, (struct ray){s->eye, point_unit(way)}, start);
+    rgb[0] = (double)c.x;
+    rgb[1] = (double)c.y;
+    rgb[2] = (double)c.z;
+}
