@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Opening and closing. A file is touched only once it is known to be ours: what it is gets read
- * from its first bytes before SQLite, which would already write, sees it. Handles of several
- * processes may open at the same time; making and migrating is done under a lock on the file of
- * the wake-up hints. */
+/* Opening and closing. A file is touched only once it is known to be ours: its first bytes are
+ * looked at before the first statement, which could already write. Handles of several processes
+ * may open at the same time; making and migrating is done under a lock on the file of the wake-up
+ * hints. The database file is read through SQLite's own descriptor: closing another one would
+ * drop the POSIX locks that other handles of this process hold on the file. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -111,40 +112,49 @@ static uint32_t big_endian(const unsigned char bytes[4])
 /* Refuses a file that is not a store of ours, from the header of SQLite's file format (magic at
  * 0, application id at 68). A rollback journal beside it means that its creation was cut short:
  * then SQLite must first undo what is half written. */
-static bool check_header(int fd, const char *path, struct pen_status *st)
+static bool check_header(struct pen_sq_store *store, struct pen_status *st)
 {
     unsigned char header[100];
     char journal[4096];
-    ssize_t n = pread(fd, header, sizeof header, 0);
-    if (n < 0)
-        return pen_fail(st, PEN_STORAGE, "cannot read %s: %s", path, strerror(errno));
-    snprintf(journal, sizeof journal, "%s-journal", path);
-    if (n == 0 || access(journal, F_OK) == 0)
+    sqlite3_file *file = NULL;
+    sqlite3_int64 bytes = 0;
+    int rc = sqlite3_file_control(store->db, "main", SQLITE_FCNTL_FILE_POINTER, &file);
+    if (rc == SQLITE_OK)
+        rc = file->pMethods->xFileSize(file, &bytes);
+    snprintf(journal, sizeof journal, "%s-journal", store->path);
+    if (rc == SQLITE_OK && (bytes == 0 || access(journal, F_OK) == 0))
         return true;
-    if (n < (ssize_t)sizeof header || memcmp(header, "SQLite format 3", 16) != 0)
+    if (rc == SQLITE_OK && bytes >= (sqlite3_int64)sizeof header)
+        rc = file->pMethods->xRead(file, header, (int)sizeof header, 0);
+    if (rc != SQLITE_OK)
+        return pen_sq_error(store, rc, st);
+    if (bytes < (sqlite3_int64)sizeof header || memcmp(header, "SQLite format 3", 16) != 0)
         return pen_fail(st, PEN_STORAGE,
                         "%s is not a Penumbra store, or its beginning is damaged; nothing was "
                         "changed: give another path, restore a backup, or move the file away",
-                        path);
+                        store->path);
     if (big_endian(header + 68) != SQ_APPLICATION_ID)
         return pen_fail(st, PEN_STORAGE,
                         "%s is a database of another program; give another path for the store",
-                        path);
+                        store->path);
     return true;
 }
 
-/* Makes the file, readable by its owner alone, or looks at the one that is there. */
-static bool prepare_file(struct pen_sq_store *store, struct pen_status *st)
+static bool cannot_open(const char *path, int error, struct pen_status *st)
 {
-    if (!make_folders(store->path, st))
-        return false;
-    int fd = open(store->path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (fd < 0)
-        return pen_fail(st, errno == ENOSPC ? PEN_STORAGE_FULL : PEN_STORAGE,
-                        "cannot open the store %s: %s", store->path, strerror(errno));
-    bool ok = check_header(fd, store->path, st);
-    close(fd);
-    return ok;
+    return pen_fail(st, error == ENOSPC ? PEN_STORAGE_FULL : PEN_STORAGE,
+                    "cannot open the store %s: %s", path, strerror(error));
+}
+
+/* Makes the file, readable by its owner alone, if it is not there. */
+static bool make_file(const char *path, struct pen_status *st)
+{
+    int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (fd < 0 && errno != EEXIST)
+        return cannot_open(path, errno, st);
+    if (fd >= 0)
+        close(fd);
+    return true;
 }
 
 /* Waits for another's write in short, slightly growing steps; SQLite's own handler sleeps up to
@@ -182,7 +192,7 @@ static bool configure(struct pen_sq_store *store, struct pen_status *st)
                        st);
 }
 
-static bool connect(struct pen_sq_store *store, struct pen_status *st)
+static bool open_database(struct pen_sq_store *store, struct pen_status *st)
 {
     int rc =
         sqlite3_open_v2(store->path, &store->db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
@@ -190,24 +200,24 @@ static bool connect(struct pen_sq_store *store, struct pen_status *st)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     if (rc != SQLITE_OK)
         return pen_sq_error(store, rc, st);
-    if (!configure(store, st) || !pen_sq_migrate(store, st) || !pen_sq_guard_states(store, st))
+    if (!check_header(store, st) || !configure(store, st) || !pen_sq_migrate(store, st) ||
+        !pen_sq_guard_states(store, st))
         return false;
     sqlite3_wal_hook(store->db, on_wal, store);
     return true;
 }
 
-/* The steps that several processes must not take at once, one after the other. */
+/* The steps that must not be taken by two at once. */
 static bool open_locked(struct pen_sq_store *store, const char *lock_path, struct pen_status *st)
 {
-    if (!prepare_file(store, st))
+    if (!make_folders(store->path, st))
         return false;
     int lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (lock < 0)
-        return pen_fail(st, errno == ENOSPC ? PEN_STORAGE_FULL : PEN_STORAGE, "cannot open %s: %s",
-                        lock_path, strerror(errno));
+        return cannot_open(lock_path, errno, st);
     while (flock(lock, LOCK_EX) != 0 && errno == EINTR)
         continue;
-    bool ok = connect(store, st);
+    bool ok = make_file(store->path, st) && open_database(store, st);
     close(lock);
     if (!ok)
         return false;

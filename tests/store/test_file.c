@@ -39,6 +39,7 @@ static void remove_bed(void)
     char command[128];
     snprintf(command, sizeof command, "rm -rf %s", bed.folder);
     ck_assert_int_eq(system(command), 0);
+    bed = (struct store_bed){0};
 }
 
 /* Opening must fail with words that contain `hint`, and leave the file as it was. */
@@ -337,9 +338,7 @@ START_TEST(test_file__many_may_open_a_new_store_at_once)
 {
     enum { THREADS = 8 };
     for (int round = 0; round < 5; round++) {
-        store_bed_open(&bed);
-        pen_store_close(bed.store);
-        remove_bed();
+        store_bed_make(&bed);
         pthread_t thread[THREADS];
         for (int i = 0; i < THREADS; i++)
             ck_assert_int_eq(pthread_create(&thread[i], NULL, open_and_submit, (void *)(intptr_t)i),

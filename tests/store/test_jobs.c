@@ -9,7 +9,7 @@
 
 START_TEST(test_jobs__submitted_job_is_there_as_given)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct store_job in;
     store_job_init(&in, 1, 2, 3);
@@ -38,7 +38,7 @@ END_TEST
 
 START_TEST(test_jobs__unknown_job_is_not_found)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_status st;
     struct pen_job_record job;
@@ -67,7 +67,7 @@ END_TEST
 
 START_TEST(test_jobs__scene_is_given_back_byte_for_byte)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct store_job in;
     store_job_init(&in, 1, 1, 1);
@@ -106,7 +106,7 @@ static enum pen_submit_result submit_with_key(struct pen_store *store, int n, co
 
 START_TEST(test_jobs__key_gives_the_first_answer_again)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_buf answer = {0};
     ck_assert_int_eq(submit_with_key(bed.store, 1, "k", 9, &answer), PEN_SUBMIT_CREATED);
@@ -129,7 +129,7 @@ END_TEST
 
 START_TEST(test_jobs__key_is_forgotten_when_it_is_old)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_buf answer = {0};
     struct pen_status st;
@@ -145,7 +145,7 @@ END_TEST
 
 START_TEST(test_jobs__key_outlives_its_job)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_buf answer = {0};
     struct pen_status st;
@@ -179,7 +179,7 @@ static void list_as_text(struct pen_store *store, const struct pen_job_filter *f
 
 START_TEST(test_jobs__list_is_newest_first_and_continues_below_a_number)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     for (int n = 0; n < 7; n++) {
         struct store_job in;
@@ -206,7 +206,7 @@ END_TEST
 
 START_TEST(test_jobs__list_filters_by_state_and_kind)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_status st;
     for (int n = 0; n < 6; n++) {
@@ -237,7 +237,7 @@ END_TEST
 
 START_TEST(test_jobs__cancel_ends_a_job_once_and_leaves_ended_ones)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_status st;
     struct store_job in, done;
@@ -266,7 +266,7 @@ END_TEST
 
 START_TEST(test_jobs__delete_wants_an_ended_job_and_leaves_nothing)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_status st;
     struct store_job in;
@@ -292,7 +292,7 @@ END_TEST
 
 START_TEST(test_jobs__delete_keeps_a_scene_that_another_job_names)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_status st;
     struct store_job one, two;
@@ -312,7 +312,7 @@ END_TEST
 
 START_TEST(test_jobs__submit_without_batches_for_a_view_stores_nothing)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     struct pen_status st;
     struct store_job in;

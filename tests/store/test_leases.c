@@ -456,11 +456,12 @@ START_TEST(test_leases__pixels_come_back_bit_for_bit_in_order_of_tiles)
 }
 END_TEST
 
-static bool append_stats(void *user, int view, enum pen_batch_kind kind, const char *stats)
+static bool append_stats(void *user, const struct pen_batch_stats *batch)
 {
     char *text = user;
     size_t used = strlen(text);
-    snprintf(text + used, 64 - used, "%d%d%s ", view, (int)kind, stats);
+    snprintf(text + used, 64 - used, "%d%d%s ", batch->view, (int)batch->kind, batch->stats);
+    ck_assert_int_gt(batch->done_ms, 1000000);
     return true;
 }
 

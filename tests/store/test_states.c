@@ -184,7 +184,7 @@ static void try_one(struct pen_store *store, int number, const struct situation 
 
 START_TEST(test_states__every_change_is_an_arrow_and_every_arrow_is_seen)
 {
-    struct store_bed bed;
+    struct store_bed bed = {0};
     store_bed_open(&bed);
     for (int s = 0; s < SITUATIONS; s++) {
         for (int o = 0; o < OPERATIONS; o++)

@@ -57,19 +57,26 @@ END_TEST
 
 START_TEST(test_wake__submit_in_another_process_wakes_a_waiting_worker)
 {
-    store_bed_open(&bed);
-    uint32_t seen = count(PEN_SIGNAL_WORK);
+    int go[2];
+    char byte = 0;
+    ck_assert_int_eq(pipe(go), 0);
+    store_bed_make(&bed);
     pid_t pid = fork();
     ck_assert_int_ge(pid, 0);
     if (pid == 0) {
         struct store_job in;
         struct pen_store *store = store_bed_handle(&bed);
         store_job_init(&in, 1, 1, 1);
+        if (read(go[0], &byte, 1) != 1)
+            _exit(1);
         pause_ms(100);
         store_job_submit(store, &in);
         pen_store_close(store);
         _exit(0);
     }
+    store_bed_open(&bed);
+    uint32_t seen = count(PEN_SIGNAL_WORK);
+    ck_assert_int_eq(write(go[1], &byte, 1), 1);
     ck_assert_int_lt(time_to_wake(bed.store, PEN_SIGNAL_WORK, seen), 10000);
     ck_assert_int_eq(store_work_off(bed.store, "w"), 1);
     waitpid(pid, NULL, 0);

@@ -22,11 +22,18 @@ struct pen_store *store_bed_handle(const struct store_bed *bed)
     return store;
 }
 
-void store_bed_open(struct store_bed *bed)
+void store_bed_make(struct store_bed *bed)
 {
+    *bed = (struct store_bed){0};
     snprintf(bed->folder, sizeof bed->folder, "/tmp/penumbra-test-XXXXXX");
     ck_assert_ptr_nonnull(mkdtemp(bed->folder));
     snprintf(bed->url, sizeof bed->url, "%s/penumbra.db", bed->folder);
+}
+
+void store_bed_open(struct store_bed *bed)
+{
+    if (!bed->folder[0])
+        store_bed_make(bed);
     bed->store = store_bed_handle(bed);
 }
 
@@ -64,6 +71,7 @@ void store_bed_close(struct store_bed *bed)
     store_audit_clean(bed->store);
     pen_store_close(bed->store);
     remove_folder(bed->folder);
+    *bed = (struct store_bed){0};
 }
 
 void store_job_init(struct store_job *job, int n, int views, int batches)

@@ -11,7 +11,11 @@ struct store_bed {
     struct pen_store *store;
 };
 
-/* Opens a new store; ends the test when it cannot. */
+/* Makes the folder and names the store, and opens nothing: a test that forks does so before it
+ * opens the store, since SQLite handles must not be carried across a fork. */
+void store_bed_make(struct store_bed *bed);
+
+/* Opens a new store, in a new folder unless one was made; ends the test when it cannot. */
 void store_bed_open(struct store_bed *bed);
 
 /* Audits the store (the test fails on any finding), closes it, removes the folder. */
