@@ -15,45 +15,81 @@ const char *pen_effect_name(int bit)
     return bit >= 0 && bit < PEN_FX_COUNT ? names[bit] : "unknown";
 }
 
-/* The effects that materials call for; those that no body has do not count. */
-static unsigned material_effects(const struct pen_scene *scene)
+/* What is known of a scene while its bodies are looked through. */
+struct survey {
+    bool ambient_light, lights, shadows; /* lights: lit ones; shadows: some of them cast any */
+    bool see_through;                    /* a body lets light pass */
+    unsigned effects;
+};
+
+/* Adds what one body's material calls for; materials that no body has do not count. */
+static void add_material(struct survey *survey, const struct pen_material *m)
 {
-    unsigned effects = 0;
-    for (uint32_t i = 0; i < scene->prims.count; i++) {
-        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
-        if (unit_lit(scene->ambient) && unit_lit(m->ka))
-            effects |= PEN_FX_AMBIENT;
-        if (unit_lit(m->kr))
-            effects |= PEN_FX_MIRROR;
-        if (unit_lit(m->kt))
-            effects |= PEN_FX_TRANSMISSION;
-        if (scene->light_count > 0 && unit_lit(m->ks))
-            effects |= PEN_FX_SPECULAR;
-        if (scene->light_count > 0 && (unit_lit(m->kd) || unit_lit(m->ks)))
-            effects |= PEN_FX_HARD_SHADOWS;
-    }
-    return effects;
+    if (survey->ambient_light && unit_lit(m->ka))
+        survey->effects |= PEN_FX_AMBIENT;
+    if (unit_lit(m->kr))
+        survey->effects |= PEN_FX_MIRROR;
+    if (unit_lit(m->kt))
+        survey->effects |= PEN_FX_TRANSMISSION;
+    if (survey->lights && unit_lit(m->ks))
+        survey->effects |= PEN_FX_SPECULAR;
+    if (survey->shadows && (unit_lit(m->kd) || unit_lit(m->ks)))
+        survey->effects |= PEN_FX_HARD_SHADOWS;
+    survey->see_through = survey->see_through || unit_lit(m->kt);
+}
+
+static unsigned survey_end(const struct survey *survey)
+{
+    bool colours = (survey->effects & PEN_FX_HARD_SHADOWS) && survey->see_through;
+    return survey->effects | (colours ? PEN_FX_SHADOW_TRANSMITTANCE : 0u);
 }
 
 unsigned pen_effects_of_scene(const struct pen_scene *scene)
 {
-    unsigned effects = material_effects(scene);
-    bool shadows = false;
+    struct survey survey = {.ambient_light = unit_lit(scene->ambient),
+                            .lights = scene->light_count > 0};
     for (uint32_t i = 0; i < scene->light_count; i++)
-        shadows = shadows || scene->lights[i].shadows;
-    if (!shadows)
-        effects &= ~(unsigned)PEN_FX_HARD_SHADOWS;
-    if ((effects & PEN_FX_HARD_SHADOWS) && scene->any_see_through)
-        effects |= PEN_FX_SHADOW_TRANSMITTANCE;
-    return effects;
+        survey.shadows = survey.shadows || scene->lights[i].shadows;
+    for (uint32_t i = 0; i < scene->prims.count; i++)
+        add_material(&survey, &scene->materials[scene->prim_material[i]]);
+    return survey_end(&survey);
 }
 
-unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_settings *settings)
+static void survey_objects(struct survey *survey, const struct pen_scene_desc *desc,
+                           const struct pen_object_desc *objects, uint32_t count)
 {
-    unsigned effects = scene->effects;
+    const struct pen_material none = pen_material_default();
+    for (uint32_t i = 0; i < count; i++) {
+        const struct pen_object_desc *o = &objects[i];
+        if (o->kind == PEN_OBJECT_GROUP)
+            survey_objects(survey, desc, o->u.group.objects, o->u.group.count);
+        else
+            add_material(survey, o->material < 0 ? &none : &desc->materials[o->material]);
+    }
+}
+
+static unsigned with_settings(unsigned effects, const struct pen_settings *settings)
+{
     if (settings->max_depth <= 1)
         effects &= ~(unsigned)(PEN_FX_MIRROR | PEN_FX_TRANSMISSION);
     if (settings->samples_per_pixel > 1)
         effects |= PEN_FX_ANTI_ALIASING;
     return effects;
+}
+
+unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings)
+{
+    struct survey survey = {.ambient_light = unit_lit(desc->ambient)};
+    for (uint32_t i = 0; i < desc->light_count; i++) {
+        bool lit = unit_lit(desc->lights[i].intensity);
+        survey.lights = survey.lights || lit;
+        survey.shadows = survey.shadows || (lit && desc->lights[i].shadows);
+    }
+    survey_objects(&survey, desc, desc->objects, desc->object_count);
+    return with_settings(survey_end(&survey), settings);
+}
+
+unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_settings *settings)
+{
+    return with_settings(scene->effects, settings);
 }

@@ -97,4 +97,7 @@ struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, in
 /* The effects that a render with these settings really simulates. */
 unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_settings *settings);
 
+/* The same of a scene that is not frozen: equal to what pen_scene_effects says once it is. */
+unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings);
+
 #endif
