@@ -12,13 +12,14 @@ struct commit {
     struct pen_sq_standing standing;
 };
 
-static bool finish_batch(struct pen_sq_store *store, const struct commit *commit,
+static bool finish_batch(struct pen_sq_store *store, const struct commit *commit, int64_t now_ms,
                          struct pen_status *st)
 {
     struct pen_sq_query query = pen_sq_query(store, SQ_BATCH_DONE);
     pen_sq_int(&query, commit->claim->batch);
     pen_sq_int(&query, commit->claim->attempt);
     pen_sq_text(&query, commit->result->stats);
+    pen_sq_int(&query, now_ms);
     return pen_sq_run(&query, st);
 }
 
@@ -111,7 +112,7 @@ static bool write_result(struct pen_sq_store *store, const struct commit *commit
     int64_t now_ms = pen_clock_wall_ms();
     bool render = commit->standing.kind == PEN_BATCH_RENDER;
     store->base.news = true;
-    if (!finish_batch(store, commit, st) || !add_progress(store, commit, now_ms, st) ||
+    if (!finish_batch(store, commit, now_ms, st) || !add_progress(store, commit, now_ms, st) ||
         (render && !add_pixels(store, commit, st)) ||
         (commit->result->artefact && !add_artefact(store, commit, st)))
         return false;

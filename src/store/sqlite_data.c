@@ -66,10 +66,14 @@ static bool read_stats(struct pen_sq_store *store, void *arg, struct pen_status 
     bool ok = true, row = true, more = true;
     while (ok && row && more) {
         ok = pen_sq_next(&query, &row, st);
-        if (ok && row)
-            more = listing->stats(listing->user, (int)pen_sq_column_int(&query, 0),
-                                  (enum pen_batch_kind)pen_sq_column_int(&query, 1),
-                                  pen_sq_column_text(&query, 2));
+        if (ok && row) {
+            struct pen_batch_stats batch = {.view = (int)pen_sq_column_int(&query, 0),
+                                            .kind =
+                                                (enum pen_batch_kind)pen_sq_column_int(&query, 1),
+                                            .done_ms = pen_sq_column_int(&query, 2),
+                                            .stats = pen_sq_column_text(&query, 3)};
+            more = listing->stats(listing->user, &batch);
+        }
     }
     pen_sq_end(&query);
     return ok;

@@ -62,8 +62,10 @@ static const char *const sql_text[SQ_COUNT] = {
 
     [SQ_BATCH_GET] = "SELECT job, view, kind, state, attempt, pixels, lease_until_ms FROM batch"
                      " WHERE id = ?",
-    [SQ_BATCH_DONE] = "UPDATE batch SET state = 2, worker = NULL, lease_until_ms = NULL, stats = ?3"
-                      " WHERE id = ?1 AND attempt = ?2 AND state = 1",
+    [SQ_BATCH_DONE] =
+        "UPDATE batch SET state = 2, worker = NULL, lease_until_ms = NULL, stats = ?3,"
+        " done_ms = ?4"
+        " WHERE id = ?1 AND attempt = ?2 AND state = 1",
     [SQ_PIXELS_ADD] = "INSERT INTO pixels (batch, data) VALUES (?, ?)",
     [SQ_VIEW_COUNT_DOWN] = "UPDATE view SET open_batches = open_batches - 1"
                            " WHERE job = ? AND view = ?",
@@ -86,7 +88,7 @@ static const char *const sql_text[SQ_COUNT] = {
     [SQ_PIXELS_LIST] = "SELECT b.first_tile, b.tile_count, b.pixels, p.data"
                        " FROM batch b JOIN pixels p ON p.batch = b.id"
                        " WHERE b.job = ? AND b.view = ? AND b.kind = 0 ORDER BY b.id",
-    [SQ_STATS_LIST] = "SELECT view, kind, stats FROM batch"
+    [SQ_STATS_LIST] = "SELECT view, kind, done_ms, stats FROM batch"
                       " WHERE job = ? AND state = 2 AND stats IS NOT NULL ORDER BY id",
     [SQ_BATCH_LIST] = "SELECT id, attempt, kind, state, view, first_tile, tile_count, pixels,"
                       " worker FROM batch WHERE job = ? ORDER BY id",

@@ -238,8 +238,15 @@ typedef bool pen_pixels_fn(void *user, int first_tile, int tile_count, const flo
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
                       void *user, struct pen_status *st);
 
-/* Calls `each` for the statistics of every committed batch of a job, in order. */
-typedef bool pen_stats_fn(void *user, int view, enum pen_batch_kind kind, const char *stats);
+/* Calls `each` for the statistics of every committed batch of a job, oldest batch first; stops
+ * when it returns false. Fails: PEN_NOT_FOUND (no such job). */
+struct pen_batch_stats {
+    enum pen_batch_kind kind;
+    int view;
+    int64_t done_ms; /* wall clock of its commit */
+    const char *stats;
+};
+typedef bool pen_stats_fn(void *user, const struct pen_batch_stats *batch);
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
                      struct pen_status *st);
 
