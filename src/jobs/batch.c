@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT */
+/* Rendering a batch and assembling a view. Rule R3 of the farm notes: a view of several batches
+ * gets its picture from committed pixels alone, one of a single batch from the pixels that are
+ * committed with it. */
+#include "batch.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/base/clock.h"
+#include "stats.h"
+
+static double ms_since(int64_t begin_ns)
+{
+    return (double)(pen_clock_ns() - begin_ns) * 1e-6;
+}
+
+void pen_batch_work_release(struct pen_batch_work *work)
+{
+    pen_buf_release(&work->picture);
+    free(work->stats);
+    *work = (struct pen_batch_work){0};
+}
+
+void pen_batch_room_release(struct pen_batch_room *room)
+{
+    json_decref(room->plan.request);
+    free(room->image);
+    free(room->tiles);
+}
+
+/* The job's settings and views; batches of one job come one after the other. */
+static bool load_plan(struct pen_batch_room *room, const struct pen_claim *claim,
+                      struct pen_status *st)
+{
+    struct pen_job_record job;
+    if (strcmp(room->plan_id, claim->job_id) == 0)
+        return true;
+    room->plan_id[0] = '\0';
+    json_decref(room->plan.request);
+    room->plan.request = NULL;
+    if (!pen_store_job(room->store, claim->job_id, &job, st))
+        return false;
+    bool ok = pen_job_plan_read(job.request, &room->plan, st);
+    pen_job_record_release(&job);
+    if (ok)
+        memcpy(room->plan_id, claim->job_id, sizeof room->plan_id);
+    return ok;
+}
+
+static bool make_room(float **pixels, size_t *capacity, size_t wanted, struct pen_status *st)
+{
+    if (wanted <= *capacity)
+        return true;
+    free(*pixels);
+    *capacity = 0;
+    *pixels = wanted < SIZE_MAX / 3 / sizeof **pixels ? malloc(wanted * 3 * sizeof **pixels) : NULL;
+    if (!*pixels)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu pixels", wanted);
+    *capacity = wanted;
+    return true;
+}
+
+static bool encode(struct pen_batch_room *room, struct pen_film film, struct pen_batch_work *work,
+                   double *encode_ms, struct pen_status *st)
+{
+    int64_t begin_ns = pen_clock_ns();
+    if (!pen_canvas_encode(&film, &room->plan.settings, "png", &work->picture, st))
+        return false;
+    work->result.layer = "beauty";
+    work->result.format = "png";
+    work->result.artefact = work->picture.data;
+    work->result.artefact_bytes = work->picture.bytes;
+    *encode_ms = ms_since(begin_ns);
+    return true;
+}
+
+/* Statistics as they are stored: with the wall clock at which the batch goes to the store. */
+static bool write_stats(json_t *stats, struct pen_batch_work *work, struct pen_status *st)
+{
+    if (stats)
+        json_object_set_new(stats, "commit_ms", json_integer(pen_clock_wall_ms()));
+    work->stats = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
+    json_decref(stats);
+    work->result.stats = work->stats;
+    return work->stats || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
+}
+
+static bool run_tiles(struct pen_batch_room *room, const struct pen_claim *claim,
+                      const struct pen_scene *scene, struct pen_render_stats *stats,
+                      struct pen_status *st)
+{
+    const struct pen_settings *s = &room->plan.settings;
+    const char *view = pen_job_plan_view(&room->plan, claim->view);
+    struct pen_render_task task = {.scene = scene,
+                                   .view = view ? pen_scene_find_view(scene, view) : -1,
+                                   .settings = s,
+                                   .first_tile = claim->first_tile,
+                                   .tile_count = claim->tile_count,
+                                   .rgb = room->image,
+                                   .cancel = pen_heartbeat_flag(room->heart),
+                                   .keep_tile_ms = true};
+    if (task.view < 0)
+        return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
+    if (!pen_render_run(room->pool, &task, stats, st))
+        return false;
+    pen_tiles_gather(s, claim->first_tile, claim->tile_count, room->image, room->tiles);
+    return true;
+}
+
+static bool render(struct pen_batch_room *room, const struct pen_claim *claim,
+                   struct pen_batch_work *work, struct pen_status *st)
+{
+    const struct pen_settings *s = &room->plan.settings;
+    struct pen_scene_times times;
+    struct pen_render_stats stats;
+    const struct pen_scene *scene = pen_scene_cache_get(
+        room->scenes, room->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
+    if (!scene ||
+        !make_room(&room->image, &room->image_pixels, (size_t)s->width * (size_t)s->height, st) ||
+        !make_room(&room->tiles, &room->tiles_pixels, (size_t)claim->pixels, st) ||
+        !run_tiles(room, claim, scene, &stats, st))
+        return false;
+    work->result.rgb = room->tiles;
+    work->result.pixels = claim->pixels;
+    struct pen_stats_input in = {
+        .parse_ms = times.parse_ms, .build_ms = times.build_ms, .render = &stats, .scene = scene};
+    bool ok =
+        claim->view_batches > 1 ||
+        encode(room, (struct pen_film){s->width, s->height, room->image}, work, &in.encode_ms, st);
+    json_t *json = ok ? pen_stats_json(&in) : NULL;
+    if (json)
+        json_object_set_new(json, "tile_ms", pen_tile_times(stats.tile_ms, stats.tile_count));
+    free(stats.tile_ms);
+    return ok && write_stats(json, work, st);
+}
+
+static bool assemble(struct pen_batch_room *room, const struct pen_claim *claim,
+                     struct pen_batch_work *work, struct pen_status *st)
+{
+    const struct pen_settings *s = &room->plan.settings;
+    double encode_ms = 0;
+    int64_t filled = 0;
+    struct pen_film *film = pen_film_new(s->width, s->height, st);
+    bool ok = film &&
+              pen_canvas_load(room->store, claim->job_id, claim->view, s, film, NULL, &filled, st);
+    if (ok && filled != (int64_t)s->width * s->height)
+        ok =
+            pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", claim->job_id, claim->view);
+    ok = ok && encode(room, *film, work, &encode_ms, st);
+    pen_film_free(film);
+    return ok && write_stats(json_pack("{s:{s:o}}", "timing", "encode_ms", pen_stats_ms(encode_ms)),
+                             work, st);
+}
+
+bool pen_batch_do(struct pen_batch_room *room, const struct pen_claim *claim,
+                  struct pen_batch_work *work, struct pen_status *st)
+{
+    *work = (struct pen_batch_work){0};
+    pen_peak_reset();
+    bool ok = load_plan(room, claim, st);
+    if (ok)
+        ok = claim->kind == PEN_BATCH_RENDER ? render(room, claim, work, st)
+                                             : assemble(room, claim, work, st);
+    if (!ok)
+        pen_batch_work_release(work);
+    return ok;
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/* One batch, from claim to result, in memory: no commits here. */
+#ifndef PEN_JOBS_BATCH_H
+#define PEN_JOBS_BATCH_H
+
+#include "heartbeat.h"
+#include "jobs.h"
+#include "pen/render/render.h"
+#include "scene_cache.h"
+
+/* What a worker keeps from batch to batch. */
+struct pen_batch_room {
+    struct pen_store *store;
+    struct pen_pool *pool;
+    struct pen_heartbeat *heart;
+    struct pen_scene_cache *scenes;
+    char plan_id[PEN_ID_BYTES]; /* the job that plan is of, "" if there is none */
+    struct pen_job_plan plan;
+    float *image, *tiles;
+    size_t image_pixels, tiles_pixels; /* what the two have room for */
+};
+
+/* A finished batch; the pixels stay in the room. Owns: release it. */
+struct pen_batch_work {
+    struct pen_result result;
+    struct pen_buf picture;
+    char *stats;
+};
+void pen_batch_work_release(struct pen_batch_work *work);
+
+/* Renders or assembles. Fails: PEN_CANCELLED when the heartbeat said stop; PEN_NOT_FOUND (the job
+ * is gone), PEN_STORAGE …: the store; any other code is an error of the job. */
+bool pen_batch_do(struct pen_batch_room *room, const struct pen_claim *claim,
+                  struct pen_batch_work *work, struct pen_status *st);
+
+void pen_batch_room_release(struct pen_batch_room *room);
+
+#endif

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/* Committed pixels stand in the order of tiles, each its rows from the top: a batch is then one
+ * run of values whatever the image's width. Here they are brought to rows and back. */
+#include <string.h>
+
+#include "jobs.h"
+#include "pen/render/render.h"
+
+/* Pixels of the tiles before tile number `index`. Every row of tiles but the last is full. */
+static int64_t pixels_before(const struct pen_settings *s, int index)
+{
+    int across = pen_tile_count(s->width, 1, s->tile);
+    int64_t row = index / across, column = index % across;
+    int64_t top = row * s->tile;
+    int64_t height = s->height - top < s->tile ? s->height - top : s->tile;
+    if (height <= 0)
+        return (int64_t)s->width * s->height;
+    return top * s->width + column * s->tile * height;
+}
+
+int64_t pen_tiles_pixels(const struct pen_settings *settings, int first, int count)
+{
+    return pixels_before(settings, first + count) - pixels_before(settings, first);
+}
+
+void pen_tiles_gather(const struct pen_settings *settings, int first, int count, const float *image,
+                      float *tiles)
+{
+    for (int i = first; i < first + count; i++) {
+        struct pen_rect r = pen_tile_rect(settings->width, settings->height, settings->tile, i);
+        size_t row = (size_t)r.width * 3;
+        for (int y = r.y; y < r.y + r.height; y++, tiles += row)
+            memcpy(tiles, image + 3 * ((size_t)y * (size_t)settings->width + (size_t)r.x),
+                   row * sizeof *tiles);
+    }
+}
+
+void pen_tiles_scatter(const struct pen_settings *settings, int first, int count,
+                       const float *tiles, float *image)
+{
+    for (int i = first; i < first + count; i++) {
+        struct pen_rect r = pen_tile_rect(settings->width, settings->height, settings->tile, i);
+        size_t row = (size_t)r.width * 3;
+        for (int y = r.y; y < r.y + r.height; y++, tiles += row)
+            memcpy(image + 3 * ((size_t)y * (size_t)settings->width + (size_t)r.x), tiles,
+                   row * sizeof *tiles);
+    }
+}
+
+struct loading {
+    const struct pen_settings *settings;
+    struct pen_film *film;
+    unsigned char *mask;
+    int64_t filled;
+    bool odd; /* a batch did not fit the image */
+};
+
+static void mark_tiles(const struct loading *load, int first, int count)
+{
+    const struct pen_settings *s = load->settings;
+    for (int i = first; i < first + count; i++) {
+        struct pen_rect r = pen_tile_rect(s->width, s->height, s->tile, i);
+        for (int y = r.y; y < r.y + r.height; y++)
+            memset(load->mask + (size_t)y * (size_t)s->width + (size_t)r.x, 1, (size_t)r.width);
+    }
+}
+
+static bool place_batch(void *user, int first, int count, const float *rgb, int64_t pixels)
+{
+    struct loading *load = user;
+    const struct pen_settings *s = load->settings;
+    int total = pen_tile_count(s->width, s->height, s->tile);
+    load->odd = first < 0 || count < 0 || first > total || count > total - first ||
+                pixels != pen_tiles_pixels(s, first, count);
+    if (load->odd)
+        return false;
+    pen_tiles_scatter(s, first, count, rgb, load->film->rgb);
+    if (load->mask)
+        mark_tiles(load, first, count);
+    load->filled += pixels;
+    return true;
+}
+
+bool pen_canvas_load(struct pen_store *store, const char *id, int view,
+                     const struct pen_settings *settings, struct pen_film *film,
+                     unsigned char *mask, int64_t *filled, struct pen_status *st)
+{
+    struct loading load = {.settings = settings, .film = film, .mask = mask};
+    if (!pen_store_pixels(store, id, view, place_batch, &load, st))
+        return false;
+    *filled = load.filled;
+    return !load.odd || pen_fail(st, PEN_STORAGE, "job %s has pixels that its image lacks", id);
+}
+
+enum pen_transfer pen_canvas_transfer(const struct pen_settings *settings)
+{
+    return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
+}
+
+bool pen_canvas_encode(const struct pen_film *film, const struct pen_settings *settings,
+                       const char *format, struct pen_buf *out, struct pen_status *st)
+{
+    struct pen_png_options options = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
+                                      .transfer = pen_canvas_transfer(settings)};
+    if (strcmp(format, "pfm") == 0)
+        return pen_pfm_write(film, out, st);
+    return pen_png_write(film, &options, out, st);
+}

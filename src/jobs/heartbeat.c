@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+/* The thread looks five times a second: most looks only read (pen_store_heartbeat), so a cancel
+ * is seen at once and the lease costs a write every few seconds. A claim that comes and goes
+ * between two looks costs two locks. The thread sleeps for good while there is none. */
+#include "heartbeat.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "pen/base/clock.h"
+#include "pen/base/log.h"
+
+enum { LOOK_MS = 200 };
+
+struct pen_heartbeat {
+    struct pen_store *store; /* of the thread */
+    int64_t lease_ms;
+    pthread_t thread;
+    pthread_mutex_t lock;
+    pthread_cond_t change;
+    bool quit, asleep;       /* guarded by lock */
+    bool active;             /* guarded by lock */
+    struct pen_claim claim;  /* guarded by lock; of the active claim */
+    uint64_t turn;           /* guarded by lock; grows with every claim */
+    int64_t deadline_ns;     /* guarded by lock; INT64_MAX: none */
+    enum pen_beat_end ended; /* guarded by lock */
+    atomic_bool flag;        /* atomic: relaxed, the render threads only need to see it soon */
+};
+
+/* Notes an end, unless the claim it is about is over. */
+static void end_turn(struct pen_heartbeat *heart, uint64_t turn, enum pen_beat_end ended)
+{
+    if (!heart->active || heart->turn != turn || heart->ended != PEN_BEAT_HELD)
+        return;
+    heart->ended = ended;
+    atomic_store_explicit(&heart->flag, true, memory_order_relaxed);
+}
+
+/* Looks after the active claim. Called and returns with the lock held; the store is asked without
+ * it. A store that cannot be asked just now changes nothing: the lease may outlive that. */
+static void look(struct pen_heartbeat *heart)
+{
+    struct pen_claim claim = heart->claim;
+    uint64_t turn = heart->turn;
+    struct pen_status st;
+    bool held = true;
+    if (pen_clock_ns() >= heart->deadline_ns)
+        end_turn(heart, turn, PEN_BEAT_TIME_UP);
+    pthread_mutex_unlock(&heart->lock);
+    if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st))
+        pen_log(PEN_LOG_WARN, "heartbeat of job %s: %s", claim.job_id, st.msg);
+    pthread_mutex_lock(&heart->lock);
+    if (!held)
+        end_turn(heart, turn, PEN_BEAT_LOST);
+}
+
+static struct timespec after_ms(int64_t ms)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    int64_t ns = time.tv_nsec + ms * 1000000;
+    time.tv_sec += (time_t)(ns / 1000000000);
+    time.tv_nsec = (long)(ns % 1000000000);
+    return time;
+}
+
+/* Waits for the next look: for a while, or for the next claim when there was none for a while. */
+static void pause_thread(struct pen_heartbeat *heart, bool sleep)
+{
+    if (sleep) {
+        heart->asleep = true;
+        pthread_cond_wait(&heart->change, &heart->lock);
+        heart->asleep = false;
+        return;
+    }
+    struct timespec until = after_ms(LOOK_MS);
+    pthread_cond_timedwait(&heart->change, &heart->lock, &until);
+}
+
+static void *beat(void *user)
+{
+    struct pen_heartbeat *heart = user;
+    uint64_t last_turn = 0;
+    pthread_mutex_lock(&heart->lock);
+    while (!heart->quit) {
+        bool idle = !heart->active && heart->turn == last_turn;
+        bool seen_before = heart->active && heart->turn == last_turn;
+        last_turn = heart->turn;
+        if (seen_before)
+            look(heart);
+        if (!heart->quit)
+            pause_thread(heart, idle);
+    }
+    pthread_mutex_unlock(&heart->lock);
+    return NULL;
+}
+
+static void init_locks(struct pen_heartbeat *heart)
+{
+    pthread_condattr_t monotonic;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_cond_init(&heart->change, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+    pthread_mutex_init(&heart->lock, NULL);
+}
+
+struct pen_heartbeat *pen_heartbeat_new(const char *store_url, int64_t lease_ms,
+                                        struct pen_status *st)
+{
+    struct pen_heartbeat *heart = calloc(1, sizeof *heart);
+    if (!heart) {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the heartbeat");
+        return NULL;
+    }
+    heart->lease_ms = lease_ms;
+    heart->store = pen_store_open(store_url, st);
+    init_locks(heart);
+    if (heart->store && pthread_create(&heart->thread, NULL, beat, heart) == 0)
+        return heart;
+    if (heart->store)
+        pen_fail(st, PEN_NO_MEMORY, "the heartbeat's thread cannot be started");
+    pthread_cond_destroy(&heart->change);
+    pthread_mutex_destroy(&heart->lock);
+    pen_store_close(heart->store);
+    free(heart);
+    return NULL;
+}
+
+void pen_heartbeat_free(struct pen_heartbeat *heart)
+{
+    if (!heart)
+        return;
+    pthread_mutex_lock(&heart->lock);
+    heart->quit = true;
+    pthread_cond_signal(&heart->change);
+    pthread_mutex_unlock(&heart->lock);
+    pthread_join(heart->thread, NULL);
+    pthread_cond_destroy(&heart->change);
+    pthread_mutex_destroy(&heart->lock);
+    pen_store_close(heart->store);
+    free(heart);
+}
+
+void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *claim)
+{
+    int64_t left_ms = claim->started_ms + claim->timeout_ms - claim->claimed_ms;
+    pthread_mutex_lock(&heart->lock);
+    heart->claim = *claim;
+    heart->active = true;
+    heart->turn++;
+    heart->ended = PEN_BEAT_HELD;
+    heart->deadline_ns = claim->timeout_ms ? pen_clock_ns() + left_ms * 1000000 : INT64_MAX;
+    atomic_store_explicit(&heart->flag, false, memory_order_relaxed);
+    if (heart->asleep)
+        pthread_cond_signal(&heart->change);
+    pthread_mutex_unlock(&heart->lock);
+}
+
+const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart)
+{
+    return &heart->flag;
+}
+
+enum pen_beat_end pen_heartbeat_end(struct pen_heartbeat *heart)
+{
+    pthread_mutex_lock(&heart->lock);
+    heart->active = false;
+    enum pen_beat_end ended = heart->ended;
+    pthread_mutex_unlock(&heart->lock);
+    return ended;
+}

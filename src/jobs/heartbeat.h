@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/* The thread that keeps a worker's lease alive while its render threads work, and tells them to
+ * stop: when the batch was taken away or cancelled, or when its job's time is up. */
+#ifndef PEN_JOBS_HEARTBEAT_H
+#define PEN_JOBS_HEARTBEAT_H
+
+#include <stdatomic.h>
+
+#include "pen/store/store.h"
+
+struct pen_heartbeat;
+
+enum pen_beat_end {
+    PEN_BEAT_HELD,    /* nothing happened */
+    PEN_BEAT_LOST,    /* cancelled, or leased to another */
+    PEN_BEAT_TIME_UP, /* the job's timeout */
+};
+
+/* Starts the thread, with a handle of its own. Owns: free with pen_heartbeat_free. */
+struct pen_heartbeat *pen_heartbeat_new(const char *store_url, int64_t lease_ms,
+                                        struct pen_status *st);
+void pen_heartbeat_free(struct pen_heartbeat *heart);
+
+/* Begins to watch over a claim. From now on the flag becomes true when its work is in vain. */
+void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *claim);
+const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart);
+
+/* Ends watching. Returns what happened meanwhile. */
+enum pen_beat_end pen_heartbeat_end(struct pen_heartbeat *heart);
+
+#endif

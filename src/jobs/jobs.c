@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT */
+/* Jobs as they stand: get, list, cancel, delete, the scene as accepted, and the built-in ones. */
+#include "jobs.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/io/builtin.h"
+
+struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *limits,
+                               struct pen_status *st)
+{
+    if (!pen_ids_init(st))
+        return NULL;
+    struct pen_jobs *jobs = calloc(1, sizeof *jobs);
+    if (!jobs) {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a handle on the jobs");
+        return NULL;
+    }
+    jobs->limits = *limits;
+    jobs->store = pen_store_open(store_url, st);
+    if (jobs->store)
+        return jobs;
+    free(jobs);
+    return NULL;
+}
+
+void pen_jobs_close(struct pen_jobs *jobs)
+{
+    if (!jobs)
+        return;
+    pen_store_close(jobs->store);
+    free(jobs);
+}
+
+struct pen_store *pen_jobs_store(struct pen_jobs *jobs)
+{
+    return jobs->store;
+}
+
+bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
+                  struct pen_status *st)
+{
+    struct pen_job_record job;
+    if (!pen_store_job(jobs->store, id, &job, st))
+        return false;
+    *out = (struct pen_job_snapshot){
+        .json = pen_job_json(&job, st), .state = job.state, .revision = job.revision};
+    pen_job_record_release(&job);
+    return out->json != NULL;
+}
+
+/* A cursor is the number below which the next page begins, behind a letter that keeps people from
+ * counting on it. */
+static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *st)
+{
+    char *end = NULL;
+    *below = 0;
+    if (!cursor)
+        return true;
+    if (cursor[0] == 'j' && cursor[1] >= '1' && cursor[1] <= '9' && strlen(cursor) <= 19)
+        *below = strtoll(cursor + 1, &end, 10);
+    if (end && *end == '\0')
+        return true;
+    return pen_fail(st, PEN_USAGE, "cursor must be the value that a list gave as `next`");
+}
+
+/* Up to `limit` jobs of a list that holds one more if there are more. */
+static json_t *list_json(const struct pen_job_record *jobs, int count, int limit,
+                         struct pen_status *st)
+{
+    json_t *list = json_array(), *next = json_null();
+    for (int i = 0; list && i < count && i < limit; i++) {
+        json_t *job = pen_job_json(&jobs[i], st);
+        if (!job) {
+            json_decref(list);
+            return NULL;
+        }
+        json_array_append_new(list, job);
+    }
+    if (count > limit) {
+        char cursor[32];
+        snprintf(cursor, sizeof cursor, "j%" PRId64, jobs[limit - 1].number);
+        next = json_string(cursor);
+    }
+    json_t *answer = json_pack("{s:o, s:o}", "jobs", list, "next", next);
+    if (!answer)
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
+    return answer;
+}
+
+json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
+                      struct pen_status *st)
+{
+    struct pen_job_filter filter = {
+        .state = query->state, .kind = query->kind, .limit = query->limit + 1};
+    struct pen_job_record *list;
+    int count;
+    if (query->limit < 1 || query->limit > 500) {
+        pen_fail(st, PEN_USAGE, "limit must be 1 to 500");
+        return NULL;
+    }
+    if (!read_cursor(query->cursor, &filter.below, st) ||
+        !pen_store_jobs(jobs->store, &filter, &list, &count, st))
+        return NULL;
+    json_t *answer = list_json(list, count, query->limit, st);
+    pen_job_records_free(list, count);
+    return answer;
+}
+
+bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
+                     struct pen_status *st)
+{
+    return pen_store_cancel(jobs->store, id, st) && pen_jobs_get(jobs, id, out, st);
+}
+
+bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+{
+    return pen_store_delete(jobs->store, id, st);
+}
+
+bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
+                    struct pen_status *st)
+{
+    return pen_store_scene(jobs->store, id, out, st);
+}
+
+/* A built-in scene's name, and its title: the document's own `name`. */
+static json_t *builtin_json(size_t i)
+{
+    char name[64];
+    size_t bytes = 0;
+    const char *text = pen_builtin_text(i, &bytes);
+    json_t *document = json_loadb(text, bytes, 0, NULL);
+    const char *title = json_string_value(json_object_get(document, "name"));
+    json_t *entry =
+        json_pack("{s:s, s:s, s:I, s:I, s:s+}", "name", pen_builtin_name(i, name, sizeof name),
+                  "title", title ? title : name, "bytes", (json_int_t)bytes, "objects",
+                  (json_int_t)json_array_size(json_object_get(document, "objects")), "href",
+                  "/v1/scenes/", name);
+    json_decref(document);
+    return entry;
+}
+
+json_t *pen_jobs_scenes(void)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < pen_builtin_count(); i++)
+        json_array_append_new(list, builtin_json(i));
+    return json_pack("{s:o}", "scenes", list);
+}

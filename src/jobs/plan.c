@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/* A batch is what a crash costs at most and what a cancel, a preview and a farm see of a job's
+ * progress: about one second of work. Work is known only as an upper bound of primary and shadow
+ * rays, and the worker's speed not at all, so a batch is a fixed number of such rays. */
+#include "plan.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "pen/render/render.h"
+
+/* Two threads do some 4 million rays a second in a scene like the built-in room. */
+static const double batch_rays = 4e6;
+
+/* However long a job takes, its rows in the store stay few. */
+enum { JOB_BATCHES_MAX = 16384 };
+
+static int batches_of_view(const struct pen_request *request, int tiles)
+{
+    const struct pen_settings *s = &request->settings;
+    double rays = (double)s->width * s->height * pen_work_per_pixel(&request->desc, s);
+    double wanted = ceil(rays / batch_rays);
+    int most = JOB_BATCHES_MAX / request->view_count;
+    if (most > tiles)
+        most = tiles;
+    return wanted < most ? (int)wanted : most;
+}
+
+bool pen_plan_batches(const struct pen_request *request, struct pen_batch_new **batches, int *count,
+                      struct pen_status *st)
+{
+    const struct pen_settings *s = &request->settings;
+    int tiles = pen_tile_count(s->width, s->height, s->tile);
+    int each = batches_of_view(request, tiles);
+    *count = each * request->view_count;
+    *batches = malloc((size_t)*count * sizeof **batches);
+    if (!*batches)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for %d batches", *count);
+    for (int i = 0; i < *count; i++) {
+        int first = (int)((int64_t)tiles * (i % each) / each);
+        int end = (int)((int64_t)tiles * (i % each + 1) / each);
+        (*batches)[i] = (struct pen_batch_new){.view = i / each,
+                                               .first_tile = first,
+                                               .tile_count = end - first,
+                                               .pixels = pen_tiles_pixels(s, first, end - first)};
+    }
+    return true;
+}

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+/* How a job's views are cut into batches. */
+#ifndef PEN_JOBS_PLAN_H
+#define PEN_JOBS_PLAN_H
+
+#include "pen/store/store.h"
+#include "request.h"
+
+/* Owns: *batches is malloc()ed. Fails: PEN_NO_MEMORY. */
+bool pen_plan_batches(const struct pen_request *request, struct pen_batch_new **batches, int *count,
+                      struct pen_status *st);
+
+#endif

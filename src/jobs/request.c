@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT */
+/* A submission as a whole: what kind of document it is, its scene, its views, its limits. */
+#include "request.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "pen/io/builtin.h"
+
+static const char builtin_prefix[] = "builtin:";
+
+static void add_status(struct pen_errors *errors, const struct pen_status *st)
+{
+    pen_errors_add(errors, st);
+}
+
+static void fail_unknown_scene(const char *name, struct pen_errors *errors)
+{
+    enum { MOST = 64, NAME_BYTES = 64 };
+    char text[MOST][NAME_BYTES];
+    const char *names[MOST + 1] = {NULL};
+    for (size_t i = 0; i < pen_builtin_count() && i < MOST; i++)
+        names[i] = pen_builtin_name(i, text[i], NAME_BYTES);
+    const char *near = pen_nearest_name(name, names);
+    pen_request_fail(errors, PEN_NOT_FOUND, "", "scene",
+                     "there is no built-in scene \"%.60s\"%s%s%s", name,
+                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+}
+
+/* "builtin:NAME": finds and parses the scene. */
+static void find_builtin(struct pen_request *request, const char *text,
+                         const struct pen_limits *limits, struct pen_errors *errors)
+{
+    const char *name = text + strlen(builtin_prefix);
+    struct pen_status st;
+    size_t bytes = 0;
+    const char *document = pen_builtin_find(name, &bytes);
+    if (!document) {
+        fail_unknown_scene(name, errors);
+        return;
+    }
+    request->builtin = pen_json_parse(document, bytes, limits, &st);
+    if (!request->builtin)
+        add_status(errors, &st);
+    request->scene = request->builtin;
+}
+
+/* Finds the scene document in the body; leaves request->scene NULL after an error. */
+static void find_scene(struct pen_request *request, const struct pen_limits *limits,
+                       struct pen_errors *errors)
+{
+    const json_t *scene = json_object_get(request->body, "scene");
+    const char *text = json_string_value(scene);
+    request->bare = !scene && json_object_get(request->body, "format");
+    request->scene_at = request->bare ? "" : "/scene";
+    if (request->bare)
+        request->scene = request->body;
+    else if (json_is_object(scene))
+        request->scene = scene;
+    else if (text && strncmp(text, builtin_prefix, strlen(builtin_prefix)) == 0)
+        find_builtin(request, text, limits, errors);
+    else if (scene)
+        pen_request_fail(errors, PEN_INVALID, "", "scene",
+                         "must be a scene, or \"builtin:\" and a name");
+    else
+        pen_request_fail(errors, PEN_INVALID, "", NULL,
+                         "must be a job, an object with \"scene\", or a scene, an object with "
+                         "\"format\"");
+}
+
+/* The number of the scene's view that entry i of `views` names, or -1 after an error. */
+static int find_view(struct pen_request *request, const json_t *list, size_t i,
+                     struct pen_errors *errors)
+{
+    const char *name = json_string_value(json_array_get(list, i));
+    char position[24];
+    snprintf(position, sizeof position, "%zu", i);
+    for (uint32_t v = 0; name && v < request->desc.view_count; v++) {
+        if (strcmp(request->desc.views[v].name, name) == 0)
+            return (int)v;
+    }
+    const char *names[65] = {NULL};
+    for (uint32_t v = 0; v < request->desc.view_count && v < 64; v++)
+        names[v] = request->desc.views[v].name;
+    const char *near = name ? pen_nearest_name(name, names) : NULL;
+    pen_request_fail(errors, PEN_INVALID, "/views", position,
+                     "must be the name of one of the scene's %u views%s%s%s",
+                     request->desc.view_count, near ? "; did you mean \"" : "", near ? near : "",
+                     near ? "\"?" : "");
+    return -1;
+}
+
+static void read_views(struct pen_request *request, const json_t *list, struct pen_errors *errors)
+{
+    size_t count = json_array_size(list);
+    if (!json_is_array(list) || count < 1 || count > request->desc.view_count) {
+        pen_request_fail(errors, PEN_INVALID, "", "views",
+                         "must be an array of 1 to %u names of views", request->desc.view_count);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        int view = find_view(request, list, i, errors);
+        for (int k = 0; view >= 0 && k < request->view_count; k++) {
+            if (request->views[k] == view)
+                pen_request_fail(errors, PEN_INVALID, "", "views", "names \"%s\" twice",
+                                 request->desc.views[view].name);
+        }
+        if (view >= 0)
+            request->views[request->view_count++] = view;
+    }
+}
+
+static bool choose_views(struct pen_request *request, struct pen_errors *errors)
+{
+    struct pen_status st;
+    uint32_t count = request->desc.view_count;
+    const json_t *list = request->bare ? NULL : json_object_get(request->body, "views");
+    request->views = pen_arena_alloc(request->arena, count, sizeof *request->views);
+    if (!request->views) {
+        pen_fail(&st, PEN_NO_MEMORY, "no memory for %u views", count);
+        add_status(errors, &st);
+        return false;
+    }
+    if (list) {
+        read_views(request, list, errors);
+        return true;
+    }
+    for (uint32_t v = 0; v < count; v++)
+        request->views[request->view_count++] = (int)v;
+    return true;
+}
+
+/* Where the size and the samples were asked for: the job's `render`, else the scene's. */
+static void limits_place(const struct pen_request *request, char *at, size_t bytes)
+{
+    if (!request->bare && json_object_get(request->body, "render"))
+        snprintf(at, bytes, "/render");
+    else
+        snprintf(at, bytes, "%s%s", request->scene_at,
+                 json_object_get(request->scene, "render") ? "/render" : "");
+}
+
+static void read_scene(struct pen_request *request, const struct pen_limits *limits,
+                       struct pen_errors *errors)
+{
+    const json_t *render = request->bare ? NULL : json_object_get(request->body, "render");
+    bool ok = pen_scene_read(request->scene, request->scene_at, limits, request->arena,
+                             &request->desc, errors);
+    request->settings = ok ? request->desc.settings : pen_settings_default();
+    if (render)
+        pen_settings_read(render, "/render", &request->settings, errors);
+    if (!ok || !choose_views(request, errors) || errors->count > 0)
+        return;
+    char at[16];
+    struct pen_status st;
+    limits_place(request, at, sizeof at);
+    if (!pen_limits_check(limits, &request->desc, &request->settings, (uint32_t)request->view_count,
+                          at, &st))
+        add_status(errors, &st);
+}
+
+bool pen_request_read(const struct pen_submission *in, const struct pen_limits *limits,
+                      struct pen_request *out, struct pen_errors *errors)
+{
+    struct pen_status st;
+    *out = (struct pen_request){.kind = "render", .max_attempts = 3};
+    if (in->xml) {
+        pen_fail(&st, PEN_UNSUPPORTED, "scene XML is known, not supported yet; send JSON");
+        add_status(errors, &st);
+        return false;
+    }
+    out->body = pen_json_parse(in->body, in->bytes, limits, &st);
+    out->arena = out->body ? pen_arena_new(0) : NULL;
+    if (out->body && !out->arena)
+        pen_fail(&st, PEN_NO_MEMORY, "no memory to read a scene");
+    if (!out->arena) {
+        add_status(errors, &st);
+        return false;
+    }
+    find_scene(out, limits, errors);
+    if (!out->bare && json_object_get(out->body, "scene"))
+        pen_request_keys_read(out, errors);
+    if (out->scene)
+        read_scene(out, limits, errors);
+    return errors->count == 0;
+}
+
+void pen_request_release(struct pen_request *request)
+{
+    pen_arena_free(request->arena);
+    json_decref(request->body);
+    json_decref(request->builtin);
+    *request = (struct pen_request){0};
+}

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+/* The keys of a job, by one table: which there are, who reads each, and which belong to kinds of
+ * job that are still to come. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "request.h"
+
+enum { TIMEOUT_MAX_S = 1000000000, AT_BYTES = 2 * PEN_AT_BYTES, POSITION_BYTES = 24 };
+
+typedef void key_fn(struct pen_request *request, const json_t *value, struct pen_errors *errors);
+
+/* "/a~b" -> "/a~0b": RFC 6901. */
+static void append_token(char *at, size_t bytes, const char *key)
+{
+    size_t used = strlen(at);
+    if (used + 1 < bytes)
+        at[used++] = '/';
+    for (; *key && used + 2 < bytes; key++) {
+        if (*key == '~' || *key == '/') {
+            at[used++] = '~';
+            at[used++] = *key == '~' ? '0' : '1';
+        } else {
+            at[used++] = *key;
+        }
+    }
+    at[used] = '\0';
+}
+
+void pen_request_fail(struct pen_errors *errors, enum pen_code code, const char *up,
+                      const char *key, const char *format, ...)
+{
+    char at[AT_BYTES], text[2 * PEN_MSG_BYTES];
+    struct pen_status st;
+    va_list args;
+    snprintf(at, sizeof at, "%s", up);
+    if (key)
+        append_token(at, sizeof at, key);
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    pen_fail_at(&st, code, at, "%s", text);
+    pen_errors_add(errors, &st);
+}
+
+/* An integer key takes any number of integral value. */
+static bool read_integer(const json_t *value, const char *key, int lo, int hi, int *out,
+                         struct pen_errors *errors)
+{
+    double number = json_number_value(value);
+    if (!json_is_number(value) || number != floor(number) || number < lo || number > hi) {
+        pen_request_fail(errors, PEN_INVALID, "", key, "must be an integer from %d to %d", lo, hi);
+        return false;
+    }
+    *out = (int)number;
+    return true;
+}
+
+/* The word of names[] that the value is; reports anything else with the nearest one. */
+static const char *read_word(const json_t *value, const char *up, const char *key,
+                             const char *const *names, struct pen_errors *errors)
+{
+    const char *word = json_string_value(value);
+    for (int i = 0; word && names[i]; i++) {
+        if (strcmp(word, names[i]) == 0)
+            return names[i];
+    }
+    const char *near = word ? pen_nearest_name(word, names) : NULL;
+    char list[160] = "";
+    for (int i = 0; names[i]; i++) {
+        strcat(list, i ? ", " : "");
+        strcat(list, names[i]);
+    }
+    pen_request_fail(errors, PEN_INVALID, up, key, "must be one of %s%s%s%s", list,
+                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    return NULL;
+}
+
+static void read_kind(struct pen_request *request, const json_t *value, struct pen_errors *errors)
+{
+    static const char *const kinds[] = {"render", "benchmark", "accuracy", "effects", NULL};
+    const char *kind = read_word(value, "", "kind", kinds, errors);
+    if (kind && strcmp(kind, "render") != 0)
+        pen_request_fail(errors, PEN_UNSUPPORTED, "", "kind",
+                         "jobs of kind \"%s\" are known, not supported yet; only \"render\" is",
+                         kind);
+    else if (kind)
+        request->kind = kind;
+}
+
+static void read_name(struct pen_request *request, const json_t *value, struct pen_errors *errors)
+{
+    if (!json_is_string(value) || json_string_length(value) > PEN_JOB_NAME_BYTES)
+        pen_request_fail(errors, PEN_INVALID, "", "name", "must be a string of at most %d bytes",
+                         (int)PEN_JOB_NAME_BYTES);
+    request->name = value;
+}
+
+static void read_labels(struct pen_request *request, const json_t *value, struct pen_errors *errors)
+{
+    if (!json_is_object(value) || json_object_size(value) > PEN_JOB_LABELS) {
+        pen_request_fail(errors, PEN_INVALID, "", "labels",
+                         "must be an object of at most %d strings", (int)PEN_JOB_LABELS);
+        return;
+    }
+    const char *key;
+    json_t *label;
+    json_object_foreach((json_t *)(uintptr_t)value, key, label)
+    {
+        if (!json_is_string(label) || json_string_length(label) > PEN_JOB_NAME_BYTES ||
+            strlen(key) > PEN_JOB_NAME_BYTES)
+            pen_request_fail(errors, PEN_INVALID, "/labels", key,
+                             "must be a string, it and its key at most %d bytes long",
+                             (int)PEN_JOB_NAME_BYTES);
+    }
+    request->labels = value;
+}
+
+static void read_layer(const json_t *list, size_t i, struct pen_errors *errors)
+{
+    static const char *const layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
+    char position[POSITION_BYTES];
+    snprintf(position, sizeof position, "%zu", i);
+    const char *layer = read_word(json_array_get(list, i), "/layers", position, layers, errors);
+    if (layer && strcmp(layer, "beauty") != 0)
+        pen_request_fail(errors, PEN_UNSUPPORTED, "/layers", position,
+                         "the layer \"%s\" is known, not supported yet; only \"beauty\" is", layer);
+    for (size_t k = 0; layer && k < i; k++) {
+        if (json_equal(json_array_get(list, k), json_array_get(list, i)))
+            pen_request_fail(errors, PEN_INVALID, "/layers", position, "is there twice");
+    }
+}
+
+static void read_layers(struct pen_request *request, const json_t *value, struct pen_errors *errors)
+{
+    (void)request;
+    size_t count = json_array_size(value);
+    if (count < 1 || count > 5)
+        pen_request_fail(errors, PEN_INVALID, "", "layers",
+                         "must be an array of 1 to 5 names of layers");
+    for (size_t i = 0; i < count && count <= 5; i++)
+        read_layer(value, i, errors);
+}
+
+static void read_priority(struct pen_request *request, const json_t *value,
+                          struct pen_errors *errors)
+{
+    read_integer(value, "priority", -100, 100, &request->priority, errors);
+}
+
+static void read_max_attempts(struct pen_request *request, const json_t *value,
+                              struct pen_errors *errors)
+{
+    read_integer(value, "max_attempts", 1, 10, &request->max_attempts, errors);
+}
+
+static void read_timeout(struct pen_request *request, const json_t *value,
+                         struct pen_errors *errors)
+{
+    double seconds = json_number_value(value);
+    if (!json_is_number(value) || !(seconds > 0) || seconds > TIMEOUT_MAX_S)
+        pen_request_fail(errors, PEN_INVALID, "", "timeout_seconds",
+                         "must be a number above 0, at most %d", (int)TIMEOUT_MAX_S);
+    else
+        request->timeout_ms = (int64_t)ceil(seconds * 1000);
+}
+
+static const struct {
+    const char *key;
+    key_fn *read;      /* NULL: read elsewhere */
+    const char *later; /* the kind that will bring it */
+} keys[] = {
+    {"scene", NULL, NULL},
+    {"kind", read_kind, NULL},
+    {"render", NULL, NULL},
+    {"views", NULL, NULL},
+    {"priority", read_priority, NULL},
+    {"name", read_name, NULL},
+    {"labels", read_labels, NULL},
+    {"layers", read_layers, NULL},
+    {"max_attempts", read_max_attempts, NULL},
+    {"timeout_seconds", read_timeout, NULL},
+    {"matrix", NULL, "benchmark"},
+    {"repeats", NULL, "benchmark"},
+    {"warmup", NULL, "benchmark"},
+    {"baseline", NULL, "benchmark"},
+    {"ladder", NULL, "accuracy"},
+    {"reference", NULL, "accuracy"},
+    {"target", NULL, "accuracy"},
+    {"seeds", NULL, "accuracy"},
+    {"budget_seconds", NULL, "accuracy"},
+};
+enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
+
+static void refuse_key(const char *key, struct pen_errors *errors)
+{
+    const char *names[KEY_COUNT + 1] = {NULL};
+    int count = 0;
+    for (int i = 0; i < KEY_COUNT; i++) {
+        if (!keys[i].later)
+            names[count++] = keys[i].key;
+    }
+    const char *near = pen_nearest_name(key, names);
+    pen_request_fail(errors, PEN_INVALID, "", key, "unknown key in a job%s%s%s",
+                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+}
+
+void pen_request_keys_read(struct pen_request *request, struct pen_errors *errors)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach(request->body, key, value)
+    {
+        int i = 0;
+        while (i < KEY_COUNT && strcmp(keys[i].key, key) != 0)
+            i++;
+        if (i == KEY_COUNT)
+            refuse_key(key, errors);
+        else if (keys[i].later)
+            pen_request_fail(errors, PEN_UNSUPPORTED, "", key,
+                             "jobs of kind \"%s\" are known, not supported yet", keys[i].later);
+        else if (keys[i].read)
+            keys[i].read(request, value, errors);
+    }
+}

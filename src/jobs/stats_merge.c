@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+/* The statistics of a job from those of its committed batches. Times and rays are sums over the
+ * batches (so with several workers at once render_ms may exceed the time that went by), threads
+ * and memory the largest, percentiles those of all tiles together. queue_ms and total_ms are the
+ * job's own. store_ms is the time from handing a batch to the store until its transaction was
+ * about to end. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs.h"
+#include "stats.h"
+
+struct sum {
+    double parse_ms, build_ms, render_ms, encode_ms, store_ms, cpu_ms;
+    struct pen_ray_counts rays;
+    int threads;
+    int64_t peak_bytes;
+    uint64_t tile_count;
+    struct pen_weighted *times;
+    size_t time_count, time_capacity;
+    json_t *accelerator, *kernel, *effects, *host; /* of the last batch that has them; owned */
+    bool no_memory, damaged;
+};
+
+static double number(const json_t *object, const char *key)
+{
+    return json_number_value(json_object_get(object, key));
+}
+
+static uint64_t count_of(const json_t *object, const char *key)
+{
+    return (uint64_t)json_integer_value(json_object_get(object, key));
+}
+
+static void add_rays(struct sum *sum, const json_t *stats)
+{
+    const json_t *rays = json_object_get(stats, "rays");
+    sum->rays.primary += count_of(rays, "primary");
+    sum->rays.shadow += count_of(rays, "shadow");
+    sum->rays.reflection += count_of(rays, "reflection");
+    sum->rays.transmission += count_of(rays, "transmission");
+    sum->rays.dropped_samples += count_of(stats, "dropped_samples");
+}
+
+static void add_timing(struct sum *sum, const json_t *stats, int64_t done_ms)
+{
+    const json_t *timing = json_object_get(stats, "timing");
+    double store_ms = (double)done_ms - number(stats, "commit_ms");
+    sum->parse_ms += number(timing, "parse_ms");
+    sum->build_ms += number(timing, "build_ms");
+    sum->render_ms += number(timing, "render_ms");
+    sum->encode_ms += number(timing, "encode_ms");
+    sum->cpu_ms += number(timing, "cpu_ms");
+    sum->store_ms += store_ms > 0 ? store_ms : 0;
+}
+
+static bool reserve_times(struct sum *sum, size_t more)
+{
+    size_t needed = sum->time_count + more;
+    if (needed <= sum->time_capacity)
+        return true;
+    size_t capacity = needed + needed / 2;
+    struct pen_weighted *times = realloc(sum->times, capacity * sizeof *times);
+    if (!times)
+        return !(sum->no_memory = true);
+    sum->times = times;
+    sum->time_capacity = capacity;
+    return true;
+}
+
+static void add_tiles(struct sum *sum, const json_t *stats)
+{
+    const json_t *list = json_object_get(stats, "tile_ms");
+    size_t n = json_array_size(list);
+    uint64_t tiles = count_of(json_object_get(stats, "tiles"), "count");
+    sum->tile_count += tiles;
+    if (n == 0 || !reserve_times(sum, n))
+        return;
+    for (size_t i = 0; i < n; i++)
+        sum->times[sum->time_count++] = (struct pen_weighted){
+            json_number_value(json_array_get(list, i)), (double)tiles / (double)n};
+}
+
+static void keep_last(json_t **kept, const json_t *stats, const char *key)
+{
+    json_t *value = json_object_get(stats, key);
+    if (!value)
+        return;
+    json_decref(*kept);
+    *kept = json_incref(value);
+}
+
+static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
+{
+    int threads = (int)count_of(stats, "threads");
+    int64_t peak = (int64_t)count_of(json_object_get(stats, "memory"), "peak_bytes");
+    add_timing(sum, stats, done_ms);
+    add_rays(sum, stats);
+    add_tiles(sum, stats);
+    sum->threads = threads > sum->threads ? threads : sum->threads;
+    sum->peak_bytes = peak > sum->peak_bytes ? peak : sum->peak_bytes;
+    keep_last(&sum->accelerator, stats, "accelerator");
+    keep_last(&sum->kernel, stats, "kernel");
+    keep_last(&sum->effects, stats, "effects");
+    keep_last(&sum->host, stats, "host");
+}
+
+static bool take_batch(void *user, const struct pen_batch_stats *batch)
+{
+    struct sum *sum = user;
+    json_t *stats = json_loads(batch->stats, 0, NULL);
+    sum->damaged = !stats;
+    if (stats)
+        add_batch(sum, stats, batch->done_ms);
+    json_decref(stats);
+    return !sum->damaged && !sum->no_memory;
+}
+
+static json_t *timing_json(const struct sum *sum, const struct pen_job_record *job)
+{
+    int64_t begun_ms = job->started_ms ? job->started_ms : job->finished_ms;
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "queue_ms",
+                     pen_stats_ms((double)(begun_ms - job->created_ms)), "parse_ms",
+                     pen_stats_ms(sum->parse_ms), "build_ms", pen_stats_ms(sum->build_ms),
+                     "render_ms", pen_stats_ms(sum->render_ms), "encode_ms",
+                     pen_stats_ms(sum->encode_ms), "store_ms", pen_stats_ms(sum->store_ms),
+                     "total_ms", pen_stats_ms((double)(job->finished_ms - job->created_ms)),
+                     "cpu_ms", pen_stats_ms(sum->cpu_ms));
+}
+
+/* Null stands for what is not known: no batch was committed. */
+static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
+{
+    struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);
+    return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:O?}", "timing",
+                     timing_json(sum, job), "rays", pen_stats_rays(&sum->rays), "mrays_per_second",
+                     pen_stats_rate(pen_stats_total(&sum->rays), sum->render_ms), "threads",
+                     sum->threads, "tiles", pen_stats_tiles(sum->tile_count, &tiles), "accelerator",
+                     sum->accelerator, "kernel", sum->kernel, "effects", sum->effects, "memory",
+                     "peak_bytes", (json_int_t)sum->peak_bytes, "dropped_samples",
+                     (json_int_t)sum->rays.dropped_samples, "host", sum->host);
+}
+
+json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
+                         struct pen_status *st)
+{
+    struct sum sum = {0};
+    json_t *stats = NULL;
+    if (pen_store_stats(store, job->id, take_batch, &sum, st)) {
+        if (sum.damaged)
+            pen_fail(st, PEN_STORAGE, "stored statistics of job %s are damaged", job->id);
+        else if (sum.no_memory || !(stats = job_stats(&sum, job)))
+            pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
+    }
+    json_decref(sum.accelerator);
+    json_decref(sum.kernel);
+    json_decref(sum.effects);
+    json_decref(sum.host);
+    free(sum.times);
+    return stats;
+}

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT */
+/* Accepting and checking submissions. The answer is made before the job is stored, because it is
+ * stored with it: a repeat of the same request gets the same bytes. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs.h"
+#include "pen/base/clock.h"
+#include "pen/scene/scene.h"
+#include "plan.h"
+#include "request.h"
+
+enum { KEY_BYTES_MAX = 255 };
+
+static json_t *effects_json(unsigned effects)
+{
+    json_t *list = json_array();
+    for (int bit = 0; bit < PEN_FX_COUNT; bit++) {
+        if (effects & (1u << bit))
+            json_array_append_new(list, json_string(pen_effect_name(bit)));
+    }
+    return list;
+}
+
+static json_t *views_json(const struct pen_request *request)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < request->view_count; i++)
+        json_array_append_new(list, json_string(request->desc.views[request->views[i]].name));
+    return list;
+}
+
+static json_t *timeout_json(const struct pen_request *request)
+{
+    return request->timeout_ms ? json_real((double)request->timeout_ms / 1000) : json_null();
+}
+
+/* The job as accepted: the client's keys with all defaults filled in, without the scene. */
+static json_t *request_json(const struct pen_request *request)
+{
+    json_t *name = request->name ? json_copy((json_t *)(uintptr_t)request->name) : json_null();
+    json_t *labels =
+        request->labels ? json_deep_copy((json_t *)(uintptr_t)request->labels) : json_object();
+    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:o, s:o, s:[s], s:o, s:o}", "kind", request->kind,
+                     "name", name, "labels", labels, "priority", request->priority, "max_attempts",
+                     request->max_attempts, "timeout_seconds", timeout_json(request), "views",
+                     views_json(request), "layers", "beauty", "render",
+                     pen_settings_json(&request->settings), "effects",
+                     effects_json(pen_desc_effects(&request->desc, &request->settings)));
+}
+
+/* What is put together for one call of pen_store_submit. */
+struct parcel {
+    struct pen_job_new job;
+    char id[PEN_ID_BYTES];
+    char *request, *answer, *scene;
+    unsigned char scene_sha256[32], body_sha256[32];
+    struct pen_view_new *views;
+    struct pen_batch_new *batches;
+};
+
+static void parcel_release(struct parcel *parcel)
+{
+    free(parcel->request);
+    free(parcel->answer);
+    free(parcel->scene);
+    free(parcel->views);
+    free(parcel->batches);
+}
+
+/* The scene's own bytes: as sent if the body is the scene. */
+static bool pack_scene(struct parcel *parcel, const struct pen_submission *in,
+                       const struct pen_request *request)
+{
+    if (!request->bare) {
+        parcel->scene = json_dumps(request->scene, PEN_JSON_STORED);
+        if (!parcel->scene)
+            return false;
+    }
+    parcel->job.scene = request->bare ? in->body : parcel->scene;
+    parcel->job.scene_bytes = request->bare ? in->bytes : strlen(parcel->scene);
+    pen_sha256(parcel->job.scene, parcel->job.scene_bytes, parcel->scene_sha256);
+    parcel->job.scene_sha256 = parcel->scene_sha256;
+    return true;
+}
+
+/* The answer to the client: the job as it will be when it is stored. */
+static char *make_answer(const struct parcel *parcel, struct pen_status *st)
+{
+    struct pen_job_record record = {.state = PEN_JOB_QUEUED,
+                                    .revision = 1,
+                                    .request = parcel->request,
+                                    .created_ms = parcel->job.created_ms};
+    memcpy(record.id, parcel->id, sizeof record.id);
+    for (int i = 0; i < parcel->job.batch_count; i++)
+        record.total_pixels += parcel->job.batches[i].pixels;
+    json_t *json = pen_job_json(&record, st);
+    char *text = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
+    if (json && !text)
+        pen_fail(st, PEN_NO_MEMORY, "no memory for an answer");
+    json_decref(json);
+    return text;
+}
+
+static bool pack_views(struct parcel *parcel, const struct pen_request *request,
+                       struct pen_status *st)
+{
+    parcel->views = calloc((size_t)request->view_count, sizeof *parcel->views);
+    if (!parcel->views)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for %d views", request->view_count);
+    for (int i = 0; i < request->view_count; i++)
+        parcel->views[i] = (struct pen_view_new){request->desc.views[request->views[i]].name,
+                                                 request->settings.width, request->settings.height};
+    parcel->job.views = parcel->views;
+    parcel->job.view_count = request->view_count;
+    if (!pen_plan_batches(request, &parcel->batches, &parcel->job.batch_count, st))
+        return false;
+    parcel->job.batches = parcel->batches;
+    return true;
+}
+
+static bool pack(struct parcel *parcel, const struct pen_submission *in,
+                 const struct pen_request *request, struct pen_status *st)
+{
+    json_t *json = request_json(request);
+    parcel->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
+    json_decref(json);
+    parcel->job = (struct pen_job_new){.id = parcel->id,
+                                       .created_ms = pen_clock_wall_ms(),
+                                       .kind = request->kind,
+                                       .request = parcel->request,
+                                       .priority = request->priority,
+                                       .max_attempts = request->max_attempts,
+                                       .timeout_ms = request->timeout_ms,
+                                       .idempotency_key = in->idempotency_key};
+    pen_id_make(parcel->job.created_ms, parcel->id);
+    if (!parcel->request || !pack_scene(parcel, in, request))
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
+    if (!pack_views(parcel, request, st) || !(parcel->answer = make_answer(parcel, st)))
+        return false;
+    pen_sha256(in->body, in->bytes, parcel->body_sha256);
+    parcel->job.body_sha256 = parcel->body_sha256;
+    parcel->job.answer = parcel->answer;
+    return true;
+}
+
+/* The answer of an earlier submit with the same key, and the id in it. */
+static bool take_first_answer(struct pen_submitted *out, struct pen_status *st)
+{
+    json_t *json = json_loadb((const char *)out->answer.data, out->answer.bytes, 0, NULL);
+    const char *id = json_string_value(json_object_get(json, "id"));
+    bool ok = id && strlen(id) == PEN_ID_BYTES - 1;
+    if (ok)
+        memcpy(out->id, id, PEN_ID_BYTES);
+    json_decref(json);
+    return ok || pen_fail(st, PEN_STORAGE, "the answer stored with the key is damaged");
+}
+
+static bool store_parcel(struct pen_jobs *jobs, const struct parcel *parcel,
+                         struct pen_submitted *out, struct pen_status *st)
+{
+    enum pen_submit_result result;
+    if (!pen_store_submit(jobs->store, &parcel->job, &result, &out->answer, st))
+        return false;
+    if (result == PEN_SUBMIT_REUSED)
+        return pen_fail(st, PEN_INVALID,
+                        "this Idempotency-Key was used with another body; take a new key");
+    if (result == PEN_SUBMIT_REPEATED)
+        return take_first_answer(out, st);
+    memcpy(out->id, parcel->id, sizeof out->id);
+    return pen_buf_puts(&out->answer, parcel->answer) ||
+           pen_fail(st, PEN_NO_MEMORY, "no memory for an answer");
+}
+
+static bool check_key(const char *key, struct pen_errors *errors)
+{
+    struct pen_status st;
+    if (!key || (key[0] && strlen(key) <= KEY_BYTES_MAX))
+        return true;
+    pen_fail(&st, PEN_USAGE, "Idempotency-Key must have 1 to %d bytes", (int)KEY_BYTES_MAX);
+    pen_errors_add(errors, &st);
+    return false;
+}
+
+bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
+                     struct pen_submitted *out, struct pen_errors *errors)
+{
+    struct pen_request request;
+    struct parcel parcel = {0};
+    struct pen_status st;
+    *out = (struct pen_submitted){0};
+    if (!check_key(in->idempotency_key, errors))
+        return false;
+    bool ok = pen_request_read(in, &jobs->limits, &request, errors);
+    if (ok) {
+        ok = pack(&parcel, in, &request, &st) && store_parcel(jobs, &parcel, out, &st);
+        if (!ok)
+            pen_errors_add(errors, &st);
+    }
+    if (!ok)
+        pen_buf_release(&out->answer);
+    parcel_release(&parcel);
+    pen_request_release(&request);
+    return ok;
+}
+
+static json_t *warnings_json(const struct pen_errors *warnings)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < warnings->count; i++)
+        json_array_append_new(list, json_pack("{s:s, s:s}", "pointer", warnings->item[i].at,
+                                              "detail", warnings->item[i].msg));
+    return list;
+}
+
+bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, json_t **answer,
+                       struct pen_errors *errors)
+{
+    struct pen_limits limits = jobs ? jobs->limits : pen_limits_default();
+    struct pen_request request;
+    struct pen_errors warnings = {0};
+    bool ok = pen_request_read(in, &limits, &request, errors);
+    *answer = NULL;
+    if (ok) {
+        pen_scene_warnings(request.scene, request.scene_at, &request.desc, &warnings);
+        *answer = json_pack("{s:b, s:o}", "valid", 1, "warnings", warnings_json(&warnings));
+        ok = *answer != NULL;
+        if (!ok) {
+            struct pen_status st;
+            pen_fail(&st, PEN_NO_MEMORY, "no memory for an answer");
+            pen_errors_add(errors, &st);
+        }
+    }
+    pen_request_release(&request);
+    return ok;
+}

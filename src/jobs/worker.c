@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: MIT */
+/* The worker's loop, and what it does when something goes wrong:
+ *
+ *   the job's fault (scene, memory, time)   the job fails with the problem
+ *   the lease is lost, the job cancelled    the result is thrown away
+ *   the store is busy or full               it tries again, holding what it has
+ *   the store failed                        it ends; its successor begins from what is committed
+ *
+ * A result is kept until the store has said that it is stored or not wanted: an unknown outcome is
+ * asked again, since a commit may be repeated. */
+#include "pen/jobs/worker.h"
+
+#include <stdlib.h>
+#include <time.h>
+
+#include "batch.h"
+#include "jobs.h"
+#include "pen/base/clock.h"
+#include "pen/base/log.h"
+
+enum {
+    LEASE_MS = 15000,
+    IDLE_MS = 1000,       /* how long to wait for a hint before looking anyway */
+    RETRY_MS = 250,       /* between tries of a busy or full store */
+    SWEEP_MS = 1000,      /* between looks for leases that ran out */
+    TIDY_MS = 600000,     /* between housekeepings */
+    KEY_AGE_MS = 86400000 /* idempotency keys hold for 24 hours */
+};
+
+struct worker {
+    const struct pen_worker_options *options;
+    const atomic_bool *stop;
+    struct pen_store *store;
+    struct pen_batch_room room;
+    int64_t swept_ns, tidied_ns;
+    uint32_t seen; /* the last hint */
+};
+
+static bool stopped(const struct worker *w)
+{
+    return atomic_load_explicit(w->stop, memory_order_relaxed);
+}
+
+static void pause_ms(int ms)
+{
+    struct timespec time = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000L};
+    nanosleep(&time, NULL);
+}
+
+/* Whether waiting may help. */
+static bool is_passing(const struct pen_status *st)
+{
+    return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_NO_MEMORY;
+}
+
+/* Waits before the next try of what the store refused. Returns whether to try at all. */
+static bool wait_to_retry(const struct worker *w, const char *what, const struct pen_status *st)
+{
+    if (!is_passing(st) || stopped(w))
+        return false;
+    pen_log(PEN_LOG_WARN, "%s: %s; trying again", what, st->msg);
+    pause_ms(RETRY_MS);
+    return true;
+}
+
+/* Ends the job as failed. A claim that is no longer held means that it has ended otherwise. */
+static bool fail_job(struct worker *w, const struct pen_claim *claim, const struct pen_status *why,
+                     struct pen_status *st)
+{
+    json_t *problem = pen_problem(why);
+    char *text = problem ? json_dumps(problem, PEN_JSON_STORED) : NULL;
+    json_decref(problem);
+    if (!text)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for an error");
+    pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why->msg);
+    bool ok;
+    do {
+        ok = pen_store_fail(w->store, claim, text, st) || st->code == PEN_STALE;
+    } while (!ok && wait_to_retry(w, "failing a job", st));
+    free(text);
+    return ok;
+}
+
+static bool release(struct worker *w, const struct pen_claim *claim, struct pen_status *st)
+{
+    return pen_store_release(w->store, claim, st) || is_passing(st);
+}
+
+/* Commits; the next claim comes in the same transaction unless the worker is to stop. */
+static bool commit(struct worker *w, const struct pen_claim *claim,
+                   const struct pen_batch_work *work, struct pen_next *next, struct pen_status *st)
+{
+    bool ok;
+    do {
+        if (stopped(w))
+            ok = pen_store_commit(w->store, claim, &work->result, st);
+        else
+            ok = pen_store_commit_and_claim(w->store, claim, &work->result, next, st);
+    } while (!ok && wait_to_retry(w, "committing a batch", st));
+    if (!ok && st->code == PEN_STALE)
+        pen_log(PEN_LOG_INFO, "job %s: a batch was no longer wanted", claim->job_id);
+    return ok || st->code == PEN_STALE;
+}
+
+/* What to do about a batch that did not come out. */
+static bool give_up(struct worker *w, const struct pen_claim *claim, enum pen_beat_end ended,
+                    const struct pen_status *why, struct pen_status *st)
+{
+    struct pen_status late;
+    if (ended == PEN_BEAT_LOST || why->code == PEN_NOT_FOUND || why->code == PEN_STALE)
+        return true;
+    if (ended == PEN_BEAT_TIME_UP) {
+        pen_fail(&late, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g",
+                 (double)claim->timeout_ms / 1000);
+        return fail_job(w, claim, &late, st);
+    }
+    if (why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
+        return release(w, claim, st);
+    return fail_job(w, claim, why, st);
+}
+
+/* Works on a claim. *next is the claim after it, if one came along. */
+static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_next *next,
+                    struct pen_status *st)
+{
+    struct pen_batch_work work;
+    struct pen_status why;
+    pen_heartbeat_begin(w->room.heart, claim);
+    bool done = pen_batch_do(&w->room, claim, &work, &why);
+    bool ok = !done || commit(w, claim, &work, next, st);
+    enum pen_beat_end ended = pen_heartbeat_end(w->room.heart);
+    if (!done)
+        return give_up(w, claim, ended, &why, st);
+    pen_batch_work_release(&work);
+    return ok;
+}
+
+static bool sweep_and_tidy(struct worker *w, struct pen_status *st)
+{
+    int64_t now_ns = pen_clock_ns();
+    int opened = 0;
+    if (now_ns - w->swept_ns >= (int64_t)SWEEP_MS * 1000000) {
+        w->swept_ns = now_ns;
+        if (!pen_store_sweep(w->store, NULL, &opened, st))
+            return is_passing(st);
+        if (opened > 0)
+            pen_log(PEN_LOG_WARN, "%d batches were opened again: their leases ran out", opened);
+    }
+    if (now_ns - w->tidied_ns >= (int64_t)TIDY_MS * 1000000) {
+        w->tidied_ns = now_ns;
+        if (!pen_store_tidy(w->store, KEY_AGE_MS, st))
+            return is_passing(st);
+    }
+    return true;
+}
+
+/* Claims, waiting for a hint or a while when there is nothing. */
+static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_status *st)
+{
+    next->found = false;
+    if (!pen_store_claim(w->store, next->worker, next->lease_ms, &next->claim, &next->found, st))
+        return wait_to_retry(w, "claiming a batch", st) || is_passing(st);
+    if (!next->found && !stopped(w))
+        pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->seen, IDLE_MS);
+    return true;
+}
+
+static bool run(struct worker *w, struct pen_status *st)
+{
+    struct pen_next next = {.worker = w->options->name, .lease_ms = LEASE_MS};
+    pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->seen, 0);
+    w->tidied_ns = pen_clock_ns();
+    while (!stopped(w)) {
+        if (!sweep_and_tidy(w, st) || !claim_or_wait(w, &next, st))
+            return false;
+        while (next.found && !stopped(w)) {
+            struct pen_claim claim = next.claim;
+            next.found = false;
+            if (!work_on(w, &claim, &next, st) || !sweep_and_tidy(w, st))
+                return false;
+        }
+        if (next.found && !release(w, &next.claim, st))
+            return false;
+    }
+    return true;
+}
+
+static bool set_up(struct worker *w, struct pen_status *st)
+{
+    const struct pen_worker_options *o = w->options;
+    w->store = w->room.store = pen_store_open(o->store_url, st);
+    if (!w->store || !(w->room.pool = pen_pool_new(o->threads, st)) ||
+        !(w->room.heart = pen_heartbeat_new(o->store_url, LEASE_MS, st)))
+        return false;
+    w->room.scenes = pen_scene_cache_new(o->scene_cap_bytes);
+    return w->room.scenes || pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
+}
+
+static void tear_down(struct worker *w)
+{
+    pen_heartbeat_free(w->room.heart);
+    pen_pool_free(w->room.pool);
+    pen_scene_cache_free(w->room.scenes);
+    pen_batch_room_release(&w->room);
+    pen_store_close(w->store);
+}
+
+bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
+                    struct pen_status *st)
+{
+    struct worker w = {.options = options, .stop = stop};
+    bool ok = set_up(&w, st) && run(&w, st);
+    tear_down(&w);
+    return ok;
+}
