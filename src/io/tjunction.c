@@ -32,7 +32,7 @@ struct edge_key {
     uint32_t number; /* of the corner that it runs from */
 };
 
-enum { NO_LOOP = UINT32_MAX };
+static const uint32_t NO_LOOP = UINT32_MAX;
 
 struct search {
     uint32_t count, loops;

@@ -6,8 +6,8 @@
  *
  * PLACE is a JSON Pointer, or LINE:COLUMN of a syntax error; one that ends in … stands for all
  * that begin so. The line `more | N |` says that N more were found than are kept. A line
- * `schema-blind: WHY` is for the schema's test. Beside good/NAME.json, NAME.expect lists the
- * notes that a person gets on the scene; without it there are none. */
+ * `schema-blind: WHY` or `not-json: WHY` is for the schema's test. Beside good/NAME.json,
+ * NAME.expect lists the notes that a person gets on the scene; without it there are none. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,7 +62,7 @@ static struct expectations read_expectations(const char *json_path)
         char *end = memchr(line, '\n', (size_t)(text + bytes - line));
         ck_assert_msg(end != NULL, "%s: last line without an end", path);
         *end = '\0';
-        if (strncmp(line, "schema-blind: ", 14) != 0) {
+        if (strncmp(line, "schema-blind: ", 14) != 0 && strncmp(line, "not-json: ", 10) != 0) {
             ck_assert_int_lt(e.count, LINES_MAX);
             struct expectation *x = &e.line[e.count];
             char *one = strstr(line, " | "), *two = one ? strstr(one + 3, " | ") : NULL;

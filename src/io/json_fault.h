@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/* What is wrong with text that is not JSON, in words, and where: line and column count from 1, a
+ * column is a character, and the place is where the offending piece begins. */
+#ifndef PEN_SRC_IO_JSON_FAULT_H
+#define PEN_SRC_IO_JSON_FAULT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "pen/base/status.h"
+
+struct pen_json_text {
+    const char *text;
+    size_t bytes;
+};
+
+/* A message about the text at `offset`. Returns false. */
+bool pen_json_fault(const struct pen_json_text *json, size_t offset, struct pen_status *st,
+                    const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* The same about the piece that begins at `offset`, which the message shows at its end: "…, found
+ * PIECE"; or, if the piece is a word that no JSON has, what is wrong with that. */
+bool pen_json_fault_found(const struct pen_json_text *json, size_t offset, struct pen_status *st,
+                          const char *expected);
+
+/* A message that begins with the piece: "PIECE message". */
+bool pen_json_fault_piece(const struct pen_json_text *json, size_t offset, struct pen_status *st,
+                          const char *message);
+
+/* Where the word at `offset` ends: before white space, a bracket, comma, colon or quote. */
+size_t pen_json_word_end(const struct pen_json_text *json, size_t offset);
+
+/* Where the string that opens at `offset` ends: after its quote, or at the text's end. */
+size_t pen_json_string_end(const struct pen_json_text *json, size_t offset);
+
+/* Whether the text at `offset` up to `end` is a number by RFC 8259, section 6; *integer: without
+ * fraction and exponent. */
+bool pen_json_is_number(const struct pen_json_text *json, size_t offset, size_t end, bool *integer);
+
+#endif

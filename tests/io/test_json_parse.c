@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/* What is decided before a scene is read: length, nesting, numbers, memory. The wording of syntax
+ * errors is held by the corpus. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/io/scene_json.h"
+#include "support/suite.h"
+
+static json_t *parse(const char *text, size_t bytes, struct pen_status *st)
+{
+    struct pen_limits limits = pen_limits_default();
+    return pen_json_parse(text, bytes, &limits, st);
+}
+
+/* `depth` brackets inside each other. */
+static char *nest(int depth)
+{
+    char *text = malloc((size_t)depth * 2 + 1);
+    memset(text, '[', (size_t)depth);
+    memset(text + depth, ']', (size_t)depth);
+    text[2 * depth] = '\0';
+    return text;
+}
+
+START_TEST(test_json_parse__nesting_of_64_is_the_most)
+{
+    struct pen_status st;
+    for (int depth = 63; depth <= 66; depth++) {
+        char *text = nest(depth);
+        json_t *document = parse(text, strlen(text), &st);
+        ck_assert_msg((document != NULL) == (depth <= 64), "depth %d", depth);
+        if (!document)
+            ck_assert_int_eq(st.code, PEN_INVALID);
+        json_decref(document);
+        free(text);
+    }
+}
+END_TEST
+
+START_TEST(test_json_parse__brackets_in_strings_do_not_nest)
+{
+    struct pen_status st;
+    char text[400] = "[\"\\\"", *end = text + strlen(text);
+    memset(end, '[', 200);
+    strcpy(end + 200, "\\\\\"]");
+    json_t *document = parse(text, strlen(text), &st);
+    ck_assert_ptr_nonnull(document);
+    json_decref(document);
+}
+END_TEST
+
+START_TEST(test_json_parse__a_million_brackets_are_refused_quickly)
+{
+    struct pen_status st;
+    char *text = nest(1000000);
+    ck_assert_ptr_null(parse(text, strlen(text), &st));
+    ck_assert_int_eq(st.code, PEN_INVALID);
+    free(text);
+}
+END_TEST
+
+START_TEST(test_json_parse__one_byte_over_the_limit_is_too_large)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    ck_assert_uint_eq(limits.body_bytes, 16777216);
+    limits.body_bytes = 4;
+    json_t *document = pen_json_parse("[ 1]x", 4, &limits, &st);
+    ck_assert_ptr_nonnull(document);
+    json_decref(document);
+    ck_assert_ptr_null(pen_json_parse("[ 1] ", 5, &limits, &st));
+    ck_assert_int_eq(st.code, PEN_TOO_LARGE);
+    ck_assert_str_eq(st.msg, "the document has 5 bytes, at most 4 are allowed");
+}
+END_TEST
+
+START_TEST(test_json_parse__integers_stay_exact_up_to_64_bits_and_become_reals_beyond)
+{
+    struct pen_status st;
+    const char *exact = "[9007199254740993, 9223372036854775807, -9223372036854775808]";
+    json_t *document = parse(exact, strlen(exact), &st);
+    ck_assert_int_eq(json_integer_value(json_array_get(document, 0)), INT64_C(9007199254740993));
+    ck_assert_int_eq(json_integer_value(json_array_get(document, 1)), INT64_MAX);
+    ck_assert_int_eq(json_integer_value(json_array_get(document, 2)), INT64_MIN);
+    json_decref(document);
+    const char *longer = "[9223372036854775808, -100000000000000000000]";
+    document = parse(longer, strlen(longer), &st);
+    ck_assert_double_eq(json_number_value(json_array_get(document, 0)), 0x1p63);
+    ck_assert_double_eq(json_number_value(json_array_get(document, 1)), -1e20);
+    json_decref(document);
+}
+END_TEST
+
+START_TEST(test_json_parse__text_need_not_end_with_a_zero)
+{
+    struct pen_status st;
+    char *text = malloc(7);
+    memcpy(text, "{\"a\":1}", 7);
+    json_t *document = parse(text, 7, &st);
+    ck_assert_int_eq(json_integer_value(json_object_get(document, "a")), 1);
+    json_decref(document);
+    ck_assert_ptr_null(parse(text, 6, &st));
+    ck_assert_int_eq(st.code, PEN_SYNTAX);
+    ck_assert_int_eq(st.line, 1);
+    ck_assert_int_eq(st.column, 7);
+    free(text);
+}
+END_TEST
+
+/* Allocations until one fails; each test is a process of its own. */
+static long allowed;
+static void *failing_malloc(size_t bytes)
+{
+    return allowed-- > 0 ? malloc(bytes) : NULL;
+}
+
+START_TEST(test_json_parse__any_failed_allocation_is_an_error)
+{
+    static const char text[] = "{\"a\": [1, 2.5, \"three\", {\"b\": null, \"c\": [[], {}]}], "
+                               "\"n\": 123456789012345678901234567890}";
+    struct pen_status st;
+    long needed = 0;
+    json_set_alloc_funcs(failing_malloc, free);
+    for (bool failed = true; failed; needed++) {
+        allowed = needed;
+        json_t *document = parse(text, sizeof text - 1, &st);
+        failed = document == NULL;
+        if (failed)
+            ck_assert_msg(st.code == PEN_NO_MEMORY, "allocation %ld: %s", needed, st.msg);
+        allowed = 1 << 20;
+        json_decref(document);
+    }
+    ck_assert_int_gt(needed, 20);
+}
+END_TEST
+
+PEN_SUITE("io/json_parse", test_json_parse__nesting_of_64_is_the_most,
+          test_json_parse__brackets_in_strings_do_not_nest,
+          test_json_parse__a_million_brackets_are_refused_quickly,
+          test_json_parse__one_byte_over_the_limit_is_too_large,
+          test_json_parse__integers_stay_exact_up_to_64_bits_and_become_reals_beyond,
+          test_json_parse__text_need_not_end_with_a_zero,
+          test_json_parse__any_failed_allocation_is_an_error)

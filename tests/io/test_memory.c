@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+/* Reading a scene with too little memory: every allocation that can fail does, once. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/io/scene_json.h"
+#include "support/alloc.h"
+#include "support/suite.h"
+
+static const char *const files[] = {
+    "tests/io/corpus/good/all-objects.json", "tests/io/corpus/good/all-lights.json",
+    "tests/io/corpus/good/camera-full.json", "tests/io/corpus/good/views.json",
+    "tests/io/corpus/good/text-escapes.json"};
+
+static char *read_file(const char *path, size_t *bytes)
+{
+    FILE *file = fopen(path, "rb");
+    ck_assert_ptr_nonnull(file);
+    char *text = malloc(1 << 20);
+    *bytes = fread(text, 1, 1 << 20, file);
+    fclose(file);
+    return text;
+}
+
+static bool load(const char *text, size_t bytes, size_t cap, struct pen_errors *errors)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_arena *arena = pen_arena_new(cap);
+    struct pen_scene_desc desc;
+    if (!arena)
+        return false;
+    bool ok = pen_scene_load(text, bytes, &limits, arena, &desc, errors);
+    pen_arena_free(arena);
+    return ok;
+}
+
+/* Sorting names takes memory if it can have some, so a refusal need not be a failure. */
+START_TEST(test_memory__any_failed_allocation_is_reported_as_such)
+{
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        size_t bytes;
+        char *text = read_file(files[i], &bytes);
+        bool refused = true;
+        for (long n = 0; refused; n++) {
+            struct pen_errors errors = {0};
+            alloc_fail_after(n);
+            bool ok = load(text, bytes, 0, &errors);
+            refused = alloc_succeed();
+            ck_assert_msg(ok || refused, "%s: %s", files[i], errors.item[0].msg);
+            for (size_t e = 0; e < errors.count; e++)
+                ck_assert_msg(errors.item[e].code == PEN_NO_MEMORY, "%s, allocation %ld: %s",
+                              files[i], n, errors.item[e].msg);
+        }
+        free(text);
+    }
+}
+END_TEST
+
+START_TEST(test_memory__any_cap_of_the_arena_is_kept)
+{
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        size_t bytes, cap = 1;
+        char *text = read_file(files[i], &bytes);
+        struct pen_errors errors = {0};
+        for (; !load(text, bytes, cap, &errors); cap += 16) {
+            ck_assert_uint_eq(errors.total, 1);
+            ck_assert_int_eq(errors.item[0].code, PEN_NO_MEMORY);
+            errors = (struct pen_errors){0};
+        }
+        ck_assert_uint_gt(cap, 256);
+        free(text);
+    }
+}
+END_TEST
+
+START_TEST(test_memory__a_bad_scene_is_explained_whatever_fails)
+{
+    size_t bytes;
+    char *text = read_file("tests/io/corpus/bad/several.json", &bytes);
+    bool refused = true;
+    for (long n = 0; refused; n++) {
+        struct pen_errors errors = {0};
+        alloc_fail_after(n);
+        bool ok = load(text, bytes, 0, &errors);
+        refused = alloc_succeed();
+        ck_assert(!ok);
+        ck_assert(refused || errors.count == 7);
+    }
+    free(text);
+}
+END_TEST
+
+PEN_SUITE("io/memory", test_memory__any_failed_allocation_is_reported_as_such,
+          test_memory__any_cap_of_the_arena_is_kept,
+          test_memory__a_bad_scene_is_explained_whatever_fails)
