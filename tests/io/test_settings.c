@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT */
+#include <stdio.h>
+#include <string.h>
+
+#include "pen/io/scene_json.h"
+#include "support/suite.h"
+
+static struct pen_settings set_all(const char *const *assignments)
+{
+    struct pen_settings settings = pen_settings_default();
+    struct pen_status st = {0};
+    for (; *assignments; assignments++)
+        ck_assert_msg(pen_settings_set(&settings, *assignments, &st), "%s: %s", *assignments,
+                      st.msg);
+    return settings;
+}
+
+/* The code and message of an assignment that must fail and change nothing. */
+static struct pen_status refuse(const char *assignment)
+{
+    struct pen_settings settings = pen_settings_default(), before = settings;
+    struct pen_status st = {0};
+    ck_assert_msg(!pen_settings_set(&settings, assignment, &st), "%s was accepted", assignment);
+    ck_assert_int_eq(memcmp(&settings, &before, sizeof settings), 0);
+    return st;
+}
+
+START_TEST(test_settings__every_key_can_be_set_from_a_command_line)
+{
+    static const char *const assignments[] = {
+        "width=1000",       "height=1400.0",       "samples_per_pixel=4",
+        "light_samples=64", "blur_samples=3",      "lens_samples=5",
+        "max_samples=6",    "light_pattern=grid",  "max_depth=2",
+        "tile=16",          "min_contribution=0",  "precision=robust",
+        "accelerator=none", "transfer=\"linear\"", "seed=9007199254740992",
+        "threads=3",        "target_error=0",      NULL};
+    struct pen_settings s = set_all(assignments);
+    ck_assert_int_eq(s.width, 1000);
+    ck_assert_int_eq(s.height, 1400);
+    ck_assert_int_eq(s.samples_per_pixel, 4);
+    ck_assert_int_eq(s.light_samples, 64);
+    ck_assert_int_eq(s.blur_samples, 3);
+    ck_assert_int_eq(s.lens_samples, 5);
+    ck_assert_int_eq(s.max_samples, 6);
+    ck_assert_int_eq(s.light_pattern, PEN_PATTERN_GRID);
+    ck_assert_int_eq(s.max_depth, 2);
+    ck_assert_int_eq(s.tile, 16);
+    ck_assert_double_eq(s.min_contribution, 0);
+    ck_assert_int_eq(s.accelerator, PEN_ACCEL_NONE);
+    ck_assert_int_eq(s.transfer, PEN_SETTING_LINEAR);
+    ck_assert_uint_eq(s.seed, UINT64_C(1) << 53);
+    ck_assert_int_eq(s.threads, 3);
+}
+END_TEST
+
+START_TEST(test_settings__a_wrong_assignment_names_its_key)
+{
+    struct pen_status st = refuse("acelerator=none");
+    ck_assert_int_eq(st.code, PEN_USAGE);
+    ck_assert_str_eq(st.msg, "unknown key \"acelerator\"; did you mean \"accelerator\"?");
+    st = refuse("accelerator=non");
+    ck_assert_int_eq(st.code, PEN_USAGE);
+    ck_assert_ptr_nonnull(strstr(st.msg, "accelerator must be one of \"auto\", \"none\""));
+    ck_assert_ptr_nonnull(strstr(st.msg, "did you mean \"none\"?"));
+    ck_assert_str_eq(refuse("width=0").msg, "width must be an integer of at least 1, found 0");
+    ck_assert_str_eq(refuse("width=").msg,
+                     "width must be an integer of at least 1, found the string \"\"");
+    ck_assert_str_eq(refuse("width").msg, "\"width\" is no setting: write key=value");
+    ck_assert_int_eq(refuse("=1").code, PEN_USAGE);
+    ck_assert_int_eq(refuse("wi\xffth=1").code, PEN_USAGE);
+    ck_assert_int_eq(refuse("width={\"a\": 1, \"a\": 2}").code, PEN_USAGE);
+}
+END_TEST
+
+START_TEST(test_settings__what_is_still_to_come_is_refused_as_such)
+{
+    struct pen_status st = refuse("accelerator=median");
+    ck_assert_int_eq(st.code, PEN_UNSUPPORTED);
+    ck_assert_ptr_nonnull(strstr(st.msg, "accelerator known, not supported yet"));
+    ck_assert_int_eq(refuse("quality=draft").code, PEN_UNSUPPORTED);
+    ck_assert_int_eq(refuse("target_error=0.01").code, PEN_UNSUPPORTED);
+}
+END_TEST
+
+START_TEST(test_settings__a_job_overrides_what_it_names_and_nothing_else)
+{
+    struct pen_settings settings = pen_settings_default();
+    struct pen_errors errors = {0};
+    json_t *scene = json_pack("{s:i, s:i}", "width", 10, "height", 20);
+    json_t *job = json_pack("{s:i}", "height", 30);
+    ck_assert(pen_settings_read(scene, "/scene/render", &settings, &errors));
+    ck_assert(pen_settings_read(job, "/render", &settings, &errors));
+    ck_assert_int_eq(settings.width, 10);
+    ck_assert_int_eq(settings.height, 30);
+    ck_assert_int_eq(settings.max_depth, 10);
+    json_decref(scene);
+    json_decref(job);
+}
+END_TEST
+
+START_TEST(test_settings__one_bad_key_leaves_all_as_they_were)
+{
+    struct pen_settings settings = pen_settings_default();
+    struct pen_errors errors = {0};
+    json_t *render = json_pack("{s:i, s:i}", "width", 10, "height", -1);
+    ck_assert(!pen_settings_read(render, "/render", &settings, &errors));
+    ck_assert_uint_eq(errors.count, 1);
+    ck_assert_str_eq(errors.item[0].at, "/render/height");
+    ck_assert_int_eq(settings.width, 800);
+    json_decref(render);
+}
+END_TEST
+
+PEN_SUITE("io/settings", test_settings__every_key_can_be_set_from_a_command_line,
+          test_settings__a_wrong_assignment_names_its_key,
+          test_settings__what_is_still_to_come_is_refused_as_such,
+          test_settings__a_job_overrides_what_it_names_and_nothing_else,
+          test_settings__one_bad_key_leaves_all_as_they_were)
