@@ -116,7 +116,7 @@ static void follow_path(struct random *random, const struct ways *ways, const ui
 
 START_TEST(test_accel__h095_equals_brute_force)
 {
-    struct random random = {2};
+    struct random random = random_begin(2);
     static uint8_t see_through[WORLD_MAX];
     for (int scene = 0; scene < 400; scene++) {
         world_clear(&world);

@@ -1,16 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /* Random numbers for property tests: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). A test prints
- * its seed with its failures. */
+ * its seed with its failures, and PEN_SEED in the environment repeats it. */
 #ifndef TESTS_SUPPORT_RANDOM_H
 #define TESTS_SUPPORT_RANDOM_H
 
 #include <stdint.h>
+#include <stdlib.h>
 
 #include "pen/math/vec3.h"
 
 struct random {
-    uint64_t state;
+    uint64_t state, seed;
 };
+
+/* The seed given, or that of the environment. */
+static inline struct random random_begin(uint64_t seed)
+{
+    const char *given = getenv("PEN_SEED");
+    seed = given ? strtoull(given, NULL, 0) : seed;
+    return (struct random){seed, seed};
+}
 
 static inline uint64_t random_bits(struct random *r)
 {
@@ -27,6 +36,11 @@ static inline double random_unit(struct random *r)
 }
 
 /* Uniform in [lo, hi). */
+static inline double random_uniform(struct random *r, double lo, double hi)
+{
+    return lo + (hi - lo) * random_unit(r);
+}
+
 static inline double random_in(struct random *r, double lo, double hi)
 {
     return lo + (hi - lo) * random_unit(r);
