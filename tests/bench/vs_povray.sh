@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Times Penumbra against POV-Ray on one scene: vs_povray.sh BUILD [SCENE] [RUNS]
 # Both run as whole programs with two threads, write a PNG, and take turns, so that what else the
-# machine does falls on both; the ratio is that of the medians. Single times mean little.
+# machine does falls on both; the ratio is that of the medians. Processor time says less about
+# threads, but more than wall time does on a machine that is busy with something else.
 set -eu
 here=$(dirname "$0")
 build=${1:?usage: vs_povray.sh BUILD [SCENE] [RUNS]}
@@ -26,16 +27,19 @@ render_povray() {
     HOME=$work povray "+I$work/scene.pov" "+O$work/povray.png" +FN "+W$width" "+H$height" \
         "+WT$threads" +Q9 -A -D -P -V >"$work/povray.log" 2>&1
 }
-# Seconds of wall time that a function takes, appended to a file.
+# Appends to a function's file: seconds of wall time, and of processor time.
 timed() {
-    local start end
-    start=$(date +%s%N)
-    "$1" || { echo "vs_povray.sh: $1 failed:" >&2; tail -n 20 "$work/${1#render_}.log" >&2; exit 1; }
-    end=$(date +%s%N)
-    echo $((end - start)) >> "$work/$1.ns"
+    local TIMEFORMAT='%R %U %S'
+    if ! { time "$1"; } 2>"$work/time"; then
+        echo "vs_povray.sh: $1 failed:" >&2
+        tail -n 20 "$work/${1#render_}.log" >&2
+        exit 1
+    fi
+    awk '{ print $1, $2 + $3 }' "$work/time" >>"$work/$1.times"
 }
+# Median, least and most of a column of a function's file.
 median() {
-    sort -n "$work/$1.ns" | awk '{ t[NR] = $1 / 1e9 } END {
+    awk -v column="$2" '{ print $column }' "$work/$1.times" | sort -n | awk '{ t[NR] = $1 } END {
         m = NR % 2 ? t[(NR + 1) / 2] : (t[NR / 2] + t[NR / 2 + 1]) / 2
         printf "%.3f %.3f %.3f\n", m, t[1], t[NR] }'
 }
@@ -44,9 +48,13 @@ for ((i = 0; i < runs; i++)); do
     timed render_penumbra
     timed render_povray
 done
-read -r pen pen_low pen_high < <(median render_penumbra)
-read -r pov pov_low pov_high < <(median render_povray)
-echo "$(basename "$scene"), ${width}x$height, $threads threads, $runs interleaved runs, wall time"
-echo "penumbra  median $pen s  ($pen_low to $pen_high)"
-echo "povray    median $pov s  ($pov_low to $pov_high)"
-awk -v a="$pov" -v b="$pen" 'BEGIN { printf "povray / penumbra = %.2f\n", a / b }'
+echo "$(basename "$scene"), ${width}x$height, $threads threads, $runs interleaved runs"
+for column in 1 2; do
+    [ $column = 1 ] && kind=wall || kind=processor
+    read -r pen pen_low pen_high < <(median render_penumbra $column)
+    read -r pov pov_low pov_high < <(median render_povray $column)
+    echo "$kind time"
+    echo "  penumbra  median $pen s  ($pen_low to $pen_high)"
+    echo "  povray    median $pov s  ($pov_low to $pov_high)"
+    awk -v a="$pov" -v b="$pen" 'BEGIN { printf "  povray / penumbra = %.2f\n", a / b }'
+done
