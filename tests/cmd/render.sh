@@ -25,12 +25,12 @@ sed 's/"radius": 2,/"radius": -2,/; s/"kd": 0.6/"kd": 7/; s/"ambient"/"ambiant"/
 
 # Formats and sources
 ends "render to png" 0 "$penumbra" render scene.json -o a.png
-equal "prints nothing" "$(cat out err)" ""
-equal "writes a png" "$(head -c 4 a.png | tail -c 3)" "PNG"
+expect "prints nothing" "$(cat stdout stderr)" ""
+expect "writes a png" "$(head -c 4 a.png | tail -c 3)" "PNG"
 ends "render to pfm" 0 "$penumbra" render scene.json -o a.pfm
-equal "writes a pfm" "$(head -n 2 a.pfm | tr '\n' ' ')" "PF 61 43 "
+expect "writes a pfm" "$(head -n 2 a.pfm | tr '\n' ' ')" "PF 61 43 "
 ends "render to 16 bits" 0 "$penumbra" render scene.json -o deep.png --format png16
-equal "writes 16 bits a channel" "$(od -An -tu1 -j24 -N1 deep.png | tr -d ' ')" 16
+expect "writes 16 bits a channel" "$(od -An -tu1 -j24 -N1 deep.png | tr -d ' ')" 16
 ends "--format wins over the ending" 0 "$penumbra" render scene.json -o odd.png --format pfm
 check "and gives the same bytes" cmp odd.png a.pfm
 "$penumbra" render - -o b.png <scene.json
@@ -51,28 +51,28 @@ check "other tiles and no accelerator, same bytes" cmp t.pfm a.pfm
 
 # Settings, views, statistics
 ends "--set" 0 "$penumbra" render scene.json -o small.pfm --set width=20 --set height=8e0
-equal "changes the picture's size" "$(sed -n 2p small.pfm)" "20 8"
+expect "changes the picture's size" "$(sed -n 2p small.pfm)" "20 8"
 ends "a setting that is misspelt" 2 "$penumbra" render scene.json -o x.png --set widht=20
-says "is answered with the nearest" err '"width"'
+says "is answered with the nearest" stderr '"width"'
 ends "a setting out of range" 2 "$penumbra" render scene.json -o x.png --set width=0
 ends "--view" 0 "$penumbra" render scene.json -o side.png --view side
 if cmp -s side.png a.png; then
-    fail "another view is another picture" "same bytes"
+    not_ok "another view is another picture" "same bytes"
 else
     ok "another view is another picture"
 fi
 "$penumbra" render scene.json -o front.png --view front
 check "the first view is the default" cmp front.png a.png
 ends "a view that is not there" 4 "$penumbra" render scene.json -o x.png --view sidd
-says "is answered with the nearest" err 'nearest is "side"'
+says "is answered with the nearest" stderr 'nearest is "side"'
 ends "--stats" 0 "$penumbra" render scene.json --stats stats.json --threads 2
-equal "counts primary rays" "$(jq .rays.primary stats.json)" $((61 * 43))
-equal "counts threads" "$(jq .threads stats.json)" 2
+expect "counts primary rays" "$(jq .rays.primary stats.json)" $((61 * 43))
+expect "counts threads" "$(jq .threads stats.json)" 2
 ends "--json" 0 "$penumbra" render scene.json -o a.png --json
-equal "prints one line" "$(wc -l <out | tr -d ' ')" 1
-equal "with what was made" "$(jq -c '[.output, .format, .view, .width, .height]' out)" \
+expect "prints one line" "$(wc -l <stdout | tr -d ' ')" 1
+expect "with what was made" "$(jq -c '[.output, .format, .view, .width, .height]' stdout)" \
     '["a.png","png","front",61,43]'
-equal "and the statistics" "$(jq .stats.rays.primary out)" $((61 * 43))
+expect "and the statistics" "$(jq .stats.rays.primary stdout)" $((61 * 43))
 
 # One pixel: the very values of the film, which has its bottom row first
 cat >film_pixel.py <<'PYTHON'
@@ -87,65 +87,65 @@ for at in 30,20 0,0 60,42 12,33; do
     check "--pixel $at is the film's" python3 film_pixel.py a.pfm ${at%,*} ${at#*,} <pixel.json
 done
 ends "--pixel for people" 0 "$penumbra" render scene.json --pixel 30,20
-says "shows rays" out "rays    primary 1, shadow"
-says "shows hexadecimal floats" out "0x1."
+says "shows rays" stdout "rays    primary 1, shadow"
+says "shows hexadecimal floats" stdout "0x1."
 
 # A result is there whole or not at all
 echo precious >keep.png
 chmod 640 keep.png
 ends "a scene with errors" 3 "$penumbra" render bad.json -o keep.png
-equal "leaves the old output" "$(cat keep.png)" precious
-says "locates a wrong value" err "bad.json: "
-says "by pointer" err "/objects/0/radius"
-says "locates another" err "/objects/1/material/kd"
-says "names the nearest key" err '"ambient"'
-equal "prints one line an error" "$(grep -c '^penumbra: bad.json' err)" 3
+expect "leaves the old output" "$(cat keep.png)" precious
+says "locates a wrong value" stderr "bad.json: "
+says "by pointer" stderr "/objects/0/radius"
+says "locates another" stderr "/objects/1/material/kd"
+says "names the nearest key" stderr '"ambient"'
+expect "prints one line an error" "$(grep -c '^penumbra: bad.json' stderr)" 3
 ends "and with --json" 3 "$penumbra" render bad.json -o keep.png --json
-equal "a problem document too" "$(jq .status out)" 422
+expect "a problem document too" "$(jq .status stdout)" 422
 check "a picture replaces the old one" "$penumbra" render scene.json -o keep.png
 check "whole" cmp keep.png a.png
-equal "and keeps its mode" "$(stat -c %a keep.png)" 640
-equal "no temporary file stays" "$(ls | grep -c 'keep.png.')" 0
+expect "and keeps its mode" "$(stat -c %a keep.png)" 640
+expect "no temporary file stays" "$(ls | grep -c 'keep.png.')" 0
 ends "an output that cannot be written" 8 "$penumbra" render scene.json -o /nonexistent/a.png
 ends "a full disk" 8 "$penumbra" render scene.json -o /dev/full --format png
 ends "an input that is not there" 4 "$penumbra" render nothing.json -o x.png
 ends "an input that is a folder" 8 "$penumbra" render . -o x.png
 ends "a built-in scene that is not there" 4 "$penumbra" render builtin:sheres -o x.png
-says "is answered with the nearest" err 'nearest is "spheres"'
+says "is answered with the nearest" stderr 'nearest is "spheres"'
 printf '{"format": "penumbra-scene/1",\n "camera": }' >broken.json
 ends "malformed JSON" 3 "$penumbra" render broken.json -o x.png
-says "is located by line and column" err "broken.json:2:"
+says "is located by line and column" stderr "broken.json:2:"
 ends "an empty input" 3 "$penumbra" render /dev/null -o x.png
 
 # validate and scenes
 ends "validate a good scene" 0 "$penumbra" validate scene.json builtin:room
-says "says so" out "scene.json: valid"
+says "says so" stdout "scene.json: valid"
 ends "validate a bad one among good ones" 3 "$penumbra" validate scene.json bad.json
-says "says which" err "penumbra: bad.json: "
-says "and still does the others" out "scene.json: valid"
+says "says which" stderr "penumbra: bad.json: "
+says "and still does the others" stdout "scene.json: valid"
 ends "validate --json" 0 "$penumbra" validate scene.json --json
-equal "is the service's answer" "$(jq .valid out)" true
+expect "is the service's answer" "$(jq .valid stdout)" true
 ends "scenes" 0 "$penumbra" scenes
-says "lists the room" out "room"
+says "lists the room" stdout "room"
 ends "scenes NAME" 0 "$penumbra" scenes room
-check "prints the scene" cmp out "$root/scenes/room.json"
+check "prints the scene" cmp stdout "$root/scenes/room.json"
 ends "scenes --json" 0 "$penumbra" scenes --json
-equal "is a list" "$(jq -r '.scenes | map(.name) | index("spheres") != null' out)" true
+expect "is a list" "$(jq -r '.scenes | map(.name) | index("spheres") != null' stdout)" true
 ends "scenes of a wrong name" 4 "$penumbra" scenes rom
 
 # compare
 ends "equal pictures" 0 "$penumbra" compare a.png front.png --max-error 0
-says "have no error" out "rmse       0"
+says "have no error" stdout "rmse       0"
 ends "different pictures without a bound" 0 "$penumbra" compare a.png side.png
 ends "different pictures" 7 "$penumbra" compare a.png side.png --max-rmse 0.001
-says "are said to differ" err "the pictures differ: rmse"
+says "are said to differ" stderr "the pictures differ: rmse"
 ends "different pictures, largest error" 7 "$penumbra" compare a.png side.png --max-error 0.001 -q
-equal "quietly" "$(cat out err)" ""
+expect "quietly" "$(cat stdout stderr)" ""
 ends "8 bits against the film" 0 "$penumbra" compare a.png a.pfm --json
-equal "differ by rounding only" "$(jq '.max_error < 0.00197 and .max_error > 0' out)" true
-equal "name their figures" "$(jq -c 'has("rmse") and has("psnr") and has("differing")' out)" true
+expect "differ by rounding only" "$(jq '.max_error < 0.00197 and .max_error > 0' stdout)" true
+expect "name their figures" "$(jq -c 'has("rmse") and has("psnr") and has("differing")' stdout)" true
 ends "pictures of different sizes" 3 "$penumbra" compare a.png small.pfm
 ends "a file that is no picture" 3 "$penumbra" compare a.png scene.json
-says "is named" err "scene.json"
+says "is named" stderr "scene.json"
 
 finish
