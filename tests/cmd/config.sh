@@ -52,6 +52,7 @@ expect "is left as it is" "$(head -c 19 text.db)" "this is no database"
 # Precedence: command line, environment, file, default. The log's form tells which one won.
 log_form() { # VARIABLES-AND-COMMAND…: starts, stops, says whether the log was JSON
     rm -f form.log
+    : >form.out
     env "$@" --listen 127.0.0.1:0 --store form.db --log-file form.log >form.out 2>&1 &
     daemon=$!
     within 20 grep -q '^listening on' form.out
@@ -77,6 +78,7 @@ check "a log in JSON is JSON to the last line" sh -c "jq -e .message form.log"
 # Where the store goes by default
 unset XDG_STATE_HOME
 default_store() { # VARIABLES…
+    : >form.out
     env "$@" "$penumbrad" --listen 127.0.0.1:0 >form.out 2>&1 &
     daemon=$!
     within 20 grep -q '^listening on' form.out
@@ -94,6 +96,7 @@ check "systemd's folder" test -s "$work/systemd/penumbra.db"
 # The first line
 store=$work/first.db
 for address in 127.0.0.1:0 localhost:0; do
+    : >form.out
     "$penumbrad" --listen $address --store first.db >form.out 2>>log &
     daemon=$!
     within 20 grep -q '^listening on' form.out

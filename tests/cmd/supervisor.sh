@@ -7,7 +7,7 @@ cd "$work" || exit 1
 set -- --set width=480 --set height=320 --set samples_per_pixel=4
 "$penumbra" render scene.json "$@" -o wanted.pfm
 running() { # ID: whether some of the job's pixels are committed, or it is at work
-    [ "$("$penumbra" list --json | jq -r ".jobs[] | select(.id == \"$1\") | .state")" = running ]
+    [ "$("$penumbra" list --json --retry 0 | jq -r ".jobs[] | select(.id == \"$1\") | .state")" = running ]
 }
 start() {
     daemon_start "$@"
@@ -26,6 +26,8 @@ for round in 1 2 3; do
     kill -KILL "$worker"
     check "a killed worker is gone" within 2 gone "$worker"
     check "and replaced" within 5 child work
+    check "its leases are taken back at once" \
+        within 5 grep -q "took back [1-9].* of .*:$worker:" "$work/log"
     ends "its job succeeds ($round)" 0 "$penumbra" wait "$id"
     "$penumbra" fetch "$id" -o got.pfm
     check "with the same bytes" cmp got.pfm wanted.pfm
@@ -52,7 +54,14 @@ ends "a client that waits survives that" 0 "$penumbra" wait "$id"
 # SIGHUP
 echo '{"log_level": "warn"}' >config.json
 daemon_stop
-start --config config.json --log-file "$work/daemon.log"
+: >first
+"$build/penumbrad" --listen 127.0.0.1:0 --store "$store" --config config.json \
+    --log-file "$work/daemon.log" >first 2>>log &
+daemon=$!
+within 20 grep -q '^listening on' first
+url=$(sed -n 's/^listening on //p' first)
+export PENUMBRA_URL="$url"
+ends "a daemon with a log file" 0 "$penumbra" list
 mv daemon.log old.log
 echo '{"log_level": "debug", "threads": 1}' >config.json
 worker=$(child work)
@@ -60,7 +69,7 @@ kill -HUP "$daemon"
 check "SIGHUP opens the log anew" within 5 test -e daemon.log
 check "and reads the configuration" within 5 grep -q "configuration read again" daemon.log
 check "a worker with other threads takes over" within 5 gone "$worker"
-check "and the old one is replaced" within 5 child work
+check "for the old one" within 5 child work
 echo '{"log_level": "no such"}' >config.json
 kill -HUP "$daemon"
 check "a wrong configuration changes nothing" within 5 grep -q "the old one stays" daemon.log
@@ -117,9 +126,10 @@ children="$(child api) $(child work)"
 kill -KILL $children "$daemon"
 wait "$daemon" 2>/dev/null
 daemon=
-begun=$(date +%s)
 start
-ends "a job whose daemon was killed whole succeeds" 0 "$penumbra" wait "$id"
+check "leases of a daemon that was killed whole are taken back at once" \
+    within 5 grep -q "took back [1-9].* workers that are no more" "$work/log"
+ends "and its job succeeds" 0 "$penumbra" wait "$id"
 "$penumbra" fetch "$id" -o got.pfm
 check "with the same bytes" cmp got.pfm wanted.pfm
 
