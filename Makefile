@@ -111,7 +111,11 @@ asan:
 tsan:
 	$(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" OPT="-O1 -g" run-tests
 
-conformance: all
+$(BUILD)/tests/conformance/compare_pair: tests/conformance/compare_pair.c $(BUILD)/libpenumbra.a
+	@mkdir -p $(@D)
+	$(COMPILE) -pthread $(LDFLAGS) -o $@ $^ $(PKG_LIBS)
+
+conformance: all $(BUILD)/tests/conformance/compare_pair
 	sh tests/conformance.sh $(BUILD) $(REF)
 
 install: all
