@@ -46,7 +46,7 @@ TEST_BIN := $(TEST_SRC:%.c=$(BUILD)/%)
 TEST_SUPPORT := $(sort $(wildcard tests/support/*.c))
 TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
 
-.PHONY: asan-build have-deps all tests check run-tests demo lint asan tsan clean install conformance bench
+.PHONY: asan-build have-deps all golden tests check run-tests demo lint asan tsan clean install conformance bench
 all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
 .PHONY: libpenumbra
 libpenumbra: $(BUILD)/libpenumbra.a
@@ -94,6 +94,10 @@ check:
 	$(MAKE) run-tests
 run-tests: tests
 	sh tests/run.sh $(BUILD)
+
+# Writes tests/golden/hashes.txt anew, after a change that is meant to change pictures.
+golden: $(BUILD)/tests/golden/test_golden
+	PENUMBRA_GOLDEN=write $<
 
 demo:
 	sh deploy/install-deps.sh

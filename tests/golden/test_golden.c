@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: MIT */
+/* Golden films: the bits of every scene in scenes/ and tests/golden/scenes/, in small, held
+ * against hashes.txt: the same for any number of threads, instruction set and accelerator, on any
+ * machine. After a change that is meant to change pictures, look at them, then `make golden`
+ * (PENUMBRA_GOLDEN=write) writes the table anew; its diff says which pictures changed. */
+#include <glob.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/io/scene_json.h"
+#include "pen/render/render.h"
+#include "support/suite.h"
+
+#define TABLE "tests/golden/hashes.txt"
+
+enum { LONGEST_EDGE = 96, LINES_MAX = 200, LINE_BYTES = 160 };
+
+struct table {
+    int count;
+    char line[LINES_MAX][LINE_BYTES];
+};
+
+static char *read_file(const char *path, size_t *bytes)
+{
+    FILE *file = fopen(path, "rb");
+    ck_assert_msg(file != NULL, "%s cannot be read", path);
+    ck_assert_int_eq(fseek(file, 0, SEEK_END), 0);
+    long size = ftell(file);
+    rewind(file);
+    char *text = malloc((size_t)size + 1);
+    *bytes = fread(text, 1, (size_t)size, file);
+    text[*bytes] = 0;
+    fclose(file);
+    return text;
+}
+
+/* FNV-1a, 64 bits, over the floats' bytes from the lowest on. */
+static uint64_t film_hash(const float *film, size_t count)
+{
+    uint64_t h = 14695981039346656037u;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &film[i], sizeof bits);
+        for (int byte = 0; byte < 4; byte++)
+            h = (h ^ (bits >> (8 * byte) & 0xFF)) * 1099511628211u;
+    }
+    return h;
+}
+
+/* Shrinks the image, keeping its shape, so that all scenes take seconds. */
+static void shrink(struct pen_settings *s)
+{
+    int longest = s->width > s->height ? s->width : s->height;
+    if (longest <= LONGEST_EDGE)
+        return;
+    s->width = s->width * LONGEST_EDGE / longest;
+    s->height = s->height * LONGEST_EDGE / longest;
+    s->width += s->width == 0;
+    s->height += s->height == 0;
+}
+
+static uint64_t render_hash(const struct pen_scene *scene, int view, struct pen_settings settings,
+                            int threads, int tile)
+{
+    struct pen_status st = {0};
+    settings.tile = tile;
+    size_t count = 3 * (size_t)settings.width * (size_t)settings.height;
+    float *film = calloc(count, sizeof *film);
+    struct pen_pool *pool = pen_pool_new(threads, &st);
+    struct pen_render_task task = {
+        .scene = scene, .view = view, .settings = &settings, .tile_count = -1, .rgb = film};
+    struct pen_render_stats stats;
+    ck_assert_msg(pen_render_run(pool, &task, &stats, &st), "%s", st.msg);
+    pen_pool_free(pool);
+    uint64_t hash = film_hash(film, count);
+    free(film);
+    return hash;
+}
+
+static struct pen_scene *freeze(const struct pen_scene_desc *desc, int accelerator)
+{
+    struct pen_status st = {0};
+    struct pen_scene *scene = pen_scene_freeze(desc, (enum pen_accelerator)accelerator, 0, &st);
+    ck_assert_msg(scene != NULL, "%s: %s", st.at, st.msg);
+    return scene;
+}
+
+/* All views of a scene: one line each, once all ways of rendering agree. */
+static void hash_views(const char *path, const struct pen_scene_desc *desc, struct table *table)
+{
+    struct pen_settings settings = desc->settings;
+    shrink(&settings);
+    struct pen_scene *tree = freeze(desc, PEN_ACCEL_AUTO), *list = freeze(desc, PEN_ACCEL_NONE);
+    for (uint32_t view = 0; view < desc->view_count; view++) {
+        uint64_t hash = render_hash(tree, (int)view, settings, 1, 32);
+        ck_assert_msg(hash == render_hash(tree, (int)view, settings, 2, 7), "%s: threads", path);
+        ck_assert_msg(hash == render_hash(tree, (int)view, settings, 3, 1000), "%s: tiles", path);
+        ck_assert_msg(hash == render_hash(tree, (int)view, settings, 8, 1), "%s: threads", path);
+        ck_assert_msg(hash == render_hash(list, (int)view, settings, 2, 32), "%s: none", path);
+        setenv("PENUMBRA_ISA", "base", 1);
+        ck_assert_msg(hash == render_hash(tree, (int)view, settings, 2, 32), "%s: base", path);
+        unsetenv("PENUMBRA_ISA");
+        ck_assert_int_lt(table->count, LINES_MAX);
+        snprintf(table->line[table->count++], LINE_BYTES, "%016llx %s %s\n",
+                 (unsigned long long)hash, path, desc->views[view].name);
+    }
+    pen_scene_free(tree);
+    pen_scene_free(list);
+}
+
+static void hash_scene(const char *path, struct table *table)
+{
+    static struct pen_errors errors;
+    struct pen_limits limits = pen_limits_default();
+    struct pen_arena *arena = pen_arena_new(0);
+    struct pen_scene_desc desc;
+    size_t bytes;
+    char *text = read_file(path, &bytes);
+    memset(&errors, 0, sizeof errors);
+    ck_assert_msg(pen_scene_load(text, bytes, &limits, arena, &desc, &errors), "%s%s: %s", path,
+                  errors.item[0].at, errors.item[0].msg);
+    hash_views(path, &desc, table);
+    free(text);
+    pen_arena_free(arena);
+}
+
+static void hash_all(struct table *table)
+{
+    glob_t found;
+    ck_assert_int_eq(glob("scenes/*.json", 0, NULL, &found), 0);
+    ck_assert_int_eq(glob("tests/golden/scenes/*.json", GLOB_APPEND, NULL, &found), 0);
+    for (size_t i = 0; i < found.gl_pathc; i++)
+        hash_scene(found.gl_pathv[i], table);
+    globfree(&found);
+}
+
+static void write_table(const struct table *table)
+{
+    FILE *file = fopen(TABLE, "w");
+    ck_assert(file != NULL);
+    fprintf(file, "# Hashes of films, by scene and view; written by `make golden`.\n");
+    for (int i = 0; i < table->count; i++)
+        fputs(table->line[i], file);
+    ck_assert_int_eq(fclose(file), 0);
+}
+
+START_TEST(test_golden__films_are_those_of_the_table)
+{
+    static struct table table;
+    hash_all(&table);
+    const char *mode = getenv("PENUMBRA_GOLDEN");
+    if (mode && strcmp(mode, "write") == 0) {
+        write_table(&table);
+        return;
+    }
+    size_t bytes;
+    char *known = read_file(TABLE, &bytes);
+    int different = 0;
+    for (int i = 0; i < table.count; i++)
+        if (!strstr(known, table.line[i])) {
+            different++;
+            printf("not in " TABLE ": %s", table.line[i]);
+        }
+    ck_assert_int_eq(different, 0);
+    int lines = 0;
+    for (const char *c = known; *c; c++)
+        lines += *c == '\n';
+    ck_assert_int_eq(lines, table.count + 1); /* no scene has gone */
+    free(known);
+}
+END_TEST
+
+PEN_SUITE("golden", test_golden__films_are_those_of_the_table)
