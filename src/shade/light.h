@@ -14,17 +14,6 @@ struct lit {
     bool to_point;            /* to_light ends in the light */
 };
 
-/* |q| also where its square leaves the range of doubles; 0 only for q = 0. */
-static ALWAYS_INLINE double light_distance(struct pen_vec3 q)
-{
-    double square = pen_dot(q, q);
-    if (square > 0x1p-900 && square < 0x1p900)
-        return sqrt(square);
-    double scale = square < 1 ? 0x1p600 : 0x1p-600;
-    q = pen_scale(q, scale);
-    return sqrt(pen_dot(q, q)) / scale;
-}
-
 /* The part of the light that the material sends on: kd |n.l| + ks max(0, -v.r)^shininess, with
  * r = l - 2 (n.l) n, so that -v.r = 2 (n.l)(n.v) - v.l. Rounding may lift that above 1, where a
  * large power would make much of it: it is cut. */
@@ -58,7 +47,7 @@ static ALWAYS_INLINE struct pen_vec3 light_of_point(const struct pen_light *ligh
     double nq = pen_dot(s->n, q);
     if (!(nq < -s->bound))
         return black;
-    double d = light_distance(q);
+    double d = pen_length(q);
     struct pen_vec3 l = pen_scale(q, 1 / d);
     double beam = 1;
     if (light->kind == PEN_LIGHT_SPOT) {

@@ -12,8 +12,6 @@ struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const stru
     struct pen_hit hit;
     double light = pen_shadow_light_bound(ray);
     while (!is_black(t) && input->trace->nearest(scene->accel, ray, leave, &span, &hit)) {
-        if (!(hit.t < query->tmax))
-            break;
         span.after = hit;
         if (query->to_point && pen_prim_ends_ray(&scene->prims, hit, ray, query->tmax, light))
             continue;

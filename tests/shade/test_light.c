@@ -220,15 +220,32 @@ START_TEST(test_light__emission_and_ambient)
 }
 END_TEST
 
-/* A light far away or next to the surface: its distance is right where its square is not. */
-START_TEST(test_light__distance_beyond_squares)
+START_TEST(test_light__very_far)
 {
     floor_of(kit_matte(1));
     kit.view.camera.position = pen_vec3(0, 0, 1);
     kit_point(&kit, pen_vec3(0, 0, 0x1p390), pen_vec3(1, 1, 1));
-    struct pen_ray_counts rays;
-    assert_near(kit_pixel(&kit, 0, 0, &rays), 1, 1, 1);
-    ck_assert_uint_eq(rays.dropped_samples, 0);
+    assert_near(kit_pixel(&kit, 0, 0, NULL), 1, 1, 1);
+}
+END_TEST
+
+/* Cosines of 1 that rounding has lifted above it: a huge power would make them brighter than the
+ * light. */
+START_TEST(test_light__powers_never_amplify)
+{
+    for (int i = 0; i < 300; i++) {
+        vec3 n = pen_normalize(pen_vec3(0.1 * (i % 17) - 0.8, 0.07 * (i % 23) - 0.8, 1));
+        vec3 v = pen_vec3(0, 0, -1), back = pen_along(v, n, -2 * pen_dot(n, v));
+        kit_init(&kit);
+        kit_plane(&kit, pen_vec3(0, 0, 0), n, kit_material(&kit, shiny(0, 1, 1e17)));
+        kit_directional(&kit, pen_neg(back), pen_vec3(1, 1, 1)); /* mirrored to the viewer */
+        ck_assert_double_le(kit_pixel(&kit, 0, 0, NULL).x, 1);
+        kit.materials[0] = kit_matte(1);
+        kit.desc.light_count = 0;
+        vec3 at = pen_scale(n, 3 + 0.01 * i);
+        kit_spot(&kit, at, pen_neg(at), pen_vec3(1, 1, 1))->beam_exponent = 1e17;
+        ck_assert_double_le(kit_pixel(&kit, 0, 0, NULL).x, 1 + 1e-15);
+    }
 }
 END_TEST
 
@@ -243,8 +260,12 @@ START_TEST(test_light__overflow_is_dropped_and_counted)
     ck_assert_uint_eq(rays.dropped_samples, 1);
     light->attenuation[0] = 1;
     light->attenuation[2] = 0; /* finite in double, but not on film */
-    assert_near(kit_pixel(&kit, 0, 0, &rays), 0, 0, 0);
-    ck_assert_uint_eq(rays.dropped_samples, 1);
+    for (int channel = 0; channel < 3; channel++) {
+        light->intensity =
+            pen_vec3(channel == 0 ? 1e39 : 1, channel == 1 ? 1e39 : 1, channel == 2 ? 1e39 : 1);
+        assert_near(kit_pixel(&kit, 0, 0, &rays), 0, 0, 0);
+        ck_assert_uint_eq(rays.dropped_samples, 1);
+    }
 }
 END_TEST
 
@@ -253,5 +274,5 @@ PEN_SUITE("light", test_light__directional, test_light__point_with_attenuation,
           test_light__nothing_behind_a_spot, test_light__only_on_the_viewers_side,
           test_light__dark_in_the_plane_of_the_surface, test_light__exactly_at_the_point,
           test_light__inside_an_opaque_sphere, test_light__power_of_zero, test_light__shadows_off,
-          test_light__emission_and_ambient, test_light__distance_beyond_squares,
+          test_light__emission_and_ambient, test_light__very_far, test_light__powers_never_amplify,
           test_light__overflow_is_dropped_and_counted)

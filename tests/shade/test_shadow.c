@@ -116,6 +116,29 @@ START_TEST(test_shadow__more_sheets_than_a_query_holds)
 }
 END_TEST
 
+/* As before, with surfaces through the light that rounding puts before or behind it. */
+START_TEST(test_shadow__more_sheets_and_a_light_on_walls)
+{
+    floor_and_light();
+    vec3 light = pen_vec3(8.1, 0.3, 7.7), want = {1, 1, 1};
+    kit.lights[0].position = light;
+    for (int i = 0; i < 40; i++) {
+        vec3 colour = pen_vec3(0.9 + 0.001 * i, 0.99 - 0.002 * (i % 7), 1 - 0.001 * i);
+        vec3 c = pen_scale(light, 0.1 + 0.02 * i);
+        const vec3 v[] = {{c.x - 0.2, c.y - 1, c.z},
+                          {c.x + 0.2, c.y - 1, c.z},
+                          {c.x + 0.2, c.y + 1, c.z},
+                          {c.x - 0.2, c.y + 1, c.z}};
+        kit_polygon(&kit, v, 4, glass(colour.x, colour.y, colour.z));
+        want = pen_mul(want, colour);
+    }
+    int red = glass(0.5, 0, 0);
+    for (int i = 0; i < 40; i++)
+        kit_plane(&kit, light, pen_vec3(1, 0.013 * i, -0.017 * i), i % 2 ? red : -1);
+    assert_shadow(want);
+}
+END_TEST
+
 START_TEST(test_shadow__coincident_sheets_in_document_order)
 {
     floor_and_light();
@@ -182,8 +205,52 @@ START_TEST(test_shadow__contact)
 }
 END_TEST
 
+/* The floor where the wall stands on it, seen from the one side: light from that side arrives,
+ * light from the other does not. */
+START_TEST(test_shadow__at_the_foot_of_a_wall)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        kit_init(&kit);
+        kit.view.camera.position = pen_vec3(side * 5, 0, 10);
+        kit.view.camera.direction = pen_vec3(-side * 5, 0, -10);
+        kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), kit_material(&kit, kit_matte(1)));
+        const vec3 wall[] = {{0, -4, 0}, {0, 4, 0}, {0, 4, 3}, {0, -4, 3}};
+        kit_polygon(&kit, wall, 4, -1);
+        kit_directional(&kit, pen_vec3(-side, 0, -1), pen_vec3(1, 0, 0));
+        kit_directional(&kit, pen_vec3(side, 0, -1), pen_vec3(0, 1, 0));
+        vec3 got = kit_pixel(&kit, 0, 0, NULL);
+        ck_assert_double_gt(got.x, 0.5);
+        ck_assert_double_eq(got.y, 0);
+    }
+}
+END_TEST
+
+/* The edge between two walls seen from very far: the point that is shaded may miss both by more
+ * than its own coordinates suggest, and neither may shade it. */
+START_TEST(test_shadow__corner_seen_from_afar)
+{
+    kit_init(&kit);
+    int m = kit_material(&kit, kit_matte(1));
+    for (int i = 0; i < 400; i++) {
+        vec3 a = pen_normalize(pen_vec3(0.3 + 0.01 * (i % 20), 0.2, 1));
+        vec3 b = pen_normalize(pen_vec3(1, 0.1 + 0.017 * (i % 31), -0.25));
+        vec3 edge = pen_normalize(pen_cross(a, b)), eye = pen_add(a, b);
+        kit.desc.object_count = kit.desc.light_count = 0;
+        kit_plane(&kit, pen_vec3(0, 0, 0), a, m);
+        kit_plane(&kit, pen_vec3(0, 0, 0), b, m);
+        kit_sphere(&kit, pen_scale(a, -40), 1, m); /* keeps the local frame near the walls */
+        kit_directional(&kit, pen_neg(pen_along(eye, edge, 0.1)), pen_vec3(1, 1, 1));
+        kit.view.camera.direction = pen_neg(eye);
+        kit.view.camera.position = pen_along(pen_scale(eye, 1e6 + i), edge, 0.01 * i);
+        ck_assert_double_gt(kit_pixel(&kit, 0, 0, NULL).x, 0.1);
+    }
+}
+END_TEST
+
 PEN_SUITE("shadow", test_shadow__opaque_blocks, test_shadow__only_strictly_between,
           test_shadow__a_light_in_a_glass_sphere, test_shadow__colours_multiply_from_the_point_on,
           test_shadow__more_sheets_than_a_query_holds,
           test_shadow__coincident_sheets_in_document_order, test_shadow__opaque_among_glass,
-          test_shadow__directional_light_is_infinitely_far, test_shadow__contact)
+          test_shadow__directional_light_is_infinitely_far, test_shadow__contact,
+          test_shadow__more_sheets_and_a_light_on_walls, test_shadow__at_the_foot_of_a_wall,
+          test_shadow__corner_seen_from_afar)
