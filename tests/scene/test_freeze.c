@@ -209,6 +209,7 @@ START_TEST(test_freeze__materials_and_lights)
     m.kt = pen_vec3(0, 0, 0.5);
     kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
     kit_sphere(&kit, pen_vec3(0, 0, 0), 1, kit_material(&kit, m));
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
     kit_point(&kit, pen_vec3(0, 0, 5), pen_vec3(0, 0, 0));
     kit_spot(&kit, pen_vec3(0, 0, 5), pen_vec3(0, 0, -7), pen_vec3(0, 1, 0))->shadows = false;
     struct pen_scene *scene = kit_freeze(&kit);
@@ -245,6 +246,22 @@ START_TEST(test_freeze__local_frame_is_about_one)
         }
         vec3 steps = pen_scale(scene->center, ldexp(1, -(k + 3)));
         ck_assert(steps.x == floor(steps.x) && steps.y == floor(steps.y));
+        pen_scene_free(scene);
+    }
+}
+END_TEST
+
+/* Where the middle is half-way between two multiples, the same one is taken after every move. */
+START_TEST(test_freeze__local_frame_moves_along)
+{
+    for (int k = -5; k <= 5; k++) {
+        kit_init(&kit);
+        kit_sphere(&kit, pen_vec3(4 * k + 0.5, 0, 0), 0.25, -1);
+        kit_sphere(&kit, pen_vec3(4 * k + 3.5, 0, 0), 0.25, -1);
+        struct pen_scene *scene = kit_freeze(&kit);
+        ck_assert_int_eq(scene->exponent, 2);
+        ck_assert(scene->center.x == 4 * k + 4);
+        ck_assert(scene->prims.sphere[0].c.x == -0.875);
         pen_scene_free(scene);
     }
 }
@@ -372,6 +389,7 @@ PEN_SUITE("freeze", test_freeze__bodies_are_numbered_depth_first,
           test_freeze__quadrics_under_similarities, test_freeze__mirrors_keep_the_outside,
           test_freeze__refuses_stretched_quadrics, test_freeze__refuses_what_numbers_cannot_say,
           test_freeze__deep_groups, test_freeze__materials_and_lights,
-          test_freeze__local_frame_is_about_one, test_freeze__scenes_without_finite_bodies,
-          test_freeze__memory_cap_is_an_error, test_freeze__every_allocation_may_fail,
-          test_freeze__accelerators_to_come, test_freeze__crossings_of_a_small_view_plane)
+          test_freeze__local_frame_is_about_one, test_freeze__local_frame_moves_along,
+          test_freeze__scenes_without_finite_bodies, test_freeze__memory_cap_is_an_error,
+          test_freeze__every_allocation_may_fail, test_freeze__accelerators_to_come,
+          test_freeze__crossings_of_a_small_view_plane)
