@@ -261,6 +261,8 @@ START_TEST(test_render__default_arithmetic_in_every_thread)
     struct pen_scene *again = kit_freeze(&kit);
     float *got = kit_film(again, &kit.settings, 2);
     _mm_setcsr(before);
+    ck_assert(
+        memcmp(&scene->views[0].frame, &again->views[0].frame, sizeof scene->views[0].frame) == 0);
     pen_scene_free(again);
     ck_assert(memcmp(want, got, film_bytes()) == 0);
     free(want);
