@@ -19,7 +19,7 @@ SERVICE_ROOMS := store jobs http
 CMD_COMMON := $(filter-out src/cmd/penumbra.c src/cmd/penumbrad.c,$(wildcard src/cmd/*.c))
 
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla $(WERROR)
-PIXEL_FLAGS := -std=c11 -ffp-contract=off
+PIXEL_FLAGS := -std=c11 -ffp-contract=off -fno-math-errno
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
 CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Iinclude $(CPPFLAGS)
 COMPILE = $(CC) $(CPP) $(OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
@@ -88,6 +88,11 @@ $(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_OBJ) $(BUILD)/libservice
 	$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
 	    $(TEST_SUPPORT_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
+
+# Benchmarks, one program each.
+$(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libpenumbra.a
+	@mkdir -p $(@D)
+	$(COMPILE) -Itests $(LDFLAGS) -o $@ $< $(BUILD)/libpenumbra.a $(PKG_LIBS)
 
 check:
 	sh deploy/install-deps.sh

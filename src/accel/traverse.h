@@ -101,9 +101,10 @@ static inline bool test_sphere(struct trace *w, uint32_t prim, const struct pen_
 static inline bool test_tube(struct trace *w, uint32_t prim, const struct pen_tube *tube, bool any)
 {
     double t[2];
+    bool parallel;
     if (prim == w->leave->prim)
         return test_at_origin(w, prim, any);
-    if (!pen_round_roots(&tube->round, w->ray, t))
+    if (!pen_round_roots(&tube->round, w->ray, t, &parallel))
         return false;
     if (w->leaving &&
         pen_round_touches(&tube->round, w->ray->o, w->leave->bound + pen_tube_rounding(tube)))

@@ -30,6 +30,7 @@ bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray
                               struct pen_inside *in)
 {
     double side[2];
+    bool parallel = false;
     bool slab = pen_cylinder_slab(c, ray, in);
     double da = pen_dot_guarded(ray->d, c->round.a);
     if (on & (da > 0 ? PEN_ON_BASE : PEN_ON_TOP))
@@ -39,8 +40,8 @@ bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray
     if (!slab || (da == 0 && (on & (PEN_ON_BASE | PEN_ON_TOP))))
         return false;
     if (!(on & PEN_ON_SIDE ? side_from(&c->round, ray, side)
-                           : pen_round_roots(&c->round, ray, side)))
-        return !(on & PEN_ON_SIDE) && pen_round_along(&c->round, ray) && in->lo < in->hi;
+                           : pen_round_roots(&c->round, ray, side, &parallel)))
+        return parallel && pen_round_holds(&c->round, ray->o) && in->lo < in->hi;
     return pen_inside_cut(in, side);
 }
 
@@ -57,8 +58,9 @@ bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray
         if (part == PEN_PART_BASE ? !(da > 0) : !(da < 0))
             return false;
         pen_cylinder_slab(c, ray, in);
-        if (!pen_round_roots(&c->round, ray, side) && pen_round_along(&c->round, ray))
-            side[1] = INFINITY;
+        bool parallel;
+        if (!pen_round_roots(&c->round, ray, side, &parallel))
+            side[1] = parallel && pen_round_holds(&c->round, ray->o) ? INFINITY : 0;
     }
     pen_inside_cut(in, side);
     return true;

@@ -36,6 +36,7 @@ void pen_prim_cross_line(const struct pen_prims *prims, uint32_t prim, const str
 {
     const struct pen_prim_ref ref = prims->ref[prim];
     double t[2];
+    bool parallel;
     struct pen_inside in;
     out->count = 0;
     switch ((enum pen_prim_kind)ref.kind) {
@@ -43,7 +44,7 @@ void pen_prim_cross_line(const struct pen_prims *prims, uint32_t prim, const str
         add_pair(out, pen_sphere_roots(&prims->sphere[ref.index], ray, t), t);
         break;
     case PEN_PRIM_TUBE:
-        add_pair(out, pen_round_roots(&prims->tube[ref.index].round, ray, t), t);
+        add_pair(out, pen_round_roots(&prims->tube[ref.index].round, ray, t, &parallel), t);
         break;
     case PEN_PRIM_CYLINDER:
         if (pen_cylinder_inside(&prims->cylinder[ref.index], ray, &in))

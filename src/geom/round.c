@@ -29,11 +29,10 @@ double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray)
     return mm == 0 ? 0 : -2 * tf_dot(m, n).hi / mm;
 }
 
-bool pen_round_along(const struct pen_round *s, const struct pen_ray *ray)
+bool pen_round_holds(const struct pen_round *s, struct pen_vec3 p)
 {
-    struct pen_vec3 m = pen_cross(ray->d, s->a);
-    struct pen_vec3 n = pen_round_across(s, ray->o);
-    return pen_dot(m, m) == 0 && pen_dot(n, n) < s->rr;
+    struct pen_vec3 n = pen_round_across(s, p);
+    return pen_dot(n, n) < s->rr;
 }
 
 struct pen_vec3 pen_round_normal(const struct pen_round *s, struct pen_vec3 p)

@@ -73,10 +73,11 @@ static inline bool pen_cylinder_inside(const struct pen_cylinder *c, const struc
                                        struct pen_inside *in)
 {
     double side[2];
+    bool parallel;
     if (!pen_cylinder_slab(c, ray, in))
         return false;
-    if (!pen_round_roots(&c->round, ray, side))
-        return pen_round_along(&c->round, ray);
+    if (!pen_round_roots(&c->round, ray, side, &parallel))
+        return parallel && pen_round_holds(&c->round, ray->o);
     return pen_inside_cut(in, side);
 }
 

@@ -37,13 +37,14 @@ static inline struct pen_vec3 pen_round_across(const struct pen_round *s, struct
 }
 
 /* The two crossings of the ray's line with the endless side, t[0] < t[1]; false if there are
- * none. Tangents and parallels are misses. As for spheres, in the plane across the axis. */
+ * none. Tangents and parallels are misses; *parallel tells them apart. As for spheres, in the
+ * plane across the axis. */
 static inline bool pen_round_roots(const struct pen_round *s, const struct pen_ray *ray,
-                                   double t[2])
+                                   double t[2], bool *parallel)
 {
     struct pen_vec3 m = pen_cross(ray->d, s->a);
     struct pen_vec3 n = pen_round_across(s, ray->o);
-    double inv = 1.0 / pen_dot(m, m);
+    double mm = pen_dot(m, m), inv = 1.0 / mm;
     double tp = -pen_dot(m, n) * inv;
     struct pen_vec3 l = pen_along_once(n, m, tp);
     double rest = -pen_dot(l, m) * inv;
@@ -51,6 +52,7 @@ static inline bool pen_round_roots(const struct pen_round *s, const struct pen_r
     double h = sqrt(disc * inv); /* NaN for a miss */
     t[0] = tp + (rest - h);
     t[1] = tp + (rest + h);
+    *parallel = mm == 0;
     return t[0] < t[1];
 }
 
@@ -70,8 +72,8 @@ static inline double pen_tube_rounding(const struct pen_tube *tube)
 /* The other crossing of a ray whose origin is on the side by identity; 0 if parallel. */
 double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray);
 
-/* Whether the ray runs parallel to the axis, inside. */
-bool pen_round_along(const struct pen_round *s, const struct pen_ray *ray);
+/* Whether p is inside the endless side, off its surface. */
+bool pen_round_holds(const struct pen_round *s, struct pen_vec3 p);
 
 /* Unit normal of the side at p. On the axis, where there is none, some unit vector across it. */
 struct pen_vec3 pen_round_normal(const struct pen_round *s, struct pen_vec3 p);
