@@ -25,8 +25,11 @@ enum pen_block_kind {
     PEN_BLOCK_POLYGONS,
     PEN_BLOCK_SPHERES,
     PEN_BLOCK_CYLINDERS,
-    PEN_BLOCK_KIND_COUNT,
-    PEN_BLOCK_NOTHING = PEN_BLOCK_KIND_COUNT
+    PEN_BLOCK_FINITE_COUNT, /* builders sort the kinds above */
+    PEN_BLOCK_PLANES = PEN_BLOCK_FINITE_COUNT,
+    PEN_BLOCK_TUBES,
+    PEN_BLOCK_NOTHING,
+    PEN_BLOCK_KIND_COUNT
 };
 #define PEN_ITEM_LAST 0x80000000u
 #define PEN_ITEM_KIND(item) ((item) >> 28 & 7u)
@@ -59,9 +62,19 @@ struct pen_spheres4 {
     uint32_t prim[PEN_LANES];
 };
 
+struct pen_planes4 {
+    double q[3][PEN_LANES], g[3][PEN_LANES];
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_tubes4 { /* rare: tested one by one */
+    uint32_t prim[PEN_LANES];
+};
+
 struct pen_cylinders4 {
     double q[3][PEN_LANES], a[3][PEN_LANES];
     double rr[PEN_LANES], rr_low[PEN_LANES], top[PEN_LANES];
+    double size[PEN_LANES]; /* radius + height */
     uint32_t prim[PEN_LANES];
     uint32_t open; /* bit per lane: no caps */
 };
@@ -70,15 +83,16 @@ struct pen_accel {
     const struct pen_prims *prims;
     const struct pen_node *nodes; /* the root is the first; none if node_count is 0 */
     uint32_t node_count;
-    uint32_t list; /* first item of the list of finite primitives beside the tree */
+    uint32_t infinite; /* first item of the list of primitives without bounds */
+    uint32_t list;     /* first item of the list of finite primitives beside the tree */
     const uint32_t *items;
     const struct pen_triangles4 *triangles;
     const struct pen_polygons4 *polygons;
     const struct pen_corner4 *corners;
     const struct pen_spheres4 *spheres;
     const struct pen_cylinders4 *cylinders;
-    const uint32_t *infinite; /* primitive numbers */
-    uint32_t infinite_count;
+    const struct pen_planes4 *planes;
+    const struct pen_tubes4 *tubes;
     double scale; /* the largest pen_prim_scale of a finite primitive */
     struct pen_accel_stats stats;
 };

@@ -16,7 +16,7 @@ static float half_area(const struct pen_node *node, int lane)
 static float leaf_cost(const struct pen_plan *plan, uint32_t number)
 {
     struct pen_leaf leaf = ((const struct pen_leaf *)plan->leaves.data)[number];
-    uint32_t n[PEN_BLOCK_KIND_COUNT] = {0};
+    uint32_t n[PEN_BLOCK_FINITE_COUNT] = {0};
     for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++)
         n[plan->ref[i].kind]++;
     return pen_leaf_cost(n);
@@ -63,7 +63,7 @@ static bool build(const struct pen_prims *prims, struct pen_arena *arena, struct
     if (ok)
         ok = pen_pack(&plan, arena, accel);
     if (ok)
-        accel->stats.sah_cost = sah_cost(&plan) + accel->infinite_count;
+        accel->stats.sah_cost = sah_cost(&plan) + plan.infinite;
     pen_plan_release(&plan);
     return ok;
 }

@@ -11,7 +11,7 @@
 
 #include "plan.h"
 
-enum { BINS = 16, KINDS = PEN_BLOCK_KIND_COUNT, BLOCKS_MAX = 4 };
+enum { BINS = 16, KINDS = PEN_BLOCK_FINITE_COUNT, BLOCKS_MAX = 4 };
 
 struct bounds {
     float lo[3], hi[3];

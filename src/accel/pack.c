@@ -14,6 +14,8 @@ struct packer {
     struct pen_corner4 *corners;
     struct pen_spheres4 *spheres;
     struct pen_cylinders4 *cylinders;
+    struct pen_planes4 *planes;
+    struct pen_tubes4 *tubes;
     uint32_t item_count, corner_count, block_count[PEN_BLOCK_KIND_COUNT];
 };
 
@@ -93,7 +95,19 @@ static void pack_cylinders(struct packer *p, const struct lanes *in, uint32_t bl
         b->rr[lane] = c->round.rr;
         b->rr_low[lane] = c->round.rr_low;
         b->top[lane] = c->top;
+        b->size[lane] = c->round.r + c->h;
         b->open |= (uint32_t)!c->caps << lane;
+    }
+}
+
+/* Lanes beyond the last have a zero normal, which every ray is parallel to. */
+static void pack_planes(struct packer *p, const struct lanes *in, uint32_t block)
+{
+    struct pen_planes4 *b = &p->planes[block];
+    memcpy(b->prim, in->prim, sizeof b->prim);
+    for (int lane = 0; lane < in->count; lane++) {
+        put(b->q, lane, p->prims->plane[in->index[lane]].q);
+        put(b->g, lane, p->prims->plane[in->index[lane]].g);
     }
 }
 
@@ -107,21 +121,32 @@ static void pack_block(struct packer *p, const struct lanes *in, uint32_t kind)
         return;
     }
     p->items[item] = kind << 28 | block;
-    if (kind == PEN_BLOCK_TRIANGLES)
+    switch (kind) {
+    case PEN_BLOCK_TRIANGLES:
         pack_triangles(p, in, block);
-    else if (kind == PEN_BLOCK_POLYGONS)
+        break;
+    case PEN_BLOCK_POLYGONS:
         pack_polygons(p, in, block);
-    else if (kind == PEN_BLOCK_SPHERES)
+        break;
+    case PEN_BLOCK_SPHERES:
         pack_spheres(p, in, block);
-    else
+        break;
+    case PEN_BLOCK_CYLINDERS:
         pack_cylinders(p, in, block);
+        break;
+    case PEN_BLOCK_PLANES:
+        pack_planes(p, in, block);
+        break;
+    default:
+        memcpy(p->tubes[block].prim, in->prim, sizeof in->prim);
+    }
 }
 
 /* Packs a leaf, kind by kind, and returns its first item. */
 static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
 {
     uint32_t first = p->item_count;
-    for (uint32_t kind = 0; kind < PEN_BLOCK_KIND_COUNT; kind++) {
+    for (uint32_t kind = 0; kind < PEN_BLOCK_NOTHING; kind++) {
         struct lanes in = {{PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM}, {0}, 0};
         const struct lanes none = in;
         for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++) {
@@ -147,11 +172,12 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
     return first;
 }
 
-/* Item 0 is a leaf of nothing; then come the plan's leaves, in order. */
+/* Item 0 is a leaf of nothing; then come the infinite primitives, and the plan's leaves. */
 static void pack_leaves(struct packer *p, const struct pen_plan *plan, uint32_t *first_item)
 {
     const struct pen_leaf *leaf = plan->leaves.data;
     pack_leaf(p, (struct pen_leaf){0, 0});
+    pack_leaf(p, (struct pen_leaf){plan->count, plan->infinite});
     for (uint32_t i = 0; i < plan->leaves.count; i++) {
         uint32_t first = pack_leaf(p, leaf[i]);
         if (first_item)
@@ -168,7 +194,10 @@ static bool allocate(struct packer *p, const struct packer *counted, struct pen_
     p->corners = pen_arena_alloc(arena, counted->corner_count, sizeof *p->corners);
     p->spheres = pen_arena_alloc(arena, n[PEN_BLOCK_SPHERES], sizeof *p->spheres);
     p->cylinders = pen_arena_alloc(arena, n[PEN_BLOCK_CYLINDERS], sizeof *p->cylinders);
-    return p->items && p->triangles && p->polygons && p->corners && p->spheres && p->cylinders;
+    p->planes = pen_arena_alloc(arena, n[PEN_BLOCK_PLANES], sizeof *p->planes);
+    p->tubes = pen_arena_alloc(arena, n[PEN_BLOCK_TUBES], sizeof *p->tubes);
+    return p->items && p->triangles && p->polygons && p->corners && p->spheres && p->cylinders &&
+           p->planes && p->tubes;
 }
 
 /* The plan's nodes, with leaf numbers replaced by first items. */
@@ -195,26 +224,15 @@ static bool pack_nodes(const struct pen_plan *plan, const uint32_t *first_item,
     return true;
 }
 
-/* Primitives without bounds, and the largest length that roundings are proportional to. */
-static bool list_infinite(const struct pen_prims *prims, struct pen_arena *arena,
-                          struct pen_accel *accel)
+/* The largest length that roundings of finite primitives are proportional to. */
+static double largest_scale(const struct pen_plan *plan)
 {
-    uint32_t count = prims->kind_count[PEN_PRIM_PLANE] + prims->kind_count[PEN_PRIM_TUBE];
-    uint32_t *list = pen_arena_alloc(arena, count, sizeof *list);
-    if (!list)
-        return false;
-    accel->infinite = list;
-    accel->infinite_count = 0;
-    accel->scale = 0;
-    for (uint32_t prim = 0; prim < prims->count; prim++) {
-        if (pen_prim_infinite(prims->ref[prim].kind)) {
-            list[accel->infinite_count++] = prim;
-            continue;
-        }
-        double scale = pen_prim_scale(prims, prim, pen_vec3(0, 0, 0));
-        accel->scale = scale > accel->scale ? scale : accel->scale;
+    double largest = 0;
+    for (uint32_t i = 0; i < plan->count; i++) {
+        double scale = pen_prim_scale(plan->prims, plan->ref[i].prim, pen_vec3(0, 0, 0));
+        largest = scale > largest ? scale : largest;
     }
-    return true;
+    return largest;
 }
 
 bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_accel *accel)
@@ -226,7 +244,7 @@ bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_a
     bool ok = pen_pool_add(&first, plan->leaves.count + 1) && allocate(&p, &counted, arena);
     if (ok) {
         pack_leaves(&p, plan, first.data);
-        ok = pack_nodes(plan, first.data, arena, accel) && list_infinite(plan->prims, arena, accel);
+        ok = pack_nodes(plan, first.data, arena, accel);
         accel->list =
             plan->nodes.count == 0 && plan->leaves.count > 0 ? *(uint32_t *)first.data : 0;
     }
@@ -237,6 +255,10 @@ bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_a
     accel->corners = p.corners;
     accel->spheres = p.spheres;
     accel->cylinders = p.cylinders;
+    accel->planes = p.planes;
+    accel->tubes = p.tubes;
+    accel->infinite = 1;
+    accel->scale = largest_scale(plan);
     accel->stats.nodes = plan->nodes.count;
     accel->stats.leaves = plan->leaves.count;
     accel->stats.depth = plan->depth;

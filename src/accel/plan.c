@@ -44,11 +44,23 @@ static uint32_t block_kind(uint32_t kind)
     case PEN_PRIM_CYLINDER:
         return PEN_BLOCK_CYLINDERS;
     case PEN_PRIM_PLANE:
+        return PEN_BLOCK_PLANES;
     case PEN_PRIM_TUBE:
+        return PEN_BLOCK_TUBES;
     case PEN_PRIM_KIND_COUNT:
         break;
     }
     return PEN_BLOCK_NOTHING;
+}
+
+static struct pen_ref finite_ref(const struct pen_prims *prims, uint32_t prim)
+{
+    struct pen_box box = pen_prim_bounds(prims, prim);
+    return (struct pen_ref){
+        {pen_float_down(box.lo.x), pen_float_down(box.lo.y), pen_float_down(box.lo.z)},
+        prim,
+        {pen_float_up(box.hi.x), pen_float_up(box.hi.y), pen_float_up(box.hi.z)},
+        block_kind(prims->ref[prim].kind)};
 }
 
 bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims)
@@ -60,15 +72,13 @@ bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims)
     if (!plan->ref)
         return false;
     for (uint32_t prim = 0; prim < prims->count; prim++) {
-        uint32_t kind = block_kind(prims->ref[prim].kind);
-        if (kind == PEN_BLOCK_NOTHING)
-            continue;
-        struct pen_box box = pen_prim_bounds(prims, prim);
-        plan->ref[plan->count++] = (struct pen_ref){
-            {pen_float_down(box.lo.x), pen_float_down(box.lo.y), pen_float_down(box.lo.z)},
-            prim,
-            {pen_float_up(box.hi.x), pen_float_up(box.hi.y), pen_float_up(box.hi.z)},
-            kind};
+        if (!pen_prim_infinite(prims->ref[prim].kind))
+            plan->ref[plan->count++] = finite_ref(prims, prim);
+    }
+    for (uint32_t prim = 0; prim < prims->count; prim++) {
+        if (pen_prim_infinite(prims->ref[prim].kind))
+            plan->ref[plan->count + plan->infinite++] =
+                (struct pen_ref){.prim = prim, .kind = block_kind(prims->ref[prim].kind)};
     }
     return true;
 }
@@ -108,11 +118,11 @@ struct pen_node *pen_plan_node(struct pen_plan *plan)
 
 const float pen_node_cost = 1.0f;
 
-float pen_leaf_cost(const uint32_t n[PEN_BLOCK_KIND_COUNT])
+float pen_leaf_cost(const uint32_t n[PEN_BLOCK_FINITE_COUNT])
 {
-    static const float cost[PEN_BLOCK_KIND_COUNT] = {1.0f, 2.0f, 1.0f, 3.0f};
+    static const float cost[PEN_BLOCK_FINITE_COUNT] = {1.0f, 2.0f, 1.0f, 3.0f};
     float sum = 0;
-    for (int k = 0; k < PEN_BLOCK_KIND_COUNT; k++)
+    for (int k = 0; k < PEN_BLOCK_FINITE_COUNT; k++)
         sum += cost[k] * (float)((n[k] + PEN_LANES - 1) / PEN_LANES);
     return sum;
 }

@@ -33,14 +33,15 @@ struct pen_ref {
 
 struct pen_plan {
     const struct pen_prims *prims;
-    struct pen_ref *ref; /* the finite primitives; builders bring them into their order */
-    uint32_t count;
+    struct pen_ref *ref;    /* first the finite primitives; builders bring them into their order */
+    uint32_t count;         /* of these */
+    uint32_t infinite;      /* count of those without bounds, which come after */
     struct pen_pool nodes;  /* struct pen_node; leaf children hold PEN_CHILD_LEAF | leaf number */
     struct pen_pool leaves; /* struct pen_leaf */
     uint32_t depth;
 };
 
-/* Lists the finite primitives in document order, with boxes rounded outward.
+/* Lists the primitives in document order, finite ones with boxes rounded outward.
  * Fails: returns false when out of memory. */
 bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims);
 void pen_plan_release(struct pen_plan *plan);
@@ -54,7 +55,7 @@ struct pen_node *pen_plan_node(struct pen_plan *plan);
 
 /* The expected number of box and block tests for `n` primitives of each kind in one leaf, in units
  * of one test of four triangles. */
-float pen_leaf_cost(const uint32_t n[PEN_BLOCK_KIND_COUNT]);
+float pen_leaf_cost(const uint32_t n[PEN_BLOCK_FINITE_COUNT]);
 extern const float pen_node_cost;
 
 /* The surface-area heuristic. Fails: returns false when out of memory. */

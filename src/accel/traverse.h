@@ -191,9 +191,24 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
         return accel->spheres[index].prim;
     case PEN_BLOCK_CYLINDERS:
         return accel->cylinders[index].prim;
+    case PEN_BLOCK_PLANES:
+        return accel->planes[index].prim;
+    case PEN_BLOCK_TUBES:
+        return accel->tubes[index].prim;
     default:
         return NULL;
     }
+}
+
+/* A block's primitives one by one. */
+static inline bool test_each(struct trace *w, uint32_t item, bool any)
+{
+    const uint32_t *prim = block_prims(w->accel, item);
+    for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
+        if (test_prim(w, prim[lane], any))
+            return true;
+    }
+    return false;
 }
 
 static inline void box_axis(struct box_ray *box, int axis, double o, double d, double grow)

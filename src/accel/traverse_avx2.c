@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Queries with AVX2 and FMA: eight boxes at once. */
+/* Queries with AVX2 and FMA: eight boxes, four primitives at once. */
 #include "ops.h"
 
 #ifdef __AVX2__
 
-#include <immintrin.h>
-
-#include "traverse.h"
+#include "blocks_avx2.h"
 
 static inline unsigned enter_node(const struct pen_node *node, const struct box_ray *box,
                                   float limit, float near[PEN_WIDE])
@@ -28,12 +26,21 @@ static inline unsigned enter_node(const struct pen_node *node, const struct box_
 
 static inline bool test_item(struct trace *w, uint32_t item, bool any)
 {
-    const uint32_t *prim = block_prims(w->accel, item);
-    for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
-        if (test_prim(w, prim[lane], any))
-            return true;
+    uint32_t index = PEN_ITEM_INDEX(item);
+    switch (PEN_ITEM_KIND(item)) {
+    case PEN_BLOCK_TRIANGLES:
+        return test_triangles4(w, &w->accel->triangles[index], any);
+    case PEN_BLOCK_POLYGONS:
+        return test_polygons4(w, &w->accel->polygons[index], any);
+    case PEN_BLOCK_SPHERES:
+        return test_spheres4(w, &w->accel->spheres[index], any);
+    case PEN_BLOCK_CYLINDERS:
+        return test_cylinders4(w, &w->accel->cylinders[index], any);
+    case PEN_BLOCK_PLANES:
+        return test_planes4(w, &w->accel->planes[index], any);
+    default:
+        return test_each(w, item, any);
     }
-    return false;
 }
 
 #include "traverse_walk.h"

@@ -24,12 +24,7 @@ static inline unsigned enter_node(const struct pen_node *node, const struct box_
 
 static inline bool test_item(struct trace *w, uint32_t item, bool any)
 {
-    const uint32_t *prim = block_prims(w->accel, item);
-    for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
-        if (test_prim(w, prim[lane], any))
-            return true;
-    }
-    return false;
+    return test_each(w, item, any);
 }
 
 #include "traverse_walk.h"

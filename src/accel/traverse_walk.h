@@ -75,11 +75,7 @@ static inline bool walk(struct trace *w, const struct box_ray *box, bool any)
 static inline bool search(struct trace *w, double tmin, bool any)
 {
     const struct pen_accel *accel = w->accel;
-    for (uint32_t i = 0; i < accel->infinite_count; i++) {
-        if (test_prim(w, accel->infinite[i], any))
-            return true;
-    }
-    if (test_leaf(w, accel->list, any))
+    if (test_leaf(w, accel->infinite, any) || test_leaf(w, accel->list, any))
         return true;
     if (accel->node_count == 0)
         return false;

@@ -35,11 +35,11 @@ static inline bool pen_polygon_root(const struct pen_polygon *p, const struct pe
     for (uint32_t i = 0; i < p->count; i++) {
         struct pen_sheared b = pen_shear(ray, &p->v[i]);
         if ((a.y <= 0) != (b.y <= 0)) {
-            bool up = a.y <= 0;
-            struct pen_sheared lo = up ? a : b, hi = up ? b : a;
-            struct pen_scan_end e = {pen_edge(lo, hi), lo.z * hi.y - lo.y * hi.z, hi.y - lo.y};
+            double up = a.y <= 0 ? 1 : -1; /* downward edges are turned round */
+            struct pen_scan_end e = {up * pen_edge(a, b), up * (a.z * b.y - a.y * b.z),
+                                     up * (b.y - a.y)};
             if (e.s > 0) {
-                winding += up ? 1 : -1;
+                winding += (int)up;
                 if (right.h == 0 || e.s * right.h < right.s * e.h)
                     right = e;
             } else if (left.h == 0 || e.s * left.h > left.s * e.h) {

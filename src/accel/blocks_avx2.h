@@ -1,0 +1,415 @@
+/* SPDX-License-Identifier: MIT */
+/* Blocks of four primitives tested at once, in binary64. Every lane does the operations of the
+ * primitive's header in their order, so t has the same bits; lanes that need anything unusual (the
+ * ray leaves or touches them, or is parallel) are handed to the plain functions. */
+#ifndef PEN_SRC_ACCEL_BLOCKS_AVX2_H
+#define PEN_SRC_ACCEL_BLOCKS_AVX2_H
+
+#include <immintrin.h>
+
+#include "traverse.h"
+
+/* Four vectors. */
+struct vec4 {
+    __m256d x, y, z;
+};
+
+static inline __m256d all(double x)
+{
+    return _mm256_set1_pd(x);
+}
+
+static inline struct vec4 all3(struct pen_vec3 v)
+{
+    return (struct vec4){all(v.x), all(v.y), all(v.z)};
+}
+
+static inline struct vec4 load3(const double v[3][PEN_LANES])
+{
+    return (struct vec4){_mm256_loadu_pd(v[0]), _mm256_loadu_pd(v[1]), _mm256_loadu_pd(v[2])};
+}
+
+static inline struct vec4 sub3(struct vec4 a, struct vec4 b)
+{
+    return (struct vec4){_mm256_sub_pd(a.x, b.x), _mm256_sub_pd(a.y, b.y), _mm256_sub_pd(a.z, b.z)};
+}
+
+static inline struct vec4 add3(struct vec4 a, struct vec4 b)
+{
+    return (struct vec4){_mm256_add_pd(a.x, b.x), _mm256_add_pd(a.y, b.y), _mm256_add_pd(a.z, b.z)};
+}
+
+static inline __m256d dot4(struct vec4 a, struct vec4 b)
+{
+    __m256d xy = _mm256_add_pd(_mm256_mul_pd(a.x, b.x), _mm256_mul_pd(a.y, b.y));
+    return _mm256_add_pd(xy, _mm256_mul_pd(a.z, b.z));
+}
+
+/* pen_dop */
+static inline __m256d dop4(__m256d a, __m256d b, __m256d c, __m256d d)
+{
+    __m256d w = _mm256_mul_pd(c, d);
+    __m256d e = _mm256_fnmadd_pd(c, d, w);
+    __m256d f = _mm256_fmsub_pd(a, b, w);
+    return _mm256_add_pd(f, e);
+}
+
+/* pen_cross */
+static inline struct vec4 cross4(struct vec4 a, struct vec4 b)
+{
+    return (struct vec4){dop4(a.y, b.z, a.z, b.y), dop4(a.z, b.x, a.x, b.z),
+                         dop4(a.x, b.y, a.y, b.x)};
+}
+
+/* pen_lost */
+static inline __m256d lost4(__m256d a, __m256d b, __m256d diff)
+{
+    __m256d part = _mm256_sub_pd(diff, a);
+    return _mm256_sub_pd(_mm256_sub_pd(a, _mm256_sub_pd(diff, part)), _mm256_add_pd(b, part));
+}
+
+/* pen_along_once */
+static inline struct vec4 along4(struct vec4 a, struct vec4 d, __m256d t)
+{
+    return (struct vec4){_mm256_fmadd_pd(t, d.x, a.x), _mm256_fmadd_pd(t, d.y, a.y),
+                         _mm256_fmadd_pd(t, d.z, a.z)};
+}
+
+static inline __m256d neg4(__m256d x)
+{
+    return _mm256_xor_pd(x, all(-0.0));
+}
+
+static inline __m256d abs4(__m256d x)
+{
+    return _mm256_andnot_pd(all(-0.0), x);
+}
+
+static inline unsigned bits(__m256d mask)
+{
+    return (unsigned)_mm256_movemask_pd(mask);
+}
+
+#define LESS(a, b) _mm256_cmp_pd(a, b, _CMP_LT_OQ)
+#define LESS_EQUAL(a, b) _mm256_cmp_pd(a, b, _CMP_LE_OQ)
+
+/* The t beyond which crossings are of no use. */
+static inline __m256d end4(const struct trace *w, bool any)
+{
+    return all(any ? w->shadow->tmax : w->best.t);
+}
+
+/* The lanes that the ray leaves. */
+static inline unsigned own_lanes(const struct trace *w, const uint32_t prim[PEN_LANES])
+{
+    __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)prim),
+                                   _mm_set1_epi32((int)w->leave->prim));
+    return w->leaving ? (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) : 0;
+}
+
+/* Lanes whose [t0, t1] reaches into what the query looks for. */
+static inline unsigned useful_pairs(const struct trace *w, __m256d t0, __m256d t1, bool any)
+{
+    __m256d after = all(any ? 0 : w->after.t);
+    return bits(_mm256_and_pd(LESS(t0, t1),
+                              _mm256_and_pd(LESS_EQUAL(t0, end4(w, any)), LESS_EQUAL(after, t1))));
+}
+
+/* Hands lanes to the plain function, but for empty ones. */
+static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
+                              bool any)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        if (prim[__builtin_ctz(lanes)] != PEN_NO_PRIM &&
+            test_prim(w, prim[__builtin_ctz(lanes)], any))
+            return true;
+    }
+    return false;
+}
+
+static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
+{
+    struct vec4 o = all3(w->ray->o), d = all3(w->ray->d), c = load3(b->c), f = sub3(o, c);
+    struct vec4 low = {lost4(o.x, c.x, f.x), lost4(o.y, c.y, f.y), lost4(o.z, c.z, f.z)};
+    __m256d inv_dd = all(w->ray->inv_dd);
+    __m256d tp = _mm256_mul_pd(neg4(dot4(f, d)), inv_dd);
+    struct vec4 l = add3(along4(f, d, tp), low);
+    __m256d rest = _mm256_mul_pd(neg4(dot4(l, d)), inv_dd);
+    __m256d rr = _mm256_loadu_pd(b->rr);
+    __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
+    unsigned own = own_lanes(w, b->prim);
+    if ((bits(LESS(all(0), disc)) | own) == 0)
+        return false;
+    __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv_dd));
+    double t[2][PEN_LANES];
+    __m256d t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
+    __m256d t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
+    unsigned lanes = useful_pairs(w, t0, t1, any) & ~own;
+    if (w->leaving) {
+        __m256d r = _mm256_loadu_pd(b->r);
+        __m256d near = _mm256_mul_pd(
+            all(4), _mm256_mul_pd(
+                        r, _mm256_add_pd(all(w->leave->bound), _mm256_mul_pd(all(8 * PEN_U), r))));
+        own |= bits(
+            _mm256_and_pd(LESS_EQUAL(abs4(_mm256_sub_pd(dot4(f, f), rr)), near), LESS(t0, t1)));
+        lanes &= ~own;
+    }
+    _mm256_storeu_pd(t[0], t0);
+    _mm256_storeu_pd(t[1], t1);
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        double pair[2] = {t[0][lane], t[1][lane]};
+        if (offer_pair(w, b->prim[lane], pair, any))
+            return true;
+    }
+    return own && test_lanes(w, b->prim, own, any);
+}
+
+/* pen_sheared */
+static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LANES])
+{
+    const struct pen_ray *ray = w->ray;
+    struct vec4 s;
+    s.z = _mm256_sub_pd(_mm256_loadu_pd(v[ray->kz]), all(ray->oz));
+    s.x = _mm256_sub_pd(_mm256_sub_pd(_mm256_loadu_pd(v[ray->kx]), all(ray->ox)),
+                        _mm256_mul_pd(all(ray->sx), s.z));
+    s.y = _mm256_sub_pd(_mm256_sub_pd(_mm256_loadu_pd(v[ray->ky]), all(ray->oy)),
+                        _mm256_mul_pd(all(ray->sy), s.z));
+    return s;
+}
+
+/* Offers the lanes of a flat block. */
+static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], __m256d t,
+                               unsigned lanes, bool any)
+{
+    lanes &= bits(LESS_EQUAL(t, end4(w, any)));
+    if (!w->leaving)
+        lanes &= bits(LESS(all(0), t));
+    double at[PEN_LANES];
+    _mm256_storeu_pd(at, t);
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        if (offer_bounded(w, prim[lane], at[lane], any))
+            return true;
+    }
+    return false;
+}
+
+static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 *block, bool any)
+{
+    const __m256d zero = all(0);
+    struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
+    __m256d ew = dop4(a.x, b.y, a.y, b.x), eu = dop4(b.x, c.y, b.y, c.x);
+    __m256d ev = dop4(c.x, a.y, c.y, a.x);
+    __m256d a_low = LESS_EQUAL(a.y, zero), b_low = LESS_EQUAL(b.y, zero);
+    __m256d c_low = LESS_EQUAL(c.y, zero);
+    /* At most one edge passes upward and one downward: the winding is their difference. */
+    __m256d up =
+        _mm256_or_pd(_mm256_or_pd(_mm256_and_pd(_mm256_andnot_pd(b_low, a_low), LESS(zero, ew)),
+                                  _mm256_and_pd(_mm256_andnot_pd(c_low, b_low), LESS(zero, eu))),
+                     _mm256_and_pd(_mm256_andnot_pd(a_low, c_low), LESS(zero, ev)));
+    __m256d down =
+        _mm256_or_pd(_mm256_or_pd(_mm256_and_pd(_mm256_andnot_pd(a_low, b_low), LESS(ew, zero)),
+                                  _mm256_and_pd(_mm256_andnot_pd(b_low, c_low), LESS(eu, zero))),
+                     _mm256_and_pd(_mm256_andnot_pd(c_low, a_low), LESS(ev, zero)));
+    unsigned lanes = bits(_mm256_xor_pd(up, down));
+    if (lanes == 0)
+        return false;
+    __m256d sum = _mm256_add_pd(_mm256_add_pd(_mm256_mul_pd(eu, a.z), _mm256_mul_pd(ev, b.z)),
+                                _mm256_mul_pd(ew, c.z));
+    __m256d area = _mm256_add_pd(_mm256_add_pd(eu, ev), ew);
+    __m256d t = _mm256_div_pd(_mm256_mul_pd(sum, all(w->ray->sz)), area);
+    return offer_lanes(w, block->prim, t, lanes, any);
+}
+
+/* pen_scan_end */
+struct scan4 {
+    __m256d s, w, h;
+};
+
+static inline struct scan4 take(struct scan4 old, struct scan4 new, __m256d which)
+{
+    return (struct scan4){_mm256_blendv_pd(old.s, new.s, which),
+                          _mm256_blendv_pd(old.w, new.w, which),
+                          _mm256_blendv_pd(old.h, new.h, which)};
+}
+
+static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
+{
+    const __m256d zero = all(0), one = all(1);
+    const struct pen_corner4 *corner = &w->accel->corners[block->first];
+    struct scan4 left = {zero, zero, zero}, right = left;
+    __m256d winding = zero;
+    struct vec4 a = shear4(w, corner[block->count - 1].v);
+    __m256d a_low = LESS_EQUAL(a.y, zero);
+    for (uint32_t i = 0; i < block->count; i++) {
+        struct vec4 b = shear4(w, corner[i].v);
+        __m256d b_low = LESS_EQUAL(b.y, zero), passes = _mm256_xor_pd(a_low, b_low);
+        if (bits(passes)) {
+            /* Downward edges are turned round by their signs. */
+            __m256d sign = _mm256_andnot_pd(a_low, all(-0.0));
+            struct scan4 e;
+            e.s = _mm256_xor_pd(dop4(a.x, b.y, a.y, b.x), sign);
+            e.w = _mm256_xor_pd(_mm256_sub_pd(_mm256_mul_pd(a.z, b.y), _mm256_mul_pd(a.y, b.z)),
+                                sign);
+            e.h = _mm256_xor_pd(_mm256_sub_pd(b.y, a.y), sign);
+            __m256d is_right = _mm256_and_pd(passes, LESS(zero, e.s));
+            __m256d is_left = _mm256_andnot_pd(LESS(zero, e.s), passes);
+            winding = _mm256_add_pd(winding, _mm256_and_pd(is_right, _mm256_xor_pd(one, sign)));
+            __m256d nearer = LESS(_mm256_mul_pd(e.s, right.h), _mm256_mul_pd(right.s, e.h));
+            __m256d first = _mm256_cmp_pd(right.h, zero, _CMP_EQ_OQ);
+            right = take(right, e, _mm256_and_pd(is_right, _mm256_or_pd(first, nearer)));
+            nearer = LESS(_mm256_mul_pd(left.s, e.h), _mm256_mul_pd(e.s, left.h));
+            first = _mm256_cmp_pd(left.h, zero, _CMP_EQ_OQ);
+            left = take(left, e, _mm256_and_pd(is_left, _mm256_or_pd(first, nearer)));
+        }
+        a = b;
+        a_low = b_low;
+    }
+    unsigned lanes = bits(_mm256_cmp_pd(winding, zero, _CMP_NEQ_OQ));
+    if (lanes == 0)
+        return false;
+    __m256d depth = _mm256_sub_pd(_mm256_mul_pd(left.w, right.s), _mm256_mul_pd(right.w, left.s));
+    __m256d width = _mm256_sub_pd(_mm256_mul_pd(right.s, left.h), _mm256_mul_pd(left.s, right.h));
+    __m256d t = _mm256_div_pd(_mm256_mul_pd(depth, all(w->ray->sz)), width);
+    return offer_lanes(w, block->prim, t, lanes, any);
+}
+
+/* a + b, and what was lost to rounding (Knuth), as in pen_dot2. */
+static inline __m256d sum4(__m256d a, __m256d b, __m256d *lost)
+{
+    __m256d next = _mm256_add_pd(a, b), part = _mm256_sub_pd(next, a);
+    *lost = _mm256_add_pd(_mm256_sub_pd(a, _mm256_sub_pd(next, part)), _mm256_sub_pd(b, part));
+    return next;
+}
+
+/* pen_dot_guarded */
+static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
+{
+    __m256d x = _mm256_mul_pd(a.x, b.x), y = _mm256_mul_pd(a.y, b.y), z = _mm256_mul_pd(a.z, b.z);
+    __m256d sum = _mm256_add_pd(_mm256_add_pd(x, y), z);
+    __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(x), abs4(y)), abs4(z));
+    __m256d plain = LESS_EQUAL(size, _mm256_mul_pd(abs4(sum), all(8)));
+    if (bits(plain) == 15)
+        return sum;
+    __m256d low = _mm256_fmsub_pd(a.x, b.x, x), lost;
+    __m256d total = sum4(x, y, &lost);
+    low = _mm256_add_pd(low, _mm256_add_pd(lost, _mm256_fmsub_pd(a.y, b.y, y)));
+    total = sum4(total, z, &lost);
+    low = _mm256_add_pd(low, _mm256_add_pd(lost, _mm256_fmsub_pd(a.z, b.z, z)));
+    return _mm256_blendv_pd(_mm256_add_pd(total, low), sum, plain);
+}
+
+static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bool any)
+{
+    struct vec4 g = load3(b->g);
+    __m256d gd = dot_guarded4(g, all3(w->ray->d));
+    __m256d t = _mm256_div_pd(dot4(g, sub3(load3(b->q), all3(w->ray->o))), gd);
+    unsigned lanes = bits(_mm256_cmp_pd(gd, all(0), _CMP_NEQ_OQ));
+    lanes &= bits(LESS_EQUAL(t, end4(w, any)));
+    if (!w->leaving)
+        lanes &= bits(LESS(all(0), t));
+    double at[PEN_LANES];
+    _mm256_storeu_pd(at, t);
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        if (offer_flat(w, b->prim[lane], at[lane], any))
+            return true;
+    }
+    return false;
+}
+
+/* The endless sides of four cylinders against a ray. */
+struct round4 {
+    __m256d t0, t1; /* as pen_round_roots */
+    __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
+};
+
+static inline struct round4 round_roots4(const struct trace *w, const struct pen_cylinders4 *b,
+                                         struct vec4 f, struct vec4 a)
+{
+    struct vec4 o = all3(w->ray->o), q = load3(b->q);
+    struct vec4 low = {lost4(o.x, q.x, f.x), lost4(o.y, q.y, f.y), lost4(o.z, q.z, f.z)};
+    struct vec4 rest3 = {_mm256_sub_pd(_mm256_mul_pd(low.y, a.z), _mm256_mul_pd(low.z, a.y)),
+                         _mm256_sub_pd(_mm256_mul_pd(low.z, a.x), _mm256_mul_pd(low.x, a.z)),
+                         _mm256_sub_pd(_mm256_mul_pd(low.x, a.y), _mm256_mul_pd(low.y, a.x))};
+    struct vec4 m = cross4(all3(w->ray->d), a), n = add3(cross4(f, a), rest3);
+    struct round4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
+    __m256d inv = _mm256_div_pd(all(1), out.mm);
+    __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
+    struct vec4 l = along4(n, m, tp);
+    __m256d rest = _mm256_mul_pd(neg4(dot4(l, m)), inv);
+    __m256d disc = _mm256_add_pd(_mm256_sub_pd(_mm256_loadu_pd(b->rr), dot4(l, l)),
+                                 _mm256_loadu_pd(b->rr_low));
+    __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv));
+    out.t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
+    out.t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
+    return out;
+}
+
+/* A superset of the lanes that the origin touches, as pen_cylinder_touches: |a| < 2. */
+static inline __m256d cylinder_touches4(const struct trace *w, const struct pen_cylinders4 *b,
+                                        __m256d nn, __m256d fa)
+{
+    __m256d size = _mm256_loadu_pd(b->size);
+    __m256d bound = _mm256_add_pd(all(w->leave->bound), _mm256_mul_pd(all(8 * PEN_U), size));
+    __m256d off_side = abs4(_mm256_sub_pd(nn, _mm256_loadu_pd(b->rr)));
+    __m256d off_top = abs4(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa));
+    __m256d twice = _mm256_mul_pd(all(2), bound);
+    return _mm256_or_pd(LESS_EQUAL(off_side, _mm256_mul_pd(all(16), _mm256_mul_pd(size, bound))),
+                        _mm256_or_pd(LESS_EQUAL(abs4(fa), twice), LESS_EQUAL(off_top, twice)));
+}
+
+/* Offers the ends of one cylinder's inside. */
+static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b, int lane,
+                                const struct pen_inside *in, bool any)
+{
+    bool caps = !(b->open >> lane & 1);
+    return ((caps || in->lo_part == PEN_PART_SIDE) &&
+            offer(w, b->prim[lane], in->lo, in->lo_part, any)) ||
+           ((caps || in->hi_part == PEN_PART_SIDE) &&
+            offer(w, b->prim[lane], in->hi, in->hi_part, any));
+}
+
+static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 *b, bool any)
+{
+    const __m256d zero = all(0);
+    struct vec4 a = load3(b->a), f = sub3(all3(w->ray->o), load3(b->q));
+    __m256d da = dot_guarded4(all3(w->ray->d), a), fa = dot4(f, a);
+    __m256d inv = _mm256_div_pd(all(1), da);
+    __m256d base = _mm256_mul_pd(neg4(fa), inv);
+    __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);
+    __m256d forward = LESS(zero, da);
+    __m256d lo = _mm256_blendv_pd(top, base, forward), hi = _mm256_blendv_pd(base, top, forward);
+    struct round4 side = round_roots4(w, b, f, a);
+    unsigned plain = own_lanes(w, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
+                     bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ));
+    __m256d t0 = _mm256_max_pd(side.t0, lo), t1 = _mm256_min_pd(side.t1, hi);
+    __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
+    unsigned lanes = bits(met) & useful_pairs(w, t0, t1, any);
+    if (w->leaving)
+        plain |= bits(_mm256_and_pd(met, cylinder_touches4(w, b, side.nn, fa)));
+    lanes &= ~plain;
+    if (lanes) {
+        double s0[PEN_LANES], s1[PEN_LANES], l[PEN_LANES], h[PEN_LANES];
+        unsigned up = bits(forward);
+        _mm256_storeu_pd(s0, side.t0);
+        _mm256_storeu_pd(s1, side.t1);
+        _mm256_storeu_pd(l, lo);
+        _mm256_storeu_pd(h, hi);
+        for (; lanes; lanes &= lanes - 1) {
+            int lane = __builtin_ctz(lanes);
+            const double s[2] = {s0[lane], s1[lane]};
+            struct pen_inside in = {l[lane], h[lane], PEN_PART_BASE, PEN_PART_TOP};
+            if (!(up >> lane & 1)) {
+                in.lo_part = PEN_PART_TOP;
+                in.hi_part = PEN_PART_BASE;
+            }
+            if (pen_inside_cut(&in, s) && offer_inside(w, b, lane, &in, any))
+                return true;
+        }
+    }
+    return plain && test_lanes(w, b->prim, plain, any);
+}
+
+#endif
