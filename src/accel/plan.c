@@ -116,7 +116,7 @@ struct pen_node *pen_plan_node(struct pen_plan *plan)
     return node;
 }
 
-const float pen_node_cost = 1.0f;
+const float pen_node_cost = 0.3f;
 
 float pen_leaf_cost(const uint32_t n[PEN_BLOCK_FINITE_COUNT])
 {
