@@ -127,6 +127,12 @@ static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], u
     return false;
 }
 
+/* Lanes whose nearer crossing the plain functions refine. */
+static inline unsigned near_lanes(__m256d tp, __m256d h)
+{
+    return bits(LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(all(PEN_NEAR), h)));
+}
+
 static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
 {
     struct vec4 o = all3(w->ray->o), d = all3(w->ray->d), c = load3(b->c), f = sub3(o, c);
@@ -144,7 +150,10 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
     double t[2][PEN_LANES];
     __m256d t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
     __m256d t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
-    unsigned lanes = useful_pairs(w, t0, t1, any) & ~own;
+    unsigned lanes = useful_pairs(w, t0, t1, any) & ~own, refined = near_lanes(tp, h);
+    if (refined)
+        own |= refined;
+    lanes &= ~own;
     if (w->leaving) {
         __m256d r = _mm256_loadu_pd(b->r);
         __m256d near = _mm256_mul_pd(
@@ -323,6 +332,7 @@ static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bo
 struct round4 {
     __m256d t0, t1; /* as pen_round_roots */
     __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
+    unsigned near;  /* lanes to be refined */
 };
 
 static inline struct round4 round_roots4(const struct trace *w, const struct pen_cylinders4 *b,
@@ -344,6 +354,7 @@ static inline struct round4 round_roots4(const struct trace *w, const struct pen
     __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv));
     out.t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
     out.t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
+    out.near = near_lanes(tp, h);
     return out;
 }
 
@@ -383,7 +394,7 @@ static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 
     __m256d lo = _mm256_blendv_pd(top, base, forward), hi = _mm256_blendv_pd(base, top, forward);
     struct round4 side = round_roots4(w, b, f, a);
     unsigned plain = own_lanes(w, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
-                     bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ));
+                     bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ)) | side.near;
     __m256d t0 = _mm256_max_pd(side.t0, lo), t1 = _mm256_min_pd(side.t1, hi);
     __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
     unsigned lanes = bits(met) & useful_pairs(w, t0, t1, any);

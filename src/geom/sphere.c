@@ -14,6 +14,14 @@ bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r)
     return true;
 }
 
+void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, double t[2])
+{
+    int far = fabs(t[1]) > fabs(t[0]);
+    struct twofold3 f = tf_sub3(ray->o, s->c);
+    struct twofold c = tf_add(tf_dot(f, f), (struct twofold){-s->rr, -s->rr_low});
+    t[!far] = c.hi / (pen_dot(ray->d, ray->d) * t[far]);
+}
+
 double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray)
 {
     struct twofold b = tf_dot(tf_sub3(ray->o, s->c), tf_of3(ray->d));

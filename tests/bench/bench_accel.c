@@ -78,7 +78,7 @@ static void add_box(struct bench *b, struct pen_vec3 lo, struct pen_vec3 hi)
 static struct bench *room(void)
 {
     struct bench *b = bench_new(4096);
-    struct random r = {7};
+    struct random r = random_begin(7);
     double wall[5][6] = {{0, -0.5, 0, 0, 1, 0},
                          {0, 0.5, 0, 0, -1, 0},
                          {-0.5, 0, 0, 1, 0, 0},
@@ -147,7 +147,7 @@ static struct bench *soup(void)
 {
     uint32_t n = 500000;
     struct bench *b = bench_new(n);
-    struct random r = {3};
+    struct random r = random_begin(3);
     for (uint32_t i = 0; i < n; i++) {
         struct pen_vec3 c = random_vec(&r, 0.5);
         pen_triangle_make(&b->triangle[add(b, PEN_PRIM_TRIANGLE)], c,
@@ -198,7 +198,7 @@ static size_t make_jobs(const struct bench *b, const struct pen_accel *accel, si
     struct pen_vec3 right = pen_normalize(pen_cross(f, pen_vec3(0, 1, 0))),
                     up = pen_cross(right, f);
     const struct pen_trace_ops *ops = pen_trace_ops_get(pen_cpu_isa());
-    struct random r = {11};
+    struct random r = random_begin(11);
     size_t hits = 0;
     for (size_t i = 0; i < side * side; i++) {
         double x = (2.0 * (double)(i % side) + 1) / (double)side - 1;

@@ -169,14 +169,22 @@ struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
     return best;
 }
 
-int world_count(const struct world *w, const struct pen_ray *ray, const struct pen_leave *leave)
+int world_crossings(const struct world *w, const struct pen_ray *ray, const struct pen_leave *leave,
+                    double tmax, struct pen_hit *hit, int room)
 {
     int count = 0;
-    struct pen_crossings c;
-    for (uint32_t prim = 0; prim < w->prims.count; prim++) {
-        pen_prim_cross(&w->prims, prim, ray, leave, &c);
-        for (int i = 0; i < c.count; i++)
-            count += c.t[i] > 0;
+    struct pen_span span = {pen_after_start, tmax};
+    for (;; count++) {
+        span.after = world_nearest(w, ray, leave, &span);
+        if (span.after.prim == PEN_NO_PRIM)
+            return count;
+        if (count < room)
+            hit[count] = span.after;
     }
-    return count;
+}
+
+int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d)
+{
+    struct pen_ray ray = world_ray(o, d);
+    return world_crossings(w, &ray, &pen_leave_nothing, INFINITY, NULL, 0);
 }

@@ -52,7 +52,11 @@ struct pen_leave world_leave(const struct world *w, struct pen_hit hit, struct p
 struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
                              const struct pen_leave *leave, const struct pen_span *span);
 
-/* How many crossings with t > 0. */
-int world_count(const struct world *w, const struct pen_ray *ray, const struct pen_leave *leave);
+/* How many crossings with 0 < t <= tmax; the first `room` of them, in order, go to hit[]. */
+int world_crossings(const struct world *w, const struct pen_ray *ray, const struct pen_leave *leave,
+                    double tmax, struct pen_hit *hit, int room);
+
+/* How many crossings with t > 0 a ray from free space has. */
+int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d);
 
 #endif

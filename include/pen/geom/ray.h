@@ -26,6 +26,10 @@
 /* 2^-53, the unit roundoff of binary64. */
 #define PEN_U 0x1p-53
 
+/* A crossing of a quadric at tp - h is refined where it is nearer the origin than this share of
+ * the half chord h: the subtraction would lose more than three bits. */
+#define PEN_NEAR 0.125
+
 enum pen_part {
     PEN_PART_SIDE = 0, /* the only part of sphere, tube and flat bodies; a cylinder's side */
     PEN_PART_BASE = 1, /* a cylinder's cap at `base` */

@@ -36,6 +36,9 @@ static inline struct pen_vec3 pen_round_across(const struct pen_round *s, struct
     return pen_add(pen_cross(f, a), rest);
 }
 
+/* As pen_sphere_refine. */
+void pen_round_refine(const struct pen_round *s, const struct pen_ray *ray, double t[2]);
+
 /* The two crossings of the ray's line with the endless side, t[0] < t[1]; false if there are
  * none. Tangents and parallels are misses; *parallel tells them apart. As for spheres, in the
  * plane across the axis. */
@@ -52,6 +55,8 @@ static inline bool pen_round_roots(const struct pen_round *s, const struct pen_r
     double h = sqrt(disc * inv); /* NaN for a miss */
     t[0] = tp + (rest - h);
     t[1] = tp + (rest + h);
+    if (fabs(fabs(tp) - h) < PEN_NEAR * h)
+        pen_round_refine(s, ray, t);
     *parallel = mm == 0;
     return t[0] < t[1];
 }
