@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: MIT */
+/* Lists and their cursors, get, cancel, delete, built-in scenes, and problem documents. */
+#include <stdio.h>
+#include <string.h>
+
+#include "support/jobs.h"
+#include "support/suite.h"
+
+static struct jobs_bed bed;
+static char id[PEN_ID_BYTES];
+
+static json_t *list(const struct pen_list_query *query)
+{
+    struct pen_status st;
+    json_t *answer = pen_jobs_list(bed.jobs, query, &st);
+    store_must(answer != NULL, &st, "list");
+    return answer;
+}
+
+/* The names of the jobs of a page, one letter each. */
+static void names_of(const json_t *page, char *out)
+{
+    const json_t *jobs = json_object_get(page, "jobs");
+    size_t count = json_array_size(jobs);
+    for (size_t i = 0; i < count; i++)
+        out[i] = json_string_value(json_object_get(json_array_get(jobs, i), "name"))[0];
+    out[count] = '\0';
+}
+
+static void submit_named(char name)
+{
+    char body[4200];
+    snprintf(body, sizeof body, "{\"name\": \"%c\", \"scene\": %s}", name, jobs_scene(""));
+    jobs_submit(&bed, body, id);
+}
+
+START_TEST(test_list__pages_follow_one_another_without_gaps)
+{
+    char names[16], cursor[32];
+    jobs_bed_open(&bed);
+    for (char name = 'a'; name <= 'g'; name++)
+        submit_named(name);
+    struct pen_list_query query = {.state = -1, .limit = 3};
+    json_t *page = list(&query);
+    names_of(page, names);
+    ck_assert_str_eq(names, "gfe");
+    snprintf(cursor, sizeof cursor, "%s", json_string_value(json_object_get(page, "next")));
+    json_decref(page);
+    submit_named('x');
+    query.cursor = cursor;
+    query.limit = 2;
+    page = list(&query);
+    names_of(page, names);
+    ck_assert_str_eq(names, "dc");
+    snprintf(cursor, sizeof cursor, "%s", json_string_value(json_object_get(page, "next")));
+    json_decref(page);
+    page = list(&query);
+    names_of(page, names);
+    ck_assert_str_eq(names, "ba");
+    ck_assert(json_is_null(json_object_get(page, "next")));
+    json_decref(page);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_list__state_filters)
+{
+    char names[16];
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    for (char name = 'a'; name <= 'd'; name++) {
+        submit_named(name);
+        if (name % 2)
+            store_must(pen_store_cancel(bed.bed.store, id, &st), &st, "cancel");
+    }
+    struct pen_list_query query = {.state = PEN_JOB_CANCELLED, .limit = 500, .kind = "render"};
+    json_t *page = list(&query);
+    names_of(page, names);
+    ck_assert_str_eq(names, "ca");
+    json_decref(page);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_list__foreign_cursors_and_limits_are_refused)
+{
+    static const char *const bad[] = {
+        "", "1", "j", "j0", "jx", "j1x", "j-1", "j99999999999999999999", "J1"};
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    struct pen_list_query query = {.state = -1, .limit = 5};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        query.cursor = bad[i];
+        ck_assert_msg(!pen_jobs_list(bed.jobs, &query, &st), "accepted %s", bad[i]);
+        ck_assert_int_eq(st.code, PEN_USAGE);
+    }
+    query.cursor = NULL;
+    query.limit = 0;
+    ck_assert(!pen_jobs_list(bed.jobs, &query, &st));
+    query.limit = 501;
+    ck_assert(!pen_jobs_list(bed.jobs, &query, &st));
+    ck_assert_int_eq(st.code, PEN_USAGE);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_list__cancel_and_delete_do_as_they_say)
+{
+    struct pen_job_snapshot snapshot;
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    submit_named('a');
+    ck_assert(!pen_jobs_delete(bed.jobs, id, &st));
+    ck_assert_int_eq(st.code, PEN_CONFLICT);
+    for (int i = 0; i < 2; i++) {
+        store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+        ck_assert_int_eq(snapshot.state, PEN_JOB_CANCELLED);
+        ck_assert_int_eq(snapshot.revision, 2);
+        ck_assert_ptr_nonnull(json_string_value(json_object_get(snapshot.json, "finished_at")));
+        json_decref(snapshot.json);
+    }
+    store_must(pen_jobs_delete(bed.jobs, id, &st), &st, "delete");
+    ck_assert(!pen_jobs_get(bed.jobs, id, &snapshot, &st));
+    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    ck_assert(!pen_jobs_cancel(bed.jobs, id, &snapshot, &st));
+    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* The estimate is of the revision, not of the moment it is asked for. */
+START_TEST(test_list__progress_is_frozen_per_revision)
+{
+    static float rgb[64 * 64 * 3];
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    jobs_submit(&bed,
+                jobs_scene(", \"render\": {\"width\": 64, \"height\": 64, \"tile\": 16,"
+                           " \"samples_per_pixel\": 2000}"),
+                id);
+    struct pen_claim claim = store_claim(bed.bed.store, "w");
+    struct pen_result result = {.rgb = rgb, .pixels = claim.pixels, .stats = "{}"};
+    struct timespec pause = {.tv_nsec = 30000000};
+    nanosleep(&pause, NULL);
+    store_must(pen_store_commit(bed.bed.store, &claim, &result, &st), &st, "commit");
+    json_t *first = jobs_get(&bed, id);
+    nanosleep(&pause, NULL);
+    json_t *again = jobs_get(&bed, id);
+    ck_assert(json_equal(first, again));
+    const json_t *progress = json_object_get(first, "progress");
+    double done = json_number_value(json_object_get(progress, "done"));
+    double eta = json_number_value(json_object_get(progress, "eta_seconds"));
+    ck_assert(done == (double)claim.pixels);
+    ck_assert(json_number_value(json_object_get(progress, "fraction")) == done / 4096);
+    ck_assert(eta >= 0.029 * (4096 - done) / done);
+    json_decref(first);
+    json_decref(again);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_list__built_in_scenes_are_listed_by_name)
+{
+    json_t *answer = pen_jobs_scenes();
+    const json_t *scenes = json_object_get(answer, "scenes");
+    bool room = false;
+    for (size_t i = 0; i < json_array_size(scenes); i++) {
+        const json_t *scene = json_array_get(scenes, i);
+        ck_assert_ptr_nonnull(json_string_value(json_object_get(scene, "title")));
+        room |= strcmp(json_string_value(json_object_get(scene, "name")), "room") == 0;
+    }
+    ck_assert(room);
+    json_decref(answer);
+}
+END_TEST
+
+static void expect_text(const json_t *object, const char *key, const char *text)
+{
+    const char *found = json_string_value(json_object_get(object, key));
+    ck_assert_msg(found && strcmp(found, text) == 0, "%s: %s", key, found ? found : "missing");
+}
+
+START_TEST(test_list__problem_of_one_status)
+{
+    struct pen_status st;
+    pen_fail(&st, PEN_STORAGE_FULL, "the store is full");
+    json_t *problem = pen_problem(&st);
+    expect_text(problem, "type", "urn:penumbra:problem:storage-full");
+    expect_text(problem, "title", "Storage full");
+    expect_text(problem, "detail", "the store is full");
+    ck_assert_int_eq(json_integer_value(json_object_get(problem, "status")), 507);
+    ck_assert_ptr_null(json_object_get(problem, "errors"));
+    json_decref(problem);
+    pen_fail_line(&st, PEN_SYNTAX, 3, 14, "a comma is missing");
+    problem = pen_problem(&st);
+    const json_t *error = json_array_get(json_object_get(problem, "errors"), 0);
+    ck_assert_int_eq(json_integer_value(json_object_get(error, "line")), 3);
+    ck_assert_int_eq(json_integer_value(json_object_get(error, "column")), 14);
+    ck_assert_ptr_null(json_object_get(error, "pointer"));
+    json_decref(problem);
+}
+END_TEST
+
+START_TEST(test_list__problem_of_several_errors)
+{
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    for (int i = 0; i < 25; i++) {
+        char at[32];
+        snprintf(at, sizeof at, "/objects/%d", i);
+        pen_fail_at(&st, PEN_INVALID, i ? at : "", "wrong");
+        pen_errors_add(&errors, &st);
+    }
+    json_t *problem = pen_problem_list(&errors);
+    const json_t *list_of = json_object_get(problem, "errors");
+    ck_assert_uint_eq(json_array_size(list_of), PEN_ERRORS_MAX);
+    expect_text(json_array_get(list_of, 0), "pointer", "");
+    expect_text(json_array_get(list_of, 19), "pointer", "/objects/19");
+    expect_text(json_array_get(list_of, 19), "detail", "wrong");
+    expect_text(problem, "detail", "25 errors, the first 20 are listed");
+    ck_assert_int_eq(json_integer_value(json_object_get(problem, "status")), 422);
+    json_decref(problem);
+}
+END_TEST
+
+PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps, test_list__state_filters,
+          test_list__foreign_cursors_and_limits_are_refused,
+          test_list__cancel_and_delete_do_as_they_say, test_list__progress_is_frozen_per_revision,
+          test_list__built_in_scenes_are_listed_by_name, test_list__problem_of_one_status,
+          test_list__problem_of_several_errors)

@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: MIT */
+/* The statistics object: of one render, and of a job put together from its batches. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/jobs.h"
+#include "support/suite.h"
+
+static struct jobs_bed bed;
+static char id[PEN_ID_BYTES];
+
+enum { WIDTH = 120, HEIGHT = 90, SAMPLES = 400, TILE = 8 };
+static const char several_batches[] =
+    ", \"render\": {\"width\": 120, \"height\": 90, \"samples_per_pixel\": 400, \"tile\": 8}";
+
+static double number(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    ck_assert_msg(json_is_number(value), "%s is missing", key);
+    return json_number_value(value);
+}
+
+static json_t *stats_of_job(void)
+{
+    struct pen_status st;
+    json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
+    store_must(stats != NULL, &st, "stats");
+    return stats;
+}
+
+/* What every statistics object of a finished render must hold. */
+static void check_shape(const json_t *stats)
+{
+    static const char *const times[] = {"queue_ms",  "parse_ms", "build_ms", "render_ms",
+                                        "encode_ms", "store_ms", "total_ms", "cpu_ms"};
+    const json_t *timing = json_object_get(stats, "timing"), *rays = json_object_get(stats, "rays");
+    for (size_t i = 0; i < sizeof times / sizeof times[0]; i++)
+        ck_assert_msg(number(timing, times[i]) >= 0, "%s", times[i]);
+    double total = number(rays, "primary") + number(rays, "shadow") + number(rays, "reflection") +
+                   number(rays, "transmission");
+    ck_assert(number(rays, "total") == total);
+    double rate = total / number(timing, "render_ms") / 1000;
+    ck_assert(number(stats, "mrays_per_second") > 0.98 * rate - 0.01);
+    ck_assert(number(stats, "mrays_per_second") < 1.02 * rate + 0.01);
+    const json_t *accelerator = json_object_get(stats, "accelerator");
+    ck_assert_str_eq(json_string_value(json_object_get(accelerator, "kind")), "auto");
+    number(accelerator, "nodes");
+    number(accelerator, "build_ms");
+    ck_assert_ptr_nonnull(json_string_value(json_object_get(stats, "kernel")));
+    ck_assert_uint_gt(json_array_size(json_object_get(stats, "effects")), 2);
+    ck_assert(number(json_object_get(stats, "memory"), "peak_bytes") > 1 << 20);
+    ck_assert(number(stats, "dropped_samples") == 0);
+    const json_t *host = json_object_get(stats, "host");
+    ck_assert_str_eq(json_string_value(json_object_get(host, "version")), PEN_VERSION);
+    ck_assert(number(host, "cores") >= 1);
+    const json_t *ms = json_object_get(json_object_get(stats, "tiles"), "ms");
+    ck_assert(number(ms, "p50") <= number(ms, "p95") && number(ms, "p95") <= number(ms, "max"));
+    ck_assert(number(ms, "max") > 0);
+}
+
+START_TEST(test_stats__of_a_job_is_the_sum_of_its_batches)
+{
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, jobs_scene(several_batches), id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    json_t *stats = stats_of_job();
+    check_shape(stats);
+    const json_t *timing = json_object_get(stats, "timing");
+    ck_assert(number(json_object_get(stats, "rays"), "primary") == WIDTH * HEIGHT * SAMPLES);
+    ck_assert(number(json_object_get(stats, "tiles"), "count") ==
+              pen_tile_count(WIDTH, HEIGHT, TILE));
+    ck_assert(number(stats, "threads") == 2);
+    ck_assert(number(timing, "render_ms") < number(timing, "total_ms"));
+    ck_assert(number(timing, "cpu_ms") > 0);
+    ck_assert(number(timing, "encode_ms") > 0);
+    ck_assert_ptr_null(json_object_get(stats, "tile_ms"));
+    ck_assert_ptr_null(json_object_get(stats, "commit_ms"));
+    json_decref(stats);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_stats__rays_do_not_depend_on_how_the_job_was_cut)
+{
+    json_t *rays[2];
+    static const char *const threads[] = {"", ", \"threads\": 1"};
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    for (int i = 0; i < 2; i++) {
+        char render[200];
+        snprintf(render, sizeof render,
+                 ", \"render\": {\"width\": 120, \"height\": 90, \"samples_per_pixel\": 200,"
+                 " \"tile\": %d%s}",
+                 i ? 90 : 8, threads[i]);
+        jobs_submit(&bed, jobs_scene(render), id);
+        ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+        json_t *stats = stats_of_job();
+        rays[i] = json_deep_copy(json_object_get(stats, "rays"));
+        ck_assert(number(stats, "threads") == (i ? 1 : 2));
+        json_decref(stats);
+    }
+    ck_assert(json_equal(rays[0], rays[1]));
+    json_decref(rays[0]);
+    json_decref(rays[1]);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_stats__wait_for_the_end_and_then_say_what_is_known)
+{
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    jobs_submit(&bed, jobs_scene(""), id);
+    ck_assert_ptr_null(pen_jobs_stats(bed.jobs, id, &st));
+    ck_assert_int_eq(st.code, PEN_CONFLICT);
+    store_must(pen_store_cancel(bed.bed.store, id, &st), &st, "cancel");
+    json_t *stats = stats_of_job();
+    ck_assert(number(json_object_get(stats, "rays"), "total") == 0);
+    ck_assert(json_is_null(json_object_get(stats, "kernel")));
+    ck_assert(number(json_object_get(stats, "timing"), "total_ms") >= 0);
+    json_decref(stats);
+    ck_assert_ptr_null(pen_jobs_stats(bed.jobs, "nobody", &st));
+    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* A second job with the same scene neither parses nor builds it again. */
+START_TEST(test_stats__known_scene_costs_no_parse_and_no_build)
+{
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    for (int i = 0; i < 2; i++) {
+        char body[4300];
+        snprintf(body, sizeof body, "{\"scene\": %s, \"render\": {\"width\": %d, \"height\": 10}}",
+                 jobs_scene(""), 10 + i);
+        jobs_submit(&bed, body, id);
+        ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+        json_t *stats = stats_of_job();
+        const json_t *timing = json_object_get(stats, "timing");
+        ck_assert((number(timing, "parse_ms") > 0) == (i == 0));
+        ck_assert((number(timing, "build_ms") > 0) == (i == 0));
+        json_decref(stats);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* Percentiles are nearest ranks: of 1 ... 200 they are 100, 190 and 200, whatever the order. */
+START_TEST(test_stats__percentiles_of_tiles_are_nearest_ranks)
+{
+    double ms[200];
+    for (int i = 0; i < 200; i++)
+        ms[i] = 1 + i * 77 % 200;
+    struct pen_render_stats render = {
+        .render_ms = 10, .tile_ms = ms, .tile_count = 200, .kernel = "k"};
+    struct pen_status st;
+    struct pen_limits limits = pen_limits_default();
+    struct pen_errors errors = {0};
+    struct pen_scene_desc desc;
+    struct pen_arena *arena = pen_arena_new(0);
+    const char *text = jobs_scene("");
+    ck_assert(pen_scene_load(text, strlen(text), &limits, arena, &desc, &errors));
+    struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_AUTO, 0, &st);
+    struct pen_stats_input in = {.render = &render, .scene = scene, .queue_ms = 1.23456};
+    json_t *stats = pen_stats_json(&in);
+    const json_t *tiles = json_object_get(json_object_get(stats, "tiles"), "ms");
+    ck_assert(number(tiles, "p50") == 100);
+    ck_assert(number(tiles, "p95") == 190);
+    ck_assert(number(tiles, "max") == 200);
+    ck_assert(number(json_object_get(stats, "timing"), "queue_ms") == 1.235);
+    json_decref(stats);
+    pen_scene_free(scene);
+    pen_arena_free(arena);
+}
+END_TEST
+
+PEN_SUITE("stats", test_stats__of_a_job_is_the_sum_of_its_batches,
+          test_stats__rays_do_not_depend_on_how_the_job_was_cut,
+          test_stats__wait_for_the_end_and_then_say_what_is_known,
+          test_stats__known_scene_costs_no_parse_and_no_build,
+          test_stats__percentiles_of_tiles_are_nearest_ranks)

@@ -1,0 +1,482 @@
+/* SPDX-License-Identifier: MIT */
+/* What is accepted and what is refused, with which code, where, and in which words; keys; what an
+ * accepted job looks like. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/jobs.h"
+#include "support/suite.h"
+
+static struct jobs_bed bed;
+static char id[PEN_ID_BYTES];
+
+/* S stands for a good scene. */
+struct bad {
+    const char *body;
+    enum pen_code code;
+    const char *at, *words;
+};
+
+static const struct bad bad_bodies[] = {
+    {"", PEN_SYNTAX, "", ""},
+    {"{\"scene\": ", PEN_SYNTAX, "", ""},
+    {"{\"scene\": S, \"scene\": S}", PEN_SYNTAX, "", ""},
+    {"[]", PEN_INVALID, "", "object"},
+    {"17", PEN_INVALID, "", "object"},
+    {"{}", PEN_INVALID, "", "\"scene\""},
+    {"{\"kind\": \"render\"}", PEN_INVALID, "", "\"scene\""},
+    {"{\"scene\": 5}", PEN_INVALID, "/scene", "builtin:"},
+    {"{\"scene\": \"room\"}", PEN_INVALID, "/scene", "builtin:"},
+    {"{\"scene\": \"builtin:rooom\"}", PEN_NOT_FOUND, "/scene", "did you mean \"room\"?"},
+    {"{\"scene\": \"builtin:\"}", PEN_NOT_FOUND, "/scene", "no built-in scene"},
+    {"{\"scene\": {\"format\": \"penumbra-scene/1\"}}", PEN_INVALID, "/scene", "camera"},
+    {"{\"format\": \"penumbra-scene/1\"}", PEN_INVALID, "", "camera"},
+    {"{\"scene\": S, \"kind\": \"render\", \"prioritiy\": 1}", PEN_INVALID, "/prioritiy",
+     "did you mean \"priority\"?"},
+    {"{\"scene\": S, \"a/b~c\": 1}", PEN_INVALID, "/a~1b~0c", "unknown key"},
+    {"{\"scene\": S, \"kind\": \"rendr\"}", PEN_INVALID, "/kind", "did you mean \"render\"?"},
+    {"{\"scene\": S, \"kind\": 3}", PEN_INVALID, "/kind", "render, benchmark"},
+    {"{\"scene\": S, \"kind\": \"benchmark\"}", PEN_UNSUPPORTED, "/kind", "not supported yet"},
+    {"{\"scene\": S, \"kind\": \"accuracy\"}", PEN_UNSUPPORTED, "/kind", "not supported yet"},
+    {"{\"scene\": S, \"kind\": \"effects\"}", PEN_UNSUPPORTED, "/kind", "not supported yet"},
+    {"{\"scene\": S, \"matrix\": {}}", PEN_UNSUPPORTED, "/matrix", "benchmark"},
+    {"{\"scene\": S, \"ladder\": {}}", PEN_UNSUPPORTED, "/ladder", "accuracy"},
+    {"{\"scene\": S, \"priority\": 101}", PEN_INVALID, "/priority", "from -100 to 100"},
+    {"{\"scene\": S, \"priority\": -101}", PEN_INVALID, "/priority", "from -100 to 100"},
+    {"{\"scene\": S, \"priority\": 0.5}", PEN_INVALID, "/priority", "integer"},
+    {"{\"scene\": S, \"priority\": \"1\"}", PEN_INVALID, "/priority", "integer"},
+    {"{\"scene\": S, \"max_attempts\": 0}", PEN_INVALID, "/max_attempts", "from 1 to 10"},
+    {"{\"scene\": S, \"max_attempts\": 11}", PEN_INVALID, "/max_attempts", "from 1 to 10"},
+    {"{\"scene\": S, \"timeout_seconds\": 0}", PEN_INVALID, "/timeout_seconds", "above 0"},
+    {"{\"scene\": S, \"timeout_seconds\": -1}", PEN_INVALID, "/timeout_seconds", "above 0"},
+    {"{\"scene\": S, \"timeout_seconds\": null}", PEN_INVALID, "/timeout_seconds", "above 0"},
+    {"{\"scene\": S, \"name\": 3}", PEN_INVALID, "/name", "string"},
+    {"{\"scene\": S, \"labels\": []}", PEN_INVALID, "/labels", "object"},
+    {"{\"scene\": S, \"labels\": {\"a\": 1}}", PEN_INVALID, "/labels/a", "string"},
+    {"{\"scene\": S, \"layers\": \"beauty\"}", PEN_INVALID, "/layers", "array"},
+    {"{\"scene\": S, \"layers\": []}", PEN_INVALID, "/layers", "array"},
+    {"{\"scene\": S, \"layers\": [\"beuty\"]}", PEN_INVALID, "/layers/0",
+     "did you mean \"beauty\"?"},
+    {"{\"scene\": S, \"layers\": [\"beauty\", \"cost\"]}", PEN_UNSUPPORTED, "/layers/1",
+     "not supported yet"},
+    {"{\"scene\": S, \"layers\": [\"beauty\", \"beauty\"]}", PEN_INVALID, "/layers/1", "twice"},
+    {"{\"scene\": S, \"views\": \"main\"}", PEN_INVALID, "/views", "array"},
+    {"{\"scene\": S, \"views\": []}", PEN_INVALID, "/views", "array"},
+    {"{\"scene\": S, \"views\": [\"mian\"]}", PEN_INVALID, "/views/0", "did you mean \"main\"?"},
+    {"{\"scene\": S, \"views\": [\"all\"]}", PEN_INVALID, "/views/0", "name of one"},
+    {"{\"scene\": S, \"views\": [7]}", PEN_INVALID, "/views/0", "name of one"},
+    {"{\"scene\": S, \"render\": {\"width\": 0}}", PEN_INVALID, "/render/width", ""},
+    {"{\"scene\": S, \"render\": {\"widht\": 10}}", PEN_INVALID, "/render/widht", "width"},
+    {"{\"scene\": S, \"render\": {\"quality\": \"draft\"}}", PEN_UNSUPPORTED, "/render/quality",
+     ""},
+    {"{\"scene\": S, \"render\": {\"width\": 10000, \"height\": 10000}}", PEN_TOO_LARGE, "/render",
+     ""},
+    {"{\"scene\": S, \"render\": {\"samples_per_pixel\": 2000000000}}", PEN_TOO_LARGE, "/render",
+     ""},
+};
+
+static bool submit(const char *body, const char *key, struct pen_submitted *out,
+                   struct pen_errors *errors)
+{
+    struct pen_submission in = {.body = body, .bytes = strlen(body), .idempotency_key = key};
+    *errors = (struct pen_errors){0};
+    return pen_jobs_submit(bed.jobs, &in, out, errors);
+}
+
+/* Puts the scene where the S is. */
+static char *expand(const char *body)
+{
+    const char *scene = jobs_scene("");
+    char *text = malloc(strlen(body) + 2 * strlen(scene) + 1), *to = text;
+    for (; *body; body++) {
+        if (*body == 'S')
+            to += sprintf(to, "%s", scene);
+        else
+            *to++ = *body;
+    }
+    *to = '\0';
+    return text;
+}
+
+static void expect_nothing_stored(void)
+{
+    struct pen_list_query query = {.state = -1, .limit = 10};
+    struct pen_status st;
+    json_t *list = pen_jobs_list(bed.jobs, &query, &st);
+    ck_assert_uint_eq(json_array_size(json_object_get(list, "jobs")), 0);
+    json_decref(list);
+}
+
+START_TEST(test_submit__each_bad_body_is_refused_at_its_place)
+{
+    jobs_bed_open(&bed);
+    for (size_t i = 0; i < sizeof bad_bodies / sizeof bad_bodies[0]; i++) {
+        const struct bad *bad = &bad_bodies[i];
+        struct pen_submitted out;
+        struct pen_errors errors;
+        char *body = expand(bad->body);
+        ck_assert_msg(!submit(body, NULL, &out, &errors), "accepted: %s", bad->body);
+        const struct pen_status *e = &errors.item[0];
+        ck_assert_msg(e->code == bad->code, "%s: %s: %s", bad->body, pen_code_name(e->code),
+                      e->msg);
+        ck_assert_msg(strcmp(e->at, bad->at) == 0, "%s: at %s: %s", bad->body, e->at, e->msg);
+        ck_assert_msg(strstr(e->msg, bad->words) != NULL, "%s: %s", bad->body, e->msg);
+        ck_assert_msg(e->code != PEN_SYNTAX || e->line > 0, "%s: no line", bad->body);
+        free(body);
+    }
+    expect_nothing_stored();
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__errors_of_job_and_scene_come_together)
+{
+    static const char body[] =
+        "{\"priority\": 1000, \"scene\": {\"format\": \"penumbra-scene/1\", \"camera\":"
+        " {\"position\": [0, 0, 1], \"look_at\": [0, 0, 0]}, \"objects\": [{\"type\": \"sphere\","
+        " \"center\": [0, 0, 0], \"radius\": -1}]}, \"render\": {\"tile\": 0}}";
+    struct pen_submitted out;
+    struct pen_errors errors;
+    jobs_bed_open(&bed);
+    ck_assert(!submit(body, NULL, &out, &errors));
+    ck_assert_uint_eq(errors.count, 3);
+    ck_assert_str_eq(errors.item[0].at, "/priority");
+    ck_assert_str_eq(errors.item[1].at, "/scene/objects/0/radius");
+    ck_assert_str_eq(errors.item[2].at, "/render/tile");
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__too_many_bytes_and_labels_are_refused)
+{
+    struct pen_submitted out;
+    struct pen_errors errors;
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    limits.body_bytes = 100;
+    struct pen_jobs *small = pen_jobs_open(bed.bed.url, &limits, &st);
+    struct pen_submission in = {.body = jobs_scene(""), .bytes = strlen(jobs_scene(""))};
+    errors = (struct pen_errors){0};
+    ck_assert(!pen_jobs_submit(small, &in, &out, &errors));
+    ck_assert_int_eq(errors.item[0].code, PEN_TOO_LARGE);
+    pen_jobs_close(small);
+    char body[8192];
+    int n =
+        snprintf(body, sizeof body, "{\"scene\": %s, \"labels\": {\"k0\": \"\"", jobs_scene(""));
+    for (int i = 1; i <= 32; i++)
+        n += snprintf(body + n, sizeof body - (size_t)n, ", \"k%d\": \"v\"", i);
+    snprintf(body + n, sizeof body - (size_t)n, "}}");
+    ck_assert(!submit(body, NULL, &out, &errors));
+    ck_assert_str_eq(errors.item[0].at, "/labels");
+    n = snprintf(body, sizeof body, "{\"scene\": %s, \"name\": \"", jobs_scene(""));
+    memset(body + n, 'x', 201);
+    strcpy(body + n + 201, "\"}");
+    ck_assert(!submit(body, NULL, &out, &errors));
+    ck_assert_str_eq(errors.item[0].at, "/name");
+    strcpy(body + n + 200, "\"}");
+    jobs_submit(&bed, body, id);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__xml_is_known_and_not_supported_yet)
+{
+    struct pen_submission in = {.body = "<scene/>", .bytes = 8, .xml = true};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    jobs_bed_open(&bed);
+    ck_assert(!pen_jobs_submit(bed.jobs, &in, &out, &errors));
+    ck_assert_int_eq(errors.item[0].code, PEN_UNSUPPORTED);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+static const char *text_of(const json_t *job, const char *key)
+{
+    return json_string_value(json_object_get(job, key));
+}
+
+static double number_of(const json_t *job, const char *key)
+{
+    return json_number_value(json_object_get(job, key));
+}
+
+START_TEST(test_submit__bare_scene_is_a_job_of_defaults)
+{
+    jobs_bed_open(&bed);
+    jobs_submit(&bed, jobs_scene(", \"render\": {\"width\": 30, \"height\": 20, \"seed\": 7}"), id);
+    json_t *job = jobs_get(&bed, id);
+    ck_assert_str_eq(text_of(job, "id"), id);
+    ck_assert_str_eq(text_of(job, "state"), "queued");
+    ck_assert_str_eq(text_of(job, "kind"), "render");
+    ck_assert(json_is_null(json_object_get(job, "name")));
+    ck_assert_uint_eq(json_object_size(json_object_get(job, "labels")), 0);
+    ck_assert(number_of(job, "priority") == 0);
+    ck_assert(number_of(job, "max_attempts") == 3);
+    ck_assert(number_of(job, "attempts") == 0);
+    ck_assert(number_of(job, "revision") == 1);
+    ck_assert(json_is_null(json_object_get(job, "timeout_seconds")));
+    ck_assert(json_is_null(json_object_get(job, "started_at")));
+    ck_assert(json_is_null(json_object_get(job, "finished_at")));
+    ck_assert(json_is_null(json_object_get(job, "error")));
+    ck_assert_uint_eq(strlen(text_of(job, "created_at")), 24);
+    json_t *views = json_object_get(job, "views"), *layers = json_object_get(job, "layers");
+    ck_assert_uint_eq(json_array_size(views), 1);
+    ck_assert_str_eq(json_string_value(json_array_get(views, 0)), "main");
+    ck_assert_uint_eq(json_array_size(layers), 1);
+    ck_assert_str_eq(json_string_value(json_array_get(layers, 0)), "beauty");
+    json_t *progress = json_object_get(job, "progress"), *render = json_object_get(job, "render");
+    ck_assert(number_of(progress, "done") == 0);
+    ck_assert(number_of(progress, "total") == 600);
+    ck_assert(number_of(progress, "fraction") == 0);
+    ck_assert(json_is_null(json_object_get(progress, "eta_seconds")));
+    ck_assert(number_of(render, "width") == 30);
+    ck_assert(number_of(render, "seed") == 7);
+    ck_assert(number_of(render, "light_samples") == 16);
+    ck_assert_str_eq(text_of(render, "accelerator"), "auto");
+    json_t *links = json_object_get(job, "links");
+    char expected[80];
+    snprintf(expected, sizeof expected, "/v1/jobs/%s/image", id);
+    ck_assert_str_eq(text_of(links, "image"), expected);
+    json_decref(job);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+static bool has_text(const json_t *list, const char *text)
+{
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        if (strcmp(json_string_value(json_array_get(list, i)), text) == 0)
+            return true;
+    }
+    return false;
+}
+
+START_TEST(test_submit__job_keys_are_kept_and_render_goes_over_the_scene)
+{
+    char body[8192];
+    jobs_bed_open(&bed);
+    snprintf(
+        body, sizeof body,
+        "{\"scene\": %s, \"priority\": -7.0, \"name\": \"n\\u00e4chtlich\", \"labels\":"
+        " {\"shot\": \"12\"}, \"max_attempts\": 5, \"timeout_seconds\": 1.5, \"kind\":"
+        " \"render\", \"layers\": [\"beauty\"], \"views\": [\"b\"], \"render\": {\"height\":"
+        " 40, \"samples_per_pixel\": 4, \"accelerator\": \"none\", \"transfer\": \"linear\"}}",
+        jobs_scene(", \"views\": [{\"name\": \"a\"}, {\"name\": \"b\"}], \"render\": {\"width\":"
+                   " 20, \"height\": 30}"));
+    jobs_submit(&bed, body, id);
+    json_t *job = jobs_get(&bed, id), *render = json_object_get(job, "render");
+    ck_assert(number_of(job, "priority") == -7);
+    ck_assert_str_eq(text_of(job, "name"), "n\xc3\xa4"
+                                           "chtlich");
+    ck_assert_str_eq(text_of(json_object_get(job, "labels"), "shot"), "12");
+    ck_assert(number_of(job, "max_attempts") == 5);
+    ck_assert(number_of(job, "timeout_seconds") == 1.5);
+    ck_assert_uint_eq(json_array_size(json_object_get(job, "views")), 1);
+    ck_assert(has_text(json_object_get(job, "views"), "b"));
+    ck_assert(number_of(render, "width") == 20);
+    ck_assert(number_of(render, "height") == 40);
+    ck_assert(number_of(render, "samples_per_pixel") == 4);
+    ck_assert_str_eq(text_of(render, "accelerator"), "none");
+    ck_assert_str_eq(text_of(render, "transfer"), "linear");
+    ck_assert(number_of(json_object_get(job, "progress"), "total") == 800);
+    const json_t *effects = json_object_get(job, "effects");
+    ck_assert(has_text(effects, "ambient") && has_text(effects, "hard_shadows"));
+    ck_assert(has_text(effects, "mirror") && has_text(effects, "specular"));
+    ck_assert(has_text(effects, "anti_aliasing") && !has_text(effects, "transmission"));
+    json_decref(job);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* The settings an answer shows are settings: sent back they give the same. */
+START_TEST(test_submit__effective_settings_read_back_as_themselves)
+{
+    struct pen_errors errors = {0};
+    jobs_bed_open(&bed);
+    jobs_submit(
+        &bed,
+        jobs_scene(", \"render\": {\"width\": 31, \"height\": 21, \"samples_per_pixel\": 3,"
+                   " \"light_samples\": 5, \"light_pattern\": \"grid\", \"blur_samples\": 6,"
+                   " \"lens_samples\": 7, \"max_depth\": 8, \"min_contribution\": 0.1,"
+                   " \"max_samples\": 9, \"accelerator\": \"none\", \"transfer\":"
+                   " \"linear\", \"seed\": 9007199254740992, \"tile\": 10, \"threads\": 2}"),
+        id);
+    json_t *job = jobs_get(&bed, id);
+    struct pen_settings s = pen_settings_default();
+    ck_assert(pen_settings_read(json_object_get(job, "render"), "", &s, &errors));
+    ck_assert(s.width == 31 && s.height == 21 && s.samples_per_pixel == 3 && s.light_samples == 5);
+    ck_assert(s.light_pattern == PEN_PATTERN_GRID && s.blur_samples == 6 && s.lens_samples == 7);
+    ck_assert(s.max_depth == 8 && s.min_contribution == 0.1 && s.max_samples == 9);
+    ck_assert(s.accelerator == PEN_ACCEL_NONE && s.transfer == PEN_SETTING_LINEAR);
+    ck_assert(s.seed == 9007199254740992u && s.tile == 10 && s.threads == 2);
+    json_decref(job);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__answer_is_the_stored_job)
+{
+    struct pen_submitted out;
+    struct pen_errors errors;
+    jobs_bed_open(&bed);
+    ck_assert(submit(jobs_scene(""), NULL, &out, &errors));
+    json_t *answer = json_loads((char *)out.answer.data, 0, NULL);
+    json_t *job = jobs_get(&bed, out.id);
+    ck_assert(json_equal(answer, job));
+    json_decref(answer);
+    json_decref(job);
+    pen_buf_release(&out.answer);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__scene_comes_back_as_accepted)
+{
+    const char *scene = jobs_scene("");
+    struct pen_status st;
+    struct pen_buf out = {0};
+    char body[4200];
+    jobs_bed_open(&bed);
+    jobs_submit(&bed, scene, id);
+    store_must(pen_jobs_scene(bed.jobs, id, &out, &st), &st, "scene");
+    ck_assert_str_eq((char *)out.data, scene);
+    pen_buf_release(&out);
+    snprintf(body, sizeof body, "{\"scene\": %s}", scene);
+    jobs_submit(&bed, body, id);
+    store_must(pen_jobs_scene(bed.jobs, id, &out, &st), &st, "scene");
+    json_t *sent = json_loads(scene, 0, NULL), *stored = json_loads((char *)out.data, 0, NULL);
+    ck_assert(json_equal(sent, stored));
+    json_decref(sent);
+    json_decref(stored);
+    pen_buf_release(&out);
+    jobs_submit(&bed, "{\"scene\": \"builtin:spheres\"}", id);
+    store_must(pen_jobs_scene(bed.jobs, id, &out, &st), &st, "scene");
+    ck_assert_ptr_nonnull(strstr((char *)out.data, "penumbra-scene/1"));
+    pen_buf_release(&out);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__key_repeats_the_answer_and_refuses_another_body)
+{
+    struct pen_submitted first, again;
+    struct pen_errors errors;
+    char text[4096];
+    jobs_bed_open(&bed);
+    snprintf(text, sizeof text, "%s", jobs_scene(""));
+    ck_assert(submit(text, "key-1", &first, &errors));
+    ck_assert(submit(text, "key-1", &again, &errors));
+    ck_assert_str_eq(first.id, again.id);
+    ck_assert_uint_eq(first.answer.bytes, again.answer.bytes);
+    ck_assert_mem_eq(first.answer.data, again.answer.data, first.answer.bytes);
+    pen_buf_release(&again.answer);
+    ck_assert(!submit(jobs_scene(", \"name\": \"other\""), "key-1", &again, &errors));
+    ck_assert_int_eq(errors.item[0].code, PEN_INVALID);
+    ck_assert_str_eq(errors.item[0].at, "");
+    ck_assert(submit(text, "key-2", &again, &errors));
+    ck_assert_str_ne(first.id, again.id);
+    pen_buf_release(&first.answer);
+    pen_buf_release(&again.answer);
+    ck_assert(!submit(text, "", &again, &errors));
+    ck_assert_int_eq(errors.item[0].code, PEN_USAGE);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__ids_are_uuids_of_their_time_in_order)
+{
+    char last[PEN_ID_BYTES] = "";
+    jobs_bed_open(&bed);
+    for (int i = 0; i < 5; i++) {
+        jobs_submit(&bed, jobs_scene(""), id);
+        ck_assert_uint_eq(strlen(id), 36);
+        ck_assert_int_eq(id[14], '7');
+        ck_assert_ptr_nonnull(strchr("89ab", id[19]));
+        ck_assert_uint_eq(strspn(id, "0123456789abcdef-"), 36);
+        ck_assert_int_le(strncmp(last, id, 13), 0);
+        memcpy(last, id, sizeof last);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* Batches of a view, one after the other, are all of its tiles. */
+struct cover {
+    int view, next_tile;
+    int64_t pixels;
+};
+
+static bool check_cover(void *user, const struct pen_batch_record *batch)
+{
+    struct cover *cover = user;
+    if (batch->view != cover->view)
+        *cover = (struct cover){.view = batch->view, .pixels = cover->pixels};
+    ck_assert_int_eq(batch->first_tile, cover->next_tile);
+    ck_assert_int_gt(batch->tile_count, 0);
+    cover->next_tile += batch->tile_count;
+    cover->pixels += batch->pixels;
+    return true;
+}
+
+START_TEST(test_submit__batches_cover_every_tile_once)
+{
+    static const int sizes[][3] = {{1, 1, 32},     {33, 31, 32},  {800, 600, 32}, {999, 777, 7},
+                                   {640, 480, 64}, {5, 9000, 16}, {9000, 5, 3},   {97, 89, 100}};
+    struct pen_status st;
+    char body[4096];
+    jobs_bed_open(&bed);
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        snprintf(body, sizeof body,
+                 ", \"views\": [{\"name\": \"a\"}, {\"name\": \"b\"}], \"render\": {\"width\": %d,"
+                 " \"height\": %d, \"tile\": %d, \"samples_per_pixel\": 50}",
+                 sizes[i][0], sizes[i][1], sizes[i][2]);
+        jobs_submit(&bed, jobs_scene(body), id);
+        struct cover cover = {0};
+        store_must(pen_store_batches(bed.bed.store, id, check_cover, &cover, &st), &st, "batches");
+        ck_assert_int_eq(cover.view, 1);
+        ck_assert_int_eq(cover.next_tile, pen_tile_count(sizes[i][0], sizes[i][1], sizes[i][2]));
+        ck_assert_int_eq(cover.pixels, (int64_t)2 * sizes[i][0] * sizes[i][1]);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__validate_says_the_same_and_stores_nothing)
+{
+    json_t *answer = NULL;
+    jobs_bed_open(&bed);
+    for (size_t i = 0; i < sizeof bad_bodies / sizeof bad_bodies[0]; i++) {
+        struct pen_errors errors = {0};
+        char *body = expand(bad_bodies[i].body);
+        struct pen_submission in = {.body = body, .bytes = strlen(body)};
+        ck_assert(!pen_jobs_validate(bed.jobs, &in, &answer, &errors));
+        ck_assert_ptr_null(answer);
+        ck_assert_int_eq(errors.item[0].code, bad_bodies[i].code);
+        free(body);
+    }
+    struct pen_errors errors = {0};
+    struct pen_submission in = {.body = jobs_scene(""), .bytes = strlen(jobs_scene(""))};
+    ck_assert(pen_jobs_validate(NULL, &in, &answer, &errors));
+    ck_assert(json_is_true(json_object_get(answer, "valid")));
+    ck_assert(json_is_array(json_object_get(answer, "warnings")));
+    json_decref(answer);
+    expect_nothing_stored();
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
+          test_submit__errors_of_job_and_scene_come_together,
+          test_submit__too_many_bytes_and_labels_are_refused,
+          test_submit__xml_is_known_and_not_supported_yet,
+          test_submit__bare_scene_is_a_job_of_defaults,
+          test_submit__job_keys_are_kept_and_render_goes_over_the_scene,
+          test_submit__effective_settings_read_back_as_themselves,
+          test_submit__answer_is_the_stored_job, test_submit__scene_comes_back_as_accepted,
+          test_submit__key_repeats_the_answer_and_refuses_another_body,
+          test_submit__ids_are_uuids_of_their_time_in_order,
+          test_submit__batches_cover_every_tile_once,
+          test_submit__validate_says_the_same_and_stores_nothing)

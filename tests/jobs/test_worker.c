@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: MIT */
+/* The worker, from a submitted job to its picture: the same bits as a direct render, whatever the
+ * batches; failures, cancels, timeouts and deaths on the way. */
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "pen/base/clock.h"
+#include "pen/film/picture.h"
+#include "support/jobs.h"
+#include "support/suite.h"
+
+static struct jobs_bed bed;
+static char id[PEN_ID_BYTES];
+
+/* Many samples make many rays, so that a small image has several batches. */
+static const char several_batches[] =
+    ", \"render\": {\"width\": 150, \"height\": 110, \"samples_per_pixel\": 400, \"tile\": 8}";
+static const char one_batch[] = ", \"render\": {\"width\": 40, \"height\": 30}";
+
+/* Renders a bare scene here and now. */
+static struct pen_film *render_directly(const char *text)
+{
+    struct pen_arena *arena = pen_arena_new(0);
+    struct pen_limits limits = pen_limits_default();
+    struct pen_scene_desc desc;
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    ck_assert(pen_scene_load(text, strlen(text), &limits, arena, &desc, &errors));
+    struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_AUTO, 0, &st);
+    store_must(scene != NULL, &st, "freeze");
+    struct pen_film *film = pen_film_new(desc.settings.width, desc.settings.height, &st);
+    struct pen_pool *pool = pen_pool_new(2, &st);
+    struct pen_render_task task = {
+        .scene = scene, .settings = &desc.settings, .tile_count = -1, .rgb = film->rgb};
+    struct pen_render_stats stats;
+    store_must(pen_render_run(pool, &task, &stats, &st), &st, "render");
+    pen_pool_free(pool);
+    pen_scene_free(scene);
+    pen_arena_free(arena);
+    return film;
+}
+
+/* The job's PFM must hold the film's values bit for bit. */
+static void compare_with_film(const struct pen_film *film)
+{
+    struct pen_buf pfm = jobs_image(&bed, id, NULL, "pfm");
+    size_t row = (size_t)film->width * 3 * sizeof(float);
+    ck_assert_uint_gt(pfm.bytes, row * (size_t)film->height);
+    const unsigned char *bottom = pfm.data + pfm.bytes - row * (size_t)film->height;
+    for (int y = 0; y < film->height; y++) {
+        const unsigned char *stored = bottom + row * (size_t)(film->height - 1 - y);
+        ck_assert_mem_eq(stored, film->rgb + (size_t)y * (size_t)film->width * 3, row);
+    }
+    pen_buf_release(&pfm);
+}
+
+static bool count_batch(void *user, const struct pen_batch_record *batch)
+{
+    int *kinds = user;
+    kinds[batch->kind]++;
+    return true;
+}
+
+static void count_batches(int kinds[2])
+{
+    struct pen_status st;
+    kinds[0] = kinds[1] = 0;
+    store_must(pen_store_batches(bed.bed.store, id, count_batch, kinds, &st), &st, "batches");
+}
+
+START_TEST(test_worker__one_batch_gives_the_pixels_of_a_direct_render)
+{
+    int kinds[2];
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, jobs_scene(one_batch), id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    count_batches(kinds);
+    ck_assert_int_eq(kinds[PEN_BATCH_RENDER], 1);
+    ck_assert_int_eq(kinds[PEN_BATCH_ASSEMBLE], 0);
+    struct pen_film *film = render_directly(jobs_scene(one_batch));
+    compare_with_film(film);
+    pen_film_free(film);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_worker__several_batches_give_the_pixels_of_a_direct_render)
+{
+    int kinds[2];
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, jobs_scene(several_batches), id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    count_batches(kinds);
+    ck_assert_int_gt(kinds[PEN_BATCH_RENDER], 3);
+    ck_assert_int_eq(kinds[PEN_BATCH_ASSEMBLE], 1);
+    struct pen_film *film = render_directly(jobs_scene(several_batches));
+    compare_with_film(film);
+    pen_film_free(film);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_worker__views_are_rendered_each_from_its_camera)
+{
+    static const char views[] =
+        ", \"views\": [{\"name\": \"near\"}, {\"name\": \"far\", \"camera\": {\"position\":"
+        " [0, 1, 30]}}], \"render\": {\"width\": 20, \"height\": 20}";
+    static const char near_only[] = ", \"render\": {\"width\": 20, \"height\": 20}";
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, jobs_scene(views), id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    struct pen_film *film = render_directly(jobs_scene(near_only));
+    compare_with_film(film);
+    struct pen_buf near = jobs_image(&bed, id, "near", "pfm");
+    struct pen_buf far = jobs_image(&bed, id, "far", "pfm");
+    ck_assert_uint_eq(near.bytes, far.bytes);
+    ck_assert_int_ne(memcmp(near.data, far.data, near.bytes), 0);
+    pen_buf_release(&near);
+    pen_buf_release(&far);
+    pen_film_free(film);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* A job of many batches of some tenths of a second. */
+static const char long_job[] =
+    ", \"render\": {\"width\": 400, \"height\": 400, \"samples_per_pixel\": 4096, \"tile\": 8}";
+
+/* Waits until some of the job's pixels are committed. */
+static void wait_for_progress(void)
+{
+    for (int i = 0; i < 600; i++) {
+        struct pen_job_record job = store_job_get(bed.bed.store, id);
+        int64_t done = job.done_pixels;
+        enum pen_job_state state = job.state;
+        pen_job_record_release(&job);
+        ck_assert(!pen_job_state_ended(state));
+        if (done > 0)
+            return;
+        usleep(50000);
+    }
+    ck_abort_msg("no progress");
+}
+
+START_TEST(test_worker__cancel_reaches_a_running_batch_within_a_second)
+{
+    struct pen_job_snapshot snapshot;
+    struct pen_status st;
+    char next[PEN_ID_BYTES];
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, jobs_scene(long_job), id);
+    wait_for_progress();
+    jobs_submit(&bed, jobs_scene(one_batch), next);
+    store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+    int64_t begin_ns = pen_clock_ns();
+    ck_assert_int_eq(snapshot.state, PEN_JOB_CANCELLED);
+    json_decref(snapshot.json);
+    /* The next job can only be done once the worker has let go of the first. */
+    ck_assert_int_eq(jobs_wait(&bed, next), PEN_JOB_SUCCEEDED);
+    int64_t took_ms = (pen_clock_ns() - begin_ns) / 1000000;
+    ck_assert_msg(took_ms < 1000, "it took %lld ms", (long long)took_ms);
+    ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_CANCELLED);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+static void check_error(const char *type, int status)
+{
+    json_t *job = jobs_get(&bed, id);
+    json_t *error = json_object_get(job, "error");
+    ck_assert_str_eq(json_string_value(json_object_get(error, "type")), type);
+    ck_assert_int_eq(json_integer_value(json_object_get(error, "status")), status);
+    ck_assert_ptr_nonnull(json_string_value(json_object_get(error, "detail")));
+    ck_assert_str_eq(json_string_value(json_object_get(job, "state")), "failed");
+    json_decref(job);
+}
+
+START_TEST(test_worker__job_that_takes_too_long_fails)
+{
+    char body[4200];
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    snprintf(body, sizeof body, "{\"timeout_seconds\": 0.5, \"scene\": %s}", jobs_scene(long_job));
+    jobs_submit(&bed, body, id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_FAILED);
+    check_error("urn:penumbra:problem:timeout", 504);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+static void *stop_when_ended(void *stop)
+{
+    jobs_wait(&bed, id);
+    atomic_store((atomic_bool *)stop, true);
+    pen_store_wake(bed.bed.store, PEN_SIGNAL_WORK);
+    return NULL;
+}
+
+START_TEST(test_worker__scene_beyond_the_memory_cap_fails_its_job_alone)
+{
+    struct pen_status st;
+    struct pen_worker_options options = {.name = "small:1:1", .threads = 1, .scene_cap_bytes = 500};
+    atomic_bool stop = false;
+    jobs_bed_open(&bed);
+    options.store_url = bed.bed.url;
+    jobs_submit(&bed, jobs_scene(one_batch), id);
+    pthread_t thread;
+    ck_assert_int_eq(pthread_create(&thread, NULL, stop_when_ended, &stop), 0);
+    store_must(pen_worker_run(&options, &stop, &st), &st, "worker");
+    pthread_join(thread, NULL);
+    check_error("urn:penumbra:problem:no-memory", 503);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_worker__stop_leaves_the_rest_to_the_next_worker)
+{
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, jobs_scene(several_batches), id);
+    wait_for_progress();
+    jobs_worker_stop(&bed);
+    int opened = -1;
+    store_must(pen_store_sweep(bed.bed.store, "test:1:1", &opened, &st), &st, "sweep");
+    ck_assert_int_eq(opened, 0);
+    ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_RUNNING);
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* A worker process of its own, to be killed. */
+static pid_t fork_worker(void)
+{
+    pid_t pid = fork();
+    ck_assert_int_ge(pid, 0);
+    if (pid == 0) {
+        struct pen_worker_options options = {
+            .store_url = bed.bed.url, .name = "doomed:1:1", .threads = 2};
+        atomic_bool stop = false;
+        struct pen_status st;
+        pen_worker_run(&options, &stop, &st);
+        _exit(1);
+    }
+    return pid;
+}
+
+START_TEST(test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)
+{
+    struct pen_status st;
+    int status, opened;
+    store_bed_make(&bed.bed);
+    pid_t pid = fork_worker();
+    jobs_bed_open(&bed);
+    jobs_submit(&bed, jobs_scene(several_batches), id);
+    wait_for_progress();
+    kill(pid, SIGKILL);
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert(WIFSIGNALED(status));
+    store_must(pen_store_sweep(bed.bed.store, "doomed:1:1", &opened, &st), &st, "sweep");
+    struct pen_job_record job = store_job_get(bed.bed.store, id);
+    ck_assert_int_eq(job.state, PEN_JOB_RUNNING);
+    ck_assert_int_gt(job.done_pixels, 0);
+    pen_job_record_release(&job);
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    struct pen_film *film = render_directly(jobs_scene(several_batches));
+    compare_with_film(film);
+    pen_film_free(film);
+    job = store_job_get(bed.bed.store, id);
+    ck_assert_int_eq(job.attempts, 1);
+    pen_job_record_release(&job);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
+          test_worker__several_batches_give_the_pixels_of_a_direct_render,
+          test_worker__views_are_rendered_each_from_its_camera,
+          test_worker__cancel_reaches_a_running_batch_within_a_second,
+          test_worker__job_that_takes_too_long_fails,
+          test_worker__scene_beyond_the_memory_cap_fails_its_job_alone,
+          test_worker__stop_leaves_the_rest_to_the_next_worker,
+          test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)

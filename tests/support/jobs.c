@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+#include "support/jobs.h"
+
+#include <check.h>
+#include <stdio.h>
+#include <string.h>
+
+void jobs_bed_open(struct jobs_bed *bed)
+{
+    *bed = (struct jobs_bed){.bed = bed->bed};
+    store_bed_open(&bed->bed);
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    bed->jobs = pen_jobs_open(bed->bed.url, &limits, &st);
+    store_must(bed->jobs != NULL, &st, "jobs");
+}
+
+void jobs_bed_close(struct jobs_bed *bed)
+{
+    if (bed->working)
+        jobs_worker_stop(bed);
+    pen_jobs_close(bed->jobs);
+    store_bed_close(&bed->bed);
+}
+
+static void *work(void *user)
+{
+    struct jobs_bed *bed = user;
+    struct pen_worker_options options = {
+        .store_url = bed->bed.url, .name = "test:1:1", .threads = 2};
+    struct pen_status st;
+    bool ok = pen_worker_run(&options, &bed->stop, &st);
+    if (!ok)
+        fprintf(stderr, "worker: %s\n", st.msg);
+    return ok ? bed : NULL;
+}
+
+void jobs_worker_start(struct jobs_bed *bed)
+{
+    atomic_store(&bed->stop, false);
+    ck_assert_int_eq(pthread_create(&bed->thread, NULL, work, bed), 0);
+    bed->working = true;
+}
+
+void jobs_worker_stop(struct jobs_bed *bed)
+{
+    void *ok = NULL;
+    atomic_store(&bed->stop, true);
+    pen_store_wake(bed->bed.store, PEN_SIGNAL_WORK);
+    pthread_join(bed->thread, &ok);
+    bed->working = false;
+    ck_assert_ptr_nonnull(ok);
+}
+
+void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES])
+{
+    struct pen_submission in = {.body = body, .bytes = strlen(body)};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    if (!pen_jobs_submit(bed->jobs, &in, &out, &errors))
+        ck_abort_msg("refused: %s: %s", errors.item[0].at, errors.item[0].msg);
+    memcpy(id, out.id, PEN_ID_BYTES);
+    pen_buf_release(&out.answer);
+}
+
+enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)
+{
+    uint32_t seen = 0;
+    for (int i = 0; i < 600; i++) {
+        enum pen_job_state state = store_job_state(bed->bed.store, id);
+        if (pen_job_state_ended(state))
+            return state;
+        pen_store_wait(bed->bed.store, PEN_SIGNAL_NEWS, &seen, 100);
+    }
+    ck_abort_msg("job %s does not end", id);
+}
+
+json_t *jobs_get(struct jobs_bed *bed, const char *id)
+{
+    struct pen_job_snapshot snapshot;
+    struct pen_status st;
+    store_must(pen_jobs_get(bed->jobs, id, &snapshot, &st), &st, "get");
+    return snapshot.json;
+}
+
+struct pen_buf jobs_image(struct jobs_bed *bed, const char *id, const char *view,
+                          const char *format)
+{
+    struct pen_image_query query = {.view = view, .format = format};
+    struct pen_image image;
+    struct pen_status st;
+    store_must(pen_jobs_image(bed->jobs, id, &query, &image, &st), &st, "image");
+    return image.bytes;
+}
+
+const char *jobs_scene(const char *more)
+{
+    static char text[4096];
+    snprintf(text, sizeof text,
+             "{\"format\": \"penumbra-scene/1\", \"ambient\": [0.1, 0.1, 0.1],"
+             " \"camera\": {\"position\": [0, 1, 10], \"look_at\": [0, 0, 0]},"
+             " \"lights\": [{\"type\": \"point\", \"intensity\": [5, 5, 5],"
+             " \"position\": [3, 6, 4], \"attenuation\": [1, 0, 0.01]}],"
+             " \"objects\": ["
+             "{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 2,"
+             " \"material\": {\"kd\": 0.6, \"ks\": 0.4, \"shininess\": 20, \"kr\": 0.3}},"
+             "{\"type\": \"plane\", \"point\": [0, -2, 0], \"normal\": [0, 1, 0],"
+             " \"material\": {\"kd\": [0.2, 0.5, 0.3]}}]%s}",
+             more);
+    return text;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/* Jobs on a test store, and a worker in a thread. */
+#ifndef TESTS_SUPPORT_JOBS_H
+#define TESTS_SUPPORT_JOBS_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "pen/jobs/jobs.h"
+#include "pen/jobs/worker.h"
+#include "support/store.h"
+
+struct jobs_bed {
+    struct store_bed bed;
+    struct pen_jobs *jobs;
+    pthread_t thread;
+    atomic_bool stop;
+    bool working;
+};
+
+/* In the folder of store_bed_make, if that was called before. */
+void jobs_bed_open(struct jobs_bed *bed);
+
+/* Stops the worker if one runs, and closes the store bed, with its audit. */
+void jobs_bed_close(struct jobs_bed *bed);
+
+/* A worker of two threads. */
+void jobs_worker_start(struct jobs_bed *bed);
+void jobs_worker_stop(struct jobs_bed *bed);
+
+/* Submits; the test fails with the errors if it is refused. Writes the id. */
+void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES]);
+
+/* Waits until the job has ended; the test fails after a minute. */
+enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id);
+
+/* The job as JSON; the caller json_decref()s. */
+json_t *jobs_get(struct jobs_bed *bed, const char *id);
+
+/* An image in a format; release it. */
+struct pen_buf jobs_image(struct jobs_bed *bed, const char *id, const char *view,
+                          const char *format);
+
+/* A scene of a few bodies with lights and a mirror; `more` goes before the closing brace, such as
+ * ", \"render\": {…}". */
+const char *jobs_scene(const char *more);
+
+#endif
