@@ -114,15 +114,14 @@ bool pen_place_body(const struct pen_walk_body *body, struct pen_vec3 *buffer,
     place_as_written(body->object, placed);
     if (!body->moved)
         return true;
-    double scale = 1;
     bool flat = placed->count > 0 || placed->kind == PEN_PRIM_PLANE;
-    if (!flat && !pen_transform_similarity(body->transform, &scale))
+    if (!flat && !body->similar)
         return pen_fail(st, PEN_INVALID,
                         "a sphere, cylinder or tube can be turned, moved, mirrored and scaled, but "
                         "not stretched: the transforms around it are not a similarity");
     bool ok = placed->count > 0                ? move_loop(body->transform, buffer, placed)
               : placed->kind == PEN_PRIM_PLANE ? move_plane(body->transform, placed)
-                                               : move_quadric(body->transform, scale, placed);
+                                               : move_quadric(body->transform, body->scale, placed);
     if (!ok)
         return pen_fail(st, PEN_INVALID, "the transforms around it leave the range of numbers");
     return true;

@@ -23,7 +23,14 @@ static bool push(struct pen_walk *walk, const struct pen_walk_level *level, stru
 bool pen_walk_init(struct pen_walk *walk, const struct pen_scene_desc *desc, struct pen_status *st)
 {
     *walk = (struct pen_walk){0};
-    struct pen_walk_level level = {.objects = desc->objects, .count = desc->object_count};
+    struct pen_walk_level level = {
+        .objects = desc->objects,
+        .count = desc->object_count,
+        .parts_similar = true,
+        .parts_scale = 1,
+        .similar = true,
+        .scale = 1,
+    };
     return push(walk, &level, st);
 }
 
@@ -33,21 +40,34 @@ void pen_walk_release(struct pen_walk *walk)
     *walk = (struct pen_walk){0};
 }
 
+/* Whether quadrics may be placed, and how large. Where the whole is a similarity its scale is
+ * rounded once. The parts may each be as far from a similarity as is allowed, and the whole then
+ * be farther: that is allowed, too. */
+static void measure(struct pen_walk_level *level, const struct pen_transform *part)
+{
+    double scale = 1;
+    level->parts_similar = pen_transform_similarity(part, &scale) && level->parts_similar;
+    level->parts_scale *= scale;
+    level->similar = pen_transform_similarity(&level->transform, &level->scale);
+    if (level->similar)
+        return;
+    level->similar = level->parts_similar;
+    level->scale = level->parts_scale;
+}
+
 static struct pen_walk_level enter(const struct pen_walk_level *outer,
                                    const struct pen_object_desc *group)
 {
-    struct pen_walk_level inner = {
-        .objects = group->u.group.objects,
-        .count = group->u.group.count,
-        .moved = outer->moved,
-        .transform = outer->transform,
-    };
+    struct pen_walk_level inner = *outer;
+    inner.objects = group->u.group.objects;
+    inner.count = group->u.group.count;
+    inner.next = 0;
     if (!group->u.group.has_transform)
         return inner;
+    const struct pen_transform *part = &group->u.group.transform;
     inner.moved = true;
-    inner.transform = group->u.group.transform;
-    if (outer->moved)
-        inner.transform = pen_transform_compose(&outer->transform, &group->u.group.transform);
+    inner.transform = outer->moved ? pen_transform_compose(&outer->transform, part) : *part;
+    measure(&inner, part);
     return inner;
 }
 
@@ -67,7 +87,8 @@ enum pen_walk_step pen_walk_next(struct pen_walk *walk, struct pen_walk_body *bo
                 return PEN_WALK_FAILED;
             continue;
         }
-        *body = (struct pen_walk_body){object, level->moved, &level->transform};
+        *body = (struct pen_walk_body){object, level->moved, &level->transform, level->similar,
+                                       level->scale};
         return PEN_WALK_BODY;
     }
     return PEN_WALK_END;

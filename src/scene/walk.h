@@ -12,6 +12,10 @@ struct pen_walk_level {
     uint32_t count, next;
     bool moved; /* `transform` is not the identity */
     struct pen_transform transform;
+    bool parts_similar; /* each group's own transform is a similarity */
+    double parts_scale; /* the product of their scales */
+    bool similar;       /* the transform may place quadrics, and scales them by `scale` */
+    double scale;
 };
 
 struct pen_walk {
@@ -24,6 +28,8 @@ struct pen_walk_body {
     const struct pen_object_desc *object; /* never a group */
     bool moved;
     const struct pen_transform *transform; /* to scene units; valid until the next step */
+    bool similar;                          /* it may place quadrics, and scales them by `scale` */
+    double scale;
 };
 
 /* Owns: release with pen_walk_release, also after a failure. Fails: PEN_NO_MEMORY. */
