@@ -44,7 +44,7 @@ static const struct pen_field move_fields[] = {
 static const struct pen_field rotate_fields[] = {
     {"axis", PEN_FIELD_OTHER, .required = true},
     {"degrees", PEN_FIELD_NUMBER, .required = true,
-     .offset = offsetof(struct pen_camera_move, degrees), .range = &pen_range_any},
+     .offset = offsetof(struct pen_camera_move, degrees), .range = &pen_range_turn},
     {0}};
 
 static const struct pen_field orbit_fields[] = {
@@ -53,7 +53,7 @@ static const struct pen_field orbit_fields[] = {
     {"axis", PEN_FIELD_DIRECTION, .required = true,
      .offset = offsetof(struct pen_camera_move, axis)},
     {"degrees", PEN_FIELD_NUMBER, .required = true,
-     .offset = offsetof(struct pen_camera_move, degrees), .range = &pen_range_any},
+     .offset = offsetof(struct pen_camera_move, degrees), .range = &pen_range_turn},
     {0}};
 
 static const struct pen_word axis_words[] = {{"forward", PEN_AXIS_FORWARD, NULL},

@@ -10,7 +10,8 @@
 struct pen_chain {
     struct pen_transform f; /* all of them, composed */
     bool similar;           /* f is a similarity */
-    /* The outermost transform that is none by itself, and its place; NULL if all are. */
+    /* The outermost transform with which it is none any more, or that is none by itself, and its
+     * place; NULL if there is none such. */
     const struct pen_place *blame;
     struct pen_transform blamed;
     bool broken; /* one of them is invalid and reported: nothing below is blamed for it */

@@ -103,6 +103,7 @@ extern const struct pen_range pen_range_any;          /* coordinates */
 extern const struct pen_range pen_range_positive;     /* > 0 */
 extern const struct pen_range pen_range_not_negative; /* >= 0 */
 extern const struct pen_range pen_range_unit;         /* 0 to 1 */
+extern const struct pen_range pen_range_turn;         /* degrees, as many turns as sense makes */
 extern const struct pen_range pen_range_count;        /* 1 to what an int holds */
 
 enum pen_field_type {

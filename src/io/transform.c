@@ -23,7 +23,7 @@ static const struct pen_field transform_fields[] = {
 static const struct pen_field rotate_fields[] = {
     {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = PART(axis)},
     {"degrees", PEN_FIELD_NUMBER, .required = true, .offset = PART(degrees),
-     .range = &pen_range_any},
+     .range = &pen_range_turn},
     {0}};
 
 static bool read_matrix(struct pen_reader *r, const struct pen_place *at, const json_t *json,
@@ -58,30 +58,6 @@ static bool read_parts(struct pen_reader *r, const struct pen_place *at, const j
     return ok;
 }
 
-/* The largest entry of the linear part in magnitude, NaN if one is. */
-static double magnitude(const struct pen_transform *f)
-{
-    double most = 0;
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++)
-            most = fabs(f->m[i][j]) <= most ? most : fabs(f->m[i][j]);
-    }
-    return most;
-}
-
-/* The linear part with entries up to 1, so that its determinant cannot over- or underflow. */
-static struct pen_transform normalized(const struct pen_transform *f)
-{
-    struct pen_transform n = *f;
-    double most = magnitude(f);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++)
-            n.m[i][j] = most > 0 ? f->m[i][j] / most : 0;
-        n.m[i][3] = 0;
-    }
-    return n;
-}
-
 static bool in_range(const struct pen_transform *f)
 {
     bool ok = true;
@@ -95,8 +71,7 @@ static bool in_range(const struct pen_transform *f)
 static bool is_similarity(const struct pen_transform *f)
 {
     double scale;
-    struct pen_transform n = normalized(f);
-    return pen_transform_similarity(&n, &scale);
+    return pen_transform_similarity(f, &scale);
 }
 
 bool pen_group_transform_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
@@ -114,8 +89,7 @@ bool pen_group_transform_read(struct pen_reader *r, const struct pen_place *at, 
                              "both");
     if (!read_matrix(r, &matrix_at, matrix, f) || !ok)
         return false;
-    struct pen_transform n = normalized(f);
-    if (!pen_transform_invertible(&n))
+    if (!pen_transform_invertible(f))
         return pen_reader_fail(r, &matrix_at, PEN_INVALID,
                                "must be invertible, found a matrix that flattens space");
     return true;
@@ -125,14 +99,13 @@ bool pen_chain_add(struct pen_reader *r, const struct pen_place *at, const struc
                    struct pen_chain *chain)
 {
     bool similar = is_similarity(f);
-    if (!similar && !chain->blame) {
-        chain->blame = at;
-        chain->blamed = *f;
-    }
     chain->f = pen_transform_compose(&chain->f, f);
-    chain->similar = (similar && chain->similar) || is_similarity(&chain->f);
-    struct pen_transform n = normalized(&chain->f);
-    if (in_range(&chain->f) && magnitude(&chain->f) > 0 && pen_transform_invertible(&n))
+    chain->similar = is_similarity(&chain->f);
+    if (!chain->blame && (!similar || !chain->similar)) {
+        chain->blame = at; /* by itself, or because deviations add up */
+        chain->blamed = similar ? chain->f : *f;
+    }
+    if (in_range(&chain->f) && pen_transform_invertible(&chain->f))
         return true;
     return pen_reader_fail(r, at, PEN_INVALID,
                            "together with the transforms of the groups around it, this one %s",
@@ -149,8 +122,8 @@ bool pen_chain_takes_quadric(struct pen_reader *r, const struct pen_place *at, c
     for (int j = 0; j < 3; j++)
         length[j] = pen_length(
             pen_vec3(chain->blamed.m[0][j], chain->blamed.m[1][j], chain->blamed.m[2][j]));
-    bool equal = fabs(length[0] - length[1]) <= 1e-6 * length[0] &&
-                 fabs(length[0] - length[2]) <= 1e-6 * length[0];
+    bool equal = fabs(length[0] - length[1]) <= 5e-7 * length[0] &&
+                 fabs(length[0] - length[2]) <= 5e-7 * length[0];
     struct pen_text a = pen_text_number(length[0]), b = pen_text_number(length[1]),
                     c = pen_text_number(length[2]);
     char place[PEN_AT_BYTES], why[128];

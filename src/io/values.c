@@ -12,6 +12,8 @@ const struct pen_range pen_range_any = {-PEN_NUMBER_MAX, PEN_NUMBER_MAX, false, 
 const struct pen_range pen_range_positive = {0, PEN_NUMBER_MAX, true, false};
 const struct pen_range pen_range_not_negative = {0, PEN_NUMBER_MAX, false, false};
 const struct pen_range pen_range_unit = {0, 1, false, false};
+/* pen_sincos_deg answers up to 2^20. */
+const struct pen_range pen_range_turn = {-1e6, 1e6, false, false};
 const struct pen_range pen_range_count = {1, INT_MAX, false, false};
 
 static bool inside(const struct pen_range *range, double v)

@@ -150,7 +150,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: compare_pair REFERENCE.png OURS.png\n");
     else if (!read_raster(argv[1], pen_picture_encoded_row, &reference) ||
              !read_raster(argv[2], pen_picture_linear_row, &ours))
-        fprintf(stderr, "compare_pair: no two pictures\n");
+        fprintf(stderr, "there is nothing to compare\n");
     else if (reference.width != ours.width || reference.height != ours.height)
         fprintf(stderr, "sizes differ: %d x %d and %d x %d\n", reference.width, reference.height,
                 ours.width, ours.height);

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "pen/io/scene_json.h"
+#include "pen/scene/scene.h"
 #include "support/suite.h"
 
 enum { LINES_MAX = PEN_ERRORS_MAX + 2 };
@@ -161,6 +162,30 @@ START_TEST(test_corpus__bad_scenes_are_refused_where_and_as_expected)
 }
 END_TEST
 
+/* What the reader takes, the renderer can make something of. */
+START_TEST(test_corpus__good_scenes_can_be_frozen)
+{
+    struct pen_limits limits = pen_limits_default();
+    glob_t files;
+    ck_assert_int_eq(glob("tests/io/corpus/good/*.json", 0, NULL, &files), 0);
+    for (size_t i = 0; i < files.gl_pathc; i++) {
+        struct pen_errors errors = {0};
+        struct pen_status st = {0};
+        struct pen_scene_desc desc;
+        struct pen_arena *arena = pen_arena_new(0);
+        size_t bytes;
+        char *text = read_file(files.gl_pathv[i], &bytes);
+        ck_assert(pen_scene_load(text, bytes, &limits, arena, &desc, &errors));
+        struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_NONE, 0, &st);
+        ck_assert_msg(scene != NULL, "%s: %s: %s", files.gl_pathv[i], st.at, st.msg);
+        pen_scene_free(scene);
+        pen_arena_free(arena);
+        free(text);
+    }
+    globfree(&files);
+}
+END_TEST
+
 START_TEST(test_corpus__good_scenes_are_read_with_the_notes_expected)
 {
     glob_t files;
@@ -201,4 +226,4 @@ END_TEST
 
 PEN_SUITE("io/corpus", test_corpus__bad_scenes_are_refused_where_and_as_expected,
           test_corpus__good_scenes_are_read_with_the_notes_expected,
-          test_corpus__pointers_start_at_the_place_given)
+          test_corpus__good_scenes_can_be_frozen, test_corpus__pointers_start_at_the_place_given)
