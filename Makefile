@@ -45,6 +45,7 @@ TEST_SRC := $(sort $(wildcard tests/*/test_*.c))
 TEST_BIN := $(TEST_SRC:%.c=$(BUILD)/%)
 TEST_SUPPORT := $(sort $(wildcard tests/support/*.c))
 TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
+TEST_SUPPORT_LIB := $(BUILD)/tests/libsupport.a
 
 .PHONY: asan-build have-deps all golden tests check run-tests demo lint asan tsan clean install conformance bench
 all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
@@ -83,10 +84,14 @@ $(BUILD)/gen/%.o: $(BUILD)/gen/%.c
 	$(COMPILE) -c -o $@ $<
 
 $(BUILD)/tests/support/%.o: EXTRA := $(CHECK_CFLAGS) -Itests
-$(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+# A library, so that a test links what it uses of it and of the rooms behind it.
+$(TEST_SUPPORT_LIB): $(TEST_SUPPORT_OBJ)
+	@rm -f $@
+	ar rcs $@ $^
+$(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
 	@mkdir -p $(@D)
 	$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
-	    $(TEST_SUPPORT_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
+	    $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
 
 # Benchmarks, one program each.
@@ -136,5 +141,5 @@ install: all
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan
 
--include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d)
+-include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d)
 -include $(BUILD)/src/cmd/penumbra.d $(BUILD)/src/cmd/penumbrad.d

@@ -1,0 +1,577 @@
+/* SPDX-License-Identifier: MIT */
+/* The server against clients that break off, hurry, stall, lie or come in crowds. */
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "pen/base/clock.h"
+#include "support/server.h"
+#include "support/suite.h"
+
+static int64_t ms_since(int64_t begun_ns)
+{
+    return (pen_clock_ns() - begun_ns) / 1000000;
+}
+
+static void pause_ms(long ms)
+{
+    const struct timespec pause = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
+    nanosleep(&pause, NULL);
+}
+
+static int status_of(const struct server *server, const char *head, const char *body)
+{
+    struct answer answer;
+    server_ask(server, head, body, &answer);
+    int status = answer.status;
+    answer_release(&answer);
+    return status;
+}
+
+static void expect_alive(const struct server *server)
+{
+    ck_assert_int_eq(status_of(server, "GET /healthz HTTP/1.1", NULL), 200);
+    ck_assert_int_eq(status_of(server, "GET /v1/jobs HTTP/1.1", NULL), 200);
+}
+
+/* Sends bytes on a connection of its own; the status of the answer, 0 if it ends without one. */
+static int status_of_bytes(const struct server *server, const char *bytes)
+{
+    struct answer answer;
+    int fd = server_connect(server);
+    client_send(fd, bytes);
+    client_read(fd, false, &answer);
+    close(fd);
+    int status = answer.status;
+    answer_release(&answer);
+    return status;
+}
+
+START_TEST(test_server__partial_requests_are_ended)
+{
+    static const char *const parts[] = {"", "G", "GET /healthz HTTP/1.1\r\n",
+                                        "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: ",
+                                        "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                                        "Content-Length: 100\r\n\r\n{\"scene\""};
+    struct server server;
+    server_start(&server, &(struct server_options){.idle_seconds = 1});
+    int fds[5];
+    for (int i = 0; i < 5; i++) {
+        fds[i] = server_connect(&server);
+        client_send(fds[i], parts[i]);
+    }
+    expect_alive(&server);
+    for (int i = 0; i < 5; i++) {
+        ck_assert_msg(client_sees_end(fds[i], 5), "\"%s\" is still open", parts[i]);
+        close(fds[i]);
+    }
+    expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__broken_off_uploads_leave_nothing)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char *part = malloc(300001);
+    memset(part, ' ', 300000);
+    part[300000] = '\0';
+    for (int i = 0; i < 60; i++) {
+        const struct linger reset = {.l_onoff = 1};
+        int fd = server_connect(&server);
+        client_send(fd, "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                        "Content-Length: 9000000\r\n\r\n");
+        client_send(fd, part + 5000 * i);
+        if (i % 2)
+            setsockopt(fd, SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
+        close(fd);
+    }
+    free(part);
+    expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__pipelined_requests_are_answered_in_order)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    int fd = server_connect(&server);
+    client_send(fd, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                    "POST /v1/validate HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\n\r\n{"
+                    "GET /v1/jobs HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                    "POST /nowhere HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc"
+                    "HEAD /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                    "GET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    static const int expected[] = {200, 400, 200, 404, 200, 200};
+    for (int i = 0; i < 6; i++) {
+        struct answer answer;
+        client_read(fd, i == 4, &answer);
+        ck_assert_msg(answer.status == expected[i], "answer %d: %d", i, answer.status);
+        answer_release(&answer);
+    }
+    close(fd);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__garbage_is_refused_or_dropped)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){.idle_seconds = 1});
+    unsigned seed = (unsigned)time(NULL);
+    srand(seed);
+    for (int round = 0; round < 100; round++) {
+        char bytes[400];
+        int length = 1 + rand() % 390;
+        for (int i = 0; i < length; i++)
+            bytes[i] = (char)(rand() % 5 ? 32 + rand() % 95 : 1 + rand() % 255);
+        memcpy(bytes + length, "\r\n\r\n", 5);
+        int status = status_of_bytes(&server, bytes);
+        ck_assert_msg(status == 0 || status >= 400, "seed %u: %d for \"%s\"", seed, status, bytes);
+    }
+    expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__oversized_head_is_refused)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    struct pen_buf text = {0};
+    pen_buf_puts(&text, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n");
+    for (int i = 0; i < 700; i++)
+        pen_buf_printf(&text, "X-%d: %0100d\r\n", i, i);
+    pen_buf_puts(&text, "\r\n");
+    ck_assert_int_eq(status_of_bytes(&server, (const char *)text.data), 431);
+    pen_buf_release(&text);
+    expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__ambiguous_lengths_are_refused)
+{
+    static const struct {
+        const char *fields;
+        int status;
+    } rows[] = {{"Content-Length: 2\r\nTransfer-Encoding: chunked\r\n", 400},
+                {"Transfer-Encoding: chunked\r\nContent-Length: 2\r\n", 400},
+                {"Transfer-Encoding: gzip\r\n", 411},
+                {"Transfer-Encoding: chunked\r\n", 411},
+                {"Transfer-Encoding: chunked\r\nTransfer-Encoding: identity\r\n", 400},
+                {"Content-Length: 2\r\nContent-Length: 3\r\n", 400},
+                {"Content-Length: 2\r\nContent-Length: 2\r\n", 400},
+                {"Content-Length: -2\r\n", 400},
+                {"Content-Length: 2, 2\r\n", 400},
+                {"Content-Length: 0x2\r\n", 400},
+                {"Content-Length: \r\n", 400},
+                {"Content-Length: 99999999999999999999\r\n", 413},
+                {"Content-Length: 18446744073709551615\r\n", 413},
+                {"Content-Length: 2\r\nHost: localhost\r\n", 400}};
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[300];
+        snprintf(text, sizeof text, "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n%s\r\n{}",
+                 rows[i].fields);
+        int status = status_of_bytes(&server, text);
+        ck_assert_msg(status == rows[i].status, "%s: %d", rows[i].fields, status);
+    }
+    ck_assert_int_eq(status_of_bytes(&server, "GET /healthz HTTP/1.1\r\n\r\n"), 400);
+    expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__body_is_asked_for_only_if_wanted)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){.body_bytes = 1000});
+    struct answer answer;
+    int fd = server_connect(&server);
+    client_send(fd, "POST /v1/validate HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\n"
+                    "Content-Length: 2\r\n\r\n");
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 100);
+    answer_release(&answer);
+    client_send(fd, "{}");
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 422);
+    answer_release(&answer);
+    close(fd);
+
+    fd = server_connect(&server);
+    client_send(fd, "POST /v1/validate HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\n"
+                    "Content-Length: 1001\r\n\r\n");
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 413);
+    ck_assert(client_sees_end(fd, 5));
+    answer_release(&answer);
+    close(fd);
+
+    fd = server_connect(&server);
+    client_send(fd, "POST /nowhere HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\n"
+                    "Content-Length: 10\r\n\r\n");
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 404);
+    answer_release(&answer);
+    close(fd);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__body_limit_is_exact)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){.body_bytes = 50});
+    char body[52];
+    memset(body, ' ', 51);
+    body[51] = '\0';
+    ck_assert_int_eq(status_of(&server, "POST /v1/validate HTTP/1.1", body), 413);
+    body[50] = '\0';
+    ck_assert_int_eq(status_of(&server, "POST /v1/validate HTTP/1.1", body), 400);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__old_clients_are_served)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    ck_assert_int_eq(status_of_bytes(&server, "GET /healthz HTTP/1.0\r\nHost: localhost\r\n\r\n"),
+                     200);
+    ck_assert_int_eq(status_of_bytes(&server, "GET /healthz HTTP/1.0\r\n\r\n"), 403);
+    server_stop(&server);
+}
+END_TEST
+
+enum { POLLS = 64 };
+
+/* Opens long polls on a job, `count` of them. */
+static void open_polls(const struct server *server, const char *path, const char *fields, int *fds,
+                       int count)
+{
+    char text[300];
+    snprintf(text, sizeof text, "GET %s?wait=50 HTTP/1.1\r\nHost: localhost\r\n%s\r\n", path,
+             fields);
+    for (int i = 0; i < count; i++) {
+        fds[i] = server_connect(server);
+        client_send(fds[i], text);
+    }
+}
+
+static void expect_polls(int *fds, int count, int status, const char *part)
+{
+    for (int i = 0; i < count; i++) {
+        struct answer answer;
+        client_read(fds[i], false, &answer);
+        ck_assert_msg(answer.status == status, "poll %d: %d", i, answer.status);
+        ck_assert_msg(strstr(answer.body, part) != NULL, "poll %d: %s", i, answer.body);
+        answer_release(&answer);
+        close(fds[i]);
+    }
+}
+
+START_TEST(test_server__long_polls_end_with_the_job)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80], cancel[120];
+    server_submit(&server, path);
+    int fds[POLLS];
+    open_polls(&server, path, "", fds, POLLS);
+    pause_ms(500);
+    int64_t begun = pen_clock_ns();
+    snprintf(cancel, sizeof cancel, "POST %s/cancel HTTP/1.1", path);
+    ck_assert_int_eq(status_of(&server, cancel, NULL), 202);
+    expect_polls(fds, POLLS, 200, "\"cancelled\"");
+    ck_assert_int_lt(ms_since(begun), 1000);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__long_poll_ends_with_its_time)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80], head[160];
+    server_submit(&server, path);
+    struct answer answer;
+    char etag[40];
+    int64_t begun = pen_clock_ns();
+    snprintf(head, sizeof head, "GET %s?wait=1 HTTP/1.1", path);
+    server_ask(&server, head, NULL, &answer);
+    ck_assert_int_eq(answer.status, 200);
+    ck_assert_int_ge(ms_since(begun), 990);
+    ck_assert_int_lt(ms_since(begun), 2500);
+    answer_field(&answer, "ETag", etag, sizeof etag);
+    answer_release(&answer);
+    begun = pen_clock_ns();
+    snprintf(head, sizeof head, "GET %s?wait=1 HTTP/1.1\r\nIf-None-Match: %s", path, etag);
+    ck_assert_int_eq(status_of(&server, head, NULL), 304);
+    ck_assert_int_ge(ms_since(begun), 990);
+    begun = pen_clock_ns();
+    snprintf(head, sizeof head, "GET %s?wait=20 HTTP/1.1\r\nIf-None-Match: \"0\"", path);
+    ck_assert_int_eq(status_of(&server, head, NULL), 200);
+    ck_assert_int_lt(ms_since(begun), 1000);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__long_poll_of_a_job_that_goes)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80], head[160];
+    server_submit(&server, path);
+    snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
+    ck_assert_int_eq(status_of(&server, head, NULL), 202);
+    snprintf(head, sizeof head, "DELETE %s HTTP/1.1", path);
+    ck_assert_int_eq(status_of(&server, head, NULL), 204);
+    snprintf(head, sizeof head, "GET %s?wait=30 HTTP/1.1", path);
+    int64_t begun = pen_clock_ns();
+    ck_assert_int_eq(status_of(&server, head, NULL), 404);
+    ck_assert_int_lt(ms_since(begun), 1000);
+    server_stop(&server);
+}
+END_TEST
+
+/* Descriptors for both ends of some hundred connections. */
+static void allow_many_files(void)
+{
+    struct rlimit files;
+    ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &files), 0);
+    files.rlim_cur = files.rlim_max < 4096 ? files.rlim_max : 4096;
+    ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &files), 0);
+}
+
+START_TEST(test_server__waiting_requests_are_bounded)
+{
+    enum { WAITING = 512 };
+    allow_many_files();
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80], head[160];
+    server_submit(&server, path);
+    static int fds[WAITING];
+    open_polls(&server, path, "", fds, WAITING);
+    pause_ms(1000);
+    struct answer answer;
+    char retry[16];
+    snprintf(head, sizeof head, "GET %s?wait=30 HTTP/1.1", path);
+    server_ask(&server, head, NULL, &answer);
+    ck_assert_int_eq(answer.status, 503);
+    ck_assert_str_ne(answer_field(&answer, "Retry-After", retry, sizeof retry), "");
+    answer_release(&answer);
+    int64_t begun = pen_clock_ns();
+    ck_assert_int_eq(status_of(&server, "GET /v1/jobs HTTP/1.1", NULL), 200);
+    ck_assert_int_lt(ms_since(begun), 500);
+    snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
+    ck_assert_int_eq(status_of(&server, head, NULL), 202);
+    expect_polls(fds, WAITING, 200, "\"cancelled\"");
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__vanished_waiters_do_no_harm)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80], head[160];
+    server_submit(&server, path);
+    int fds[POLLS];
+    open_polls(&server, path, "", fds, POLLS);
+    pause_ms(300);
+    for (int i = 0; i < POLLS; i += 2)
+        close(fds[i]);
+    snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
+    ck_assert_int_eq(status_of(&server, head, NULL), 202);
+    for (int i = 1; i < POLLS; i += 2)
+        expect_polls(&fds[i], 1, 200, "\"cancelled\"");
+    expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__stop_answers_those_who_wait)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80];
+    server_submit(&server, path);
+    int fds[POLLS];
+    open_polls(&server, path, "", fds, POLLS);
+    pause_ms(300);
+    int64_t begun = pen_clock_ns();
+    server_stop(&server);
+    ck_assert_int_lt(ms_since(begun), 5000);
+    expect_polls(fds, POLLS, 200, "\"queued\"");
+}
+END_TEST
+
+START_TEST(test_server__drain_refuses_new_jobs_only)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80], head[160], retry[16];
+    server_submit(&server, path);
+    pen_http_drain(server.http);
+    struct answer answer;
+    server_ask(&server, "POST /v1/jobs HTTP/1.1", "{\"scene\": \"builtin:spheres\"}", &answer);
+    ck_assert_int_eq(answer.status, 503);
+    ck_assert_str_ne(answer_field(&answer, "Retry-After", retry, sizeof retry), "");
+    answer_release(&answer);
+    ck_assert_int_eq(status_of(&server, "GET /readyz HTTP/1.1", NULL), 503);
+    ck_assert_int_eq(status_of(&server, "GET /healthz HTTP/1.1", NULL), 200);
+    snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
+    ck_assert_int_eq(status_of(&server, head, NULL), 200);
+    server_stop(&server);
+}
+END_TEST
+
+enum { CLIENTS = 16, SUBMITS = 10 };
+
+struct client {
+    pthread_t thread;
+    const struct server *server;
+    char path[SUBMITS][80];
+};
+
+static void *submit_some(void *arg)
+{
+    struct client *client = arg;
+    for (int i = 0; i < SUBMITS; i++)
+        server_submit(client->server, client->path[i]);
+    return NULL;
+}
+
+static int compare_paths(const void *a, const void *b)
+{
+    return strcmp(a, b);
+}
+
+START_TEST(test_server__concurrent_submits_are_all_kept)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    static struct client clients[CLIENTS];
+    static char paths[CLIENTS * SUBMITS][80];
+    for (int i = 0; i < CLIENTS; i++) {
+        clients[i].server = &server;
+        ck_assert_int_eq(pthread_create(&clients[i].thread, NULL, submit_some, &clients[i]), 0);
+    }
+    for (int i = 0; i < CLIENTS; i++) {
+        pthread_join(clients[i].thread, NULL);
+        memcpy(paths[i * SUBMITS], clients[i].path, sizeof clients[i].path);
+    }
+    qsort(paths, CLIENTS * SUBMITS, sizeof paths[0], compare_paths);
+    struct answer answer;
+    server_ask(&server, "GET /v1/jobs?limit=500 HTTP/1.1", NULL, &answer);
+    for (int i = 0; i < CLIENTS * SUBMITS; i++) {
+        ck_assert(i == 0 || strcmp(paths[i - 1], paths[i]) != 0);
+        ck_assert_ptr_nonnull(strstr(answer.body, paths[i]));
+    }
+    answer_release(&answer);
+    server_stop(&server);
+}
+END_TEST
+
+static void *submit_keyed(void *arg)
+{
+    struct client *client = arg;
+    struct answer answer;
+    server_ask(client->server, "POST /v1/jobs HTTP/1.1\r\nIdempotency-Key: same",
+               "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 32, \"height\": 24}}",
+               &answer);
+    ck_assert_int_eq(answer.status, 202);
+    answer_field(&answer, "Location", client->path[0], sizeof client->path[0]);
+    answer_release(&answer);
+    return NULL;
+}
+
+START_TEST(test_server__one_key_is_one_job_also_at_once)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    static struct client clients[CLIENTS];
+    for (int i = 0; i < CLIENTS; i++) {
+        clients[i].server = &server;
+        ck_assert_int_eq(pthread_create(&clients[i].thread, NULL, submit_keyed, &clients[i]), 0);
+    }
+    for (int i = 0; i < CLIENTS; i++) {
+        pthread_join(clients[i].thread, NULL);
+        ck_assert_str_eq(clients[i].path[0], clients[0].path[0]);
+    }
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__jobs_are_rendered)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){.worker = true});
+    char path[80], head[160];
+    server_submit(&server, path);
+    struct answer answer;
+    snprintf(head, sizeof head, "GET %s?wait=30 HTTP/1.1", path);
+    server_ask(&server, head, NULL, &answer);
+    ck_assert_ptr_nonnull(strstr(answer.body, "\"succeeded\""));
+    answer_release(&answer);
+    snprintf(head, sizeof head, "GET %s/image HTTP/1.1", path);
+    ck_assert_int_eq(status_of(&server, head, NULL), 200);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__listening_socket_stays_the_callers)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    pen_http_stop(server.http);
+    int fd = server_connect(&server); /* into the backlog: the socket still listens */
+    struct pen_status st;
+    const struct pen_http_options again = {
+        .listen_fd = server.listen_fd, .store_url = server.store, .limits = pen_limits_default()};
+    server.http = pen_http_start(&again, &st);
+    ck_assert_msg(server.http != NULL, "%s", st.msg);
+    client_send(fd, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    struct answer answer;
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 200);
+    answer_release(&answer);
+    close(fd);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__unusable_store_is_an_error)
+{
+    struct pen_status st;
+    const struct pen_http_options options = {
+        .listen_fd = 0, .store_url = "/dev/null/nowhere.db", .limits = pen_limits_default()};
+    ck_assert_ptr_null(pen_http_start(&options, &st));
+    ck_assert_int_eq(pen_code_http(st.code), 503);
+}
+END_TEST
+
+PEN_SUITE("server", test_server__partial_requests_are_ended,
+          test_server__broken_off_uploads_leave_nothing,
+          test_server__pipelined_requests_are_answered_in_order,
+          test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
+          test_server__ambiguous_lengths_are_refused, test_server__body_is_asked_for_only_if_wanted,
+          test_server__body_limit_is_exact, test_server__old_clients_are_served,
+          test_server__long_polls_end_with_the_job, test_server__long_poll_ends_with_its_time,
+          test_server__long_poll_of_a_job_that_goes, test_server__waiting_requests_are_bounded,
+          test_server__vanished_waiters_do_no_harm, test_server__stop_answers_those_who_wait,
+          test_server__drain_refuses_new_jobs_only, test_server__concurrent_submits_are_all_kept,
+          test_server__one_key_is_one_job_also_at_once, test_server__jobs_are_rendered,
+          test_server__listening_socket_stays_the_callers, test_server__unusable_store_is_an_error)
