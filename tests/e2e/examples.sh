@@ -1,0 +1,43 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The curl sessions of api/examples do what they say.
+. "$(dirname "$0")/lib.sh"
+daemon_start
+PENUMBRA_URL=$url
+export PENUMBRA_URL
+examples=api/examples
+
+job=$(sh $examples/submit.sh)
+expect_match submit "$job" '/v1/jobs/????????-*'
+sh $examples/follow.sh "$job" >"$work/followed"
+expect follow "$? $(tail -n 1 "$work/followed" | jq -r .state)" "0 succeeded"
+expect wait "$(sh $examples/wait.sh "$job")" succeeded
+sh $examples/fetch.sh "$job" "$work/picture.png" "$work/stats.json"
+expect fetch "$? $(head -c 4 "$work/picture.png" | tail -c 3) $(jq .rays.primary "$work/stats.json")" \
+    "0 PNG 19200"
+cp "$work/picture.png" "$work/before.png"
+sh $examples/fetch.sh "$job" "$work/picture.png" "$work/stats.json"
+expect fetch-again "$? $(cmp "$work/picture.png" "$work/before.png" && echo same)" "0 same"
+
+key=$(sh $examples/retry.sh key-1)
+expect retry "$(sh $examples/retry.sh key-1)" "$key"
+expect_match retry-with-a-key-of-its-own "$(sh $examples/retry.sh)" '/v1/jobs/*'
+expect list "$(sh $examples/list.sh | wc -l | tr -d ' ')" 3
+expect list-names "$(sh $examples/list.sh | cut -f3 | grep -c '^example$')" 1
+
+submit "$long"
+expect cancel "$(sh $examples/cancel.sh "$job")" cancelled
+call "$job"
+expect cancel-removes "$status" 404
+
+expect validate "$(sh $examples/validate.sh scenes/spheres.json)" valid
+echo '{"format": "penumbra-scene/1", "camera": {"position": [0,0,9], "look_at": [0,0,0]}, "fog": 1}' \
+    >"$work/bad.json"
+sh $examples/validate.sh "$work/bad.json" >"$work/said"
+expect validate-refuses "$? $(grep -c '^  /fog: ' "$work/said")" "1 1"
+printf '{"format": }' >"$work/bad.json"
+sh $examples/validate.sh "$work/bad.json" >"$work/said"
+expect_match validate-places-syntax "$? $(tail -n 1 "$work/said")" '1   1:1*: *'
+
+expect every-example-is-run "$(for f in $examples/*.sh; do grep -q "/$(basename "$f")" "$0" || echo "$f"; done)" ""
+finish

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: MIT
+"""Holds a running daemon against api/openapi.yaml: openapi.py URL.
+
+Each row of `samples` is a request to an operation and the status it must get. A status that is
+documented and not sampled is an error, but for those that need a sick or draining store: tests of
+the store room and tests/http provoke these.
+"""
+import http.client
+import json
+import sys
+import urllib.parse
+
+import yaml
+
+NEEDS_FAULT = {"503", "507"}
+SMALL = '{"scene": "builtin:spheres", "render": {"width": 32, "height": 24}}'
+LONG = ('{"scene": "builtin:spheres",'
+        ' "render": {"width": 4000, "height": 4000, "samples_per_pixel": 64}}')
+NOBODY = "01890a5d-ac96-774b-bcce-b302099a8057"
+
+url = urllib.parse.urlsplit(sys.argv[1])
+with open("api/openapi.yaml", encoding="utf-8") as file:
+    definition = yaml.safe_load(file)
+
+
+def check(name, wrong):
+    print(f"not ok {name}: {wrong}" if wrong else f"ok {name}")
+
+
+def ask(method, path, body=None, **fields):
+    connection = http.client.HTTPConnection(url.hostname, url.port, timeout=90)
+    fields = {name.replace("_", "-"): value for name, value in fields.items()}
+    chunked = fields.pop("chunked", False)
+    if method == "POST" and body is None and not chunked:
+        connection.putrequest(method, path)  # without Content-Length
+        connection.endheaders()
+    else:
+        data = (part for part in [b"{}"]) if chunked else body
+        connection.request(method, path, data, fields, encode_chunked=bool(chunked))
+    answer = connection.getresponse()
+    answer.content = answer.read()
+    connection.close()
+    return answer
+
+
+def submit(body):
+    return json.loads(ask("POST", "/v1/jobs", body).content)["id"]
+
+
+def resolve(node):
+    while isinstance(node, dict) and "$ref" in node and node["$ref"].startswith("#/"):
+        target = definition
+        for key in node["$ref"][2:].split("/"):
+            target = target[key]
+        node = target
+    return node
+
+
+def compare(value, schema, at=""):
+    """What is wrong with a JSON value, by the part of JSON Schema that the definition uses."""
+    schema = resolve(schema)
+    if "$ref" in schema:
+        return None  # the scene schema: tests of room io hold it against the reader
+    if "const" in schema and value != schema["const"]:
+        return f"{at} is {value!r}"
+    if "enum" in schema and value not in schema["enum"]:
+        return f"{at} is {value!r}"
+    if "oneOf" in schema:
+        wrongs = [compare(value, option, at) for option in schema["oneOf"]]
+        return None if None in wrongs else wrongs[-1]
+    types = schema.get("type", [])
+    types = [types] if isinstance(types, str) else types
+    python = {"object": dict, "array": list, "string": str, "integer": int, "null": type(None),
+              "number": (int, float), "boolean": bool}
+    if types and not any(isinstance(value, python[name]) for name in types):
+        return f"{at} is {value!r}, no {types}"
+    if isinstance(value, dict):
+        properties = schema.get("properties", {})
+        for key in schema.get("required", []):
+            if key not in value:
+                return f"{at} lacks {key}"
+        for key, part in value.items():
+            if key in properties:
+                wrong = compare(part, properties[key], f"{at}/{key}")
+                if wrong:
+                    return wrong
+            elif properties and "additionalProperties" not in schema:
+                return f"{at}/{key} is not documented"
+    if isinstance(value, list) and "items" in schema:
+        for i, part in enumerate(value):
+            wrong = compare(part, schema["items"], f"{at}/{i}")
+            if wrong:
+                return wrong
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        if value < schema.get("minimum", value) or value > schema.get("maximum", value):
+            return f"{at} is {value}"
+    return None
+
+
+def judge(operation, status, answer):
+    """What is wrong with an answer to an operation that had to get this status."""
+    if str(answer.status) != status:
+        return f"{answer.status} {answer.content[:200]!r}"
+    if status not in operation["responses"]:
+        return "status not documented"
+    response = resolve(operation["responses"][status])
+    for name, header in response.get("headers", {}).items():
+        if resolve(header).get("required") and answer.getheader(name) is None:
+            return f"no {name}"
+    content = response.get("content", {})
+    if not content:
+        return "a body" if answer.content else None
+    kind = (answer.getheader("Content-Type") or "").split(";")[0]
+    if kind not in content:
+        return f"type {kind}"
+    if kind.endswith("json"):
+        return compare(json.loads(answer.content), content[kind].get("schema", {}))
+    return None
+
+
+done = submit(SMALL)
+gone = submit(SMALL)
+ask("GET", f"/v1/jobs/{done}?wait=60")
+ask("GET", f"/v1/jobs/{gone}?wait=60")
+busy = submit(LONG)
+ask("POST", "/v1/jobs", SMALL, Idempotency_Key="k")
+everything = {"If_None_Match": "*"}
+body_samples = [
+    ("400", "", {"body": "{"}), ("411", "", {}), ("411", "", {"chunked": True}),
+    ("413", "", {"body": '{"scene": "builtin:spheres", "render": {"width": 60000, "height": 60000}}'}),
+    ("415", "", {"body": "x", "Content_Type": "text/plain"}), ("415", "", {"body": "<scene/>"}),
+    ("422", "", {"body": "{}"}), ("422", "", {"body": '{"scene": "builtin:rom", "fog": [1]}'}),
+]
+samples = {
+    "submitJob": [("202", "", {"body": SMALL}), *body_samples,
+                  ("422", "", {"body": SMALL + " ", "Idempotency_Key": "k"})],
+    "listJobs": [("200", "", {}), ("200", "?limit=1", {}), ("400", "?limit=0", {}),
+                 ("400", "?cursor=x", {})],
+    "getJob": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
+               ("400", done + "?wait=99", {}), ("404", NOBODY, {})],
+    "cancelJob": [("404", NOBODY, {})],
+    "getImage": [("200", done, {}), ("200", done + "?format=pfm", {}),
+                 ("206", done, {"Range": "bytes=0-9"}), ("304", done, everything),
+                 ("400", done + "?format=gif", {}), ("404", done + "?view=x", {}),
+                 ("404", done + "?layer=depth", {}), ("404", NOBODY, {}), ("409", busy, {}),
+                 ("416", done, {"Range": "bytes=9999999-"})],
+    "getPreview": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
+                   ("400", done + "?x", {}), ("404", NOBODY, {}), ("404", done + "?view=x", {})],
+    "getStatistics": [("200", done, {}), ("304", done, everything), ("404", NOBODY, {}),
+                      ("409", busy, {})],
+    "getScene": [("200", done, {}), ("304", done, everything), ("404", NOBODY, {})],
+    "validate": [("200", "", {"body": SMALL}), *body_samples],
+    "listScenes": [("200", "", {}), ("304", "", everything)],
+    "getBuiltinScene": [("200", "spheres", {}), ("304", "spheres", everything), ("404", "x", {})],
+    "health": [("200", "", {})],
+    "readiness": [("200", "", {})],
+    "definition": [("200", "", {}), ("304", "", everything)],
+    "sceneSchema": [("200", "", {}), ("304", "", everything)],
+    "deleteJob": [("204", gone, {}), ("404", gone, {}), ("409", busy, {})],
+}
+samples["cancelJob"].append(("202", busy, {}))
+order = ["deleteJob", "getImage", "getStatistics", "getPreview", "getJob"]  # while `busy` is busy
+operations = {}
+for path, item in definition["paths"].items():
+    for method in ("get", "post", "delete", "put"):
+        if method in item:
+            operations[item[method]["operationId"]] = (method.upper(), path, item[method])
+for name in sorted(operations, key=lambda n: order.index(n) if n in order else len(order)):
+    method, path, operation = operations[name]
+    rows = samples.get(name, [])
+    for status, argument, request in rows:
+        argument, _, query = argument.partition("?")
+        where = path.replace("{id}", argument).replace("{name}", argument)
+        if "{" not in path:
+            where += argument
+        answer = ask(method, where + ("?" + query if query else ""), **request)
+        check(f"{name} {status} {query}", judge(operation, status, answer))
+    unseen = set(operation["responses"]) - {row[0] for row in rows} - NEEDS_FAULT
+    check(f"{name} all statuses", f"not sampled: {sorted(unseen)}" if unseen else None)
