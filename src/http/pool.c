@@ -2,6 +2,7 @@
 /* One queue per lane, one lock for both: the lock is held for a few instructions only. */
 #include "pool.h"
 
+#include <malloc.h>
 #include <pthread.h>
 #include <stdlib.h>
 
@@ -9,7 +10,11 @@
 #include "pen/jobs/jobs.h"
 #include "request.h"
 
-enum { LANES = LANE_SIDE + 1, THREADS_MAX = 64 };
+enum {
+    LANES = LANE_SIDE + 1,
+    THREADS_MAX = 64,
+    LARGE_BYTES = 256 << 10 /* a body whose parsed form leaves much free memory behind */
+};
 
 struct queue {
     struct request *head, **tail; /* guarded by lock */
@@ -27,19 +32,37 @@ struct pool {
     pthread_mutex_t lock;
     struct queue queue[LANES];
     bool closed; /* guarded by lock */
+    int busy;    /* guarded by lock: threads with a request */
+    bool untidy; /* guarded by lock: a large body was worked on since the last tidy */
     int thread_count;
     struct thread thread[THREADS_MAX];
 };
+
+/* Gives memory back when the last thread falls idle after a large body: its parsed form was many
+ * small pieces, and the allocator would keep their pages. Called and left with the lock held. */
+static bool tidy(struct pool *pool)
+{
+    if (!pool->untidy || pool->busy > 0)
+        return false;
+    pool->untidy = false;
+    pthread_mutex_unlock(&pool->lock);
+    malloc_trim(0);
+    pthread_mutex_lock(&pool->lock);
+    return true;
+}
 
 /* The next request of a lane, or NULL when the pool is closed and the queue empty. */
 static struct request *next_request(struct pool *pool, enum lane lane)
 {
     struct queue *queue = &pool->queue[lane];
     pthread_mutex_lock(&pool->lock);
-    while (!queue->head && !pool->closed)
-        pthread_cond_wait(&queue->filled, &pool->lock);
+    while (!queue->head && !pool->closed) {
+        if (!tidy(pool))
+            pthread_cond_wait(&queue->filled, &pool->lock);
+    }
     struct request *request = queue->head;
     if (request) {
+        pool->busy++;
         queue->head = request->next;
         if (!queue->head)
             queue->tail = &queue->head;
@@ -48,15 +71,25 @@ static struct request *next_request(struct pool *pool, enum lane lane)
     return request;
 }
 
+static void finish_request(struct pool *pool, bool large)
+{
+    pthread_mutex_lock(&pool->lock);
+    pool->busy--;
+    pool->untidy = pool->untidy || large;
+    pthread_mutex_unlock(&pool->lock);
+}
+
 static void *work(void *arg)
 {
     struct thread *thread = arg;
     struct request *request;
     while ((request = next_request(thread->pool, thread->lane)) != NULL) {
-        if (request->route->handle(request, thread->jobs) == OUTCOME_WATCHED)
-            continue;
-        request_drop_body(request);
-        adapter_wake(request);
+        bool large = request->body.bytes >= LARGE_BYTES;
+        if (request->route->handle(request, thread->jobs) == OUTCOME_ANSWERED) {
+            request_drop_body(request);
+            adapter_wake(request);
+        }
+        finish_request(thread->pool, large);
     }
     return NULL;
 }

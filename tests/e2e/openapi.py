@@ -129,7 +129,8 @@ body_samples = [
     ("400", "", {"body": "{"}), ("411", "", {}), ("411", "", {"chunked": True}),
     ("413", "", {"body": '{"scene": "builtin:spheres", "render": {"width": 60000, "height": 60000}}'}),
     ("415", "", {"body": "x", "Content_Type": "text/plain"}), ("415", "", {"body": "<scene/>"}),
-    ("422", "", {"body": "{}"}), ("422", "", {"body": '{"scene": "builtin:rom", "fog": [1]}'}),
+    ("422", "", {"body": "{}"}), ("422", "", {"body": '{"scene": "builtin:room", "fog": [1]}'}),
+    ("404", "", {"body": '{"scene": "builtin:rom"}'}),
 ]
 samples = {
     "submitJob": [("202", "", {"body": SMALL}), *body_samples,

@@ -119,7 +119,7 @@ expect foreign-page-may-not-act-but-look "$status" 200
 while read -r name json; do
     call /v1/jobs -H 'Content-Type: application/json' --data-binary "$json"
     expect_problem "syntax $name" 400
-    expect "syntax $name has a place" "$(body '.errors | length == 1 and (.[0] | has("line", "column"))')" true
+    expect "syntax $name has a place" "$(body '.errors | length == 1 and .[0].line > 0 and .[0].column > 0')" true
 done <<'END'
 empty-object-open {
 trailing-comma {"scene": "builtin:spheres",}
@@ -140,7 +140,7 @@ while read -r name pointer json; do
     done
 done <<'END'
 neither-job-nor-scene - {}
-unknown-builtin /scene {"scene": "builtin:rom"}
+scene-of-a-wrong-type /scene {"scene": 5}
 unknown-key /prioriti {"scene": "builtin:spheres", "prioriti": 1}
 priority /priority {"scene": "builtin:spheres", "priority": 101}
 attempts /max_attempts {"scene": "builtin:spheres", "max_attempts": 0}
@@ -150,6 +150,8 @@ bare-radius /objects/0/radius {"format": "penumbra-scene/1", "camera": {"positio
 kind-to-come /kind {"scene": "builtin:spheres", "kind": "benchmark"}
 END
 call /v1/jobs -H 'Content-Type: application/json' --data-binary '{"scene": "builtin:rom"}'
+expect_problem unknown-builtin 404
+expect unknown-builtin-pointer "$(body '.errors[0].pointer')" /scene
 expect_match nearest-scene "$(body '.errors[0].detail')" '*room*'
 call /v1/jobs -d '{"scene": "builtin:spheres", "render": {"width": 10000, "height": 10000}}'
 expect_problem too-many-pixels 413
