@@ -31,7 +31,7 @@ expect ended-job-does-not-wait "$status" 304
 call "$job" -I
 expect head-status "$status" 200
 expect head-etag "$(header etag)" "$tag"
-call "$(printf '%s' "$job" | tr a-f A-F)"
+call "/v1/jobs/$(printf '%s' "${job##*/}" | tr a-f A-F)"
 expect uuid-in-any-case "$status" 200
 
 # The picture.

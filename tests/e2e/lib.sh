@@ -90,6 +90,7 @@ expect_match() {
 call() {
     path=$1
     shift
+    : >"$work/body" # curl leaves it alone when there is no body
     status=$(curl -sS -m 90 -o "$work/body" -D "$work/head" -w '%{http_code}' "$@" "$url$path" \
         2>"$work/curl") || status="curl: $(cat "$work/curl")"
 }
