@@ -26,8 +26,6 @@ bool pen_walk_init(struct pen_walk *walk, const struct pen_scene_desc *desc, str
     struct pen_walk_level level = {
         .objects = desc->objects,
         .count = desc->object_count,
-        .parts_similar = true,
-        .parts_scale = 1,
         .similar = true,
         .scale = 1,
     };
@@ -38,21 +36,6 @@ void pen_walk_release(struct pen_walk *walk)
 {
     free(walk->levels);
     *walk = (struct pen_walk){0};
-}
-
-/* Whether quadrics may be placed, and how large. Where the whole is a similarity its scale is
- * rounded once. The parts may each be as far from a similarity as is allowed, and the whole then
- * be farther: that is allowed, too. */
-static void measure(struct pen_walk_level *level, const struct pen_transform *part)
-{
-    double scale = 1;
-    level->parts_similar = pen_transform_similarity(part, &scale) && level->parts_similar;
-    level->parts_scale *= scale;
-    level->similar = pen_transform_similarity(&level->transform, &level->scale);
-    if (level->similar)
-        return;
-    level->similar = level->parts_similar;
-    level->scale = level->parts_scale;
 }
 
 static struct pen_walk_level enter(const struct pen_walk_level *outer,
@@ -67,7 +50,7 @@ static struct pen_walk_level enter(const struct pen_walk_level *outer,
     const struct pen_transform *part = &group->u.group.transform;
     inner.moved = true;
     inner.transform = outer->moved ? pen_transform_compose(&outer->transform, part) : *part;
-    measure(&inner, part);
+    inner.similar = pen_transform_similarity(&inner.transform, &inner.scale);
     return inner;
 }
 

@@ -12,9 +12,7 @@ struct pen_walk_level {
     uint32_t count, next;
     bool moved; /* `transform` is not the identity */
     struct pen_transform transform;
-    bool parts_similar; /* each group's own transform is a similarity */
-    double parts_scale; /* the product of their scales */
-    bool similar;       /* the transform may place quadrics, and scales them by `scale` */
+    bool similar; /* the transform may place quadrics, and scales them by `scale` */
     double scale;
 };
 

@@ -160,7 +160,7 @@ START_TEST(test_golden__films_are_those_of_the_table)
     for (int i = 0; i < table.count; i++)
         if (!strstr(known, table.line[i])) {
             different++;
-            printf("not in " TABLE ": %s", table.line[i]);
+            fprintf(stderr, "not in " TABLE ": %s", table.line[i]);
         }
     ck_assert_int_eq(different, 0);
     int lines = 0;
