@@ -15,7 +15,7 @@
 #include "request.h"
 #include "routes.h"
 
-bool adapter_hold(struct request *request)
+bool pen_http_adapter_hold(struct request *request)
 {
     struct adapter *adapter = request->http->adapter;
     pthread_mutex_lock(&adapter->parking);
@@ -29,7 +29,7 @@ bool adapter_hold(struct request *request)
     return hold;
 }
 
-void adapter_wake(struct request *request)
+void pen_http_adapter_wake(struct request *request)
 {
     struct adapter *adapter = request->http->adapter;
     pthread_mutex_lock(&adapter->parking);
@@ -78,7 +78,7 @@ static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *
 
 static void unref_body(void *blob)
 {
-    blob_unref(blob);
+    pen_http_blob_unref(blob);
 }
 
 /* The reply as libmicrohttpd wants it; NULL when out of memory. */
@@ -86,11 +86,11 @@ static struct MHD_Response *make_response(const struct reply *reply)
 {
     if (reply->failed || !reply->body || reply->bytes == 0)
         return MHD_create_response_from_buffer(0, (void *)"", MHD_RESPMEM_PERSISTENT);
-    struct blob *blob = blob_ref(reply->body);
+    struct blob *blob = pen_http_blob_ref(reply->body);
     struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(
         reply->bytes, blob->content.data + reply->first, unref_body, blob);
     if (!response)
-        blob_unref(blob);
+        pen_http_blob_unref(blob);
     return response;
 }
 
@@ -126,18 +126,18 @@ static enum MHD_Result dispatch(struct request *request)
     const struct route *route = request->route;
     if (route->quick && route->quick(request))
         return send_reply(request);
-    enum lane lane = route_lane(route, &request->target);
+    enum lane lane = pen_http_route_lane(route, &request->target);
     if (lane == LANE_INLINE) {
         route->handle(request, NULL);
         return send_reply(request);
     }
     request->phase = PHASE_HELD;
-    adapter_hold(request);
-    if (!pool_push(request->http->pool, lane, request)) {
+    pen_http_adapter_hold(request);
+    if (!pen_http_pool_push(request->http->pool, lane, request)) {
         struct pen_status st;
         pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
-        request_fail(request, &st);
-        adapter_wake(request);
+        pen_http_request_fail(request, &st);
+        pen_http_adapter_wake(request);
     }
     return MHD_YES;
 }
@@ -149,22 +149,22 @@ static enum MHD_Result begin(struct request *request, const char *method)
     request->method = method;
     MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->fields);
     atomic_fetch_add_explicit(&request->http->active, 1, memory_order_relaxed);
-    request_admit(request);
+    pen_http_request_admit(request);
     bool body_comes = request->declared_bytes > 0 || request->fields.transfer_encoding;
     return request->phase == PHASE_ANSWERED && body_comes ? send_reply(request) : MHD_YES;
 }
 
-void *adapter_on_line(void *cls, const char *uri, struct MHD_Connection *connection)
+void *pen_http_adapter_on_line(void *cls, const char *uri, struct MHD_Connection *connection)
 {
-    struct request *request = uri ? request_new(cls, uri) : NULL;
+    struct request *request = uri ? pen_http_request_new(cls, uri) : NULL;
     if (request)
         request->connection = connection;
     return request;
 }
 
-enum MHD_Result adapter_on_access(void *cls, struct MHD_Connection *connection, const char *url,
-                                  const char *method, const char *version, const char *data,
-                                  size_t *bytes, void **state)
+enum MHD_Result pen_http_adapter_on_access(void *cls, struct MHD_Connection *connection,
+                                           const char *url, const char *method, const char *version,
+                                           const char *data, size_t *bytes, void **state)
 {
     (void)cls, (void)connection, (void)url, (void)version;
     struct request *request = *state;
@@ -173,7 +173,7 @@ enum MHD_Result adapter_on_access(void *cls, struct MHD_Connection *connection, 
     if (request->phase == PHASE_LINE)
         return begin(request, method);
     if (*bytes > 0) {
-        request_receive(request, data, *bytes);
+        pen_http_request_receive(request, data, *bytes);
         *bytes = 0;
         return MHD_YES;
     }
@@ -194,8 +194,8 @@ static void log_access(const struct request *request, bool complete)
             (long long)(us % 1000), request->id, complete ? "" : " (cut short)");
 }
 
-void adapter_on_completed(void *cls, struct MHD_Connection *connection, void **state,
-                          enum MHD_RequestTerminationCode why)
+void pen_http_adapter_on_completed(void *cls, struct MHD_Connection *connection, void **state,
+                                   enum MHD_RequestTerminationCode why)
 {
     (void)connection;
     struct pen_http *http = cls;
@@ -205,5 +205,5 @@ void adapter_on_completed(void *cls, struct MHD_Connection *connection, void **s
         log_access(request, why == MHD_REQUEST_TERMINATED_COMPLETED_OK);
         atomic_fetch_sub_explicit(&http->active, 1, memory_order_relaxed);
     }
-    request_free(request);
+    pen_http_request_free(request);
 }

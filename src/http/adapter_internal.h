@@ -23,11 +23,11 @@ struct adapter {
 };
 
 /* The callbacks of requests; cls is the struct pen_http. */
-void *adapter_on_line(void *cls, const char *uri, struct MHD_Connection *connection);
-enum MHD_Result adapter_on_access(void *cls, struct MHD_Connection *connection, const char *url,
-                                  const char *method, const char *version, const char *data,
-                                  size_t *bytes, void **state);
-void adapter_on_completed(void *cls, struct MHD_Connection *connection, void **state,
-                          enum MHD_RequestTerminationCode why);
+void *pen_http_adapter_on_line(void *cls, const char *uri, struct MHD_Connection *connection);
+enum MHD_Result pen_http_adapter_on_access(void *cls, struct MHD_Connection *connection,
+                                           const char *url, const char *method, const char *version,
+                                           const char *data, size_t *bytes, void **state);
+void pen_http_adapter_on_completed(void *cls, struct MHD_Connection *connection, void **state,
+                                   enum MHD_RequestTerminationCode why);
 
 #endif

@@ -11,13 +11,13 @@
 
 static enum outcome answer_errors(struct request *request, const struct pen_errors *errors)
 {
-    reply_problem(&request->reply, pen_problem_list(errors), request->id);
+    pen_http_reply_problem(&request->reply, pen_problem_list(errors), request->id);
     return OUTCOME_ANSWERED;
 }
 
 static enum outcome answer_status(struct request *request, const struct pen_status *st)
 {
-    request_fail(request, st);
+    pen_http_request_fail(request, st);
     return OUTCOME_ANSWERED;
 }
 
@@ -37,7 +37,7 @@ static bool read_submission(const struct request *request, struct pen_submission
     return true;
 }
 
-enum outcome handle_submit(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_submission in;
     struct pen_submitted out = {0};
@@ -47,13 +47,13 @@ enum outcome handle_submit(struct request *request, struct pen_jobs *jobs)
         return answer_status(request, &st);
     if (!pen_jobs_submit(jobs, &in, &out, &errors))
         return answer_errors(request, &errors);
-    reply_body(&request->reply, 202, blob_take(&out.answer), "application/json");
-    reply_field(&request->reply, "Location", "/v1/jobs/%s", out.id);
-    reply_field(&request->reply, "Retry-After", "1");
+    pen_http_reply_body(&request->reply, 202, pen_http_blob_take(&out.answer), "application/json");
+    pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", out.id);
+    pen_http_reply_field(&request->reply, "Retry-After", "1");
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_validate(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_submission in;
     struct pen_errors errors = {0};
@@ -63,20 +63,22 @@ enum outcome handle_validate(struct request *request, struct pen_jobs *jobs)
         return answer_status(request, &st);
     if (!pen_jobs_validate(jobs, &in, &answer, &errors))
         return answer_errors(request, &errors);
-    reply_json(&request->reply, 200, answer);
+    pen_http_reply_json(&request->reply, 200, answer);
     return OUTCOME_ANSWERED;
 }
 
-bool quick_job(struct request *request)
+bool pen_http_quick_job(struct request *request)
 {
     struct snapshot snapshot;
     struct pen_http *http = request->http;
-    if (!snapshots_peek(http->snapshots, watch_news(http->watch), request->job_id, &snapshot))
+    if (!pen_http_snapshots_peek(http->snapshots, pen_http_watch_news(http->watch), request->job_id,
+                                 &snapshot))
         return false;
-    bool due = request_number(request, "wait", 0) == 0 || snapshot_is_due(&snapshot, request);
+    bool due = pen_http_request_number(request, "wait", 0) == 0 ||
+               pen_http_snapshot_is_due(&snapshot, request);
     if (due)
-        snapshot_reply(&snapshot, request);
-    snapshot_release(&snapshot);
+        pen_http_snapshot_reply(&snapshot, request);
+    pen_http_snapshot_release(&snapshot);
     return due;
 }
 
@@ -87,17 +89,17 @@ static enum outcome look_at_job(struct request *request, struct pen_jobs *jobs, 
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status st;
-    uint32_t news = watch_news(http->watch);
+    uint32_t news = pen_http_watch_news(http->watch);
     *again = false;
-    if (!snapshots_read(http->snapshots, news, jobs, request->job_id, &snapshot, &st))
+    if (!pen_http_snapshots_read(http->snapshots, news, jobs, request->job_id, &snapshot, &st))
         return answer_status(request, &st);
     enum watch_answer given = WATCH_CLOSED;
-    if (wait > 0 && !snapshot_is_due(&snapshot, request))
-        given = watch_add(http->watch, request, news);
+    if (wait > 0 && !pen_http_snapshot_is_due(&snapshot, request))
+        given = pen_http_watch_add(http->watch, request, news);
     /* Once the watcher has the request it is not ours to read. */
     if (given == WATCH_CLOSED)
-        snapshot_reply(&snapshot, request);
-    snapshot_release(&snapshot);
+        pen_http_snapshot_reply(&snapshot, request);
+    pen_http_snapshot_release(&snapshot);
     if (given == WATCH_FULL) {
         pen_fail(&st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
                  WATCH_MAX);
@@ -107,9 +109,9 @@ static enum outcome look_at_job(struct request *request, struct pen_jobs *jobs, 
     return given == WATCH_TAKEN ? OUTCOME_WATCHED : OUTCOME_ANSWERED;
 }
 
-enum outcome handle_job(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
 {
-    long wait = request_number(request, "wait", 0);
+    long wait = pen_http_request_number(request, "wait", 0);
     request->deadline_ns = request->begun_ns + wait * INT64_C(1000000000);
     bool again;
     enum outcome outcome;
@@ -134,26 +136,26 @@ static void add_param(struct pen_buf *query, const char *name, const char *value
 static void link_next(struct request *request, const char *next)
 {
     struct pen_buf query = {0};
-    add_param(&query, "state", request_param(request, "state"));
-    add_param(&query, "kind", request_param(request, "kind"));
-    add_param(&query, "limit", request_param(request, "limit"));
+    add_param(&query, "state", pen_http_request_param(request, "state"));
+    add_param(&query, "kind", pen_http_request_param(request, "kind"));
+    add_param(&query, "limit", pen_http_request_param(request, "limit"));
     add_param(&query, "cursor", next);
     if (query.failed)
         request->reply.failed = true;
     else
-        reply_field(&request->reply, "Link", "</v1/jobs?%s>; rel=\"next\"",
-                    (const char *)query.data);
+        pen_http_reply_field(&request->reply, "Link", "</v1/jobs?%s>; rel=\"next\"",
+                             (const char *)query.data);
     pen_buf_release(&query);
 }
 
-enum outcome handle_list(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_list(struct request *request, struct pen_jobs *jobs)
 {
-    const char *state_name = request_param(request, "state");
+    const char *state_name = pen_http_request_param(request, "state");
     enum pen_job_state state;
     struct pen_list_query query = {.state = -1,
-                                   .kind = request_param(request, "kind"),
-                                   .limit = (int)request_number(request, "limit", 50),
-                                   .cursor = request_param(request, "cursor")};
+                                   .kind = pen_http_request_param(request, "kind"),
+                                   .limit = (int)pen_http_request_number(request, "limit", 50),
+                                   .cursor = pen_http_request_param(request, "cursor")};
     if (state_name && pen_job_state_of_name(state_name, &state))
         query.state = (int)state;
     struct pen_status st;
@@ -163,22 +165,22 @@ enum outcome handle_list(struct request *request, struct pen_jobs *jobs)
     const char *next = json_string_value(json_object_get(list, "next"));
     if (next)
         link_next(request, next);
-    reply_json(&request->reply, 200, list);
-    reply_field(&request->reply, "Cache-Control", "no-store");
+    pen_http_reply_json(&request->reply, 200, list);
+    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_cancel(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_job_snapshot job;
     struct pen_status st;
     if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
         return answer_status(request, &st);
-    reply_json(&request->reply, 202, job.json);
+    pen_http_reply_json(&request->reply, 202, job.json);
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_delete(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
     if (!pen_jobs_delete(jobs, request->job_id, &st))

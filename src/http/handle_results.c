@@ -17,18 +17,18 @@ static const char forever[] = "private, max-age=86400, immutable";
 static enum outcome answer_status(struct request *request, struct pen_jobs *jobs,
                                   const struct pen_status *st)
 {
-    request_fail(request, st);
+    pen_http_request_fail(request, st);
     if (st->code != PEN_CONFLICT)
         return OUTCOME_ANSWERED;
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status ignored;
-    if (!snapshots_read(http->snapshots, watch_news(http->watch), jobs, request->job_id, &snapshot,
-                        &ignored))
+    if (!pen_http_snapshots_read(http->snapshots, pen_http_watch_news(http->watch), jobs,
+                                 request->job_id, &snapshot, &ignored))
         return OUTCOME_ANSWERED;
     if (!pen_job_state_ended(snapshot.state))
-        reply_field(&request->reply, "Retry-After", "1");
-    snapshot_release(&snapshot);
+        pen_http_reply_field(&request->reply, "Retry-After", "1");
+    pen_http_snapshot_release(&snapshot);
     return OUTCOME_ANSWERED;
 }
 
@@ -39,20 +39,20 @@ static bool has_room(struct request *request)
         return true;
     struct pen_status st;
     pen_fail(&st, PEN_UNAVAILABLE, "there is no room for a picture now; try again later");
-    request_fail(request, &st);
+    pen_http_request_fail(request, &st);
     return false;
 }
 
 static void answer_picture(struct request *request, struct pen_image *image, const char *cache)
 {
-    struct blob *blob = blob_take(&image->bytes);
-    blob_count(blob, &request->http->picture_bytes);
+    struct blob *blob = pen_http_blob_take(&image->bytes);
+    pen_http_blob_count(blob, &request->http->picture_bytes);
     const struct content content = {.blob = blob,
                                     .type = image->type,
                                     .etag = image->etag,
                                     .cache_control = cache,
                                     .ranges = true};
-    request_content(request, &content);
+    pen_http_request_content(request, &content);
 }
 
 /* Answers with a representation whose tag is its hash. */
@@ -60,17 +60,17 @@ static void answer_hashed(struct request *request, struct blob *blob)
 {
     char etag[ETAG_BYTES] = "";
     if (blob)
-        blob_etag(blob, etag);
+        pen_http_blob_etag(blob, etag);
     const struct content content = {
         .blob = blob, .type = "application/json", .etag = etag, .cache_control = forever};
-    request_content(request, &content);
+    pen_http_request_content(request, &content);
 }
 
-enum outcome handle_image(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *jobs)
 {
-    const struct pen_image_query query = {.view = request_param(request, "view"),
-                                          .layer = request_param(request, "layer"),
-                                          .format = request_param(request, "format")};
+    const struct pen_image_query query = {.view = pen_http_request_param(request, "view"),
+                                          .layer = pen_http_request_param(request, "layer"),
+                                          .format = pen_http_request_param(request, "format")};
     struct pen_image image = {0};
     struct pen_status st;
     if (!has_room(request))
@@ -81,35 +81,36 @@ enum outcome handle_image(struct request *request, struct pen_jobs *jobs)
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_preview(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_preview(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_image image = {0};
     struct pen_status st;
     if (!has_room(request))
         return OUTCOME_ANSWERED;
-    if (!pen_jobs_preview(jobs, request->job_id, request_param(request, "view"), &image, &st))
+    if (!pen_jobs_preview(jobs, request->job_id, pen_http_request_param(request, "view"), &image,
+                          &st))
         return answer_status(request, jobs, &st);
     answer_picture(request, &image, "no-cache");
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_stats(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_stats(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
     json_t *stats = pen_jobs_stats(jobs, request->job_id, &st);
     if (!stats)
         return answer_status(request, jobs, &st);
-    answer_hashed(request, blob_json(stats));
+    answer_hashed(request, pen_http_blob_json(stats));
     json_decref(stats);
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_scene(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_buf scene = {0};
     struct pen_status st;
     if (!pen_jobs_scene(jobs, request->job_id, &scene, &st))
         return answer_status(request, jobs, &st);
-    answer_hashed(request, blob_take(&scene));
+    answer_hashed(request, pen_http_blob_take(&scene));
     return OUTCOME_ANSWERED;
 }

@@ -14,59 +14,59 @@ static const int64_t probe_again_ns = INT64_C(1000000000);
 
 static enum outcome answer_file(struct request *request, const struct static_file *file)
 {
-    const struct content content = {.blob = blob_ref(file->blob),
+    const struct content content = {.blob = pen_http_blob_ref(file->blob),
                                     .type = file->type,
                                     .etag = file->etag,
                                     .cache_control = "no-cache"};
-    request_content(request, &content);
+    pen_http_request_content(request, &content);
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_scenes(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_scenes(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
-    return answer_file(request, statics_find(request->http->statics, "scenes"));
+    return answer_file(request, pen_http_statics_find(request->http->statics, "scenes"));
 }
 
-enum outcome handle_builtin(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_builtin(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
     char name[64];
     int length = snprintf(name, sizeof name, "scenes/%s", request->arg);
     const struct static_file *file =
-        length < (int)sizeof name ? statics_find(request->http->statics, name) : NULL;
+        length < (int)sizeof name ? pen_http_statics_find(request->http->statics, name) : NULL;
     if (file)
         return answer_file(request, file);
     struct pen_status st;
     pen_fail(&st, PEN_NOT_FOUND,
              "there is no built-in scene \"%.80s\"; GET /v1/scenes lists those there are",
              request->arg);
-    request_fail(request, &st);
+    pen_http_request_fail(request, &st);
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_api_file(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_api_file(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
     const struct static_file *file =
-        statics_find(request->http->statics, request->target.segment[0]);
+        pen_http_statics_find(request->http->statics, request->target.segment[0]);
     if (file)
         return answer_file(request, file);
     struct pen_status st;
     pen_fail(&st, PEN_NOT_FOUND, "this build does not carry %s", request->target.segment[0]);
-    request_fail(request, &st);
+    pen_http_request_fail(request, &st);
     return OUTCOME_ANSWERED;
 }
 
 static enum outcome answer_health(struct request *request, const char *state)
 {
-    reply_json(&request->reply, 200,
-               json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION));
-    reply_field(&request->reply, "Cache-Control", "no-store");
+    pen_http_reply_json(&request->reply, 200,
+                        json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION));
+    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
     return OUTCOME_ANSWERED;
 }
 
-enum outcome handle_healthz(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_healthz(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
     return answer_health(request, "ok");
@@ -101,7 +101,7 @@ static bool untroubled(struct pen_http *http, struct pen_status *st)
     return ok;
 }
 
-enum outcome handle_readyz(struct request *request, struct pen_jobs *jobs)
+enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_http *http = request->http;
     struct pen_status st;
@@ -114,6 +114,6 @@ enum outcome handle_readyz(struct request *request, struct pen_jobs *jobs)
         ready = untroubled(http, &st);
     if (ready)
         return answer_health(request, "ready");
-    request_fail(request, &st);
+    pen_http_request_fail(request, &st);
     return OUTCOME_ANSWERED;
 }

@@ -5,10 +5,13 @@
 
 #include "routes.h"
 
-route_handler handle_submit, handle_list, handle_job, handle_cancel, handle_delete;
-route_handler handle_image, handle_preview, handle_stats, handle_scene;
-route_handler handle_validate, handle_scenes, handle_builtin, handle_api_file;
-route_handler handle_healthz, handle_readyz;
-route_quick quick_job;
+route_handler pen_http_handle_submit, pen_http_handle_list, pen_http_handle_job,
+    pen_http_handle_cancel, pen_http_handle_delete;
+route_handler pen_http_handle_image, pen_http_handle_preview, pen_http_handle_stats,
+    pen_http_handle_scene;
+route_handler pen_http_handle_validate, pen_http_handle_scenes, pen_http_handle_builtin,
+    pen_http_handle_api_file;
+route_handler pen_http_handle_healthz, pen_http_handle_readyz;
+route_quick pen_http_quick_job;
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads and sockets. libmicrohttpd gets its connections from an acceptor of our own: its own
- * accepting cannot be ended without a race between MHD_quiesce_daemon and its threads that ends in
- * abort(), and MHD_stop_daemon shuts the listening socket down, which belongs to the supervisor.
+/* Threads and sockets. libmicrohttpd gets its connections from an acceptor of our own: ending its
+ * own accepting is a race between MHD_quiesce_daemon and its threads, which can end the process,
+ * and MHD_stop_daemon shuts the listening socket down, which belongs to the supervisor.
  *
  * Its limits are set so that it never has to refuse a connection itself: in 0.9.75 a pool thread
  * that refuses one which another thread added keeps its lock for ever. The acceptor counts. */
@@ -107,17 +107,17 @@ static struct MHD_Daemon *start_daemon(struct adapter *adapter, int idle_seconds
     /* Each thread may have every connection: twice over, for those on their way to be closed. */
     unsigned limit = threads * 2 * CONNECTIONS;
     return MHD_start_daemon(
-        flags, 0, NULL, NULL, adapter_on_access, adapter->http, MHD_OPTION_EXTERNAL_LOGGER,
+        flags, 0, NULL, NULL, pen_http_adapter_on_access, adapter->http, MHD_OPTION_EXTERNAL_LOGGER,
         on_message, NULL, MHD_OPTION_THREAD_POOL_SIZE, threads, MHD_OPTION_CONNECTION_LIMIT, limit,
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)idle_seconds, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)CONNECTION_BYTES, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_URI_LOG_CALLBACK,
-        adapter_on_line, adapter->http, MHD_OPTION_UNESCAPE_CALLBACK, keep_escapes, NULL,
-        MHD_OPTION_NOTIFY_COMPLETED, adapter_on_completed, adapter->http,
+        pen_http_adapter_on_line, adapter->http, MHD_OPTION_UNESCAPE_CALLBACK, keep_escapes, NULL,
+        MHD_OPTION_NOTIFY_COMPLETED, pen_http_adapter_on_completed, adapter->http,
         MHD_OPTION_NOTIFY_CONNECTION, on_connection, adapter, MHD_OPTION_END);
 }
 
-struct adapter *adapter_start(struct pen_http *http, int listen_fd, int idle_seconds,
-                              struct pen_status *st)
+struct adapter *pen_http_adapter_start(struct pen_http *http, int listen_fd, int idle_seconds,
+                                       struct pen_status *st)
 {
     struct adapter *adapter = calloc(1, sizeof *adapter);
     if (!adapter) {
@@ -135,18 +135,18 @@ struct adapter *adapter_start(struct pen_http *http, int listen_fd, int idle_sec
         adapter->daemon = start_daemon(adapter, idle_seconds);
     if (adapter->daemon)
         return adapter;
-    adapter_stop(adapter);
+    pen_http_adapter_stop(adapter);
     pen_fail(st, PEN_UNAVAILABLE, "the HTTP server does not start");
     return NULL;
 }
 
-bool adapter_accept(struct adapter *adapter, struct pen_status *st)
+bool pen_http_adapter_accept(struct adapter *adapter, struct pen_status *st)
 {
     adapter->accepting = pthread_create(&adapter->acceptor, NULL, accept_all, adapter) == 0;
     return adapter->accepting || pen_fail(st, PEN_UNAVAILABLE, "no thread to accept connections");
 }
 
-void adapter_stop_accepting(struct adapter *adapter)
+void pen_http_adapter_stop_accepting(struct adapter *adapter)
 {
     if (!adapter->accepting)
         return;
@@ -155,11 +155,11 @@ void adapter_stop_accepting(struct adapter *adapter)
     adapter->accepting = false;
 }
 
-void adapter_stop(struct adapter *adapter)
+void pen_http_adapter_stop(struct adapter *adapter)
 {
     if (!adapter)
         return;
-    adapter_stop_accepting(adapter);
+    pen_http_adapter_stop_accepting(adapter);
     if (adapter->daemon)
         MHD_stop_daemon(adapter->daemon);
     if (adapter->stop_fd >= 0)

@@ -86,8 +86,8 @@ static void *work(void *arg)
     while ((request = next_request(thread->pool, thread->lane)) != NULL) {
         bool large = request->body.bytes >= LARGE_BYTES;
         if (request->route->handle(request, thread->jobs) == OUTCOME_ANSWERED) {
-            request_drop_body(request);
-            adapter_wake(request);
+            pen_http_request_drop_body(request);
+            pen_http_adapter_wake(request);
         }
         finish_request(thread->pool, large);
     }
@@ -110,7 +110,7 @@ static bool add_thread(struct pool *pool, enum lane lane, const struct pool_opti
     return true;
 }
 
-struct pool *pool_start(const struct pool_options *options, struct pen_status *st)
+struct pool *pen_http_pool_start(const struct pool_options *options, struct pen_status *st)
 {
     int threads = options->store_threads + options->side_threads;
     struct pool *pool = threads <= THREADS_MAX ? calloc(1, sizeof *pool) : NULL;
@@ -125,15 +125,15 @@ struct pool *pool_start(const struct pool_options *options, struct pen_status *s
     }
     for (int i = 0; i < threads; i++) {
         if (!add_thread(pool, i < options->store_threads ? LANE_STORE : LANE_SIDE, options, st)) {
-            pool_stop(pool);
-            pool_free(pool);
+            pen_http_pool_stop(pool);
+            pen_http_pool_free(pool);
             return NULL;
         }
     }
     return pool;
 }
 
-void pool_stop(struct pool *pool)
+void pen_http_pool_stop(struct pool *pool)
 {
     pthread_mutex_lock(&pool->lock);
     pool->closed = true;
@@ -146,7 +146,7 @@ void pool_stop(struct pool *pool)
     }
 }
 
-void pool_free(struct pool *pool)
+void pen_http_pool_free(struct pool *pool)
 {
     if (!pool)
         return;
@@ -156,7 +156,7 @@ void pool_free(struct pool *pool)
     free(pool);
 }
 
-bool pool_push(struct pool *pool, enum lane lane, struct request *request)
+bool pen_http_pool_push(struct pool *pool, enum lane lane, struct request *request)
 {
     struct queue *queue = &pool->queue[lane];
     request->next = NULL;

@@ -20,15 +20,16 @@ struct pool_options {
 };
 
 /* Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads). */
-struct pool *pool_start(const struct pool_options *options, struct pen_status *st);
+struct pool *pen_http_pool_start(const struct pool_options *options, struct pen_status *st);
 
 /* Works off what is queued, then ends the threads. Requests may still be offered. */
-void pool_stop(struct pool *pool);
+void pen_http_pool_stop(struct pool *pool);
 
 /* Frees a stopped pool, when no thread offers requests any more. NULL is allowed. */
-void pool_free(struct pool *pool);
+void pen_http_pool_free(struct pool *pool);
 
-/* Queues a held request. False after pool_stop has begun: the request stays the caller's. */
-bool pool_push(struct pool *pool, enum lane lane, struct request *request);
+/* Queues a held request. False after pen_http_pool_stop has begun: the request stays the caller's.
+ */
+bool pen_http_pool_push(struct pool *pool, enum lane lane, struct request *request);
 
 #endif

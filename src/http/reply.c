@@ -10,7 +10,7 @@
 
 #include "pen/http/message.h"
 
-struct blob *blob_take(struct pen_buf *content)
+struct blob *pen_http_blob_take(struct pen_buf *content)
 {
     struct blob *blob = content->failed ? NULL : malloc(sizeof *blob);
     if (!blob) {
@@ -24,7 +24,7 @@ struct blob *blob_take(struct pen_buf *content)
     return blob;
 }
 
-void blob_count(struct blob *blob, atomic_size_t *total)
+void pen_http_blob_count(struct blob *blob, atomic_size_t *total)
 {
     if (!blob)
         return;
@@ -32,13 +32,13 @@ void blob_count(struct blob *blob, atomic_size_t *total)
     atomic_fetch_add_explicit(total, blob->content.bytes, memory_order_relaxed);
 }
 
-struct blob *blob_ref(struct blob *blob)
+struct blob *pen_http_blob_ref(struct blob *blob)
 {
     atomic_fetch_add_explicit(&blob->refs, 1, memory_order_relaxed);
     return blob;
 }
 
-void blob_unref(struct blob *blob)
+void pen_http_blob_unref(struct blob *blob)
 {
     if (!blob || atomic_fetch_sub_explicit(&blob->refs, 1, memory_order_acq_rel) != 1)
         return;
@@ -53,17 +53,17 @@ static int append(const char *text, size_t bytes, void *content)
     return pen_buf_add(content, text, bytes) ? 0 : -1;
 }
 
-struct blob *blob_json(const json_t *json)
+struct blob *pen_http_blob_json(const json_t *json)
 {
     /* 15 digits: what a person sent as 0.1 comes back as 0.1. */
     const size_t flags = JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(15);
     struct pen_buf text = {0};
     if (json_dump_callback(json, append, &text, flags) != 0 || !pen_buf_puts(&text, "\n"))
         text.failed = true;
-    return blob_take(&text);
+    return pen_http_blob_take(&text);
 }
 
-void blob_etag(const struct blob *blob, char etag[ETAG_BYTES])
+void pen_http_blob_etag(const struct blob *blob, char etag[ETAG_BYTES])
 {
     enum { HASH_BYTES = 16 };
     unsigned char hash[HASH_BYTES];
@@ -73,15 +73,15 @@ void blob_etag(const struct blob *blob, char etag[ETAG_BYTES])
     snprintf(etag, ETAG_BYTES, "\"%s\"", hex);
 }
 
-void reply_release(struct reply *reply)
+void pen_http_reply_release(struct reply *reply)
 {
     for (int i = 0; i < reply->field_count; i++)
         free(reply->field[i].value);
-    blob_unref(reply->body);
+    pen_http_blob_unref(reply->body);
     *reply = (struct reply){0};
 }
 
-void reply_field(struct reply *reply, const char *name, const char *format, ...)
+void pen_http_reply_field(struct reply *reply, const char *name, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -95,32 +95,33 @@ void reply_field(struct reply *reply, const char *name, const char *format, ...)
     va_end(args);
 }
 
-void reply_body(struct reply *reply, int status, struct blob *blob, const char *type)
+void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type)
 {
     reply->status = status;
     reply->failed = reply->failed || !blob;
     reply->body = blob;
     reply->first = 0;
     reply->bytes = blob ? blob->content.bytes : 0;
-    reply_field(reply, "Content-Type", "%s", type);
+    pen_http_reply_field(reply, "Content-Type", "%s", type);
 }
 
-void reply_json(struct reply *reply, int status, json_t *json)
+void pen_http_reply_json(struct reply *reply, int status, json_t *json)
 {
-    reply_body(reply, status, json ? blob_json(json) : NULL, "application/json");
+    pen_http_reply_body(reply, status, json ? pen_http_blob_json(json) : NULL, "application/json");
     json_decref(json);
 }
 
-void reply_problem(struct reply *reply, json_t *problem, const char *request_id)
+void pen_http_reply_problem(struct reply *reply, json_t *problem, const char *request_id)
 {
-    reply_release(reply);
+    pen_http_reply_release(reply);
     int status = (int)json_integer_value(json_object_get(problem, "status"));
     json_object_set_new(problem, "request_id", json_string(request_id));
-    reply_body(reply, status, problem ? blob_json(problem) : NULL, "application/problem+json");
+    pen_http_reply_body(reply, status, problem ? pen_http_blob_json(problem) : NULL,
+                        "application/problem+json");
     json_decref(problem);
-    reply_field(reply, "Cache-Control", "no-store");
+    pen_http_reply_field(reply, "Cache-Control", "no-store");
     if (status == 429 || status == 503 || status == 507)
-        reply_field(reply, "Retry-After", "2");
+        pen_http_reply_field(reply, "Retry-After", "2");
 }
 
 /* What a Range field means here. If-Range holds a tag that must be equal, byte by byte; a date
@@ -134,29 +135,29 @@ static enum pen_range_kind granted_range(const struct reply_conditions *conditio
     return pen_range_parse(conditions->range, size, first, count);
 }
 
-bool reply_content(struct reply *reply, struct blob *blob, const char *type, const char *etag,
-                   const struct reply_conditions *conditions)
+bool pen_http_reply_content(struct reply *reply, struct blob *blob, const char *type,
+                            const char *etag, const struct reply_conditions *conditions)
 {
     if (conditions->if_none_match && pen_etag_listed(conditions->if_none_match, etag)) {
         /* The body is not sent, but the Content-Length of a 304 is that of the 200. */
-        reply_body(reply, 304, blob, type);
-        reply_field(reply, "ETag", "%s", etag);
+        pen_http_reply_body(reply, 304, blob, type);
+        pen_http_reply_field(reply, "ETag", "%s", etag);
         return true;
     }
     uint64_t first, count;
     size_t size = blob ? blob->content.bytes : 0;
     enum pen_range_kind range = granted_range(conditions, etag, size, &first, &count);
     if (range == PEN_RANGE_OUTSIDE) {
-        blob_unref(blob);
+        pen_http_blob_unref(blob);
         return false;
     }
-    reply_body(reply, range == PEN_RANGE_PART ? 206 : 200, blob, type);
-    reply_field(reply, "ETag", "%s", etag);
+    pen_http_reply_body(reply, range == PEN_RANGE_PART ? 206 : 200, blob, type);
+    pen_http_reply_field(reply, "ETag", "%s", etag);
     if (range == PEN_RANGE_PART) {
         reply->first = (size_t)first;
         reply->bytes = (size_t)count;
-        reply_field(reply, "Content-Range", "bytes %zu-%zu/%zu", reply->first,
-                    reply->first + reply->bytes - 1, size);
+        pen_http_reply_field(reply, "Content-Range", "bytes %zu-%zu/%zu", reply->first,
+                             reply->first + reply->bytes - 1, size);
     }
     return true;
 }

@@ -23,19 +23,19 @@ struct blob {
 
 /* Takes the contents of a buffer, which is empty afterwards, also on failure.
  * Fails: NULL when out of memory, or if the buffer has failed. */
-struct blob *blob_take(struct pen_buf *content);
+struct blob *pen_http_blob_take(struct pen_buf *content);
 
 /* Adds the blob's bytes to *total as long as it lives. NULL is allowed as blob. */
-void blob_count(struct blob *blob, atomic_size_t *total);
-struct blob *blob_ref(struct blob *blob);
-void blob_unref(struct blob *blob); /* NULL is allowed */
+void pen_http_blob_count(struct blob *blob, atomic_size_t *total);
+struct blob *pen_http_blob_ref(struct blob *blob);
+void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
 
 /* A JSON text with a line end. Fails: NULL when out of memory. */
-struct blob *blob_json(const json_t *json);
+struct blob *pen_http_blob_json(const json_t *json);
 
 /* A strong entity tag, quoted: a hash of the bytes. */
 enum { ETAG_BYTES = 40 };
-void blob_etag(const struct blob *blob, char etag[ETAG_BYTES]);
+void pen_http_blob_etag(const struct blob *blob, char etag[ETAG_BYTES]);
 
 enum { REPLY_FIELDS = 10 };
 
@@ -51,20 +51,20 @@ struct reply {
     bool failed;
 };
 
-void reply_release(struct reply *reply);
+void pen_http_reply_release(struct reply *reply);
 
-void reply_field(struct reply *reply, const char *name, const char *format, ...)
+void pen_http_reply_field(struct reply *reply, const char *name, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* Sets status and body; takes the blob. A NULL blob is an allocation that failed. */
-void reply_body(struct reply *reply, int status, struct blob *blob, const char *type);
+void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type);
 
-/* As reply_body; takes the reference to json. NULL is an allocation that failed. */
-void reply_json(struct reply *reply, int status, json_t *json);
+/* As pen_http_reply_body; takes the reference to json. NULL is an allocation that failed. */
+void pen_http_reply_json(struct reply *reply, int status, json_t *json);
 
 /* A problem document, with the request's id in it, and Retry-After where trying again helps.
  * Takes the reference to the problem. */
-void reply_problem(struct reply *reply, json_t *problem, const char *request_id);
+void pen_http_reply_problem(struct reply *reply, json_t *problem, const char *request_id);
 
 /* What a conditional or partial GET needs to know of the request; NULL: not sent. */
 struct reply_conditions {
@@ -73,7 +73,7 @@ struct reply_conditions {
 
 /* Answers 200, 304 or 206 with a representation; takes the blob. False if it has nothing in the
  * range asked for; the reply is then untouched. */
-bool reply_content(struct reply *reply, struct blob *blob, const char *type, const char *etag,
-                   const struct reply_conditions *conditions);
+bool pen_http_reply_content(struct reply *reply, struct blob *blob, const char *type,
+                            const char *etag, const struct reply_conditions *conditions);
 
 #endif

@@ -19,7 +19,7 @@
 /* All bodies in memory together: beyond this, uploads are read, dropped and answered 503. */
 enum { INTAKE_BYTES = 256 << 20 };
 
-struct request *request_new(struct pen_http *http, const char *raw_target)
+struct request *pen_http_request_new(struct pen_http *http, const char *raw_target)
 {
     struct request *request = calloc(1, sizeof *request);
     if (!request)
@@ -34,58 +34,59 @@ struct request *request_new(struct pen_http *http, const char *raw_target)
     return request;
 }
 
-void request_free(struct request *request)
+void pen_http_request_free(struct request *request)
 {
     if (!request)
         return;
-    request_drop_body(request);
-    reply_release(&request->reply);
+    pen_http_request_drop_body(request);
+    pen_http_reply_release(&request->reply);
     pen_target_release(&request->target);
     free(request->raw_target);
     free(request);
 }
 
-void request_drop_body(struct request *request)
+void pen_http_request_drop_body(struct request *request)
 {
     atomic_fetch_sub_explicit(&request->http->intake_bytes, request->body.bytes,
                               memory_order_relaxed);
     pen_buf_release(&request->body);
 }
 
-void request_fail(struct request *request, const struct pen_status *st)
+void pen_http_request_fail(struct request *request, const struct pen_status *st)
 {
-    reply_problem(&request->reply, pen_problem(st), request->id);
+    pen_http_reply_problem(&request->reply, pen_problem(st), request->id);
 }
 
-const char *request_param(const struct request *request, const char *name)
+const char *pen_http_request_param(const struct request *request, const char *name)
 {
     return pen_target_param(&request->target, name);
 }
 
-long request_number(const struct request *request, const char *name, long otherwise)
+long pen_http_request_number(const struct request *request, const char *name, long otherwise)
 {
-    const char *text = request_param(request, name);
+    const char *text = pen_http_request_param(request, name);
     return text ? strtol(text, NULL, 10) : otherwise;
 }
 
-void request_content(struct request *request, const struct content *content)
+void pen_http_request_content(struct request *request, const struct content *content)
 {
     const struct fields *fields = &request->fields;
     bool ranges = content->ranges && !request->head; /* Range is defined for GET only */
     struct reply_conditions conditions = {fields->if_none_match, ranges ? fields->range : NULL,
                                           fields->if_range};
     size_t size = content->blob ? content->blob->content.bytes : 0;
-    if (reply_content(&request->reply, content->blob, content->type, content->etag, &conditions)) {
-        reply_field(&request->reply, "Cache-Control", "%s", content->cache_control);
+    if (pen_http_reply_content(&request->reply, content->blob, content->type, content->etag,
+                               &conditions)) {
+        pen_http_reply_field(&request->reply, "Cache-Control", "%s", content->cache_control);
     } else {
         struct pen_status st;
         pen_fail(&st, PEN_RANGE, "the range %s lies outside the %zu bytes there are", fields->range,
                  size);
-        request_fail(request, &st);
-        reply_field(&request->reply, "Content-Range", "bytes */%zu", size);
+        pen_http_request_fail(request, &st);
+        pen_http_reply_field(&request->reply, "Content-Range", "bytes */%zu", size);
     }
     if (content->ranges)
-        reply_field(&request->reply, "Accept-Ranges", "bytes");
+        pen_http_reply_field(&request->reply, "Accept-Ranges", "bytes");
 }
 
 /* Takes a client's own request id if it is one that is safe in logs, else makes one. */
@@ -142,8 +143,8 @@ static bool read_job_id(struct request *request, struct pen_status *st)
 static bool find_route(struct request *request, char allow[ALLOW_BYTES], struct pen_status *st)
 {
     const char *method = request->head ? "GET" : request->method;
-    request->route = route_find(method, &request->target, &request->arg, allow, st);
-    if (!request->route || !route_check_params(request->route, &request->target, st))
+    request->route = pen_http_route_find(method, &request->target, &request->arg, allow, st);
+    if (!request->route || !pen_http_route_check_params(request->route, &request->target, st))
         return false;
     return strncmp(request->route->path, "/v1/jobs/{id}", 13) != 0 || read_job_id(request, st);
 }
@@ -216,7 +217,7 @@ static bool wants_swallow(const struct request *request)
            request->declared_bytes <= request->http->limits.body_bytes;
 }
 
-void request_admit(struct request *request)
+void pen_http_request_admit(struct request *request)
 {
     struct pen_status st;
     char allow[ALLOW_BYTES] = "";
@@ -233,13 +234,13 @@ void request_admit(struct request *request)
         return;
     }
     request->route = NULL;
-    request_fail(request, &st);
+    pen_http_request_fail(request, &st);
     if (allow[0])
-        reply_field(&request->reply, "Allow", "%s", allow);
+        pen_http_reply_field(&request->reply, "Allow", "%s", allow);
     request->phase = wants_swallow(request) ? PHASE_SWALLOW : PHASE_ANSWERED;
 }
 
-void request_receive(struct request *request, const char *data, size_t bytes)
+void pen_http_request_receive(struct request *request, const char *data, size_t bytes)
 {
     if (request->phase != PHASE_BODY || !request->route->takes_body)
         return;
@@ -249,9 +250,9 @@ void request_receive(struct request *request, const char *data, size_t bytes)
     if (room)
         return;
     atomic_fetch_sub_explicit(intake, bytes, memory_order_relaxed);
-    request_drop_body(request);
+    pen_http_request_drop_body(request);
     struct pen_status st;
     pen_fail(&st, PEN_UNAVAILABLE, "there is no room for this body now; try again later");
-    request_fail(request, &st);
+    pen_http_request_fail(request, &st);
     request->phase = PHASE_SWALLOW;
 }

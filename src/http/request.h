@@ -8,7 +8,8 @@
  *
  * LINE, BODY, SWALLOW and ANSWERED belong to the connection's libmicrohttpd thread. HELD belongs
  * to exactly one other thread: a store thread, which may pass it to the watcher. The hand-over is
- * adapter_hold and adapter_wake; whoever woke a request must not touch it any more. */
+ * pen_http_adapter_hold and pen_http_adapter_wake; whoever woke a request must not touch it any
+ * more. */
 #ifndef HTTP_REQUEST_H
 #define HTTP_REQUEST_H
 
@@ -61,25 +62,25 @@ struct request {
 };
 
 /* A request whose line is `raw_target`. Fails: NULL when out of memory. */
-struct request *request_new(struct pen_http *http, const char *raw_target);
-void request_free(struct request *request); /* NULL is allowed */
+struct request *pen_http_request_new(struct pen_http *http, const char *raw_target);
+void pen_http_request_free(struct request *request); /* NULL is allowed */
 
 /* Looks at line and fields. Afterwards the request is in BODY; or, refused, in SWALLOW if its body
  * is to be read before the answer, else in ANSWERED. */
-void request_admit(struct request *request);
+void pen_http_request_admit(struct request *request);
 
 /* Takes a part of the body. */
-void request_receive(struct request *request, const char *data, size_t bytes);
+void pen_http_request_receive(struct request *request, const char *data, size_t bytes);
 
 /* Drops the body and gives its bytes back to the intake budget. */
-void request_drop_body(struct request *request);
+void pen_http_request_drop_body(struct request *request);
 
 /* Answers with the problem that the status says. */
-void request_fail(struct request *request, const struct pen_status *st);
+void pen_http_request_fail(struct request *request, const struct pen_status *st);
 
 /* A query parameter, checked by admission. */
-const char *request_param(const struct request *request, const char *name);
-long request_number(const struct request *request, const char *name, long otherwise);
+const char *pen_http_request_param(const struct request *request, const char *name);
+long pen_http_request_number(const struct request *request, const char *name, long otherwise);
 
 /* Answers with a representation; takes the blob, NULL being an allocation that failed.
  * Conditions are honoured, ranges too where the resource has them. */
@@ -88,6 +89,6 @@ struct content {
     const char *type, *etag, *cache_control;
     bool ranges;
 };
-void request_content(struct request *request, const struct content *content);
+void pen_http_request_content(struct request *request, const struct content *content);
 
 #endif

@@ -29,46 +29,58 @@ static const struct param_rule preview_params[] = {{.name = "view", .longest = 2
 static const struct route table[] = {
     {.method = "POST",
      .path = "/v1/jobs",
-     .handle = handle_submit,
+     .handle = pen_http_handle_submit,
      .lane = LANE_STORE,
      .takes_body = true,
      .submits = true},
     {.method = "GET",
      .path = "/v1/jobs",
-     .handle = handle_list,
+     .handle = pen_http_handle_list,
      .lane = LANE_STORE,
      .params = list_params},
     {.method = "GET",
      .path = "/v1/jobs/{id}",
-     .handle = handle_job,
-     .quick = quick_job,
+     .handle = pen_http_handle_job,
+     .quick = pen_http_quick_job,
      .lane = LANE_STORE,
      .params = job_params},
-    {.method = "DELETE", .path = "/v1/jobs/{id}", .handle = handle_delete, .lane = LANE_STORE},
+    {.method = "DELETE",
+     .path = "/v1/jobs/{id}",
+     .handle = pen_http_handle_delete,
+     .lane = LANE_STORE},
     {.method = "GET",
      .path = "/v1/jobs/{id}/image",
-     .handle = handle_image,
+     .handle = pen_http_handle_image,
      .lane = LANE_SIDE,
      .params = image_params},
     {.method = "GET",
      .path = "/v1/jobs/{id}/preview",
-     .handle = handle_preview,
+     .handle = pen_http_handle_preview,
      .lane = LANE_SIDE,
      .params = preview_params},
-    {.method = "GET", .path = "/v1/jobs/{id}/stats", .handle = handle_stats, .lane = LANE_STORE},
-    {.method = "GET", .path = "/v1/jobs/{id}/scene", .handle = handle_scene, .lane = LANE_STORE},
-    {.method = "POST", .path = "/v1/jobs/{id}/cancel", .handle = handle_cancel, .lane = LANE_STORE},
+    {.method = "GET",
+     .path = "/v1/jobs/{id}/stats",
+     .handle = pen_http_handle_stats,
+     .lane = LANE_STORE},
+    {.method = "GET",
+     .path = "/v1/jobs/{id}/scene",
+     .handle = pen_http_handle_scene,
+     .lane = LANE_STORE},
+    {.method = "POST",
+     .path = "/v1/jobs/{id}/cancel",
+     .handle = pen_http_handle_cancel,
+     .lane = LANE_STORE},
     {.method = "POST",
      .path = "/v1/validate",
-     .handle = handle_validate,
+     .handle = pen_http_handle_validate,
      .lane = LANE_SIDE,
      .takes_body = true},
-    {.method = "GET", .path = "/v1/scenes", .handle = handle_scenes},
-    {.method = "GET", .path = "/v1/scenes/{name}", .handle = handle_builtin},
-    {.method = "GET", .path = "/healthz", .handle = handle_healthz},
-    {.method = "GET", .path = "/readyz", .handle = handle_readyz, .lane = LANE_STORE},
-    {.method = "GET", .path = "/openapi.yaml", .handle = handle_api_file},
-    {.method = "GET", .path = "/scene.schema.json", .handle = handle_api_file},
+    {.method = "GET", .path = "/v1/scenes", .handle = pen_http_handle_scenes},
+    {.method = "GET", .path = "/v1/scenes/{name}", .handle = pen_http_handle_builtin},
+    {.method = "GET", .path = "/healthz", .handle = pen_http_handle_healthz},
+    {.method = "GET", .path = "/readyz", .handle = pen_http_handle_readyz, .lane = LANE_STORE},
+    {.method = "GET", .path = "/openapi.yaml", .handle = pen_http_handle_api_file},
+    {.method = "GET", .path = "/scene.schema.json", .handle = pen_http_handle_api_file},
 };
 
 enum { ROUTES = sizeof table / sizeof table[0] };
@@ -111,8 +123,9 @@ static bool fail_unknown(const struct pen_target *target, struct pen_status *st)
                     "what there is");
 }
 
-const struct route *route_find(const char *method, const struct pen_target *target,
-                               const char **arg, char allow[ALLOW_BYTES], struct pen_status *st)
+const struct route *pen_http_route_find(const char *method, const struct pen_target *target,
+                                        const char **arg, char allow[ALLOW_BYTES],
+                                        struct pen_status *st)
 {
     allow[0] = '\0';
     for (size_t i = 0; i < ROUTES; i++) {
@@ -193,8 +206,8 @@ static bool check_param(const struct route *route, const struct pen_param *param
     return fail_unknown_param(route, param->name, st);
 }
 
-bool route_check_params(const struct route *route, const struct pen_target *target,
-                        struct pen_status *st)
+bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
+                                 struct pen_status *st)
 {
     for (int i = 0; i < target->param_count; i++) {
         const struct pen_param *param = &target->param[i];
@@ -206,9 +219,9 @@ bool route_check_params(const struct route *route, const struct pen_target *targ
     return true;
 }
 
-enum lane route_lane(const struct route *route, const struct pen_target *target)
+enum lane pen_http_route_lane(const struct route *route, const struct pen_target *target)
 {
-    if (route->handle != handle_image)
+    if (route->handle != pen_http_handle_image)
         return route->lane;
     const char *layer = pen_target_param(target, "layer");
     const char *format = pen_target_param(target, "format");

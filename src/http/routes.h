@@ -50,14 +50,15 @@ struct route {
 
 /* Finds the route of a request. Fails: PEN_NOT_FOUND; PEN_METHOD, with the methods in allow. */
 enum { ALLOW_BYTES = 64 };
-const struct route *route_find(const char *method, const struct pen_target *target,
-                               const char **arg, char allow[ALLOW_BYTES], struct pen_status *st);
+const struct route *pen_http_route_find(const char *method, const struct pen_target *target,
+                                        const char **arg, char allow[ALLOW_BYTES],
+                                        struct pen_status *st);
 
 /* Fails: PEN_USAGE, naming the parameter and what is allowed. */
-bool route_check_params(const struct route *route, const struct pen_target *target,
-                        struct pen_status *st);
+bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
+                                 struct pen_status *st);
 
 /* The lane for this request: an image that is stored as asked for needs no side thread. */
-enum lane route_lane(const struct route *route, const struct pen_target *target);
+enum lane pen_http_route_lane(const struct route *route, const struct pen_target *target);
 
 #endif

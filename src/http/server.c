@@ -23,10 +23,10 @@ static const int64_t finish_ns = INT64_C(1500000000);
 /* Frees whatever there is. No connection may be open. */
 static void release(struct pen_http *http)
 {
-    pool_free(http->pool);
-    watch_free(http->watch);
-    snapshots_free(http->snapshots);
-    statics_free(http->statics);
+    pen_http_pool_free(http->pool);
+    pen_http_watch_free(http->watch);
+    pen_http_snapshots_free(http->snapshots);
+    pen_http_statics_free(http->statics);
     pthread_mutex_destroy(&http->ready_lock);
     free(http);
 }
@@ -37,7 +37,7 @@ static bool start_threads(struct pen_http *http, const struct pen_http_options *
     struct pen_jobs *jobs = pen_jobs_open(options->store_url, &http->limits, st);
     if (!jobs)
         return false;
-    http->watch = watch_start(http, jobs, st);
+    http->watch = pen_http_watch_start(http, jobs, st);
     if (!http->watch)
         return false;
     const struct pool_options pool = {
@@ -45,24 +45,24 @@ static bool start_threads(struct pen_http *http, const struct pen_http_options *
         .limits = &http->limits,
         .store_threads = options->store_threads > 0 ? options->store_threads : STORE_THREADS,
         .side_threads = SIDE_THREADS};
-    http->pool = pool_start(&pool, st);
+    http->pool = pen_http_pool_start(&pool, st);
     return http->pool != NULL;
 }
 
 static void stop_threads(struct pen_http *http)
 {
     if (http->pool)
-        pool_stop(http->pool);
+        pen_http_pool_stop(http->pool);
     if (http->watch)
-        watch_stop(http->watch);
+        pen_http_watch_stop(http->watch);
 }
 
 static bool prepare(struct pen_http *http, struct pen_status *st)
 {
-    http->snapshots = snapshots_new();
+    http->snapshots = pen_http_snapshots_new();
     if (!http->snapshots)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
-    http->statics = statics_new(st);
+    http->statics = pen_http_statics_new(st);
     return http->statics != NULL;
 }
 
@@ -78,12 +78,12 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     pthread_mutex_init(&http->ready_lock, NULL);
     int idle = options->idle_seconds > 0 ? options->idle_seconds : IDLE_SECONDS;
     bool ok = prepare(http, st) && start_threads(http, options, st) &&
-              (http->adapter = adapter_start(http, options->listen_fd, idle, st)) &&
-              adapter_accept(http->adapter, st);
+              (http->adapter = pen_http_adapter_start(http, options->listen_fd, idle, st)) &&
+              pen_http_adapter_accept(http->adapter, st);
     if (ok)
         return http;
     stop_threads(http);
-    adapter_stop(http->adapter);
+    pen_http_adapter_stop(http->adapter);
     release(http);
     return NULL;
 }
@@ -113,11 +113,11 @@ void pen_http_stop(struct pen_http *http)
 {
     if (!http)
         return;
-    adapter_stop_accepting(http->adapter);
+    pen_http_adapter_stop_accepting(http->adapter);
     atomic_store_explicit(&http->stopping, true, memory_order_relaxed);
-    watch_stop(http->watch);
+    pen_http_watch_stop(http->watch);
     wait_for_quiet(http);
-    pool_stop(http->pool);
-    adapter_stop(http->adapter);
+    pen_http_pool_stop(http->pool);
+    pen_http_adapter_stop(http->adapter);
     release(http);
 }

@@ -24,7 +24,7 @@ struct snapshots {
     struct place place[PLACES]; /* guarded by lock */
 };
 
-struct snapshots *snapshots_new(void)
+struct snapshots *pen_http_snapshots_new(void)
 {
     struct snapshots *cache = calloc(1, sizeof *cache);
     if (cache)
@@ -32,18 +32,18 @@ struct snapshots *snapshots_new(void)
     return cache;
 }
 
-void snapshots_free(struct snapshots *cache)
+void pen_http_snapshots_free(struct snapshots *cache)
 {
     for (int i = 0; cache && i < PLACES; i++)
-        snapshot_release(&cache->place[i].snapshot);
+        pen_http_snapshot_release(&cache->place[i].snapshot);
     if (cache)
         pthread_mutex_destroy(&cache->lock);
     free(cache);
 }
 
-void snapshot_release(struct snapshot *snapshot)
+void pen_http_snapshot_release(struct snapshot *snapshot)
 {
-    blob_unref(snapshot->json);
+    pen_http_blob_unref(snapshot->json);
     snapshot->json = NULL;
 }
 
@@ -56,7 +56,8 @@ static struct place *place_of(struct snapshots *cache, const char *id)
     return &cache->place[hash % PLACES];
 }
 
-bool snapshots_peek(struct snapshots *cache, uint32_t news, const char *id, struct snapshot *out)
+bool pen_http_snapshots_peek(struct snapshots *cache, uint32_t news, const char *id,
+                             struct snapshot *out)
 {
     struct place *place = place_of(cache, id);
     int64_t now = pen_clock_ns();
@@ -65,7 +66,7 @@ bool snapshots_peek(struct snapshots *cache, uint32_t news, const char *id, stru
                 strcmp(place->snapshot.id, id) == 0;
     if (good) {
         *out = place->snapshot;
-        blob_ref(out->json);
+        pen_http_blob_ref(out->json);
     }
     pthread_mutex_unlock(&cache->lock);
     return good;
@@ -75,18 +76,18 @@ static void remember(struct snapshots *cache, uint32_t news, int64_t read_ns,
                      const struct snapshot *snapshot)
 {
     struct place *place = place_of(cache, snapshot->id);
-    blob_ref(snapshot->json);
+    pen_http_blob_ref(snapshot->json);
     pthread_mutex_lock(&cache->lock);
     struct blob *old = place->snapshot.json;
     *place = (struct place){*snapshot, news, read_ns};
     pthread_mutex_unlock(&cache->lock);
-    blob_unref(old);
+    pen_http_blob_unref(old);
 }
 
-bool snapshots_read(struct snapshots *cache, uint32_t news, struct pen_jobs *jobs, const char *id,
-                    struct snapshot *out, struct pen_status *st)
+bool pen_http_snapshots_read(struct snapshots *cache, uint32_t news, struct pen_jobs *jobs,
+                             const char *id, struct snapshot *out, struct pen_status *st)
 {
-    if (snapshots_peek(cache, news, id, out))
+    if (pen_http_snapshots_peek(cache, news, id, out))
         return true;
     int64_t now = pen_clock_ns();
     struct pen_job_snapshot job;
@@ -94,7 +95,7 @@ bool snapshots_read(struct snapshots *cache, uint32_t news, struct pen_jobs *job
         return false;
     *out = (struct snapshot){.state = job.state, .revision = job.revision};
     snprintf(out->id, sizeof out->id, "%s", id);
-    out->json = blob_json(job.json);
+    out->json = pen_http_blob_json(job.json);
     json_decref(job.json);
     if (!out->json)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the job");
@@ -107,7 +108,7 @@ static void tag_of(const struct snapshot *snapshot, char etag[ETAG_BYTES])
     snprintf(etag, ETAG_BYTES, "\"%" PRId64 "\"", snapshot->revision);
 }
 
-bool snapshot_is_due(const struct snapshot *snapshot, const struct request *request)
+bool pen_http_snapshot_is_due(const struct snapshot *snapshot, const struct request *request)
 {
     const char *known = request->fields.if_none_match;
     char etag[ETAG_BYTES];
@@ -115,16 +116,16 @@ bool snapshot_is_due(const struct snapshot *snapshot, const struct request *requ
     return pen_job_state_ended(snapshot->state) || (known && !pen_etag_listed(known, etag));
 }
 
-void snapshot_reply(const struct snapshot *snapshot, struct request *request)
+void pen_http_snapshot_reply(const struct snapshot *snapshot, struct request *request)
 {
     char etag[ETAG_BYTES];
     tag_of(snapshot, etag);
     bool ended = pen_job_state_ended(snapshot->state);
-    const struct content content = {.blob = blob_ref(snapshot->json),
+    const struct content content = {.blob = pen_http_blob_ref(snapshot->json),
                                     .type = "application/json",
                                     .etag = etag,
                                     .cache_control = ended ? "private, max-age=5" : "no-cache"};
-    request_content(request, &content);
+    pen_http_request_content(request, &content);
     if (!ended)
-        reply_field(&request->reply, "Retry-After", "1");
+        pen_http_reply_field(&request->reply, "Retry-After", "1");
 }

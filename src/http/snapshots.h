@@ -22,24 +22,25 @@ struct snapshot {
     struct blob *json;
 };
 
-void snapshot_release(struct snapshot *snapshot);
+void pen_http_snapshot_release(struct snapshot *snapshot);
 
-struct snapshots *snapshots_new(void);
-void snapshots_free(struct snapshots *cache); /* NULL is allowed */
+struct snapshots *pen_http_snapshots_new(void);
+void pen_http_snapshots_free(struct snapshots *cache); /* NULL is allowed */
 
 /* The job from memory, if that is still good. Owns: the caller releases *out. */
-bool snapshots_peek(struct snapshots *cache, uint32_t news, const char *id, struct snapshot *out);
+bool pen_http_snapshots_peek(struct snapshots *cache, uint32_t news, const char *id,
+                             struct snapshot *out);
 
 /* The job from memory or else from the store, remembered for others. `news` is the counter from
  * before the call. Owns: the caller releases *out. Fails: as pen_jobs_get; PEN_NO_MEMORY. */
-bool snapshots_read(struct snapshots *cache, uint32_t news, struct pen_jobs *jobs, const char *id,
-                    struct snapshot *out, struct pen_status *st);
+bool pen_http_snapshots_read(struct snapshots *cache, uint32_t news, struct pen_jobs *jobs,
+                             const char *id, struct snapshot *out, struct pen_status *st);
 
 /* Whether a GET of this job has to wait no longer: it has ended, or the client knows another
  * revision. */
-bool snapshot_is_due(const struct snapshot *snapshot, const struct request *request);
+bool pen_http_snapshot_is_due(const struct snapshot *snapshot, const struct request *request);
 
 /* Answers a GET of the job. */
-void snapshot_reply(const struct snapshot *snapshot, struct request *request);
+void pen_http_snapshot_reply(const struct snapshot *snapshot, struct request *request);
 
 #endif

@@ -23,7 +23,7 @@ static bool add(struct statics *statics, const char *name, const char *type, str
     snprintf(file->name, sizeof file->name, "%s", name);
     file->type = type;
     file->blob = blob;
-    blob_etag(blob, file->etag);
+    pen_http_blob_etag(blob, file->etag);
     return true;
 }
 
@@ -31,7 +31,7 @@ static struct blob *copy(const void *data, size_t bytes)
 {
     struct pen_buf content = {0};
     pen_buf_add(&content, data, bytes);
-    return blob_take(&content);
+    return pen_http_blob_take(&content);
 }
 
 static bool add_api_files(struct statics *statics)
@@ -55,12 +55,12 @@ static bool add_builtin_scenes(struct statics *statics)
             return false;
     }
     json_t *list = pen_jobs_scenes();
-    bool ok = list && add(statics, "scenes", "application/json", blob_json(list));
+    bool ok = list && add(statics, "scenes", "application/json", pen_http_blob_json(list));
     json_decref(list);
     return ok;
 }
 
-struct statics *statics_new(struct pen_status *st)
+struct statics *pen_http_statics_new(struct pen_status *st)
 {
     size_t count = 1 + pen_builtin_count();
     for (const struct pen_embedded_file *file = pen_api_files; file->name; file++)
@@ -68,19 +68,19 @@ struct statics *statics_new(struct pen_status *st)
     struct statics *statics = calloc(1, sizeof *statics + count * sizeof statics->file[0]);
     if (statics && add_api_files(statics) && add_builtin_scenes(statics))
         return statics;
-    statics_free(statics);
+    pen_http_statics_free(statics);
     pen_fail(st, PEN_NO_MEMORY, "no memory for the built-in files");
     return NULL;
 }
 
-void statics_free(struct statics *statics)
+void pen_http_statics_free(struct statics *statics)
 {
     for (size_t i = 0; statics && i < statics->count; i++)
-        blob_unref(statics->file[i].blob);
+        pen_http_blob_unref(statics->file[i].blob);
     free(statics);
 }
 
-const struct static_file *statics_find(const struct statics *statics, const char *name)
+const struct static_file *pen_http_statics_find(const struct statics *statics, const char *name)
 {
     for (size_t i = 0; i < statics->count; i++) {
         if (strcmp(statics->file[i].name, name) == 0)

@@ -17,10 +17,10 @@ struct static_file {
 struct statics;
 
 /* Fails: PEN_NO_MEMORY. */
-struct statics *statics_new(struct pen_status *st);
-void statics_free(struct statics *statics); /* NULL is allowed */
+struct statics *pen_http_statics_new(struct pen_status *st);
+void pen_http_statics_free(struct statics *statics); /* NULL is allowed */
 
 /* The file of that name, or NULL. */
-const struct static_file *statics_find(const struct statics *statics, const char *name);
+const struct static_file *pen_http_statics_find(const struct statics *statics, const char *name);
 
 #endif

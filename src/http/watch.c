@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The watcher's list is short-lived state: a request is in it from watch_add until it is answered.
- * While the thread looks at jobs, the entries in question are in its own hands, not in the list.
+/* The watcher's list is short-lived state: a request is in it from pen_http_watch_add until it is
+ * answered. While the thread looks at jobs, the entries in question are in its own hands, not in
+ * the list.
  *
  * Why no change is missed: `seen` is raised, under the lock, before the jobs are looked at. An
  * entry that comes with an older counter than `seen` may have missed that look, so its caller has
@@ -32,7 +33,7 @@ struct watch {
     bool closed;          /* guarded by lock */
 };
 
-uint32_t watch_news(struct watch *watch)
+uint32_t pen_http_watch_news(struct watch *watch)
 {
     uint32_t news = 0;
     pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_NEWS, &news, 0);
@@ -44,15 +45,15 @@ static bool answer(struct watch *watch, struct request *request, uint32_t news, 
 {
     struct snapshot snapshot;
     struct pen_status st;
-    if (!snapshots_read(watch->http->snapshots, news, watch->jobs, request->job_id, &snapshot,
-                        &st)) {
-        request_fail(request, &st);
+    if (!pen_http_snapshots_read(watch->http->snapshots, news, watch->jobs, request->job_id,
+                                 &snapshot, &st)) {
+        pen_http_request_fail(request, &st);
         return true;
     }
-    bool due = at_once || snapshot_is_due(&snapshot, request);
+    bool due = at_once || pen_http_snapshot_is_due(&snapshot, request);
     if (due)
-        snapshot_reply(&snapshot, request);
-    snapshot_release(&snapshot);
+        pen_http_snapshot_reply(&snapshot, request);
+    pen_http_snapshot_release(&snapshot);
     return due;
 }
 
@@ -90,7 +91,7 @@ static void look(struct watch *watch, struct request *taken, uint32_t news, bool
         }
         pthread_mutex_unlock(&watch->lock);
         if (answered)
-            adapter_wake(taken);
+            pen_http_adapter_wake(taken);
     }
 }
 
@@ -124,7 +125,8 @@ static void *run(void *arg)
     return NULL;
 }
 
-struct watch *watch_start(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
+struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
+                                   struct pen_status *st)
 {
     struct watch *watch = calloc(1, sizeof *watch);
     if (!watch) {
@@ -135,15 +137,15 @@ struct watch *watch_start(struct pen_http *http, struct pen_jobs *jobs, struct p
     *watch = (struct watch){.http = http, .jobs = jobs};
     pthread_mutex_init(&watch->lock, NULL);
     pthread_cond_init(&watch->filled, NULL);
-    watch->seen = watch_news(watch);
+    watch->seen = pen_http_watch_news(watch);
     if (pthread_create(&watch->thread, NULL, run, watch) == 0)
         return watch;
-    watch_free(watch);
+    pen_http_watch_free(watch);
     pen_fail(st, PEN_UNAVAILABLE, "no thread for the watcher");
     return NULL;
 }
 
-void watch_stop(struct watch *watch)
+void pen_http_watch_stop(struct watch *watch)
 {
     pthread_mutex_lock(&watch->lock);
     watch->closed = true;
@@ -152,7 +154,7 @@ void watch_stop(struct watch *watch)
     pthread_join(watch->thread, NULL);
 }
 
-void watch_free(struct watch *watch)
+void pen_http_watch_free(struct watch *watch)
 {
     if (!watch)
         return;
@@ -162,7 +164,7 @@ void watch_free(struct watch *watch)
     free(watch);
 }
 
-enum watch_answer watch_add(struct watch *watch, struct request *request, uint32_t news)
+enum watch_answer pen_http_watch_add(struct watch *watch, struct request *request, uint32_t news)
 {
     enum watch_answer given = WATCH_TAKEN;
     pthread_mutex_lock(&watch->lock);

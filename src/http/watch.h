@@ -16,15 +16,16 @@ struct watch;
 enum { WATCH_MAX = 512 }; /* farm.md: half of the connections stay free for other calls */
 
 /* Takes the jobs handle, also on failure. Fails: PEN_UNAVAILABLE (threads). */
-struct watch *watch_start(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st);
+struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
+                                   struct pen_status *st);
 
 /* Answers all waiting requests with their jobs as they are, and ends the thread; later calls of
- * watch_add get WATCH_CLOSED. The watch must be freed when no thread uses it any more. */
-void watch_stop(struct watch *watch);
-void watch_free(struct watch *watch); /* NULL is allowed */
+ * pen_http_watch_add get WATCH_CLOSED. The watch must be freed when no thread uses it any more. */
+void pen_http_watch_stop(struct watch *watch);
+void pen_http_watch_free(struct watch *watch); /* NULL is allowed */
 
 /* The store's NEWS counter. */
-uint32_t watch_news(struct watch *watch);
+uint32_t pen_http_watch_news(struct watch *watch);
 
 enum watch_answer {
     WATCH_TAKEN, /* the request is the watcher's */
@@ -35,6 +36,6 @@ enum watch_answer {
 
 /* Hands a held request with its deadline to the watcher. `news` is the counter from before the
  * caller looked at the job, so no change falls between looking and waiting. */
-enum watch_answer watch_add(struct watch *watch, struct request *request, uint32_t news);
+enum watch_answer pen_http_watch_add(struct watch *watch, struct request *request, uint32_t news);
 
 #endif
