@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "pen/io/scene_json.h"
+#include "pen/scene/scene.h"
 #include "support/mutate.h"
 #include "support/suite.h"
 
@@ -117,6 +118,18 @@ static bool leads_somewhere(const json_t *value, const char *pointer)
     return value && !*pointer;
 }
 
+/* What was read can be frozen, but for bodies whose sizes no frame holds together. */
+static void check_freeze(const json_t *document, const struct pen_scene_desc *desc,
+                         const struct random *random)
+{
+    struct pen_status st = {0};
+    struct pen_scene *scene = pen_scene_freeze(desc, PEN_ACCEL_NONE, 0, &st);
+    if (!scene)
+        ck_assert_msg(st.code == PEN_INVALID && leads_somewhere(document, st.at),
+                      "PEN_SEED=%llu: %s: %s", (unsigned long long)random->seed, st.at, st.msg);
+    pen_scene_free(scene);
+}
+
 static void check_read(const json_t *document, const struct random *random)
 {
     struct pen_limits limits = pen_limits_default();
@@ -125,8 +138,10 @@ static void check_read(const json_t *document, const struct random *random)
     struct pen_errors errors = {0}, warnings = {0};
     bool ok = pen_scene_read(document, "", &limits, arena, &desc, &errors);
     ck_assert(ok == (errors.total == 0));
-    if (ok)
+    if (ok) {
         pen_scene_warnings(document, "", &desc, &warnings);
+        check_freeze(document, &desc, random);
+    }
     for (size_t i = 0; i < errors.count + warnings.count; i++) {
         const struct pen_status *st =
             i < errors.count ? &errors.item[i] : &warnings.item[i - errors.count];

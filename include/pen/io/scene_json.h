@@ -66,7 +66,7 @@ bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_de
 /* Upper bound of primary and shadow rays of one pixel, from counts alone. */
 double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_settings *settings);
 
-/* Notes on a valid scene that a person may want to know: a T-junction (searched among up to 50 000
+/* Notes on a valid scene that a person may want to know: a T-junction (searched among up to 20 000
  * edges), a named material that nothing uses, a light without light, a picture that will be empty
  * or black. Each has code PEN_OK, a JSON Pointer and a sentence. `document` is what *desc was read
  * from, with the same `at`. Without memory there are fewer notes. */

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+/* T-junctions in numbers; the other notes are held by the corpus. */
+#include <stdio.h>
+#include <string.h>
+
+#include "pen/base/buf.h"
+#include "pen/io/scene_json.h"
+#include "support/suite.h"
+
+static const char head[] =
+    "{\"format\": \"penumbra-scene/1\", \"ambient\": [1, 1, 1],"
+    " \"camera\": {\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]},"
+    " \"objects\": [{\"type\": \"group\", \"transform\": {\"rotate\": {\"axis\": [3, 5, 7],"
+    " \"degrees\": 20}}, \"objects\": [";
+
+/* The notes on a rectangle above the x axis, 0 to `count` wide, and below it `count` teeth:
+ * triangles that share one vertex each with the next. `split` gives the rectangle their vertices,
+ * too. Everything is turned, so that points inside an edge are on it but for rounding. */
+static struct pen_errors notes(int count, bool split)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_arena *arena = pen_arena_new(0);
+    struct pen_scene_desc desc;
+    struct pen_errors errors = {0}, warnings = {0};
+    struct pen_status st;
+    struct pen_buf text = {0};
+    pen_buf_puts(&text, head);
+    pen_buf_puts(&text, "{\"type\": \"polygon\", \"vertices\": [[0.1, 0, 0]");
+    for (int i = 1; split && i < count; i++)
+        pen_buf_printf(&text, ", [%d.1, 0, 0]", i);
+    pen_buf_printf(&text, ", [%d.1, 0, 0], [%d, 1, 0], [0, 1, 0]]}", count, count);
+    for (int i = 0; i < count; i++)
+        pen_buf_printf(&text,
+                       ", {\"type\": \"triangle\", \"vertices\": [[%d.1, 0, 0], [%d, -1, 0], "
+                       "[%d.1, 0, 0]]}",
+                       i, i, i + 1);
+    pen_buf_puts(&text, "]}]}");
+    ck_assert(!text.failed);
+    json_t *document = pen_json_parse((const char *)text.data, text.bytes, &limits, &st);
+    ck_assert(pen_scene_read(document, "/scene", &limits, arena, &desc, &errors));
+    pen_scene_warnings(document, "/scene", &desc, &warnings);
+    json_decref(document);
+    pen_buf_release(&text);
+    pen_arena_free(arena);
+    return warnings;
+}
+
+START_TEST(test_warnings__every_vertex_inside_an_edge_is_found)
+{
+    /* Two teeth meet at each vertex inside; a few are on the edge exactly, and are no fault. */
+    static const int counts[] = {3, 10, 1000, 6000};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        size_t inside = 2 * (size_t)(counts[i] - 1);
+        struct pen_errors found = notes(counts[i], false);
+        ck_assert_msg(found.total <= inside && 10 * found.total >= 8 * inside, "%zu of %zu",
+                      found.total, inside);
+        ck_assert_uint_eq(found.count, found.total < PEN_ERRORS_MAX ? found.total : PEN_ERRORS_MAX);
+        ck_assert_int_eq(found.item[0].code, PEN_OK);
+        ck_assert_ptr_nonnull(strstr(found.item[0].at, "/scene/objects/0/objects/"));
+        ck_assert_ptr_nonnull(strstr(found.item[0].msg, "/scene/objects/0/objects/0,"));
+    }
+}
+END_TEST
+
+START_TEST(test_warnings__shared_vertices_are_no_t_junctions)
+{
+    ck_assert_uint_eq(notes(2, true).total, 0);
+    ck_assert_uint_eq(notes(1000, true).total, 0);
+}
+END_TEST
+
+START_TEST(test_warnings__t_junctions_of_large_scenes_are_not_looked_for)
+{
+    ck_assert_uint_gt(notes(6665, false).total, 0); /* 19 999 edges */
+    ck_assert_uint_eq(notes(6666, false).total, 0); /* 20 002 */
+}
+END_TEST
+
+PEN_SUITE("io/warnings", test_warnings__every_vertex_inside_an_edge_is_found,
+          test_warnings__shared_vertices_are_no_t_junctions,
+          test_warnings__t_junctions_of_large_scenes_are_not_looked_for)
