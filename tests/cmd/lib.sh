@@ -56,7 +56,7 @@ within() {
 
 # child ROLE: the process id of the daemon's child in that role (api or work).
 child() {
-    pgrep -P "$daemon" "^penumbrad-$1\$"
+    pgrep -P "$daemon" -x "penumbrad-$1"
 }
 
 # gone PID…: none of the processes is there any more.

@@ -124,7 +124,20 @@ submit() {
 small='{"scene": "builtin:spheres", "render": {"width": 64, "height": 48}}'
 long='{"scene": "builtin:spheres", "render": {"width": 4000, "height": 4000, "samples_per_pixel": 64}}'
 
+# What a daemon built with sanitizers had to say against itself, and leaks it found at its end.
+look_for_reports() {
+    daemon_stop
+    [ -e "$work/log" ] || return 0
+    if grep -q -e 'Sanitizer' -e 'runtime error:' "$work/log"; then
+        not_ok no-sanitizer-reports "$(grep -A 12 -e 'Sanitizer' -e 'runtime error:' "$work/log" |
+            head -n 40)"
+    else
+        ok no-sanitizer-reports
+    fi
+}
+
 finish() {
+    look_for_reports
     good=100
     [ "$checks" -eq 0 ] || good=$(((checks - failures) * 100 / checks))
     echo "$good%: Checks: $checks, Failures: $failures, Errors: 0"
