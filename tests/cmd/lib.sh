@@ -59,10 +59,13 @@ child() {
     pgrep -P "$daemon" -x "penumbrad-$1"
 }
 
-# gone PID…: none of the processes is there any more.
+# gone PID…: none of the processes is there any more. A zombie is gone: whoever inherited it may
+# take his time.
 gone() {
     for pid; do
-        kill -0 "$pid" 2>/dev/null && return 1
+        case $(ps -o stat= -p "$pid") in
+        '' | Z*) ;;
+        *) return 1 ;;
+        esac
     done
-    return 0
 }
