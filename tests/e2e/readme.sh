@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: MIT
+# Runs the curl session of README.md as it stands there, against a daemon of this test's own, and
+# looks at what it leaves. Also holds the README's example of a located error to the truth.
+. "$(dirname "$0")/lib.sh"
+root=$(cd "$(dirname "$0")/../.." && pwd)
+
+daemon_start
+awk '/^<!-- session:/ { found = 1 } found && /^```sh$/ { on = 1; next } on && /^```$/ { exit } on' \
+    "$root/README.md" >"$work/session.sh"
+expect session-found "$(grep -c '^URL=http://127.0.0.1:8080$' "$work/session.sh")" 1
+sed -i "s|^URL=.*|URL=$url|; s|@scenes/|@$root/scenes/|" "$work/session.sh"
+
+cd "$work" || exit 1
+sh -eu session.sh >session.out 2>session.err
+expect session-exit "$?" 0
+expect session-says-nothing-wrong "$(cat session.err)" ""
+answer() { # NUMBER FILTER: the n-th JSON value that the session printed
+    jq -c . session.out 2>/dev/null | sed -n "$1p" | jq "$2"
+}
+expect validate-answers "$(answer 1 .valid)" true
+expect job-succeeded "$(answer 2 .)" '"succeeded"'
+expect statistics "$(answer 3 '.timing.render_ms > 0 and .rays.primary == 1400000')" true
+expect same-scene-queued "$(answer 4 '.render | [.width, .height, .samples_per_pixel]' | tr -d ' \n')" "[300,420,4]"
+expect list-names-the-job "$(grep -c '^[0-9a-f-]\{36\} succeeded$' session.out)" 1
+expect picture-is-png "$(head -c 8 room.png | od -An -tx1 | tr -d ' ')" 89504e470d0a1a0a
+expect pixels-are-pfm "$(head -c 12 room.pfm | tr '\n' ' ')" "PF 1000 1400"
+
+# The error example: the text between "$ curl" and the next fence, against the daemon's answer.
+sed -n '/^\$ curl -s localhost:8080\/v1\/validate/,/^```$/p' "$root/README.md" >example
+sed -n "1,/jq .errors\$/p" example | tr -d '\n' | sed "s/^[^']*'//; s/'.*//" >example.json
+sed '1,/jq .errors$/d; /^```$/d' example >example.wanted
+curl -s "$url/v1/validate" -d @example.json | jq .errors >example.got
+expect error-example "$(cat example.got)" "$(cat example.wanted)"
+finish
