@@ -1,41 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Spheres. */
 #include "geom/quad.h"
+#include "geom/rows.h"
 #include "support/suite.h"
-#include "support/world.h"
-
-#define NOWHERE                                                                                    \
-    {                                                                                              \
-        0, 0, 0                                                                                    \
-    }
-
-typedef struct pen_vec3 vec3;
 
 static struct world world;
 
-/* One ray at one sphere, and where it should be crossed. */
-struct row {
-    vec3 o, d;
-    int count;
-    vec3 point[2];
-};
-
-static void check_rows(vec3 c, double r, const struct row *row, int rows, double ulps)
+static void unit_sphere(vec3 c)
 {
     world_clear(&world);
-    world_sphere(&world, c, r);
-    for (int i = 0; i < rows; i++) {
-        struct pen_hit hit[2];
-        struct pen_ray ray = world_ray(row[i].o, row[i].d);
-        int count = world_crossings(&world, &ray, &pen_leave_nothing, INFINITY, hit, 2);
-        ck_assert_msg(count == row[i].count, "row %d: %d crossings, not %d", i, count,
-                      row[i].count);
-        for (int k = 0; k < count; k++) {
-            vec3 p = pen_along(ray.o, ray.d, hit[k].t);
-            ck_assert_msg(pen_norm1(pen_sub(p, row[i].point[k])) <= 2 * ulps * PEN_U * 3,
-                          "row %d: (%a %a %a)", i, p.x, p.y, p.z);
-        }
-    }
+    world_sphere(&world, c, 1);
 }
 
 START_TEST(test_sphere__h008_normal)
@@ -51,21 +25,23 @@ START_TEST(test_sphere__h009_from_inside)
 {
     double w = sqrt(.75);
     const struct row rows[] = {
-        {{0, 0, 1.5}, {0, 1, 0}, 1, {{0, w, 1.5}}},
-        {{0, .5, 1}, {0, 0, -1}, 1, {{0, .5, 1 - w}}},
-        {{0, .5, 1}, {0, 1, 0}, 1, {{0, 1, 1}}},
+        {{0, 0, 1.5}, {0, 1, 0}, 1, {{0, w, 1.5}, {0, 0, 0}}},
+        {{0, .5, 1}, {0, 0, -1}, 1, {{0, .5, 1 - w}, {0, 0, 0}}},
+        {{0, .5, 1}, {0, 1, 0}, 1, {{0, 1, 1}, {0, 0, 0}}},
     };
-    check_rows(pen_vec3(0, 0, 1), 1, rows, 3, 2);
+    unit_sphere(pen_vec3(0, 0, 1));
+    rows_check(&world, rows, 3, 2);
 }
 END_TEST
 
 START_TEST(test_sphere__h010_missed_or_behind)
 {
-    const struct row rows[] = {{{0, 0, 3}, {1, 1, 1}, 0, {NOWHERE}},
-                               {{0, -2, 1.5}, {0, -1, 0}, 0, {NOWHERE}},
-                               {{0, 2, 1}, {0, 0, 1}, 0, {NOWHERE}},
-                               {{0, 2, 1}, {0, 1, 0}, 0, {NOWHERE}}};
-    check_rows(pen_vec3(0, 0, 1), 1, rows, 4, 0);
+    const struct row rows[] = {{{0, 0, 3}, {1, 1, 1}, NONE},
+                               {{0, -2, 1.5}, {0, -1, 0}, NONE},
+                               {{0, 2, 1}, {0, 0, 1}, NONE},
+                               {{0, 2, 1}, {0, 1, 0}, NONE}};
+    unit_sphere(pen_vec3(0, 0, 1));
+    rows_check(&world, rows, 4, 0);
 }
 END_TEST
 
@@ -74,36 +50,30 @@ START_TEST(test_sphere__h011_two_crossings_near_first)
     double w = sqrt(.75);
     const struct row rows[] = {{{0, 2, 1.5}, {0, -1, 0}, 2, {{0, w, 1.5}, {0, -w, 1.5}}},
                                {{0, 2, 1}, {0, -1, 0}, 2, {{0, 1, 1}, {0, -1, 1}}}};
-    check_rows(pen_vec3(0, 0, 1), 1, rows, 2, 2);
+    unit_sphere(pen_vec3(0, 0, 1));
+    rows_check(&world, rows, 2, 2);
 }
 END_TEST
 
 START_TEST(test_sphere__h012_a_tangent_is_a_miss)
 {
-    const struct row rows[] = {
-        {{-1, 1, 0}, {1, 0, 1}, 0, {NOWHERE}}, {{0, 1, 1}, {1, 0, 1}, 0, {NOWHERE}},
-        {{1, 1, 2}, {1, 0, 1}, 0, {NOWHERE}},  {{-1, 1, 0}, {1, 0, 0}, 0, {NOWHERE}},
-        {{0, -1, 0}, {1, 0, 0}, 0, {NOWHERE}}, {{0, 0, -1}, {1, 1, 0}, 0, {NOWHERE}}};
-    check_rows(pen_vec3(0, 0, 0), 1, rows, 6, 0);
+    const struct row rows[] = {{{-1, 1, 0}, {1, 0, 1}, NONE}, {{0, 1, 1}, {1, 0, 1}, NONE},
+                               {{1, 1, 2}, {1, 0, 1}, NONE},  {{-1, 1, 0}, {1, 0, 0}, NONE},
+                               {{0, -1, 0}, {1, 0, 0}, NONE}, {{0, 0, -1}, {1, 1, 0}, NONE}};
+    unit_sphere(pen_vec3(0, 0, 0));
+    rows_check(&world, rows, 6, 0);
 }
 END_TEST
 
 START_TEST(test_sphere__h013_start_on_it)
 {
-    const struct row rows[] = {{{0, 1, 1}, {-1, -1, -1}, 1, {{-2. / 3, 1. / 3, 1. / 3}}},
-                               {{0, 1, 1}, {1, 1, 1}, 0, {NOWHERE}},
-                               {{0, 1, 1}, {0, -1, 0}, 1, {{0, -1, 1}}},
-                               {{0, 1, 1}, {0, 1, 0}, 0, {NOWHERE}}};
-    check_rows(pen_vec3(0, 0, 1), 1, rows, 4, 4); /* without identity */
-    for (int i = 0; i < 4; i++) {
-        struct pen_hit on = {1, 0, PEN_PART_SIDE}, hit;
-        struct pen_ray ray = world_ray(rows[i].o, rows[i].d);
-        struct pen_leave leave = world_leave(&world, on, ray.o, pen_vec3(0, -1, 0), false);
-        ck_assert_int_eq(world_crossings(&world, &ray, &leave, INFINITY, &hit, 1), rows[i].count);
-        if (rows[i].count)
-            ck_assert(pen_norm1(pen_sub(pen_along(ray.o, ray.d, hit.t), rows[i].point[0])) <=
-                      8 * PEN_U);
-    }
+    const struct row rows[] = {{{0, 1, 1}, {-1, -1, -1}, 1, {{-2. / 3, 1. / 3, 1. / 3}, {0, 0, 0}}},
+                               {{0, 1, 1}, {1, 1, 1}, NONE},
+                               {{0, 1, 1}, {0, -1, 0}, 1, {{0, -1, 1}, {0, 0, 0}}},
+                               {{0, 1, 1}, {0, 1, 0}, NONE}};
+    unit_sphere(pen_vec3(0, 0, 1));
+    rows_check(&world, rows, 4, 4); /* without identity */
+    rows_check_leaving(&world, rows, 4, 4);
 }
 END_TEST
 

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT */
+/* Polygons. */
+#include "geom/quad.h"
+#include "geom/rows.h"
+#include "support/suite.h"
+
+static struct world world;
+
+static const vec3 quad_corners[4] = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 1, 1}};
+static const vec3 square[4] = {{-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}};
+
+START_TEST(test_polygon__h027_any_outline_with_an_area)
+{
+    struct pen_polygon p;
+    const vec3 concave[4] = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {.5, .25, .25}};
+    const vec3 line[4] = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}};
+    const vec3 bad[3] = {{0, 0, 0}, {1, (double)INFINITY, 0}, {0, 1, 0}};
+    ck_assert(pen_polygon_make(&p, quad_corners, 4));
+    ck_assert(pen_polygon_make(&p, concave, 4));
+    ck_assert(!pen_polygon_make(&p, line, 4));
+    ck_assert(!pen_polygon_make(&p, quad_corners, 2));
+    ck_assert(!pen_polygon_make(&p, bad, 3));
+}
+END_TEST
+
+/* H028: a vertex on a side changes nothing. */
+START_TEST(test_polygon__h028_vertex_on_a_side)
+{
+    const vec3 v[5] = {{-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {0, 1, 1}, {-1, 1, 1}};
+    struct pen_polygon p, q;
+    ck_assert(pen_polygon_make(&p, v, 5) && pen_polygon_make(&q, square, 4));
+    for (int i = -5; i <= 5; i++) {
+        for (int j = -5; j <= 5; j++) {
+            struct pen_ray ray = world_ray(pen_vec3(i / 4., j / 4., 0), pen_vec3(0, 0, 1));
+            double t = 0, u = 0;
+            ck_assert(pen_polygon_root(&p, &ray, &t) == pen_polygon_root(&q, &ray, &u) && t == u);
+        }
+    }
+}
+END_TEST
+
+START_TEST(test_polygon__h029_normal)
+{
+    struct pen_polygon p;
+    ck_assert(pen_polygon_make(&p, quad_corners, 4));
+    ck_assert(quad_ulps(p.n.x, 1 / quad_sqrt(3)) <= 2 && p.n.x == p.n.y && p.n.y == p.n.z);
+    for (int i = 0; i < 4; i++)
+        ck_assert(fabs(pen_dot(p.n, pen_sub(quad_corners[(i + 1) % 4], quad_corners[i]))) <=
+                  4 * PEN_U);
+}
+END_TEST
+
+static int at(double x, double y)
+{
+    return world_count(&world, pen_vec3(x, y, -1), pen_vec3(0, 0, 1));
+}
+
+START_TEST(test_polygon__h030_inside_outside_and_rim)
+{
+    world_clear(&world);
+    world_polygon(&world, square, 4);
+    ck_assert(at(0, 0) == 1 && at(2, 2) == 0 && at(1, 0) == 0 && at(1, 1) == 0);
+    const double tmax[] = {5, 2, nextafter(2, 0), .5};
+    struct pen_ray ray = world_ray(pen_vec3(0, 0, -1), pen_vec3(0, 0, 1));
+    for (int i = 0; i < 4; i++)
+        ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, tmax[i], NULL, 0),
+                         i < 2);
+}
+END_TEST
+
+START_TEST(test_polygon__h031_the_rest_of_the_rim)
+{
+    world_clear(&world);
+    world_polygon(&world, square, 4);
+    ck_assert(at(-1, 0) == 1 && at(0, -1) == 1 && at(-1, -1) == 1);
+    ck_assert(at(0, 1) == 0 && at(1, -1) == 0 && at(-1, 1) == 0);
+    /* Neighbours all round: every point of the rim belongs to one of the nine. */
+    for (int i = -1; i <= 1; i++) {
+        for (int j = -1; j <= 1; j++) {
+            vec3 v[4];
+            for (int k = 0; k < 4; k++)
+                v[k] = pen_add(square[k], pen_vec3(2 * i, 2 * j, 0));
+            if (i || j)
+                world_polygon(&world, v, 4);
+        }
+    }
+    for (int i = -8; i <= 8; i++) {
+        for (int j = -8; j <= 8; j++)
+            ck_assert_int_eq(at(i / 8., j / 8.), 1);
+    }
+}
+END_TEST
+
+/* Inside by exact arithmetic: vertices and points are integers; 0 on the rim. */
+static int inside_exactly(const int (*v)[2], int count, int x, int y)
+{
+    bool odd = false;
+    for (int i = 0; i < count; i++) {
+        int ax = v[i][0] - x, ay = v[i][1] - y;
+        int bx = v[(i + 1) % count][0] - x, by = v[(i + 1) % count][1] - y;
+        int side = ax * by - ay * bx;
+        if (side == 0 && ax * bx <= 0 && ay * by <= 0)
+            return 0;
+        if ((ay > 0) != (by > 0) && (by > ay ? side > 0 : side < 0))
+            odd = !odd;
+    }
+    return odd ? 1 : -1;
+}
+
+/* H052: a star with notches, on a slanted plane x + y + z = 0 seen along z. */
+START_TEST(test_polygon__h052_concave_star)
+{
+    static const int star[10][2] = {{0, 16}, {4, 5},    {15, 5},  {6, -2},  {9, -13},
+                                    {0, -6}, {-9, -13}, {-6, -2}, {-15, 5}, {-4, 5}};
+    vec3 v[10];
+    int counts[3] = {0};
+    for (int i = 0; i < 10; i++)
+        v[i] = pen_vec3(star[i][0], star[i][1], -star[i][0] - star[i][1]);
+    world_clear(&world);
+    world_polygon(&world, v, 10);
+    for (int x = -17; x <= 17; x++) {
+        for (int y = -17; y <= 17; y++) {
+            struct pen_ray ray = world_ray(pen_vec3(x, y, -100), pen_vec3(0, 0, 1));
+            struct pen_hit hit;
+            int truth = inside_exactly(star, 10, x, y);
+            int count = world_crossings(&world, &ray, &pen_leave_nothing, INFINITY, &hit, 1);
+            ck_assert_msg(truth == 0 || count == (truth > 0), "%d %d", x, y);
+            if (count > 0)
+                ck_assert(fabs(hit.t - (100 - x - y)) <= 100 * 8 * PEN_U);
+            counts[truth + 1]++;
+        }
+    }
+    ck_assert(counts[0] > 100 && counts[1] > 10 && counts[2] > 100);
+}
+END_TEST
+
+enum { ROUND = 10000 };
+
+/* A circle, its corners by a rational formula. */
+static void make_circle(vec3 v[ROUND])
+{
+    for (int i = 0; i < ROUND; i++) {
+        double s = tan((i + .5 - ROUND / 2.) * 3.14159265358979323846 / ROUND);
+        v[i] = pen_vec3((1 - s * s) / (1 + s * s), 2 * s / (1 + s * s), 0);
+    }
+}
+
+/* H055: ten thousand corners: the area is right, and each point of the rim belongs either to the
+ * circle or to a square with the circle as its hole (one outline, cut open at the first corner). */
+START_TEST(test_polygon__h055_ten_thousand_corners)
+{
+    static vec3 v[ROUND + 7];
+    const vec3 frame[6] = {{-2, 0, 0}, {-2, 2, 0}, {2, 2, 0}, {2, -2, 0}, {-2, -2, 0}, {-2, 0, 0}};
+    struct pen_polygon circle, rest;
+    struct random r = random_begin(55);
+    make_circle(v);
+    v[ROUND] = v[0];
+    for (int k = 0; k < 6; k++)
+        v[ROUND + 1 + k] = frame[k];
+    ck_assert(pen_polygon_make(&circle, v, ROUND) && circle.n.z == 1);
+    ck_assert(pen_polygon_make(&rest, v, ROUND + 7));
+    int hits = 0;
+    double t;
+    for (int i = 0; i < 2000; i++) {
+        struct pen_ray ray =
+            world_ray(pen_vec3(random_in(&r, -1, 1), random_in(&r, -1, 1), 1), pen_vec3(0, 0, -1));
+        hits += pen_polygon_root(&circle, &ray, &t);
+    }
+    ck_assert(fabs(hits / 2000. - .785398) < 5 * sqrt(.785398 * .2146 / 2000));
+    for (int i = 0; i < ROUND - 1; i += 5) { /* at a corner, and in the middle of a side */
+        vec3 c = i & 1 ? v[i] : pen_scale(pen_add(v[i], v[i + 1]), .5);
+        struct pen_ray ray = world_ray(pen_vec3(c.x, c.y, 1), pen_vec3(0, 0, -1));
+        ck_assert_int_eq(pen_polygon_root(&circle, &ray, &t) + pen_polygon_root(&rest, &ray, &t),
+                         1);
+    }
+}
+END_TEST
+
+PEN_SUITE("polygon", test_polygon__h027_any_outline_with_an_area,
+          test_polygon__h028_vertex_on_a_side, test_polygon__h029_normal,
+          test_polygon__h030_inside_outside_and_rim, test_polygon__h031_the_rest_of_the_rim,
+          test_polygon__h052_concave_star, test_polygon__h055_ten_thousand_corners)
