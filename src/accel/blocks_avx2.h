@@ -243,6 +243,29 @@ static inline struct scan4 take(struct scan4 old, struct scan4 new, __m256d whic
                           _mm256_blendv_pd(old.h, new.h, which)};
 }
 
+/* pen_scan_right_of; also where one of the two is none yet. */
+static inline __m256d right_of(struct scan4 e, struct scan4 f)
+{
+    __m256d ef = _mm256_mul_pd(e.s, f.h), fe = _mm256_mul_pd(f.s, e.h);
+    __m256d tie = _mm256_cmp_pd(ef, fe, _CMP_EQ_OQ);
+    __m256d none = _mm256_cmp_pd(_mm256_min_pd(e.h, f.h), all(0), _CMP_EQ_OQ);
+    __m256d out = _mm256_or_pd(none, LESS(fe, ef));
+    if (bits(_mm256_andnot_pd(none, tie))) {
+        __m256d same = _mm256_cmp_pd(e.h, f.h, _CMP_EQ_OQ);
+        __m256d first = _mm256_or_pd(LESS(f.h, e.h), _mm256_and_pd(same, LESS(f.w, e.w)));
+        out = _mm256_or_pd(out, _mm256_and_pd(tie, first));
+    }
+    return out;
+}
+
+/* pen_edge_even */
+static inline __m256d edge_even4(struct vec4 p, struct vec4 q)
+{
+    __m256d a = _mm256_mul_pd(p.x, q.y), b = _mm256_mul_pd(p.y, q.x);
+    return _mm256_add_pd(_mm256_sub_pd(a, b),
+                         _mm256_sub_pd(_mm256_fmsub_pd(p.x, q.y, a), _mm256_fmsub_pd(p.y, q.x, b)));
+}
+
 static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
 {
     const __m256d zero = all(0), one = all(1);
@@ -258,19 +281,15 @@ static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *b
             /* Downward edges are turned round by their signs. */
             __m256d sign = _mm256_andnot_pd(a_low, all(-0.0));
             struct scan4 e;
-            e.s = _mm256_xor_pd(dop4(a.x, b.y, a.y, b.x), sign);
+            e.s = _mm256_xor_pd(edge_even4(a, b), sign);
             e.w = _mm256_xor_pd(_mm256_sub_pd(_mm256_mul_pd(a.z, b.y), _mm256_mul_pd(a.y, b.z)),
                                 sign);
             e.h = _mm256_xor_pd(_mm256_sub_pd(b.y, a.y), sign);
             __m256d is_right = _mm256_and_pd(passes, LESS(zero, e.s));
             __m256d is_left = _mm256_andnot_pd(LESS(zero, e.s), passes);
             winding = _mm256_add_pd(winding, _mm256_and_pd(is_right, _mm256_xor_pd(one, sign)));
-            __m256d nearer = LESS(_mm256_mul_pd(e.s, right.h), _mm256_mul_pd(right.s, e.h));
-            __m256d first = _mm256_cmp_pd(right.h, zero, _CMP_EQ_OQ);
-            right = take(right, e, _mm256_and_pd(is_right, _mm256_or_pd(first, nearer)));
-            nearer = LESS(_mm256_mul_pd(left.s, e.h), _mm256_mul_pd(e.s, left.h));
-            first = _mm256_cmp_pd(left.h, zero, _CMP_EQ_OQ);
-            left = take(left, e, _mm256_and_pd(is_left, _mm256_or_pd(first, nearer)));
+            right = take(right, e, _mm256_and_pd(is_right, right_of(right, e)));
+            left = take(left, e, _mm256_and_pd(is_left, right_of(e, left)));
         }
         a = b;
         a_low = b_low;

@@ -5,6 +5,21 @@
 #include "make.h"
 #include "twofold.h"
 
+/* Whether a comes before b by x, then y, then z. */
+static bool before(struct pen_vec3 a, struct pen_vec3 b)
+{
+    if (a.x != b.x)
+        return a.x < b.x;
+    return a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+static void order(struct pen_vec3 *a, struct pen_vec3 *b)
+{
+    struct pen_vec3 first = before(*b, *a) ? *b : *a;
+    *b = before(*b, *a) ? *a : *b;
+    *a = first;
+}
+
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
                        struct pen_vec3 c)
 {
@@ -18,6 +33,9 @@ bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_v
     if (!is_finite3(n) || !(pen_largest3(n) > least))
         return false;
     tri->n = pen_unit_of(n);
+    order(&tri->v[0], &tri->v[1]);
+    order(&tri->v[1], &tri->v[2]);
+    order(&tri->v[0], &tri->v[1]);
     return true;
 }
 

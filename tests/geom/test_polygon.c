@@ -145,6 +145,32 @@ static void make_circle(vec3 v[ROUND])
     }
 }
 
+/* t does not depend on where the outline starts, nor on its direction, at its corners either. */
+START_TEST(test_polygon__any_start_and_direction)
+{
+    static const double outline[7][2] = {{0, 0}, {4, 0}, {4, 3}, {3, 3}, {2, 1}, {1, 4}, {0, 3}};
+    struct random r = random_begin(69);
+    for (int i = 0; i < 10000; i++) {
+        vec3 o = random_vec(&r, 1), e = random_direction(&r),
+             w = pen_cross(e, random_direction(&r));
+        vec3 v[7], u[7];
+        for (int k = 0; k < 7; k++)
+            v[k] = pen_along(pen_along(o, e, outline[k][0]), w, outline[k][1]);
+        int start = (int)random_below(&r, 7), step = i & 1 ? 1 : 6;
+        for (int k = 0; k < 7; k++)
+            u[k] = v[(start + step * k) % 7];
+        vec3 to = i & 2 ? v[i % 7] : pen_along(pen_along(o, e, random_in(&r, 0, 4)), w, 1);
+        vec3 from = pen_add(o, random_vec(&r, 9));
+        struct pen_ray ray = world_ray(from, pen_sub(to, from));
+        struct pen_polygon p, q;
+        double t = 0, s = 0;
+        ck_assert(pen_polygon_make(&p, v, 7) && pen_polygon_make(&q, u, 7));
+        ck_assert(pen_polygon_root(&p, &ray, &t) == pen_polygon_root(&q, &ray, &s));
+        ck_assert_msg(t == s, "%d: %a %a; seed %llu", i, t, s, (unsigned long long)r.seed);
+    }
+}
+END_TEST
+
 /* H055: ten thousand corners: the area is right, and each point of the rim belongs either to the
  * circle or to a square with the circle as its hole (one outline, cut open at the first corner). */
 START_TEST(test_polygon__h055_ten_thousand_corners)
@@ -179,4 +205,5 @@ END_TEST
 PEN_SUITE("polygon", test_polygon__h027_any_outline_with_an_area,
           test_polygon__h028_vertex_on_a_side, test_polygon__h029_normal,
           test_polygon__h030_inside_outside_and_rim, test_polygon__h031_the_rest_of_the_rim,
-          test_polygon__h052_concave_star, test_polygon__h055_ten_thousand_corners)
+          test_polygon__h052_concave_star, test_polygon__any_start_and_direction,
+          test_polygon__h055_ten_thousand_corners)

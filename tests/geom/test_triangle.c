@@ -92,29 +92,43 @@ START_TEST(test_triangle__h048_edge_on)
 END_TEST
 
 /* H042: a vertex is the same point of ray space in every role; contraction would tell them apart.
- */
+ * So t is the same whatever the order of vertices. */
 START_TEST(test_triangle__h042_roles)
 {
+    static const int order[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
+                                    {2, 1, 0}, {1, 0, 2}, {0, 2, 1}};
     struct random r = random_begin(42);
+    int hits = 0;
     for (int i = 0; i < 10000; i++) {
-        vec3 v = random_vec(&r, 1), w = random_vec(&r, 1), u = random_vec(&r, 1);
+        vec3 corner[3] = {random_vec(&r, 1), random_vec(&r, 1), random_vec(&r, 1)};
         struct pen_ray ray = world_ray(random_vec(&r, 2), random_direction(&r));
-        struct pen_triangle t[3];
-        double at[3] = {0, 0, 0};
-        bool hit[3];
-        ck_assert(pen_triangle_make(&t[0], v, w, u) && pen_triangle_make(&t[1], w, u, v) &&
-                  pen_triangle_make(&t[2], u, v, w));
-        for (int k = 0; k < 3; k++)
-            hit[k] = pen_triangle_root(&t[k], &ray, &at[k]);
-        ck_assert(hit[0] == hit[1] && hit[1] == hit[2]);
-        struct pen_sheared p = pen_shear(&ray, &t[0].v[0]), q = pen_shear(&ray, &t[1].v[2]);
-        struct pen_sheared s = pen_shear(&ray, &t[2].v[1]);
-        ck_assert(p.x == q.x && q.x == s.x && p.y == q.y && q.y == s.y && p.z == q.z);
+        struct pen_sheared p[3] = {pen_shear(&ray, &corner[0]), {0, 0, 0}, {0, 0, 0}};
+        double at[6][2];
+        bool hit[6][2];
+        for (int k = 0; k < 6; k++) {
+            struct pen_triangle tri;
+            struct pen_polygon pg;
+            vec3 v[3] = {corner[order[k][0]], corner[order[k][1]], corner[order[k][2]]};
+            ck_assert(pen_triangle_make(&tri, v[0], v[1], v[2]) && pen_polygon_make(&pg, v, 3));
+            hit[k][0] = pen_triangle_root(&tri, &ray, &at[k][0]);
+            hit[k][1] = pen_polygon_root(&pg, &ray, &at[k][1]);
+            ck_assert(hit[k][0] == hit[0][0] && hit[k][1] == hit[0][0]);
+            ck_assert(!hit[k][0] || (at[k][0] == at[0][0] && at[k][1] == at[0][1]));
+            for (int j = 0; j < 3; j++) {
+                if (order[k][j] == 0)
+                    p[1] = pen_shear(&ray, &v[j]);
+            }
+            ck_assert(p[0].x == p[1].x && p[0].y == p[1].y && p[0].z == p[1].z);
+        }
+        hits += hit[0][0];
         /* H041: an edge has opposite signs in its two directions. */
-        struct pen_sheared e = pen_shear(&ray, &t[0].v[1]);
-        double there = pen_edge(p, e), back = pen_edge(e, p);
+        struct pen_sheared e = pen_shear(&ray, &corner[1]);
+        double there = pen_edge(p[0], e), back = pen_edge(e, p[0]);
         ck_assert((there > 0) == (back < 0) && (there < 0) == (back > 0));
+        ck_assert(pen_edge_even(p[0], e) == -pen_edge_even(e, p[0]));
+        ck_assert((there > 0) == (pen_edge_even(p[0], e) > 0));
     }
+    ck_assert_int_gt(hits, 200);
 }
 END_TEST
 

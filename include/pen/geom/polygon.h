@@ -22,8 +22,16 @@ bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
 
 /* One end of the segment of y = 0 that contains the ray: x = s / h, depth z = w / h. */
 struct pen_scan_end {
-    double s, w, h;
+    double s, w, h; /* h > 0; 0 if there is none yet */
 };
+
+/* Whether e is farther right than f; edges that cross in the same point are told apart, so that
+ * t does not depend on where the outline starts, nor on its direction. */
+static inline bool pen_scan_right_of(struct pen_scan_end e, struct pen_scan_end f)
+{
+    double ef = e.s * f.h, fe = f.s * e.h;
+    return ef > fe || (ef == fe && (e.h > f.h || (e.h == f.h && e.w > f.w)));
+}
 
 /* Where the ray's line crosses the polygon; false if it does not. */
 static inline bool pen_polygon_root(const struct pen_polygon *p, const struct pen_ray *ray,
@@ -36,13 +44,13 @@ static inline bool pen_polygon_root(const struct pen_polygon *p, const struct pe
         struct pen_sheared b = pen_shear(ray, &p->v[i]);
         if ((a.y <= 0) != (b.y <= 0)) {
             double up = a.y <= 0 ? 1 : -1; /* downward edges are turned round */
-            struct pen_scan_end e = {up * pen_edge(a, b), up * (a.z * b.y - a.y * b.z),
+            struct pen_scan_end e = {up * pen_edge_even(a, b), up * (a.z * b.y - a.y * b.z),
                                      up * (b.y - a.y)};
             if (e.s > 0) {
                 winding += (int)up;
-                if (right.h == 0 || e.s * right.h < right.s * e.h)
+                if (right.h == 0 || pen_scan_right_of(right, e))
                     right = e;
-            } else if (left.h == 0 || e.s * left.h > left.s * e.h) {
+            } else if (left.h == 0 || pen_scan_right_of(e, left)) {
                 left = e;
             }
         }

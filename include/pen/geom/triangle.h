@@ -14,8 +14,8 @@
 #include "pen/math/box.h"
 
 struct pen_triangle {
-    struct pen_vec3 v[3];
-    struct pen_vec3 n; /* unit */
+    struct pen_vec3 v[3]; /* sorted by x, y, z: t does not depend on the order they came in */
+    struct pen_vec3 n;    /* unit; decided by that order */
 };
 
 /* Fails: returns false if a vertex is not finite or the area is zero, decided exactly. */
@@ -39,6 +39,15 @@ static inline struct pen_sheared pen_shear(const struct pen_ray *ray, const stru
 static inline double pen_edge(struct pen_sheared p, struct pen_sheared q)
 {
     return pen_dop(p.x, q.y, p.y, q.x);
+}
+
+/* The same, with equal magnitude for PQ and QP.
+ * Source: Jeannerod, "A radix-independent error analysis of the Cornea-Harrison-Tang method",
+ * ACM TOMS 42(3), 2016. */
+static inline double pen_edge_even(struct pen_sheared p, struct pen_sheared q)
+{
+    double a = p.x * q.y, b = p.y * q.x;
+    return (a - b) + (fma(p.x, q.y, -a) - fma(p.y, q.x, -b));
 }
 
 /* Whether edge PQ, with s = pen_edge(p, q), counts to the winding: +1, -1 or 0. */
