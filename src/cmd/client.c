@@ -314,10 +314,11 @@ static void read_problem(const struct pen_reply *reply, struct pen_errors *error
     }
     struct pen_status st;
     if (errors->count == 0) {
-        pen_fail(&st, code, "the daemon answered %ld: %s", reply->status,
-                 detail  ? detail
-                 : title ? title
-                         : "no reason given");
+        if (detail)
+            pen_fail(&st, code, "%s", detail);
+        else
+            pen_fail(&st, code, "the daemon answered %ld%s%s", reply->status, title ? ": " : "",
+                     title ? title : "");
         pen_errors_add(errors, &st);
     }
     json_decref(problem);

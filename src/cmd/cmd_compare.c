@@ -62,11 +62,11 @@ static json_t *real_or_null(double value)
 
 static void print_json(const struct pen_difference *d, int64_t pixels)
 {
-    pen_report_line(json_pack("{s:f, s:o, s:f, s:[i, i], s:I, s:I, s:I, s:f}", "rmse", d->rmse,
-                              "psnr", real_or_null(d->psnr), "max_error", d->max_error, "max_at",
-                              d->max_x, d->max_y, "pixels", (json_int_t)pixels, "differing",
-                              (json_int_t)d->differing, "over_tolerance", (json_int_t)d->over,
-                              "rmse_within", d->rmse_within));
+    pen_report_exact(json_pack("{s:f, s:o, s:f, s:[i, i], s:I, s:I, s:I, s:f}", "rmse", d->rmse,
+                               "psnr", real_or_null(d->psnr), "max_error", d->max_error, "max_at",
+                               d->max_x, d->max_y, "pixels", (json_int_t)pixels, "differing",
+                               (json_int_t)d->differing, "over_tolerance", (json_int_t)d->over,
+                               "rmse_within", d->rmse_within));
 }
 
 static void print_text(const struct pen_difference *d, int64_t pixels, const struct values *values)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The subcommands about jobs that a daemon has: wait, fetch, stats, cancel, delete. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
@@ -16,9 +15,8 @@ struct values {
     bool quiet, json;
 };
 
-/* What one of these subcommands does with one job. Errors become *errors. */
-typedef bool each_fn(struct pen_client *client, const char *id, const struct values *values,
-                     struct pen_errors *errors);
+/* What one of these subcommands does with one job. Returns the exit code, after reporting. */
+typedef int each_fn(struct pen_client *client, const char *id, const struct values *values);
 
 /* Carries `each` out for all arguments; the exit code is that of the first that failed. */
 static int run_each(const struct pen_command *command, int argc, char **argv, each_fn *each)
@@ -34,10 +32,8 @@ static int run_each(const struct pen_command *command, int argc, char **argv, ea
         return pen_report_json(NULL, values.json, &st);
     code = 0;
     for (int i = 0; i < parsed.count; i++) {
-        struct pen_errors errors = {0};
-        int one = 0;
-        if (!each(client, parsed.args[i], &values, &errors))
-            one = pen_report_errors_json(NULL, values.json, &errors);
+        int one = each(client, parsed.args[i], &values);
+        fflush(stdout);
         code = code ? code : one;
     }
     pen_client_close(client);
@@ -50,80 +46,80 @@ static void print_state(const json_t *job, const struct values *values)
         pen_report_line(json_deep_copy(job));
     else if (!values->quiet)
         printf("%s %s\n", pen_remote_text(job, "id"), pen_remote_text(job, "state"));
-    fflush(stdout);
 }
 
-static bool wait_one(struct pen_client *client, const char *id, const struct values *values,
-                     struct pen_errors *errors)
+static int wait_one(struct pen_client *client, const char *id, const struct values *values)
 {
+    struct pen_errors errors = {0};
     json_t *job;
-    bool ok = pen_remote_wait(client, id, values->quiet, &job, errors);
+    bool ok = pen_remote_wait(client, id, values->quiet, &job, &errors);
     if (job)
         print_state(job, values);
+    bool told = job != NULL; /* the job's own error is in what was printed */
     json_decref(job);
-    return ok;
+    return ok ? 0 : pen_report_errors_json(NULL, values->json && !told, &errors);
 }
 
-static bool fetch_one(struct pen_client *client, const char *id, const struct values *values,
-                      struct pen_errors *errors)
+static int fetch_one(struct pen_client *client, const char *id, const struct values *values)
 {
+    struct pen_errors errors = {0};
+    struct pen_status st;
     struct pen_fetch fetch = {.output = values->output,
                               .format = values->format,
                               .view = values->view,
                               .layer = values->layer};
-    struct pen_status st;
-    if (values->output)
-        return pen_remote_fetch(client, id, &fetch, errors);
-    pen_fail(&st, PEN_USAGE, "missing -o OUT");
-    pen_errors_add(errors, &st);
-    return false;
+    if (!values->output) {
+        pen_fail(&st, PEN_USAGE, "missing -o OUT");
+        return pen_report_json(NULL, values->json, &st);
+    }
+    if (pen_remote_fetch(client, id, &fetch, &errors))
+        return 0;
+    return pen_report_errors_json(NULL, values->json, &errors);
 }
 
-static bool stats_one(struct pen_client *client, const char *id, const struct values *values,
-                      struct pen_errors *errors)
+static int stats_one(struct pen_client *client, const char *id, const struct values *values)
 {
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    struct pen_buf text = {0};
     json_t *stats;
-    if (!pen_remote_job(client, "GET", id, "/stats", &stats, errors))
-        return false;
-    size_t indent = values->json ? 0 : 2;
-    char *text = json_dumps(stats, JSON_INDENT(indent) | JSON_REAL_PRECISION(17));
-    struct pen_buf line = {0};
-    struct pen_status st;
-    bool ok = text && pen_buf_printf(&line, "%s\n", text);
-    if (!ok)
-        pen_fail(&st, PEN_NO_MEMORY, "out of memory");
-    else
-        ok = pen_file_write(values->output ? values->output : "-", line.data, line.bytes, &st);
-    if (!ok)
-        pen_errors_add(errors, &st);
-    pen_buf_release(&line);
-    free(text);
+    if (!pen_remote_job(client, "GET", id, "/stats", &stats, &errors))
+        return pen_report_errors_json(NULL, values->json, &errors);
+    int code = 0;
+    if (values->json && !values->output)
+        pen_report_line(json_incref(stats));
+    else if (!pen_report_text(stats, &text, &st) ||
+             !pen_file_write(values->output ? values->output : "-", text.data, text.bytes, &st))
+        code = pen_report_json(NULL, values->json, &st);
+    pen_buf_release(&text);
     json_decref(stats);
-    return ok;
+    return code;
 }
 
-static bool cancel_one(struct pen_client *client, const char *id, const struct values *values,
-                       struct pen_errors *errors)
+static int cancel_one(struct pen_client *client, const char *id, const struct values *values)
 {
+    struct pen_errors errors = {0};
     json_t *job;
-    bool ok = pen_remote_job(client, "POST", id, "/cancel", &job, errors);
-    if (ok)
-        print_state(job, values);
+    if (!pen_remote_job(client, "POST", id, "/cancel", &job, &errors))
+        return pen_report_errors_json(NULL, values->json, &errors);
+    print_state(job, values);
     json_decref(job);
-    return ok;
+    return 0;
 }
 
-static bool delete_one(struct pen_client *client, const char *id, const struct values *values,
-                       struct pen_errors *errors)
+static int delete_one(struct pen_client *client, const char *id, const struct values *values)
 {
+    struct pen_errors errors = {0};
     json_t *none;
-    bool ok = pen_remote_job(client, "DELETE", id, "", &none, errors);
+    bool ok = pen_remote_job(client, "DELETE", id, "", &none, &errors);
     json_decref(none);
-    if (ok && values->json)
+    if (!ok)
+        return pen_report_errors_json(NULL, values->json, &errors);
+    if (values->json)
         pen_report_line(json_pack("{s:s, s:b}", "id", id, "deleted", 1));
-    else if (ok && !values->quiet)
+    else if (!values->quiet)
         printf("%s deleted\n", id);
-    return ok;
+    return 0;
 }
 
 #define QUIET_OPTION(text)                                                                         \

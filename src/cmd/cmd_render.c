@@ -112,6 +112,8 @@ static bool check_values(struct render *r, struct pen_status *st)
         return pen_fail(st, PEN_USAGE, "missing -o OUT (or --stats FILE, or --pixel X,Y)");
     if (v->format && !v->output)
         return pen_fail(st, PEN_USAGE, "--format: needs -o OUT");
+    if (v->output && strcmp(v->output, "-") == 0 && (v->json || v->pixel))
+        return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json and --pixel use");
     if (v->output && !(r->format = pen_output_format(v->output, v->format, st)))
         return false;
     if (v->pixel && !pen_pixel_parse(v->pixel, &r->pixel_x, &r->pixel_y, st))
@@ -231,16 +233,11 @@ static json_t *make_stats(const struct render *r)
 static bool write_stats(const struct render *r, struct pen_status *st)
 {
     json_t *stats = make_stats(r);
-    char *text = stats ? json_dumps(stats, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) : NULL;
+    struct pen_buf text = {0};
+    bool ok = pen_report_text(stats, &text, st) &&
+              pen_file_write(r->values->stats, text.data, text.bytes, st);
+    pen_buf_release(&text);
     json_decref(stats);
-    struct pen_buf line = {0};
-    bool ok = text && pen_buf_puts(&line, text) && pen_buf_puts(&line, "\n");
-    if (ok)
-        ok = pen_file_write(r->values->stats, line.data, line.bytes, st);
-    else
-        pen_fail(st, PEN_NO_MEMORY, "out of memory for the statistics");
-    free(text);
-    pen_buf_release(&line);
     return ok;
 }
 
@@ -263,7 +260,7 @@ static bool show_pixel(struct render *r, struct pen_status *st)
     if (!pen_render_pixel(r->scene, r->view, s, pixel.x, pixel.y, pixel.rgb, &pixel.rays, st))
         return false;
     if (r->values->json)
-        pen_report_line(pen_pixel_json(&pixel, s));
+        pen_report_exact(pen_pixel_json(&pixel, s));
     else
         pen_pixel_print(&pixel, s);
     return true;

@@ -33,6 +33,8 @@ static int serve(const struct pen_config *config, int argc, char **argv)
     if (fd < 0)
         return pen_report(program, NULL, &st);
     printf("listening on http://%s:%d\n", config->address.host, port);
+    pen_log(PEN_LOG_INFO, "listening on http://%s:%d, store %s", config->address.host, port,
+            config->store);
     int code = pen_report_finish(program, 0);
     if (code == 0)
         code = strcmp(config->role, "all") == 0 ? pen_supervisor_run(config, argc, argv, fd)

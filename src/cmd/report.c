@@ -31,12 +31,32 @@ int pen_report_errors(const char *program, const char *file, const struct pen_er
     return pen_code_exit(errors->item[0].code);
 }
 
-void pen_report_line(json_t *value)
+enum { DIGITS = 15, EXACT_DIGITS = 17 };
+
+static void print_line(json_t *value, size_t digits)
 {
-    char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(digits)) : NULL;
     puts(text ? text : "{\"type\":\"no-memory\"}");
     free(text);
     json_decref(value);
+}
+
+void pen_report_line(json_t *value)
+{
+    print_line(value, DIGITS);
+}
+
+void pen_report_exact(json_t *value)
+{
+    print_line(value, EXACT_DIGITS);
+}
+
+bool pen_report_text(const json_t *value, struct pen_buf *out, struct pen_status *st)
+{
+    char *text = value ? json_dumps(value, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
+    bool ok = text && pen_buf_puts(out, text) && pen_buf_puts(out, "\n");
+    free(text);
+    return ok || pen_fail(st, PEN_NO_MEMORY, "out of memory");
 }
 
 int pen_report_json(const char *file, bool json, const struct pen_status *st)

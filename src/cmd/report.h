@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "pen/base/buf.h"
 #include "pen/base/status.h"
 
 /* Prints `PROGRAM: FILE: place: message`; file may be NULL. Returns the exit code. */
@@ -20,8 +21,14 @@ int pen_report_errors(const char *program, const char *file, const struct pen_er
 int pen_report_json(const char *file, bool json, const struct pen_status *st);
 int pen_report_errors_json(const char *file, bool json, const struct pen_errors *errors);
 
-/* Prints one JSON value as a line on standard output, and drops the caller's reference. */
+/* Prints one JSON value as a line on standard output, and drops the caller's reference. Numbers
+ * have 15 digits: what was rounded to thousandths looks it. pen_report_exact writes 17, which
+ * read back are the same doubles. */
 void pen_report_line(json_t *value);
+void pen_report_exact(json_t *value);
+
+/* A JSON value as lines for people to read, ending in a line feed. Fails: PEN_NO_MEMORY. */
+bool pen_report_text(const json_t *value, struct pen_buf *out, struct pen_status *st);
 
 /* "penumbra 0.1.0" on standard output. */
 void pen_report_version(const char *program);

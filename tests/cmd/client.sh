@@ -110,13 +110,16 @@ ends "cancel again" 0 "$penumbra" cancel "$long_id"
 ends "wait for a cancelled job" 6 "$penumbra" wait "$long_id"
 says "says so" stdout "$long_id cancelled"
 says "and why" stderr "was cancelled"
+ends "wait for a cancelled job, in JSON" 6 "$penumbra" wait "$long_id" --json
+expect "prints one line, the job" "$(jq -r .state stdout)" cancelled
 ends "cancel a finished job" 0 "$penumbra" cancel "$id"
 says "it stays as it is" stdout "$id succeeded"
 ends "wait for several, one of them cancelled" 6 "$penumbra" wait "$id" "$long_id"
 says "tells of all" stdout "$id succeeded"
 ends "delete" 0 "$penumbra" delete "$id" "$long_id"
 ends "a deleted job" 4 "$penumbra" wait "$id"
-ends "an id that is none" 4 "$penumbra" wait nonsense/../x
+ends "an id that is none" 4 "$penumbra" wait nonsense/../x --json
+expect "prints a problem document" "$(jq .status stdout)" 404
 
 # A daemon that is not there, is something else, or comes late
 ends "no daemon" 5 "$penumbra" list --server http://127.0.0.1:9 --retry 0

@@ -36,6 +36,7 @@ check "and gives the same bytes" cmp odd.png a.pfm
 "$penumbra" render - -o b.png <scene.json
 check "standard input" cmp a.png b.png
 "$penumbra" render scene.json -o - --format png >c.png
+ends "standard output for two things" 2 "$penumbra" render scene.json -o - --format png --json
 check "standard output" cmp a.png c.png
 ends "a built-in scene" 0 "$penumbra" render builtin:spheres -o s.png --set width=40 --set height=30
 check "is the file" sh -c "'$penumbra' render '$root/scenes/spheres.json' -o t.png --set width=40 \

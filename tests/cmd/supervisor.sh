@@ -54,6 +54,25 @@ id=$("$penumbra" submit scene.json "$@")
 kill -KILL "$(child api)"
 ends "a client that waits survives that" 0 "$penumbra" wait "$id"
 
+# Each submit is one job, also when the api dies under it
+(
+    while [ ! -e stop ]; do
+        kill -KILL "$(child api)"
+        sleep 0.15
+    done
+) 2>/dev/null &
+killer=$!
+for i in 1 2 3 4 5 6 7 8 9 10; do
+    "$penumbra" submit builtin:spheres --set width=8 --set height=8 --name once --retry 60
+done >ids 2>>log
+: >stop
+wait $killer
+expect "submits to an api that keeps dying" "$(sort -u ids | wc -l | tr -d ' ')" 10
+"$penumbra" wait $(cat ids) >ends 2>>log
+expect "are a job each" "$("$penumbra" list --json |
+    jq '[.jobs[] | select(.name == "once")] | length')" 10
+expect "and succeed" "$(grep -c ' succeeded$' ends)" 10
+
 # SIGHUP
 echo '{"log_level": "warn"}' >config.json
 daemon_stop
