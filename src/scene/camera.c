@@ -4,6 +4,7 @@
  * orthonormal again, so any number of moves leaves a camera that does not skew the picture. */
 #include "pen/math/exact.h"
 #include "pen/math/fn.h"
+#include "pen/math/scale.h"
 #include "pen/scene/scene.h"
 #include "unit.h"
 
@@ -101,13 +102,12 @@ struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, in
         plane_width = plane_height * width / height;
     }
     /* A direction has any length: brought to about 1 by a power of two, which rounds nothing. */
-    int exponent;
-    frexp(fmax(distance, fmax(plane_width, plane_height)), &exponent);
-    double step_x = ldexp(plane_width, -exponent) / width;
-    double step_y = ldexp(plane_height, -exponent) / height;
+    int exponent = pen_exponent(pen_larger(distance, pen_larger(plane_width, plane_height)));
+    double step_x = pen_scale2(plane_width, -exponent) / width;
+    double step_y = pen_scale2(plane_height, -exponent) / height;
     return (struct pen_pinhole){
         .eye = unit_shift(pen_sub(v->frame.eye, scene->center), scene->exponent),
-        .middle = pen_scale(v->frame.forward, ldexp(distance, -exponent)),
+        .middle = pen_scale(v->frame.forward, pen_scale2(distance, -exponent)),
         .dx = pen_scale(v->frame.right, step_x),
         .dy = pen_scale(v->frame.up, -step_y),
         .half_width = 0.5 * width,

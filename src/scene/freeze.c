@@ -11,6 +11,7 @@
 
 #include "effects.h"
 #include "pen/base/clock.h"
+#include "pen/math/scale.h"
 
 /* Primitive numbers must fit into pen_prim_ref. */
 enum { PRIMS_MAX = 1 << 28 };
@@ -125,8 +126,8 @@ static struct pen_light local_light(const struct pen_freezer *f, const struct pe
         .shadows = desc->shadows,
         .intensity = desc->intensity,
         .kc = desc->attenuation[0],
-        .kl = ldexp(desc->attenuation[1], f->frame.exponent),
-        .kq = ldexp(desc->attenuation[2], 2 * f->frame.exponent),
+        .kl = pen_scale2(desc->attenuation[1], f->frame.exponent),
+        .kq = pen_scale2(desc->attenuation[2], 2 * f->frame.exponent),
         .beam_exponent = desc->beam_exponent,
     };
     if (desc->kind != PEN_LIGHT_DIRECTIONAL)

@@ -141,10 +141,10 @@ void pen_survey_add(struct pen_survey *survey, const struct pen_placed *placed)
     double reach = placed->radius + placed->height;
     if (pen_prim_infinite(placed->kind)) {
         survey->infinite = pen_box_add_point(survey->infinite, placed->point);
-        survey->infinite_reach = fmax(survey->infinite_reach, reach);
+        survey->infinite_reach = pen_larger(survey->infinite_reach, reach);
         return;
     }
-    survey->finite_reach = fmax(survey->finite_reach, reach);
+    survey->finite_reach = pen_larger(survey->finite_reach, reach);
     if (placed->count == 0)
         survey->finite = pen_box_add_point(survey->finite, placed->point);
     for (uint32_t i = 0; i < placed->count; i++)
@@ -155,11 +155,11 @@ void pen_survey_add(struct pen_survey *survey, const struct pen_placed *placed)
  * when x moves by any multiple. */
 static double nearest_multiple(double x, int exponent)
 {
-    double steps = ldexp(x, -exponent);
+    double steps = pen_scale2(x, -exponent);
     if (!(fabs(steps) < 0x1p52))
         return x; /* is one already */
     double low = floor(steps);
-    return ldexp(steps - low >= 0.5 ? low + 1 : low, exponent);
+    return pen_scale2(steps - low >= 0.5 ? low + 1 : low, exponent);
 }
 
 bool pen_local_frame_make(const struct pen_survey *survey, const struct pen_camera_frame *cameras,
@@ -175,7 +175,7 @@ bool pen_local_frame_make(const struct pen_survey *survey, const struct pen_came
     }
     double extent = unit_max(pen_sub(box.hi, box.lo)) + 2 * reach;
     if (extent == 0)
-        extent = fmax(unit_max(box.lo), 1);
+        extent = pen_larger(unit_max(box.lo), 1);
     if (!isfinite(extent))
         return false;
     struct pen_vec3 middle = pen_box_center(box);
@@ -193,5 +193,5 @@ struct pen_vec3 pen_local_point(const struct pen_local_frame *frame, struct pen_
 
 double pen_local_length(const struct pen_local_frame *frame, double length)
 {
-    return ldexp(length, -frame->exponent);
+    return pen_scale2(length, -frame->exponent);
 }

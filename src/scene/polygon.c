@@ -10,6 +10,7 @@
 #include "orient.h"
 #include "pen/math/box.h"
 #include "pen/math/exact.h"
+#include "pen/math/scale.h"
 #include "pen/scene/desc.h"
 #include "sweep.h"
 #include "unit.h"
@@ -61,8 +62,7 @@ static bool check_distinct(struct loop *loop, struct pen_status *st)
 /* From vertex 0 to vertex i, in units of about the extent. */
 static struct pen_vec3 arm(const struct loop *loop, uint32_t i)
 {
-    int exponent;
-    frexp(loop->extent, &exponent);
+    int exponent = pen_exponent(loop->extent);
     return unit_shift(pen_sub(loop->points[i], loop->points[0]), exponent);
 }
 
@@ -133,11 +133,10 @@ static void shift_axis(double *first, uint32_t count)
     const uint32_t stride = sizeof(struct pen_flat_point) / sizeof(double);
     double largest = 0;
     for (uint32_t i = 0; i < count; i++)
-        largest = fmax(largest, fabs(first[i * stride]));
-    int exponent;
-    frexp(largest, &exponent);
+        largest = pen_larger(largest, fabs(first[i * stride]));
+    int exponent = pen_exponent(largest);
     for (uint32_t i = 0; i < count; i++)
-        first[i * stride] = ldexp(first[i * stride], -exponent);
+        first[i * stride] = pen_scale2(first[i * stride], -exponent);
 }
 
 /* Fills the flat points: the coordinate along the longest part of the normal is dropped. */
@@ -180,9 +179,8 @@ static void copy_vertices(struct loop *loop, const struct pen_vec3 *vertices)
 {
     double largest = 0;
     for (uint32_t i = 0; i < loop->count; i++)
-        largest = fmax(largest, unit_max(vertices[i]));
-    int exponent;
-    frexp(largest, &exponent);
+        largest = pen_larger(largest, unit_max(vertices[i]));
+    int exponent = pen_exponent(largest);
     struct pen_box box = pen_box_empty();
     for (uint32_t i = 0; i < loop->count; i++) {
         loop->points[i] = unit_shift(vertices[i], exponent);

@@ -6,18 +6,20 @@
 
 #include <stdbool.h>
 
+#include "pen/math/scale.h"
 #include "pen/math/vec3.h"
 
 /* The largest component, without its sign. */
 static inline double unit_max(struct pen_vec3 a)
 {
-    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+    return pen_larger(fabs(a.x), pen_larger(fabs(a.y), fabs(a.z)));
 }
 
 /* a * 2^-exponent, exactly unless it leaves the range of doubles. */
 static inline struct pen_vec3 unit_shift(struct pen_vec3 a, int exponent)
 {
-    return pen_vec3(ldexp(a.x, -exponent), ldexp(a.y, -exponent), ldexp(a.z, -exponent));
+    return pen_vec3(pen_scale2(a.x, -exponent), pen_scale2(a.y, -exponent),
+                    pen_scale2(a.z, -exponent));
 }
 
 /* The unit vector along a, which is finite and not zero. Dividing (instead of multiplying by the
@@ -25,8 +27,7 @@ static inline struct pen_vec3 unit_shift(struct pen_vec3 a, int exponent)
  * that differ by a power of two give the same bits, and keeps squares in range. */
 static inline struct pen_vec3 unit_of(struct pen_vec3 a)
 {
-    int exponent;
-    frexp(unit_max(a), &exponent);
+    int exponent = pen_exponent(unit_max(a));
     a = unit_shift(a, exponent);
     double length = pen_length(a);
     return pen_vec3(a.x / length, a.y / length, a.z / length);

@@ -20,7 +20,7 @@ static struct pen_film make_film(void)
 {
     struct random r = random_begin(1);
     for (int i = 0; i < COUNT; i++)
-        pixels[i] = (float)random_uniform(&r, -0.1, 1.3);
+        pixels[i] = (float)random_in(&r, -0.1, 1.3);
     pixels[0] = 0, pixels[1] = 1, pixels[2] = 4;
     return (struct pen_film){W, H, pixels};
 }

@@ -54,7 +54,7 @@ START_TEST(test_film__hash_sees_every_bit)
     float rgb[3 * 3 * 5], swapped[3 * 3 * 5];
     struct random r = random_begin(1);
     for (int i = 0; i < 45; i++)
-        rgb[i] = (float)random_uniform(&r, 0, 1);
+        rgb[i] = (float)random_in(&r, 0, 1);
     struct pen_film film = {3, 5, rgb}, turned = {5, 3, rgb}, other = {3, 5, swapped};
     uint64_t hash = pen_film_hash(&film);
     ck_assert(hash == pen_film_hash(&film) && hash != pen_film_hash(&turned));

@@ -163,7 +163,7 @@ START_TEST(test_transfer__eight_bits_are_the_formula)
     struct random r = random_begin(1);
     for (int i = 0; i < 1000000; i++) {
         check_8(of_bits(random_below(&r, end)));
-        check_8((float)random_uniform(&r, 0, 1));
+        check_8((float)random_in(&r, 0, 1));
     }
 }
 END_TEST
@@ -172,7 +172,7 @@ START_TEST(test_transfer__sixteen_bits_are_the_formula)
 {
     struct random r = random_begin(2);
     for (int i = 0; i < 300000; i++)
-        check_16((float)random_uniform(&r, 0, 1.01));
+        check_16((float)random_in(&r, 0, 1.01));
 }
 END_TEST
 

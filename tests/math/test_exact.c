@@ -28,11 +28,11 @@ static double coordinate(struct random *r)
 {
     switch (random_below(r, 3)) {
     case 0:
-        return random_uniform(r, -1, 1);
+        return random_in(r, -1, 1);
     case 1:
         return (random_below(r, 65) - 32.0) / 16;
     default:
-        return ldexp(random_uniform(r, -1, 1), (int)random_below(r, 61) - 30);
+        return ldexp(random_in(r, -1, 1), (int)random_below(r, 61) - 30);
     }
 }
 
@@ -43,7 +43,7 @@ START_TEST(test_exact__dop_is_antisymmetric)
     for (int i = 0; i < N; i++) {
         double px = coordinate(&r), py = coordinate(&r), qx = coordinate(&r), qy = coordinate(&r);
         if (i % 4 == 0) { /* on one line through 0, within rounding */
-            double t = random_uniform(&r, -2, 2);
+            double t = random_in(&r, -2, 2);
             qx = t * px, qy = t * py;
         }
         double pq = pen_dop(px, qy, py, qx), qp = pen_dop(qx, py, qy, px);
@@ -158,7 +158,7 @@ static void check_roles(struct sheared (*f)(const struct pen_vec3 *, double, dou
         struct pen_vec3 v[3];
         for (int j = 0; j < 3; j++)
             v[j] = pen_vec3(coordinate(&r), coordinate(&r), coordinate(&r));
-        double sx = random_uniform(&r, -1, 1), sy = random_uniform(&r, -1, 1);
+        double sx = random_in(&r, -1, 1), sy = random_in(&r, -1, 1);
         const struct pen_vec3 turned[3] = {v[1], v[2], v[0]}, flipped[3] = {v[1], v[0], v[2]};
         struct sheared a = f(v, sx, sy), b = f(turned, sx, sy), c = f(flipped, sx, sy);
         volatile double product = sx * v[0].z;

@@ -33,7 +33,7 @@ struct worst {
 /* Log-uniform in size. */
 static double spread(struct random *state, double lo, double hi)
 {
-    return exp(random_uniform(state, log(lo), log(hi)));
+    return exp(random_in(state, log(lo), log(hi)));
 }
 
 static double of_bits(uint64_t bits)
@@ -94,14 +94,14 @@ START_TEST(test_fn__exp_is_within_its_bound)
     struct worst w = begin("exp", 0.58, 1), tiny = begin("exp, subnormal results", 0.77, 1);
     struct random s = w.random;
     for (int i = 0; i < N; i++) {
-        check_exp(&w, random_uniform(&s, -1, 1));
-        check_exp(&w, random_uniform(&s, -708, 709.7));
-        check_exp(&tiny, random_uniform(&s, -746, -708.4));
-        check_exp(&w, random_uniform(&s, 709.7, 709.8));
+        check_exp(&w, random_in(&s, -1, 1));
+        check_exp(&w, random_in(&s, -708, 709.7));
+        check_exp(&tiny, random_in(&s, -746, -708.4));
+        check_exp(&w, random_in(&s, 709.7, 709.8));
         check_exp(&w, (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
         /* just beside a switch of table entries */
         check_exp(&w, ((double)(random_bits(&s) % 4000) - 1999.5) * (M_LN2 / 128) *
-                          random_uniform(&s, 1, 1 + 1e-12));
+                          random_in(&s, 1, 1 + 1e-12));
     }
     report(&w);
     report(&tiny);
@@ -129,7 +129,7 @@ START_TEST(test_fn__log_is_within_its_bound)
     struct worst w = begin("ln", 0.502, 2);
     struct random s = w.random;
     for (int i = 0; i < N; i++) {
-        check_log(&w, random_uniform(&s, 0.5, 2));
+        check_log(&w, random_in(&s, 0.5, 2));
         check_log(&w, 1 + (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-16, 0.1));
         check_log(&w, of_bits(1 + random_bits(&s) % UINT64_C(0x7FEFFFFFFFFFFFFF)));
         check_log(&w, of_bits(1 + random_bits(&s) % UINT64_C(0x000FFFFFFFFFFFFF))); /* subnormal */
@@ -164,23 +164,23 @@ START_TEST(test_fn__pow_is_within_its_bound)
     struct worst w[2] = {begin("pow", 0.58, 3), begin("pow, subnormal results", 0.77, 3)};
     struct random s = w[0].random;
     for (int i = 0; i < N; i++) {
-        double x = random_uniform(&s, 0, 1),
+        double x = random_in(&s, 0, 1),
                near = 1 + (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-16, 1e-3);
         check_pow(w, x, (double)(random_bits(&s) % 1001)); /* highlights */
-        check_pow(w, x, random_uniform(&s, 0, 10));
+        check_pow(w, x, random_in(&s, 0, 10));
         check_pow(w, x, 1 / 2.4);
         check_pow(w, near, spread(&s, 1, 1e6));
-        check_pow(w, near, random_uniform(&s, 0, 1) * 745 / fabs(log(near))); /* beyond 1e6 */
+        check_pow(w, near, random_in(&s, 0, 1) * 745 / fabs(log(near))); /* beyond 1e6 */
         check_pow(w, of_bits(1 + random_bits(&s) % UINT64_C(0x7FEFFFFFFFFFFFFF)),
-                  random_uniform(&s, 0, 1));
+                  random_in(&s, 0, 1));
         x = spread(&s, 1e-300, 1 - 1e-9);
         check_pow(w, x,
-                  random_uniform(&s, 600, 708.3) / -log(x)); /* to the brink of the subnormal */
-        check_pow(w, x, random_uniform(&s, 708.4, 746) / -log(x));
+                  random_in(&s, 600, 708.3) / -log(x)); /* to the brink of the subnormal */
+        check_pow(w, x, random_in(&s, 708.4, 746) / -log(x));
         x = spread(&s, 1 + 1e-9, 1e300);
-        check_pow(w, x, random_uniform(&s, 709.7, 709.8) / log(x)); /* to the brink of overflow */
+        check_pow(w, x, random_in(&s, 709.7, 709.8) / log(x)); /* to the brink of overflow */
         check_pow(w, of_bits(1 + random_bits(&s) % UINT64_C(0x000FFFFFFFFFFFFF)),
-                  random_uniform(&s, 0, 1));
+                  random_in(&s, 0, 1));
     }
     report(&w[0]);
     report(&w[1]);
@@ -216,8 +216,8 @@ START_TEST(test_fn__sincos_is_within_its_bound)
     struct worst w = begin("sincos", 0.83, 4);
     struct random s = w.random;
     for (int i = 0; i < N; i++) {
-        check_sincos(&w, random_uniform(&s, -4, 4));
-        check_sincos(&w, random_uniform(&s, -0x1p20, 0x1p20));
+        check_sincos(&w, random_in(&s, -4, 4));
+        check_sincos(&w, random_in(&s, -0x1p20, 0x1p20));
         check_sincos(&w, (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
         /* the doubles next to a multiple of pi/4, where one of them vanishes or they are equal */
         double close = (double)(random_bits(&s) % (1 << 20)) * M_PI_4;
@@ -245,8 +245,8 @@ START_TEST(test_fn__sincos_deg_is_within_its_bound)
     struct worst w = begin("sincos_deg", 0.83, 5);
     struct random s = w.random;
     for (int i = 0; i < N; i++) {
-        check_sincos_deg(&w, random_uniform(&s, -360, 360));
-        check_sincos_deg(&w, random_uniform(&s, -0x1p20, 0x1p20));
+        check_sincos_deg(&w, random_in(&s, -360, 360));
+        check_sincos_deg(&w, random_in(&s, -0x1p20, 0x1p20));
         check_sincos_deg(&w, (random_bits(&s) & 1 ? 1 : -1) * spread(&s, 1e-300, 1));
         double close = (double)(random_bits(&s) % 20000) * 45;
         check_sincos_deg(&w, nextafter(close, random_bits(&s) & 1 ? INFINITY : -INFINITY));
@@ -291,7 +291,7 @@ START_TEST(test_fn__bits_are_the_same_everywhere)
     uint64_t hash = 0;
     struct random s = {6, 6};
     for (int i = 0; i < 40000; i++) {
-        double value[7], x = random_uniform(&s, 0, 1), y = random_uniform(&s, 0, 1);
+        double value[7], x = random_in(&s, 0, 1), y = random_in(&s, 0, 1);
         y *= (double)(1 << random_bits(&s) % 20);
         value[0] = pen_exp((x - 0.5) * 1400);
         value[1] = pen_ln(x * y);

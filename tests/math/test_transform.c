@@ -20,7 +20,7 @@ static const double U = 0x1p-53;
 
 static struct pen_vec3 random_vector(struct random *r)
 {
-    return pen_vec3(random_uniform(r, -1, 1), random_uniform(r, -1, 1), random_uniform(r, -1, 1));
+    return pen_vec3(random_in(r, -1, 1), random_in(r, -1, 1), random_in(r, -1, 1));
 }
 
 static struct pen_transform random_transform(struct random *r)
@@ -28,7 +28,7 @@ static struct pen_transform random_transform(struct random *r)
     struct pen_transform f;
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 4; j++)
-            f.m[i][j] = random_uniform(r, -1, 1);
+            f.m[i][j] = random_in(r, -1, 1);
     }
     return f;
 }
@@ -72,7 +72,7 @@ START_TEST(test_transform__rotation_is_accurate)
     double worst = 0;
     for (int i = 0; i < 20000; i++) {
         struct pen_vec3 v = random_vector(&r), k = random_vector(&r);
-        double degrees = random_uniform(&r, -1000, 1000);
+        double degrees = random_in(&r, -1000, 1000);
         struct pen_vec3 got = pen_rotate(v, k, degrees);
         quad angle = (quad)degrees * (acosq(0) / 90), c = cosq(angle), s = sinq(angle);
         quad length = sqrtq((quad)k.x * k.x + (quad)k.y * k.y + (quad)k.z * k.z);

@@ -42,8 +42,8 @@ START_TEST(test_vec3__normalized_has_unit_length)
     struct random r = random_begin(1);
     for (int i = 0; i < 100000; i++) {
         double size = ldexp(1, (int)random_below(&r, 201) - 100);
-        struct pen_vec3 v = pen_vec3(random_uniform(&r, -size, size),
-                                     random_uniform(&r, -size, size), random_uniform(&r, -1, 1));
+        struct pen_vec3 v = pen_vec3(random_in(&r, -size, size),
+                                     random_in(&r, -size, size), random_in(&r, -1, 1));
         double off = pen_length(pen_normalize(v)) - 1;
         if (!(fabs(off) <= 6 * 0x1p-53))
             ck_abort_msg("seed %llu: off by %g", (unsigned long long)r.seed, off);
@@ -56,8 +56,8 @@ START_TEST(test_vec3__operations_round_as_written)
 {
     struct random r = random_begin(2);
     for (int i = 0; i < 100000; i++) {
-        struct pen_vec3 a = pen_vec3(random_uniform(&r, -1, 1), random_uniform(&r, -1, 1), 0.3);
-        struct pen_vec3 b = pen_vec3(random_uniform(&r, -1, 1), random_uniform(&r, -1, 1), 0.7);
+        struct pen_vec3 a = pen_vec3(random_in(&r, -1, 1), random_in(&r, -1, 1), 0.3);
+        struct pen_vec3 b = pen_vec3(random_in(&r, -1, 1), random_in(&r, -1, 1), 0.7);
         volatile double x = a.x * b.x, y = a.y * b.y, z = a.z * b.z;
         volatile double xy = x + y, step = b.x * b.y;
         if (!(pen_dot(a, b) == xy + z && pen_along(a, b, b.y).x == a.x + step))

@@ -36,11 +36,6 @@ static inline double random_unit(struct random *r)
 }
 
 /* Uniform in [lo, hi). */
-static inline double random_uniform(struct random *r, double lo, double hi)
-{
-    return lo + (hi - lo) * random_unit(r);
-}
-
 static inline double random_in(struct random *r, double lo, double hi)
 {
     return lo + (hi - lo) * random_unit(r);
