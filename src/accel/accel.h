@@ -37,7 +37,7 @@ enum pen_block_kind {
 
 /* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing. */
 struct pen_node {
-    float lo[3][PEN_WIDE], hi[3][PEN_WIDE];
+    float end[2][3][PEN_WIDE]; /* the low ends of the boxes, and the high ones */
     uint32_t child[PEN_WIDE];
 };
 

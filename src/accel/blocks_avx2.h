@@ -191,14 +191,17 @@ static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LA
 static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], __m256d t,
                                unsigned lanes, bool any)
 {
-    lanes &= bits(LESS_EQUAL(t, end4(w, any)));
-    if (!w->leaving)
-        lanes &= bits(LESS(all(0), t));
+    __m256d ahead = LESS(all(0), t);
+    if (w->leaving)
+        ahead = _mm256_or_pd(ahead, LESS_EQUAL(_mm256_mul_pd(t, t), all(w->back_sq)));
+    lanes &= bits(_mm256_and_pd(ahead, LESS_EQUAL(t, end4(w, any))));
+    if (lanes == 0)
+        return false;
     double at[PEN_LANES];
     _mm256_storeu_pd(at, t);
     for (; lanes; lanes &= lanes - 1) {
         int lane = __builtin_ctz(lanes);
-        if (offer_bounded(w, prim[lane], at[lane], any))
+        if (offer_flat(w, prim[lane], at[lane], any))
             return true;
     }
     return false;
@@ -330,18 +333,34 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
 
 static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bool any)
 {
-    struct vec4 g = load3(b->g);
+    struct vec4 g = load3(b->g), f = sub3(load3(b->q), all3(w->ray->o));
     __m256d gd = dot_guarded4(g, all3(w->ray->d));
-    __m256d t = _mm256_div_pd(dot4(g, sub3(load3(b->q), all3(w->ray->o))), gd);
-    unsigned lanes = bits(_mm256_cmp_pd(gd, all(0), _CMP_NEQ_OQ));
-    lanes &= bits(LESS_EQUAL(t, end4(w, any)));
-    if (!w->leaving)
-        lanes &= bits(LESS(all(0), t));
+    __m256d t = _mm256_div_pd(dot4(g, f), gd);
+    __m256d crossed = _mm256_cmp_pd(gd, all(0), _CMP_NEQ_OQ);
+    __m256d after = all(any ? 0 : w->after.t);
+    __m256d useful = _mm256_and_pd(LESS_EQUAL(after, t), LESS_EQUAL(t, end4(w, any)));
+    unsigned lanes = bits(_mm256_and_pd(crossed, useful)), near = 0;
+    if (w->leaving) {
+        /* A superset of the lanes that touch the origin: |g| < 2. */
+        __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(f.x), abs4(f.y)), abs4(f.z));
+        __m256d bound = _mm256_fmadd_pd(all(8 * PEN_U), size, all(w->leave->bound));
+        __m256d touches = LESS_EQUAL(abs4(_mm256_mul_pd(t, gd)), _mm256_mul_pd(all(4), bound));
+        unsigned own = own_lanes(w, b->prim);
+        near = bits(_mm256_and_pd(crossed, touches)) & ~own;
+        lanes &= ~(near | own);
+    }
+    if ((lanes | near) == 0)
+        return false;
     double at[PEN_LANES];
     _mm256_storeu_pd(at, t);
+    for (; near; near &= near - 1) {
+        int lane = __builtin_ctz(near);
+        if (offer_flat(w, b->prim[lane], at[lane], any))
+            return true;
+    }
     for (; lanes; lanes &= lanes - 1) {
         int lane = __builtin_ctz(lanes);
-        if (offer_flat(w, b->prim[lane], at[lane], any))
+        if (offer(w, b->prim[lane], at[lane], PEN_PART_SIDE, any))
             return true;
     }
     return false;

@@ -7,9 +7,9 @@ const struct pen_hit pen_after_start = {0, PEN_NO_PRIM, UINT8_MAX};
 
 static float half_area(const struct pen_node *node, int lane)
 {
-    float x = node->hi[0][lane] - node->lo[0][lane];
-    float y = node->hi[1][lane] - node->lo[1][lane];
-    float z = node->hi[2][lane] - node->lo[2][lane];
+    float x = node->end[1][0][lane] - node->end[0][0][lane];
+    float y = node->end[1][1][lane] - node->end[0][1][lane];
+    float z = node->end[1][2][lane] - node->end[0][2][lane];
     return x >= 0 ? x * y + y * z + z * x : 0;
 }
 
@@ -31,8 +31,9 @@ static double sah_cost(const struct pen_plan *plan)
     struct pen_node all = node[0];
     for (int a = 0; a < 3; a++) {
         for (int lane = 1; lane < PEN_WIDE; lane++) {
-            all.lo[a][0] = all.lo[a][lane] < all.lo[a][0] ? all.lo[a][lane] : all.lo[a][0];
-            all.hi[a][0] = all.hi[a][lane] > all.hi[a][0] ? all.hi[a][lane] : all.hi[a][0];
+            float *lo = all.end[0][a], *hi = all.end[1][a];
+            lo[0] = lo[lane] < lo[0] ? lo[lane] : lo[0];
+            hi[0] = hi[lane] > hi[0] ? hi[lane] : hi[0];
         }
     }
     double root = (double)half_area(&all, 0), sum = (double)pen_node_cost;

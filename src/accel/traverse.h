@@ -1,28 +1,25 @@
 /* SPDX-License-Identifier: MIT */
-/* Queries: the body that every variant compiles. The including file states how a node and an item
- * are tested, as
+/* Queries: the body that every variant compiles. The including file states how boxes and items are
+ * tested, as
+ *     struct box_ray { ...; double scale; };
+ *     static inline struct box_ray box_ray_make(const struct pen_ray *, double tmin, double grow);
  *     static inline unsigned enter_node(const struct pen_node *, const struct box_ray *,
  *                                       float limit, float near[PEN_WIDE]);
  *     static inline bool test_item(struct trace *, uint32_t item, bool any);
  * and then includes traverse_walk.h. Whatever a variant does there, it offers the same crossings:
- * those that pen_prim_cross states. */
+ * those that pen_prim_cross states.
+ *
+ * A struct box_ray is a ray as boxes see it, in binary32, scaled by a power of two such that the
+ * largest component of d is in [1, 2): a box's t is the ray's times `scale`. The near plane of an
+ * axis is compared with an origin rounded to make the way to it shorter, the far plane with one
+ * that makes it longer; reciprocals are off by 2^-22 to the same ends, more than the three
+ * roundings of a slab take away. Boxes grow by `grow`, so that what touches the origin within that
+ * distance is entered. */
 #ifndef PEN_SRC_ACCEL_TRAVERSE_H
 #define PEN_SRC_ACCEL_TRAVERSE_H
 
 #include "accel.h"
 #include "rounding.h"
-
-/* A ray as boxes see it, in binary32, scaled by a power of two such that the largest component of
- * d is in [1, 2). The near plane of an axis is compared with an origin rounded to make the way to
- * it shorter, the far plane with one that makes it longer; reciprocals are off by 2^-22 to the
- * same ends, more than the three roundings of a slab take away. */
-struct box_ray {
-    float near_o[3], far_o[3];
-    float near_inv[3], far_inv[3];
-    int sign[3];  /* 1 where d is negative or -0: the near plane is hi */
-    float tmin;   /* >= 0 */
-    double scale; /* box t = t * scale */
-};
 
 /* One query under way. */
 struct trace {
@@ -34,8 +31,50 @@ struct trace {
     double back_sq;             /* square of the t that is this far */
     struct pen_hit after, best; /* nearest: the crossing looked for is between them */
     struct pen_shadow *shadow;
-    double light_bound; /* shadow: by how much the light may miss a surface that contains it */
+    double light_bound;    /* shadow: by how much the light may miss a surface that contains it */
+    struct pen_vec3 light; /* shadow to a point: where the ray ends */
 };
+
+/* The unit normal of a flat body; NULL for round ones. */
+static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
+                                                 struct pen_prim_ref ref)
+{
+    switch (ref.kind) {
+    case PEN_PRIM_PLANE:
+        return &prims->plane[ref.index].n;
+    case PEN_PRIM_TRIANGLE:
+        return &prims->triangle[ref.index].n;
+    case PEN_PRIM_POLYGON:
+        return &prims->polygon[ref.index].n;
+    default:
+        return NULL;
+    }
+}
+
+/* At least pen_prim_scale of a flat body. */
+static inline double flat_scale(const struct trace *w, struct pen_prim_ref ref, struct pen_vec3 p)
+{
+    if (ref.kind != PEN_PRIM_PLANE)
+        return w->accel->scale;
+    return pen_norm1(pen_sub(p, w->accel->prims->plane[ref.index].q));
+}
+
+/* Whether pen_prim_ends_ray may be true: nearly always the light is seen to be off the surface at
+ * less expense. */
+static inline bool may_end_ray(const struct trace *w, struct pen_hit h)
+{
+    const struct pen_prims *prims = w->accel->prims;
+    const struct pen_prim_ref ref = prims->ref[h.prim];
+    const struct pen_vec3 *n = flat_normal(prims, ref);
+    if (n)
+        return fabs((w->shadow->tmax - h.t) * pen_dot(w->ray->d, *n)) <=
+               w->light_bound + 8 * PEN_U * flat_scale(w, ref, w->light);
+    if (ref.kind == PEN_PRIM_SPHERE)
+        return pen_sphere_touches(&prims->sphere[ref.index], w->light, w->light_bound);
+    return ref.kind != PEN_PRIM_CYLINDER ||
+           pen_cylinder_touches(&prims->cylinder[ref.index], w->light, w->light_bound) &
+               1u << h.part;
+}
 
 /* Keeps a see-through crossing in order. */
 static inline void keep_crossing(struct pen_shadow *query, struct pen_hit h)
@@ -62,7 +101,7 @@ static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part,
     struct pen_shadow *query = w->shadow;
     if (!(t > 0 && t < query->tmax))
         return false;
-    if (query->to_point &&
+    if (query->to_point && may_end_ray(w, h) &&
         pen_prim_ends_ray(w->accel->prims, h, w->ray, query->tmax, w->light_bound))
         return false;
     if (query->see_through && query->see_through[prim]) {
@@ -93,7 +132,9 @@ static inline bool offer_pair(struct trace *w, uint32_t prim, const double t[2],
 static inline bool test_sphere(struct trace *w, uint32_t prim, const struct pen_sphere *s, bool any)
 {
     double t[2];
-    if (w->leaving && (prim == w->leave->prim || pen_sphere_touches(s, w->ray->o, w->leave->bound)))
+    if (prim == w->leave->prim)
+        return !pen_sphere_outward(s, w->ray) && test_at_origin(w, prim, any);
+    if (w->leaving && pen_sphere_touches(s, w->ray->o, w->leave->bound))
         return test_at_origin(w, prim, any);
     return pen_sphere_roots(s, w->ray, t) && offer_pair(w, prim, t, any);
 }
@@ -117,7 +158,8 @@ static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pe
 {
     struct pen_inside in;
     if (prim == w->leave->prim)
-        return test_at_origin(w, prim, any);
+        return !(w->leave->part == PEN_PART_SIDE && pen_round_outward(&c->round, w->ray)) &&
+               test_at_origin(w, prim, any);
     if (!pen_cylinder_inside(c, w->ray, &in))
         return false;
     if (w->leaving && pen_cylinder_touches(c, w->ray->o, w->leave->bound))
@@ -135,10 +177,12 @@ static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any
         return t > 0 && offer(w, prim, t, PEN_PART_SIDE, any);
     if (prim == w->leave->prim)
         return false;
-    struct pen_hit h = {t, prim, PEN_PART_SIDE};
-    const struct pen_prims *prims = w->accel->prims;
-    if (pen_flat_touches(pen_prim_normal(prims, h, w->ray->o),
-                         pen_prim_scale(prims, prim, w->ray->o), w->ray, t, w->leave->bound))
+    const struct pen_prim_ref ref = w->accel->prims->ref[prim];
+    struct pen_vec3 n = *flat_normal(w->accel->prims, ref);
+    if (fabs(t * pen_dot(w->ray->d, n)) <=
+            w->leave->bound + 8 * PEN_U * flat_scale(w, ref, w->ray->o) &&
+        pen_flat_touches(n, pen_prim_scale(w->accel->prims, prim, w->ray->o), w->ray, t,
+                         w->leave->bound))
         return test_at_origin(w, prim, any);
     return offer(w, prim, t, PEN_PART_SIDE, any);
 }
@@ -211,35 +255,15 @@ static inline bool test_each(struct trace *w, uint32_t item, bool any)
     return false;
 }
 
-static inline void box_axis(struct box_ray *box, int axis, double o, double d, double grow)
+/* The power of two that scales a ray's d for boxes. */
+static inline double box_scale(const struct pen_ray *ray)
 {
-    double inv = box->scale / d;
-    double down = 1 - 0x1p-22, up = 1 + 0x1p-22;
-    bool negative = signbit(d);
-    float low = pen_float_down(o - grow), high = pen_float_up(o + grow);
-    box->sign[axis] = negative;
-    box->near_o[axis] = negative ? low : high;
-    box->far_o[axis] = negative ? high : low;
-    box->near_inv[axis] = pen_float_near(inv * down);
-    box->far_inv[axis] = fabs(inv) < (double)FLT_MAX / 2 ? (float)(inv * up)
-                         : negative                      ? -INFINITY
-                                                         : INFINITY;
-}
-
-/* Boxes grow by `grow`, so that what touches the origin within that distance is entered. */
-static inline struct box_ray box_ray_make(const struct pen_ray *ray, double tmin, double grow)
-{
-    struct box_ray box;
     double largest = pen_component(ray->d, ray->kz);
     uint64_t bits;
     memcpy(&bits, &largest, sizeof bits);
-    bits &= 0x7ff0000000000000u; /* the power of two */
-    memcpy(&box.scale, &bits, sizeof bits);
-    box_axis(&box, 0, ray->o.x, ray->d.x, grow);
-    box_axis(&box, 1, ray->o.y, ray->d.y, grow);
-    box_axis(&box, 2, ray->o.z, ray->d.z, grow);
-    box.tmin = pen_float_down(tmin * box.scale);
-    return box;
+    bits &= 0x7ff0000000000000u;
+    memcpy(&largest, &bits, sizeof bits);
+    return largest;
 }
 
 #endif

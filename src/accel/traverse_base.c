@@ -3,6 +3,39 @@
 #include "ops.h"
 #include "traverse.h"
 
+struct box_ray {
+    float near_o[3], far_o[3];
+    float near_inv[3], far_inv[3];
+    int sign[3]; /* 1 where d is negative or -0: the near plane is at the high end */
+    float tmin;  /* >= 0 */
+    double scale;
+};
+
+static inline void box_axis(struct box_ray *box, int axis, double o, double d, double grow)
+{
+    double inv = box->scale / d;
+    double down = 1 - 0x1p-22, up = 1 + 0x1p-22;
+    bool negative = signbit(d);
+    float low = pen_float_down(o - grow), high = pen_float_up(o + grow);
+    box->sign[axis] = negative;
+    box->near_o[axis] = negative ? low : high;
+    box->far_o[axis] = negative ? high : low;
+    box->near_inv[axis] = pen_float_near(inv * down);
+    box->far_inv[axis] = fabs(inv) < (double)FLT_MAX / 2 ? (float)(inv * up)
+                         : negative                      ? -INFINITY
+                                                         : INFINITY;
+}
+
+static inline struct box_ray box_ray_make(const struct pen_ray *ray, double tmin, double grow)
+{
+    struct box_ray box = {.scale = box_scale(ray)};
+    box_axis(&box, 0, ray->o.x, ray->d.x, grow);
+    box_axis(&box, 1, ray->o.y, ray->d.y, grow);
+    box_axis(&box, 2, ray->o.z, ray->d.z, grow);
+    box.tmin = pen_float_down(tmin * box.scale);
+    return box;
+}
+
 static inline unsigned enter_node(const struct pen_node *node, const struct box_ray *box,
                                   float limit, float near[PEN_WIDE])
 {
@@ -10,9 +43,10 @@ static inline unsigned enter_node(const struct pen_node *node, const struct box_
     for (int lane = 0; lane < PEN_WIDE; lane++) {
         float t0 = box->tmin, t1 = limit;
         for (int axis = 0; axis < 3; axis++) {
-            float lo = node->lo[axis][lane], hi = node->hi[axis][lane];
-            float a = ((box->sign[axis] ? hi : lo) - box->near_o[axis]) * box->near_inv[axis];
-            float b = ((box->sign[axis] ? lo : hi) - box->far_o[axis]) * box->far_inv[axis];
+            float first = node->end[box->sign[axis]][axis][lane];
+            float last = node->end[1 - box->sign[axis]][axis][lane];
+            float a = (first - box->near_o[axis]) * box->near_inv[axis];
+            float b = (last - box->far_o[axis]) * box->far_inv[axis];
             t0 = a > t0 ? a : t0; /* NaN, from 0 times infinity, leaves the axis out */
             t1 = b < t1 ? b : t1;
         }

@@ -39,20 +39,18 @@ static inline int push_children(struct pending *stack, int top, const struct pen
     return top;
 }
 
-/* Visits what the ray may meet, nearest boxes first; true if the query ended early. A box is
- * entered when its near distance is <= the best t, so that ties are decided by number. */
-static inline bool walk(struct trace *w, const struct box_ray *box, bool any)
+/* Visits what the ray may meet, nearest boxes first. A box is entered when its near distance is
+ * <= the best t, so that ties are decided by number. */
+static inline void walk_nearest(struct trace *w, const struct box_ray *box)
 {
     struct pending stack[STACK];
     int top = 0;
     uint32_t child = 0;
-    float limit = pen_float_up((any ? w->shadow->tmax : w->best.t) * box->scale);
+    float limit = pen_float_up(w->best.t * box->scale);
     for (;;) {
         if (child & PEN_CHILD_LEAF) {
-            if (test_leaf(w, child & ~PEN_CHILD_LEAF, any))
-                return true;
-            if (!any)
-                limit = pen_float_up(w->best.t * box->scale);
+            test_leaf(w, child & ~PEN_CHILD_LEAF, false);
+            limit = pen_float_up(w->best.t * box->scale);
         } else {
             const struct pen_node *node = &w->accel->nodes[child];
             float near[PEN_WIDE];
@@ -65,11 +63,33 @@ static inline bool walk(struct trace *w, const struct box_ray *box, bool any)
         }
         do {
             if (top == 0)
-                return false;
+                return;
             top--;
         } while (stack[top].near > limit);
         child = stack[top].child;
     }
+}
+
+/* Visits what the ray may meet, in any order; true if something ended the query. */
+static inline bool walk_any(struct trace *w, const struct box_ray *box)
+{
+    uint32_t stack[STACK];
+    int top = 0;
+    float limit = pen_float_up(w->shadow->tmax * box->scale);
+    stack[top++] = 0;
+    while (top > 0) {
+        const struct pen_node *node = &w->accel->nodes[stack[--top]];
+        float near[PEN_WIDE];
+        unsigned mask = enter_node(node, box, limit, near);
+        for (; mask; mask &= mask - 1) {
+            uint32_t child = node->child[__builtin_ctz(mask)];
+            if (!(child & PEN_CHILD_LEAF))
+                stack[top++] = child;
+            else if (test_leaf(w, child & ~PEN_CHILD_LEAF, true))
+                return true;
+        }
+    }
+    return false;
 }
 
 static inline bool search(struct trace *w, double tmin, bool any)
@@ -80,7 +100,10 @@ static inline bool search(struct trace *w, double tmin, bool any)
     if (accel->node_count == 0)
         return false;
     struct box_ray box = box_ray_make(w->ray, tmin, w->grow);
-    return walk(w, &box, any);
+    if (any)
+        return walk_any(w, &box);
+    walk_nearest(w, &box);
+    return false;
 }
 
 static inline struct trace begin(const struct pen_accel *accel, const struct pen_ray *ray,
@@ -113,8 +136,10 @@ static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
 {
     struct trace w = begin(accel, ray, leave);
     w.shadow = query;
-    if (query->to_point)
+    if (query->to_point) {
         w.light_bound = pen_shadow_light_bound(ray);
+        w.light = pen_along(ray->o, ray->d, query->tmax);
+    }
     query->count = 0;
     query->overflow = false;
     uint32_t last = query->last_occluder;

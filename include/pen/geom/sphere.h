@@ -51,6 +51,13 @@ static inline bool pen_sphere_touches(const struct pen_sphere *s, struct pen_vec
  * to the last bits. Its sign says inward (> 0) or outward. */
 double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray);
 
+/* Whether pen_sphere_chord is certainly not positive, for less than it costs. */
+static inline bool pen_sphere_outward(const struct pen_sphere *s, const struct pen_ray *ray)
+{
+    struct pen_vec3 f = pen_sub(ray->o, s->c);
+    return pen_dot(f, ray->d) > 0x1p-40 * (pen_norm1(f) * pen_norm1(ray->d));
+}
+
 static inline struct pen_vec3 pen_sphere_normal(const struct pen_sphere *s, struct pen_vec3 p)
 {
     return pen_normalize(pen_sub(p, s->c));

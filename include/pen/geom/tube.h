@@ -77,6 +77,15 @@ static inline double pen_tube_rounding(const struct pen_tube *tube)
 /* The other crossing of a ray whose origin is on the side by identity; 0 if parallel. */
 double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray);
 
+/* Whether pen_round_chord is certainly not positive, for less than it costs. Its sign is that of
+ * -(d x a).(f x a) = (d.a)(f.a) - (d.f)(a.a), by Lagrange, and |a|^2 < 3. */
+static inline bool pen_round_outward(const struct pen_round *s, const struct pen_ray *ray)
+{
+    struct pen_vec3 f = pen_sub(ray->o, s->q), d = ray->d, a = s->a;
+    double outward = pen_dot(d, f) * pen_dot(a, a) - pen_dot(d, a) * pen_dot(f, a);
+    return outward > 0x1p-40 * (pen_norm1(f) * pen_norm1(d));
+}
+
 /* Whether p is inside the endless side, off its surface. */
 bool pen_round_holds(const struct pen_round *s, struct pen_vec3 p);
 
