@@ -179,7 +179,7 @@ bool pen_local_frame_make(const struct pen_survey *survey, const struct pen_came
     if (!isfinite(extent))
         return false;
     struct pen_vec3 middle = pen_box_center(box);
-    frexp(extent, &frame->exponent);
+    frame->exponent = pen_exponent(extent);
     frame->center = pen_vec3(nearest_multiple(middle.x, frame->exponent),
                              nearest_multiple(middle.y, frame->exponent),
                              nearest_multiple(middle.z, frame->exponent));

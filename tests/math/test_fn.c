@@ -174,8 +174,7 @@ START_TEST(test_fn__pow_is_within_its_bound)
         check_pow(w, of_bits(1 + random_bits(&s) % UINT64_C(0x7FEFFFFFFFFFFFFF)),
                   random_in(&s, 0, 1));
         x = spread(&s, 1e-300, 1 - 1e-9);
-        check_pow(w, x,
-                  random_in(&s, 600, 708.3) / -log(x)); /* to the brink of the subnormal */
+        check_pow(w, x, random_in(&s, 600, 708.3) / -log(x)); /* to the brink of the subnormal */
         check_pow(w, x, random_in(&s, 708.4, 746) / -log(x));
         x = spread(&s, 1 + 1e-9, 1e300);
         check_pow(w, x, random_in(&s, 709.7, 709.8) / log(x)); /* to the brink of overflow */

@@ -42,8 +42,8 @@ START_TEST(test_vec3__normalized_has_unit_length)
     struct random r = random_begin(1);
     for (int i = 0; i < 100000; i++) {
         double size = ldexp(1, (int)random_below(&r, 201) - 100);
-        struct pen_vec3 v = pen_vec3(random_in(&r, -size, size),
-                                     random_in(&r, -size, size), random_in(&r, -1, 1));
+        struct pen_vec3 v =
+            pen_vec3(random_in(&r, -size, size), random_in(&r, -size, size), random_in(&r, -1, 1));
         double off = pen_length(pen_normalize(v)) - 1;
         if (!(fabs(off) <= 6 * 0x1p-53))
             ck_abort_msg("seed %llu: off by %g", (unsigned long long)r.seed, off);
