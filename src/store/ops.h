@@ -43,6 +43,8 @@ struct pen_store_ops {
                       bool *held, struct pen_status *st);
     bool (*sweep)(struct pen_store *store, const char *dead_worker, int *opened,
                   struct pen_status *st);
+    bool (*worker_ended)(struct pen_store *store, const struct pen_worker_death *death, int *opened,
+                         struct pen_status *st);
     bool (*pixels)(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
                    void *user, struct pen_status *st);
     bool (*stats)(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,

@@ -40,6 +40,7 @@ enum pen_sq_sql {
     SQ_SCENE_REMOVE_UNUSED,
     SQ_OPEN_ANY,
     SQ_OPEN_NEXT,
+    SQ_HELD_BY,
     SQ_BATCH_LEASE,
     SQ_JOB_START,
     SQ_BATCH_GET,
@@ -51,8 +52,12 @@ enum pen_sq_sql {
     SQ_JOB_VIEW_ENDED,
     SQ_BATCH_OPEN,
     SQ_LEASE_EXTEND,
-    SQ_SWEEP_ANY,
-    SQ_SWEEP,
+    SQ_LOST_ANY,
+    SQ_LOST_JOBS,
+    SQ_LOST_OPEN,
+    SQ_LEFT_OPEN,
+    SQ_CHARGE_WHOM,
+    SQ_CHARGE,
     SQ_PIXELS_LIST,
     SQ_STATS_LIST,
     SQ_BATCH_LIST,
@@ -165,8 +170,11 @@ bool pen_sq_fail(struct pen_store *store, const struct pen_claim *claim, const c
                  struct pen_status *st);
 bool pen_sq_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                       bool *held, struct pen_status *st);
+
 bool pen_sq_sweep(struct pen_store *store, const char *dead_worker, int *opened,
                   struct pen_status *st);
+bool pen_sq_worker_ended(struct pen_store *store, const struct pen_worker_death *death, int *opened,
+                         struct pen_status *st);
 
 bool pen_sq_commit(struct pen_store *store, const struct pen_claim *claim,
                    const struct pen_result *result, struct pen_next *next, struct pen_status *st);
@@ -189,9 +197,14 @@ bool pen_sq_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *
 bool pen_sq_end_job(struct pen_sq_store *store, int64_t number, enum pen_job_state state,
                     const char *error, struct pen_status *st);
 
+/* What a row of BATCH_COLUMNS is as a claim of its present attempt. */
+void pen_sq_read_claim(const struct pen_sq_query *row, struct pen_claim *claim, int64_t *job);
+
+/* Whether a query gives a row at all; reading first spares an idle worker the write. */
+bool pen_sq_any_row(struct pen_sq_query *query, bool *any, struct pen_status *st);
+
 /* Leases the next open batch, inside a transaction. */
-bool pen_sq_take_next(struct pen_sq_store *store, const char *worker, int64_t lease_ms,
-                      struct pen_claim *claim, bool *found, struct pen_status *st);
+bool pen_sq_take_next(struct pen_sq_store *store, struct pen_next *next, struct pen_status *st);
 
 /* How a batch stands against a claim. */
 struct pen_sq_standing {

@@ -68,6 +68,17 @@ static const struct rule rules[] = {
      "SELECT id FROM batch WHERE state IN (1, 2) AND attempt = 0"},
     {"a batch whose priority is not its job's",
      "SELECT b.id FROM batch b JOIN job j ON j.number = b.job WHERE b.priority <> j.priority"},
+    {"a job charged without a death, or more than it allows",
+     "SELECT id FROM job WHERE charges NOT BETWEEN 0 AND min(deaths, max_attempts)"},
+    {"a job that has used up its attempts and goes on",
+     "SELECT id FROM job WHERE charges >= max_attempts AND state IN (0, 1)"},
+    {"a job that lets others go first though no worker was lost over it",
+     "SELECT id FROM job WHERE deaths < 2 AND rest_until_ms <> 0"},
+    {"a suspect batch that was never attempted, or has come to its end",
+     "SELECT id FROM batch WHERE suspect = 1 AND (attempt = 0 OR state IN (2, 3))"},
+    {"a worker that holds more than a suspect batch",
+     "SELECT a.worker FROM batch a WHERE a.state = 1 AND a.suspect = 1 AND EXISTS (SELECT 1"
+     " FROM batch b WHERE b.state = 1 AND b.worker = a.worker AND b.id <> a.id)"},
     {"a scene document that no job names",
      "SELECT id FROM scene WHERE id NOT IN (SELECT scene FROM job)"},
 };

@@ -144,9 +144,7 @@ static bool write_commit(struct pen_sq_store *store, void *arg, struct pen_statu
         if (!check_result(commit, st) || !write_result(store, commit, st))
             return false;
     }
-    struct pen_next *next = commit->next;
-    return !next ||
-           pen_sq_take_next(store, next->worker, next->lease_ms, &next->claim, &next->found, st);
+    return !commit->next || pen_sq_take_next(store, commit->next, st);
 }
 
 bool pen_sq_commit(struct pen_store *base, const struct pen_claim *claim,

@@ -98,6 +98,7 @@ static struct pen_batch_record batch_record(const struct pen_sq_query *row)
         .tile_count = (int)pen_sq_column_int(row, 6),
         .pixels = pen_sq_column_int(row, 7),
         .worker = pen_sq_column_text(row, 8),
+        .suspect = pen_sq_column_int(row, 9) != 0,
     };
 }
 

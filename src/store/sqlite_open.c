@@ -78,6 +78,7 @@ static const struct pen_store_ops ops = {
     .fail = pen_sq_fail,
     .heartbeat = pen_sq_heartbeat,
     .sweep = pen_sq_sweep,
+    .worker_ended = pen_sq_worker_ended,
     .pixels = pen_sq_pixels,
     .stats = pen_sq_stats,
     .batches = pen_sq_batches,

@@ -12,7 +12,9 @@
  * Numbers of jobs and batches are never used twice (AUTOINCREMENT): a claim names a batch by
  * number and attempt, and must not fit another batch after a delete. view.open_batches and
  * job.open_views are counted down by commits, so that a commit costs the same in a job of many
- * batches as in one of few. */
+ * batches as in one of few. job.deaths counts the times that workers were lost over a job since
+ * its last commit, job.charges those that are its own fault; until job.rest_until_ms other jobs go
+ * first. batch.suspect: a worker was lost over it. */
 #include "sqlite.h"
 
 #include <stdio.h>
@@ -102,7 +104,13 @@ static const char step_1[] =
     ") STRICT, WITHOUT ROWID;"
     "CREATE INDEX idempotency_by_age ON idempotency(created_ms);";
 
-static const char *const steps[] = {step_1};
+/* What is known of deaths of workers: batches they held, and what that means for the jobs. */
+static const char step_2[] =
+    "ALTER TABLE job ADD COLUMN deaths INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN rest_until_ms INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE batch ADD COLUMN suspect INTEGER NOT NULL DEFAULT 0 CHECK (suspect IN (0, 1));";
+
+static const char *const steps[] = {step_1, step_2};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,

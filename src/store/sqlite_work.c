@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Leases: claim, heartbeat, release, fail, sweep. A lease is (batch, attempt); the attempt grows
+/* Leases: claim, heartbeat, release, fail. A lease is (batch, attempt); the attempt grows
  * with every claim, and everything a holder does names both. Time is the wall clock of the host
  * that holds the database file. */
 #include <stdio.h>
@@ -8,11 +8,11 @@
 #include "pen/base/clock.h"
 #include "sqlite.h"
 
-static void fill_claim(const struct pen_sq_query *row, int64_t now_ms, struct pen_claim *claim)
+void pen_sq_read_claim(const struct pen_sq_query *row, struct pen_claim *claim, int64_t *job)
 {
     *claim = (struct pen_claim){
         .batch = pen_sq_column_int(row, 0),
-        .attempt = pen_sq_column_int(row, 1) + 1,
+        .attempt = pen_sq_column_int(row, 1),
         .kind = (enum pen_batch_kind)pen_sq_column_int(row, 2),
         .view = (int)pen_sq_column_int(row, 4),
         .first_tile = (int)pen_sq_column_int(row, 5),
@@ -22,10 +22,8 @@ static void fill_claim(const struct pen_sq_query *row, int64_t now_ms, struct pe
         .submitted_ms = pen_sq_column_int(row, 10),
         .started_ms = pen_sq_column_int(row, 11),
         .timeout_ms = pen_sq_column_int(row, 12),
-        .claimed_ms = now_ms,
     };
-    if (claim->started_ms == 0)
-        claim->started_ms = now_ms;
+    *job = pen_sq_column_int(row, 3);
     const char *id = pen_sq_column_text(row, 9);
     snprintf(claim->job_id, sizeof claim->job_id, "%s", id ? id : "");
     struct pen_packed hash = pen_sq_column_blob(row, 13);
@@ -57,29 +55,66 @@ static bool start_job(struct pen_sq_store *store, int64_t number, int64_t now_ms
     return true;
 }
 
-bool pen_sq_take_next(struct pen_sq_store *store, const char *worker, int64_t lease_ms,
-                      struct pen_claim *claim, bool *found, struct pen_status *st)
+/* Whether the worker may be given anything, and suspects too: one of those is worked on alone. */
+static bool may_take(struct pen_sq_store *store, const char *worker, bool *any, bool *suspects,
+                     struct pen_status *st)
+{
+    struct pen_sq_query query = pen_sq_query(store, SQ_HELD_BY);
+    bool row;
+    pen_sq_text(&query, worker);
+    if (!pen_sq_next(&query, &row, st))
+        return false;
+    *suspects = !row || pen_sq_column_int(&query, 0) == 0;
+    *any = *suspects || pen_sq_column_int(&query, 1) == 0;
+    pen_sq_end(&query);
+    return true;
+}
+
+/* The open batch whose turn it is, of the jobs that rest no longer than until `rested_ms`. */
+static bool find_open(struct pen_sq_store *store, int64_t rested_ms, bool suspects,
+                      struct pen_next *next, int64_t *job, struct pen_status *st)
 {
     struct pen_sq_query query = pen_sq_query(store, SQ_OPEN_NEXT);
-    if (!pen_sq_next(&query, found, st))
+    pen_sq_int(&query, rested_ms);
+    pen_sq_int(&query, suspects);
+    if (!pen_sq_next(&query, &next->found, st))
         return false;
-    if (!*found)
+    if (!next->found)
         return true;
-    int64_t number = pen_sq_column_int(&query, 3);
-    fill_claim(&query, pen_clock_wall_ms(), claim);
+    pen_sq_read_claim(&query, &next->claim, job);
     pen_sq_end(&query);
-    return lease_batch(store, claim, worker, lease_ms, st) &&
-           start_job(store, number, claim->claimed_ms, st);
+    return true;
+}
+
+bool pen_sq_take_next(struct pen_sq_store *store, struct pen_next *next, struct pen_status *st)
+{
+    int64_t now_ms = pen_clock_wall_ms(), job = 0;
+    bool any, suspects;
+    next->found = false;
+    if (!may_take(store, next->worker, &any, &suspects, st))
+        return false;
+    if (any && !find_open(store, now_ms, suspects, next, &job, st))
+        return false;
+    /* Jobs that rest let others go first; when there are none, they may go on. */
+    if (any && !next->found && !find_open(store, INT64_MAX, suspects, next, &job, st))
+        return false;
+    if (!next->found)
+        return true;
+    struct pen_claim *claim = &next->claim;
+    claim->attempt++;
+    claim->claimed_ms = now_ms;
+    if (claim->started_ms == 0)
+        claim->started_ms = now_ms;
+    return lease_batch(store, claim, next->worker, next->lease_ms, st) &&
+           start_job(store, job, now_ms, st);
 }
 
 static bool write_claim(struct pen_sq_store *store, void *arg, struct pen_status *st)
 {
-    struct pen_next *next = arg;
-    return pen_sq_take_next(store, next->worker, next->lease_ms, &next->claim, &next->found, st);
+    return pen_sq_take_next(store, arg, st);
 }
 
-/* Whether a query gives a row at all; reading first spares an idle worker the write. */
-static bool any_row(struct pen_sq_query *query, bool *any, struct pen_status *st)
+bool pen_sq_any_row(struct pen_sq_query *query, bool *any, struct pen_status *st)
 {
     if (!pen_sq_next(query, any, st))
         return false;
@@ -92,7 +127,7 @@ bool pen_sq_claim(struct pen_store *base, const char *worker, int64_t lease_ms,
 {
     struct pen_sq_store *store = pen_sq_of(base);
     struct pen_sq_query open = pen_sq_query(store, SQ_OPEN_ANY);
-    if (!any_row(&open, found, st))
+    if (!pen_sq_any_row(&open, found, st))
         return false;
     if (!*found)
         return true;
@@ -201,45 +236,5 @@ bool pen_sq_heartbeat(struct pen_store *base, const struct pen_claim *claim, int
     if (!pen_sq_transaction(store, extend_lease, &beat, st))
         return false;
     *held = beat.held;
-    return true;
-}
-
-struct sweep {
-    const char *dead_worker;
-    int64_t now_ms;
-    int opened;
-};
-
-static void bind_sweep(struct pen_sq_query *query, const struct sweep *sweep)
-{
-    pen_sq_int(query, sweep->now_ms);
-    pen_sq_text(query, sweep->dead_worker);
-}
-
-static bool write_sweep(struct pen_sq_store *store, void *arg, struct pen_status *st)
-{
-    struct sweep *sweep = arg;
-    struct pen_sq_query query = pen_sq_query(store, SQ_SWEEP);
-    bind_sweep(&query, sweep);
-    if (!pen_sq_run(&query, st))
-        return false;
-    sweep->opened = pen_sq_changes(store);
-    store->base.work = sweep->opened > 0;
-    return true;
-}
-
-bool pen_sq_sweep(struct pen_store *base, const char *dead_worker, int *opened,
-                  struct pen_status *st)
-{
-    struct pen_sq_store *store = pen_sq_of(base);
-    struct sweep sweep = {.dead_worker = dead_worker, .now_ms = pen_clock_wall_ms()};
-    struct pen_sq_query query = pen_sq_query(store, SQ_SWEEP_ANY);
-    bind_sweep(&query, &sweep);
-    bool any;
-    if (!any_row(&query, &any, st))
-        return false;
-    if (any && !pen_sq_transaction(store, write_sweep, &sweep, st))
-        return false;
-    *opened = sweep.opened;
     return true;
 }

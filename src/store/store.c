@@ -152,6 +152,12 @@ bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *open
     return told(store, store->ops->sweep(store, dead_worker, opened, st));
 }
 
+bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
+                            int *opened, struct pen_status *st)
+{
+    return told(store, store->ops->worker_ended(store, death, opened, st));
+}
+
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
                       void *user, struct pen_status *st)
 {

@@ -37,9 +37,9 @@ static const struct situation situations[] = {
 enum { SITUATIONS = (int)(sizeof situations / sizeof situations[0]) };
 
 static const char *const operations[] = {
-    "pen_store_submit", "pen_store_claim",     "pen_store_commit", "pen_store_release",
-    "pen_store_fail",   "pen_store_sweep",     "pen_store_cancel", "pen_store_delete",
-    "pen_store_tidy",   "pen_store_heartbeat",
+    "pen_store_submit", "pen_store_claim",     "pen_store_commit",       "pen_store_release",
+    "pen_store_fail",   "pen_store_sweep",     "pen_store_cancel",       "pen_store_delete",
+    "pen_store_tidy",   "pen_store_heartbeat", "pen_store_worker_ended",
 };
 enum { OPERATIONS = (int)(sizeof operations / sizeof operations[0]) };
 
@@ -89,6 +89,24 @@ static void bring(struct pen_store *store, const struct store_job *in, const str
         store_must(pen_store_cancel(store, in->id, &st), &st, "cancel");
 }
 
+static char *death_error(void *user, const struct pen_claim *claim, int charges)
+{
+    (void)user;
+    (void)claim;
+    (void)charges;
+    return strdup("{}");
+}
+
+/* Its worker crashes, which a job of one attempt does not survive. */
+static void end_worker(struct pen_store *store, const struct store_job *in)
+{
+    struct pen_status st;
+    int opened;
+    struct pen_worker_death death = {
+        .worker = "w", .end = PEN_WORKER_CRASHED, .error = death_error};
+    store_must(pen_store_worker_ended(store, &death, &opened, &st), &st, in->id);
+}
+
 /* Applies an operation to the job, or under its last claim. It may be refused. */
 static void apply(struct pen_store *store, const char *operation, const struct store_job *in,
                   const struct pen_claim *last)
@@ -117,6 +135,8 @@ static void apply(struct pen_store *store, const char *operation, const struct s
         pen_store_delete(store, in->id, &st);
     else if (strcmp(operation, "pen_store_tidy") == 0)
         pen_store_tidy(store, 0, &st);
+    else if (strcmp(operation, "pen_store_worker_ended") == 0)
+        end_worker(store, in);
     else
         pen_store_heartbeat(store, last, 1000, &flag, &st);
 }
@@ -166,12 +186,13 @@ static void compare(const struct stand *before, const struct stand *after, const
 
 /* Tries one pair in a store that is empty before and after. */
 static void try_one(struct pen_store *store, int number, const struct situation *situation,
-                    const char *operation)
+                    const char *operation, int max_attempts)
 {
     struct store_job in;
     struct pen_claim last = {0};
     struct pen_status st;
     store_job_init(&in, number, 1, BATCHES);
+    in.job.max_attempts = max_attempts;
     bring(store, &in, situation, &last);
     struct stand before = look(store, in.id);
     apply(store, operation, &in, &last);
@@ -187,8 +208,9 @@ START_TEST(test_states__every_change_is_an_arrow_and_every_arrow_is_seen)
     struct store_bed bed = {0};
     store_bed_open(&bed);
     for (int s = 0; s < SITUATIONS; s++) {
-        for (int o = 0; o < OPERATIONS; o++)
-            try_one(bed.store, s * OPERATIONS + o, &situations[s], operations[o]);
+        for (int o = 0; o < 2 * OPERATIONS; o++)
+            try_one(bed.store, 2 * s * OPERATIONS + o, &situations[s], operations[o / 2],
+                    o % 2 ? 3 : 1);
     }
     store_bed_close(&bed);
     int count;

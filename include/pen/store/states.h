@@ -4,12 +4,16 @@
  * refuses any other change of state.
  *
  *     submit ──▶ QUEUED ──claim──▶ RUNNING ──commit──▶ SUCCEEDED ┐
- *                  │                  ├───────fail───▶ FAILED    ├──delete──▶ (gone)
+ *                  │                  ├─fail, ended──▶ FAILED    ├──delete──▶ (gone)
  *                  └─────cancel───────┴──────cancel──▶ CANCELLED ┘
  *
  *     submit, commit ──▶ OPEN ──────────claim─────────▶ LEASED ──commit──▶ DONE
- *     (assemble)          ▲ └─cancel, fail─▶ ENDED ◀─cancel, fail─┤
- *                         └─────────────release, sweep────────────┘
+ *     (assemble)          ▲ └─cancel, fail,─▶ ENDED ◀─cancel, fail,┤
+ *                         │   ended                        ended  │
+ *                         └──────────release, sweep, ended────────┘
+ *
+ * "ended" is pen_store_worker_ended: a job fails by it when max_attempts deaths of workers in a row
+ * were charged to it, without a commit in between.
  *
  * A job is SUCCEEDED when all its batches are DONE. When it ends otherwise, its OPEN and LEASED
  * batches become ENDED in the same transaction, so nothing of it can be claimed or committed
@@ -25,17 +29,21 @@
     ARROW(PEN_JOB_QUEUED, PEN_JOB_CANCELLED, "pen_store_cancel")                                   \
     ARROW(PEN_JOB_RUNNING, PEN_JOB_SUCCEEDED, "pen_store_commit")                                  \
     ARROW(PEN_JOB_RUNNING, PEN_JOB_FAILED, "pen_store_fail")                                       \
+    ARROW(PEN_JOB_RUNNING, PEN_JOB_FAILED, "pen_store_worker_ended")                               \
     ARROW(PEN_JOB_RUNNING, PEN_JOB_CANCELLED, "pen_store_cancel")
 
 #define PEN_BATCH_ARROWS(ARROW)                                                                    \
     ARROW(PEN_BATCH_OPEN, PEN_BATCH_LEASED, "pen_store_claim")                                     \
     ARROW(PEN_BATCH_OPEN, PEN_BATCH_ENDED, "pen_store_cancel")                                     \
     ARROW(PEN_BATCH_OPEN, PEN_BATCH_ENDED, "pen_store_fail")                                       \
+    ARROW(PEN_BATCH_OPEN, PEN_BATCH_ENDED, "pen_store_worker_ended")                               \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_DONE, "pen_store_commit")                                    \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_OPEN, "pen_store_release")                                   \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_OPEN, "pen_store_sweep")                                     \
+    ARROW(PEN_BATCH_LEASED, PEN_BATCH_OPEN, "pen_store_worker_ended")                              \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_ENDED, "pen_store_cancel")                                   \
-    ARROW(PEN_BATCH_LEASED, PEN_BATCH_ENDED, "pen_store_fail")
+    ARROW(PEN_BATCH_LEASED, PEN_BATCH_ENDED, "pen_store_fail")                                     \
+    ARROW(PEN_BATCH_LEASED, PEN_BATCH_ENDED, "pen_store_worker_ended")
 
 struct pen_arrow {
     int from, to;

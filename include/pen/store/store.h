@@ -175,8 +175,8 @@ struct pen_claim {
     int64_t timeout_ms; /* of the job, from started_ms; 0: none */
 };
 
-/* Claims the next batch by (priority, age); the job becomes running. Returns true with
- * *found = false when there is nothing to do. */
+/* Claims the next batch by (priority, age), but see pen_store_worker_ended about suspects; the job
+ * becomes running. Returns true with *found = false when there is nothing to do. */
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                      struct pen_claim *claim, bool *found, struct pen_status *st);
 
@@ -226,10 +226,37 @@ bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, cons
 bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st);
 
-/* Opens batches whose lease has run out, and those of a worker that is known to be dead (NULL:
- * none). *opened is their number. */
+/* Opens batches whose lease has run out, and those of a worker that is known to be gone (NULL:
+ * none), as suspects, see pen_store_worker_ended. Nothing is charged: how the worker went is not
+ * known. *opened is their number. */
 bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *opened,
                      struct pen_status *st);
+
+enum pen_worker_end {
+    PEN_WORKER_LEFT,   /* told to, and leaves its work to others */
+    PEN_WORKER_DIED,   /* by somebody else's doing, or nobody knows */
+    PEN_WORKER_CRASHED /* by the doing of what it worked on */
+};
+
+/* Makes the error of a job that has used up its attempts, from the batch that its worker was at;
+ * called inside the transaction. Owns: a malloc()ed text, NULL when out of memory. */
+typedef char *pen_death_error_fn(void *user, const struct pen_claim *claim, int charges);
+
+struct pen_worker_death {
+    const char *worker;
+    enum pen_worker_end end;
+    pen_death_error_fn *error; /* of PEN_WORKER_CRASHED */
+    void *user;
+};
+
+/* What to do about the batches of a worker that has ended. Unless it left, they become suspects:
+ * a suspect is handed only to a worker that holds nothing else, which then gets nothing else
+ * until it is done with it; and a job whose batches keep coming back this way lets all others go
+ * first for a while that doubles each time. A crash is charged to the job if nothing but its
+ * batches was held; max_attempts charges in a row end it as failed. A commit takes all of this
+ * back. *opened is the number of batches that are open again. */
+bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
+                            int *opened, struct pen_status *st);
 
 /* Calls `each` for every committed render batch of a view, in order of tiles, with its pixels
  * and place; stops when it returns false. Fails: PEN_NOT_FOUND (no such job). */
@@ -270,6 +297,7 @@ struct pen_batch_record {
     int view, first_tile, tile_count;
     int64_t pixels;
     const char *worker; /* who holds it, NULL unless leased */
+    bool suspect;       /* a worker ended while it held this batch */
 };
 
 /* Calls `each` for every batch of a job, oldest first; stops when it returns false.

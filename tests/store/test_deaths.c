@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: MIT */
+/* Workers that end: whose batches are suspects, who gets those, what is charged to whom. */
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "support/store.h"
+#include "support/suite.h"
+
+static struct store_bed bed;
+static struct pen_claim blamed; /* the batch that the error of the last failed job was made of */
+
+static char *death_error(void *user, const struct pen_claim *claim, int charges)
+{
+    char *text = malloc(64);
+    ck_assert_ptr_nonnull(text);
+    blamed = *claim;
+    snprintf(text, 64, "{\"%s\": %d}", (const char *)user, charges);
+    return text;
+}
+
+static char why[] = "why";
+
+static int end_worker(const char *worker, enum pen_worker_end end)
+{
+    struct pen_status st;
+    struct pen_worker_death death = {
+        .worker = worker, .end = end, .error = death_error, .user = why};
+    int opened = -1;
+    store_must(pen_store_worker_ended(bed.store, &death, &opened, &st), &st, "worker ended");
+    return opened;
+}
+
+static bool claim_any(const char *worker, struct pen_claim *claim)
+{
+    struct pen_status st;
+    bool found = false;
+    store_must(pen_store_claim(bed.store, worker, 60000, claim, &found, &st), &st, "claim");
+    return found;
+}
+
+static void submit(struct store_job *job, int n, int batches, int max_attempts)
+{
+    store_job_init(job, n, 1, batches);
+    job->job.max_attempts = max_attempts;
+    store_job_submit(bed.store, job);
+}
+
+static int attempts(const struct store_job *in)
+{
+    struct pen_job_record job = store_job_get(bed.store, in->id);
+    int count = job.attempts;
+    pen_job_record_release(&job);
+    return count;
+}
+
+static bool count_suspect(void *user, const struct pen_batch_record *batch)
+{
+    *(int *)user += batch->suspect;
+    return true;
+}
+
+static int suspects(const struct store_job *in)
+{
+    struct pen_status st;
+    int count = 0;
+    store_must(pen_store_batches(bed.store, in->id, count_suspect, &count, &st), &st, "batches");
+    return count;
+}
+
+START_TEST(test_deaths__crash_over_one_job_is_charged_up_to_its_failure)
+{
+    struct store_job in;
+    struct pen_claim claim;
+    store_bed_open(&bed);
+    submit(&in, 1, 3, 3);
+    for (int charges = 1; charges <= 3; charges++) {
+        ck_assert_int_eq(attempts(&in), charges == 1 ? 0 : charges);
+        claim = store_claim(bed.store, "w");
+        ck_assert_int_eq(claim.first_tile, 0);
+        ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), charges < 3);
+        store_audit_clean(bed.store);
+    }
+    struct pen_job_record job = store_job_get(bed.store, in.id);
+    ck_assert_int_eq(job.state, PEN_JOB_FAILED);
+    ck_assert_str_eq(job.error, "{\"why\": 3}");
+    ck_assert_int_eq(job.attempts, 3);
+    pen_job_record_release(&job);
+    ck_assert_int_eq(blamed.batch, claim.batch);
+    ck_assert_int_eq(blamed.attempt, claim.attempt);
+    ck_assert_str_eq(blamed.job_id, in.id);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_STALE);
+    ck_assert(!claim_any("w", &claim));
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_deaths__other_ends_are_not_charged)
+{
+    struct store_job in;
+    struct pen_status st;
+    int opened;
+    store_bed_open(&bed);
+    submit(&in, 1, 2, 1);
+    for (int i = 0; i < 4; i++) {
+        store_claim(bed.store, "w");
+        ck_assert_int_eq(end_worker("w", PEN_WORKER_LEFT), 1);
+        ck_assert_int_eq(suspects(&in), 0);
+    }
+    for (int i = 0; i < 4; i++) {
+        store_claim(bed.store, "w");
+        ck_assert_int_eq(end_worker("w", PEN_WORKER_DIED), 1);
+        ck_assert_int_eq(suspects(&in), 1);
+        store_claim(bed.store, "w");
+        store_must(pen_store_sweep(bed.store, "w", &opened, &st), &st, "sweep");
+        ck_assert_int_eq(opened, 1);
+        ck_assert_int_eq(attempts(&in), 1);
+    }
+    ck_assert_int_eq(end_worker("nobody", PEN_WORKER_CRASHED), 0);
+    store_work_off(bed.store, "w");
+    ck_assert_int_eq(store_job_state(bed.store, in.id), PEN_JOB_SUCCEEDED);
+    ck_assert_int_eq(suspects(&in), 0);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_deaths__crash_over_two_jobs_charges_neither_and_suspects_are_tried_alone)
+{
+    struct store_job bad, good, other;
+    struct pen_claim one, two, claim;
+    store_bed_open(&bed);
+    submit(&bad, 1, 1, 1);
+    submit(&good, 2, 1, 1);
+    submit(&other, 3, 4, 1);
+    one = store_claim(bed.store, "w");
+    two = store_claim(bed.store, "w");
+    ck_assert_str_eq(two.job_id, good.id);
+    ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 2);
+    ck_assert_int_eq(suspects(&bad) + suspects(&good), 2);
+
+    /* One suspect per worker, and nothing beside it; others pass by. */
+    one = store_claim(bed.store, "w");
+    ck_assert_str_eq(one.job_id, bad.id);
+    ck_assert(!claim_any("w", &claim));
+    two = store_claim(bed.store, "v");
+    ck_assert_str_eq(two.job_id, good.id);
+    ck_assert(!claim_any("v", &claim));
+    claim = store_claim(bed.store, "u");
+    ck_assert_str_eq(claim.job_id, other.id);
+    store_audit_clean(bed.store);
+
+    /* Who holds something gets no suspect, but the next of the others. */
+    end_worker("v", PEN_WORKER_LEFT);
+    claim = store_claim(bed.store, "u");
+    ck_assert_str_eq(claim.job_id, other.id);
+
+    ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 0);
+    ck_assert_int_eq(store_job_state(bed.store, bad.id), PEN_JOB_FAILED);
+    store_work_off(bed.store, "w");
+    ck_assert_int_eq(store_job_state(bed.store, good.id), PEN_JOB_SUCCEEDED);
+    end_worker("u", PEN_WORKER_LEFT);
+    store_work_off(bed.store, "w");
+    ck_assert_int_eq(store_job_state(bed.store, other.id), PEN_JOB_SUCCEEDED);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_deaths__any_commit_of_the_job_takes_its_charges_back)
+{
+    struct store_job in;
+    struct pen_claim bad, good;
+    store_bed_open(&bed);
+    submit(&in, 1, 3, 2);
+    bad = store_claim(bed.store, "w");
+    end_worker("w", PEN_WORKER_CRASHED);
+    ck_assert_int_eq(attempts(&in), 2);
+    bad = store_claim(bed.store, "w");
+    good = store_claim(bed.store, "v");
+    ck_assert_int_ne(good.batch, bad.batch);
+    ck_assert_int_eq(store_commit(bed.store, &good), PEN_OK);
+    ck_assert_int_eq(attempts(&in), 1);
+    ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 1);
+    ck_assert_int_eq(attempts(&in), 2);
+    bad = store_claim(bed.store, "w");
+    ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 0);
+    ck_assert_int_eq(store_job_state(bed.store, in.id), PEN_JOB_FAILED);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_deaths__job_that_keeps_losing_workers_lets_others_go_first_for_a_while)
+{
+    struct store_job bad, good;
+    struct pen_claim claim;
+    store_bed_open(&bed);
+    submit(&bad, 1, 1, 10);
+    claim = store_claim(bed.store, "w");
+    end_worker("w", PEN_WORKER_DIED);
+    submit(&good, 2, 4, 3);
+    claim = store_claim(bed.store, "w"); /* the first death does not count yet */
+    ck_assert_str_eq(claim.job_id, bad.id);
+    end_worker("w", PEN_WORKER_DIED);
+    claim = store_claim(bed.store, "w");
+    ck_assert_str_eq(claim.job_id, good.id);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    nanosleep(&(struct timespec){.tv_nsec = 600000000}, NULL);
+    claim = store_claim(bed.store, "w"); /* and nobody waits for ever */
+    ck_assert_str_eq(claim.job_id, bad.id);
+    end_worker("w", PEN_WORKER_DIED);
+    for (int i = 0; i < 4; i++) {
+        claim = store_claim(bed.store, "w");
+        ck_assert_str_eq(claim.job_id, good.id);
+        ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    }
+    claim = store_claim(bed.store, "w"); /* with nothing else to do there is no resting */
+    ck_assert_str_eq(claim.job_id, bad.id);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    store_bed_close(&bed);
+}
+END_TEST
+
+static void run_sql(sqlite3 *db, const char *sql)
+{
+    ck_assert_msg(sqlite3_exec(db, sql, NULL, NULL, NULL) == SQLITE_OK, "%s: %s", sql,
+                  sqlite3_errmsg(db));
+}
+
+START_TEST(test_deaths__store_of_the_first_schema_goes_on)
+{
+    struct store_job in;
+    sqlite3 *db;
+    store_bed_open(&bed);
+    submit(&in, 1, 3, 3);
+    store_claim(bed.store, "w");
+    pen_store_close(bed.store);
+    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
+    run_sql(db, "ALTER TABLE job DROP COLUMN deaths; ALTER TABLE job DROP COLUMN rest_until_ms;"
+                "ALTER TABLE batch DROP COLUMN suspect; PRAGMA user_version = 1");
+    sqlite3_close(db);
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 1);
+    ck_assert_int_eq(store_work_off(bed.store, "w"), 4);
+    ck_assert_int_eq(store_job_state(bed.store, in.id), PEN_JOB_SUCCEEDED);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("store deaths", test_deaths__crash_over_one_job_is_charged_up_to_its_failure,
+          test_deaths__other_ends_are_not_charged,
+          test_deaths__crash_over_two_jobs_charges_neither_and_suspects_are_tried_alone,
+          test_deaths__any_commit_of_the_job_takes_its_charges_back,
+          test_deaths__job_that_keeps_losing_workers_lets_others_go_first_for_a_while,
+          test_deaths__store_of_the_first_schema_goes_on)
