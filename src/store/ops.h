@@ -51,6 +51,8 @@ struct pen_store_ops {
                   struct pen_status *st);
     bool (*batches)(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
                     struct pen_status *st);
+    bool (*commits)(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                    void *user, struct pen_status *st);
     bool (*artefact)(struct pen_store *store, const char *id, int view, const char *layer,
                      const char *format, struct pen_buf *out, struct pen_status *st);
     bool (*artefact_put)(struct pen_store *store, const char *id, int view, const char *layer,

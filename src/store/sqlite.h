@@ -61,6 +61,7 @@ enum pen_sq_sql {
     SQ_PIXELS_LIST,
     SQ_STATS_LIST,
     SQ_BATCH_LIST,
+    SQ_COMMIT_LIST,
     SQ_ARTEFACT_GET,
     SQ_ARTEFACT_PUT,
     SQ_TIDY_KEYS,
@@ -185,6 +186,8 @@ bool pen_sq_stats(struct pen_store *store, const char *id, pen_stats_fn *each, v
                   struct pen_status *st);
 bool pen_sq_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
                     struct pen_status *st);
+bool pen_sq_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                    void *user, struct pen_status *st);
 bool pen_sq_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                      const char *format, struct pen_buf *out, struct pen_status *st);
 bool pen_sq_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,

@@ -64,6 +64,12 @@ static const struct rule rules[] = {
      " WHERE b.kind <> 0 OR b.state <> 2"},
     {"statistics of an unfinished batch, or a finished batch without any",
      "SELECT id FROM batch WHERE (state = 2) <> (stats IS NOT NULL)"},
+    {"a finished batch without the revision of its commit, or the other way round",
+     "SELECT id FROM batch WHERE (state = 2) <> (revision IS NOT NULL)"},
+    {"a job of which two batches were committed at one revision, or beyond its own",
+     "SELECT j.id FROM job j JOIN batch b ON b.job = j.number WHERE b.revision IS NOT NULL"
+     " GROUP BY j.number HAVING count(*) <> count(DISTINCT b.revision)"
+     " OR max(b.revision) > j.revision"},
     {"a claimed batch that was never attempted",
      "SELECT id FROM batch WHERE state IN (1, 2) AND attempt = 0"},
     {"a batch whose priority is not its job's",

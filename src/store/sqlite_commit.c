@@ -112,7 +112,8 @@ static bool write_result(struct pen_sq_store *store, const struct commit *commit
     int64_t now_ms = pen_clock_wall_ms();
     bool render = commit->standing.kind == PEN_BATCH_RENDER;
     store->base.news = true;
-    if (!finish_batch(store, commit, now_ms, st) || !add_progress(store, commit, now_ms, st) ||
+    /* Progress first: the batch takes note of the revision that it gives the job. */
+    if (!add_progress(store, commit, now_ms, st) || !finish_batch(store, commit, now_ms, st) ||
         (render && !add_pixels(store, commit, st)) ||
         (commit->result->artefact && !add_artefact(store, commit, st)))
         return false;

@@ -11,6 +11,8 @@ struct listing {
     pen_pixels_fn *pixels;
     pen_stats_fn *stats;
     pen_batch_fn *batches;
+    pen_commit_fn *commits;
+    int64_t after;
     void *user;
 };
 
@@ -127,6 +129,37 @@ bool pen_sq_batches(struct pen_store *base, const char *id, pen_batch_fn *each, 
 {
     struct listing listing = {.id = id, .batches = each, .user = user};
     return pen_sq_snapshot(pen_sq_of(base), read_batches, &listing, st);
+}
+
+static bool read_commits(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    const struct listing *listing = arg;
+    int64_t number;
+    if (!pen_sq_job_number(store, listing->id, &number, st))
+        return false;
+    struct pen_sq_query query = pen_sq_query(store, SQ_COMMIT_LIST);
+    pen_sq_int(&query, number);
+    pen_sq_int(&query, listing->after);
+    bool ok = true, row = true, more = true;
+    while (ok && row && more) {
+        ok = pen_sq_next(&query, &row, st);
+        if (ok && row) {
+            struct pen_commit_record commit = {.revision = pen_sq_column_int(&query, 0),
+                                               .view = (int)pen_sq_column_int(&query, 1),
+                                               .first_tile = (int)pen_sq_column_int(&query, 2),
+                                               .tile_count = (int)pen_sq_column_int(&query, 3)};
+            more = listing->commits(listing->user, &commit);
+        }
+    }
+    pen_sq_end(&query);
+    return ok;
+}
+
+bool pen_sq_commits(struct pen_store *base, const char *id, int64_t after, pen_commit_fn *each,
+                    void *user, struct pen_status *st)
+{
+    struct listing listing = {.id = id, .after = after, .commits = each, .user = user};
+    return pen_sq_snapshot(pen_sq_of(base), read_commits, &listing, st);
 }
 
 /* One picture: what it is of, and where it goes to or comes from. */

@@ -82,6 +82,7 @@ static const struct pen_store_ops ops = {
     .pixels = pen_sq_pixels,
     .stats = pen_sq_stats,
     .batches = pen_sq_batches,
+    .commits = pen_sq_commits,
     .artefact = pen_sq_artefact,
     .artefact_put = pen_sq_artefact_put,
     .tidy = pen_sq_tidy,

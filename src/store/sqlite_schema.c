@@ -14,7 +14,8 @@
  * job.open_views are counted down by commits, so that a commit costs the same in a job of many
  * batches as in one of few. job.deaths counts the times that workers were lost over a job since
  * its last commit, job.charges those that are its own fault; until job.rest_until_ms other jobs go
- * first. batch.suspect: a worker was lost over it. */
+ * first. batch.suspect: a worker was lost over it. batch.revision is the revision that its
+ * commit gave the job, so that whoever knows an older one can be told what was committed since. */
 #include "sqlite.h"
 
 #include <stdio.h>
@@ -110,7 +111,16 @@ static const char step_2[] =
     "ALTER TABLE job ADD COLUMN rest_until_ms INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE batch ADD COLUMN suspect INTEGER NOT NULL DEFAULT 0 CHECK (suspect IN (0, 1));";
 
-static const char *const steps[] = {step_1, step_2};
+/* Which revision of its job a batch was committed at. Jobs from before were submitted at 1 and
+ * begun at 2, and each commit counted one on. */
+static const char step_3[] =
+    "ALTER TABLE batch ADD COLUMN revision INTEGER;"
+    "UPDATE batch SET revision = past.revision FROM (SELECT id, 2 + row_number()"
+    " OVER (PARTITION BY job ORDER BY done_ms, id) AS revision FROM batch WHERE state = 2) AS past"
+    " WHERE batch.id = past.id;"
+    "CREATE INDEX batch_by_revision ON batch(job, revision) WHERE revision IS NOT NULL;";
+
+static const char *const steps[] = {step_1, step_2, step_3};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,

@@ -75,7 +75,8 @@ static const char *const sql_text[SQ_COUNT] = {
                      " WHERE id = ?",
     [SQ_BATCH_DONE] =
         "UPDATE batch SET state = 2, worker = NULL, lease_until_ms = NULL, stats = ?3,"
-        " done_ms = ?4, suspect = 0"
+        " done_ms = ?4, suspect = 0,"
+        " revision = (SELECT revision FROM job WHERE number = batch.job)"
         " WHERE id = ?1 AND attempt = ?2 AND state = 1",
     [SQ_PIXELS_ADD] = "INSERT INTO pixels (batch, data) VALUES (?, ?)",
     [SQ_VIEW_COUNT_DOWN] = "UPDATE view SET open_batches = open_batches - 1"
@@ -115,6 +116,8 @@ static const char *const sql_text[SQ_COUNT] = {
                       " WHERE job = ? AND state = 2 AND stats IS NOT NULL ORDER BY id",
     [SQ_BATCH_LIST] = "SELECT id, attempt, kind, state, view, first_tile, tile_count, pixels,"
                       " worker, suspect FROM batch WHERE job = ? ORDER BY id",
+    [SQ_COMMIT_LIST] = "SELECT revision, view, first_tile, tile_count FROM batch"
+                       " WHERE job = ? AND revision > ? AND kind = 0 ORDER BY revision",
     [SQ_ARTEFACT_GET] = "SELECT data FROM artefact"
                         " WHERE job = ? AND view = ? AND layer = ? AND format = ?",
     [SQ_ARTEFACT_PUT] = "INSERT INTO artefact (job, view, layer, format, data)"

@@ -176,6 +176,12 @@ bool pen_store_batches(struct pen_store *store, const char *id, pen_batch_fn *ea
     return store->ops->batches(store, id, each, user, st);
 }
 
+bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                       void *user, struct pen_status *st)
+{
+    return store->ops->commits(store, id, after, each, user, st);
+}
+
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st)
 {

@@ -61,6 +61,8 @@ START_TEST(test_jobs__unknown_job_is_not_found)
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert(!pen_store_batches(bed.store, "nobody", NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    ck_assert(!pen_store_commits(bed.store, "nobody", 0, NULL, NULL, &st));
+    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     store_bed_close(&bed);
 }
 END_TEST
@@ -342,6 +344,60 @@ START_TEST(test_jobs__names_of_states_go_both_ways)
 }
 END_TEST
 
+/* Commits as they are listed; `left` is how many more are wanted. */
+struct listed {
+    struct pen_commit_record commit[16];
+    int count, left;
+};
+
+static bool note_commit(void *user, const struct pen_commit_record *commit)
+{
+    struct listed *listed = user;
+    listed->commit[listed->count++] = *commit;
+    return --listed->left > 0;
+}
+
+static struct listed list_commits(struct pen_store *store, const char *id, int64_t after, int most)
+{
+    struct listed listed = {.left = most};
+    struct pen_status st;
+    store_must(pen_store_commits(store, id, after, note_commit, &listed, &st), &st, "commits");
+    return listed;
+}
+
+START_TEST(test_jobs__commits_are_listed_in_their_order_by_revision)
+{
+    struct store_bed bed = {0};
+    store_bed_open(&bed);
+    struct store_job in;
+    store_job_init(&in, 1, 2, 3);
+    store_job_submit(bed.store, &in);
+    ck_assert_int_eq(list_commits(bed.store, in.id, 0, 16).count, 0);
+    struct pen_claim first = store_claim(bed.store, "w"), second = store_claim(bed.store, "w");
+    ck_assert_int_eq(store_commit(bed.store, &second), PEN_OK);
+    struct pen_job_record job = store_job_get(bed.store, in.id);
+    int64_t revision = job.revision;
+    pen_job_record_release(&job);
+    ck_assert_int_eq(store_commit(bed.store, &first), PEN_OK);
+    store_work_off(bed.store, "w");
+
+    struct listed all = list_commits(bed.store, in.id, 0, 16);
+    ck_assert_int_eq(all.count, 6); /* those that assemble bring no pixels */
+    ck_assert_int_eq(all.commit[0].revision, revision);
+    ck_assert_int_eq(all.commit[0].first_tile, second.first_tile);
+    ck_assert_int_eq(all.commit[0].tile_count, second.tile_count);
+    ck_assert_int_eq(all.commit[1].first_tile, first.first_tile);
+    for (int i = 1; i < all.count; i++)
+        ck_assert_int_gt(all.commit[i].revision, all.commit[i - 1].revision);
+    ck_assert_int_eq(all.commit[5].view, 1);
+    struct listed rest = list_commits(bed.store, in.id, all.commit[3].revision, 16);
+    ck_assert_int_eq(rest.count, 2);
+    ck_assert_int_eq(rest.commit[0].revision, all.commit[4].revision);
+    ck_assert_int_eq(list_commits(bed.store, in.id, 0, 2).count, 2);
+    store_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("store jobs", test_jobs__submitted_job_is_there_as_given,
           test_jobs__unknown_job_is_not_found, test_jobs__scene_is_given_back_byte_for_byte,
           test_jobs__key_gives_the_first_answer_again, test_jobs__key_is_forgotten_when_it_is_old,
@@ -352,4 +408,5 @@ PEN_SUITE("store jobs", test_jobs__submitted_job_is_there_as_given,
           test_jobs__delete_wants_an_ended_job_and_leaves_nothing,
           test_jobs__delete_keeps_a_scene_that_another_job_names,
           test_jobs__submit_without_batches_for_a_view_stores_nothing,
-          test_jobs__names_of_states_go_both_ways)
+          test_jobs__names_of_states_go_both_ways,
+          test_jobs__commits_are_listed_in_their_order_by_revision)

@@ -306,6 +306,19 @@ typedef bool pen_batch_fn(void *user, const struct pen_batch_record *batch);
 bool pen_store_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
                        struct pen_status *st);
 
+/* Where a committed render batch belongs. */
+struct pen_commit_record {
+    int64_t revision; /* the one its commit gave the job */
+    int view, first_tile, tile_count;
+};
+
+/* Calls `each` for the render batches of a job that were committed after a revision of it, in the
+ * order of their commits; stops when it returns false. Every commit gives its job a new revision,
+ * so no two batches have the same. Fails: PEN_NOT_FOUND (no such job). */
+typedef bool pen_commit_fn(void *user, const struct pen_commit_record *commit);
+bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                       void *user, struct pen_status *st);
+
 /* Looks for what must never be: rows without an owner, states that contradict each other, sums
  * that do not add up. Calls `each` with a sentence for every one found; *found is their number.
  * For tests and after a crash. Cost: reads everything but pixels and pictures. */
