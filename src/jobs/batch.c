@@ -78,8 +78,7 @@ static bool encode(struct pen_batch_room *room, struct pen_film film, struct pen
 /* Statistics as they are stored: with the wall clock at which the batch goes to the store. */
 static bool write_stats(json_t *stats, struct pen_batch_work *work, struct pen_status *st)
 {
-    if (stats)
-        json_object_set_new(stats, "commit_ms", json_integer(pen_clock_wall_ms()));
+    stats = pen_json_with(stats, "commit_ms", json_integer(pen_clock_wall_ms()));
     work->stats = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
     json_decref(stats);
     work->result.stats = work->stats;
@@ -129,8 +128,8 @@ static bool render(struct pen_batch_room *room, const struct pen_claim *claim,
         claim->view_batches > 1 ||
         encode(room, (struct pen_film){s->width, s->height, room->image}, work, &in.encode_ms, st);
     json_t *json = ok ? pen_stats_json(&in) : NULL;
-    if (json)
-        json_object_set_new(json, "tile_ms", pen_tile_times(stats.tile_ms, stats.tile_count));
+    if (ok)
+        json = pen_json_with(json, "tile_ms", pen_tile_times(stats.tile_ms, stats.tile_count));
     free(stats.tile_ms);
     return ok && write_stats(json, work, st);
 }

@@ -85,7 +85,9 @@ static json_t *list_json(const struct pen_job_record *jobs, int count, int limit
         snprintf(cursor, sizeof cursor, "j%" PRId64, jobs[limit - 1].number);
         next = json_string(cursor);
     }
-    json_t *answer = json_pack("{s:o, s:o}", "jobs", list, "next", next);
+    json_t *answer =
+        json_pack("{s:o, s:o}", "jobs", pen_json_all(list, (size_t)(count < limit ? count : limit)),
+                  "next", next);
     if (!answer)
         pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
     return answer;
@@ -149,5 +151,5 @@ json_t *pen_jobs_scenes(void)
     json_t *list = json_array();
     for (size_t i = 0; i < pen_builtin_count(); i++)
         json_array_append_new(list, builtin_json(i));
-    return json_pack("{s:o}", "scenes", list);
+    return json_pack("{s:o}", "scenes", pen_json_all(list, pen_builtin_count()));
 }

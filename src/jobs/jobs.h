@@ -16,6 +16,11 @@ struct pen_jobs {
 /* How JSON is written wherever it is stored: every double reads back as itself. */
 #define PEN_JSON_STORED (JSON_COMPACT | JSON_REAL_PRECISION(17))
 
+/* json.c: a list, if it came to hold `count` values, and an object with one more member. They take
+ * their arguments; NULL if one is NULL or memory ran out, so a chain is checked at its end. */
+json_t *pen_json_all(json_t *list, size_t count);
+json_t *pen_json_with(json_t *object, const char *key, json_t *value);
+
 /* ids.c: a new UUIDv7 (RFC 9562) for a time; SHA-256. pen_ids_init must have been called. */
 bool pen_ids_init(struct pen_status *st);
 void pen_id_make(int64_t wall_ms, char out[PEN_ID_BYTES]);
@@ -27,6 +32,9 @@ void pen_etag_make(const void *data, size_t bytes, char out[72]);
 /* settings_json.c: settings as a `render` object that pen_settings_read takes back. Owns: the
  * caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_settings_json(const struct pen_settings *settings);
+
+/* stats.c: the names of effects. */
+json_t *pen_effects_json(unsigned effects);
 
 /* job_json.c: the job object of http-api.md from a stored job. Fails: PEN_STORAGE (the stored
  * request is no JSON), PEN_NO_MEMORY. */

@@ -3,6 +3,7 @@
  * not exceed. */
 #include <stdlib.h>
 
+#include "jobs.h"
 #include "stats.h"
 
 static int by_ms(const void *a, const void *b)
@@ -55,10 +56,12 @@ struct pen_percentiles pen_percentiles_of(const double *ms, size_t count)
 
 json_t *pen_tile_times(const double *ms, size_t count)
 {
-    json_t *list = json_array();
-    double *sorted = count ? malloc(count * sizeof *sorted) : NULL;
+    if (count == 0)
+        return json_array();
+    double *sorted = malloc(count * sizeof *sorted);
     if (!sorted)
-        return list;
+        return NULL;
+    json_t *list = json_array();
     for (size_t i = 0; i < count; i++)
         sorted[i] = ms[i];
     qsort(sorted, count, sizeof *sorted, by_value);
@@ -67,5 +70,5 @@ json_t *pen_tile_times(const double *ms, size_t count)
     for (size_t i = 0; i < kept; i++)
         json_array_append_new(list, pen_stats_ms(sorted[(i + 1) * count / kept - 1]));
     free(sorted);
-    return list;
+    return pen_json_all(list, kept);
 }

@@ -31,9 +31,9 @@ static json_t *problem(enum pen_code code, const char *detail)
 json_t *pen_problem(const struct pen_status *st)
 {
     json_t *document = problem(st->code, st->msg);
-    if (document && about_input(st))
-        json_object_set_new(document, "errors", json_pack("[o]", located(st)));
-    return document;
+    if (!about_input(st))
+        return document;
+    return pen_json_with(document, "errors", json_pack("[o]", located(st)));
 }
 
 json_t *pen_problem_list(const struct pen_errors *errors)
@@ -52,9 +52,5 @@ json_t *pen_problem_list(const struct pen_errors *errors)
     json_t *list = json_array();
     for (size_t i = 0; i < errors->count; i++)
         json_array_append_new(list, located(&errors->item[i]));
-    if (document)
-        json_object_set_new(document, "errors", list);
-    else
-        json_decref(list);
-    return document;
+    return pen_json_with(document, "errors", pen_json_all(list, errors->count));
 }

@@ -26,7 +26,6 @@ json_t *pen_settings_json(const struct pen_settings *s)
         pen_accelerator_name((enum pen_accelerator)s->accelerator), "transfer",
         s->transfer == PEN_SETTING_LINEAR ? "linear" : "srgb", "seed", (json_int_t)s->seed, "tile",
         s->tile, "threads", s->threads);
-    if (json && s->target_error > 0)
-        json_object_set_new(json, "target_error", json_real(s->target_error));
-    return json;
+    return s->target_error > 0 ? pen_json_with(json, "target_error", json_real(s->target_error))
+                               : json;
 }

@@ -11,6 +11,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "jobs.h"
 #include "pen/base/cpu.h"
 
 double pen_stats_round(double ms)
@@ -60,14 +61,17 @@ json_t *pen_stats_host(void)
                      "cores", pen_cpu_count(), "version", PEN_VERSION);
 }
 
-json_t *pen_stats_effects(unsigned effects)
+json_t *pen_effects_json(unsigned effects)
 {
     json_t *list = json_array();
+    size_t count = 0;
     for (int bit = 0; bit < PEN_FX_COUNT; bit++) {
-        if (effects & (1u << bit))
-            json_array_append_new(list, json_string(pen_effect_name(bit)));
+        if (!(effects & (1u << bit)))
+            continue;
+        json_array_append_new(list, json_string(pen_effect_name(bit)));
+        count++;
     }
-    return list;
+    return pen_json_all(list, count);
 }
 
 json_t *pen_stats_rays(const struct pen_ray_counts *rays)
@@ -122,7 +126,7 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
                      pen_stats_rate(pen_stats_total(&r->rays), r->render_ms), "threads", r->threads,
                      "tiles", pen_stats_tiles(r->tile_count, &tiles), "accelerator",
                      accelerator_json(pen_accel_get_stats(in->scene->accel)), "kernel",
-                     r->kernel ? r->kernel : "", "effects", pen_stats_effects(r->effects), "memory",
+                     r->kernel ? r->kernel : "", "effects", pen_effects_json(r->effects), "memory",
                      "peak_bytes", (json_int_t)pen_peak_bytes(), "dropped_samples",
                      (json_int_t)r->rays.dropped_samples, "host", pen_stats_host());
 }

@@ -43,7 +43,6 @@ uint64_t pen_stats_total(const struct pen_ray_counts *rays);
 json_t *pen_stats_rays(const struct pen_ray_counts *rays);
 json_t *pen_stats_rate(uint64_t rays, double render_ms);
 json_t *pen_stats_tiles(uint64_t count, const struct pen_percentiles *ms);
-json_t *pen_stats_effects(unsigned effects);
 json_t *pen_stats_host(void);
 
 /* The peak of this process's resident memory since the last reset. */

@@ -12,22 +12,12 @@
 
 enum { KEY_BYTES_MAX = 255 };
 
-static json_t *effects_json(unsigned effects)
-{
-    json_t *list = json_array();
-    for (int bit = 0; bit < PEN_FX_COUNT; bit++) {
-        if (effects & (1u << bit))
-            json_array_append_new(list, json_string(pen_effect_name(bit)));
-    }
-    return list;
-}
-
 static json_t *views_json(const struct pen_request *request)
 {
     json_t *list = json_array();
     for (int i = 0; i < request->view_count; i++)
         json_array_append_new(list, json_string(request->desc.views[request->views[i]].name));
-    return list;
+    return pen_json_all(list, (size_t)request->view_count);
 }
 
 static json_t *timeout_json(const struct pen_request *request)
@@ -46,7 +36,7 @@ static json_t *request_json(const struct pen_request *request)
                      request->max_attempts, "timeout_seconds", timeout_json(request), "views",
                      views_json(request), "layers", "beauty", "render",
                      pen_settings_json(&request->settings), "effects",
-                     effects_json(pen_desc_effects(&request->desc, &request->settings)));
+                     pen_effects_json(pen_desc_effects(&request->desc, &request->settings)));
 }
 
 /* What is put together for one call of pen_store_submit. */
@@ -210,7 +200,7 @@ static json_t *warnings_json(const struct pen_errors *warnings)
     for (size_t i = 0; i < warnings->count; i++)
         json_array_append_new(list, json_pack("{s:s, s:s}", "pointer", warnings->item[i].at,
                                               "detail", warnings->item[i].msg));
-    return list;
+    return pen_json_all(list, warnings->count);
 }
 
 bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, json_t **answer,

@@ -123,6 +123,9 @@ char *pen_sq_column_dup(const struct pen_sq_query *query, int column, bool *ok);
  * else PEN_STORAGE with SQLite's words. */
 bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st);
 
+/* Prepares what transactions themselves need, so that none is left open for want of memory. */
+bool pen_sq_prepare(struct pen_sq_store *store, struct pen_status *st);
+
 /* Runs `body` in a write transaction: committed if it returns true, else rolled back. */
 typedef bool pen_sq_body(struct pen_sq_store *store, void *arg, struct pen_status *st);
 bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg,

@@ -203,7 +203,7 @@ static bool open_database(struct pen_sq_store *store, struct pen_status *st)
     if (rc != SQLITE_OK)
         return pen_sq_error(store, rc, st);
     if (!check_header(store, st) || !configure(store, st) || !pen_sq_migrate(store, st) ||
-        !pen_sq_guard_states(store, st))
+        !pen_sq_guard_states(store, st) || !pen_sq_prepare(store, st))
         return false;
     sqlite3_wal_hook(store->db, on_wal, store);
     return true;

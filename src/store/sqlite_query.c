@@ -170,6 +170,17 @@ static void keep_log_short(struct pen_sq_store *store)
         checkpoint(store, SQLITE_CHECKPOINT_PASSIVE);
 }
 
+bool pen_sq_prepare(struct pen_sq_store *store, struct pen_status *st)
+{
+    static const enum pen_sq_sql always[] = {SQ_BEGIN_READ, SQ_BEGIN_WRITE, SQ_COMMIT, SQ_ROLLBACK};
+    for (size_t i = 0; i < sizeof always / sizeof always[0]; i++) {
+        struct pen_sq_query query = pen_sq_query(store, always[i]);
+        if (query.rc != SQLITE_OK)
+            return pen_sq_error(store, query.rc, st);
+    }
+    return true;
+}
+
 static bool run_plain(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_status *st)
 {
     struct pen_sq_query query = pen_sq_query(store, sql);
