@@ -102,18 +102,22 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
     return ok || st->code == PEN_STALE;
 }
 
+static bool fail_late(struct worker *w, const struct pen_claim *claim, struct pen_status *st)
+{
+    struct pen_status late;
+    pen_fail(&late, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g",
+             (double)claim->timeout_ms / 1000);
+    return fail_job(w, claim, &late, st);
+}
+
 /* What to do about a batch that did not come out. */
 static bool give_up(struct worker *w, const struct pen_claim *claim, enum pen_beat_end ended,
                     const struct pen_status *why, struct pen_status *st)
 {
-    struct pen_status late;
     if (ended == PEN_BEAT_LOST || why->code == PEN_NOT_FOUND || why->code == PEN_STALE)
         return true;
-    if (ended == PEN_BEAT_TIME_UP) {
-        pen_fail(&late, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g",
-                 (double)claim->timeout_ms / 1000);
-        return fail_job(w, claim, &late, st);
-    }
+    if (ended == PEN_BEAT_TIME_UP)
+        return fail_late(w, claim, st);
     if (why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
         return release(w, claim, st);
     return fail_job(w, claim, why, st);
@@ -125,6 +129,8 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
 {
     struct pen_batch_work work;
     struct pen_status why;
+    if (claim->timeout_ms && claim->claimed_ms - claim->started_ms >= claim->timeout_ms)
+        return fail_late(w, claim, st);
     pen_heartbeat_begin(w->room.heart, claim);
     bool done = pen_batch_do(&w->room, claim, &work, &why);
     bool ok = !done || commit(w, claim, &work, next, st);
