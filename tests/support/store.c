@@ -126,8 +126,10 @@ struct pen_claim store_claim(struct pen_store *store, const char *worker)
 enum pen_code store_commit(struct pen_store *store, const struct pen_claim *claim)
 {
     struct pen_status st = {0};
-    float rgb[STORE_JOB_TILE * STORE_JOB_TILE * 3];
-    for (size_t i = 0; i < sizeof rgb / sizeof rgb[0]; i++)
+    size_t values = (size_t)claim->pixels * 3;
+    float *rgb = malloc(values * sizeof *rgb + 1);
+    ck_assert_ptr_nonnull(rgb);
+    for (size_t i = 0; i < values; i++)
         rgb[i] = (float)claim->first_tile + (float)i / 64;
     struct pen_result result = {.stats = "{}"};
     if (claim->kind == PEN_BATCH_RENDER) {
@@ -140,7 +142,9 @@ enum pen_code store_commit(struct pen_store *store, const struct pen_claim *clai
         result.artefact = "picture";
         result.artefact_bytes = strlen("picture");
     }
-    return pen_store_commit(store, claim, &result, &st) ? PEN_OK : st.code;
+    enum pen_code code = pen_store_commit(store, claim, &result, &st) ? PEN_OK : st.code;
+    free(rgb);
+    return code;
 }
 
 int store_work_off(struct pen_store *store, const char *worker)

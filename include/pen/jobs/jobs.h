@@ -94,6 +94,21 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
 bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
                       struct pen_image *out, struct pen_status *st);
 
+/* A rectangle of a view whose pixels a commit has added. */
+struct pen_job_tile {
+    int64_t revision; /* the one the commit gave the job */
+    int part;         /* 1 … PEN_JOB_TILE_PARTS: its place among those of the same commit */
+    const char *view;
+    int x, y, width, height;
+};
+enum { PEN_JOB_TILE_PARTS = 3 };
+
+/* Calls `each` for what was committed after a revision, in the order of the commits; stops when it
+ * returns false. Fails: PEN_NOT_FOUND, PEN_STORAGE. */
+typedef bool pen_job_tile_fn(void *user, const struct pen_job_tile *tile);
+bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_job_tile_fn *each,
+                    void *user, struct pen_status *st);
+
 /* The statistics object. Fails: PEN_CONFLICT until the job has ended. */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
