@@ -3,7 +3,7 @@
  * and compiled variant. Prints one line per scene and variant; figures of different runs compare
  * only as ratios, see performance.md.
  *
- * usage: bench_accel [room|bumpy|soup] [rays] */
+ * usage: bench_accel [all|room|bumpy|soup] [rays] [base|avx2] */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -223,7 +223,8 @@ static size_t make_jobs(const struct bench *b, const struct pen_accel *accel, si
     return hits;
 }
 
-static void run(const char *name, const struct bench *b, enum pen_accelerator kind, size_t side)
+static void run(const char *name, const struct bench *b, enum pen_accelerator kind, size_t side,
+                const char *only)
 {
     struct pen_status st;
     struct pen_accel *accel = need(pen_accel_build(&b->prims, kind, b->arena, &st));
@@ -239,6 +240,8 @@ static void run(const char *name, const struct bench *b, enum pen_accelerator ki
     size_t hits = make_jobs(b, accel, side, primary, shadow, bounce);
     for (int isa = PEN_ISA_BASE; isa <= PEN_ISA_AVX2; isa++) {
         const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)isa);
+        if (only && strcmp(only, ops->name) != 0)
+            continue;
         uint64_t sum = 0;
         double best[3] = {0};
         for (int k = 0; k < 5; k++) {
@@ -259,15 +262,16 @@ static void run(const char *name, const struct bench *b, enum pen_accelerator ki
 int main(int argc, char **argv)
 {
     const char *which = argc > 1 ? argv[1] : "all";
+    const char *only = argc > 3 ? argv[3] : NULL;
     size_t side = argc > 2 ? (size_t)sqrt(atof(argv[2])) : 512;
     if (!strcmp(which, "all") || !strcmp(which, "room")) {
         struct bench *b = room();
-        run("room", b, PEN_ACCEL_AUTO, side);
-        run("room", b, PEN_ACCEL_NONE, side / 4);
+        run("room", b, PEN_ACCEL_AUTO, side, only);
+        run("room", b, PEN_ACCEL_NONE, side / 4, only);
     }
     if (!strcmp(which, "all") || !strcmp(which, "bumpy"))
-        run("bumpy", bumpy(), PEN_ACCEL_AUTO, side);
+        run("bumpy", bumpy(), PEN_ACCEL_AUTO, side, only);
     if (!strcmp(which, "all") || !strcmp(which, "soup"))
-        run("soup", soup(), PEN_ACCEL_AUTO, side);
+        run("soup", soup(), PEN_ACCEL_AUTO, side, only);
     return 0;
 }
