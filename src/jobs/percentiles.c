@@ -42,16 +42,16 @@ struct pen_percentiles pen_percentiles_weighted(struct pen_weighted *times, size
                                     .max = times[count - 1].ms};
 }
 
-struct pen_percentiles pen_percentiles_of(const double *ms, size_t count)
+bool pen_percentiles_of(const double *ms, size_t count, struct pen_percentiles *out)
 {
-    struct pen_weighted *times = count ? malloc(count * sizeof *times) : NULL;
+    struct pen_weighted *times = malloc((count + 1) * sizeof *times);
     if (!times)
-        return (struct pen_percentiles){0};
+        return false;
     for (size_t i = 0; i < count; i++)
         times[i] = (struct pen_weighted){ms[i], 1};
-    struct pen_percentiles result = pen_percentiles_weighted(times, count);
+    *out = pen_percentiles_weighted(times, count);
     free(times);
-    return result;
+    return true;
 }
 
 json_t *pen_tile_times(const double *ms, size_t count)

@@ -120,7 +120,9 @@ json_t *pen_stats_tiles(uint64_t count, const struct pen_percentiles *ms)
 json_t *pen_stats_json(const struct pen_stats_input *in)
 {
     const struct pen_render_stats *r = in->render;
-    struct pen_percentiles tiles = pen_percentiles_of(r->tile_ms, r->tile_ms ? r->tile_count : 0);
+    struct pen_percentiles tiles;
+    if (!pen_percentiles_of(r->tile_ms, r->tile_ms ? r->tile_count : 0, &tiles))
+        return NULL;
     return json_pack("{s:o, s:o, s:o, s:i, s:o, s:o, s:s, s:o, s:{s:I}, s:I, s:o}", "timing",
                      timing_json(in), "rays", pen_stats_rays(&r->rays), "mrays_per_second",
                      pen_stats_rate(pen_stats_total(&r->rays), r->render_ms), "threads", r->threads,

@@ -21,8 +21,8 @@ struct pen_percentiles {
     double p50, p95, max;
 };
 
-/* Of `count` times, by the nearest rank. */
-struct pen_percentiles pen_percentiles_of(const double *ms, size_t count);
+/* Of `count` times, by the nearest rank. Returns false when out of memory. */
+bool pen_percentiles_of(const double *ms, size_t count, struct pen_percentiles *out);
 
 /* Times that stand for more tiles than there are of them. */
 struct pen_weighted {
