@@ -288,6 +288,13 @@ static bool post(struct pen_client *client, const struct body *body, const char 
                                   .timeout_s = 60};
     bool ok = pen_client_json(client, &request, &reply, job, errors);
     pen_reply_release(&reply);
+    if (ok && !*pen_remote_text(*job, "id")) {
+        struct pen_status st;
+        pen_fail(&st, PEN_NETWORK, "the answer names no job: is that a Penumbra daemon?");
+        pen_errors_add(errors, &st);
+        json_decref(*job);
+        ok = false;
+    }
     return ok;
 }
 

@@ -189,7 +189,10 @@ bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen
             return pen_fail(st, PEN_IO, "cannot write %s: it is a folder", path);
         if (!S_ISREG(info.st_mode))
             return write_directly(path, data, bytes, st);
-        return replace(path, info.st_mode & 07777, data, bytes, st);
+        char *target = realpath(path, NULL); /* what a link leads to is replaced, not the link */
+        bool ok = replace(target ? target : path, info.st_mode & 07777, data, bytes, st);
+        free(target);
+        return ok;
     }
     mode_t mask = umask(0);
     umask(mask);

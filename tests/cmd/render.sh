@@ -106,7 +106,10 @@ expect "a problem document too" "$(jq .status stdout)" 422
 check "a picture replaces the old one" "$penumbra" render scene.json -o keep.png
 check "whole" cmp keep.png a.png
 expect "and keeps its mode" "$(stat -c %a keep.png)" 640
-expect "no temporary file stays" "$(ls | grep -c 'keep.png.')" 0
+ln -s keep.png link.png
+check "a link is followed" "$penumbra" render scene.json -o link.png --view side
+check "to what it leads to" sh -c "test -L link.png && cmp keep.png side.png"
+expect "no temporary file stays" "$(ls | grep -c '.png.')" 0
 ends "an output that cannot be written" 8 "$penumbra" render scene.json -o /nonexistent/a.png
 ends "a full disk" 8 "$penumbra" render scene.json -o /dev/full --format png
 ends "an input that is not there" 4 "$penumbra" render nothing.json -o x.png
