@@ -19,7 +19,7 @@
 /* A process that lived so long was no crash at the start. */
 static const int64_t stable_ns = INT64_C(10) * 1000000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
-static const int64_t longest_pause_ns = INT64_C(10) * 1000000000;
+static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
 
 enum { ARGUMENTS_MAX = 32, EXEC_FAILED = 127 };
 
@@ -102,7 +102,7 @@ static int64_t schedule(struct pen_child *child)
 {
     int64_t pause = 0;
     if (child->failures > 0)
-        pause = child->failures > 7 ? longest_pause_ns : first_pause_ns << (child->failures - 1);
+        pause = child->failures > 6 ? longest_pause_ns : first_pause_ns << (child->failures - 1);
     if (pause > longest_pause_ns)
         pause = longest_pause_ns;
     child->failures++;
