@@ -9,6 +9,13 @@ DESTDIR ?=
 OPT ?= -O2 -g
 SAN ?=
 WERROR ?=
+# V=1 shows whole commands; JOBS is how many run at once in check and demo.
+V ?=
+JOBS ?= $(shell nproc)
+ifeq ($(V),)
+Q := @
+say = @echo "  $(1) $(2)";
+endif
 ifeq ($(origin CC),default)
 CC := gcc
 endif
@@ -59,60 +66,68 @@ have-deps:
 
 $(BUILD)/libpenumbra.a: $(LIB_OBJ)
 	@rm -f $@
-	ar rcs $@ $(LIB_OBJ)
+	$(call say,AR ,$@)
+	$(Q)ar rcs $@ $(LIB_OBJ)
 
 $(BUILD)/libservice.a: $(SVC_OBJ)
 	@rm -f $@
-	ar rcs $@ $(SVC_OBJ)
+	$(call say,AR ,$@)
+	$(Q)ar rcs $@ $(SVC_OBJ)
 
 $(BUILD)/penumbra $(BUILD)/penumbrad: $(BUILD)/%: $(BUILD)/src/cmd/%.o $(CMD_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
-	$(LINK) -o $@ $^ $(PKG_LIBS)
+	$(call say,LD ,$@)
+	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
 
 $(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
 $(BUILD)/%.o: %.c Makefile
 	@mkdir -p $(@D)
-	$(COMPILE) $(PKG_CFLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
+	$(call say,CC ,$<)
+	$(Q)$(COMPILE) $(PKG_CFLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
 
 # Files that the programs carry inside themselves: scenes/*.json and api/*.
 $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
-	sh deploy/embed.sh pen_builtin_files $(sort $(wildcard scenes/*.json)) > $@.tmp && mv $@.tmp $@
+	$(Q)sh deploy/embed.sh pen_builtin_files $(sort $(wildcard scenes/*.json)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/api_files.c: $(sort $(wildcard api/*.yaml api/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
-	sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@
+	$(Q)sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/%.o: $(BUILD)/gen/%.c
-	$(COMPILE) -c -o $@ $<
+	$(Q)$(COMPILE) -c -o $@ $<
 
 $(BUILD)/tests/support/%.o: EXTRA := $(CHECK_CFLAGS) -Itests
 # A library, so that a test links what it uses of it and of the rooms behind it.
 $(TEST_SUPPORT_LIB): $(TEST_SUPPORT_OBJ)
 	@rm -f $@
-	ar rcs $@ $^
+	$(call say,AR ,$@)
+	$(Q)ar rcs $@ $^
 $(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
 	@mkdir -p $(@D)
-	$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
+	$(call say,CC ,$<)
+	$(Q)$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
 	    $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
 
 # Benchmarks, one program each.
 $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libpenumbra.a
 	@mkdir -p $(@D)
-	$(COMPILE) -Itests $(LDFLAGS) -o $@ $< $(BUILD)/libpenumbra.a $(PKG_LIBS)
+	$(call say,CC ,$<)
+	$(Q)$(COMPILE) -Itests $(LDFLAGS) -o $@ $< $(BUILD)/libpenumbra.a $(PKG_LIBS)
 
 check:
-	sh deploy/install-deps.sh
-	$(MAKE) run-tests
+	@sh deploy/install-deps.sh
+	@$(MAKE) --no-print-directory -j$(JOBS) tests
+	@sh tests/run.sh $(BUILD)
 run-tests: tests
-	sh tests/run.sh $(BUILD)
+	@sh tests/run.sh $(BUILD)
 
 # Writes tests/golden/hashes.txt anew, after a change that is meant to change pictures.
 golden: $(BUILD)/tests/golden/test_golden
 	PENUMBRA_GOLDEN=write $<
 
 demo:
-	sh deploy/install-deps.sh
-	$(MAKE) all
-	sh deploy/demo.sh $(BUILD)
+	@sh deploy/install-deps.sh
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	@sh deploy/demo.sh $(BUILD)
 
 lint:
 	sh deploy/lint.sh $(BUILD)
@@ -127,7 +142,8 @@ tsan:
 
 $(BUILD)/tests/conformance/compare_pair: tests/conformance/compare_pair.c $(BUILD)/libpenumbra.a
 	@mkdir -p $(@D)
-	$(COMPILE) -pthread $(LDFLAGS) -o $@ $^ $(PKG_LIBS)
+	$(call say,CC ,$<)
+	$(Q)$(COMPILE) -pthread $(LDFLAGS) -o $@ $^ $(PKG_LIBS)
 
 conformance: all $(BUILD)/tests/conformance/compare_pair
 	sh tests/conformance.sh $(BUILD) $(REF)

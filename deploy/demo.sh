@@ -42,6 +42,7 @@ unset PENUMBRA_URL PENUMBRA_TOKEN PENUMBRA_LISTEN PENUMBRA_STORE PENUMBRA_ROLE P
 mkdir -p "$demo"
 rm -f "$demo/room.png" "$demo/stats.json"
 
+: >"$work/first"
 "$build/penumbrad" --listen 127.0.0.1:0 --store "$work/penumbra.db" >"$work/first" 2>"$work/log" &
 daemon=$!
 tries=0
