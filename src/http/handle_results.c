@@ -43,15 +43,15 @@ static bool has_room(struct request *request)
     return false;
 }
 
-static void answer_picture(struct request *request, struct pen_image *image, const char *cache)
+static void answer_picture(struct request *request, struct pen_image *image, bool final)
 {
     struct blob *blob = pen_http_blob_take(&image->bytes);
     pen_http_blob_count(blob, &request->http->picture_bytes);
     const struct content content = {.blob = blob,
                                     .type = image->type,
                                     .etag = image->etag,
-                                    .cache_control = cache,
-                                    .ranges = true};
+                                    .cache_control = final ? forever : "no-cache",
+                                    .ranges = final};
     pen_http_request_content(request, &content);
 }
 
@@ -77,7 +77,7 @@ enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *job
         return OUTCOME_ANSWERED;
     if (!pen_jobs_image(jobs, request->job_id, &query, &image, &st))
         return answer_status(request, jobs, &st);
-    answer_picture(request, &image, forever);
+    answer_picture(request, &image, true);
     return OUTCOME_ANSWERED;
 }
 
@@ -90,7 +90,7 @@ enum outcome pen_http_handle_preview(struct request *request, struct pen_jobs *j
     if (!pen_jobs_preview(jobs, request->job_id, pen_http_request_param(request, "view"), &image,
                           &st))
         return answer_status(request, jobs, &st);
-    answer_picture(request, &image, "no-cache");
+    answer_picture(request, &image, false);
     return OUTCOME_ANSWERED;
 }
 

@@ -81,8 +81,8 @@ static void *accept_all(void *arg)
                                {.fd = adapter->listen_fd, .events = POLLIN}};
         int n = poll(fds, room ? 2 : 1, room ? -1 : BUSY_MS);
         if (n < 0 && errno != EINTR)
-            break;
-        if (fds[0].revents)
+            poll(NULL, 0, BUSY_MS); /* out of memory */
+        if (n > 0 && fds[0].revents)
             break;
         if (n > 0 && fds[1].revents)
             accept_one(adapter);

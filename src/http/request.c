@@ -142,8 +142,8 @@ static bool read_job_id(struct request *request, struct pen_status *st)
 
 static bool find_route(struct request *request, char allow[ALLOW_BYTES], struct pen_status *st)
 {
-    const char *method = request->head ? "GET" : request->method;
-    request->route = pen_http_route_find(method, &request->target, &request->arg, allow, st);
+    request->route =
+        pen_http_route_find(request->method, &request->target, &request->arg, allow, st);
     if (!request->route || !pen_http_route_check_params(request->route, &request->target, st))
         return false;
     return strncmp(request->route->path, "/v1/jobs/{id}", 13) != 0 || read_job_id(request, st);

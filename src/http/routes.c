@@ -127,11 +127,12 @@ const struct route *pen_http_route_find(const char *method, const struct pen_tar
                                         const char **arg, char allow[ALLOW_BYTES],
                                         struct pen_status *st)
 {
+    const char *wanted = strcmp(method, "HEAD") == 0 ? "GET" : method;
     allow[0] = '\0';
     for (size_t i = 0; i < ROUTES; i++) {
         if (!pen_target_matches(target, table[i].path, arg))
             continue;
-        if (strcmp(table[i].method, method) == 0) {
+        if (strcmp(table[i].method, wanted) == 0) {
             allow[0] = '\0';
             return &table[i];
         }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The server against clients that break off, hurry, stall, lie or come in crowds. */
 #include <pthread.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -438,6 +439,49 @@ START_TEST(test_server__drain_refuses_new_jobs_only)
 }
 END_TEST
 
+/* Lets files grow to `bytes` at most, as a full disk would. */
+static void limit_files(rlim_t bytes)
+{
+    struct rlimit size;
+    ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &size), 0);
+    size.rlim_cur = bytes;
+    ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &size), 0);
+}
+
+START_TEST(test_server__store_that_takes_no_writes_is_said)
+{
+    static const char job[] = "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 8}}";
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80], head[160], retry[16];
+    server_submit(&server, path);
+    signal(SIGXFSZ, SIG_IGN);
+    limit_files(1);
+    struct answer answer;
+    server_ask(&server, "POST /v1/jobs HTTP/1.1", job, &answer);
+    ck_assert_msg(answer.status == 503 || answer.status == 507, "%d", answer.status);
+    ck_assert_str_ne(answer_field(&answer, "Retry-After", retry, sizeof retry), "");
+    answer_release(&answer);
+    server_ask(&server, "GET /readyz HTTP/1.1", NULL, &answer);
+    ck_assert_int_eq(answer.status, 503);
+    ck_assert_ptr_nonnull(strstr(answer.body, "the store does not take writes: "));
+    answer_release(&answer);
+    snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
+    ck_assert_int_eq(status_of(&server, head, NULL), 200);
+    ck_assert_int_eq(status_of(&server, "GET /healthz HTTP/1.1", NULL), 200);
+
+    limit_files(RLIM_INFINITY);
+    int ready = 503;
+    for (int i = 0; i < 30 && ready != 200; i++) {
+        pause_ms(200);
+        ready = status_of(&server, "GET /readyz HTTP/1.1", NULL);
+    }
+    ck_assert_int_eq(ready, 200);
+    ck_assert_int_eq(status_of(&server, "POST /v1/jobs HTTP/1.1", job), 202);
+    server_stop(&server);
+}
+END_TEST
+
 enum { CLIENTS = 16, SUBMITS = 10 };
 
 struct client {
@@ -572,6 +616,7 @@ PEN_SUITE("server", test_server__partial_requests_are_ended,
           test_server__long_polls_end_with_the_job, test_server__long_poll_ends_with_its_time,
           test_server__long_poll_of_a_job_that_goes, test_server__waiting_requests_are_bounded,
           test_server__vanished_waiters_do_no_harm, test_server__stop_answers_those_who_wait,
-          test_server__drain_refuses_new_jobs_only, test_server__concurrent_submits_are_all_kept,
+          test_server__drain_refuses_new_jobs_only, test_server__store_that_takes_no_writes_is_said,
+          test_server__concurrent_submits_are_all_kept,
           test_server__one_key_is_one_job_also_at_once, test_server__jobs_are_rendered,
           test_server__listening_socket_stays_the_callers, test_server__unusable_store_is_an_error)
