@@ -173,9 +173,9 @@ enum MHD_Result pen_http_adapter_on_access(void *cls, struct MHD_Connection *con
     if (request->phase == PHASE_LINE)
         return begin(request, method);
     if (*bytes > 0) {
-        pen_http_request_receive(request, data, *bytes);
+        bool more = pen_http_request_receive(request, data, *bytes);
         *bytes = 0;
-        return MHD_YES;
+        return more ? MHD_YES : MHD_NO;
     }
     return request->phase == PHASE_BODY ? dispatch(request) : send_reply(request);
 }

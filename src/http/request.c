@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Admission: what can be refused from the request line and the fields alone is refused before the
  * body is read. A refused body of allowed size is still read and dropped, so that clients which
- * write before they read get their answer and keep their connection; with `Expect: 100-continue`,
- * a body over the limit, or one of unknown length, the answer goes out at once. */
+ * write before they read get their answer and keep their connection; with `Expect: 100-continue`
+ * or a body over the limit the answer goes out at once. */
 #include "request.h"
 
 #include <ctype.h>
@@ -184,19 +184,6 @@ static bool check_media(const struct request *request, struct pen_status *st)
                     request->fields.content_type);
 }
 
-static bool check_key(const struct request *request, struct pen_status *st)
-{
-    enum { KEY_BYTES = 255 };
-    const char *key = request->fields.idempotency_key;
-    if (!key || !request->route->submits)
-        return true;
-    size_t length = strlen(key);
-    if (length == 0 || length > KEY_BYTES)
-        return pen_fail(st, PEN_USAGE, "an Idempotency-Key has 1 to %d bytes, not %zu", KEY_BYTES,
-                        length);
-    return true;
-}
-
 static bool check_drain(const struct request *request, struct pen_status *st)
 {
     struct pen_http *http = request->http;
@@ -208,13 +195,17 @@ static bool check_drain(const struct request *request, struct pen_status *st)
     return true;
 }
 
-/* Whether a refused request's body is to be read all the same. */
+/* Whether a refused request's body is to be read all the same. How long a chunked one is shows in
+ * the reading. */
 static bool wants_swallow(const struct request *request)
 {
     const struct fields *fields = &request->fields;
     bool waits = fields->expect && strcasecmp(fields->expect, "100-continue") == 0;
-    return fields->content_length && !fields->transfer_encoding && !fields->repeated && !waits &&
-           request->declared_bytes <= request->http->limits.body_bytes;
+    if (fields->repeated || waits)
+        return false;
+    if (fields->transfer_encoding)
+        return !fields->content_length && strcasecmp(fields->transfer_encoding, "chunked") == 0;
+    return fields->content_length && request->declared_bytes <= request->http->limits.body_bytes;
 }
 
 void pen_http_request_admit(struct request *request)
@@ -227,8 +218,7 @@ void pen_http_request_admit(struct request *request)
         request->declared_bytes = strtoull(request->fields.content_length, NULL, 10);
     bool ok = pen_target_parse(request->raw_target, &request->target, &st) &&
               check_sender(request, &st) && find_route(request, allow, &st) &&
-              check_length(request, &st) && check_media(request, &st) && check_key(request, &st) &&
-              check_drain(request, &st);
+              check_length(request, &st) && check_media(request, &st) && check_drain(request, &st);
     if (ok) {
         request->phase = PHASE_BODY;
         return;
@@ -240,19 +230,23 @@ void pen_http_request_admit(struct request *request)
     request->phase = wants_swallow(request) ? PHASE_SWALLOW : PHASE_ANSWERED;
 }
 
-void pen_http_request_receive(struct request *request, const char *data, size_t bytes)
+bool pen_http_request_receive(struct request *request, const char *data, size_t bytes)
 {
+    request->received_bytes += bytes;
+    if (request->received_bytes > request->http->limits.body_bytes)
+        return false;
     if (request->phase != PHASE_BODY || !request->route->takes_body)
-        return;
+        return true;
     atomic_size_t *intake = &request->http->intake_bytes;
     size_t before = atomic_fetch_add_explicit(intake, bytes, memory_order_relaxed);
     bool room = before + bytes <= INTAKE_BYTES && pen_buf_add(&request->body, data, bytes);
     if (room)
-        return;
+        return true;
     atomic_fetch_sub_explicit(intake, bytes, memory_order_relaxed);
     pen_http_request_drop_body(request);
     struct pen_status st;
     pen_fail(&st, PEN_UNAVAILABLE, "there is no room for this body now; try again later");
     pen_http_request_fail(request, &st);
     request->phase = PHASE_SWALLOW;
+    return true;
 }

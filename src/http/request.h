@@ -54,6 +54,7 @@ struct request {
     char job_id[PEN_ID_BYTES]; /* {id}, in lower case */
 
     uint64_t declared_bytes; /* Content-Length */
+    uint64_t received_bytes; /* of the body, kept or not */
     struct pen_buf body;
     struct reply reply;
 
@@ -69,8 +70,8 @@ void pen_http_request_free(struct request *request); /* NULL is allowed */
  * is to be read before the answer, else in ANSWERED. */
 void pen_http_request_admit(struct request *request);
 
-/* Takes a part of the body. */
-void pen_http_request_receive(struct request *request, const char *data, size_t bytes);
+/* Takes a part of the body. False if there is more of it than may be: drop the connection. */
+bool pen_http_request_receive(struct request *request, const char *data, size_t bytes);
 
 /* Drops the body and gives its bytes back to the intake budget. */
 void pen_http_request_drop_body(struct request *request);

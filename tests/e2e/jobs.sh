@@ -50,6 +50,8 @@ expect image-not-modified "$status" 304
 expect image-not-modified-length "$(header content-length)" "$size"
 call "$job/image" -I
 expect image-head "$status $(header content-length)" "200 $size"
+call "$job/image" -I -H 'Range: bytes=0-9'
+expect head-has-no-ranges "$status $(header content-length)" "200 $size"
 call "$job/image" -H "Range: bytes=0-99"
 expect range-status "$status" 206
 expect range-says-where "$(header content-range)" "bytes 0-99/$size"
@@ -106,6 +108,8 @@ submit "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 65, \"height\":
 expect_problem key-with-another-body 422
 submit "$small" -H "Idempotency-Key: $(head -c 256 /dev/zero | tr '\0' k)"
 expect_problem key-too-long 400
+submit "$small" -H 'Idempotency-Key;'
+expect_problem key-empty 400
 call "$keyed?wait=60"
 
 # An unfinished job.

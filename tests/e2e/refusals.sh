@@ -69,6 +69,8 @@ call /v1/jobs -H 'Transfer-Encoding: chunked' -d '{}'
 expect_problem chunked 411
 call /v1/validate -H 'Transfer-Encoding: chunked' -d '{}'
 expect_problem chunked-validate 411
+call /v1/jobs -X GET -H 'Transfer-Encoding: chunked' -d '{}'
+expect_problem chunked-get 411
 head -c 16777217 /dev/zero >"$work/big"
 call /v1/jobs --data-binary "@$work/big"
 expect_problem too-large 413 '*16777217*16777216*'

@@ -110,9 +110,12 @@ START_TEST(test_server__pipelined_requests_are_answered_in_order)
                     "GET /v1/jobs HTTP/1.1\r\nHost: localhost\r\n\r\n"
                     "POST /nowhere HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc"
                     "HEAD /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                    "GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                    "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                    "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n"
                     "GET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-    static const int expected[] = {200, 400, 200, 404, 200, 200};
-    for (int i = 0; i < 6; i++) {
+    static const int expected[] = {200, 400, 200, 404, 200, 404, 411, 200};
+    for (int i = 0; i < 8; i++) {
         struct answer answer;
         client_read(fd, i == 4, &answer);
         ck_assert_msg(answer.status == expected[i], "answer %d: %d", i, answer.status);
@@ -167,7 +170,7 @@ START_TEST(test_server__ambiguous_lengths_are_refused)
     } rows[] = {{"Content-Length: 2\r\nTransfer-Encoding: chunked\r\n", 400},
                 {"Transfer-Encoding: chunked\r\nContent-Length: 2\r\n", 400},
                 {"Transfer-Encoding: gzip\r\n", 411},
-                {"Transfer-Encoding: chunked\r\n", 411},
+                {"Transfer-Encoding: chunked\r\n", 400} /* and no chunk after it */,
                 {"Transfer-Encoding: chunked\r\nTransfer-Encoding: identity\r\n", 400},
                 {"Content-Length: 2\r\nContent-Length: 3\r\n", 400},
                 {"Content-Length: 2\r\nContent-Length: 2\r\n", 400},
@@ -226,6 +229,25 @@ START_TEST(test_server__body_is_asked_for_only_if_wanted)
     ck_assert_int_eq(answer.status, 404);
     answer_release(&answer);
     close(fd);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__endless_chunks_are_dropped)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){.body_bytes = 100000});
+    char chunk[5010];
+    snprintf(chunk, sizeof chunk, "1388\r\n%05000d\r\n", 0);
+    int fd = server_connect(&server);
+    client_send(fd, "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                    "Transfer-Encoding: chunked\r\n\r\n");
+    bool open = true;
+    for (int i = 0; i < 10000 && open; i++)
+        open = client_send(fd, chunk);
+    ck_assert(!open);
+    close(fd);
+    expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -612,11 +634,12 @@ PEN_SUITE("server", test_server__partial_requests_are_ended,
           test_server__pipelined_requests_are_answered_in_order,
           test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
           test_server__ambiguous_lengths_are_refused, test_server__body_is_asked_for_only_if_wanted,
-          test_server__body_limit_is_exact, test_server__old_clients_are_served,
-          test_server__long_polls_end_with_the_job, test_server__long_poll_ends_with_its_time,
-          test_server__long_poll_of_a_job_that_goes, test_server__waiting_requests_are_bounded,
-          test_server__vanished_waiters_do_no_harm, test_server__stop_answers_those_who_wait,
-          test_server__drain_refuses_new_jobs_only, test_server__store_that_takes_no_writes_is_said,
+          test_server__endless_chunks_are_dropped, test_server__body_limit_is_exact,
+          test_server__old_clients_are_served, test_server__long_polls_end_with_the_job,
+          test_server__long_poll_ends_with_its_time, test_server__long_poll_of_a_job_that_goes,
+          test_server__waiting_requests_are_bounded, test_server__vanished_waiters_do_no_harm,
+          test_server__stop_answers_those_who_wait, test_server__drain_refuses_new_jobs_only,
+          test_server__store_that_takes_no_writes_is_said,
           test_server__concurrent_submits_are_all_kept,
           test_server__one_key_is_one_job_also_at_once, test_server__jobs_are_rendered,
           test_server__listening_socket_stays_the_callers, test_server__unusable_store_is_an_error)
