@@ -48,15 +48,14 @@ static void list(struct jobs_bed *bed, const char *id, int64_t after, struct pai
 
 static void submit(struct jobs_bed *bed, char id[PEN_ID_BYTES])
 {
-    jobs_submit(
-        bed,
-        "{\"format\": \"penumbra-scene/1\","
-        " \"camera\": {\"position\": [0, 1, 10], \"look_at\": [0, 0, 0]},"
-        " \"views\": [{\"name\": \"left\"}, {\"name\": \"right\"}],"
-        " \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 2}],"
-        " \"render\": {\"width\": 203, \"height\": 150, \"tile\": 14,"
-        " \"samples_per_pixel\": 256}}",
-        id);
+    jobs_submit(bed,
+                "{\"format\": \"penumbra-scene/1\","
+                " \"camera\": {\"position\": [0, 1, 10], \"look_at\": [0, 0, 0]},"
+                " \"views\": [{\"name\": \"left\"}, {\"name\": \"right\"}],"
+                " \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 2}],"
+                " \"render\": {\"width\": 203, \"height\": 150, \"tile\": 14,"
+                " \"samples_per_pixel\": 256}}",
+                id);
 }
 
 START_TEST(test_tiles__cover_the_image_once)
