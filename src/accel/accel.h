@@ -37,7 +37,7 @@ enum pen_block_kind {
 
 /* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing. */
 struct pen_node {
-    float end[2][3][PEN_WIDE]; /* the low ends of the boxes, and the high ones */
+    float plane[6][PEN_WIDE]; /* the boxes: low ends by axis, then high ends by axis */
     uint32_t child[PEN_WIDE];
 };
 
@@ -84,7 +84,7 @@ struct pen_accel {
     const struct pen_node *nodes; /* the root is the first; none if node_count is 0 */
     uint32_t node_count;
     uint32_t infinite; /* first item of the list of primitives without bounds */
-    uint32_t list;     /* first item of the list of finite primitives beside the tree */
+    uint32_t list;     /* the same of finite primitives beside the tree; 0 if there are none */
     const uint32_t *items;
     const struct pen_triangles4 *triangles;
     const struct pen_polygons4 *polygons;

@@ -7,9 +7,9 @@ const struct pen_hit pen_after_start = {0, PEN_NO_PRIM, UINT8_MAX};
 
 static float half_area(const struct pen_node *node, int lane)
 {
-    float x = node->end[1][0][lane] - node->end[0][0][lane];
-    float y = node->end[1][1][lane] - node->end[0][1][lane];
-    float z = node->end[1][2][lane] - node->end[0][2][lane];
+    float x = node->plane[3][lane] - node->plane[0][lane];
+    float y = node->plane[4][lane] - node->plane[1][lane];
+    float z = node->plane[5][lane] - node->plane[2][lane];
     return x >= 0 ? x * y + y * z + z * x : 0;
 }
 
@@ -31,7 +31,7 @@ static double sah_cost(const struct pen_plan *plan)
     struct pen_node all = node[0];
     for (int a = 0; a < 3; a++) {
         for (int lane = 1; lane < PEN_WIDE; lane++) {
-            float *lo = all.end[0][a], *hi = all.end[1][a];
+            float *lo = all.plane[a], *hi = all.plane[3 + a];
             lo[0] = lo[lane] < lo[0] ? lo[lane] : lo[0];
             hi[0] = hi[lane] > hi[0] ? hi[lane] : hi[0];
         }

@@ -236,8 +236,8 @@ static uint32_t build(struct pen_plan *plan, const struct range *r, uint32_t dep
         struct pen_node *node = (struct pen_node *)plan->nodes.data + number;
         node->child[i] = made;
         for (int a = 0; a < 3; a++) {
-            node->end[0][a][i] = child[i].box.lo[a];
-            node->end[1][a][i] = child[i].box.hi[a];
+            node->plane[a][i] = child[i].box.lo[a];
+            node->plane[3 + a][i] = child[i].box.hi[a];
         }
     }
     return number;
@@ -257,8 +257,8 @@ bool pen_build_sah(struct pen_plan *plan)
         return false;
     node->child[0] = root;
     for (int a = 0; a < 3; a++) {
-        node->end[0][a][0] = all.box.lo[a];
-        node->end[1][a][0] = all.box.hi[a];
+        node->plane[a][0] = all.box.lo[a];
+        node->plane[3 + a][0] = all.box.hi[a];
     }
     return true;
 }

@@ -107,8 +107,8 @@ struct pen_node *pen_plan_node(struct pen_plan *plan)
     memset(node, 0, sizeof *node);
     for (int axis = 0; axis < 3; axis++) {
         for (int lane = 0; lane < PEN_WIDE; lane++) {
-            node->end[0][axis][lane] = INFINITY;
-            node->end[1][axis][lane] = -INFINITY;
+            node->plane[axis][lane] = INFINITY;
+            node->plane[3 + axis][lane] = -INFINITY;
         }
     }
     for (int lane = 0; lane < PEN_WIDE; lane++)

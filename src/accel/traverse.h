@@ -2,7 +2,8 @@
 /* Queries: the body that every variant compiles. The including file states how boxes and items are
  * tested, as
  *     struct box_ray { ...; double scale; };
- *     static inline struct box_ray box_ray_make(const struct pen_ray *, double tmin, double grow);
+ *     static inline void box_ray_make(struct box_ray *, const struct pen_ray *, double tmin,
+ *                                     double grow);
  *     static inline unsigned enter_node(const struct pen_node *, const struct box_ray *,
  *                                       float limit, float near[PEN_WIDE]);
  *     static inline bool test_item(struct trace *, uint32_t item, bool any);

@@ -6,13 +6,22 @@
 
 #include "blocks_avx2.h"
 
+/* How an axis's near or far planes are compared: which row of planes, and from where. */
+struct box_side {
+    __m256 o, inv;
+    size_t row;
+};
+
 struct box_ray {
-    float near_o[4], far_o[4];
-    float near_inv[4], far_inv[4];
-    uint32_t sign[3]; /* 1 where d is negative or -0: the near plane is at the high end */
-    float tmin;       /* >= 0 */
+    struct box_side near[3], far[3];
+    float tmin; /* >= 0 */
     double scale;
 };
+
+static inline struct box_side box_side(float o, float inv, size_t row)
+{
+    return (struct box_side){_mm256_set1_ps(o), _mm256_set1_ps(inv), row};
+}
 
 /* The nearest floats, kept finite. */
 static inline __m128 floats_near(__m256d x)
@@ -27,42 +36,49 @@ static inline __m128 floats_margin(__m128 f)
     return _mm_fmadd_ps(size, _mm_set1_ps(0x1p-23f), _mm_set1_ps(FLT_MIN));
 }
 
-static inline struct box_ray box_ray_make(const struct pen_ray *ray, double tmin, double grow)
+static inline void box_ray_make(struct box_ray *box, const struct pen_ray *ray, double tmin,
+                                double grow)
 {
     const __m256i three = _mm256_set_epi64x(0, -1, -1, -1);
-    struct box_ray box = {.scale = box_scale(ray)};
+    box->scale = box_scale(ray);
     __m256d o = _mm256_maskload_pd(&ray->o.x, three), d = _mm256_maskload_pd(&ray->d.x, three);
     __m128 low = floats_near(_mm256_sub_pd(o, all(grow)));
     __m128 high = floats_near(_mm256_add_pd(o, all(grow)));
     low = _mm_sub_ps(low, floats_margin(low));
     high = _mm_add_ps(high, floats_margin(high));
-    __m256d inv = _mm256_div_pd(all(box.scale), d);
+    __m256d inv = _mm256_div_pd(all(box->scale), d);
     __m128 far_inv = _mm256_cvtpd_ps(_mm256_mul_pd(inv, all(1 + 0x1p-22)));
-    _mm_storeu_ps(box.near_o, _mm_blendv_ps(high, low, far_inv));
-    _mm_storeu_ps(box.far_o, _mm_blendv_ps(low, high, far_inv));
-    _mm_storeu_ps(box.near_inv, floats_near(_mm256_mul_pd(inv, all(1 - 0x1p-22))));
-    _mm_storeu_ps(box.far_inv, far_inv);
-    unsigned negative = (unsigned)_mm_movemask_ps(far_inv);
-    for (unsigned axis = 0; axis < 3; axis++)
-        box.sign[axis] = negative >> axis & 1;
-    box.tmin = pen_float_down(tmin * box.scale);
-    return box;
+    /* Where d is negative or -0, the near plane is the high end. */
+    float o_near[4], o_far[4], inv_near[4], inv_far[4];
+    _mm_storeu_ps(o_near, _mm_blendv_ps(high, low, far_inv));
+    _mm_storeu_ps(o_far, _mm_blendv_ps(low, high, far_inv));
+    _mm_storeu_ps(inv_near, floats_near(_mm256_mul_pd(inv, all(1 - 0x1p-22))));
+    _mm_storeu_ps(inv_far, far_inv);
+    size_t negative = (size_t)_mm_movemask_ps(far_inv);
+    for (size_t axis = 0; axis < 3; axis++) {
+        size_t high_first = negative >> axis & 1;
+        box->near[axis] = box_side(o_near[axis], inv_near[axis], axis + 3 * high_first);
+        box->far[axis] = box_side(o_far[axis], inv_far[axis], axis + 3 - 3 * high_first);
+    }
+    box->tmin = pen_float_down(tmin * box->scale);
 }
 
+static inline __m256 box_t(const struct pen_node *node, const struct box_side *side)
+{
+    return _mm256_mul_ps(_mm256_sub_ps(_mm256_loadu_ps(node->plane[side->row]), side->o),
+                         side->inv);
+}
+
+/* Where a t is NaN, from 0 times infinity, the axis is left out. */
 static inline unsigned enter_node(const struct pen_node *node, const struct box_ray *box,
                                   float limit, float near[PEN_WIDE])
 {
-    __m256 t0 = _mm256_set1_ps(box->tmin), t1 = _mm256_set1_ps(limit);
-    for (int axis = 0; axis < 3; axis++) {
-        __m256 first = _mm256_loadu_ps(node->end[box->sign[axis]][axis]);
-        __m256 last = _mm256_loadu_ps(node->end[1 - box->sign[axis]][axis]);
-        __m256 a = _mm256_mul_ps(_mm256_sub_ps(first, _mm256_set1_ps(box->near_o[axis])),
-                                 _mm256_set1_ps(box->near_inv[axis]));
-        __m256 b = _mm256_mul_ps(_mm256_sub_ps(last, _mm256_set1_ps(box->far_o[axis])),
-                                 _mm256_set1_ps(box->far_inv[axis]));
-        t0 = _mm256_max_ps(a, t0); /* if a is NaN, from 0 times infinity, t0 stays */
-        t1 = _mm256_min_ps(b, t1);
-    }
+    __m256 t0 = _mm256_max_ps(box_t(node, &box->near[0]), _mm256_set1_ps(box->tmin));
+    __m256 t1 = _mm256_min_ps(box_t(node, &box->far[0]), _mm256_set1_ps(limit));
+    t0 = _mm256_max_ps(box_t(node, &box->near[1]), t0);
+    t1 = _mm256_min_ps(box_t(node, &box->far[1]), t1);
+    t0 = _mm256_max_ps(box_t(node, &box->near[2]), t0);
+    t1 = _mm256_min_ps(box_t(node, &box->far[2]), t1);
     _mm256_storeu_ps(near, t0);
     return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(t0, t1, _CMP_LE_OQ));
 }

@@ -95,11 +95,12 @@ static inline bool walk_any(struct trace *w, const struct box_ray *box)
 static inline bool search(struct trace *w, double tmin, bool any)
 {
     const struct pen_accel *accel = w->accel;
-    if (test_leaf(w, accel->infinite, any) || test_leaf(w, accel->list, any))
+    if (test_leaf(w, accel->infinite, any) || (accel->list && test_leaf(w, accel->list, any)))
         return true;
     if (accel->node_count == 0)
         return false;
-    struct box_ray box = box_ray_make(w->ray, tmin, w->grow);
+    struct box_ray box;
+    box_ray_make(&box, w->ray, tmin, w->grow);
     if (any)
         return walk_any(w, &box);
     walk_nearest(w, &box);
@@ -146,6 +147,7 @@ static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
     if (last < accel->prims->count && !(query->see_through && query->see_through[last]) &&
         test_prim(&w, last, true))
         return true;
+    query->last_occluder = PEN_NO_PRIM;
     return search(&w, 0, true);
 }
 
