@@ -234,76 +234,37 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
     return offer_lanes(w, block->prim, t, lanes, any);
 }
 
-/* pen_scan_end */
-struct scan4 {
-    __m256d s, w, h;
-};
-
-static inline struct scan4 take(struct scan4 old, struct scan4 new, __m256d which)
+/* A superset of the polygons that wind around the ray, by the crossing rule of pen_polygon_root.
+ * Products that round to different numbers are in that order, so only ties are left open. */
+static inline unsigned polygons_met4(const struct trace *w, const struct pen_polygons4 *block)
 {
-    return (struct scan4){_mm256_blendv_pd(old.s, new.s, which),
-                          _mm256_blendv_pd(old.w, new.w, which),
-                          _mm256_blendv_pd(old.h, new.h, which)};
-}
-
-/* pen_scan_right_of; also where one of the two is none yet. */
-static inline __m256d right_of(struct scan4 e, struct scan4 f)
-{
-    __m256d ef = _mm256_mul_pd(e.s, f.h), fe = _mm256_mul_pd(f.s, e.h);
-    __m256d tie = _mm256_cmp_pd(ef, fe, _CMP_EQ_OQ);
-    __m256d none = _mm256_cmp_pd(_mm256_min_pd(e.h, f.h), all(0), _CMP_EQ_OQ);
-    __m256d out = _mm256_or_pd(none, LESS(fe, ef));
-    if (bits(_mm256_andnot_pd(none, tie))) {
-        __m256d same = _mm256_cmp_pd(e.h, f.h, _CMP_EQ_OQ);
-        __m256d first = _mm256_or_pd(LESS(f.h, e.h), _mm256_and_pd(same, LESS(f.w, e.w)));
-        out = _mm256_or_pd(out, _mm256_and_pd(tie, first));
-    }
-    return out;
-}
-
-/* pen_edge_even */
-static inline __m256d edge_even4(struct vec4 p, struct vec4 q)
-{
-    __m256d a = _mm256_mul_pd(p.x, q.y), b = _mm256_mul_pd(p.y, q.x);
-    return _mm256_add_pd(_mm256_sub_pd(a, b),
-                         _mm256_sub_pd(_mm256_fmsub_pd(p.x, q.y, a), _mm256_fmsub_pd(p.y, q.x, b)));
-}
-
-static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
-{
-    const __m256d zero = all(0), one = all(1);
+    const __m256d zero = all(0);
+    const __m256i one = _mm256_set1_epi64x(1);
     const struct pen_corner4 *corner = &w->accel->corners[block->first];
-    struct scan4 left = {zero, zero, zero}, right = left;
-    __m256d winding = zero;
+    __m256i winding = _mm256_setzero_si256();
+    __m256d ties = zero;
     struct vec4 a = shear4(w, corner[block->count - 1].v);
     __m256d a_low = LESS_EQUAL(a.y, zero);
     for (uint32_t i = 0; i < block->count; i++) {
         struct vec4 b = shear4(w, corner[i].v);
         __m256d b_low = LESS_EQUAL(b.y, zero), passes = _mm256_xor_pd(a_low, b_low);
-        if (bits(passes)) {
-            /* Downward edges are turned round by their signs. */
-            __m256d sign = _mm256_andnot_pd(a_low, all(-0.0));
-            struct scan4 e;
-            e.s = _mm256_xor_pd(edge_even4(a, b), sign);
-            e.w = _mm256_xor_pd(_mm256_sub_pd(_mm256_mul_pd(a.z, b.y), _mm256_mul_pd(a.y, b.z)),
-                                sign);
-            e.h = _mm256_xor_pd(_mm256_sub_pd(b.y, a.y), sign);
-            __m256d is_right = _mm256_and_pd(passes, LESS(zero, e.s));
-            __m256d is_left = _mm256_andnot_pd(LESS(zero, e.s), passes);
-            winding = _mm256_add_pd(winding, _mm256_and_pd(is_right, _mm256_xor_pd(one, sign)));
-            right = take(right, e, _mm256_and_pd(is_right, right_of(right, e)));
-            left = take(left, e, _mm256_and_pd(is_left, right_of(e, left)));
-        }
+        __m256d p = _mm256_mul_pd(a.x, b.y), q = _mm256_mul_pd(a.y, b.x);
+        ties = _mm256_or_pd(ties, _mm256_and_pd(passes, _mm256_cmp_pd(p, q, _CMP_EQ_OQ)));
+        /* On the right: p > q for an upward edge, p < q for a downward one. */
+        __m256d right = _mm256_andnot_pd(_mm256_xor_pd(LESS(q, p), a_low), passes);
+        __m256i turn = _mm256_or_si256(_mm256_castpd_si256(a_low), one); /* up: -1, down: 1 */
+        winding = _mm256_add_epi64(winding, _mm256_and_si256(_mm256_castpd_si256(right), turn));
         a = b;
         a_low = b_low;
     }
-    unsigned lanes = bits(_mm256_cmp_pd(winding, zero, _CMP_NEQ_OQ));
-    if (lanes == 0)
-        return false;
-    __m256d depth = _mm256_sub_pd(_mm256_mul_pd(left.w, right.s), _mm256_mul_pd(right.w, left.s));
-    __m256d width = _mm256_sub_pd(_mm256_mul_pd(right.s, left.h), _mm256_mul_pd(left.s, right.h));
-    __m256d t = _mm256_div_pd(_mm256_mul_pd(depth, all(w->ray->sz)), width);
-    return offer_lanes(w, block->prim, t, lanes, any);
+    __m256i none = _mm256_cmpeq_epi64(winding, _mm256_setzero_si256());
+    return (15 & ~bits(_mm256_castsi256_pd(none))) | bits(ties);
+}
+
+static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
+{
+    unsigned lanes = polygons_met4(w, block);
+    return lanes && test_lanes(w, block->prim, lanes & ~own_lanes(w, block->prim), any);
 }
 
 /* a + b, and what was lost to rounding (Knuth), as in pen_dot2. */
