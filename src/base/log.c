@@ -24,7 +24,9 @@ static struct {
     atomic_int level; /* atomic: relaxed, a late change of level loses nothing */
     atomic_bool json; /* atomic: relaxed, as level */
     pthread_mutex_t lock;
-    char name[NAME_BYTES]; /* guarded by lock */
+    char name[NAME_BYTES];     /* guarded by lock */
+    struct pen_log_ring *ring; /* guarded by lock */
+    atomic_bool ringed;        /* atomic: relaxed, spares suppressed lines the work */
 } settings = {.level = PEN_LOG_INFO, .lock = PTHREAD_MUTEX_INITIALIZER};
 
 void pen_log_set_level(enum pen_log_level level)
@@ -42,6 +44,48 @@ void pen_log_set_name(const char *name)
     pthread_mutex_lock(&settings.lock);
     pen_utf8_copy(settings.name, sizeof settings.name, name);
     pthread_mutex_unlock(&settings.lock);
+}
+
+void pen_log_set_ring(struct pen_log_ring *ring)
+{
+    pthread_mutex_lock(&settings.lock);
+    settings.ring = ring;
+    pthread_mutex_unlock(&settings.lock);
+    atomic_store_explicit(&settings.ringed, ring != NULL, memory_order_relaxed);
+}
+
+static void keep(const char *line, size_t bytes)
+{
+    pthread_mutex_lock(&settings.lock);
+    struct pen_log_ring *ring = settings.ring;
+    if (ring) {
+        size_t at = atomic_load_explicit(&ring->written, memory_order_relaxed);
+        for (size_t i = 0; i < bytes; i++)
+            ring->text[(at + i) % PEN_LOG_RING_BYTES] = line[i];
+        atomic_store_explicit(&ring->written, at + bytes, memory_order_relaxed);
+    }
+    pthread_mutex_unlock(&settings.lock);
+}
+
+void pen_log_ring_last(const struct pen_log_ring *ring, int lines, char *out, size_t bytes)
+{
+    size_t end = atomic_load_explicit(&ring->written, memory_order_relaxed);
+    size_t most = bytes - 1 < PEN_LOG_RING_BYTES ? bytes - 1 : PEN_LOG_RING_BYTES;
+    size_t length = end < most ? end : most;
+    for (size_t i = 0; i < length; i++)
+        out[i] = ring->text[(end - length + i) % PEN_LOG_RING_BYTES];
+    out[length] = '\0';
+    const char *from = out;
+    if (length < end) { /* the first one may be cut off */
+        const char *newline = strchr(out, '\n');
+        from = newline ? newline + 1 : out + length;
+    }
+    int surplus = -lines;
+    for (const char *c = from; *c; c++)
+        surplus += *c == '\n';
+    for (; surplus > 0; surplus--)
+        from = strchr(from, '\n') + 1;
+    memmove(out, from, strlen(from) + 1);
 }
 
 static const char *level_name(enum pen_log_level level)
@@ -97,7 +141,8 @@ static int compose(char line[LINE_BYTES], enum pen_log_level level, const char *
 
 void pen_log(enum pen_log_level level, const char *format, ...)
 {
-    if ((int)level < atomic_load_explicit(&settings.level, memory_order_relaxed))
+    bool shown = (int)level >= atomic_load_explicit(&settings.level, memory_order_relaxed);
+    if (!shown && !atomic_load_explicit(&settings.ringed, memory_order_relaxed))
         return;
     int saved_errno = errno;
     char raw[MESSAGE_BYTES], message[MESSAGE_BYTES], line[LINE_BYTES];
@@ -108,10 +153,10 @@ void pen_log(enum pen_log_level level, const char *format, ...)
     if (length >= 0) {
         pen_utf8_copy(message, sizeof message, raw);
         int bytes = compose(line, level, message);
-        ssize_t written;
-        do
-            written = write(STDERR_FILENO, line, (size_t)bytes);
-        while (written < 0 && errno == EINTR);
+        ssize_t written = 0;
+        keep(line, (size_t)bytes);
+        while (shown && (written = write(STDERR_FILENO, line, (size_t)bytes)) < 0 && errno == EINTR)
+            continue;
     }
     errno = saved_errno;
 }

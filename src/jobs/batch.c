@@ -22,6 +22,15 @@ void pen_batch_work_release(struct pen_batch_work *work)
     *work = (struct pen_batch_work){0};
 }
 
+void pen_batch_room_empty(struct pen_batch_room *room)
+{
+    pen_scene_cache_empty(room->scenes);
+    free(room->image);
+    free(room->tiles);
+    room->image = room->tiles = NULL;
+    room->image_pixels = room->tiles_pixels = 0;
+}
+
 void pen_batch_room_release(struct pen_batch_room *room)
 {
     json_decref(room->plan.request);
@@ -85,6 +94,46 @@ static bool write_stats(json_t *stats, struct pen_batch_work *work, struct pen_s
     return work->stats || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
 }
 
+static void trace_pixel(void *user, int thread, int x, int y)
+{
+    struct pen_batch_room *room = user;
+    pen_trace_pixel(room->trace, thread, x, y);
+}
+
+/* The same with a fault to be tested. */
+static void try_pixel(void *user, int thread, int x, int y)
+{
+    struct pen_batch_room *room = user;
+    if (room->trace)
+        pen_trace_pixel(room->trace, thread, x, y);
+    if (!room->fault->pixel(room->fault->user, x, y)) {
+        atomic_store_explicit(&room->exhausted, true, memory_order_relaxed);
+        pen_heartbeat_stop(room->heart);
+    }
+}
+
+static void look_on(struct pen_batch_room *room, struct pen_render_task *task)
+{
+    const char *name = json_string_value(json_object_get(room->plan.request, "name"));
+    task->pixel_user = room;
+    if (room->trace)
+        task->pixel_begins = trace_pixel;
+    if (room->fault && room->fault->wanted(room->fault->user, name))
+        task->pixel_begins = try_pixel;
+    atomic_store_explicit(&room->exhausted, false, memory_order_relaxed);
+}
+
+static bool run_task(struct pen_batch_room *room, const struct pen_render_task *task,
+                     struct pen_render_stats *stats, struct pen_status *st)
+{
+    bool ok = pen_render_run(room->pool, task, stats, st);
+    if (room->trace)
+        pen_trace_idle(room->trace);
+    if (!ok && atomic_load_explicit(&room->exhausted, memory_order_relaxed))
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory while rendering");
+    return ok;
+}
+
 static bool run_tiles(struct pen_batch_room *room, const struct pen_claim *claim,
                       const struct pen_scene *scene, struct pen_render_stats *stats,
                       struct pen_status *st)
@@ -101,7 +150,8 @@ static bool run_tiles(struct pen_batch_room *room, const struct pen_claim *claim
                                    .keep_tile_ms = true};
     if (task.view < 0)
         return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
-    if (!pen_render_run(room->pool, &task, stats, st))
+    look_on(room, &task);
+    if (!run_task(room, &task, stats, st))
         return false;
     pen_tiles_gather(s, claim->first_tile, claim->tile_count, room->image, room->tiles);
     return true;

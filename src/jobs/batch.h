@@ -5,6 +5,7 @@
 
 #include "heartbeat.h"
 #include "jobs.h"
+#include "pen/jobs/worker.h"
 #include "pen/render/render.h"
 #include "scene_cache.h"
 
@@ -14,7 +15,10 @@ struct pen_batch_room {
     struct pen_pool *pool;
     struct pen_heartbeat *heart;
     struct pen_scene_cache *scenes;
-    char plan_id[PEN_ID_BYTES]; /* the job that plan is of, "" if there is none */
+    struct pen_trace *trace;              /* may be NULL */
+    const struct pen_worker_fault *fault; /* NULL: none */
+    atomic_bool exhausted;                /* atomic: relaxed; the fault ran out of memory */
+    char plan_id[PEN_ID_BYTES];           /* the job that plan is of, "" if there is none */
     struct pen_job_plan plan;
     float *image, *tiles;
     size_t image_pixels, tiles_pixels; /* what the two have room for */
@@ -32,6 +36,9 @@ void pen_batch_work_release(struct pen_batch_work *work);
  * is gone), PEN_STORAGE …: the store; any other code is an error of the job. */
 bool pen_batch_do(struct pen_batch_room *room, const struct pen_claim *claim,
                   struct pen_batch_work *work, struct pen_status *st);
+
+/* Lets go of the memory that is kept for later: scenes and pixels. */
+void pen_batch_room_empty(struct pen_batch_room *room);
 
 void pen_batch_room_release(struct pen_batch_room *room);
 

@@ -8,13 +8,18 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "failure.h"
 #include "pen/base/clock.h"
 #include "pen/base/log.h"
 
-enum { LOOK_MS = 200 };
+enum {
+    LOOK_MS = 200,
+    STUCK_MS = 3000 /* render threads look at the flag after each row of pixels */
+};
 
 struct pen_heartbeat {
     struct pen_store *store; /* of the thread */
+    const struct pen_worker_options *options;
     int64_t lease_ms;
     pthread_t thread;
     pthread_mutex_t lock;
@@ -25,6 +30,8 @@ struct pen_heartbeat {
     uint64_t turn;           /* guarded by lock; grows with every claim */
     int64_t deadline_ns;     /* guarded by lock; INT64_MAX: none */
     enum pen_beat_end ended; /* guarded by lock */
+    int64_t ended_ns;        /* guarded by lock; when, if it has */
+    bool failed;             /* guarded by lock; the job was failed for its time */
     atomic_bool flag;        /* atomic: relaxed, the render threads only need to see it soon */
 };
 
@@ -34,7 +41,38 @@ static void end_turn(struct pen_heartbeat *heart, uint64_t turn, enum pen_beat_e
     if (!heart->active || heart->turn != turn || heart->ended != PEN_BEAT_HELD)
         return;
     heart->ended = ended;
+    heart->ended_ns = pen_clock_ns();
     atomic_store_explicit(&heart->flag, true, memory_order_relaxed);
+}
+
+/* Fails the job, if the worker has not done so yet. Returns whether that is settled. */
+static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *claim)
+{
+    struct pen_status st;
+    char *error = pen_failure_of_time(heart->store, claim, heart->options->trace);
+    bool ok = error && (pen_store_fail(heart->store, claim, error, &st) || st.code == PEN_STALE);
+    free(error);
+    return ok;
+}
+
+/* For a turn that has ended, while its render threads still are at work. Called and returns with
+ * the lock held. */
+static void settle(struct pen_heartbeat *heart, const struct pen_claim *claim, uint64_t turn)
+{
+    bool fail = heart->ended == PEN_BEAT_TIME_UP && !heart->failed;
+    if (fail) {
+        pthread_mutex_unlock(&heart->lock);
+        bool failed = fail_late_job(heart, claim);
+        pthread_mutex_lock(&heart->lock);
+        if (heart->turn == turn)
+            heart->failed = failed;
+    }
+    bool settled = heart->ended == PEN_BEAT_LOST || heart->failed;
+    if (!heart->active || heart->turn != turn || !settled || !heart->options->stuck ||
+        pen_clock_ns() - heart->ended_ns < (int64_t)STUCK_MS * 1000000)
+        return;
+    pen_log(PEN_LOG_ERROR, "job %s: the render threads do not come back", claim->job_id);
+    heart->options->stuck(heart->options->stuck_user);
 }
 
 /* Looks after the active claim. Called and returns with the lock held; the store is asked without
@@ -45,6 +83,10 @@ static void look(struct pen_heartbeat *heart)
     uint64_t turn = heart->turn;
     struct pen_status st;
     bool held = true;
+    if (heart->ended != PEN_BEAT_HELD) {
+        settle(heart, &claim, turn);
+        return;
+    }
     if (pen_clock_ns() >= heart->deadline_ns)
         end_turn(heart, turn, PEN_BEAT_TIME_UP);
     pthread_mutex_unlock(&heart->lock);
@@ -106,7 +148,7 @@ static void init_locks(struct pen_heartbeat *heart)
     pthread_mutex_init(&heart->lock, NULL);
 }
 
-struct pen_heartbeat *pen_heartbeat_new(const char *store_url, int64_t lease_ms,
+struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options, int64_t lease_ms,
                                         struct pen_status *st)
 {
     struct pen_heartbeat *heart = calloc(1, sizeof *heart);
@@ -114,8 +156,9 @@ struct pen_heartbeat *pen_heartbeat_new(const char *store_url, int64_t lease_ms,
         pen_fail(st, PEN_NO_MEMORY, "no memory for the heartbeat");
         return NULL;
     }
+    heart->options = options;
     heart->lease_ms = lease_ms;
-    heart->store = pen_store_open(store_url, st);
+    heart->store = pen_store_open(options->store_url, st);
     init_locks(heart);
     if (heart->store && pthread_create(&heart->thread, NULL, beat, heart) == 0)
         return heart;
@@ -151,6 +194,7 @@ void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *cl
     heart->active = true;
     heart->turn++;
     heart->ended = PEN_BEAT_HELD;
+    heart->failed = false;
     heart->deadline_ns = claim->timeout_ms ? pen_clock_ns() + left_ms * 1000000 : INT64_MAX;
     atomic_store_explicit(&heart->flag, false, memory_order_relaxed);
     if (heart->asleep)
@@ -161,6 +205,11 @@ void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *cl
 const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart)
 {
     return &heart->flag;
+}
+
+void pen_heartbeat_stop(struct pen_heartbeat *heart)
+{
+    atomic_store_explicit(&heart->flag, true, memory_order_relaxed);
 }
 
 enum pen_beat_end pen_heartbeat_end(struct pen_heartbeat *heart)

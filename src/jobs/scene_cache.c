@@ -39,10 +39,16 @@ static void drop_last(struct pen_scene_cache *cache)
     pen_scene_free(cache->entry[--cache->count].scene);
 }
 
+void pen_scene_cache_empty(struct pen_scene_cache *cache)
+{
+    while (cache->count > 0)
+        drop_last(cache);
+}
+
 void pen_scene_cache_free(struct pen_scene_cache *cache)
 {
-    while (cache && cache->count > 0)
-        drop_last(cache);
+    if (cache)
+        pen_scene_cache_empty(cache);
     free(cache);
 }
 

@@ -19,6 +19,9 @@ struct pen_scene_times {
 struct pen_scene_cache *pen_scene_cache_new(size_t cap_bytes);
 void pen_scene_cache_free(struct pen_scene_cache *cache);
 
+/* Lets all scenes go. */
+void pen_scene_cache_empty(struct pen_scene_cache *cache);
+
 /* The scene of a claim. Owns: the cache keeps it; it is there until the next call. Fails: as
  * pen_store_scene, pen_scene_load and pen_scene_freeze. */
 const struct pen_scene *pen_scene_cache_get(struct pen_scene_cache *cache, struct pen_store *store,

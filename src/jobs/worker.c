@@ -14,6 +14,7 @@
 #include <time.h>
 
 #include "batch.h"
+#include "failure.h"
 #include "jobs.h"
 #include "pen/base/clock.h"
 #include "pen/base/log.h"
@@ -22,6 +23,7 @@ enum {
     LEASE_MS = 15000,
     IDLE_MS = 1000,       /* how long to wait for a hint before looking anyway */
     RETRY_MS = 250,       /* between tries of a busy or full store */
+    MEMORY_TRIES = 20,    /* of what there was no memory for; memory held here does not come back */
     SWEEP_MS = 1000,      /* between looks for leases that ran out */
     TIDY_MS = 600000,     /* between housekeepings */
     KEY_AGE_MS = 86400000 /* idempotency keys hold for 24 hours */
@@ -30,10 +32,12 @@ enum {
 struct worker {
     const struct pen_worker_options *options;
     const atomic_bool *stop;
+    int64_t lease_ms;
     struct pen_store *store;
     struct pen_batch_room room;
     int64_t swept_ns, tidied_ns;
-    uint32_t seen; /* the last hint */
+    int memory_tries; /* in a row */
+    uint32_t seen;    /* the last hint */
 };
 
 static bool stopped(const struct worker *w)
@@ -54,30 +58,28 @@ static bool is_passing(const struct pen_status *st)
 }
 
 /* Waits before the next try of what the store refused. Returns whether to try at all. */
-static bool wait_to_retry(const struct worker *w, const char *what, const struct pen_status *st)
+static bool wait_to_retry(struct worker *w, const char *what, const struct pen_status *st)
 {
-    if (!is_passing(st) || stopped(w))
+    w->memory_tries = st->code == PEN_NO_MEMORY ? w->memory_tries + 1 : 0;
+    if (!is_passing(st) || stopped(w) || w->memory_tries > MEMORY_TRIES)
         return false;
     pen_log(PEN_LOG_WARN, "%s: %s; trying again", what, st->msg);
     pause_ms(RETRY_MS);
     return true;
 }
 
-/* Ends the job as failed. A claim that is no longer held means that it has ended otherwise. */
-static bool fail_job(struct worker *w, const struct pen_claim *claim, const struct pen_status *why,
+/* Ends the job as failed. A claim that is no longer held means that it has ended otherwise.
+ * Takes the error. */
+static bool fail_job(struct worker *w, const struct pen_claim *claim, char *error,
                      struct pen_status *st)
 {
-    json_t *problem = pen_problem(why);
-    char *text = problem ? json_dumps(problem, PEN_JSON_STORED) : NULL;
-    json_decref(problem);
-    if (!text)
+    if (!error)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for an error");
-    pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why->msg);
     bool ok;
     do {
-        ok = pen_store_fail(w->store, claim, text, st) || st->code == PEN_STALE;
+        ok = pen_store_fail(w->store, claim, error, st) || st->code == PEN_STALE;
     } while (!ok && wait_to_retry(w, "failing a job", st));
-    free(text);
+    free(error);
     return ok;
 }
 
@@ -102,14 +104,6 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
     return ok || st->code == PEN_STALE;
 }
 
-static bool fail_late(struct worker *w, const struct pen_claim *claim, struct pen_status *st)
-{
-    struct pen_status late;
-    pen_fail(&late, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g",
-             (double)claim->timeout_ms / 1000);
-    return fail_job(w, claim, &late, st);
-}
-
 /* What to do about a batch that did not come out. */
 static bool give_up(struct worker *w, const struct pen_claim *claim, enum pen_beat_end ended,
                     const struct pen_status *why, struct pen_status *st)
@@ -117,10 +111,30 @@ static bool give_up(struct worker *w, const struct pen_claim *claim, enum pen_be
     if (ended == PEN_BEAT_LOST || why->code == PEN_NOT_FOUND || why->code == PEN_STALE)
         return true;
     if (ended == PEN_BEAT_TIME_UP)
-        return fail_late(w, claim, st);
+        return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
     if (why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
         return release(w, claim, st);
-    return fail_job(w, claim, why, st);
+    return fail_job(w, claim, pen_failure_of(w->store, claim, why), st);
+}
+
+/* Whether the job had no time left when this claim was taken; the heartbeat sees only those who
+ * run out of it while they work. */
+static bool is_late(const struct pen_claim *claim)
+{
+    return claim->timeout_ms && claim->claimed_ms - claim->started_ms >= claim->timeout_ms;
+}
+
+/* What scenes of earlier jobs take is not this job's fault: without them it gets a second try. */
+static bool do_batch(struct worker *w, const struct pen_claim *claim, struct pen_batch_work *work,
+                     struct pen_status *why)
+{
+    if (pen_batch_do(&w->room, claim, work, why))
+        return true;
+    if (why->code != PEN_NO_MEMORY ||
+        atomic_load_explicit(&w->room.exhausted, memory_order_relaxed))
+        return false;
+    pen_batch_room_empty(&w->room);
+    return pen_batch_do(&w->room, claim, work, why);
 }
 
 /* Works on a claim. *next is the claim after it, if one came along. */
@@ -129,10 +143,13 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
 {
     struct pen_batch_work work;
     struct pen_status why;
-    if (claim->timeout_ms && claim->claimed_ms - claim->started_ms >= claim->timeout_ms)
-        return fail_late(w, claim, st);
+    if (is_late(claim))
+        return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
+    pen_log(PEN_LOG_DEBUG, "job %s: batch %lld, attempt %lld: %d tiles of view %d from %d on",
+            claim->job_id, (long long)claim->batch, (long long)claim->attempt, claim->tile_count,
+            claim->view, claim->first_tile);
     pen_heartbeat_begin(w->room.heart, claim);
-    bool done = pen_batch_do(&w->room, claim, &work, &why);
+    bool done = do_batch(w, claim, &work, &why);
     bool ok = !done || commit(w, claim, &work, next, st);
     enum pen_beat_end ended = pen_heartbeat_end(w->room.heart);
     if (!done)
@@ -173,7 +190,7 @@ static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_st
 
 static bool run(struct worker *w, struct pen_status *st)
 {
-    struct pen_next next = {.worker = w->options->name, .lease_ms = LEASE_MS};
+    struct pen_next next = {.worker = w->options->name, .lease_ms = w->lease_ms};
     pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->seen, 0);
     w->tidied_ns = pen_clock_ns();
     while (!stopped(w)) {
@@ -194,9 +211,12 @@ static bool run(struct worker *w, struct pen_status *st)
 static bool set_up(struct worker *w, struct pen_status *st)
 {
     const struct pen_worker_options *o = w->options;
+    w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
+    w->room.trace = o->trace;
+    w->room.fault = o->fault;
     w->store = w->room.store = pen_store_open(o->store_url, st);
     if (!w->store || !(w->room.pool = pen_pool_new(o->threads, st)) ||
-        !(w->room.heart = pen_heartbeat_new(o->store_url, LEASE_MS, st)))
+        !(w->room.heart = pen_heartbeat_new(o, w->lease_ms, st)))
         return false;
     w->room.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     return w->room.scenes || pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");

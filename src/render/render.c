@@ -64,15 +64,18 @@ static struct pen_kernel_input kernel_input(const struct pen_scene *scene, int v
 }
 
 /* Renders one tile; false if cancelled on the way. */
-static bool render_tile(const struct run *run, struct part *part, struct pen_rect rect)
+static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
 {
     const struct pen_render_task *task = run->task;
+    struct part *part = &run->parts[thread];
     for (int y = rect.y; y < rect.y + rect.height; y++) {
         if (cancelled(task))
             return false;
         float *out = task->rgb + 3 * ((size_t)y * (size_t)task->settings->width + (size_t)rect.x);
         for (int x = rect.x; x < rect.x + rect.width; x++, out += 3) {
             double rgb[3];
+            if (task->pixel_begins)
+                task->pixel_begins(task->pixel_user, thread, x, y);
             run->kernel->pixel(&run->input, part->scratch, x, y, rgb, &part->rays);
             for (int c = 0; c < 3; c++)
                 out[c] = (float)rgb[c];
@@ -104,7 +107,7 @@ static void render_part(void *user, int index)
         struct pen_rect rect =
             pen_tile_rect(settings->width, settings->height, settings->tile, tile);
         int64_t begun = pen_clock_ns();
-        if (!render_tile(run, part, rect))
+        if (!render_tile(run, index, rect))
             break;
         part->done_ns = pen_clock_ns();
         part->tiles++;

@@ -5,7 +5,9 @@
 #ifndef PEN_BASE_LOG_H
 #define PEN_BASE_LOG_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 enum pen_log_level { PEN_LOG_DEBUG, PEN_LOG_INFO, PEN_LOG_WARN, PEN_LOG_ERROR };
 
@@ -17,6 +19,20 @@ void pen_log_set_json(bool json);
 
 /* A name for this process, shown in each line ("api", "worker"); at most 15 bytes are kept. */
 void pen_log_set_name(const char *name);
+
+/* The last lines of a log, in memory that may be shared with another process and outlive this one;
+ * all zeros at first. Lines that level suppresses are kept too. */
+enum { PEN_LOG_RING_BYTES = 8192 };
+struct pen_log_ring {
+    atomic_size_t written; /* atomic: relaxed; bytes so far, the last of them are in text */
+    char text[PEN_LOG_RING_BYTES];
+};
+
+/* Copies every line there from now on; NULL ends that. Owns: the ring stays the caller's. */
+void pen_log_set_ring(struct pen_log_ring *ring);
+
+/* Copies the last whole lines, `lines` at most, as far as `bytes` go. */
+void pen_log_ring_last(const struct pen_log_ring *ring, int lines, char *out, size_t bytes);
 
 /* Writes one line: time, level, process name, and the formatted message. */
 void pen_log(enum pen_log_level level, const char *format, ...)

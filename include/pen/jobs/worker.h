@@ -9,14 +9,32 @@
 #include <stdbool.h>
 
 #include "pen/base/status.h"
+#include "pen/jobs/trace.h"
 #include "pen/render/render.h"
 #include "pen/scene/scene.h"
 
+/* For tests: a renderer that fails. `wanted` is asked once per batch with the job's name (NULL:
+ * none); if it says so, `pixel` is called before each pixel and returns false when it has run out
+ * of memory. */
+struct pen_worker_fault {
+    bool (*wanted)(void *user, const char *job_name);
+    bool (*pixel)(void *user, int x, int y);
+    void *user;
+};
+
 struct pen_worker_options {
     const char *store_url;
-    const char *name;       /* unique among running workers: host:pid:start */
-    int threads;            /* 0: one per processor */
-    size_t scene_cap_bytes; /* memory cap of a scene's arena, 0: none */
+    const char *name;        /* unique among running workers: host:pid:start */
+    int threads;             /* 0: one per processor */
+    size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
+    int64_t lease_ms;        /* 0: 15 s */
+    struct pen_trace *trace; /* where to say what it is at; may be NULL */
+    /* Called when render threads do not come back though their batch is not wanted any more: it
+     * has been settled with the store, and only the end of the process can end them. Must not
+     * return; NULL: they are waited for. */
+    void (*stuck)(void *user);
+    void *stuck_user;
+    const struct pen_worker_fault *fault; /* NULL: none */
 };
 
 /* Works until *stop becomes true: then the batch in flight is finished or given back. Wake the

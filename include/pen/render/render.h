@@ -53,6 +53,10 @@ struct pen_render_task {
     /* Called after each tile from a render thread, one call at a time; may be NULL. */
     void (*tile_done)(void *user, struct pen_rect rect);
     void *user;
+    /* Called before each pixel, from the render thread of that number (from 0 on); may be NULL.
+     * For whoever looks on from outside; what it does must not matter to the picture. */
+    void (*pixel_begins)(void *user, int thread, int x, int y);
+    void *pixel_user;
     bool keep_tile_ms;
 };
 

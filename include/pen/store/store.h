@@ -239,7 +239,8 @@ enum pen_worker_end {
 };
 
 /* Makes the error of a job that has used up its attempts, from the batch that its worker was at;
- * called inside the transaction. Owns: a malloc()ed text, NULL when out of memory. */
+ * called inside the transaction: it may read from the store. Owns: a malloc()ed text, NULL when out
+ * of memory. */
 typedef char *pen_death_error_fn(void *user, const struct pen_claim *claim, int charges);
 
 struct pen_worker_death {

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT */
+#include "failure.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs.h"
+#include "pen/base/log.h"
+
+enum { LOG_LINES = 12, LOG_BYTES = 4096 };
+
+/* Of a batch that failed. x < 0: the pixel is not known. */
+struct place {
+    const struct pen_claim *claim;
+    int x, y;
+};
+
+static struct place place_of(const struct pen_claim *claim, const struct pen_trace *trace)
+{
+    struct place place = {.claim = claim};
+    if (!trace || claim->kind != PEN_BATCH_RENDER || !pen_trace_where(trace, &place.x, &place.y))
+        place.x = place.y = -1;
+    return place;
+}
+
+/* In quotes for a shell. */
+static void add_quoted(struct pen_buf *out, const char *text)
+{
+    pen_buf_puts(out, "'");
+    for (; *text; text++)
+        pen_buf_printf(out, *text == '\'' ? "'\\''" : "%c", *text);
+    pen_buf_puts(out, "'");
+}
+
+/* All settings: the scene's own may be others than the job's. */
+static void add_settings(struct pen_buf *out, const json_t *settings)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)(uintptr_t)settings, key, value)
+    {
+        char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+        size_t length = text ? strlen(text) : 0;
+        bool string = json_is_string(value) && length >= 2;
+        pen_buf_printf(out, " --set %s=%.*s", key, (int)(string ? length - 2 : length),
+                       string ? text + 1
+                       : text ? text
+                              : "");
+        free(text);
+    }
+}
+
+static json_t *repeat_json(const struct place *place, const struct pen_job_plan *plan)
+{
+    struct pen_buf line = {0};
+    const char *view = pen_job_plan_view(plan, place->claim->view);
+    pen_buf_printf(&line, "curl -s \"$PENUMBRA_URL/v1/jobs/%s/scene\" | penumbra render - --view ",
+                   place->claim->job_id);
+    add_quoted(&line, view ? view : "");
+    add_settings(&line, json_object_get(plan->request, "render"));
+    if (place->x >= 0)
+        pen_buf_printf(&line, " --pixel %d,%d", place->x, place->y);
+    else
+        pen_buf_puts(&line, " -o out.png");
+    json_t *json = line.failed ? NULL : json_string((const char *)line.data);
+    pen_buf_release(&line);
+    return json;
+}
+
+static void add_place(json_t *problem, const struct place *place, struct pen_store *store)
+{
+    const struct pen_claim *claim = place->claim;
+    struct pen_job_record job;
+    struct pen_job_plan plan;
+    struct pen_status st;
+    json_object_set_new(problem, "batch",
+                        json_pack("{s:i, s:i, s:i, s:I}", "view", claim->view, "first_tile",
+                                  claim->first_tile, "tile_count", claim->tile_count, "attempt",
+                                  (json_int_t)claim->attempt));
+    if (place->x >= 0)
+        json_object_set_new(problem, "pixel", json_pack("[i, i]", place->x, place->y));
+    if (claim->kind != PEN_BATCH_RENDER || !pen_store_job(store, claim->job_id, &job, &st))
+        return;
+    bool known = pen_job_plan_read(job.request, &plan, &st);
+    pen_job_record_release(&job);
+    if (!known)
+        return;
+    json_object_set_new(problem, "repeat", repeat_json(place, &plan));
+    const char *repeat = json_string_value(json_object_get(problem, "repeat"));
+    if (repeat)
+        pen_log(PEN_LOG_WARN, "job %s: to see it again: %s", claim->job_id, repeat);
+    json_decref(plan.request);
+}
+
+static char *write_problem(struct pen_store *store, const struct place *place, json_t *problem)
+{
+    if (problem)
+        add_place(problem, place, store);
+    char *text = problem ? json_dumps(problem, PEN_JSON_STORED) : NULL;
+    json_decref(problem);
+    return text;
+}
+
+static const char *at_pixel(const struct place *place, char *out, size_t bytes)
+{
+    out[0] = '\0';
+    if (place->x >= 0)
+        snprintf(out, bytes, ", at pixel %d,%d", place->x, place->y);
+    return out;
+}
+
+char *pen_failure_of_time(struct pen_store *store, const struct pen_claim *claim,
+                          const struct pen_trace *trace)
+{
+    struct pen_status why;
+    struct place place = place_of(claim, trace);
+    char where[48];
+    pen_fail(&why, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g%s",
+             (double)claim->timeout_ms / 1000, at_pixel(&place, where, sizeof where));
+    pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why.msg);
+    return write_problem(store, &place, pen_problem(&why));
+}
+
+char *pen_failure_of(struct pen_store *store, const struct pen_claim *claim,
+                     const struct pen_status *why)
+{
+    struct place place = {.claim = claim, .x = -1, .y = -1};
+    pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why->msg);
+    return write_problem(store, &place, pen_problem(why));
+}
+
+/* The last lines of a log, as a list. */
+static json_t *log_json(const struct pen_trace *trace)
+{
+    char text[LOG_BYTES], *rest = text;
+    json_t *list = json_array();
+    pen_log_ring_last(&trace->log, LOG_LINES, text, sizeof text);
+    for (char *line; (line = strsep(&rest, "\n")) != NULL;) {
+        if (*line)
+            json_array_append_new(list, json_string(line));
+    }
+    return list;
+}
+
+struct death {
+    const struct pen_obituary *obituary;
+    struct pen_store *store;
+};
+
+static char *death_error(void *user, const struct pen_claim *claim, int charges)
+{
+    const struct death *death = user;
+    const struct pen_obituary *obituary = death->obituary;
+    struct place place = place_of(claim, obituary->trace);
+    struct pen_status why;
+    char where[48], name[16] = "";
+    int number = 0;
+    pen_fail(
+        &why, PEN_RENDER_FAILED,
+        "%d worker process%s died over this job alone, the last one by %s, over %s of view %d%s",
+        charges, charges == 1 ? "" : "es", obituary->how,
+        claim->kind == PEN_BATCH_ASSEMBLE ? "the picture" : "some tiles", claim->view,
+        at_pixel(&place, where, sizeof where));
+    pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why.msg);
+    json_t *problem = pen_problem(&why);
+    if (problem && sscanf(obituary->how, "signal %*d (%15[A-Z0-9])", name) == 1)
+        json_object_set_new(problem, "signal", json_string(name));
+    else if (problem && sscanf(obituary->how, "exit code %d", &number) == 1)
+        json_object_set_new(problem, "exit_code", json_integer(number));
+    if (problem && obituary->trace)
+        json_object_set_new(problem, "log", log_json(obituary->trace));
+    return write_problem(death->store, &place, problem);
+}
+
+bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_obituary *obituary,
+                           int *opened, struct pen_status *st)
+{
+    struct death user = {obituary, store};
+    struct pen_worker_death death = {
+        .worker = obituary->worker, .end = obituary->end, .error = death_error, .user = &user};
+    return pen_store_worker_ended(store, &death, opened, st);
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* The error of a job that rendering itself has failed: a problem document that beside the usual
+ * members says
+ *   batch    {view, first_tile, tile_count, attempt}
+ *   pixel    [x, y], where it is known
+ *   signal   "SIGSEGV", or exit_code; of a worker that died
+ *   log      its last lines
+ *   repeat   the command line that does the same again */
+#ifndef PEN_JOBS_FAILURE_H
+#define PEN_JOBS_FAILURE_H
+
+#include "pen/jobs/obituary.h"
+#include "pen/store/store.h"
+
+/* The error of a job beyond its timeout_seconds. Owns: a malloc()ed text; NULL when out of memory.
+ */
+char *pen_failure_of_time(struct pen_store *store, const struct pen_claim *claim,
+                          const struct pen_trace *trace);
+
+/* The error of a job that any other problem has ended. */
+char *pen_failure_of(struct pen_store *store, const struct pen_claim *claim,
+                     const struct pen_status *why);
+
+#endif
