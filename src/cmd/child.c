@@ -12,6 +12,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "blackbox.h"
+#include "cause.h"
+#include "oom.h"
 #include "pen/base/clock.h"
 #include "pen/base/log.h"
 #include "roles.h"
@@ -21,18 +24,31 @@ static const int64_t stable_ns = INT64_C(10) * 1000000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
 static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
 
-enum { ARGUMENTS_MAX = 32, EXEC_FAILED = 127 };
+enum { ARGUMENTS_MAX = 40 };
 
 void pen_child_init(struct pen_child *child, const char *role)
 {
-    *child = (struct pen_child){.role = role, .control_fd = -1};
+    *child = (struct pen_child){
+        .role = role, .control_fd = -1, .trace_fd = -1, .dead = {.trace_fd = -1}};
+}
+
+static bool is_worker(const struct pen_child *child)
+{
+    return strcmp(child->role, "worker") == 0;
+}
+
+static void close_fd(int *fd)
+{
+    if (*fd >= 0)
+        close(*fd);
+    *fd = -1;
 }
 
 /* The child's command line: everything the supervisor found out, nothing left to look up. */
 struct arguments {
     int count;
     char *list[ARGUMENTS_MAX + 1];
-    char threads[16], listen[16], control[16];
+    char threads[16], listen[16], control[16], memory[16], trace[16], dead_trace[16];
 };
 
 static void add(struct arguments *arguments, const char *option, const char *value)
@@ -41,6 +57,29 @@ static void add(struct arguments *arguments, const char *option, const char *val
         return;
     arguments->list[arguments->count++] = (char *)(uintptr_t)option;
     arguments->list[arguments->count++] = (char *)(uintptr_t)value;
+}
+
+static void add_fd(struct arguments *arguments, const char *option, int fd, char text[16])
+{
+    snprintf(text, 16, "%d", fd);
+    if (fd >= 0)
+        add(arguments, option, text);
+}
+
+static void add_worker(struct arguments *arguments, const struct pen_child *child,
+                       const struct pen_config *config)
+{
+    snprintf(arguments->memory, sizeof arguments->memory, "%d", config->memory_limit);
+    add(arguments, "--memory-limit", arguments->memory);
+    add(arguments, "--internal-worker-name", child->name);
+    add_fd(arguments, "--internal-trace-fd", child->trace_fd, arguments->trace);
+    if (!child->dead.name[0])
+        return;
+    add(arguments, "--internal-dead-worker", child->dead.name);
+    add(arguments, "--internal-dead-how", child->dead.how);
+    add(arguments, "--internal-dead-end",
+        child->dead.end == PEN_WORKER_CRASHED ? "crashed" : "died");
+    add_fd(arguments, "--internal-dead-trace-fd", child->dead.trace_fd, arguments->dead_trace);
 }
 
 static void make_arguments(struct arguments *arguments, const struct pen_child *child,
@@ -60,16 +99,18 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     add(arguments, "--internal-control-fd", arguments->control);
     if (listen_fd >= 0)
         add(arguments, "--internal-listen-fd", arguments->listen);
-    add(arguments, "--internal-worker-name", child->name);
-    add(arguments, "--internal-dead-worker", child->dead_name);
+    if (is_worker(child))
+        add_worker(arguments, child, config);
     arguments->list[arguments->count] = NULL;
 }
 
 /* In the new process. Its standard output is not the supervisor's: who reads the first line there
  * must not wait for a child that lives on. If the supervisor dies while this one is stopped, it is
  * continued, so that it sees the end of the control channel and ends. */
-static _Noreturn void become(const struct arguments *arguments, int control_fd, int listen_fd)
+static _Noreturn void become(const struct arguments *arguments, const struct pen_child *child,
+                             int control_fd, int listen_fd)
 {
+    const int kept[] = {control_fd, listen_fd, child->trace_fd, child->dead.trace_fd};
     sigset_t none;
     sigemptyset(&none);
     int null = open("/dev/null", O_RDWR);
@@ -78,12 +119,13 @@ static _Noreturn void become(const struct arguments *arguments, int control_fd, 
         dup2(null, STDOUT_FILENO);
     }
     prctl(PR_SET_PDEATHSIG, SIGCONT);
-    fcntl(control_fd, F_SETFD, 0);
-    if (listen_fd >= 0)
-        fcntl(listen_fd, F_SETFD, 0);
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++) {
+        if (kept[i] >= 0)
+            fcntl(kept[i], F_SETFD, 0);
+    }
     sigprocmask(SIG_SETMASK, &none, NULL);
     execv("/proc/self/exe", arguments->list);
-    _exit(EXEC_FAILED);
+    _exit(PEN_EXEC_FAILED);
 }
 
 int64_t pen_child_settles_ns(const struct pen_child *child)
@@ -117,14 +159,19 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     child->started_ns = pen_clock_ns();
     child->ready = child->stopping = child->killed = false;
     pid_t pid = -1;
+    close_fd(&child->trace_fd);
+    if (is_worker(child)) {
+        child->trace_fd = pen_blackbox_new();
+        child->oom_kills = pen_oom_kills();
+    }
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) == 0) {
         pid = fork();
         if (pid == 0) {
             struct arguments arguments;
-            if (strcmp(child->role, "worker") == 0)
+            if (is_worker(child))
                 pen_worker_name(getpid(), start_ms, child->name, sizeof child->name);
             make_arguments(&arguments, child, config, pair[1], listen_fd);
-            become(&arguments, pair[1], listen_fd);
+            become(&arguments, child, pair[1], listen_fd);
         }
         int cause = errno;
         close(pair[1]);
@@ -139,21 +186,30 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     }
     child->pid = pid;
     child->control_fd = pair[0];
-    if (strcmp(child->role, "worker") == 0)
+    if (is_worker(child))
         pen_worker_name(pid, start_ms, child->name, sizeof child->name);
     pen_log(PEN_LOG_DEBUG, "started the %s process %d", child->role, (int)pid);
 }
 
-static void describe_end(int wait_status, char *out, size_t bytes)
+void pen_child_ready(struct pen_child *child)
 {
-    if (WIFSIGNALED(wait_status)) {
-        const char *name = sigabbrev_np(WTERMSIG(wait_status));
-        snprintf(out, bytes, "signal %d (SIG%s)", WTERMSIG(wait_status), name ? name : "?");
-    } else if (WEXITSTATUS(wait_status) == EXEC_FAILED) {
-        snprintf(out, bytes, "the program could not be started");
-    } else {
-        snprintf(out, bytes, "exit code %d", WEXITSTATUS(wait_status));
-    }
+    child->ready = true;
+    child->dead.name[0] = '\0';
+    close_fd(&child->dead.trace_fd);
+}
+
+/* Keeps what the next worker has to know of this one. */
+static void remember(struct pen_child *child, int wait_status)
+{
+    bool oom = is_worker(child) && pen_oom_kills() > child->oom_kills;
+    memcpy(child->dead.name, child->name, sizeof child->dead.name);
+    memcpy(child->dead.how, child->last_end, sizeof child->dead.how);
+    child->dead.end = child->killed ? PEN_WORKER_DIED : pen_cause_of_worker(wait_status, oom);
+    close_fd(&child->dead.trace_fd);
+    child->dead.trace_fd = child->trace_fd;
+    child->trace_fd = -1;
+    if (oom)
+        pen_log(PEN_LOG_WARN, "the kernel ran out of memory while the worker lived");
 }
 
 void pen_child_ended(struct pen_child *child, int wait_status)
@@ -162,14 +218,14 @@ void pen_child_ended(struct pen_child *child, int wait_status)
     int64_t lived_ns = pen_clock_ns() - child->started_ns;
     int pid = (int)child->pid;
     pen_child_settle(child);
-    describe_end(wait_status, child->last_end, sizeof child->last_end);
+    pen_cause_describe(wait_status, child->last_end, sizeof child->last_end);
     if (child->control_fd >= 0)
         close(child->control_fd);
     child->control_fd = -1;
     child->pid = 0;
     /* One that was never ready held no leases, and has swept none. */
     if (child->ready && !expected)
-        memcpy(child->dead_name, child->name, sizeof child->dead_name);
+        remember(child, wait_status);
     child->ready = false;
     if (child->stopping) {
         child->failures = 0;

@@ -9,6 +9,7 @@
 #include <sys/types.h>
 
 #include "config.h"
+#include "pen/store/store.h"
 
 struct pen_child {
     const char *role;                /* "api" or "worker" */
@@ -20,8 +21,16 @@ struct pen_child {
     int64_t started_ns, start_at_ns; /* when it was, or is to be started */
     int failures;                    /* ends in a row, each soon after the start */
     char name[160];                  /* worker: its name in the store */
-    char dead_name[160]; /* worker: a predecessor whose leases are not swept yet; "" if none */
-    char last_end[96];   /* "signal 11 (SEGV)", "" at first */
+    char last_end[96];               /* "signal 11 (SIGSEGV)", "" at first */
+    /* Of a worker; see blackbox.h and oom.h. */
+    int trace_fd;      /* -1: none */
+    int64_t oom_kills; /* when it was started */
+    /* A predecessor whose leases are not taken back yet; name "": none. */
+    struct {
+        char name[160], how[96];
+        enum pen_worker_end end;
+        int trace_fd;
+    } dead;
 };
 
 void pen_child_init(struct pen_child *child, const char *role);
@@ -29,6 +38,9 @@ void pen_child_init(struct pen_child *child, const char *role);
 /* Starts the program again in this role. The child gets listen_fd if that is not -1. The call
  * never fails: a start that does not succeed is an end, with its pause. */
 void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd);
+
+/* Notes that it works: what it was told of its predecessor is settled. */
+void pen_child_ready(struct pen_child *child);
 
 /* When a child that is running will have lived long enough to count as no crash loop any more:
  * then its failures are forgotten. Returns the time, or INT64_MAX if there is nothing to forget. */

@@ -45,6 +45,14 @@ static const struct pen_option options[] = {
      .max = 1024,
      .env = "PENUMBRA_THREADS",
      .help = "render threads of the worker; 0, the default, is one per core"},
+    {.name = "memory-limit",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, memory_limit),
+     .value = "MIB",
+     .max = 1 << 30,
+     .env = "PENUMBRA_MEMORY_LIMIT",
+     .help = "memory the worker may take, in MiB; 0, the default, is three quarters of the "
+             "machine's. A job that needs more fails; one scene may take half of it"},
     {.name = "tokens",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, tokens),
@@ -94,10 +102,32 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct pen_config, worker_name),
      .value = "NAME",
      .hidden = true},
+    {.name = "internal-trace-fd",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, trace_fd),
+     .value = "FD",
+     .max = 1 << 20,
+     .hidden = true},
     {.name = "internal-dead-worker",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, dead_worker),
      .value = "NAME",
+     .hidden = true},
+    {.name = "internal-dead-how",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, dead_how),
+     .value = "TEXT",
+     .hidden = true},
+    {.name = "internal-dead-end",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, dead_end),
+     .value = "crashed|died",
+     .hidden = true},
+    {.name = "internal-dead-trace-fd",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, dead_trace_fd),
+     .value = "FD",
+     .max = 1 << 20,
      .hidden = true},
     {0}};
 
@@ -247,7 +277,9 @@ int pen_config_load(struct pen_config *config, int argc, char **argv)
                                   .log_format = "text",
                                   .log_level = "info",
                                   .listen_fd = -1,
-                                  .control_fd = -1};
+                                  .control_fd = -1,
+                                  .trace_fd = -1,
+                                  .dead_trace_fd = -1};
     if (!pen_options_parse(&pen_command_daemon, argc, argv, config, &parsed, &st))
         return pen_report(program, NULL, &st);
     if (parsed.help) {

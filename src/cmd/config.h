@@ -14,11 +14,12 @@
 
 struct pen_config {
     const char *listen, *store, *role, *tokens, *file, *log_file, *log_format, *log_level;
-    int threads;
+    int threads, memory_limit; /* memory_limit: MiB, 0: most of the machine's */
     /* Given by a supervisor to its children only; such a process takes nothing from environment
      * and file, since the supervisor has done so and hands everything over. */
-    int listen_fd, control_fd; /* -1: none */
-    const char *worker_name, *dead_worker;
+    int listen_fd, control_fd;   /* -1: none */
+    int trace_fd, dead_trace_fd; /* -1: none */
+    const char *worker_name, *dead_worker, *dead_how, *dead_end;
 
     struct pen_address address; /* of `listen` */
     json_t *document;           /* texts from the file point into it */

@@ -11,26 +11,6 @@ enum kind { SEGV, ABORT, EXIT, KILL, ALLOC, HANG, KIND_COUNT };
 
 static const char *const kinds[KIND_COUNT] = {"segv", "abort", "exit", "kill", "alloc", "hang"};
 
-bool pen_fault_parse(const char *text, struct pen_fault *fault, struct pen_status *st)
-{
-    char kind[8] = "";
-    int end = 0;
-    bool ok = sscanf(text, "%7[a-z]@%d,%d%n", kind, &fault->x, &fault->y, &end) == 3;
-    fault->name = ok && text[end] == '@' ? text + end + 1 : NULL;
-    for (fault->kind = 0; ok && fault->kind < KIND_COUNT; fault->kind++) {
-        if (strcmp(kind, kinds[fault->kind]) == 0 && (fault->name || !text[end]))
-            return true;
-    }
-    return pen_fail(st, PEN_USAGE, "the fault to test with is \"%s\", not KIND@X,Y[@NAME]", text);
-}
-
-bool pen_fault_applies(const struct pen_fault *fault, const char *job_name)
-{
-    return !fault->name || (job_name && strcmp(fault->name, job_name) == 0);
-}
-
-static int *volatile null; /* volatile: the compiler must not know */
-
 /* Address space is enough to reach a limit, so that a test does not fill the machine. */
 static void take_all_memory(void)
 {
@@ -44,13 +24,15 @@ static void take_all_memory(void)
     free(piece);
 }
 
-bool pen_fault_at(const struct pen_fault *fault, int x, int y)
+static bool pixel(void *user, int x, int y)
 {
+    const struct pen_fault_hook *fault = user;
+    volatile int *volatile null = NULL; /* volatile: the compiler must not know */
     if (x != fault->x || y != fault->y)
         return true;
     switch ((enum kind)fault->kind) {
     case SEGV:
-        *(volatile int *)null = 0;
+        *null = 0;
         break;
     case ABORT:
         abort();
@@ -69,4 +51,24 @@ bool pen_fault_at(const struct pen_fault *fault, int x, int y)
         break;
     }
     return true;
+}
+
+static bool wanted(void *user, const char *job_name)
+{
+    const struct pen_fault_hook *fault = user;
+    return !fault->name || (job_name && strcmp(fault->name, job_name) == 0);
+}
+
+bool pen_fault_parse(const char *text, struct pen_fault_hook *hook, struct pen_status *st)
+{
+    char kind[8] = "";
+    int end = 0;
+    *hook = (struct pen_fault_hook){.calls = {wanted, pixel, hook}};
+    bool ok = sscanf(text, "%7[a-z]@%d,%d%n", kind, &hook->x, &hook->y, &end) == 3;
+    hook->name = ok && text[end] == '@' ? text + end + 1 : NULL;
+    for (hook->kind = 0; ok && hook->kind < KIND_COUNT; hook->kind++) {
+        if (strcmp(kind, kinds[hook->kind]) == 0 && (hook->name || !text[end]))
+            return true;
+    }
+    return pen_fail(st, PEN_USAGE, "the fault to test with is \"%s\", not KIND@X,Y[@NAME]", text);
 }

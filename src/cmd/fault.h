@@ -12,22 +12,15 @@
 #ifndef CMD_FAULT_H
 #define CMD_FAULT_H
 
-#include <stdbool.h>
+#include "pen/jobs/worker.h"
 
-#include "pen/base/status.h"
-
-struct pen_fault {
+struct pen_fault_hook {
+    struct pen_worker_fault calls; /* of this hook, which must stay where it is */
     int kind, x, y;
     const char *name; /* within the text; NULL: any job */
 };
 
 /* Fails: PEN_USAGE. */
-bool pen_fault_parse(const char *text, struct pen_fault *fault, struct pen_status *st);
-
-/* Whether jobs of this name (NULL: none) are meant. */
-bool pen_fault_applies(const struct pen_fault *fault, const char *job_name);
-
-/* Does what is to be done at this pixel. Returns false when memory ran out. */
-bool pen_fault_at(const struct pen_fault *fault, int x, int y);
+bool pen_fault_parse(const char *text, struct pen_fault_hook *hook, struct pen_status *st);
 
 #endif

@@ -9,13 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include "blackbox.h"
 #include "control.h"
+#include "fault.h"
 #include "orphans.h"
 #include "pen/base/clock.h"
 #include "pen/base/log.h"
 #include "pen/http/server.h"
+#include "pen/jobs/obituary.h"
 #include "pen/jobs/worker.h"
 #include "pen/store/store.h"
 
@@ -133,16 +137,24 @@ static void *run_worker(void *user)
     return NULL;
 }
 
-/* What died holding leases cannot give them back: its successor does. */
-static bool sweep(struct pen_store *store, const char *dead, struct pen_status *st)
+/* What died holding leases cannot give them back: its successor does, and reports what its
+ * predecessor died of. */
+static bool bury(struct pen_store *store, const struct pen_config *config, struct pen_status *st)
 {
     int opened = 0;
-    bool known = dead && *dead;
-    if (known ? !pen_store_sweep(store, dead, &opened, st) : !pen_orphans_sweep(store, &opened, st))
+    const char *dead = config->dead_worker;
+    struct pen_obituary obituary = {.worker = dead,
+                                    .end = PEN_WORKER_DIED,
+                                    .how = config->dead_how ? config->dead_how : "?",
+                                    .trace = pen_blackbox_map(config->dead_trace_fd)};
+    if (config->dead_end && strcmp(config->dead_end, "crashed") == 0)
+        obituary.end = PEN_WORKER_CRASHED;
+    if (dead ? !pen_jobs_worker_ended(store, &obituary, &opened, st)
+             : !pen_orphans_sweep(store, &opened, st))
         return false;
     if (opened > 0)
         pen_log(PEN_LOG_INFO, "took back %d batches of %s", opened,
-                known ? dead : "workers that are no more");
+                dead ? dead : "workers that are no more");
     return true;
 }
 
@@ -151,9 +163,11 @@ static bool sweep(struct pen_store *store, const char *dead, struct pen_status *
 static void give_up(struct pen_store *store, const struct work *work)
 {
     struct pen_status st;
+    struct pen_worker_death left = {.worker = work->options.name, .end = PEN_WORKER_LEFT};
+    int opened;
     end_within(1);
     pen_log(PEN_LOG_WARN, "the batch in hand is given back unfinished");
-    if (!sweep(store, work->options.name, &st))
+    if (!pen_store_worker_ended(store, &left, &opened, &st))
         pen_log(PEN_LOG_ERROR, "%s", st.msg);
     _exit(0);
 }
@@ -187,15 +201,67 @@ static void attend(const struct pen_config *config, struct pen_watch *watch, str
     }
 }
 
+/* Threads that nothing else can end. The store knows already that their batch is over. */
+static void end_stuck(void *user)
+{
+    (void)user;
+    _exit(0);
+}
+
+/* Lets allocations fail from a limit on: `mib`, or most of what the machine has. Returns it in
+ * bytes, 0 if there is none; sanitizers need more address space than any limit leaves. */
+static size_t limit_memory(int mib)
+{
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+    (void)mib;
+    return 0;
+#else
+    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    size_t bytes = (size_t)mib << 20;
+    if (mib == 0 && pages > 0 && page > 0)
+        bytes = (size_t)pages / 4 * 3 * (size_t)page;
+    struct rlimit limit;
+    if (bytes == 0 || getrlimit(RLIMIT_DATA, &limit) != 0)
+        return 0;
+    if (limit.rlim_max == RLIM_INFINITY || bytes < limit.rlim_max)
+        limit.rlim_cur = bytes;
+    else
+        limit.rlim_cur = limit.rlim_max;
+    return setrlimit(RLIMIT_DATA, &limit) == 0 ? (size_t)limit.rlim_cur : 0;
+#endif
+}
+
+/* What tests change of a worker, by its environment: the length of leases, and a fault. */
+static bool take_test_settings(struct pen_worker_options *options, struct pen_fault_hook *hook,
+                               struct pen_status *st)
+{
+    const char *lease = getenv("PENUMBRA_LEASE_MS"), *fault = getenv("PENUMBRA_TEST_FAULT");
+    if (lease)
+        options->lease_ms = strtol(lease, NULL, 10);
+    if (!fault || !*fault)
+        return true;
+    if (!pen_fault_parse(fault, hook, st))
+        return false;
+    options->fault = &hook->calls;
+    return true;
+}
+
 static int work_until_told(const struct pen_config *config, struct pen_watch *watch,
                            struct pen_store *store, const char *name)
 {
-    struct work work = {
-        .watch = watch,
-        .options = {.store_url = config->store, .name = name, .threads = config->threads}};
+    struct work work = {.watch = watch,
+                        .options = {.store_url = config->store,
+                                    .name = name,
+                                    .threads = config->threads,
+                                    .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
+                                    .trace = pen_blackbox_map(config->trace_fd),
+                                    .stuck = end_stuck}};
+    struct pen_fault_hook hook;
     struct pen_status st;
     pthread_t thread;
-    if (!sweep(store, config->dead_worker, &st))
+    if (work.options.trace)
+        pen_blackbox_watch(work.options.trace);
+    if (!take_test_settings(&work.options, &hook, &st) || !bury(store, config, &st))
         return fail(&st);
     if (pthread_create(&thread, NULL, run_worker, &work) != 0) {
         pen_fail(&st, PEN_NO_MEMORY, "cannot start a thread");

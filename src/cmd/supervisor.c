@@ -169,8 +169,7 @@ static void take_message(struct supervisor *s, struct pen_child *child)
     text[got] = '\0';
     if (strcmp(text, "ready") != 0)
         return;
-    child->ready = true;
-    child->dead_name[0] = '\0';
+    pen_child_ready(child);
     if (child == &s->api)
         tell_state(s, true);
 }

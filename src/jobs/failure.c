@@ -156,12 +156,12 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
     struct pen_status why;
     char where[48], name[16] = "";
     int number = 0;
-    pen_fail(
-        &why, PEN_RENDER_FAILED,
-        "%d worker process%s died over this job alone, the last one by %s, over %s of view %d%s",
-        charges, charges == 1 ? "" : "es", obituary->how,
-        claim->kind == PEN_BATCH_ASSEMBLE ? "the picture" : "some tiles", claim->view,
-        at_pixel(&place, where, sizeof where));
+    pen_fail(&why, PEN_RENDER_FAILED,
+             "%d worker process%s in a row died over this job alone, the last by %s, at %s of view "
+             "%d%s",
+             charges, charges == 1 ? "" : "es", obituary->how,
+             claim->kind == PEN_BATCH_ASSEMBLE ? "the picture" : "tiles", claim->view,
+             at_pixel(&place, where, sizeof where));
     pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why.msg);
     json_t *problem = pen_problem(&why);
     if (problem && sscanf(obituary->how, "signal %*d (%15[A-Z0-9])", name) == 1)

@@ -37,10 +37,10 @@ trap 'exit 129' HUP
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-# Starts a daemon and sets $url. Extra arguments go to it.
+# Starts a daemon with $threads threads (2) and sets $url. Extra arguments go to it.
 daemon_start() {
     : >"$work/out"
-    "$build/penumbrad" --listen 127.0.0.1:0 --store "$store" --threads 2 "$@" \
+    "$build/penumbrad" --listen 127.0.0.1:0 --store "$store" --threads "${threads:-2}" "$@" \
         >"$work/out" 2>>"$work/log" &
     daemon=$!
     for _ in $(seq 200); do

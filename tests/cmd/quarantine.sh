@@ -1,0 +1,128 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Jobs that bring their worker down: each fails alone, with what is known, and others go on.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+unset PENUMBRA_MEMORY_LIMIT
+sanitized=
+threads=1
+case $build in *asan* | *tsan*) sanitized=yes ;; esac
+start() { # FAULT [ARGUMENT…]
+    PENUMBRA_TEST_FAULT=$1
+    export PENUMBRA_TEST_FAULT
+    shift
+    daemon_start "$@"
+    export PENUMBRA_URL="$url"
+}
+bad() { # MEMBERS: submits a job called bad, and sets $id
+    submit "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 64, \"height\": 48}, \"name\": \"bad\"$1}"
+    id=${job##*/}
+}
+good() {
+    submit "$small"
+    echo "${job##*/}" >>goods
+}
+all_good() { # whether every good job has succeeded
+    while read -r one; do
+        "$penumbra" wait "$one" >/dev/null 2>&1 || return 1
+    done <goods
+}
+failed() { # NAME TYPE: the bad job failed with a problem of this type, which is in $work/body then
+    "$penumbra" wait "$id" >/dev/null 2>&1
+    call "/v1/jobs/$id"
+    expect "$1" "$(body .state) $(body .error.type)" "failed urn:penumbra:problem:$2"
+}
+
+# A scene that crashes the renderer fails alone
+start segv@3,5@bad
+bad ', "priority": 100'
+: >goods
+for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do good; done
+failed "a job that crashes its worker fails" job-failed
+expect "after three attempts" "$(body .attempts)" 3
+expect "it says at which batch" "$(body '.error.batch | [.view, .first_tile] | join(",")')" 0,0
+expect_match "and shows the log" "$(body '.error.log | join("|")')" "*job $id: batch*"
+line=$(body .error.repeat)
+if [ -z "$sanitized" ]; then
+    expect "it says by what" "$(body .error.signal)" SIGSEGV
+    expect "and at which pixel" "$(body '.error.pixel | join(",")')" 3,5
+    (PATH=$build:$PATH && eval "$line") >repeated 2>&1
+    expect_match "the line that repeats it does" "$(cat repeated)" "*pixel   3,5 of 64 x 48*"
+else
+    expect_match "there is a line that repeats it" "$line" "*penumbra render -*"
+fi
+check "20 others succeed meanwhile" all_good
+expect "on their first attempt" \
+    "$("$penumbra" list --json | jq -c '[.jobs[] | select(.name != "bad") | .attempts] | unique')" "[1]"
+expect "in a queue of 21" "$("$penumbra" list --json | jq '.jobs | length')" 21
+daemon_stop
+
+# Other ways to go
+for kind in abort exit; do
+    start $kind@0,0@bad
+    bad ', "max_attempts": 1'
+    failed "a job is charged with $kind" job-failed
+    case $kind in
+    exit) expect "and says so" "$(body .error.exit_code)" 1 ;;
+    abort) [ -n "$sanitized" ] || expect "and says so" "$(body .error.signal)" SIGABRT ;;
+    esac
+    daemon_stop
+done
+
+# SIGKILL charges nothing, unless memory ran out meanwhile
+echo "oom_kill 7" >events
+PENUMBRA_TEST_OOM=$work/events
+export PENUMBRA_TEST_OOM
+start kill@0,0@bad
+bad ', "max_attempts": 1, "priority": 100'
+: >goods
+for _ in 1 2 3 4 5 6; do good; done
+died_often() { [ "$(grep -c 'signal 9' "$work/log")" -ge 4 ]; }
+check "a job whose worker is killed is tried again" within 20 died_often
+check "others go on" all_good
+call "/v1/jobs/$id"
+expect "and it is not charged" "$(body .state) $(body .attempts)" "running 1"
+(n=8 && while :; do echo "oom_kill $n" >events.new && mv events.new events && n=$((n + 1)) && sleep 0.02; done) &
+loop=$!
+failed "but when memory ran out it is" job-failed
+expect "and it says so" "$(body .error.signal)" SIGKILL
+kill $loop
+daemon_stop
+unset PENUMBRA_TEST_OOM
+
+# Memory
+if [ -z "$sanitized" ]; then
+    start alloc@0,0@bad --memory-limit 1024
+    worker=$(child work)
+    bad ''
+    failed "a job that takes too much memory fails" no-memory
+    good
+    check "the next one does not" all_good
+    expect "and the worker lives on" "$(child work)" "$worker"
+    daemon_stop
+fi
+
+# One pixel that takes for ever
+start hang@2,1@bad
+worker=$(child work)
+bad ', "timeout_seconds": 1'
+begun=$(date +%s)
+failed "a pixel that takes for ever ends its job in time" timeout
+expect "in time" "$(($(date +%s) - begun < 4))" 1
+expect "and it says where" "$(body '.error.pixel | join(",")')" 2,1
+: >goods
+good
+check "others go on" all_good
+check "with another worker" gone "$worker"
+worker=$(child work)
+bad ''
+within 10 grep -q "job $id" "$work/log"
+sleep 0.5
+ends "such a job can be cancelled" 0 "$penumbra" cancel "$id"
+good
+check "and others go on" all_good
+check "with yet another worker" gone "$worker"
+expect "nobody was charged" \
+    "$("$penumbra" list --json | jq -c '[.jobs[] | select(.name != "bad") | .attempts] | unique')" "[1]"
+
+finish
