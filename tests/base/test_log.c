@@ -132,6 +132,33 @@ START_TEST(test_log__lines_of_threads_do_not_mix)
 }
 END_TEST
 
-PEN_SUITE("log", test_log__text_lines, test_log__json_lines,
-          test_log__long_messages_are_cut_not_split, test_log__keeps_errno,
+START_TEST(test_log__ring_keeps_the_last_lines_shown_or_not)
+{
+    static struct pen_log_ring ring;
+    char last[512], small[60];
+    pen_log_set_level(PEN_LOG_ERROR);
+    pen_log_set_ring(&ring);
+    pen_log_ring_last(&ring, 3, last, sizeof last);
+    ck_assert_str_eq(last, "");
+    pen_log(PEN_LOG_DEBUG, "line 1");
+    pen_log_ring_last(&ring, 3, last, sizeof last);
+    ck_assert_ptr_nonnull(strstr(last, "line 1\n"));
+    for (int i = 2; i <= 1000; i++)
+        pen_log(PEN_LOG_DEBUG, "line %d", i);
+    pen_log_ring_last(&ring, 3, last, sizeof last);
+    ck_assert_ptr_null(strstr(last, "line 997\n"));
+    const char *line = strstr(last, "line 998\n");
+    ck_assert(line && strstr(line, "line 999\n") && strstr(line, "line 1000\n"));
+    ck_assert(last[0] == '2' && last[strlen(last) - 1] == '\n');
+    pen_log_ring_last(&ring, 3, small, sizeof small); /* room for one of them only */
+    ck_assert(small[0] == '2' && strstr(small, "line 1000\n") && !strstr(small, "line 999\n"));
+    pen_log_set_ring(NULL);
+    pen_log(PEN_LOG_DEBUG, "gone");
+    pen_log_ring_last(&ring, 1, last, sizeof last);
+    ck_assert_ptr_null(strstr(last, "gone"));
+}
+END_TEST
+
+PEN_SUITE("log", test_log__ring_keeps_the_last_lines_shown_or_not, test_log__text_lines,
+          test_log__json_lines, test_log__long_messages_are_cut_not_split, test_log__keeps_errno,
           test_log__lines_of_threads_do_not_mix)
