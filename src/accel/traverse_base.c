@@ -7,7 +7,7 @@ struct box_ray {
     float near_o[3], far_o[3];
     float near_inv[3], far_inv[3];
     bool negative[3]; /* d is negative or -0: the near plane is the high end */
-    float tmin;  /* >= 0 */
+    float tmin;       /* >= 0 */
     double scale;
 };
 
