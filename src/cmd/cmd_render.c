@@ -116,9 +116,19 @@ static bool check_values(struct render *r, struct pen_status *st)
         return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json and --pixel use");
     if (v->output && !(r->format = pen_output_format(v->output, v->format, st)))
         return false;
+    if (v->output && v->stats && strcmp(v->output, v->stats) == 0)
+        return pen_fail(st, PEN_USAGE, "--stats: is the same as -o, \"%s\"", v->stats);
     if (v->pixel && !pen_pixel_parse(v->pixel, &r->pixel_x, &r->pixel_y, st))
         return false;
     return pen_output_layer_check(v->layer, st);
+}
+
+/* A picture that cannot be written is not worth rendering. */
+static bool check_files(const struct render *r, struct pen_status *st)
+{
+    const struct values *v = r->values;
+    return (!v->output || pen_file_check(v->output, st)) &&
+           (!v->stats || pen_file_check(v->stats, st));
 }
 
 /* Text to description. Errors of the document go to `errors`. */
@@ -305,7 +315,8 @@ static int render(struct render *r, const char *name)
         return pen_report_json(NULL, json, &st);
     if (!read_scene(r, name, &errors))
         return pen_report_errors_json(r->source.label, json, &errors);
-    if (!apply_settings(r, &st) || !freeze(r, &st) || !carry_out(r, start, &st))
+    if (!apply_settings(r, &st) || !check_files(r, &st) || !freeze(r, &st) ||
+        !carry_out(r, start, &st))
         return pen_report_json(st.at[0] ? r->source.label : NULL, json, &st);
     return 0;
 }

@@ -352,7 +352,8 @@ static int run(int argc, char **argv)
     struct pen_client *client = NULL;
     int priority = pen_option_find(options, "priority");
     bool has_priority = parsed.set >> priority & 1;
-    if (values.output && !pen_output_format(values.output, values.format, &st))
+    if (values.output && (!pen_output_format(values.output, values.format, &st) ||
+                          !pen_file_check(values.output, &st)))
         code = pen_report_json(NULL, values.json, &st);
     else if (!make_body(parsed.args[0], &source, &values, has_priority, &body, &st))
         code = pen_report_json(st.code == PEN_USAGE ? NULL : source.label, values.json, &st);

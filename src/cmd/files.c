@@ -179,6 +179,39 @@ static bool replace(const char *path, mode_t mode, const void *data, size_t byte
     return ok || fail_errno(st, PEN_IO, "write", path);
 }
 
+static bool fail_folder(const char *path, struct pen_status *st)
+{
+    return pen_fail(st, PEN_IO, "cannot write %s: it is a folder", path);
+}
+
+static bool check_beside(const char *path, struct pen_status *st)
+{
+    char *name = NULL;
+    if (asprintf(&name, "%s.XXXXXX", path) < 0)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    int fd = create_beside(name, 0600);
+    int cause = errno;
+    if (fd >= 0) {
+        close(fd);
+        unlink(name);
+    }
+    free(name);
+    errno = cause;
+    return fd >= 0 || fail_errno(st, PEN_IO, "write", path);
+}
+
+bool pen_file_check(const char *path, struct pen_status *st)
+{
+    struct stat info;
+    if (strcmp(path, "-") == 0)
+        return true;
+    if (stat(path, &info) != 0 || S_ISREG(info.st_mode))
+        return check_beside(path, st);
+    if (S_ISDIR(info.st_mode))
+        return fail_folder(path, st);
+    return access(path, W_OK) == 0 || fail_errno(st, PEN_IO, "write", path);
+}
+
 bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen_status *st)
 {
     struct stat info;
@@ -186,7 +219,7 @@ bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen
         return write_all(STDOUT_FILENO, data, bytes) || fail_errno(st, PEN_IO, "write", "-");
     if (stat(path, &info) == 0) {
         if (S_ISDIR(info.st_mode))
-            return pen_fail(st, PEN_IO, "cannot write %s: it is a folder", path);
+            return fail_folder(path, st);
         if (!S_ISREG(info.st_mode))
             return write_directly(path, data, bytes, st);
         char *target = realpath(path, NULL); /* what a link leads to is replaced, not the link */

@@ -33,4 +33,8 @@ bool pen_file_read(const char *path, size_t max_bytes, struct pen_buf *out, stru
  * that is no regular file (a pipe, /dev/null) is written to directly. Fails: PEN_IO. */
 bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen_status *st);
 
+/* Tells before long work whether pen_file_write could create its file: by creating one in the same
+ * folder and removing it again. Fails: PEN_IO, with the message that writing would give. */
+bool pen_file_check(const char *path, struct pen_status *st);
+
 #endif

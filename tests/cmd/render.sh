@@ -53,6 +53,16 @@ check "other tiles and no accelerator, same bytes" cmp t.pfm a.pfm
 # Settings, views, statistics
 ends "--set" 0 "$penumbra" render scene.json -o small.pfm --set width=20 --set height=8e0
 expect "changes the picture's size" "$(sed -n 2p small.pfm)" "20 8"
+mkdir folder.png
+for out in folder.png none/x.png; do # and not only when hours of work are done
+    ends "a picture that cannot be written: $out" 8 timeout 60 "$penumbra" render scene.json \
+        -o "$out" --set width=6000 --set height=4300 --set samples_per_pixel=100000
+    says "is told at once" stderr "cannot write $out"
+    ends "statistics that cannot be written: $out" 8 timeout 60 "$penumbra" render scene.json \
+        --stats "$out" --set width=6000 --set height=4300 --set samples_per_pixel=100000
+done
+ends "picture and statistics in one file" 2 "$penumbra" render scene.json -o x.png --stats x.png
+expect "leaves nothing behind" "$(echo x.png* folder.png*)" "x.png* folder.png"
 ends "a setting that is misspelt" 2 "$penumbra" render scene.json -o x.png --set widht=20
 says "is answered with the nearest" stderr '"width"'
 ends "a setting out of range" 2 "$penumbra" render scene.json -o x.png --set width=0
