@@ -3,7 +3,13 @@
 #include <stdio.h>
 
 #include "pen/base/utf8.h"
-#include "pen/io/scene_json.h"
+#include "reader.h"
+
+void pen_value_describe(const json_t *value, char *out, size_t bytes)
+{
+    struct pen_text text = pen_text_value(value);
+    pen_utf8_copy(out, bytes, text.text);
+}
 
 void pen_status_describe(const struct pen_status *st, const char *file, char *out, size_t bytes)
 {

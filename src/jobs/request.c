@@ -61,11 +61,14 @@ static void find_scene(struct pen_request *request, const struct pen_limits *lim
         find_builtin(request, text, limits, errors);
     else if (scene)
         pen_request_fail(errors, PEN_INVALID, "", "scene",
-                         "must be a scene, or \"builtin:\" and a name");
+                         "must be a scene, or \"builtin:\" and a name, found %s",
+                         pen_found(scene).text);
     else
         pen_request_fail(errors, PEN_INVALID, "", NULL,
                          "must be a job, an object with \"scene\", or a scene, an object with "
-                         "\"format\"");
+                         "\"format\"; found %s",
+                         json_is_object(request->body) ? "neither key"
+                                                       : pen_found(request->body).text);
 }
 
 /* The number of the scene's view that entry i of `views` names, or -1 after an error. */
@@ -84,9 +87,9 @@ static int find_view(struct pen_request *request, const json_t *list, size_t i,
         names[v] = request->desc.views[v].name;
     const char *near = name ? pen_nearest_name(name, names) : NULL;
     pen_request_fail(errors, PEN_INVALID, "/views", position,
-                     "must be the name of one of the scene's %u views%s%s%s",
-                     request->desc.view_count, near ? "; did you mean \"" : "", near ? near : "",
-                     near ? "\"?" : "");
+                     "must be the name of a view of the scene, such as \"%s\", found %s%s%s%s",
+                     names[0], pen_found(json_array_get(list, i)).text,
+                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
     return -1;
 }
 
@@ -95,7 +98,9 @@ static void read_views(struct pen_request *request, const json_t *list, struct p
     size_t count = json_array_size(list);
     if (!json_is_array(list) || count < 1 || count > request->desc.view_count) {
         pen_request_fail(errors, PEN_INVALID, "", "views",
-                         "must be an array of 1 to %u names of views", request->desc.view_count);
+                         "must be an array of names of views, at least 1 and not more than the "
+                         "scene has, %u; found %s",
+                         request->desc.view_count, pen_found(list).text);
         return;
     }
     for (size_t i = 0; i < count; i++) {

@@ -40,4 +40,10 @@ void pen_request_fail(struct pen_errors *errors, enum pen_code code, const char 
                       const char *key, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
+/* A value as messages name it. */
+struct pen_found {
+    char text[256];
+};
+struct pen_found pen_found(const json_t *value);
+
 #endif

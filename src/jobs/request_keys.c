@@ -44,13 +44,21 @@ void pen_request_fail(struct pen_errors *errors, enum pen_code code, const char 
     pen_errors_add(errors, &st);
 }
 
+struct pen_found pen_found(const json_t *value)
+{
+    struct pen_found found;
+    pen_value_describe(value, found.text, sizeof found.text);
+    return found;
+}
+
 /* An integer key takes any number of integral value. */
 static bool read_integer(const json_t *value, const char *key, int lo, int hi, int *out,
                          struct pen_errors *errors)
 {
     double number = json_number_value(value);
     if (!json_is_number(value) || number != floor(number) || number < lo || number > hi) {
-        pen_request_fail(errors, PEN_INVALID, "", key, "must be an integer from %d to %d", lo, hi);
+        pen_request_fail(errors, PEN_INVALID, "", key, "must be an integer from %d to %d, found %s",
+                         lo, hi, pen_found(value).text);
         return false;
     }
     *out = (int)number;
@@ -72,8 +80,9 @@ static const char *read_word(const json_t *value, const char *up, const char *ke
         strcat(list, i ? ", " : "");
         strcat(list, names[i]);
     }
-    pen_request_fail(errors, PEN_INVALID, up, key, "must be one of %s%s%s%s", list,
-                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    pen_request_fail(errors, PEN_INVALID, up, key, "must be one of %s, found %s%s%s%s", list,
+                     pen_found(value).text, near ? "; did you mean \"" : "", near ? near : "",
+                     near ? "\"?" : "");
     return NULL;
 }
 
@@ -91,28 +100,47 @@ static void read_kind(struct pen_request *request, const json_t *value, struct p
 
 static void read_name(struct pen_request *request, const json_t *value, struct pen_errors *errors)
 {
-    if (!json_is_string(value) || json_string_length(value) > PEN_JOB_NAME_BYTES)
-        pen_request_fail(errors, PEN_INVALID, "", "name", "must be a string of at most %d bytes",
-                         (int)PEN_JOB_NAME_BYTES);
+    if (!json_is_string(value))
+        pen_request_fail(errors, PEN_INVALID, "", "name",
+                         "must be a string of at most %d bytes, found %s", (int)PEN_JOB_NAME_BYTES,
+                         pen_found(value).text);
+    else if (json_string_length(value) > PEN_JOB_NAME_BYTES)
+        pen_request_fail(errors, PEN_INVALID, "", "name",
+                         "must be a string of at most %d bytes, found one of %zu",
+                         (int)PEN_JOB_NAME_BYTES, json_string_length(value));
     request->name = value;
+}
+
+static void read_label(const char *key, const json_t *label, struct pen_errors *errors)
+{
+    if (!json_is_string(label))
+        pen_request_fail(errors, PEN_INVALID, "/labels", key, "must be a string, found %s",
+                         pen_found(label).text);
+    else if (json_string_length(label) > PEN_JOB_NAME_BYTES || strlen(key) > PEN_JOB_NAME_BYTES)
+        pen_request_fail(errors, PEN_INVALID, "/labels", key,
+                         "must be at most %d bytes long, and its key too; found %zu and %zu",
+                         (int)PEN_JOB_NAME_BYTES, json_string_length(label), strlen(key));
 }
 
 static void read_labels(struct pen_request *request, const json_t *value, struct pen_errors *errors)
 {
-    if (!json_is_object(value) || json_object_size(value) > PEN_JOB_LABELS) {
+    if (!json_is_object(value)) {
         pen_request_fail(errors, PEN_INVALID, "", "labels",
-                         "must be an object of at most %d strings", (int)PEN_JOB_LABELS);
+                         "must be an object of at most %d strings, found %s", (int)PEN_JOB_LABELS,
+                         pen_found(value).text);
+        return;
+    }
+    if (json_object_size(value) > PEN_JOB_LABELS) {
+        pen_request_fail(errors, PEN_INVALID, "", "labels",
+                         "must be an object of at most %d strings, found one of %zu",
+                         (int)PEN_JOB_LABELS, json_object_size(value));
         return;
     }
     const char *key;
     json_t *label;
     json_object_foreach((json_t *)(uintptr_t)value, key, label)
     {
-        if (!json_is_string(label) || json_string_length(label) > PEN_JOB_NAME_BYTES ||
-            strlen(key) > PEN_JOB_NAME_BYTES)
-            pen_request_fail(errors, PEN_INVALID, "/labels", key,
-                             "must be a string, it and its key at most %d bytes long",
-                             (int)PEN_JOB_NAME_BYTES);
+        read_label(key, label, errors);
     }
     request->labels = value;
 }
@@ -128,7 +156,8 @@ static void read_layer(const json_t *list, size_t i, struct pen_errors *errors)
                          "the layer \"%s\" is known, not supported yet; only \"beauty\" is", layer);
     for (size_t k = 0; layer && k < i; k++) {
         if (json_equal(json_array_get(list, k), json_array_get(list, i)))
-            pen_request_fail(errors, PEN_INVALID, "/layers", position, "is there twice");
+            pen_request_fail(errors, PEN_INVALID, "/layers", position, "%s is there twice",
+                             pen_found(json_array_get(list, i)).text);
     }
 }
 
@@ -138,7 +167,8 @@ static void read_layers(struct pen_request *request, const json_t *value, struct
     size_t count = json_array_size(value);
     if (count < 1 || count > 5)
         pen_request_fail(errors, PEN_INVALID, "", "layers",
-                         "must be an array of 1 to 5 names of layers");
+                         "must be an array of 1 to 5 names of layers, found %s",
+                         pen_found(value).text);
     for (size_t i = 0; i < count && count <= 5; i++)
         read_layer(value, i, errors);
 }
@@ -161,7 +191,8 @@ static void read_timeout(struct pen_request *request, const json_t *value,
     double seconds = json_number_value(value);
     if (!json_is_number(value) || !(seconds > 0) || seconds > TIMEOUT_MAX_S)
         pen_request_fail(errors, PEN_INVALID, "", "timeout_seconds",
-                         "must be a number above 0, at most %d", (int)TIMEOUT_MAX_S);
+                         "must be a number above 0, at most %d, found %s", (int)TIMEOUT_MAX_S,
+                         pen_found(value).text);
     else
         request->timeout_ms = (int64_t)ceil(seconds * 1000);
 }

@@ -83,6 +83,9 @@ bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *lim
  * case are alike, and so are - and _. */
 const char *pen_nearest_name(const char *word, const char *const *names);
 
+/* What a message says was found: `the string "x"`, `an array of 3`, `2.5`. Cut to fit. */
+void pen_value_describe(const json_t *value, char *out, size_t bytes);
+
 /* One line for an error, for the command line: "FILE:LINE:COLUMN: message", "FILE: at POINTER:
  * message" or "FILE: message". `file` may be NULL or empty; a line that does not fit is cut. */
 void pen_status_describe(const struct pen_status *st, const char *file, char *out, size_t bytes);
