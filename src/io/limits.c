@@ -44,8 +44,9 @@ bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_de
             settings->width, settings->height, pixels, (unsigned long long)limits->pixels_per_view);
     if (work > limits->work)
         return pen_fail_at(st, PEN_TOO_LARGE, at,
-                           "%u views of %d x %d pixels with these samples and lights take up to "
+                           "%u view%s of %d x %d pixels with these samples and lights take up to "
                            "%.3g primary and shadow rays, at most %.3g are allowed",
-                           views, settings->width, settings->height, work, limits->work);
+                           views, views == 1 ? "" : "s", settings->width, settings->height, work,
+                           limits->work);
     return true;
 }
