@@ -11,7 +11,7 @@
 static bool wrong(const char *text, struct pen_status *st)
 {
     return pen_fail(st, PEN_USAGE,
-                    "--listen: found \"%s\", allowed is HOST:PORT, such as 127.0.0.1:8080, "
+                    "listen: found \"%s\", allowed is HOST:PORT, such as 127.0.0.1:8080, "
                     "localhost:0 or [::1]:8080",
                     text);
 }
@@ -51,6 +51,7 @@ static bool make_ipv6(const char *host, int port, struct pen_address *address)
     return true;
 }
 
+/* The addresses whose Host the server takes; the rest of 127/8 would answer 403 to everything. */
 static bool is_loopback(const struct pen_address *address)
 {
     if (address->socket.ss_family == AF_INET6) {
@@ -60,7 +61,7 @@ static bool is_loopback(const struct pen_address *address)
     }
     struct sockaddr_in in;
     memcpy(&in, &address->socket, sizeof in);
-    return ntohl(in.sin_addr.s_addr) >> 24 == 127;
+    return ntohl(in.sin_addr.s_addr) == INADDR_LOOPBACK;
 }
 
 bool pen_address_parse(const char *text, struct pen_address *address, struct pen_status *st)
@@ -76,7 +77,7 @@ bool pen_address_parse(const char *text, struct pen_address *address, struct pen
         return wrong(text, st);
     if (!is_loopback(address))
         return pen_fail(st, PEN_USAGE,
-                        "--listen: found \"%s\", allowed is a loopback address (127.0.0.1, "
+                        "listen: found \"%s\", allowed is a loopback address (127.0.0.1, "
                         "localhost, [::1]) as long as tokens are not supported",
                         text);
     return true;

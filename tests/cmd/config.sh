@@ -16,8 +16,8 @@ for address in 8080 127.0.0.1 127.0.0.1: 127.0.0.1:70000 example.org:80 '[::1:80
     ends "the address $address" 2 "$penumbrad" --listen "$address"
     says "is answered with what is allowed" stderr "allowed is HOST:PORT"
 done
-for address in 0.0.0.0:8080 192.168.1.2:80 '[::]:80' '[2001:db8::1]:80'; do
-    ends "the open address $address" 2 "$penumbrad" --listen "$address"
+for address in 0.0.0.0:8080 127.0.0.2:80 192.168.1.2:80 '[::]:80' '[2001:db8::1]:80'; do
+    ends "the open address $address" 2 timeout 20 "$penumbrad" --listen "$address"
     says "is answered with loopback" stderr "allowed is a loopback address"
 done
 ends "tokens" 2 "$penumbrad" --tokens tokens.json
@@ -25,6 +25,7 @@ says "are known" stderr "--tokens: known, not supported yet"
 ends "a wrong environment variable" 2 env PENUMBRA_THREADS=-1 "$penumbrad"
 says "is named" stderr "PENUMBRA_THREADS: found"
 ends "a wrong address of the environment" 2 env PENUMBRA_LISTEN=nowhere "$penumbrad"
+says "is not taken for an option" stderr "penumbrad: listen: found"
 
 # The file
 echo '{"threads": "4", "lisen": "x", "log_level": "loud", "listen": 8080, "config": "y"}' >bad.json
