@@ -33,8 +33,20 @@ static void print_help(FILE *out)
     pen_report_exit_codes(out);
 }
 
+static int later_command(const char *word)
+{
+    struct pen_status st;
+    pen_fail(&st, PEN_UNSUPPORTED, "the command \"%s\" is known, not supported yet", word);
+    return pen_report("penumbra", NULL, &st);
+}
+
 static int unknown_command(const char *word)
 {
+    static const char *const later[] = {"plan", "convert", "bench", "accuracy", "effects", "top"};
+    for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
+        if (strcmp(word, later[i]) == 0)
+            return later_command(word);
+    }
     const char *names[COMMAND_COUNT + 1];
     for (int i = 0; i < COMMAND_COUNT; i++)
         names[i] = commands[i]->name;

@@ -23,6 +23,10 @@ says "penumbrad --help shows environment variables" stdout "[PENUMBRA_LISTEN]"
 expect "penumbrad --help keeps internals to itself" "$(grep -c internal "$work/stdout")" 0
 ends "penumbrad --version" 0 "$build/penumbrad" --version
 
+for word in plan convert bench accuracy effects top; do
+    ends "the later command $word" 3 "$penumbra" "$word" x
+    says "is known" stderr "\"$word\" is known, not supported yet"
+done
 ends "an unknown command" 2 "$penumbra" rendr
 says "is answered with the nearest" stderr 'nearest is "render"'
 ends "an unknown option" 2 "$penumbra" render x --ouput y
