@@ -14,6 +14,9 @@
 #include "pool.h"
 #include "request.h"
 #include "routes.h"
+#include "streams.h"
+
+enum { STREAM_BYTES = 4096 }; /* sent at once, to clients of HTTP/1.0 */
 
 bool pen_http_adapter_hold(struct request *request)
 {
@@ -61,6 +64,7 @@ static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *
         {"Origin", offsetof(struct fields, origin), true},
         {"X-Request-Id", offsetof(struct fields, request_id), false},
         {"Expect", offsetof(struct fields, expect), false},
+        {"Last-Event-ID", offsetof(struct fields, last_event_id), false},
     };
     (void)kind;
     struct fields *fields = cls;
@@ -81,9 +85,28 @@ static void unref_body(void *blob)
     pen_http_blob_unref(blob);
 }
 
-/* The reply as libmicrohttpd wants it; NULL when out of memory. */
-static struct MHD_Response *make_response(const struct reply *reply)
+/* Called when there is room for more of a stream. With nothing to say the connection sleeps until
+ * the stream wakes it. */
+static ssize_t read_stream(void *cls, uint64_t position, char *out, size_t bytes)
 {
+    (void)position;
+    struct request *request = cls;
+    ssize_t count = request->stream ? 0 : -1;
+    while (count == 0) {
+        count = pen_http_stream_read(request->stream, out, bytes);
+        if (count == 0 && pen_http_adapter_hold(request))
+            return 0;
+    }
+    return count > 0 ? count : MHD_CONTENT_READER_END_OF_STREAM;
+}
+
+/* The reply as libmicrohttpd wants it; NULL when out of memory. */
+static struct MHD_Response *make_response(struct request *request)
+{
+    const struct reply *reply = &request->reply;
+    if (reply->endless && !reply->failed)
+        return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BYTES, read_stream,
+                                                 request, NULL);
     if (reply->failed || !reply->body || reply->bytes == 0)
         return MHD_create_response_from_buffer(0, (void *)"", MHD_RESPMEM_PERSISTENT);
     struct blob *blob = pen_http_blob_ref(reply->body);
@@ -111,7 +134,7 @@ static enum MHD_Result send_reply(struct request *request)
     request->phase = PHASE_ANSWERED;
     if (reply->failed || reply->status == 0)
         reply->status = 503;
-    struct MHD_Response *response = make_response(reply);
+    struct MHD_Response *response = make_response(request);
     if (!response)
         return MHD_NO;
     add_fields(response, request);
@@ -180,7 +203,7 @@ enum MHD_Result pen_http_adapter_on_access(void *cls, struct MHD_Connection *con
     return request->phase == PHASE_BODY ? dispatch(request) : send_reply(request);
 }
 
-static void log_access(const struct request *request, bool complete)
+static void log_access(const struct request *request, uint64_t streamed, bool complete)
 {
     const struct reply *reply = &request->reply;
     bool reads = request->head || strcmp(request->method, "GET") == 0;
@@ -189,8 +212,9 @@ static void log_access(const struct request *request, bool complete)
                                                     : PEN_LOG_INFO;
     int64_t us = (pen_clock_ns() - request->begun_ns) / 1000;
     bool sent = !request->head && reply->status != 304;
-    pen_log(level, "%s %.300s %d %zu bytes %lld.%03lld ms request=%s%s", request->method,
-            request->raw_target, reply->status, sent ? reply->bytes : 0, (long long)(us / 1000),
+    uint64_t bytes = streamed + (sent ? reply->bytes : 0);
+    pen_log(level, "%s %.300s %d %llu bytes %lld.%03lld ms request=%s%s", request->method,
+            request->raw_target, reply->status, (unsigned long long)bytes, (long long)(us / 1000),
             (long long)(us % 1000), request->id, complete ? "" : " (cut short)");
 }
 
@@ -201,8 +225,9 @@ void pen_http_adapter_on_completed(void *cls, struct MHD_Connection *connection,
     struct pen_http *http = cls;
     struct request *request = *state;
     *state = NULL;
+    uint64_t streamed = request && request->stream ? pen_http_stream_close(request->stream) : 0;
     if (request && request->phase != PHASE_LINE) {
-        log_access(request, why == MHD_REQUEST_TERMINATED_COMPLETED_OK);
+        log_access(request, streamed, why == MHD_REQUEST_TERMINATED_COMPLETED_OK);
         atomic_fetch_sub_explicit(&http->active, 1, memory_order_relaxed);
     }
     pen_http_request_free(request);

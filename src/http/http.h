@@ -17,6 +17,7 @@ struct pen_http {
     struct pool *pool;
     struct watch *watch;
     struct snapshots *snapshots;
+    struct streams *streams;
     struct statics *statics;
 
     atomic_bool draining, stopping; /* atomic: relaxed, a request more or less does not matter */

@@ -7,6 +7,8 @@
  * that refuses one which another thread added keeps its lock for ever. The acceptor counts. */
 #include <errno.h>
 #include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,6 +27,7 @@ enum {
     SPARE_FILES = 128, /* descriptors for the store and everything else */
     CONNECTION_BYTES = 64 << 10,
     THREADS_MAX = 4,
+    LOST_MS = 30000,
     BUSY_MS = 20 /* until the next look when there is no room for a connection */
 };
 
@@ -66,6 +69,8 @@ static void accept_one(struct adapter *adapter)
             poll(NULL, 0, BUSY_MS);
         return;
     }
+    /* A host that vanished does not hang up: what it does not acknowledge ends the connection. */
+    setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &(unsigned){LOST_MS}, sizeof(unsigned));
     atomic_fetch_add_explicit(&adapter->connections, 1, memory_order_relaxed);
     if (MHD_add_connection(adapter->daemon, fd, (struct sockaddr *)&peer, bytes) != MHD_YES)
         atomic_fetch_sub_explicit(&adapter->connections, 1, memory_order_relaxed);

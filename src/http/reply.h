@@ -48,6 +48,7 @@ struct reply {
         char *value;
     } field[REPLY_FIELDS];
     int field_count;
+    bool endless; /* an event stream, or the head of one: no body here, its length is not known */
     bool failed;
 };
 

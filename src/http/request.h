@@ -31,6 +31,7 @@ enum phase { PHASE_LINE, PHASE_BODY, PHASE_SWALLOW, PHASE_HELD, PHASE_ANSWERED }
 struct fields {
     const char *host, *origin, *content_type, *content_length, *transfer_encoding;
     const char *if_none_match, *range, *if_range, *idempotency_key, *request_id, *expect;
+    const char *last_event_id;
     bool repeated; /* one of those that must be single came twice */
 };
 
@@ -57,6 +58,7 @@ struct request {
     uint64_t received_bytes; /* of the body, kept or not */
     struct pen_buf body;
     struct reply reply;
+    struct stream *stream; /* an answer that goes on; NULL: none */
 
     struct request *next; /* link in the queue or list of the thread that holds it */
     int64_t deadline_ns;  /* of a long poll */

@@ -49,6 +49,10 @@ static const struct route table[] = {
      .handle = pen_http_handle_delete,
      .lane = LANE_STORE},
     {.method = "GET",
+     .path = "/v1/jobs/{id}/events",
+     .handle = pen_http_handle_events,
+     .lane = LANE_STORE},
+    {.method = "GET",
      .path = "/v1/jobs/{id}/image",
      .handle = pen_http_handle_image,
      .lane = LANE_SIDE,
@@ -86,13 +90,8 @@ static const struct route table[] = {
 enum { ROUTES = sizeof table / sizeof table[0] };
 
 /* Resources that are part of the design and still to come. */
-static const char *const to_come[] = {"/v1/jobs/{id}/events",
-                                      "/v1/jobs/{id}/report",
-                                      "/v1/plan",
-                                      "/v1/assets/{sha256}",
-                                      "/v1/workers",
-                                      "/metrics",
-                                      "/"};
+static const char *const to_come[] = {"/v1/jobs/{id}/report", "/v1/plan", "/v1/assets/{sha256}",
+                                      "/v1/workers",          "/metrics", "/"};
 
 bool pen_http_route(int i, const char **method, const char **path)
 {

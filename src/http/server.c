@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Start and stop. Stopping goes from the outside in: no new connections, no new work, long polls
- * answered, work in progress finished and sent, threads ended, connections closed. */
+ * answered and event streams ended, work in progress finished and sent, threads ended, connections
+ * closed. */
 #include "pen/http/server.h"
 
 #include <sodium.h>
@@ -15,9 +16,10 @@
 #include "pool.h"
 #include "snapshots.h"
 #include "statics.h"
+#include "streams.h"
 #include "watch.h"
 
-enum { STORE_THREADS = 4, SIDE_THREADS = 2, IDLE_SECONDS = 30 };
+enum { STORE_THREADS = 4, SIDE_THREADS = 2, IDLE_SECONDS = 30, BEAT_MS = 10000 };
 static const int64_t finish_ns = INT64_C(1500000000);
 
 /* Frees whatever there is. No connection may be open. */
@@ -26,6 +28,7 @@ static void release(struct pen_http *http)
     pen_http_pool_free(http->pool);
     pen_http_watch_free(http->watch);
     pen_http_snapshots_free(http->snapshots);
+    pen_http_streams_free(http->streams);
     pen_http_statics_free(http->statics);
     pthread_mutex_destroy(&http->ready_lock);
     free(http);
@@ -57,10 +60,11 @@ static void stop_threads(struct pen_http *http)
         pen_http_watch_stop(http->watch);
 }
 
-static bool prepare(struct pen_http *http, struct pen_status *st)
+static bool prepare(struct pen_http *http, int beat_ms, struct pen_status *st)
 {
     http->snapshots = pen_http_snapshots_new();
-    if (!http->snapshots)
+    http->streams = pen_http_streams_new(http, beat_ms > 0 ? beat_ms : BEAT_MS);
+    if (!http->snapshots || !http->streams)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
     http->statics = pen_http_statics_new(st);
     return http->statics != NULL;
@@ -77,7 +81,7 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     http->id_prefix = randombytes_random();
     pthread_mutex_init(&http->ready_lock, NULL);
     int idle = options->idle_seconds > 0 ? options->idle_seconds : IDLE_SECONDS;
-    bool ok = prepare(http, st) && start_threads(http, options, st) &&
+    bool ok = prepare(http, options->beat_ms, st) && start_threads(http, options, st) &&
               (http->adapter = pen_http_adapter_start(http, options->listen_fd, idle, st)) &&
               pen_http_adapter_accept(http->adapter, st);
     if (ok)

@@ -17,8 +17,12 @@
 #include "pen/jobs/jobs.h"
 #include "request.h"
 #include "snapshots.h"
+#include "streams.h"
 
-enum { TICK_MS = 250 }; /* how late a deadline may be noticed */
+enum {
+    TICK_MS = 250, /* how late a deadline may be noticed */
+    PACE_MS = 20   /* between two texts of a stream, at least */
+};
 static const int64_t look_anyway_ns = INT64_C(1000000000);
 
 struct watch {
@@ -29,6 +33,7 @@ struct watch {
     pthread_cond_t filled;
     struct request *list; /* guarded by lock */
     int count;            /* guarded by lock: in the list or in the thread's hands */
+    int places;           /* guarded by lock: streams */
     uint32_t seen;        /* guarded by lock: NEWS at the last look */
     bool closed;          /* guarded by lock */
 };
@@ -95,32 +100,68 @@ static void look(struct watch *watch, struct request *taken, uint32_t news, bool
     }
 }
 
+/* One round of the thread, and what it keeps from round to round. */
+struct turn {
+    uint32_t news;
+    int64_t now_ns, looked_ns, told_ns;
+    bool closing;
+    bool all;  /* look at every job, not only where the time is up */
+    bool owed; /* streams have not been told of the last look yet */
+};
+
+/* Sleeps for good while nobody waits, else until there are news or something else is due. */
+static void sleep_until_due(struct watch *watch, struct turn *turn)
+{
+    pthread_mutex_lock(&watch->lock);
+    while (!watch->list && !watch->places && !watch->closed)
+        pthread_cond_wait(&watch->filled, &watch->lock);
+    turn->news = watch->seen;
+    bool closed = watch->closed;
+    pthread_mutex_unlock(&watch->lock);
+    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_NEWS, &turn->news,
+                   closed       ? 0
+                   : turn->owed ? PACE_MS
+                                : TICK_MS);
+    turn->now_ns = pen_clock_ns();
+}
+
+static void attend_polls(struct watch *watch, struct turn *turn)
+{
+    pthread_mutex_lock(&watch->lock);
+    turn->closing = watch->closed;
+    turn->all = turn->closing || turn->news != watch->seen ||
+                turn->now_ns - turn->looked_ns >= look_anyway_ns;
+    watch->seen = turn->news;
+    struct request *taken = take(watch, turn->all, turn->now_ns);
+    pthread_mutex_unlock(&watch->lock);
+    if (turn->all)
+        turn->looked_ns = turn->now_ns;
+    look(watch, taken, turn->news, turn->closing);
+}
+
+/* However fast jobs change, streams are told so many times a second and no more. */
+static void attend_streams(struct watch *watch, struct turn *turn)
+{
+    struct streams *streams = watch->http->streams;
+    turn->owed = turn->owed || turn->all;
+    if (turn->closing || (turn->owed && turn->now_ns - turn->told_ns >= PACE_MS * 1000000)) {
+        turn->owed = false;
+        turn->told_ns = turn->now_ns;
+        pen_http_streams_look(streams, watch->jobs, turn->news);
+    }
+    pen_http_streams_beat(streams, turn->now_ns);
+    if (turn->closing)
+        pen_http_streams_end(streams);
+}
+
 static void *run(void *arg)
 {
     struct watch *watch = arg;
-    struct pen_store *store = pen_jobs_store(watch->jobs);
-    int64_t looked_ns = 0;
-    bool closing = false;
-    while (!closing) {
-        pthread_mutex_lock(&watch->lock);
-        while (!watch->list && !watch->closed)
-            pthread_cond_wait(&watch->filled, &watch->lock);
-        uint32_t news = watch->seen;
-        closing = watch->closed;
-        pthread_mutex_unlock(&watch->lock);
-
-        pen_store_wait(store, PEN_SIGNAL_NEWS, &news, closing ? 0 : TICK_MS);
-
-        int64_t now = pen_clock_ns();
-        pthread_mutex_lock(&watch->lock);
-        closing = watch->closed;
-        bool all = closing || news != watch->seen || now - looked_ns >= look_anyway_ns;
-        watch->seen = news;
-        struct request *taken = take(watch, all, now);
-        pthread_mutex_unlock(&watch->lock);
-        if (all)
-            looked_ns = now;
-        look(watch, taken, news, closing);
+    struct turn turn = {0};
+    while (!turn.closing) {
+        sleep_until_due(watch, &turn);
+        attend_polls(watch, &turn);
+        attend_streams(watch, &turn);
     }
     return NULL;
 }
@@ -168,11 +209,11 @@ enum watch_answer pen_http_watch_add(struct watch *watch, struct request *reques
 {
     enum watch_answer given = WATCH_TAKEN;
     pthread_mutex_lock(&watch->lock);
-    if (!watch->count)
+    if (!watch->count && !watch->places)
         watch->seen = news; /* nobody else waits, so nothing was missed before this */
     if (watch->closed)
         given = WATCH_CLOSED;
-    else if (watch->count == WATCH_MAX)
+    else if (watch->count + watch->places >= WATCH_MAX)
         given = WATCH_FULL;
     else if ((int32_t)(news - watch->seen) < 0)
         given = WATCH_NEWS;
@@ -184,4 +225,39 @@ enum watch_answer pen_http_watch_add(struct watch *watch, struct request *reques
     }
     pthread_mutex_unlock(&watch->lock);
     return given;
+}
+
+enum watch_answer pen_http_watch_enter(struct watch *watch)
+{
+    enum watch_answer given = WATCH_TAKEN;
+    pthread_mutex_lock(&watch->lock);
+    if (watch->closed)
+        given = WATCH_CLOSED;
+    else if (watch->count + watch->places >= WATCH_MAX)
+        given = WATCH_FULL;
+    else if (watch->places++ == 0)
+        pthread_cond_signal(&watch->filled);
+    pthread_mutex_unlock(&watch->lock);
+    return given;
+}
+
+void pen_http_watch_leave(struct watch *watch)
+{
+    pthread_mutex_lock(&watch->lock);
+    watch->places--;
+    pthread_mutex_unlock(&watch->lock);
+}
+
+void pen_http_watch_joined(struct watch *watch, uint32_t news)
+{
+    pthread_mutex_lock(&watch->lock);
+    bool late = (int32_t)(watch->seen - news) > 0;
+    pthread_mutex_unlock(&watch->lock);
+    if (late)
+        pen_http_watch_hurry(watch);
+}
+
+void pen_http_watch_hurry(struct watch *watch)
+{
+    pen_store_wake(pen_jobs_store(watch->jobs), PEN_SIGNAL_NEWS);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Long polls: requests that wait for a job to change. One thread sleeps on the store's NEWS and
+/* Those who wait: long polls, which are answered when their job has changed, and event streams,
+ * which are told every time (streams.h). One thread sleeps on the store's NEWS and
  * looks again at the watched jobs when it grows; a look every second covers hints that got lost. */
 #ifndef HTTP_WATCH_H
 #define HTTP_WATCH_H
@@ -13,7 +14,7 @@ struct pen_jobs;
 struct request;
 struct watch;
 
-enum { WATCH_MAX = 512 }; /* farm.md: half of the connections stay free for other calls */
+enum { WATCH_MAX = 512 }; /* polls and streams: half of the connections stay free for others */
 
 /* Takes the jobs handle, also on failure. Fails: PEN_UNAVAILABLE (threads). */
 struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
@@ -37,5 +38,16 @@ enum watch_answer {
 /* Hands a held request with its deadline to the watcher. `news` is the counter from before the
  * caller looked at the job, so no change falls between looking and waiting. */
 enum watch_answer pen_http_watch_add(struct watch *watch, struct request *request, uint32_t news);
+
+/* Takes a place for an event stream, as many as WATCH_MAX has left; WATCH_NEWS is not given. */
+enum watch_answer pen_http_watch_enter(struct watch *watch);
+void pen_http_watch_leave(struct watch *watch);
+
+/* To be called after a stream was opened from a look at NEWS `news`: what the watcher has told
+ * others meanwhile, it tells this one too. */
+void pen_http_watch_joined(struct watch *watch, uint32_t news);
+
+/* Has all streams looked at soon. */
+void pen_http_watch_hurry(struct watch *watch);
 
 #endif

@@ -39,9 +39,10 @@ static json_t *progress_json(const struct pen_job_record *job)
 
 static json_t *links_json(const char *id)
 {
-    return json_pack("{s:s+, s:s++, s:s++, s:s++, s:s++}", "self", "/v1/jobs/", id, "image",
-                     "/v1/jobs/", id, "/image", "preview", "/v1/jobs/", id, "/preview", "stats",
-                     "/v1/jobs/", id, "/stats", "scene", "/v1/jobs/", id, "/scene");
+    return json_pack("{s:s+, s:s++, s:s++, s:s++, s:s++, s:s++}", "self", "/v1/jobs/", id, "events",
+                     "/v1/jobs/", id, "/events", "image", "/v1/jobs/", id, "/image", "preview",
+                     "/v1/jobs/", id, "/preview", "stats", "/v1/jobs/", id, "/stats", "scene",
+                     "/v1/jobs/", id, "/scene");
 }
 
 /* A stored text as JSON; what is there was written by this program. */

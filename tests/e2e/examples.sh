@@ -11,6 +11,9 @@ job=$(sh $examples/submit.sh)
 expect_match submit "$job" '/v1/jobs/????????-*'
 sh $examples/follow.sh "$job" >"$work/followed"
 expect follow "$? $(tail -n 1 "$work/followed" | jq -r .state)" "0 succeeded"
+sh $examples/events.sh "$job" >"$work/events"
+expect events "$? $(tail -n 1 "$work/events")" "0 succeeded 100 %"
+expect events-cover-the-picture "$(awk '/pixels at/ {split($2, side, "x"); n += side[1] * side[2]} END {print n}' "$work/events")" 19200
 expect wait "$(sh $examples/wait.sh "$job")" succeeded
 sh $examples/fetch.sh "$job" "$work/picture.png" "$work/stats.json"
 expect fetch "$? $(head -c 4 "$work/picture.png" | tail -c 3) $(jq .rays.primary "$work/stats.json")" \

@@ -125,6 +125,10 @@ ask("GET", f"/v1/jobs/{gone}?wait=60")
 busy = submit(LONG)
 ask("POST", "/v1/jobs", SMALL, Idempotency_Key="k")
 everything = {"If_None_Match": "*"}
+known = {"Last_Event_ID": None}
+for line in ask("GET", f"/v1/jobs/{done}/events").content.decode().splitlines():
+    if line.startswith("id: "):
+        known["Last_Event_ID"] = line[4:]
 body_samples = [
     ("400", "", {"body": "{"}), ("411", "", {}), ("411", "", {"chunked": True}),
     ("413", "", {"body": '{"scene": "builtin:spheres", "render": {"width": 60000, "height": 60000}}'}),
@@ -139,6 +143,7 @@ samples = {
                  ("400", "?cursor=x", {})],
     "getJob": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
                ("400", done + "?wait=99", {}), ("404", NOBODY, {})],
+    "getEvents": [("200", done, {}), ("204", done, known), ("404", NOBODY, {})],
     "cancelJob": [("404", NOBODY, {})],
     "getImage": [("200", done, {}), ("200", done + "?format=pfm", {}),
                  ("206", done, {"Range": "bytes=0-9"}), ("304", done, everything),

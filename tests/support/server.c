@@ -52,7 +52,8 @@ void server_start(struct server *server, const struct server_options *options)
     struct pen_http_options http = {.listen_fd = server->listen_fd,
                                     .store_url = server->store,
                                     .limits = pen_limits_default(),
-                                    .idle_seconds = options->idle_seconds};
+                                    .idle_seconds = options->idle_seconds,
+                                    .beat_ms = options->beat_ms};
     if (options->body_bytes)
         http.limits.body_bytes = options->body_bytes;
     server->http = pen_http_start(&http, &st);

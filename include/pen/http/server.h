@@ -18,6 +18,7 @@ struct pen_http_options {
     struct pen_limits limits;
     int store_threads; /* 0: a sensible number */
     int idle_seconds;  /* a connection on which nothing happens is closed; 0: 30 */
+    int beat_ms;       /* between heartbeats of a silent event stream; 0: 10 s */
 };
 
 struct pen_http;
@@ -32,7 +33,8 @@ void pen_http_drain(struct pen_http *http);
  * PEN_MSG_BYTES. */
 void pen_http_note(struct pen_http *http, const char *trouble);
 
-/* Stops: answers waiting long polls, finishes requests in progress, frees everything. */
+/* Stops: answers waiting long polls, ends event streams, finishes requests in progress, frees
+ * everything. */
 void pen_http_stop(struct pen_http *http);
 
 /* The route table, for tests and documentation: method and path template of entry i, or false
