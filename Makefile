@@ -58,7 +58,8 @@ TEST_SUPPORT_LIB := $(BUILD)/tests/libsupport.a
 all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
 .PHONY: libpenumbra
 libpenumbra: $(BUILD)/libpenumbra.a
-tests: all $(TEST_BIN)
+CRASH_TEST := $(BUILD)/tests/crash/crash
+tests: all $(TEST_BIN) $(CRASH_TEST)
 
 have-deps:
 	@pkg-config --exists $(PKGS) || { \
@@ -106,6 +107,16 @@ $(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice
 	$(Q)$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
 	    $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
+
+# Kills the daemon's processes at random: ROUNDS rounds, from SEED if that is given.
+ROUNDS ?= 200
+SEED ?=
+CRASH_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/crash/*.c)))
+$(CRASH_TEST): $(CRASH_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+	$(LINK) -o $@ $^ $(PKG_LIBS)
+.PHONY: crash
+crash: all $(CRASH_TEST)
+	$(CRASH_TEST) $(BUILD) $(ROUNDS) $(SEED)
 
 # Benchmarks, one program each.
 $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libpenumbra.a
@@ -157,5 +168,5 @@ install: all
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan
 
--include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d)
+-include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d)
 -include $(BUILD)/src/cmd/penumbra.d $(BUILD)/src/cmd/penumbrad.d

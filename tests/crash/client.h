@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/* One HTTP request at a time to a daemon that may die at any moment. */
+#ifndef TESTS_CRASH_CLIENT_H
+#define TESTS_CRASH_CLIENT_H
+
+enum { ANSWER_BYTES = 16384 };
+
+struct answer {
+    int status; /* 0: none came, or not whole */
+    char body[ANSWER_BYTES];
+};
+
+/* Sends a request and waits a few seconds for the answer. key: Idempotency-Key, or NULL; body may
+ * be NULL. Returns the status. */
+int client_call(int port, const char *method, const char *path, const char *key, const char *body,
+                struct answer *answer);
+
+#endif

@@ -1,0 +1,486 @@
+/* SPDX-License-Identifier: MIT */
+/* The crash test: crash BUILD ROUNDS [SEED].
+ *
+ * Each round submits jobs while processes of the daemon are killed, stopped past their lease and
+ * continued, drained, and jobs are cancelled. Then everything is left in peace until all jobs have
+ * ended, and the store is audited:
+ *
+ *   acknowledged ⊆ stored     a job whose submit was answered is there, once, in a legal state
+ *   nothing fails by a kill   it has succeeded, or was cancelled by us
+ *   the same bytes            each picture, and the count of rays, is that of an undisturbed run
+ *   nothing is left over      pen_store_audit finds nothing; no process outlives its supervisor */
+#include <inttypes.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "client.h"
+#include "daemon.h"
+#include "pen/base/clock.h"
+#include "pen/jobs/jobs.h"
+
+enum { LEASE_MS = 600, ROUND_JOBS = 4, KEY_BYTES = 48, VIEWS = 3, PATIENCE_MS = 120000 };
+
+/* What is submitted. The scene is cut into several batches where there are many samples. */
+static const char scene[] =
+    "{\"format\": \"penumbra-scene/1\", \"ambient\": [0.1, 0.1, 0.1],"
+    " \"camera\": {\"position\": [0, 1, 10], \"look_at\": [0, 0, 0]},"
+    " \"lights\": [{\"type\": \"point\", \"intensity\": [5, 5, 5], \"position\": [3, 6, 4]}],"
+    " \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 2,"
+    " \"material\": {\"kd\": 0.6, \"ks\": 0.4, \"shininess\": 20, \"kr\": 0.3}},"
+    " {\"type\": \"plane\", \"point\": [0, -2, 0], \"normal\": [0, 1, 0],"
+    " \"material\": {\"kd\": [0.2, 0.5, 0.3]}}]%s}";
+static const char views[] =
+    ", \"views\": [{\"name\": \"a\"}, {\"name\": \"b\", \"camera\": {\"position\": [0, 1, 30]}},"
+    " {\"name\": \"c\", \"camera\": {\"position\": [9, 1, 9]}}]";
+
+static const struct kind {
+    const char *name, *scene_more, *render;
+    int views;
+} kinds[] = {
+    {"tiny", "", "{\"width\": 64, \"height\": 48}", 1},
+    {"batches", "", "{\"width\": 120, \"height\": 90, \"samples_per_pixel\": 400, \"tile\": 8}", 1},
+    {"views", views, "{\"width\": 48, \"height\": 32, \"samples_per_pixel\": 9}", 3},
+    {"both", views, "{\"width\": 64, \"height\": 40, \"samples_per_pixel\": 400, \"tile\": 8}", 3},
+};
+enum { KINDS = (int)(sizeof kinds / sizeof kinds[0]) };
+
+/* What a kind comes to undisturbed. */
+struct outcome {
+    struct pen_buf pfm[VIEWS], png[VIEWS];
+    json_t *rays;
+};
+
+struct job {
+    int kind, priority;
+    char id[PEN_ID_BYTES], key[KEY_BYTES]; /* id "": never acknowledged; key "": without */
+    bool cancelled;                        /* asked for, and acknowledged */
+};
+
+enum deed { KILL_SUPERVISOR, KILL_API, KILL_WORKER, STOP_WORKER, DRAIN, CANCEL, DEEDS };
+
+struct test {
+    struct daemon daemon;
+    struct pen_jobs *jobs;
+    struct outcome wanted[KINDS];
+    uint64_t random; /* of the main thread */
+    int round;
+    int done[DEEDS];
+    int child_kills; /* since the supervisor was started: its pauses grow */
+    int submitted, acknowledged, succeeded, cancelled, extra_killed, repeats;
+    int checks, failures;
+    pthread_mutex_t lock;
+    struct job job[ROUND_JOBS]; /* guarded by lock */
+    int job_count;              /* guarded by lock */
+    uint64_t submit_random;     /* of the submitting thread */
+};
+
+static unsigned draw(uint64_t *state, unsigned below)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (unsigned)((*state >> 33) % below);
+}
+
+static void check(struct test *t, bool ok, const char *what, const char *about)
+{
+    t->checks++;
+    if (ok)
+        return;
+    t->failures++;
+    printf("not ok: round %d: %s: %s\n", t->round, what, about);
+    fflush(stdout);
+}
+
+/* Submits one job; with a key, until there is an answer. Returns whether it was acknowledged. */
+static bool submit(struct test *t, struct job *job)
+{
+    char text[2048], body[4096];
+    const struct kind *kind = &kinds[job->kind];
+    struct answer answer;
+    snprintf(text, sizeof text, scene, kind->scene_more);
+    snprintf(body, sizeof body,
+             "{\"name\": \"%s\", \"priority\": %d, \"render\": %s, \"scene\": %s}", kind->name,
+             job->priority, kind->render, text);
+    for (int tries = 0; tries < (job->key[0] ? 100 : 1); tries++) {
+        int port = atomic_load(&t->daemon.port);
+        client_call(port, "POST", "/v1/jobs", job->key[0] ? job->key : NULL, body, &answer);
+        if (answer.status == 202)
+            return sscanf(answer.body, "{\"id\":\"%36[^\"]", job->id) == 1;
+        pause_ms(50);
+    }
+    return false;
+}
+
+static void *submit_round(void *user)
+{
+    struct test *t = user;
+    for (int i = 0; i < ROUND_JOBS; i++) {
+        struct job job = {.kind = (int)draw(&t->submit_random, KINDS)};
+        job.priority = (int)draw(&t->submit_random, 11) - 5;
+        if (draw(&t->submit_random, 3) > 0)
+            snprintf(job.key, sizeof job.key, "%d-%d-%u", t->round, i,
+                     draw(&t->submit_random, 1u << 30));
+        bool acknowledged = submit(t, &job);
+        pthread_mutex_lock(&t->lock);
+        t->job[t->job_count++] = job;
+        pthread_mutex_unlock(&t->lock);
+        t->submitted++;
+        t->acknowledged += acknowledged;
+        check(t, acknowledged || !job.key[0], "a submit with a key is answered in the end",
+              job.key);
+        pause_ms((int)draw(&t->submit_random, 150));
+    }
+    return NULL;
+}
+
+static void start(struct test *t)
+{
+    t->child_kills = 0;
+    if (t->daemon.pid == 0)
+        check(t, daemon_start(&t->daemon), "the daemon starts", t->daemon.store);
+}
+
+static void kill_child(struct test *t, const char *role, enum deed deed)
+{
+    pid_t pid = daemon_child(&t->daemon, role);
+    if (pid == 0)
+        return;
+    kill(pid, SIGKILL);
+    t->done[deed]++;
+    t->child_kills++;
+}
+
+/* Stops the worker for longer than its lease, while another one takes its work. */
+static void stop_worker(struct test *t)
+{
+    pid_t pid = daemon_child(&t->daemon, "work"), extra;
+    if (pid == 0)
+        return;
+    kill(pid, SIGSTOP);
+    extra = daemon_extra_worker(&t->daemon);
+    pause_ms(2 * LEASE_MS + (int)draw(&t->random, 600));
+    kill(pid, SIGCONT);
+    t->done[STOP_WORKER]++;
+    pause_ms((int)draw(&t->random, 300));
+    if (draw(&t->random, 2)) {
+        kill(extra, SIGKILL);
+        waitpid(extra, NULL, 0);
+        t->extra_killed++;
+    } else {
+        kill(extra, SIGTERM);
+        check(t, process_end(extra, 10000), "a worker alone ends well", "");
+    }
+}
+
+static void cancel_some(struct test *t)
+{
+    char path[80];
+    struct answer answer;
+    pthread_mutex_lock(&t->lock);
+    int i = t->job_count ? (int)draw(&t->random, (unsigned)t->job_count) : -1;
+    if (i >= 0)
+        snprintf(path, sizeof path, "/v1/jobs/%s/cancel", t->job[i].id);
+    bool known = i >= 0 && t->job[i].id[0];
+    pthread_mutex_unlock(&t->lock);
+    if (!known || client_call(t->daemon.port, "POST", path, NULL, NULL, &answer) != 202)
+        return;
+    pthread_mutex_lock(&t->lock);
+    t->job[i].cancelled = true;
+    pthread_mutex_unlock(&t->lock);
+    t->done[CANCEL]++;
+}
+
+static void disturb(struct test *t)
+{
+    pause_ms((int)draw(&t->random, 200));
+    enum deed deed = (enum deed)draw(&t->random, DEEDS);
+    if (t->child_kills >= 3)
+        deed = draw(&t->random, 2) ? KILL_SUPERVISOR : DRAIN;
+    switch (deed) {
+    case KILL_SUPERVISOR:
+        check(t, daemon_kill(&t->daemon), "children of a killed supervisor end within 2 s", "");
+        t->done[deed]++;
+        break;
+    case KILL_API:
+        kill_child(t, "api", deed);
+        break;
+    case KILL_WORKER:
+        kill_child(t, "work", deed);
+        break;
+    case STOP_WORKER:
+        if (draw(&t->random, 3) == 0) /* they take long */
+            stop_worker(t);
+        break;
+    case DRAIN:
+        check(t, daemon_drain(&t->daemon), "a drained daemon ends well within 10 s", "");
+        t->done[deed]++;
+        break;
+    default:
+        cancel_some(t);
+    }
+    if (t->daemon.pid == 0)
+        start(t);
+}
+
+static bool must(bool ok, const struct pen_status *st, const char *what)
+{
+    if (!ok) {
+        fprintf(stderr, "%s: %s\n", what, st->msg);
+        exit(2);
+    }
+    return true;
+}
+
+/* Waits until no job is queued or running any more. */
+static bool wait_for_all(struct test *t)
+{
+    struct pen_store *store = pen_jobs_store(t->jobs);
+    struct pen_status st;
+    int64_t until_ns = pen_clock_ns() + (int64_t)PATIENCE_MS * 1000000;
+    for (int state = PEN_JOB_QUEUED; state <= PEN_JOB_RUNNING;) {
+        struct pen_job_filter filter = {.state = state, .limit = 1};
+        struct pen_job_record *jobs;
+        int count;
+        must(pen_store_jobs(store, &filter, &jobs, &count, &st), &st, "list");
+        pen_job_records_free(jobs, count);
+        if (count == 0)
+            state++;
+        else if (pen_clock_ns() > until_ns)
+            return false;
+        else
+            pause_ms(20);
+    }
+    return true;
+}
+
+static struct outcome outcome_of(struct test *t, const char *id, const struct kind *kind)
+{
+    static const char *const names[VIEWS] = {"a", "b", "c"};
+    struct outcome out = {0};
+    struct pen_status st;
+    for (int v = 0; v < kind->views; v++) {
+        struct pen_image pfm, png;
+        struct pen_image_query query = {.view = kind->views > 1 ? names[v] : NULL, .format = "pfm"};
+        must(pen_jobs_image(t->jobs, id, &query, &pfm, &st), &st, id);
+        query.format = "png";
+        must(pen_jobs_image(t->jobs, id, &query, &png, &st), &st, id);
+        out.pfm[v] = pfm.bytes;
+        out.png[v] = png.bytes;
+    }
+    json_t *stats = pen_jobs_stats(t->jobs, id, &st);
+    must(stats != NULL, &st, id);
+    out.rays = json_incref(json_object_get(stats, "rays"));
+    json_decref(stats);
+    return out;
+}
+
+static void outcome_release(struct outcome *out)
+{
+    for (int v = 0; v < VIEWS; v++) {
+        pen_buf_release(&out->pfm[v]);
+        pen_buf_release(&out->png[v]);
+    }
+    json_decref(out->rays);
+}
+
+static bool same(const struct pen_buf *a, const struct pen_buf *b)
+{
+    return a->bytes == b->bytes && (a->bytes == 0 || memcmp(a->data, b->data, a->bytes) == 0);
+}
+
+static void compare(struct test *t, const char *id, int kind)
+{
+    struct outcome got = outcome_of(t, id, &kinds[kind]), *wanted = &t->wanted[kind];
+    for (int v = 0; v < kinds[kind].views; v++)
+        check(t, same(&got.pfm[v], &wanted->pfm[v]) && same(&got.png[v], &wanted->png[v]),
+              "the same bytes", id);
+    check(t, json_equal(got.rays, wanted->rays), "the same rays", id);
+    outcome_release(&got);
+}
+
+static void print_finding(void *user, const char *finding)
+{
+    check(user, false, "audit", finding);
+}
+
+static int kind_of(const char *name)
+{
+    for (int i = 0; i < KINDS; i++) {
+        if (name && strcmp(kinds[i].name, name) == 0)
+            return i;
+    }
+    return -1;
+}
+
+/* One stored job; it may be one whose acknowledgement was lost. */
+static void check_job(struct test *t, const struct pen_job_record *record, const struct job *job)
+{
+    json_t *request = json_loads(record->request, 0, NULL);
+    int kind = kind_of(json_string_value(json_object_get(request, "name")));
+    json_decref(request);
+    check(t, kind >= 0 && (!job || job->kind == kind), "a job is what was submitted", record->id);
+    if (record->state == PEN_JOB_SUCCEEDED) {
+        t->succeeded++;
+        compare(t, record->id, kind);
+    } else {
+        t->cancelled++;
+        check(t, record->state == PEN_JOB_CANCELLED && job && job->cancelled,
+              "no job fails by a kill", record->error ? record->error : record->id);
+    }
+}
+
+static const struct job *find_job(const struct test *t, const char *id)
+{
+    for (int i = 0; i < t->job_count; i++) {
+        if (strcmp(t->job[i].id, id) == 0)
+            return &t->job[i];
+    }
+    return NULL;
+}
+
+/* A submit repeated with its key is the same job, also after a restart. */
+static void repeat_keys(struct test *t)
+{
+    for (int i = 0; i < t->job_count; i++) {
+        struct job again = t->job[i];
+        if (!again.key[0] || !again.id[0])
+            continue;
+        again.id[0] = '\0';
+        check(t, submit(t, &again) && strcmp(again.id, t->job[i].id) == 0,
+              "a repeated submit is the same job", again.key);
+        t->repeats++;
+    }
+}
+
+/* All jobs in the store are this round's; in the end they are deleted. */
+static void check_round(struct test *t)
+{
+    struct pen_store *store = pen_jobs_store(t->jobs);
+    struct pen_status st;
+    struct pen_job_filter filter = {.state = -1, .limit = 500};
+    struct pen_job_record *records;
+    int count, found, there = 0;
+    check(t, wait_for_all(t), "all jobs end", "");
+    repeat_keys(t);
+    must(pen_store_audit(store, print_finding, t, &found, &st), &st, "audit");
+    must(pen_store_jobs(store, &filter, &records, &count, &st), &st, "list");
+    for (int i = 0; i < count; i++) {
+        const struct job *job = find_job(t, records[i].id);
+        there += job != NULL;
+        check_job(t, &records[i], job);
+        must(pen_store_delete(store, records[i].id, &st), &st, "delete");
+    }
+    pen_job_records_free(records, count);
+    int acknowledged = 0;
+    for (int i = 0; i < t->job_count; i++)
+        acknowledged += t->job[i].id[0] != '\0';
+    check(t, there == acknowledged, "what was acknowledged is stored", "");
+    check(t, count <= t->job_count, "what was submitted once is stored once", "");
+    must(pen_store_audit(store, print_finding, t, &found, &st), &st, "audit");
+}
+
+static void run_round(struct test *t)
+{
+    pthread_t thread;
+    t->job_count = 0;
+    pthread_create(&thread, NULL, submit_round, t);
+    for (int n = 3 + (int)draw(&t->random, 4); n > 0; n--)
+        disturb(t);
+    pthread_join(thread, NULL);
+    check_round(t);
+}
+
+static void run_undisturbed(struct test *t)
+{
+    for (int k = 0; k < KINDS; k++) {
+        struct job job = {.kind = k};
+        struct pen_status st;
+        check(t, submit(t, &job) && wait_for_all(t), "a job undisturbed", kinds[k].name);
+        t->wanted[k] = outcome_of(t, job.id, &kinds[k]);
+        must(pen_store_delete(pen_jobs_store(t->jobs), job.id, &st), &st, "delete");
+    }
+}
+
+static int report(const struct test *t, int rounds, int64_t begin_ns)
+{
+    int kills =
+        t->done[KILL_SUPERVISOR] + t->done[KILL_API] + t->done[KILL_WORKER] + t->extra_killed;
+    printf("%d rounds in %.0f s: %d kills (%d supervisor, %d api, %d worker, %d extra worker), %d "
+           "workers stopped past their lease, %d drains, %d cancels\n",
+           rounds, (double)(pen_clock_ns() - begin_ns) * 1e-9, kills, t->done[KILL_SUPERVISOR],
+           t->done[KILL_API], t->done[KILL_WORKER], t->extra_killed, t->done[STOP_WORKER],
+           t->done[DRAIN], t->done[CANCEL]);
+    printf("%d jobs submitted, %d acknowledged; of the stored ones %d succeeded, %d "
+           "cancelled; %d submits repeated\n",
+           t->submitted, t->acknowledged, t->succeeded, t->cancelled, t->repeats);
+    printf("%d%%: Checks: %d, Failures: %d, Errors: 0\n",
+           100 * (t->checks - t->failures) / t->checks, t->checks, t->failures);
+    return t->failures ? 1 : 0;
+}
+
+static void open_bed(struct test *t, const char *build, char folder[])
+{
+    static char program[4096], store[128], log[128];
+    char lease[16];
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    if (!mkdtemp(folder)) {
+        perror(folder);
+        exit(2);
+    }
+    snprintf(program, sizeof program, "%s/penumbrad", build);
+    snprintf(store, sizeof store, "%s/penumbra.db", folder);
+    snprintf(log, sizeof log, "%s/log", folder);
+    snprintf(lease, sizeof lease, "%d", LEASE_MS);
+    setenv("PENUMBRA_LEASE_MS", lease, 1);
+    t->daemon = (struct daemon){.program = program, .store = store, .log = log};
+    prctl(PR_SET_CHILD_SUBREAPER, 1); /* whom a killed supervisor leaves behind */
+    start(t);
+    t->jobs = pen_jobs_open(store, &limits, &st);
+    must(t->jobs != NULL, &st, store);
+}
+
+/* Keeps the folder when there is something to look at. */
+static void close_bed(struct test *t, const char *folder)
+{
+    check(t, daemon_drain(&t->daemon), "the last drain", "");
+    check(t, daemon_processes(&t->daemon) == 0, "no process is left over", "");
+    pen_jobs_close(t->jobs);
+    for (int k = 0; k < KINDS; k++)
+        outcome_release(&t->wanted[k]);
+    char command[300];
+    if (t->failures)
+        printf("see %s\n", folder);
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    if (!t->failures && system(command) != 0)
+        printf("cannot remove %s\n", folder);
+}
+
+int main(int argc, char **argv)
+{
+    static struct test test = {.lock = PTHREAD_MUTEX_INITIALIZER};
+    struct test *t = &test;
+    char folder[] = "/tmp/penumbra-crash-XXXXXX";
+    if (argc < 3) {
+        fprintf(stderr, "usage: crash BUILD ROUNDS [SEED]\n");
+        return 2;
+    }
+    int rounds = atoi(argv[2]);
+    uint64_t seed = argc > 3 ? strtoull(argv[3], NULL, 10) : (uint64_t)pen_clock_wall_ms();
+    printf("seed %" PRIu64 "\n", seed);
+    fflush(stdout);
+    t->random = seed;
+    t->submit_random = seed ^ 0x9e3779b97f4a7c15u;
+    int64_t begin_ns = pen_clock_ns();
+    open_bed(t, argv[1], folder);
+    run_undisturbed(t);
+    for (t->round = 1; t->round <= rounds; t->round++)
+        run_round(t);
+    close_bed(t, folder);
+    return report(t, rounds, begin_ns);
+}

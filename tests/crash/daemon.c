@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+#include "daemon.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "pen/base/clock.h"
+
+void pause_ms(int ms)
+{
+    struct timespec time = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000L};
+    nanosleep(&time, NULL);
+}
+
+/* Starts the program; its standard output is `out`. */
+static pid_t spawn(const struct daemon *daemon, char *const *arguments, int out)
+{
+    pid_t pid = fork();
+    if (pid != 0)
+        return pid;
+    int log = open(daemon->log, O_WRONLY | O_CREAT | O_APPEND, 0600);
+    dup2(out, STDOUT_FILENO);
+    dup2(log, STDERR_FILENO);
+    execv(daemon->program, arguments);
+    _exit(127);
+}
+
+bool daemon_start(struct daemon *daemon)
+{
+    char *arguments[] = {
+        "penumbrad", "--listen", "127.0.0.1:0", "--store", (char *)(uintptr_t)daemon->store,
+        "--threads", "2",        "--log-level", "debug",   NULL};
+    int ends[2], port = 0;
+    char line[256] = "";
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return false;
+    daemon->pid = spawn(daemon, arguments, ends[1]);
+    close(ends[1]);
+    FILE *out = fdopen(ends[0], "r");
+    bool ok = fgets(line, sizeof line, out) &&
+              sscanf(line, "listening on http://127.0.0.1:%d", &port) == 1;
+    fclose(out);
+    atomic_store(&daemon->port, port);
+    return ok;
+}
+
+pid_t daemon_extra_worker(const struct daemon *daemon)
+{
+    char *arguments[] = {
+        "penumbrad", "--role", "worker", "--store", (char *)(uintptr_t)daemon->store,
+        "--threads", "1",      NULL};
+    return spawn(daemon, arguments, STDOUT_FILENO);
+}
+
+/* A process as the kernel lists it. */
+struct process {
+    pid_t pid, parent;
+    char name[32], state;
+};
+
+static bool read_process(const char *entry, struct process *process)
+{
+    char path[300], line[512];
+    snprintf(path, sizeof path, "/proc/%s/stat", entry);
+    FILE *file = fopen(path, "re");
+    if (!file)
+        return false;
+    bool ok = fgets(line, sizeof line, file) &&
+              sscanf(line, "%d (%31[^)]) %c %d", &process->pid, process->name, &process->state,
+                     &process->parent) == 4;
+    fclose(file);
+    return ok;
+}
+
+/* Counts the living processes for which `want` holds; *last is one of them. */
+static int find(bool (*want)(const void *user, const struct process *process), const void *user,
+                pid_t *last)
+{
+    DIR *dir = opendir("/proc");
+    int count = 0;
+    for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
+        struct process process;
+        if (entry->d_name[0] < '1' || entry->d_name[0] > '9' ||
+            !read_process(entry->d_name, &process) || process.state == 'Z' || !want(user, &process))
+            continue;
+        count++;
+        *last = process.pid;
+    }
+    if (dir)
+        closedir(dir);
+    return count;
+}
+
+struct wanted_child {
+    pid_t parent;
+    char name[32];
+};
+
+static bool is_child(const void *user, const struct process *process)
+{
+    const struct wanted_child *child = user;
+    return process->parent == child->parent && strcmp(process->name, child->name) == 0;
+}
+
+pid_t daemon_child(const struct daemon *daemon, const char *role)
+{
+    struct wanted_child child = {.parent = daemon->pid};
+    pid_t pid = 0;
+    snprintf(child.name, sizeof child.name, "penumbrad-%s", role);
+    if (daemon->pid)
+        find(is_child, &child, &pid);
+    return pid;
+}
+
+/* Runs our program on our store: other daemons of the machine do not concern us. */
+static bool is_ours(const void *user, const struct process *process)
+{
+    const struct daemon *daemon = user;
+    char path[64], text[2048];
+    if (strncmp(process->name, "penumbrad", 9) != 0)
+        return false;
+    snprintf(path, sizeof path, "/proc/%d/cmdline", (int)process->pid);
+    FILE *file = fopen(path, "re");
+    size_t bytes = file ? fread(text, 1, sizeof text - 1, file) : 0;
+    if (file)
+        fclose(file);
+    return memmem(text, bytes, daemon->store, strlen(daemon->store)) != NULL;
+}
+
+int daemon_processes(const struct daemon *daemon)
+{
+    pid_t last;
+    return find(is_ours, daemon, &last);
+}
+
+/* Zombies that we have inherited from a supervisor that was killed. */
+static void reap_others(pid_t but)
+{
+    siginfo_t info;
+    for (;;) {
+        info.si_pid = 0;
+        if (waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0 ||
+            info.si_pid == but)
+            return;
+        waitpid(info.si_pid, NULL, 0);
+    }
+}
+
+static bool gone(pid_t pid)
+{
+    return pid == 0 || kill(pid, 0) != 0;
+}
+
+static bool both_gone(pid_t one, pid_t two, int ms)
+{
+    int64_t until_ns = pen_clock_ns() + (int64_t)ms * 1000000;
+    for (;;) {
+        reap_others(0);
+        if (gone(one) && gone(two))
+            return true;
+        if (pen_clock_ns() > until_ns)
+            return false;
+        pause_ms(5);
+    }
+}
+
+bool daemon_kill(struct daemon *daemon)
+{
+    pid_t api = daemon_child(daemon, "api"), worker = daemon_child(daemon, "work");
+    kill(daemon->pid, SIGKILL);
+    waitpid(daemon->pid, NULL, 0);
+    daemon->pid = 0;
+    return both_gone(api, worker, 2000);
+}
+
+bool process_end(pid_t pid, int ms)
+{
+    int status = 0;
+    int64_t until_ns = pen_clock_ns() + (int64_t)ms * 1000000;
+    while (waitpid(pid, &status, WNOHANG) == 0) {
+        if (pen_clock_ns() > until_ns) {
+            kill(pid, SIGKILL);
+            waitpid(pid, &status, 0);
+            return false;
+        }
+        pause_ms(5);
+    }
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+bool daemon_drain(struct daemon *daemon)
+{
+    pid_t api = daemon_child(daemon, "api"), worker = daemon_child(daemon, "work");
+    kill(daemon->pid, SIGTERM);
+    bool well = process_end(daemon->pid, 10000);
+    daemon->pid = 0;
+    return both_gone(api, worker, 100) && well;
+}
