@@ -203,12 +203,14 @@ enum MHD_Result pen_http_adapter_on_access(void *cls, struct MHD_Connection *con
     return request->phase == PHASE_BODY ? dispatch(request) : send_reply(request);
 }
 
+/* What changed something is worth a line; what only looked, or was refused, could fill a disk. */
 static void log_access(const struct request *request, uint64_t streamed, bool complete)
 {
     const struct reply *reply = &request->reply;
     bool reads = request->head || strcmp(request->method, "GET") == 0;
+    bool refused = reply->status >= 400;
     enum pen_log_level level = reply->status >= 500 ? PEN_LOG_WARN
-                               : reads              ? PEN_LOG_DEBUG
+                               : reads || refused   ? PEN_LOG_DEBUG
                                                     : PEN_LOG_INFO;
     int64_t us = (pen_clock_ns() - request->begun_ns) / 1000;
     bool sent = !request->head && reply->status != 304;
