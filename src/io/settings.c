@@ -98,7 +98,9 @@ bool pen_settings_read(const json_t *render, const char *at, struct pen_settings
 /* A value as JSON if it is JSON, else as a word: `--set accelerator=none` needs no quotes. */
 static json_t *parse_value(const char *text)
 {
-    json_t *value = json_loads(text, JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
+    const struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    json_t *value = pen_json_parse(text, strlen(text), &limits, &st);
     return value ? value : json_string(text);
 }
 

@@ -129,6 +129,19 @@ bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
     return pen_store_scene(jobs->store, id, out, st);
 }
 
+/* The bodies of a list of objects, groups entered. Built-in scenes are not nested deep. */
+static size_t body_count(const json_t *objects)
+{
+    size_t count = 0, i;
+    json_t *object;
+    json_array_foreach(objects, i, object)
+    {
+        const json_t *inner = json_object_get(object, "objects");
+        count += inner ? body_count(inner) : 1;
+    }
+    return count;
+}
+
 /* A built-in scene's name, and its title: the document's own `name`. */
 static json_t *builtin_json(size_t i)
 {
@@ -137,11 +150,10 @@ static json_t *builtin_json(size_t i)
     const char *text = pen_builtin_text(i, &bytes);
     json_t *document = json_loadb(text, bytes, 0, NULL);
     const char *title = json_string_value(json_object_get(document, "name"));
-    json_t *entry =
-        json_pack("{s:s, s:s, s:I, s:I, s:s+}", "name", pen_builtin_name(i, name, sizeof name),
-                  "title", title ? title : name, "bytes", (json_int_t)bytes, "objects",
-                  (json_int_t)json_array_size(json_object_get(document, "objects")), "href",
-                  "/v1/scenes/", name);
+    json_t *entry = json_pack(
+        "{s:s, s:s, s:I, s:I, s:s+}", "name", pen_builtin_name(i, name, sizeof name), "title",
+        title ? title : name, "bytes", (json_int_t)bytes, "objects",
+        (json_int_t)body_count(json_object_get(document, "objects")), "href", "/v1/scenes/", name);
     json_decref(document);
     return entry;
 }

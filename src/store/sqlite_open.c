@@ -214,12 +214,17 @@ static bool open_locked(struct pen_sq_store *store, const char *lock_path, struc
 {
     if (!make_folders(store->path, st))
         return false;
-    int lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    int lock = open(lock_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    bool made = lock >= 0;
+    if (!made)
+        lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (lock < 0)
         return cannot_open(lock_path, errno, st);
     while (flock(lock, LOCK_EX) != 0 && errno == EINTR)
         continue;
     bool ok = make_file(store->path, st) && open_database(store, st);
+    if (!ok && made) /* a file that is no store is left as it was found, without company */
+        unlink(lock_path);
     close(lock);
     if (!ok)
         return false;

@@ -116,8 +116,12 @@ START_TEST(test_file__other_files_are_refused_and_left)
 {
     store_bed_open(&bed);
     pen_store_close(bed.store);
+    char company[300];
+    snprintf(company, sizeof company, "%s-wake", bed.url);
+    unlink(company);
     write_file(bed.url, "a diary\n", 8);
     refuse("not a Penumbra store");
+    ck_assert_msg(access(company, F_OK) != 0, "%s was left beside a stranger's file", company);
     static unsigned char foreign[4096] = "SQLite format 3";
     foreign[16] = 16; /* page size 4096 */
     foreign[71] = 7;  /* application id */
