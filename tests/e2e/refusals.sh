@@ -7,11 +7,11 @@ none=/v1/jobs/01890a5d-ac96-774b-bcce-b302099a8057
 
 # Paths and methods.
 for path in /nowhere /v1 /v1/ /v1/jobs/ //v1/jobs /v1/jobs/x /v1/jobs/$none/image /v1/scenes/nothing \
-    "$none" "$none/image" "$none/preview" "$none/stats" "$none/scene"; do
+    "$none" "$none/events" "$none/image" "$none/preview" "$none/stats" "$none/scene"; do
     call "$path" --path-as-is
     expect_problem "GET $path" 404
 done
-for path in / /v1/plan /metrics /v1/workers "$none/events" "$none/report" /v1/assets/abc; do
+for path in / /v1/plan /metrics /v1/workers "$none/report" /v1/assets/abc; do
     call "$path"
     expect_problem "GET $path" 404 '*not supported yet*'
 done
