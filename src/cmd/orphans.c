@@ -10,7 +10,7 @@
 
 enum { NAME_BYTES = 160, NAMES_MAX = 32, PAGE = 100 };
 
-/* Different workers seen holding leases. More than fit are left to time. */
+/* Different workers. More than fit are left to time. */
 struct names {
     int count;
     char list[NAMES_MAX][NAME_BYTES];
@@ -44,16 +44,29 @@ bool pen_worker_may_live(const char *name)
     return pid != getpid() && is_worker(pid);
 }
 
+static void note_name(struct names *names, const char *name)
+{
+    if (names->count == NAMES_MAX)
+        return;
+    for (int i = 0; i < names->count; i++) {
+        if (strcmp(names->list[i], name) == 0)
+            return;
+    }
+    snprintf(names->list[names->count++], NAME_BYTES, "%s", name);
+}
+
 static bool note_batch(void *user, const struct pen_batch_record *batch)
 {
-    struct names *names = user;
-    if (batch->state != PEN_BATCH_LEASED || !batch->worker || names->count == NAMES_MAX)
-        return true;
-    for (int i = 0; i < names->count; i++) {
-        if (strcmp(names->list[i], batch->worker) == 0)
-            return true;
-    }
-    snprintf(names->list[names->count++], NAME_BYTES, "%s", batch->worker);
+    if (batch->state == PEN_BATCH_LEASED && batch->worker)
+        note_name(user, batch->worker);
+    return true;
+}
+
+/* Only those who are dead count here: however long the list, there is room for some. */
+static bool note_dead(void *user, const struct pen_worker_record *worker)
+{
+    if (!pen_worker_may_live(worker->name))
+        note_name(user, worker->name);
     return true;
 }
 
@@ -95,6 +108,18 @@ bool pen_orphans_sweep(struct pen_store *store, int *opened, struct pen_status *
         ok = pen_store_sweep(store, names->list[i], &more, st);
         *opened += more;
     }
+    free(names);
+    return ok;
+}
+
+bool pen_orphans_forget(struct pen_store *store, struct pen_status *st)
+{
+    struct names *names = calloc(1, sizeof *names);
+    if (!names)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    bool ok = pen_store_workers(store, note_dead, names, st);
+    for (int i = 0; ok && i < names->count; i++)
+        ok = pen_store_worker_gone(store, names->list[i], st);
     free(names);
     return ok;
 }

@@ -15,4 +15,7 @@ bool pen_worker_may_live(const char *name);
  * batches. Errors as pen_store_sweep. */
 bool pen_orphans_sweep(struct pen_store *store, int *opened, struct pen_status *st);
 
+/* Takes all workers of this host that do not live off the list. Errors as pen_store_workers. */
+bool pen_orphans_forget(struct pen_store *store, struct pen_status *st);
+
 #endif

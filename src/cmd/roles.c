@@ -152,6 +152,8 @@ static bool bury(struct pen_store *store, const struct pen_config *config, struc
     if (dead ? !pen_jobs_worker_ended(store, &obituary, &opened, st)
              : !pen_orphans_sweep(store, &opened, st))
         return false;
+    if (!pen_orphans_forget(store, st))
+        return false;
     if (opened > 0)
         pen_log(PEN_LOG_INFO, "took back %d batches of %s", opened,
                 dead ? dead : "workers that are no more");

@@ -8,7 +8,7 @@
 
 enum {
     IDS = PEN_JOB_TILE_PARTS + 1, /* of one revision */
-    TILES_MAX = 256              /* in one text */
+    TILES_MAX = 256               /* in one text */
 };
 
 struct event_cursor pen_http_events_begin(const char *last_event_id,

@@ -72,6 +72,19 @@ enum outcome pen_http_handle_healthz(struct request *request, struct pen_jobs *j
     return answer_health(request, "ok");
 }
 
+enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_status st;
+    json_t *workers = pen_jobs_workers(jobs, &st);
+    if (!workers) {
+        pen_http_request_fail(request, &st);
+        return OUTCOME_ANSWERED;
+    }
+    pen_http_reply_json(&request->reply, 200, workers);
+    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
+    return OUTCOME_ANSWERED;
+}
+
 /* Whether a write gets to disk: asked of the store once a second at most, so that a monitor in a
  * hurry does not wear the disk. */
 static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)

@@ -81,6 +81,7 @@ static const struct route table[] = {
      .takes_body = true},
     {.method = "GET", .path = "/v1/scenes", .handle = pen_http_handle_scenes},
     {.method = "GET", .path = "/v1/scenes/{name}", .handle = pen_http_handle_builtin},
+    {.method = "GET", .path = "/v1/workers", .handle = pen_http_handle_workers, .lane = LANE_STORE},
     {.method = "GET", .path = "/healthz", .handle = pen_http_handle_healthz},
     {.method = "GET", .path = "/readyz", .handle = pen_http_handle_readyz, .lane = LANE_STORE},
     {.method = "GET", .path = "/openapi.yaml", .handle = pen_http_handle_api_file},
@@ -91,7 +92,7 @@ enum { ROUTES = sizeof table / sizeof table[0] };
 
 /* Resources that are part of the design and still to come. */
 static const char *const to_come[] = {"/v1/jobs/{id}/report", "/v1/plan", "/v1/assets/{sha256}",
-                                      "/v1/workers",          "/metrics", "/"};
+                                      "/metrics", "/"};
 
 bool pen_http_route(int i, const char **method, const char **path)
 {

@@ -26,6 +26,7 @@ enum {
     MEMORY_TRIES = 20,    /* of what there was no memory for; memory held here does not come back */
     SWEEP_MS = 1000,      /* between looks for leases that ran out */
     TIDY_MS = 600000,     /* between housekeepings */
+    SEEN_MS = 15000,      /* between signs of life in the list of workers */
     KEY_AGE_MS = 86400000 /* idempotency keys hold for 24 hours */
 };
 
@@ -35,7 +36,7 @@ struct worker {
     int64_t lease_ms;
     struct pen_store *store;
     struct pen_batch_room room;
-    int64_t swept_ns, tidied_ns;
+    int64_t swept_ns, tidied_ns, seen_ns;
     int memory_tries; /* in a row */
     uint32_t seen;    /* the last hint */
 };
@@ -158,10 +159,22 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
     return ok;
 }
 
+/* Says that it is there. Nothing depends on it: the next time will do. */
+static void show_up(struct worker *w, int64_t now_ns)
+{
+    struct pen_status ignored;
+    if (w->seen_ns && now_ns - w->seen_ns < (int64_t)SEEN_MS * 1000000)
+        return;
+    w->seen_ns = now_ns;
+    pen_store_worker_seen(w->store, w->options->name, pen_pool_threads(w->room.pool), w->lease_ms,
+                          &ignored);
+}
+
 static bool sweep_and_tidy(struct worker *w, struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
     int opened = 0;
+    show_up(w, now_ns);
     if (now_ns - w->swept_ns >= (int64_t)SWEEP_MS * 1000000) {
         w->swept_ns = now_ns;
         if (!pen_store_sweep(w->store, NULL, &opened, st))
@@ -236,6 +249,9 @@ bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool 
 {
     struct worker w = {.options = options, .stop = stop};
     bool ok = set_up(&w, st) && run(&w, st);
+    struct pen_status ignored;
+    if (w.store)
+        pen_store_worker_gone(w.store, options->name, &ignored);
     tear_down(&w);
     return ok;
 }

@@ -53,6 +53,11 @@ struct pen_store_ops {
                     struct pen_status *st);
     bool (*commits)(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
                     void *user, struct pen_status *st);
+    bool (*worker_seen)(struct pen_store *store, const char *name, int threads, int64_t lease_ms,
+                        struct pen_status *st);
+    bool (*worker_gone)(struct pen_store *store, const char *name, struct pen_status *st);
+    bool (*workers)(struct pen_store *store, pen_worker_fn *each, void *user,
+                    struct pen_status *st);
     bool (*artefact)(struct pen_store *store, const char *id, int view, const char *layer,
                      const char *format, struct pen_buf *out, struct pen_status *st);
     bool (*artefact_put)(struct pen_store *store, const char *id, int view, const char *layer,

@@ -64,6 +64,10 @@ enum pen_sq_sql {
     SQ_COMMIT_LIST,
     SQ_ARTEFACT_GET,
     SQ_ARTEFACT_PUT,
+    SQ_WORKER_SEEN,
+    SQ_WORKER_GONE,
+    SQ_WORKER_LIST,
+    SQ_TIDY_WORKERS,
     SQ_TIDY_KEYS,
     SQ_TIDY_SCENES,
     SQ_FREE_PAGES,
@@ -195,6 +199,12 @@ bool pen_sq_artefact(struct pen_store *store, const char *id, int view, const ch
                      const char *format, struct pen_buf *out, struct pen_status *st);
 bool pen_sq_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
                          const char *format, const void *data, size_t bytes, struct pen_status *st);
+
+bool pen_sq_worker_seen(struct pen_store *store, const char *name, int threads, int64_t lease_ms,
+                        struct pen_status *st);
+bool pen_sq_worker_gone(struct pen_store *store, const char *name, struct pen_status *st);
+bool pen_sq_workers(struct pen_store *store, pen_worker_fn *each, void *user,
+                    struct pen_status *st);
 
 bool pen_sq_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                   struct pen_status *st);

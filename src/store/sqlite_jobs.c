@@ -194,10 +194,13 @@ bool pen_sq_remove(struct pen_store *base, const char *id, struct pen_status *st
 
 static bool write_tidy(struct pen_sq_store *store, void *arg, struct pen_status *st)
 {
+    int64_t before_ms = pen_clock_wall_ms() - *(const int64_t *)arg;
     struct pen_sq_query keys = pen_sq_query(store, SQ_TIDY_KEYS);
-    pen_sq_int(&keys, pen_clock_wall_ms() - *(const int64_t *)arg);
+    pen_sq_int(&keys, before_ms);
+    struct pen_sq_query workers = pen_sq_query(store, SQ_TIDY_WORKERS);
+    pen_sq_int(&workers, before_ms);
     struct pen_sq_query scenes = pen_sq_query(store, SQ_TIDY_SCENES);
-    return pen_sq_run(&keys, st) && pen_sq_run(&scenes, st);
+    return pen_sq_run(&keys, st) && pen_sq_run(&workers, st) && pen_sq_run(&scenes, st);
 }
 
 /* Moves the file's end into its gaps, a bounded number of pages at a time so that writers get in

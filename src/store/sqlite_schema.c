@@ -8,6 +8,7 @@
  * artefact     encoded pictures; view -1 is for what is made from all views
  * idempotency  keys of submits, their bodies' hashes and the answers given; they outlive the job,
  *              since what a client was promised does not end with a delete
+ * worker       who works, and when it was last heard of; nothing depends on it
  *
  * Numbers of jobs and batches are never used twice (AUTOINCREMENT): a claim names a batch by
  * number and attempt, and must not fit another batch after a delete. view.open_batches and
@@ -120,7 +121,16 @@ static const char step_3[] =
     " WHERE batch.id = past.id;"
     "CREATE INDEX batch_by_revision ON batch(job, revision) WHERE revision IS NOT NULL;";
 
-static const char *const steps[] = {step_1, step_2, step_3};
+/* Who works, see sqlite_workers.c. */
+static const char step_4[] = "CREATE TABLE worker ("
+                             " name TEXT PRIMARY KEY,"
+                             " threads INTEGER NOT NULL,"
+                             " lease_ms INTEGER NOT NULL,"
+                             " started_ms INTEGER NOT NULL,"
+                             " seen_ms INTEGER NOT NULL"
+                             ") STRICT, WITHOUT ROWID;";
+
+static const char *const steps[] = {step_1, step_2, step_3, step_4};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,

@@ -124,6 +124,19 @@ static const char *const sql_text[SQ_COUNT] = {
                         " VALUES (?, ?, ?, ?, ?) ON CONFLICT (job, view, layer, format)"
                         " DO UPDATE SET data = excluded.data",
 
+    [SQ_WORKER_SEEN] = "INSERT INTO worker (name, threads, lease_ms, started_ms, seen_ms)"
+                       " VALUES (?1, ?2, ?3, ?4, ?4) ON CONFLICT (name) DO UPDATE SET"
+                       " threads = ?2, lease_ms = ?3, seen_ms = ?4",
+    [SQ_WORKER_GONE] = "DELETE FROM worker WHERE name = ?",
+    [SQ_WORKER_LIST] = "SELECT w.name, w.threads, w.started_ms, max(w.seen_ms,"
+                       " coalesce(b.lease_until_ms - w.lease_ms, 0)), j.id, v.name, b.id,"
+                       " b.attempt, b.kind, b.pixels FROM worker w"
+                       " LEFT JOIN batch b ON b.state = 1 AND b.worker = w.name"
+                       " LEFT JOIN job j ON j.number = b.job"
+                       " LEFT JOIN view v ON v.job = b.job AND v.view = b.view"
+                       " ORDER BY w.started_ms, w.name, b.id",
+
+    [SQ_TIDY_WORKERS] = "DELETE FROM worker WHERE seen_ms < ?",
     [SQ_TIDY_KEYS] = "DELETE FROM idempotency WHERE created_ms < ?",
     [SQ_TIDY_SCENES] = "DELETE FROM scene WHERE NOT EXISTS"
                        " (SELECT 1 FROM job WHERE job.scene = scene.id)",

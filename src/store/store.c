@@ -182,6 +182,23 @@ bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, p
     return store->ops->commits(store, id, after, each, user, st);
 }
 
+bool pen_store_worker_seen(struct pen_store *store, const char *name, int threads, int64_t lease_ms,
+                           struct pen_status *st)
+{
+    return store->ops->worker_seen(store, name, threads, lease_ms, st);
+}
+
+bool pen_store_worker_gone(struct pen_store *store, const char *name, struct pen_status *st)
+{
+    return store->ops->worker_gone(store, name, st);
+}
+
+bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
+                       struct pen_status *st)
+{
+    return store->ops->workers(store, each, user, st);
+}
+
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st)
 {

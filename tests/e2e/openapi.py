@@ -158,6 +158,7 @@ samples = {
     "validate": [("200", "", {"body": SMALL}), *body_samples],
     "listScenes": [("200", "", {}), ("304", "", everything)],
     "getBuiltinScene": [("200", "spheres", {}), ("304", "spheres", everything), ("404", "x", {})],
+    "listWorkers": [("200", "", {})],
     "health": [("200", "", {})],
     "readiness": [("200", "", {})],
     "definition": [("200", "", {}), ("304", "", everything)],

@@ -226,8 +226,34 @@ START_TEST(test_list__problem_of_several_errors)
 }
 END_TEST
 
+START_TEST(test_list__workers_are_shown_with_host_and_work)
+{
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    store_must(pen_store_worker_seen(bed.bed.store, "fe80::1:77:1234", 8, 60000, &st), &st, "seen");
+    store_must(pen_store_worker_seen(bed.bed.store, "odd", 2, 60000, &st), &st, "seen");
+    jobs_submit(&bed, jobs_scene(", \"render\": {\"width\": 24, \"height\": 18}"), id);
+    struct pen_claim claim = store_claim(bed.bed.store, "odd");
+    json_t *answer = pen_jobs_workers(bed.jobs, &st);
+    json_t *list = json_object_get(answer, "workers");
+    ck_assert_uint_eq(json_array_size(list), 2);
+    json_t *first = json_array_get(list, 0), *second = json_array_get(list, 1);
+    ck_assert_str_eq(json_string_value(json_object_get(first, "host")), "fe80::1");
+    ck_assert_int_eq(json_integer_value(json_object_get(first, "pid")), 77);
+    ck_assert_int_eq(json_integer_value(json_object_get(first, "threads")), 8);
+    ck_assert_uint_eq(json_array_size(json_object_get(first, "batches")), 0);
+    ck_assert_str_eq(json_string_value(json_object_get(second, "host")), "odd");
+    json_t *batch = json_array_get(json_object_get(second, "batches"), 0);
+    ck_assert_str_eq(json_string_value(json_object_get(batch, "job")), id);
+    ck_assert_str_eq(json_string_value(json_object_get(batch, "kind")), "render");
+    ck_assert_int_eq(json_integer_value(json_object_get(batch, "batch")), claim.batch);
+    json_decref(answer);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps, test_list__state_filters,
           test_list__foreign_cursors_and_limits_are_refused,
           test_list__cancel_and_delete_do_as_they_say, test_list__progress_is_frozen_per_revision,
           test_list__built_in_scenes_are_listed_by_name, test_list__problem_of_one_status,
-          test_list__problem_of_several_errors)
+          test_list__problem_of_several_errors, test_list__workers_are_shown_with_host_and_work)

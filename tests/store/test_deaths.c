@@ -236,9 +236,11 @@ START_TEST(test_deaths__store_of_the_first_schema_goes_on)
     store_claim(bed.store, "w");
     pen_store_close(bed.store);
     ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
-    run_sql(db, "DROP INDEX batch_by_revision; ALTER TABLE batch DROP COLUMN revision;"
-                "ALTER TABLE job DROP COLUMN deaths; ALTER TABLE job DROP COLUMN rest_until_ms;"
-                "ALTER TABLE batch DROP COLUMN suspect; PRAGMA user_version = 1");
+    run_sql(
+        db,
+        "DROP TABLE worker; DROP INDEX batch_by_revision; ALTER TABLE batch DROP COLUMN revision;"
+        "ALTER TABLE job DROP COLUMN deaths; ALTER TABLE job DROP COLUMN rest_until_ms;"
+        "ALTER TABLE batch DROP COLUMN suspect; PRAGMA user_version = 1");
     sqlite3_close(db);
     bed.store = store_bed_handle(&bed);
     ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 1);

@@ -116,6 +116,9 @@ json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status 
 bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
                     struct pen_status *st);
 
+/* {"workers": [{name, host, pid, threads, started_at, last_seen_at, batches}]}. */
+json_t *pen_jobs_workers(struct pen_jobs *jobs, struct pen_status *st);
+
 /* {"scenes": [{name, title, …}]}: the built-in scenes. */
 json_t *pen_jobs_scenes(void);
 

@@ -286,8 +286,8 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st);
 
-/* Housekeeping: idempotency keys older than key_age_ms go, unused scene documents go, room no
- * longer needed is given back to the file system. */
+/* Housekeeping: idempotency keys and workers older than key_age_ms go, unused scene documents go,
+ * room no longer needed is given back to the file system. */
 bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
 
 /* One batch as stored, for looking on. */
@@ -319,6 +319,32 @@ struct pen_commit_record {
 typedef bool pen_commit_fn(void *user, const struct pen_commit_record *commit);
 bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
                        void *user, struct pen_status *st);
+
+/* Notes that a worker is there. It says so from time to time; lease_ms is what it claims with, so
+ * that a lease tells when it was last extended. */
+bool pen_store_worker_seen(struct pen_store *store, const char *name, int threads, int64_t lease_ms,
+                           struct pen_status *st);
+
+/* Forgets a worker, if it is known. */
+bool pen_store_worker_gone(struct pen_store *store, const char *name, struct pen_status *st);
+
+/* A worker and a batch that it holds. */
+struct pen_worker_record {
+    const char *name;
+    int threads;
+    int64_t started_ms, seen_ms; /* wall clock; seen: said so, or extended this lease */
+    const char *job_id;          /* NULL: it holds none, and what follows means nothing */
+    const char *view;
+    int64_t batch, attempt;
+    enum pen_batch_kind kind;
+    int64_t pixels;
+};
+
+/* Calls `each` for every worker, oldest first, and there once for every batch it holds; stops when
+ * it returns false. Workers that have died unnoticed are among them. */
+typedef bool pen_worker_fn(void *user, const struct pen_worker_record *worker);
+bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
+                       struct pen_status *st);
 
 /* Looks for what must never be: rows without an owner, states that contradict each other, sums
  * that do not add up. Calls `each` with a sentence for every one found; *found is their number.

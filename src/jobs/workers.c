@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+/* Who renders, as the API shows it. A worker that has not been seen for a minute is not shown: it
+ * died in a way that nobody noticed, or its host is gone. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs.h"
+#include "pen/base/clock.h"
+
+enum { SHOWN_MS = 60000 };
+
+struct listing {
+    json_t *list;
+    int64_t now_ms;
+    char last[256]; /* the worker that the list ends with */
+    bool ok;
+};
+
+/* "host:pid:start" in two parts; a host may have colons in it. */
+static void split_name(const char *name, char host[200], json_int_t *pid)
+{
+    snprintf(host, 200, "%s", name);
+    *pid = 0;
+    char *start = strrchr(host, ':');
+    if (!start)
+        return;
+    *start = '\0';
+    char *number = strrchr(host, ':');
+    if (!number)
+        return;
+    *number = '\0';
+    *pid = strtoll(number + 1, NULL, 10);
+}
+
+static json_t *time_json(int64_t ms)
+{
+    char text[25];
+    pen_clock_format(ms, text);
+    return json_string(text);
+}
+
+static json_t *worker_json(const struct pen_worker_record *worker)
+{
+    char host[200];
+    json_int_t pid;
+    split_name(worker->name, host, &pid);
+    return json_pack("{s:s, s:s, s:I, s:i, s:o, s:o, s:[]}", "name", worker->name, "host", host,
+                     "pid", pid, "threads", worker->threads, "started_at",
+                     time_json(worker->started_ms), "last_seen_at", time_json(worker->seen_ms),
+                     "batches");
+}
+
+static json_t *batch_json(const struct pen_worker_record *worker)
+{
+    return json_pack("{s:s, s:s, s:I, s:I, s:s, s:I}", "job", worker->job_id, "view", worker->view,
+                     "batch", (json_int_t)worker->batch, "attempt", (json_int_t)worker->attempt,
+                     "kind", worker->kind == PEN_BATCH_RENDER ? "render" : "assemble", "pixels",
+                     (json_int_t)worker->pixels);
+}
+
+/* Rows of one worker follow each other, one for each batch it holds. */
+static bool add_row(void *user, const struct pen_worker_record *worker)
+{
+    struct listing *listing = user;
+    if (listing->now_ms - worker->seen_ms > SHOWN_MS)
+        return true;
+    if (strcmp(listing->last, worker->name) != 0) {
+        snprintf(listing->last, sizeof listing->last, "%s", worker->name);
+        listing->ok = json_array_append_new(listing->list, worker_json(worker)) == 0;
+    }
+    json_t *last = json_array_get(listing->list, json_array_size(listing->list) - 1);
+    if (listing->ok && worker->job_id)
+        listing->ok =
+            json_array_append_new(json_object_get(last, "batches"), batch_json(worker)) == 0;
+    return listing->ok;
+}
+
+json_t *pen_jobs_workers(struct pen_jobs *jobs, struct pen_status *st)
+{
+    struct listing listing = {.list = json_array(), .now_ms = pen_clock_wall_ms(), .ok = true};
+    bool read = pen_store_workers(jobs->store, add_row, &listing, st);
+    json_t *answer = read && listing.ok ? json_pack("{s:O}", "workers", listing.list) : NULL;
+    json_decref(listing.list);
+    if (read && !answer)
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the workers");
+    return answer;
+}
