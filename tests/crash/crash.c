@@ -21,41 +21,11 @@
 
 #include "client.h"
 #include "daemon.h"
+#include "kinds.h"
 #include "pen/base/clock.h"
 #include "pen/jobs/jobs.h"
 
-enum { LEASE_MS = 600, ROUND_JOBS = 4, KEY_BYTES = 48, VIEWS = 3, PATIENCE_MS = 120000 };
-
-/* What is submitted. Batches are cut by an upper bound of rays; lights that few pixels see make
- * many batches of little work. */
-#define LIGHT "{\"type\": \"point\", \"intensity\": [1, 1, 1], \"position\": [3, 6, 4]}"
-static const char scene[] =
-    "{\"format\": \"penumbra-scene/1\", \"ambient\": [0.1, 0.1, 0.1],"
-    " \"camera\": {\"position\": [0, 1, 10], \"look_at\": [0, 0, 0]},"
-    " \"lights\": [" LIGHT "," LIGHT "," LIGHT "," LIGHT "," LIGHT "," LIGHT "," LIGHT "," LIGHT
-    "],"
-    " \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1,"
-    " \"material\": {\"kd\": 0.6, \"ks\": 0.4, \"shininess\": 20, \"kr\": 0.3}}]%s}";
-static const char views[] =
-    ", \"views\": [{\"name\": \"a\"}, {\"name\": \"b\", \"camera\": {\"position\": [0, 1, 30]}},"
-    " {\"name\": \"c\", \"camera\": {\"position\": [9, 1, 9]}}]";
-
-static const struct kind {
-    const char *name, *scene_more, *render;
-    int views;
-} kinds[] = {
-    {"tiny", "", "{\"width\": 64, \"height\": 48}", 1},
-    {"batches", "", "{\"width\": 120, \"height\": 90, \"samples_per_pixel\": 196, \"tile\": 8}", 1},
-    {"views", views, "{\"width\": 48, \"height\": 32, \"samples_per_pixel\": 9}", 3},
-    {"both", views, "{\"width\": 64, \"height\": 40, \"samples_per_pixel\": 256, \"tile\": 8}", 3},
-};
-enum { KINDS = (int)(sizeof kinds / sizeof kinds[0]) };
-
-/* What a kind comes to undisturbed. */
-struct outcome {
-    struct pen_buf pfm[VIEWS], png[VIEWS];
-    json_t *rays;
-};
+enum { LEASE_MS = 600, ROUND_JOBS = 6, KEY_BYTES = 48, PATIENCE_MS = 120000 };
 
 struct job {
     int kind, priority;
@@ -74,7 +44,7 @@ struct test {
     int done[DEEDS];
     int child_kills; /* since the supervisor was started: its pauses grow */
     int submitted, acknowledged, succeeded, cancelled, extra_killed, repeats;
-    int checks, failures;
+    atomic_int checks, failures; /* of both threads */
     pthread_mutex_t lock;
     struct job job[ROUND_JOBS]; /* guarded by lock */
     int job_count;              /* guarded by lock */
@@ -100,13 +70,9 @@ static void check(struct test *t, bool ok, const char *what, const char *about)
 /* Submits one job; with a key, until there is an answer. Returns whether it was acknowledged. */
 static bool submit(struct test *t, struct job *job)
 {
-    char text[2048], body[4096];
-    const struct kind *kind = &kinds[job->kind];
+    char body[4096];
     struct answer answer;
-    snprintf(text, sizeof text, scene, kind->scene_more);
-    snprintf(body, sizeof body,
-             "{\"name\": \"%s\", \"priority\": %d, \"render\": %s, \"scene\": %s}", kind->name,
-             job->priority, kind->render, text);
+    kind_body(job->kind, job->priority, body, sizeof body);
     for (int tries = 0; tries < (job->key[0] ? 100 : 1); tries++) {
         int port = atomic_load(&t->daemon.port);
         client_call(port, "POST", "/v1/jobs", job->key[0] ? job->key : NULL, body, &answer);
@@ -134,7 +100,7 @@ static void *submit_round(void *user)
         t->acknowledged += acknowledged;
         check(t, acknowledged || !job.key[0], "a submit with a key is answered in the end",
               job.key);
-        pause_ms((int)draw(&t->submit_random, 150));
+        pause_ms((int)draw(&t->submit_random, 100));
     }
     return NULL;
 }
@@ -228,15 +194,6 @@ static void disturb(struct test *t)
         start(t);
 }
 
-static bool must(bool ok, const struct pen_status *st, const char *what)
-{
-    if (!ok) {
-        fprintf(stderr, "%s: %s\n", what, st->msg);
-        exit(2);
-    }
-    return true;
-}
-
 /* Waits until no job is queued or running any more. */
 static bool wait_for_all(struct test *t)
 {
@@ -259,63 +216,17 @@ static bool wait_for_all(struct test *t)
     return true;
 }
 
-static struct outcome outcome_of(struct test *t, const char *id, const struct kind *kind)
-{
-    static const char *const names[VIEWS] = {"a", "b", "c"};
-    struct outcome out = {0};
-    struct pen_status st;
-    for (int v = 0; v < kind->views; v++) {
-        struct pen_image pfm, png;
-        struct pen_image_query query = {.view = kind->views > 1 ? names[v] : NULL, .format = "pfm"};
-        must(pen_jobs_image(t->jobs, id, &query, &pfm, &st), &st, id);
-        query.format = "png";
-        must(pen_jobs_image(t->jobs, id, &query, &png, &st), &st, id);
-        out.pfm[v] = pfm.bytes;
-        out.png[v] = png.bytes;
-    }
-    json_t *stats = pen_jobs_stats(t->jobs, id, &st);
-    must(stats != NULL, &st, id);
-    out.rays = json_incref(json_object_get(stats, "rays"));
-    json_decref(stats);
-    return out;
-}
-
-static void outcome_release(struct outcome *out)
-{
-    for (int v = 0; v < VIEWS; v++) {
-        pen_buf_release(&out->pfm[v]);
-        pen_buf_release(&out->png[v]);
-    }
-    json_decref(out->rays);
-}
-
-static bool same(const struct pen_buf *a, const struct pen_buf *b)
-{
-    return a->bytes == b->bytes && (a->bytes == 0 || memcmp(a->data, b->data, a->bytes) == 0);
-}
-
 static void compare(struct test *t, const char *id, int kind)
 {
-    struct outcome got = outcome_of(t, id, &kinds[kind]), *wanted = &t->wanted[kind];
-    for (int v = 0; v < kinds[kind].views; v++)
-        check(t, same(&got.pfm[v], &wanted->pfm[v]) && same(&got.png[v], &wanted->png[v]),
-              "the same bytes", id);
-    check(t, json_equal(got.rays, wanted->rays), "the same rays", id);
+    struct outcome got = outcome_of(t->jobs, id, kind);
+    check(t, outcome_same_pixels(&got, &t->wanted[kind]), "the same bytes", id);
+    check(t, json_equal(got.rays, t->wanted[kind].rays), "the same rays", id);
     outcome_release(&got);
 }
 
 static void print_finding(void *user, const char *finding)
 {
     check(user, false, "audit", finding);
-}
-
-static int kind_of(const char *name)
-{
-    for (int i = 0; i < KINDS; i++) {
-        if (name && strcmp(kinds[i].name, name) == 0)
-            return i;
-    }
-    return -1;
 }
 
 /* One stored job; it may be one whose acknowledgement was lost. */
@@ -401,8 +312,8 @@ static void run_undisturbed(struct test *t)
     for (int k = 0; k < KINDS; k++) {
         struct job job = {.kind = k};
         struct pen_status st;
-        check(t, submit(t, &job) && wait_for_all(t), "a job undisturbed", kinds[k].name);
-        t->wanted[k] = outcome_of(t, job.id, &kinds[k]);
+        check(t, submit(t, &job) && wait_for_all(t), "a job undisturbed", kind_name(k));
+        t->wanted[k] = outcome_of(t->jobs, job.id, k);
         must(pen_store_delete(pen_jobs_store(t->jobs), job.id, &st), &st, "delete");
     }
 }
