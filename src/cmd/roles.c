@@ -95,12 +95,23 @@ static void serve(const struct pen_config *config, struct pen_watch *watch, stru
     }
 }
 
+/* Each connection is a descriptor: takes as many as the system grants. */
+static void raise_descriptor_limit(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0)
+        return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int pen_role_api(const struct pen_config *config, int listen_fd)
 {
     struct pen_watch watch;
     struct pen_status st;
     pen_log_set_name("api");
     prctl(PR_SET_NAME, "penumbrad-api");
+    raise_descriptor_limit();
     mallopt(M_ARENA_MAX, 2); /* many small answers: arenas per thread would only hold memory */
     if (!pen_watch_open(&watch, config->control_fd, &st))
         return fail(&st);
