@@ -1,0 +1,63 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Event streams of a daemon: many at once, and across a restart of the api process.
+. "$(dirname "$0")/lib.sh"
+daemon_start
+
+api_pid() {
+    for child in $(pgrep -P "$daemon"); do
+        [ "$(cat "/proc/$child/comm")" = penumbrad-api ] && echo "$child"
+    done
+}
+
+submit "$long"
+expect submitted "$status" 202
+for _ in $(seq 100); do
+    call "$job"
+    [ "$(body .progress.done)" != 0 ] && break
+    sleep 0.2
+done
+python3 tests/e2e/events.py "$url" "$job" "$(api_pid)" >"$work/many"
+expect many-listeners-exit "$?" 0
+while read -r line; do
+    case $line in
+    'ok '*) ok "${line#ok }" ;;
+    'not ok '*) not_ok "$(echo "${line#not ok }" | cut -d: -f1)" "${line#*: }" ;;
+    *) echo "$line" ;;
+    esac
+done <"$work/many"
+
+# A listener whose api process is killed goes on with its successor, where it was.
+submit "$long"
+curl -sN -m 60 "$url$job/events" >"$work/first" 2>/dev/null &
+listener=$!
+for _ in $(seq 300); do
+    grep -q '^event: tile' "$work/first" && break
+    sleep 0.1
+done
+kill -KILL "$(api_pid)"
+wait "$listener"
+last=$(sed -n 's/^id: //p' "$work/first" | tail -n 1)
+expect first-stream-has-an-id "$([ -n "$last" ] && echo yes)" yes
+for _ in $(seq 100); do
+    call /readyz
+    [ "$status" = 200 ] && break
+    sleep 0.1
+done
+sleep 1 # something is committed meanwhile
+curl -sN -m 60 -H "Last-Event-ID: $last" "$url$job/events" >"$work/second" 2>/dev/null &
+listener=$!
+for _ in $(seq 300); do
+    grep -q '^event: progress' "$work/second" && break
+    sleep 0.1
+done
+call "$job/cancel" -X POST
+wait "$listener"
+expect second-stream-ends "$?" 0
+expect last-event-is-the-end "$(sed -n 's/^event: //p' "$work/second" | tail -n 1) $(sed -n 's/^data: //p' "$work/second" | tail -n 1 | jq -r .state)" "state cancelled"
+# Each rectangle came once, and together they are what was committed.
+sed -n 's/^data: \({"view".*\)/\1/p' "$work/first" "$work/second" >"$work/tiles"
+expect no-tile-twice "$(sort "$work/tiles" | uniq -d | wc -l | tr -d ' ')" 0
+call "$job"
+expect no-tile-missed "$(jq -s 'map(.width * .height) | add' "$work/tiles")" "$(body .progress.done)"
+finish
