@@ -18,7 +18,7 @@
 enum { NAME_BYTES = 16, MESSAGE_BYTES = 2048, LINE_BYTES = 4096 };
 
 /* Room an escaped message may take: what the line needs besides is less than this reserve. */
-enum { ESCAPED_BYTES = LINE_BYTES - 256 };
+enum { FIELDS_BYTES = 288, ESCAPED_BYTES = LINE_BYTES - 256 - FIELDS_BYTES };
 
 static struct {
     atomic_int level; /* atomic: relaxed, a late change of level loses nothing */
@@ -118,10 +118,44 @@ static void escape(char out[ESCAPED_BYTES], const char *text, bool quoted)
     out[used] = '\0';
 }
 
-static int compose(char line[LINE_BYTES], enum pen_log_level level, const char *message)
+static bool is_id(const char *text)
+{
+    enum { LONGEST = 64 };
+    static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+    size_t length = text ? strspn(text, plain) : 0;
+    return length > 0 && length <= LONGEST && text[length] == '\0';
+}
+
+/* The fields as they stand in a line: before the message in JSON, after it in text. */
+static void write_fields(char out[FIELDS_BYTES], const struct pen_log_about *about, bool json)
+{
+    const struct {
+        const char *name, *id;
+        int64_t number;
+    } fields[] = {{"job", about->job, 0},
+                  {"batch", NULL, about->batch},
+                  {"attempt", NULL, about->attempt},
+                  {"request", about->request, 0}};
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        char *to = out + used;
+        int length = 0;
+        if (is_id(fields[i].id))
+            length = snprintf(to, FIELDS_BYTES - used, json ? "\"%s\":\"%s\"," : " %s=%s",
+                              fields[i].name, fields[i].id);
+        else if (fields[i].number)
+            length = snprintf(to, FIELDS_BYTES - used, json ? "\"%s\":%lld," : " %s=%lld",
+                              fields[i].name, (long long)fields[i].number);
+        used += (size_t)length;
+    }
+}
+
+static int compose(char line[LINE_BYTES], enum pen_log_level level,
+                   const struct pen_log_about *about, const char *message)
 {
     bool json = atomic_load_explicit(&settings.json, memory_order_relaxed);
-    char when[25], name[NAME_BYTES], who[6 * NAME_BYTES], text[ESCAPED_BYTES];
+    char when[25], name[NAME_BYTES], who[6 * NAME_BYTES], text[ESCAPED_BYTES], fields[FIELDS_BYTES];
     pen_clock_format(pen_clock_wall_ms(), when);
     pthread_mutex_lock(&settings.lock);
     memcpy(name, settings.name, sizeof name);
@@ -129,34 +163,52 @@ static int compose(char line[LINE_BYTES], enum pen_log_level level, const char *
     escape(text, name, json);
     pen_utf8_copy(who, sizeof who, text);
     escape(text, message, json);
+    write_fields(fields, about, json);
     const char *what = level_name(level);
     long pid = (long)getpid();
     if (!json)
-        return snprintf(line, LINE_BYTES, "%s %-5s %s[%ld] %s\n", when, what, who, pid, text);
+        return snprintf(line, LINE_BYTES, "%s %-5s %s[%ld] %s%s\n", when, what, who, pid, text,
+                        fields);
     return snprintf(line, LINE_BYTES,
                     "{\"time\":\"%s\",\"level\":\"%s\",\"process\":\"%s\",\"pid\":%ld,"
-                    "\"message\":\"%s\"}\n",
-                    when, what, who, pid, text);
+                    "%s\"message\":\"%s\"}\n",
+                    when, what, who, pid, fields, text);
 }
 
-void pen_log(enum pen_log_level level, const char *format, ...)
+static void write_line(enum pen_log_level level, const struct pen_log_about *about,
+                       const char *format, va_list args)
 {
     bool shown = (int)level >= atomic_load_explicit(&settings.level, memory_order_relaxed);
     if (!shown && !atomic_load_explicit(&settings.ringed, memory_order_relaxed))
         return;
     int saved_errno = errno;
     char raw[MESSAGE_BYTES], message[MESSAGE_BYTES], line[LINE_BYTES];
-    va_list args;
-    va_start(args, format);
     int length = vsnprintf(raw, sizeof raw, format, args);
-    va_end(args);
     if (length >= 0) {
         pen_utf8_copy(message, sizeof message, raw);
-        int bytes = compose(line, level, message);
+        int bytes = compose(line, level, about, message);
         ssize_t written = 0;
         keep(line, (size_t)bytes);
         while (shown && (written = write(STDERR_FILENO, line, (size_t)bytes)) < 0 && errno == EINTR)
             continue;
     }
     errno = saved_errno;
+}
+
+void pen_log(enum pen_log_level level, const char *format, ...)
+{
+    static const struct pen_log_about nothing = {0};
+    va_list args;
+    va_start(args, format);
+    write_line(level, &nothing, format, args);
+    va_end(args);
+}
+
+void pen_log_about(enum pen_log_level level, const struct pen_log_about *about, const char *format,
+                   ...)
+{
+    va_list args;
+    va_start(args, format);
+    write_line(level, about, format, args);
+    va_end(args);
 }

@@ -215,9 +215,10 @@ static void log_access(const struct request *request, uint64_t streamed, bool co
     int64_t us = (pen_clock_ns() - request->begun_ns) / 1000;
     bool sent = !request->head && reply->status != 304;
     uint64_t bytes = streamed + (sent ? reply->bytes : 0);
-    pen_log(level, "%s %.300s %d %llu bytes %lld.%03lld ms request=%s%s", request->method,
-            request->raw_target, reply->status, (unsigned long long)bytes, (long long)(us / 1000),
-            (long long)(us % 1000), request->id, complete ? "" : " (cut short)");
+    const struct pen_log_about about = {.job = request->job_id, .request = request->id};
+    pen_log_about(level, &about, "%s %.300s %d %llu bytes %lld.%03lld ms%s", request->method,
+                  request->raw_target, reply->status, (unsigned long long)bytes,
+                  (long long)(us / 1000), (long long)(us % 1000), complete ? "" : " (cut short)");
 }
 
 void pen_http_adapter_on_completed(void *cls, struct MHD_Connection *connection, void **state,

@@ -47,6 +47,7 @@ enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jo
         return answer_status(request, &st);
     if (!pen_jobs_submit(jobs, &in, &out, &errors))
         return answer_errors(request, &errors);
+    memcpy(request->job_id, out.id, sizeof request->job_id); /* for the log */
     pen_http_reply_body(&request->reply, 202, pen_http_blob_take(&out.answer), "application/json");
     pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", out.id);
     pen_http_reply_field(&request->reply, "Retry-After", "1");

@@ -236,7 +236,8 @@ static void write_frame(struct streams *streams, struct frame *frame, struct pen
         return;
     }
     if (!pen_http_events_write(&snapshot, jobs, &frame->to, &text, &st))
-        pen_log(PEN_LOG_WARN, "events of job %s: %s", frame->job_id, st.msg);
+        pen_log_about(PEN_LOG_WARN, &(struct pen_log_about){.job = frame->job_id}, "events: %s",
+                      st.msg);
     else if (text.bytes > 0)
         frame->text = pen_http_blob_take(&text);
     if (!frame->text)

@@ -68,6 +68,12 @@ static json_t *repeat_json(const struct place *place, const struct pen_job_plan 
     return json;
 }
 
+static void log_failure(const struct pen_claim *claim, const char *why)
+{
+    struct pen_log_about about = pen_claim_about(claim);
+    pen_log_about(PEN_LOG_WARN, &about, "the job failed: %s", why);
+}
+
 static void add_place(json_t *problem, const struct place *place, struct pen_store *store)
 {
     const struct pen_claim *claim = place->claim;
@@ -88,8 +94,9 @@ static void add_place(json_t *problem, const struct place *place, struct pen_sto
         return;
     json_object_set_new(problem, "repeat", repeat_json(place, &plan));
     const char *repeat = json_string_value(json_object_get(problem, "repeat"));
+    struct pen_log_about about = pen_claim_about(claim);
     if (repeat)
-        pen_log(PEN_LOG_WARN, "job %s: to see it again: %s", claim->job_id, repeat);
+        pen_log_about(PEN_LOG_WARN, &about, "to see it again: %s", repeat);
     json_decref(plan.request);
 }
 
@@ -118,7 +125,7 @@ char *pen_failure_of_time(struct pen_store *store, const struct pen_claim *claim
     char where[48];
     pen_fail(&why, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g%s",
              (double)claim->timeout_ms / 1000, at_pixel(&place, where, sizeof where));
-    pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why.msg);
+    log_failure(claim, why.msg);
     return write_problem(store, &place, pen_problem(&why));
 }
 
@@ -126,7 +133,7 @@ char *pen_failure_of(struct pen_store *store, const struct pen_claim *claim,
                      const struct pen_status *why)
 {
     struct place place = {.claim = claim, .x = -1, .y = -1};
-    pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why->msg);
+    log_failure(claim, why->msg);
     return write_problem(store, &place, pen_problem(why));
 }
 
@@ -162,7 +169,7 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
              charges, charges == 1 ? "" : "es", obituary->how,
              claim->kind == PEN_BATCH_ASSEMBLE ? "the picture" : "tiles", claim->view,
              at_pixel(&place, where, sizeof where));
-    pen_log(PEN_LOG_WARN, "job %s failed: %s", claim->job_id, why.msg);
+    log_failure(claim, why.msg);
     json_t *problem = pen_problem(&why);
     if (problem && sscanf(obituary->how, "signal %*d (%15[A-Z0-9])", name) == 1)
         json_object_set_new(problem, "signal", json_string(name));

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "failure.h"
+#include "jobs.h"
 #include "pen/base/clock.h"
 #include "pen/base/log.h"
 
@@ -71,7 +72,8 @@ static void settle(struct pen_heartbeat *heart, const struct pen_claim *claim, u
     if (!heart->active || heart->turn != turn || !settled || !heart->options->stuck ||
         pen_clock_ns() - heart->ended_ns < (int64_t)STUCK_MS * 1000000)
         return;
-    pen_log(PEN_LOG_ERROR, "job %s: the render threads do not come back", claim->job_id);
+    struct pen_log_about about = pen_claim_about(claim);
+    pen_log_about(PEN_LOG_ERROR, &about, "the render threads do not come back");
     heart->options->stuck(heart->options->stuck_user);
 }
 
@@ -80,6 +82,7 @@ static void settle(struct pen_heartbeat *heart, const struct pen_claim *claim, u
 static void look(struct pen_heartbeat *heart)
 {
     struct pen_claim claim = heart->claim;
+    struct pen_log_about about = pen_claim_about(&claim);
     uint64_t turn = heart->turn;
     struct pen_status st;
     bool held = true;
@@ -91,7 +94,7 @@ static void look(struct pen_heartbeat *heart)
         end_turn(heart, turn, PEN_BEAT_TIME_UP);
     pthread_mutex_unlock(&heart->lock);
     if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st))
-        pen_log(PEN_LOG_WARN, "heartbeat of job %s: %s", claim.job_id, st.msg);
+        pen_log_about(PEN_LOG_WARN, &about, "heartbeat: %s", st.msg);
     pthread_mutex_lock(&heart->lock);
     if (!held)
         end_turn(heart, turn, PEN_BEAT_LOST);

@@ -3,6 +3,7 @@
 #ifndef PEN_JOBS_INTERNAL_H
 #define PEN_JOBS_INTERNAL_H
 
+#include "pen/base/log.h"
 #include "pen/film/encode.h"
 #include "pen/film/film.h"
 #include "pen/jobs/jobs.h"
@@ -25,6 +26,13 @@ json_t *pen_json_with(json_t *object, const char *key, json_t *value);
 bool pen_ids_init(struct pen_status *st);
 void pen_id_make(int64_t wall_ms, char out[PEN_ID_BYTES]);
 void pen_sha256(const void *data, size_t bytes, unsigned char out[32]);
+
+/* What a line of the log about a claim names. */
+static inline struct pen_log_about pen_claim_about(const struct pen_claim *claim)
+{
+    return (struct pen_log_about){
+        .job = claim->job_id, .batch = claim->batch, .attempt = claim->attempt};
+}
 
 /* A strong entity tag, quoted: a hash of the bytes. */
 void pen_etag_make(const void *data, size_t bytes, char out[72]);

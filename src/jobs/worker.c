@@ -93,6 +93,7 @@ static bool release(struct worker *w, const struct pen_claim *claim, struct pen_
 static bool commit(struct worker *w, const struct pen_claim *claim,
                    const struct pen_batch_work *work, struct pen_next *next, struct pen_status *st)
 {
+    struct pen_log_about about = pen_claim_about(claim);
     bool ok;
     do {
         if (stopped(w))
@@ -101,7 +102,7 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
             ok = pen_store_commit_and_claim(w->store, claim, &work->result, next, st);
     } while (!ok && wait_to_retry(w, "committing a batch", st));
     if (!ok && st->code == PEN_STALE)
-        pen_log(PEN_LOG_INFO, "job %s: a batch was no longer wanted", claim->job_id);
+        pen_log_about(PEN_LOG_INFO, &about, "the batch was no longer wanted");
     return ok || st->code == PEN_STALE;
 }
 
@@ -146,9 +147,12 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
     struct pen_status why;
     if (is_late(claim))
         return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
-    pen_log(PEN_LOG_DEBUG, "job %s: batch %lld, attempt %lld: %d tiles of view %d from %d on",
-            claim->job_id, (long long)claim->batch, (long long)claim->attempt, claim->tile_count,
-            claim->view, claim->first_tile);
+    struct pen_log_about about = pen_claim_about(claim);
+    if (claim->kind == PEN_BATCH_RENDER)
+        pen_log_about(PEN_LOG_DEBUG, &about, "%d tiles of view %d from %d on", claim->tile_count,
+                      claim->view, claim->first_tile);
+    else
+        pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
     pen_heartbeat_begin(w->room.heart, claim);
     bool done = do_batch(w, claim, &work, &why);
     bool ok = !done || commit(w, claim, &work, next, st);

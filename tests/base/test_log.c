@@ -72,6 +72,33 @@ START_TEST(test_log__json_lines)
 }
 END_TEST
 
+START_TEST(test_log__lines_say_what_they_are_about)
+{
+    const struct pen_log_about all = {"01-ab", "r.1_x", 12, 3}, none = {0};
+    const struct pen_log_about odd = {.job = "a b", .request = "x\"y", .batch = 7};
+    char longer[66];
+    memset(longer, 'a', 65);
+    longer[65] = '\0';
+    const struct pen_log_about far = {.job = longer, .request = longer + 1};
+    log_begin();
+    pen_log_about(PEN_LOG_INFO, &all, "text %d", 1);
+    pen_log_about(PEN_LOG_INFO, &none, "text %d", 2);
+    pen_log_about(PEN_LOG_INFO, &odd, "text %d", 3);
+    pen_log_about(PEN_LOG_INFO, &far, "text %d", 4);
+    pen_log_set_json(true);
+    pen_log_about(PEN_LOG_INFO, &all, "json");
+    pen_log_about(PEN_LOG_DEBUG, &all, "not shown");
+    const char *text = log_end();
+    ck_assert_ptr_nonnull(strstr(text, "] text 1 job=01-ab batch=12 attempt=3 request=r.1_x\n"));
+    ck_assert_ptr_nonnull(strstr(text, "] text 2\n"));
+    ck_assert_ptr_nonnull(strstr(text, "] text 3 batch=7\n"));
+    ck_assert_ptr_nonnull(strstr(text, "] text 4 request=aaaa"));
+    ck_assert_ptr_nonnull(strstr(text, ",\"job\":\"01-ab\",\"batch\":12,\"attempt\":3,"
+                                       "\"request\":\"r.1_x\",\"message\":\"json\"}\n"));
+    ck_assert_ptr_null(strstr(text, "not shown"));
+}
+END_TEST
+
 START_TEST(test_log__long_messages_are_cut_not_split)
 {
     static char longer[20000];
@@ -160,5 +187,6 @@ START_TEST(test_log__ring_keeps_the_last_lines_shown_or_not)
 END_TEST
 
 PEN_SUITE("log", test_log__ring_keeps_the_last_lines_shown_or_not, test_log__text_lines,
-          test_log__json_lines, test_log__long_messages_are_cut_not_split, test_log__keeps_errno,
+          test_log__json_lines, test_log__lines_say_what_they_are_about,
+          test_log__long_messages_are_cut_not_split, test_log__keeps_errno,
           test_log__lines_of_threads_do_not_mix)

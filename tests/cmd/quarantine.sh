@@ -41,7 +41,7 @@ for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do good; done
 failed "a job that crashes its worker fails" job-failed
 expect "after three attempts" "$(body .attempts)" 3
 expect "it says at which batch" "$(body '.error.batch | [.view, .first_tile] | join(",")')" 0,0
-expect_match "and shows the log" "$(body '.error.log | join("|")')" "*job $id: batch*"
+expect_match "and shows the log" "$(body '.error.log | join("|")')" "*job=$id batch=*"
 line=$(body .error.repeat)
 if [ -z "$sanitized" ]; then
     expect "it says by what" "$(body .error.signal)" SIGSEGV
@@ -116,7 +116,7 @@ check "others go on" all_good
 check "with another worker" gone "$worker"
 worker=$(child work)
 bad ''
-within 10 grep -q "job $id" "$work/log"
+within 10 grep -q "job=$id" "$work/log"
 sleep 0.5
 ends "such a job can be cancelled" 0 "$penumbra" cancel "$id"
 good

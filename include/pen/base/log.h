@@ -8,6 +8,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum pen_log_level { PEN_LOG_DEBUG, PEN_LOG_INFO, PEN_LOG_WARN, PEN_LOG_ERROR };
 
@@ -37,5 +38,17 @@ void pen_log_ring_last(const struct pen_log_ring *ring, int lines, char *out, si
 /* Writes one line: time, level, process name, and the formatted message. */
 void pen_log(enum pen_log_level level, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* What a line is about; what is unset is left out. Ids are of letters, digits and `.`, `_`, `-`,
+ * 64 bytes at most: others are left out too. */
+struct pen_log_about {
+    const char *job, *request; /* NULL: none */
+    int64_t batch, attempt;    /* 0: none */
+};
+
+/* As pen_log, with these as fields: `job=ID batch=N attempt=N request=ID` after the message, or
+ * members of the JSON line. */
+void pen_log_about(enum pen_log_level level, const struct pen_log_about *about, const char *format,
+                   ...) __attribute__((format(printf, 3, 4)));
 
 #endif
