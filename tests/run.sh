@@ -36,7 +36,9 @@ run_one() { # name command...
     if [ "$bad" -gt 0 ]; then
         broken="$broken $name"
         printf 'FAIL %-44s %4d of %d failed (exit %d)\n' "$name" "$bad" "$checks" "$code"
-        sed 's/^/    /' "$out" | tail -n 60
+        grep -aE '^not ok|:[FE]:' "$out" | head -n 30 | sed 's/^/    /'
+        echo "    … the end of what it printed:"
+        tail -n 25 "$out" | sed 's/^/    /'
     else
         printf 'ok   %-44s %4d checks %4d s\n' "$name" "$checks" "$(($(date +%s) - start))"
     fi
