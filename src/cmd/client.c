@@ -262,6 +262,50 @@ static CURLcode attempt_until(struct pen_client *client, const struct pen_reques
     }
 }
 
+/* A stream as it comes in. */
+struct stream {
+    CURL *curl;
+    struct pen_sse *sse;
+};
+
+/* What is no stream of events is not read. */
+static size_t on_stream(char *data, size_t size, size_t count, void *user)
+{
+    struct stream *stream = user;
+    const char *type = NULL;
+    long status = 0;
+    curl_easy_getinfo(stream->curl, CURLINFO_RESPONSE_CODE, &status);
+    curl_easy_getinfo(stream->curl, CURLINFO_CONTENT_TYPE, &type);
+    if (status != 200 || !type || strncmp(type, "text/event-stream", 17) != 0)
+        return 0;
+    return pen_sse_feed(stream->sse, data, size * count) ? size * count : 0;
+}
+
+bool pen_client_events(struct pen_client *client, const char *path, struct pen_sse *sse,
+                       int silence_s)
+{
+    struct pen_request request = {.method = "GET", .path = path, .timeout_s = silence_s};
+    struct pen_reply reply = {0};
+    struct stream stream = {client->curl, sse};
+    struct curl_slist *headers = NULL;
+    char *url = NULL;
+    CURLcode code = CURLE_OUT_OF_MEMORY;
+    if (asprintf(&url, "%s%s", client->base, path) >= 0 &&
+        make_headers(client, &request, &headers) &&
+        (!sse->last_id[0] || add_header(&headers, "Last-Event-ID: %s", sse->last_id))) {
+        set_request(client, &request, &reply);
+        curl_easy_setopt(client->curl, CURLOPT_WRITEFUNCTION, on_stream);
+        curl_easy_setopt(client->curl, CURLOPT_WRITEDATA, &stream);
+        curl_easy_setopt(client->curl, CURLOPT_URL, url);
+        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, headers);
+        code = curl_easy_perform(client->curl);
+        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, NULL);
+    }
+    curl_slist_free_all(headers);
+    free(url);
+    return code == CURLE_OK;
+}
+
 static void add_error(struct pen_errors *errors, enum pen_code code, const json_t *item,
                       const char *detail)
 {

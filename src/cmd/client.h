@@ -13,6 +13,7 @@
 #include "options.h"
 #include "pen/base/buf.h"
 #include "pen/base/status.h"
+#include "sse.h"
 
 /* What all commands that talk to a daemon take. The rows expect a field `remote` of this type. */
 struct pen_remote {
@@ -79,6 +80,12 @@ bool pen_client_send(struct pen_client *client, const struct pen_request *reques
 /* As pen_client_send, for an answer that is JSON. Owns: *json; the caller json_decref()s. */
 bool pen_client_json(struct pen_client *client, const struct pen_request *request,
                      struct pen_reply *reply, json_t **json, struct pen_errors *errors);
+
+/* Follows a stream of events until it ends; once, without a second attempt.
+ * Returns false when there was no stream, or it broke; sse->events and sse->last_id tell how far
+ * it came. */
+bool pen_client_events(struct pen_client *client, const char *path, struct pen_sse *sse,
+                       int silence_s);
 
 /* Called before each pause of a repeated request, with the reason; for a note to people. */
 typedef void pen_client_pause_fn(void *user, const char *reason);

@@ -8,7 +8,11 @@
 #include "output.h"
 #include "progress.h"
 
-enum { ANSWER_S = 30, LONG_POLL_S = 30 };
+enum {
+    ANSWER_S = 30,
+    LONG_POLL_S = 30,
+    SILENCE_S = 35 /* of a stream: three heartbeats */
+};
 
 const char *pen_remote_text(const json_t *job, const char *key)
 {
@@ -115,20 +119,56 @@ static bool check_end(const json_t *job, struct pen_errors *errors)
     return false;
 }
 
-static bool follow(struct pen_client *client, const char *path, struct pen_progress *progress,
-                   json_t **job, struct pen_errors *errors)
+/* A job being followed. */
+struct following {
+    struct pen_client *client;
+    struct pen_progress *progress;
+    json_t **job;
+    struct pen_buf path, soon, waiting, events; /* of the job, and how to wait for it */
+    char etag[sizeof((struct pen_reply *)0)->etag];
+};
+
+static void on_event(void *user, const char *type, const char *data)
 {
-    char now[sizeof((struct pen_reply *)0)->etag] = "";
-    const char *query = "?wait=30";
-    struct pen_buf waiting = {0};
-    bool ok =
-        (pen_buf_puts(&waiting, path) && pen_buf_puts(&waiting, query)) || out_of_memory(errors);
-    ok = ok && look(client, path, now, job, errors);
-    while (ok && !has_ended(*job)) {
-        show(progress, *job);
-        ok = look(client, (const char *)waiting.data, now, job, errors);
+    struct following *following = user;
+    json_t *job = strcmp(type, "tile") == 0 ? NULL : json_loads(data, 0, NULL);
+    if (!job)
+        return;
+    json_decref(*following->job);
+    *following->job = job;
+    if (!has_ended(job))
+        show(following->progress, job);
+}
+
+/* Lets the daemon tell. Where there are no events, as from a daemon whose places are all taken or
+ * behind a proxy that holds them back, *usable becomes false; a stream that broke is taken up
+ * again. */
+static void listen_to(struct following *following, struct pen_sse *sse, bool *usable)
+{
+    int before = sse->events;
+    pen_client_events(following->client, (const char *)following->events.data, sse, SILENCE_S);
+    *usable = sse->events > before;
+    following->etag[0] = '\0'; /* what was told may be newer than what was looked at */
+}
+
+/* A job that is over within a second costs one request. */
+static bool follow(struct following *following, struct pen_errors *errors)
+{
+    const char *path = (const char *)following->path.data;
+    const char *waiting = (const char *)following->waiting.data;
+    struct pen_sse sse = {.each = on_event, .user = following};
+    bool usable = true;
+    bool ok = look(following->client, (const char *)following->soon.data, following->etag,
+                   following->job, errors);
+    while (ok && !has_ended(*following->job)) {
+        show(following->progress, *following->job);
+        if (usable)
+            listen_to(following, &sse, &usable);
+        if (!has_ended(*following->job))
+            ok = look(following->client, usable ? path : waiting, following->etag, following->job,
+                      errors);
     }
-    pen_buf_release(&waiting);
+    pen_sse_release(&sse);
     return ok;
 }
 
@@ -136,17 +176,24 @@ bool pen_remote_wait(struct pen_client *client, const char *id, bool quiet, json
                      struct pen_errors *errors)
 {
     struct pen_progress progress;
-    struct pen_buf path = {0};
+    struct following following = {.client = client, .progress = &progress, .job = job};
     char label[16];
     *job = NULL;
     snprintf(label, sizeof label, "job %.8s…", id);
     pen_progress_begin(&progress, label, quiet);
     pen_client_on_pause(client, on_pause, &progress);
-    bool ok = job_path(client, id, "", &path) || out_of_memory(errors);
-    ok = ok && follow(client, (const char *)path.data, &progress, job, errors);
+    bool ok = (job_path(client, id, "", &following.path) &&
+               job_path(client, id, "?wait=1", &following.soon) &&
+               job_path(client, id, "?wait=30", &following.waiting) &&
+               job_path(client, id, "/events", &following.events)) ||
+              out_of_memory(errors);
+    ok = ok && follow(&following, errors);
     pen_client_on_pause(client, NULL, NULL);
     pen_progress_end(&progress);
-    pen_buf_release(&path);
+    pen_buf_release(&following.path);
+    pen_buf_release(&following.soon);
+    pen_buf_release(&following.waiting);
+    pen_buf_release(&following.events);
     return ok && check_end(*job, errors);
 }
 

@@ -21,8 +21,10 @@
 
 enum {
     TICK_MS = 250, /* how late a deadline may be noticed */
-    PACE_MS = 20   /* between two texts of a stream, at least */
+    PACE_MS = 20,  /* between two texts of a stream, on average */
+    BURST = 4      /* that many may follow each other at once: a small job's whole life */
 };
+static const int64_t pace_ns = PACE_MS * INT64_C(1000000);
 static const int64_t look_anyway_ns = INT64_C(1000000000);
 
 struct watch {
@@ -103,7 +105,8 @@ static void look(struct watch *watch, struct request *taken, uint32_t news, bool
 /* One round of the thread, and what it keeps from round to round. */
 struct turn {
     uint32_t news;
-    int64_t now_ns, looked_ns, told_ns;
+    int64_t now_ns, looked_ns;
+    int64_t tell_ns; /* when streams may be told next; lies back by what was not used */
     bool closing;
     bool all;  /* look at every job, not only where the time is up */
     bool owed; /* streams have not been told of the last look yet */
@@ -144,9 +147,10 @@ static void attend_streams(struct watch *watch, struct turn *turn)
 {
     struct streams *streams = watch->http->streams;
     turn->owed = turn->owed || turn->all;
-    if (turn->closing || (turn->owed && turn->now_ns - turn->told_ns >= PACE_MS * 1000000)) {
+    if (turn->closing || (turn->owed && turn->now_ns >= turn->tell_ns)) {
+        int64_t spare_ns = turn->now_ns - BURST * pace_ns;
         turn->owed = false;
-        turn->told_ns = turn->now_ns;
+        turn->tell_ns = (turn->tell_ns > spare_ns ? turn->tell_ns : spare_ns) + pace_ns;
         pen_http_streams_look(streams, watch->jobs, turn->news);
     }
     pen_http_streams_beat(streams, turn->now_ns);
