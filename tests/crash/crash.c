@@ -384,6 +384,8 @@ static void close_bed(struct test *t, const char *folder)
 {
     check(t, daemon_drain(&t->daemon), "the last drain", "");
     check(t, daemon_processes(&t->daemon) == 0, "no process is left over", "");
+    check(t, count_log(t, "Sanitizer") + count_log(t, "runtime error:") == 0,
+          "no sanitizer has found anything", t->daemon.log);
     print_hits(t);
     pen_jobs_close(t->jobs);
     for (int k = 0; k < KINDS; k++)
