@@ -2,11 +2,9 @@
 /* `penumbra list`: the jobs of a daemon as a table, newest first. */
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "commands.h"
 #include "pen/base/clock.h"
-#include "pen/base/utf8.h"
 #include "progress.h"
 #include "remote.h"
 #include "report.h"
@@ -89,24 +87,11 @@ static bool get_page(struct pen_client *client, const struct values *values, jso
     return ok;
 }
 
-/* Seconds since 1970 of an RFC 3339 time in UTC, with its fraction; negative if it is none. */
-static double seconds_of(const char *text)
-{
-    struct tm tm = {0};
-    double second;
-    if (sscanf(text, "%d-%d-%dT%d:%d:%lfZ", &tm.tm_year, &tm.tm_mon, &tm.tm_mday, &tm.tm_hour,
-               &tm.tm_min, &second) != 6)
-        return -1;
-    tm.tm_year -= 1900;
-    tm.tm_mon -= 1;
-    return (double)timegm(&tm) + second;
-}
-
 /* How long the job has been rendering, or took. */
 static void format_time(const json_t *job, char out[16])
 {
-    double from = seconds_of(pen_remote_text(job, "started_at"));
-    double to = seconds_of(pen_remote_text(job, "finished_at"));
+    double from = pen_remote_time(job, "started_at");
+    double to = pen_remote_time(job, "finished_at");
     if (from >= 0 && to < 0)
         to = (double)pen_clock_wall_ms() * 1e-3;
     if (from < 0 || to < from)
@@ -123,11 +108,7 @@ static void print_row(const json_t *job)
     double fraction =
         json_number_value(json_object_get(json_object_get(job, "progress"), "fraction"));
     format_time(job, took);
-    pen_utf8_copy(name, sizeof name, pen_remote_text(job, "name"));
-    for (char *c = name; *c; c++) {
-        if ((unsigned char)*c < 0x20 || *c == 0x7F)
-            *c = '?'; /* a job's name cannot play with the terminal */
-    }
+    pen_remote_label(job, "name", name, sizeof name);
     snprintf(created, sizeof created, "%.19s", pen_remote_text(job, "created_at"));
     if (strlen(created) > 10)
         created[10] = ' ';

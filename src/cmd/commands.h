@@ -14,6 +14,7 @@ extern const struct pen_command pen_command_submit;
 extern const struct pen_command pen_command_wait;
 extern const struct pen_command pen_command_fetch;
 extern const struct pen_command pen_command_list;
+extern const struct pen_command pen_command_top;
 extern const struct pen_command pen_command_stats;
 extern const struct pen_command pen_command_cancel;
 extern const struct pen_command pen_command_delete;

@@ -3,9 +3,11 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 #include "files.h"
 #include "output.h"
+#include "pen/base/utf8.h"
 #include "progress.h"
 
 enum {
@@ -18,6 +20,27 @@ const char *pen_remote_text(const json_t *job, const char *key)
 {
     const char *text = json_string_value(json_object_get(job, key));
     return text ? text : "";
+}
+
+void pen_remote_label(const json_t *object, const char *key, char *out, size_t bytes)
+{
+    pen_utf8_copy(out, bytes, pen_remote_text(object, key));
+    for (char *c = out; *c; c++) {
+        if ((unsigned char)*c < 0x20 || *c == 0x7F)
+            *c = '?';
+    }
+}
+
+double pen_remote_time(const json_t *object, const char *key)
+{
+    struct tm tm = {0};
+    double second;
+    if (sscanf(pen_remote_text(object, key), "%d-%d-%dT%d:%d:%lfZ", &tm.tm_year, &tm.tm_mon,
+               &tm.tm_mday, &tm.tm_hour, &tm.tm_min, &second) != 6)
+        return -1;
+    tm.tm_year -= 1900;
+    tm.tm_mon -= 1;
+    return (double)timegm(&tm) + second;
 }
 
 static bool out_of_memory(struct pen_errors *errors)

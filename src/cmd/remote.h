@@ -32,4 +32,10 @@ bool pen_remote_fetch(struct pen_client *client, const char *id, const struct pe
 /* A member of a job that is text; "" if there is none. */
 const char *pen_remote_text(const json_t *job, const char *key);
 
+/* The same for people, cut to fit: it cannot play with the terminal. */
+void pen_remote_label(const json_t *object, const char *key, char *out, size_t bytes);
+
+/* A member that is a time, in seconds since 1970; negative if there is none. */
+double pen_remote_time(const json_t *object, const char *key);
+
 #endif

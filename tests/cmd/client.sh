@@ -121,6 +121,30 @@ ends "a deleted job" 4 "$penumbra" wait "$id"
 ends "an id that is none" 4 "$penumbra" wait nonsense/../x --json
 expect "prints a problem document" "$(jq .status stdout)" 404
 
+# Top, and a wait that is told how the job goes on, also by the next api process
+long_id=$("$penumbra" submit long.json)
+"$penumbra" wait "$long_id" >waited 2>waited.err &
+waiter=$!
+working() {
+    "$penumbra" top --json >top.json &&
+        [ "$(jq -r '.workers[0].batches[0].job' top.json)" = "$long_id" ] &&
+        [ "$(jq '.running[0].progress.done > 0' top.json)" = true ]
+}
+check "top --json shows a worker at its job" within 30 working
+expect "and its threads" "$(jq '.workers[0].threads' top.json)" 2
+ends "top" 0 "$penumbra" top
+says "counts" stdout "workers 1, running 1, queued 0"
+says "shows the worker" stdout "render of main, attempt 1"
+says "and the job" stdout "$long_id ["
+kill -KILL "$(child api)"
+sleep 1.5
+check "wait outlives the api process" kill -0 "$waiter"
+"$penumbra" cancel "$long_id" >/dev/null
+wait "$waiter"
+expect "and hears of the end" "$? $(cat waited)" "6 $long_id cancelled"
+ends "top with nothing to do" 0 "$penumbra" top --once
+says "says so" stdout "running 0, queued 0"
+
 # A daemon that is not there, is something else, or comes late
 ends "no daemon" 5 "$penumbra" list --server http://127.0.0.1:9 --retry 0
 says "names the server" stderr "http://127.0.0.1:9"
