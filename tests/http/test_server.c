@@ -58,8 +58,8 @@ START_TEST(test_server__partial_requests_are_ended)
 {
     static const char *const parts[] = {"", "G", "GET /healthz HTTP/1.1\r\n",
                                         "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: ",
-                                        "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
-                                        "Content-Length: 100\r\n\r\n{\"scene\""};
+                                        ("POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                                         "Content-Length: 100\r\n\r\n{\"scene\"")};
     struct server server;
     server_start(&server, &(struct server_options){.idle_seconds = 1});
     int fds[5];
