@@ -42,7 +42,7 @@ static int later_command(const char *word)
 
 static int unknown_command(const char *word)
 {
-    static const char *const later[] = {"plan", "convert", "bench", "accuracy", "effects", "top"};
+    static const char *const later[] = {"plan", "convert", "bench", "accuracy", "effects"};
     for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
         if (strcmp(word, later[i]) == 0)
             return later_command(word);
