@@ -35,7 +35,8 @@ enum pen_block_kind {
 #define PEN_ITEM_KIND(item) ((item) >> 28 & 7u)
 #define PEN_ITEM_INDEX(item) ((item)&0x0fffffffu)
 
-/* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing. */
+/* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing:
+ * PEN_CHILD_LEAF itself. */
 struct pen_node {
     float plane[6][PEN_WIDE]; /* the boxes: low ends by axis, then high ends by axis */
     uint32_t child[PEN_WIDE];
@@ -95,6 +96,7 @@ struct pen_accel {
     const struct pen_tubes4 *tubes;
     double scale; /* the largest pen_prim_scale of a finite primitive */
     struct pen_accel_stats stats;
+    struct pen_test_counts *counts; /* of a view that counts; else NULL */
 };
 
 #endif

@@ -5,9 +5,10 @@
 
 #include "pen/accel/accel.h"
 
-extern const struct pen_trace_ops pen_trace_base;
+extern const struct pen_trace_ops pen_trace_base, pen_trace_count_base;
 
 /* NULL where the build lacks AVX2. */
 const struct pen_trace_ops *pen_trace_avx2(void);
+const struct pen_trace_ops *pen_trace_count_avx2(void);
 
 #endif

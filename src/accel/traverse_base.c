@@ -1,65 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Queries in plain C, for any processor: the reference for the other variants. */
+#include "boxes_base.h"
 #include "ops.h"
-#include "traverse.h"
 
-struct box_ray {
-    float near_o[3], far_o[3];
-    float near_inv[3], far_inv[3];
-    bool negative[3]; /* d is negative or -0: the near plane is the high end */
-    float tmin;       /* >= 0 */
-    double scale;
-};
-
-static inline void box_axis(struct box_ray *box, int axis, double o, double d, double grow)
-{
-    double inv = box->scale / d;
-    double down = 1 - 0x1p-22, up = 1 + 0x1p-22;
-    bool negative = signbit(d);
-    float low = pen_float_down(o - grow), high = pen_float_up(o + grow);
-    box->negative[axis] = negative;
-    box->near_o[axis] = negative ? low : high;
-    box->far_o[axis] = negative ? high : low;
-    box->near_inv[axis] = pen_float_near(inv * down);
-    box->far_inv[axis] = fabs(inv) < (double)FLT_MAX / 2 ? (float)(inv * up)
-                         : negative                      ? -INFINITY
-                                                         : INFINITY;
-}
-
-static inline void box_ray_make(struct box_ray *box, const struct pen_ray *ray, double tmin,
-                                double grow)
-{
-    box->scale = box_scale(ray);
-    box_axis(box, 0, ray->o.x, ray->d.x, grow);
-    box_axis(box, 1, ray->o.y, ray->d.y, grow);
-    box_axis(box, 2, ray->o.z, ray->d.z, grow);
-    box->tmin = pen_float_down(tmin * box->scale);
-}
-
-static inline unsigned enter_node(const struct pen_node *node, const struct box_ray *box,
-                                  float limit, float near[PEN_WIDE])
-{
-    unsigned mask = 0;
-    for (int lane = 0; lane < PEN_WIDE; lane++) {
-        float t0 = box->tmin, t1 = limit;
-        for (int axis = 0; axis < 3; axis++) {
-            float first = node->plane[axis + (box->negative[axis] ? 3 : 0)][lane];
-            float last = node->plane[axis + (box->negative[axis] ? 0 : 3)][lane];
-            float a = (first - box->near_o[axis]) * box->near_inv[axis];
-            float b = (last - box->far_o[axis]) * box->far_inv[axis];
-            t0 = a > t0 ? a : t0; /* NaN, from 0 times infinity, leaves the axis out */
-            t1 = b < t1 ? b : t1;
-        }
-        near[lane] = t0;
-        mask |= (unsigned)(t0 <= t1) << lane;
-    }
-    return mask;
-}
-
-static inline bool test_item(struct trace *w, uint32_t item, bool any)
-{
-    return test_each(w, item, any);
-}
+enum { COUNTING = 0 };
 
 #include "traverse_walk.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The walk through a tree and the two queries; see traverse.h. */
+/* The walk through a tree and the two queries; see traverse.h. The including file also says whether
+ * tests are counted: `enum { COUNTING = 0 };` or 1. */
 #ifndef PEN_SRC_ACCEL_TRAVERSE_WALK_H
 #define PEN_SRC_ACCEL_TRAVERSE_WALK_H
 
@@ -13,9 +14,26 @@ struct pending {
     uint32_t child;
 };
 
+/* The boxes of a node count together, as they are tested. */
+static inline void count_boxes(const struct trace *w, const struct pen_node *node)
+{
+    for (int lane = 0; lane < PEN_WIDE; lane++)
+        w->accel->counts->boxes += node->child[lane] != PEN_CHILD_LEAF;
+}
+
+/* The primitives of a block count together, whichever of them ends the query. */
+static inline void count_prims(const struct trace *w, uint32_t item)
+{
+    const uint32_t *prim = block_prims(w->accel, item);
+    for (int lane = 0; prim && lane < PEN_LANES; lane++)
+        w->accel->counts->primitives += prim[lane] != PEN_NO_PRIM;
+}
+
 static inline bool test_leaf(struct trace *w, uint32_t first, bool any)
 {
     for (const uint32_t *item = &w->accel->items[first];; item++) {
+        if (COUNTING)
+            count_prims(w, *item);
         if (test_item(w, *item, any))
             return true;
         if (*item & PEN_ITEM_LAST)
@@ -54,6 +72,8 @@ static inline void walk_nearest(struct trace *w, const struct box_ray *box)
         } else {
             const struct pen_node *node = &w->accel->nodes[child];
             float near[PEN_WIDE];
+            if (COUNTING)
+                count_boxes(w, node);
             unsigned mask = enter_node(node, box, limit, near);
             if (mask && !(mask & (mask - 1))) {
                 child = node->child[__builtin_ctz(mask)];
@@ -80,6 +100,8 @@ static inline bool walk_any(struct trace *w, const struct box_ray *box)
     while (top > 0) {
         const struct pen_node *node = &w->accel->nodes[stack[--top]];
         float near[PEN_WIDE];
+        if (COUNTING)
+            count_boxes(w, node);
         unsigned mask = enter_node(node, box, limit, near);
         for (; mask; mask &= mask - 1) {
             uint32_t child = node->child[__builtin_ctz(mask)];
@@ -144,8 +166,9 @@ static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
     query->count = 0;
     query->overflow = false;
     uint32_t last = query->last_occluder;
-    if (last < accel->prims->count && !(query->see_through && query->see_through[last]) &&
-        test_prim(&w, last, true))
+    /* What the thread met before must not change what is counted. */
+    if (!COUNTING && last < accel->prims->count &&
+        !(query->see_through && query->see_through[last]) && test_prim(&w, last, true))
         return true;
     query->last_occluder = PEN_NO_PRIM;
     return search(&w, 0, true);

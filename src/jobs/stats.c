@@ -92,12 +92,19 @@ json_t *pen_stats_rate(uint64_t rays, double render_ms)
     return pen_stats_ms(render_ms > 0 ? (double)rays / render_ms / 1000 : 0);
 }
 
-static json_t *accelerator_json(const struct pen_accel_stats *s)
+static json_t *accelerator_json(const struct pen_accel_stats *s, const struct pen_render_stats *r)
 {
-    return json_pack("{s:s, s:I, s:I, s:I, s:I, s:o, s:o}", "kind", pen_accelerator_name(s->kind),
-                     "nodes", (json_int_t)s->nodes, "leaves", (json_int_t)s->leaves, "depth",
-                     (json_int_t)s->depth, "bytes", (json_int_t)s->bytes, "sah_cost",
-                     pen_stats_ms(s->sah_cost), "build_ms", pen_stats_ms(s->build_ms));
+    json_t *json =
+        json_pack("{s:s, s:I, s:I, s:I, s:I, s:o, s:o}", "kind", pen_accelerator_name(s->kind),
+                  "nodes", (json_int_t)s->nodes, "leaves", (json_int_t)s->leaves, "depth",
+                  (json_int_t)s->depth, "bytes", (json_int_t)s->bytes, "sah_cost",
+                  pen_stats_ms(s->sah_cost), "build_ms", pen_stats_ms(s->build_ms));
+    double rays = (double)pen_stats_total(&r->rays);
+    if (!r->tests_counted || !(rays > 0))
+        return json;
+    json = pen_json_with(json, "box_tests_per_ray", pen_stats_ms((double)r->tests.boxes / rays));
+    return pen_json_with(json, "primitive_tests_per_ray",
+                         pen_stats_ms((double)r->tests.primitives / rays));
 }
 
 static json_t *timing_json(const struct pen_stats_input *in)
@@ -127,7 +134,7 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
                      timing_json(in), "rays", pen_stats_rays(&r->rays), "mrays_per_second",
                      pen_stats_rate(pen_stats_total(&r->rays), r->render_ms), "threads", r->threads,
                      "tiles", pen_stats_tiles(r->tile_count, &tiles), "accelerator",
-                     accelerator_json(pen_accel_get_stats(in->scene->accel)), "kernel",
+                     accelerator_json(pen_accel_get_stats(in->scene->accel), r), "kernel",
                      r->kernel ? r->kernel : "", "effects", pen_effects_json(r->effects), "memory",
                      "peak_bytes", (json_int_t)pen_peak_bytes(), "dropped_samples",
                      (json_int_t)r->rays.dropped_samples, "host", pen_stats_host());

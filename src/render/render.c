@@ -10,11 +10,14 @@
 #include <string.h>
 #include <time.h>
 
+#include "counter.h"
 #include "pen/base/clock.h"
 #include "pool.h"
 
 /* What one thread did; written by that thread alone, read when all are done. */
 struct part {
+    const struct pen_kernel_input *input; /* the run's, or that of `counter` */
+    struct pen_counter *counter;          /* NULL unless tests are counted */
     struct pen_kernel_scratch *scratch;
     struct pen_ray_counts rays;
     int64_t begun_ns, done_ns, cpu_ns;
@@ -76,7 +79,7 @@ static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
             double rgb[3];
             if (task->pixel_begins)
                 task->pixel_begins(task->pixel_user, thread, x, y);
-            run->kernel->pixel(&run->input, part->scratch, x, y, rgb, &part->rays);
+            run->kernel->pixel(part->input, part->scratch, x, y, rgb, &part->rays);
             for (int c = 0; c < 3; c++)
                 out[c] = (float)rgb[c];
         }
@@ -139,7 +142,10 @@ static int gather(const struct run *run, struct pen_render_stats *stats)
         done = part->done_ns > done ? part->done_ns : done;
         cpu += part->cpu_ns;
         tiles += part->tiles;
+        if (part->counter)
+            pen_counter_add(part->counter, &stats->tests);
     }
+    stats->tests_counted = run->task->count_tests;
     stats->render_ms = (double)(done - begun) * 1e-6;
     stats->cpu_ms = (double)cpu * 1e-6;
     stats->threads = run->threads;
@@ -154,8 +160,14 @@ static bool make_parts(struct run *run, struct pen_status *st)
     if (!run->parts)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory for %d render threads", run->threads);
     for (int i = 0; i < run->threads; i++) {
-        run->parts[i].scratch = pen_kernel_scratch_new(&run->input);
-        if (!run->parts[i].scratch)
+        struct part *part = &run->parts[i];
+        part->input = &run->input;
+        if (run->task->count_tests) {
+            part->counter = pen_counter_new(&run->input);
+            part->input = part->counter ? pen_counter_input(part->counter) : NULL;
+        }
+        part->scratch = part->input ? pen_kernel_scratch_new(part->input) : NULL;
+        if (!part->scratch)
             return pen_fail(st, PEN_NO_MEMORY, "out of memory for the paths of a render thread");
     }
     return true;
@@ -163,8 +175,10 @@ static bool make_parts(struct run *run, struct pen_status *st)
 
 static void free_parts(struct run *run)
 {
-    for (int i = 0; run->parts && i < run->threads; i++)
+    for (int i = 0; run->parts && i < run->threads; i++) {
         pen_kernel_scratch_free(run->parts[i].scratch);
+        pen_counter_free(run->parts[i].counter);
+    }
     free(run->parts);
 }
 

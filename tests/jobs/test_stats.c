@@ -171,6 +171,14 @@ START_TEST(test_stats__percentiles_of_tiles_are_nearest_ranks)
     ck_assert(number(tiles, "p95") == 190);
     ck_assert(number(tiles, "max") == 200);
     ck_assert(number(json_object_get(stats, "timing"), "queue_ms") == 1.235);
+    ck_assert(!json_object_get(json_object_get(stats, "accelerator"), "box_tests_per_ray"));
+    json_decref(stats);
+    render.tests_counted = true; /* what a benchmark knows besides */
+    render.tests = (struct pen_test_counts){.boxes = 50, .primitives = 9};
+    render.rays = (struct pen_ray_counts){.primary = 3, .shadow = 1};
+    stats = pen_stats_json(&in);
+    ck_assert(number(json_object_get(stats, "accelerator"), "box_tests_per_ray") == 12.5);
+    ck_assert(number(json_object_get(stats, "accelerator"), "primitive_tests_per_ray") == 2.25);
     json_decref(stats);
     pen_scene_free(scene);
     pen_arena_free(arena);

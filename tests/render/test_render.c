@@ -65,6 +65,50 @@ START_TEST(test_render__same_film_for_threads_tiles_and_accelerators)
 }
 END_TEST
 
+/* A run that counts tests. */
+static struct pen_render_stats counted(const struct pen_scene *scene, int threads, float *film)
+{
+    struct pen_status st;
+    struct pen_pool *pool = pen_pool_new(threads, &st);
+    struct pen_render_task task = {.scene = scene,
+                                   .settings = &kit.settings,
+                                   .tile_count = -1,
+                                   .rgb = film,
+                                   .count_tests = true};
+    struct pen_render_stats stats;
+    ck_assert(pen_render_run(pool, &task, &stats, &st));
+    ck_assert(stats.tests_counted);
+    pen_pool_free(pool);
+    return stats;
+}
+
+START_TEST(test_render__tests_are_counted_alike_however_the_work_is_divided)
+{
+    kit_medley(&kit);
+    kit.settings.samples_per_pixel = 2;
+    struct pen_scene *scene = kit_freeze(&kit);
+    float *want = kit_film(scene, &kit.settings, 1), *film = malloc(film_bytes());
+    struct pen_render_stats first = counted(scene, 1, film);
+    ck_assert(memcmp(film, want, film_bytes()) == 0);
+    ck_assert_uint_gt(first.tests.boxes, first.rays.primary);
+    ck_assert_uint_gt(first.tests.primitives, first.rays.primary);
+    static const int tiles[] = {1, 7, 100};
+    for (int i = 0; i < 6; i++) {
+        kit.settings.tile = tiles[i % 3];
+        if (i >= 3)
+            setenv("PENUMBRA_ISA", "base", 1);
+        struct pen_render_stats stats = counted(scene, 1 + i, film);
+        ck_assert(memcmp(film, want, film_bytes()) == 0);
+        ck_assert_uint_eq(stats.tests.boxes, first.tests.boxes);
+        ck_assert_uint_eq(stats.tests.primitives, first.tests.primitives);
+    }
+    unsetenv("PENUMBRA_ISA");
+    free(film);
+    free(want);
+    pen_scene_free(scene);
+}
+END_TEST
+
 START_TEST(test_render__a_pixel_is_what_the_film_holds)
 {
     kit_medley(&kit);
@@ -285,6 +329,7 @@ END_TEST
 
 PEN_SUITE("render", test_render__tiles_cover_the_image_once,
           test_render__same_film_for_threads_tiles_and_accelerators,
+          test_render__tests_are_counted_alike_however_the_work_is_divided,
           test_render__a_pixel_is_what_the_film_holds, test_render__statistics,
           test_render__parts_make_the_whole, test_render__cancel,
           test_render__default_arithmetic_in_every_thread)

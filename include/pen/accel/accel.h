@@ -88,4 +88,25 @@ struct pen_trace_ops {
 /* The table for an instruction set; falls back to the baseline where a build lacks it. */
 const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa);
 
+/* Tests of queries. A box test compares one box with one ray; the boxes of a node that is looked
+ * into count all, since they are tested together. A primitive test looks for the crossings of one
+ * primitive; those of a block (up to four of one kind, side by side in a leaf) count all, whichever
+ * of them ends the query. */
+struct pen_test_counts {
+    uint64_t boxes, primitives;
+};
+
+/* Counting queries are compiled apart, so that the others cost nothing for it. They give the same
+ * answers, but do not try `last_occluder`, so that what a ray costs does not depend on the rays
+ * before it: counts are a pure function of (accelerator, ray), equal in all variants, and their
+ * sums are the same for any division of the work. They take an accelerator made by
+ * pen_accel_count_new only. */
+const struct pen_trace_ops *pen_trace_count_ops_get(enum pen_isa isa);
+
+/* The same accelerator, as one thread sees it: its queries add to *counts.
+ * Owns: free with pen_accel_count_free; borrows both. Fails: NULL when out of memory. */
+struct pen_accel *pen_accel_count_new(const struct pen_accel *accel,
+                                      struct pen_test_counts *counts);
+void pen_accel_count_free(struct pen_accel *view);
+
 #endif

@@ -35,6 +35,8 @@ struct pen_render_stats {
     double cpu_ms;    /* of the render threads, over those tiles */
     int threads;      /* how many worked on it: no more than there were tiles */
     struct pen_ray_counts rays;
+    bool tests_counted;           /* if the task asked for it */
+    struct pen_test_counts tests; /* of all rays; per ray is by the sum of `rays` */
     uint32_t tile_count;
     double *tile_ms; /* tile_count values; NULL if not asked for, or if the run failed.
                       * Owns: the caller frees it with free(). */
@@ -58,6 +60,10 @@ struct pen_render_task {
     void (*pixel_begins)(void *user, int thread, int x, int y);
     void *pixel_user;
     bool keep_tile_ms;
+    /* Counts box and primitive tests, see pen_trace_count_ops_get. The film is the same, the counts
+     * are for any number of threads, tile size and instruction set, but the run takes longer: time
+     * another one. */
+    bool count_tests;
 };
 
 /* Renders; returns when the tiles are done. One task at a time per pool; the calling thread only
