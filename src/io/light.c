@@ -9,8 +9,6 @@ static const struct pen_word kinds[] = {{"directional", PEN_LIGHT_DIRECTIONAL, N
                                         {"spot", PEN_LIGHT_SPOT, NULL},
                                         {0}};
 
-static const char soft[] = "soft shadows, that is, a light with a radius above 0";
-
 static const struct pen_field directional_fields[] = {
     {"type", PEN_FIELD_OTHER, .required = true},
     {"intensity", PEN_FIELD_COLOUR, .required = true,
@@ -19,7 +17,7 @@ static const struct pen_field directional_fields[] = {
     {"direction", PEN_FIELD_DIRECTION, .required = true,
      .offset = offsetof(struct pen_light_desc, direction)},
     {"angular_radius", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_light_desc, angular_radius),
-     .range = &angular_range, .later = soft},
+     .range = &angular_range},
     {0}};
 
 static const struct pen_field point_fields[] = {
@@ -31,7 +29,7 @@ static const struct pen_field point_fields[] = {
      .offset = offsetof(struct pen_light_desc, position)},
     {"attenuation", PEN_FIELD_COEFFICIENTS, .offset = offsetof(struct pen_light_desc, attenuation)},
     {"radius", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_light_desc, radius),
-     .range = &pen_range_not_negative, .later = soft},
+     .range = &pen_range_not_negative},
     {0}};
 
 static const struct pen_field spot_fields[] = {
@@ -43,7 +41,7 @@ static const struct pen_field spot_fields[] = {
      .offset = offsetof(struct pen_light_desc, position)},
     {"attenuation", PEN_FIELD_COEFFICIENTS, .offset = offsetof(struct pen_light_desc, attenuation)},
     {"radius", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_light_desc, radius),
-     .range = &pen_range_not_negative, .later = soft},
+     .range = &pen_range_not_negative},
     {"direction", PEN_FIELD_DIRECTION, .required = true,
      .offset = offsetof(struct pen_light_desc, direction)},
     {"beam_exponent", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_light_desc, beam_exponent),

@@ -7,11 +7,9 @@
 /* Shadow rays that one light costs per shaded point, at most. */
 static double shadow_rays(const struct pen_light_desc *light, const struct pen_settings *settings)
 {
-    bool soft =
-        light->kind == PEN_LIGHT_DIRECTIONAL ? light->angular_radius > 0 : light->radius > 0;
     if (!light->shadows)
         return 0;
-    if (!soft)
+    if (!pen_light_desc_soft(light))
         return 1;
     double edge = ceil(sqrt(settings->light_samples)); /* of the grid's cells */
     return settings->light_pattern == PEN_PATTERN_GRID ? edge * edge : settings->light_samples;

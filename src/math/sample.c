@@ -90,6 +90,12 @@ struct pen_point2 pen_random2(uint64_t hash, uint32_t index)
                                unit_interval((uint32_t)(bits >> 32))};
 }
 
+struct pen_point2 pen_grid2(uint64_t hash, uint32_t edge, uint32_t cell)
+{
+    struct pen_point2 within = pen_random2(hash, cell);
+    return (struct pen_point2){(cell % edge + within.x) / edge, (cell / edge + within.y) / edge};
+}
+
 /* Sine and cosine of t pi/4, |t| <= 1, by Taylor's series: within 3 ulp, and without a reduction
  * of the angle, since this is called for every point on a light or a lens. */
 static void eighth_turn(double t, double *sine, double *cosine)

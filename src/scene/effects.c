@@ -9,18 +9,24 @@
 const char *pen_effect_name(int bit)
 {
     static const char *const names[PEN_FX_COUNT] = {
-        "ambient",       "hard_shadows", "shadow_transmittance", "mirror", "transmission",
-        "anti_aliasing", "specular",
+        "ambient", "hard_shadows", "soft_shadows",  "shadow_transmittance",
+        "mirror",  "transmission", "anti_aliasing", "specular",
     };
     return bit >= 0 && bit < PEN_FX_COUNT ? names[bit] : "unknown";
 }
 
 /* What is known of a scene while its bodies are looked through. */
 struct survey {
-    bool ambient_light, lights, shadows; /* lights: lit ones; shadows: some of them cast any */
-    bool see_through;                    /* a body lets light pass */
+    bool ambient_light, lights; /* lights: lit ones */
+    unsigned shadows;           /* the kinds of shadows that lit ones cast */
+    bool see_through;           /* a body lets light pass */
     unsigned effects;
 };
+
+static unsigned shadow_kind(bool shadows, bool soft)
+{
+    return !shadows ? 0u : soft ? PEN_FX_SOFT_SHADOWS : PEN_FX_HARD_SHADOWS;
+}
 
 /* Adds what one body's material calls for; materials that no body has do not count. */
 static void add_material(struct survey *survey, const struct pen_material *m)
@@ -33,14 +39,14 @@ static void add_material(struct survey *survey, const struct pen_material *m)
         survey->effects |= PEN_FX_TRANSMISSION;
     if (survey->lights && unit_lit(m->ks))
         survey->effects |= PEN_FX_SPECULAR;
-    if (survey->shadows && (unit_lit(m->kd) || unit_lit(m->ks)))
-        survey->effects |= PEN_FX_HARD_SHADOWS;
+    if (unit_lit(m->kd) || unit_lit(m->ks))
+        survey->effects |= survey->shadows;
     survey->see_through = survey->see_through || unit_lit(m->kt);
 }
 
 static unsigned survey_end(const struct survey *survey)
 {
-    bool colours = (survey->effects & PEN_FX_HARD_SHADOWS) && survey->see_through;
+    bool colours = (survey->effects & survey->shadows) && survey->see_through;
     return survey->effects | (colours ? PEN_FX_SHADOW_TRANSMITTANCE : 0u);
 }
 
@@ -49,7 +55,7 @@ unsigned pen_effects_of_scene(const struct pen_scene *scene)
     struct survey survey = {.ambient_light = unit_lit(scene->ambient),
                             .lights = scene->light_count > 0};
     for (uint32_t i = 0; i < scene->light_count; i++)
-        survey.shadows = survey.shadows || scene->lights[i].shadows;
+        survey.shadows |= shadow_kind(scene->lights[i].shadows, scene->lights[i].soft);
     for (uint32_t i = 0; i < scene->prims.count; i++)
         add_material(&survey, &scene->materials[scene->prim_material[i]]);
     return survey_end(&survey);
@@ -81,9 +87,11 @@ unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_se
 {
     struct survey survey = {.ambient_light = unit_lit(desc->ambient)};
     for (uint32_t i = 0; i < desc->light_count; i++) {
-        bool lit = unit_lit(desc->lights[i].intensity);
-        survey.lights = survey.lights || lit;
-        survey.shadows = survey.shadows || (lit && desc->lights[i].shadows);
+        const struct pen_light_desc *light = &desc->lights[i];
+        if (!unit_lit(light->intensity))
+            continue;
+        survey.lights = true;
+        survey.shadows |= shadow_kind(light->shadows, pen_light_desc_soft(light));
     }
     survey_objects(&survey, desc, desc->objects, desc->object_count);
     return with_settings(survey_end(&survey), settings);

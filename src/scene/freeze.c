@@ -11,6 +11,7 @@
 
 #include "effects.h"
 #include "pen/base/clock.h"
+#include "pen/math/fn.h"
 #include "pen/math/scale.h"
 
 /* Primitive numbers must fit into pen_prim_ref. */
@@ -134,7 +135,23 @@ static struct pen_light local_light(const struct pen_freezer *f, const struct pe
         light.position = pen_local_point(&f->frame, desc->position);
     if (desc->kind != PEN_LIGHT_POINT)
         light.direction = unit_of(desc->direction);
+    light.soft = desc->shadows && pen_light_desc_soft(desc);
+    if (desc->kind == PEN_LIGHT_DIRECTIONAL) {
+        double sine, cosine;
+        pen_sincos_deg(desc->angular_radius, &sine, &cosine);
+        light.radius = sine / cosine;
+    } else {
+        light.radius = pen_local_length(&f->frame, desc->radius);
+    }
     return light;
+}
+
+/* Puts the light's place in the document before the error. */
+static bool fail_light(struct pen_freezer *f, uint32_t index, const char *key, const char *what)
+{
+    pen_fail(f->st, PEN_INVALID, "%s", what);
+    snprintf(f->st->at, sizeof f->st->at, "/lights/%u/%s", index, key);
+    return false;
 }
 
 /* Lights that shine, in document order. */
@@ -150,11 +167,10 @@ static bool freeze_lights(struct pen_freezer *f)
             continue;
         lights[kept] = local_light(f, &f->desc->lights[i]);
         index[kept] = i;
-        if (!pen_freeze_in_range(lights[kept].position)) {
-            pen_fail(f->st, PEN_INVALID, "is too far from the scene");
-            snprintf(f->st->at, sizeof f->st->at, "/lights/%u/position", i);
-            return false;
-        }
+        if (!pen_freeze_in_range(lights[kept].position))
+            return fail_light(f, i, "position", "is too far from the scene");
+        if (!(lights[kept].radius <= FREEZE_LOCAL_MAX))
+            return fail_light(f, i, "radius", "is too large for the scene");
         kept++;
     }
     f->scene->lights = lights;

@@ -6,7 +6,7 @@
 
 #include "instances.h"
 
-enum { INSTANCES = 7 };
+enum { INSTANCES = 13 };
 
 static const struct pen_kernel base_table[INSTANCES] = {
     {"lit/base", FX_LIT, pen_kernel_lit},
@@ -15,6 +15,12 @@ static const struct pen_kernel base_table[INSTANCES] = {
     {"hard+glass/base", FX_HARD_GLASS, pen_kernel_hard_glass},
     {"hard+glass+mirror/base", FX_HARD_GLASS_MIRROR, pen_kernel_hard_glass_mirror},
     {"hard+smooth/base", FX_HARD_SMOOTH, pen_kernel_hard_smooth},
+    {"hard+all/base", FX_HARD_ALL, pen_kernel_hard_all},
+    {"soft/base", FX_SOFT, pen_kernel_soft},
+    {"soft+mirror/base", FX_SOFT_MIRROR, pen_kernel_soft_mirror},
+    {"soft+glass/base", FX_SOFT_GLASS, pen_kernel_soft_glass},
+    {"soft+glass+mirror/base", FX_SOFT_GLASS_MIRROR, pen_kernel_soft_glass_mirror},
+    {"soft+smooth/base", FX_SOFT_SMOOTH, pen_kernel_soft_smooth},
     {"all/base", FX_ALL, pen_kernel_all},
 };
 
@@ -25,6 +31,12 @@ static const struct pen_kernel avx2_table[INSTANCES] = {
     {"hard+glass/avx2", FX_HARD_GLASS, pen_kernel_hard_glass_avx2},
     {"hard+glass+mirror/avx2", FX_HARD_GLASS_MIRROR, pen_kernel_hard_glass_mirror_avx2},
     {"hard+smooth/avx2", FX_HARD_SMOOTH, pen_kernel_hard_smooth_avx2},
+    {"hard+all/avx2", FX_HARD_ALL, pen_kernel_hard_all_avx2},
+    {"soft/avx2", FX_SOFT, pen_kernel_soft_avx2},
+    {"soft+mirror/avx2", FX_SOFT_MIRROR, pen_kernel_soft_mirror_avx2},
+    {"soft+glass/avx2", FX_SOFT_GLASS, pen_kernel_soft_glass_avx2},
+    {"soft+glass+mirror/avx2", FX_SOFT_GLASS_MIRROR, pen_kernel_soft_glass_mirror_avx2},
+    {"soft+smooth/avx2", FX_SOFT_SMOOTH, pen_kernel_soft_smooth_avx2},
     {"all/avx2", FX_ALL, pen_kernel_all_avx2},
 };
 

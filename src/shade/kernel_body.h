@@ -16,9 +16,8 @@
 
 #include <float.h>
 
-#include "pen/math/sample.h"
 #include "secondary.h"
-#include "shadow.h"
+#include "soft.h"
 
 /* Emission, ambient (only seen directly) and lights, as the path's viewer sees them at s. */
 static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input *input,
@@ -34,9 +33,15 @@ static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input
         struct lit lit = light_unshadowed(&scene->lights[i], s, fx);
         if (is_black(lit.term))
             continue;
+        lit.light = i;
         if ((fx & PEN_FX_HARD_SHADOWS) && scene->lights[i].shadows) {
-            counts->shadow++;
-            struct pen_vec3 t = shadow_transmittance(input, scratch, s, &lit, i, fx);
+            struct pen_vec3 t;
+            if ((fx & PEN_FX_SOFT_SHADOWS) && scene->lights[i].soft) {
+                t = soft_transmittance(input, scratch, s, &lit, counts, fx);
+            } else {
+                counts->shadow++;
+                t = hard_transmittance(input, scratch, s, &lit, fx);
+            }
             if (is_black(t))
                 continue;
             lit.term = pen_mul(lit.term, t);
@@ -54,7 +59,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
 {
     const struct pen_scene *scene = input->scene;
     struct pen_vec3 sum = {0, 0, 0};
-    struct path path = {*camera_ray, pen_leave_nothing, pen_after_start, {1, 1, 1}, 0};
+    struct path path = {*camera_ray, pen_leave_nothing, pen_after_start, {1, 1, 1}, 0, 1};
     for (int waiting = 0;;) {
         const struct pen_span span = {path.after, INFINITY};
         struct pen_hit hit;
@@ -63,15 +68,17 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             sum = pen_add(sum, pen_mul(path.weight, scene->background));
         } else {
             struct surface s = surface_at(scene, &path.ray, hit);
+            if (fx & PEN_FX_SOFT_SHADOWS)
+                scratch->key.node = path.node;
             struct pen_vec3 here = shade_surface(input, scratch, &s, path.depth == 0, counts, fx);
             sum = pen_add(sum, pen_mul(path.weight, here));
             bool deeper = path.depth + 1 < input->settings->max_depth;
             if ((fx & PEN_FX_MIRROR) && deeper &&
-                path_mirror(input, &path, &s, &scratch->waiting[waiting])) {
+                path_mirror(input, &path, &s, &scratch->waiting[waiting], fx)) {
                 counts->reflection++;
                 waiting++;
             }
-            goes_on = (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s);
+            goes_on = (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, fx);
             counts->transmission += goes_on;
         }
         if (goes_on)
@@ -113,6 +120,10 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
                                        .y = (uint32_t)y,
                                        .purpose = PEN_PURPOSE_PIXEL};
     uint64_t hash = samples > 1 ? pen_sample_hash(&key) : 0;
+    if (fx & PEN_FX_SOFT_SHADOWS) {
+        scratch->key = key;
+        scratch->key.purpose = PEN_PURPOSE_LIGHT;
+    }
     struct pen_vec3 sum = {0, 0, 0};
     int kept = 0;
     for (int i = 0; i < samples; i++) {
@@ -120,6 +131,8 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
         struct pen_ray ray;
         struct pen_vec3 c = {INFINITY, INFINITY, INFINITY};
         counts->primary++;
+        if (fx & PEN_FX_SOFT_SHADOWS)
+            scratch->key.pixel_sample = (uint32_t)i;
         if (camera_ray(&input->pinhole, x + at.x, y + at.y, &ray))
             c = trace_paths(input, scratch, &ray, counts, fx);
         if (!fits_film(c)) {

@@ -12,6 +12,7 @@ struct lit {
     struct pen_vec3 term;     /* unshadowed: I (kd |n.l| + ks ...); black if nothing arrives */
     struct pen_vec3 to_light; /* from p: to the light, or against the direction of a far one */
     bool to_point;            /* to_light ends in the light */
+    uint32_t light;           /* number in the frozen scene */
 };
 
 /* The part of the light that the material sends on: kd |n.l| + ks max(0, -v.r)^shininess, with

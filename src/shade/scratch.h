@@ -4,6 +4,7 @@
 #ifndef SHADE_SCRATCH_H
 #define SHADE_SCRATCH_H
 
+#include "pen/math/sample.h"
 #include "pen/shade/kernel.h"
 
 /* A ray on its way, and what its light is worth in the pixel. */
@@ -12,13 +13,15 @@ struct path {
     struct pen_leave leave;
     struct pen_hit after; /* crossings up to this one are behind it */
     struct pen_vec3 weight;
-    int depth; /* surfaces shaded before it hits the next one */
+    int depth;     /* surfaces shaded before it hits the next one */
+    uint32_t node; /* of the surface it hits next: pen_sample_node */
 };
 
 struct pen_kernel_scratch {
     struct pen_shadow shadow;
-    uint32_t *last_occluder; /* by light */
-    struct path *waiting;    /* max_depth of them are enough: see the kernel */
+    uint32_t *last_occluder;   /* by light */
+    struct path *waiting;      /* max_depth of them are enough: see the kernel */
+    struct pen_sample_key key; /* of the samples on lights, but for `light` */
 };
 
 #endif

@@ -14,7 +14,8 @@ static ALWAYS_INLINE bool path_worth(const struct pen_kernel_input *input, struc
 
 /* Makes the mirrored path, a new ray from p. False if there is nothing to trace. */
 static ALWAYS_INLINE bool path_mirror(const struct pen_kernel_input *input, const struct path *path,
-                                      const struct surface *s, struct path *mirrored)
+                                      const struct surface *s, struct path *mirrored,
+                                      const unsigned fx)
 {
     struct pen_vec3 weight = pen_mul(path->weight, s->material->kr);
     if (!path_worth(input, weight))
@@ -22,16 +23,18 @@ static ALWAYS_INLINE bool path_mirror(const struct pen_kernel_input *input, cons
     struct pen_vec3 d = pen_along(s->v, s->n, -2 * s->nv);
     if (!pen_ray_make(&mirrored->ray, s->p, d))
         return false;
-    mirrored->leave = surface_leave(s);
+    mirrored->leave = surface_leave(s, false);
     mirrored->after = pen_after_start;
     mirrored->weight = weight;
     mirrored->depth = path->depth + 1;
+    if (fx & PEN_FX_SOFT_SHADOWS)
+        mirrored->node = pen_sample_node(path->node, true);
     return true;
 }
 
 /* Takes the path on through the surface: the same ray, beyond this crossing. */
 static ALWAYS_INLINE bool path_transmit(const struct pen_kernel_input *input, struct path *path,
-                                        const struct surface *s)
+                                        const struct surface *s, const unsigned fx)
 {
     struct pen_vec3 weight = pen_mul(path->weight, s->material->kt);
     if (!path_worth(input, weight))
@@ -39,6 +42,8 @@ static ALWAYS_INLINE bool path_transmit(const struct pen_kernel_input *input, st
     path->after = s->hit;
     path->weight = weight;
     path->depth++;
+    if (fx & PEN_FX_SOFT_SHADOWS)
+        path->node = pen_sample_node(path->node, false);
     return true;
 }
 

@@ -4,10 +4,11 @@
 #include "shadow.h"
 
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
-                                const struct pen_leave *leave, const struct pen_shadow *query)
+                                const struct pen_leave *leave, const struct pen_shadow *query,
+                                struct pen_vec3 in)
 {
     const struct pen_scene *scene = input->scene;
-    struct pen_vec3 t = {1, 1, 1};
+    struct pen_vec3 t = in;
     struct pen_span span = {pen_after_start, query->tmax};
     struct pen_hit hit;
     double light = pen_shadow_light_bound(ray);

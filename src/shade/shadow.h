@@ -6,6 +6,15 @@
 
 #include "light.h"
 
+/* A shadow ray from a shaded point. */
+struct shadow_way {
+    struct pen_vec3 d;
+    bool to_point;      /* it ends in the light at o + d; else it has no end */
+    bool through;       /* it leaves on the other side of the surface than the viewer's */
+    uint32_t light;     /* number in the frozen scene */
+    struct pen_vec3 in; /* what it carries when it leaves */
+};
+
 static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene, uint32_t prim,
                                                    struct pen_vec3 t)
 {
@@ -14,38 +23,49 @@ static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene
 
 /* Walks a ray that crosses more sheets than a query returns at once. */
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
-                                const struct pen_leave *leave, const struct pen_shadow *query);
+                                const struct pen_leave *leave, const struct pen_shadow *query,
+                                struct pen_vec3 in);
 
-/* T(p) of light number `light`. */
-static ALWAYS_INLINE struct pen_vec3 shadow_transmittance(const struct pen_kernel_input *input,
-                                                          struct pen_kernel_scratch *scratch,
-                                                          const struct surface *s,
-                                                          const struct lit *lit, uint32_t light,
-                                                          const unsigned fx)
+/* What arrives of what the ray carries. The body that blocked it is remembered for its light. */
+static ALWAYS_INLINE struct pen_vec3 shadow_ray(const struct pen_kernel_input *input,
+                                                struct pen_kernel_scratch *scratch,
+                                                const struct surface *s,
+                                                const struct shadow_way *way, const unsigned fx)
 {
-    struct pen_vec3 t = {1, 1, 1};
+    struct pen_vec3 t = way->in;
     const struct pen_vec3 none = {0, 0, 0};
     const struct pen_scene *scene = input->scene;
     struct pen_ray ray;
-    if (!pen_ray_make(&ray, s->p, lit->to_light))
+    if (!pen_ray_make(&ray, s->p, way->d))
         return none;
-    struct pen_leave leave = surface_leave(s);
+    struct pen_leave leave = surface_leave(s, way->through);
     struct pen_shadow *query = &scratch->shadow;
-    query->tmax = lit->to_point ? 1 : INFINITY;
-    query->to_point = lit->to_point;
+    query->tmax = way->to_point ? 1 : INFINITY;
+    query->to_point = way->to_point;
     query->see_through = fx & PEN_FX_SHADOW_TRANSMITTANCE ? scene->see_through : NULL;
-    query->last_occluder = scratch->last_occluder[light];
+    query->last_occluder = scratch->last_occluder[way->light];
     bool blocked = input->trace->shadow(scene->accel, &ray, &leave, query);
-    scratch->last_occluder[light] = query->last_occluder;
+    scratch->last_occluder[way->light] = query->last_occluder;
     if (blocked)
         return none;
     if (!(fx & PEN_FX_SHADOW_TRANSMITTANCE))
         return t;
     if (query->overflow)
-        return pen_shadow_walk(input, &ray, &leave, query);
-    for (int i = 0; i < query->count; i++)
+        return pen_shadow_walk(input, &ray, &leave, query, t);
+    for (int i = 0; i < query->count && !is_black(t); i++)
         t = shadow_filter(scene, query->hit[i].prim, t);
     return t;
+}
+
+/* T(p) of a light without a disk: one ray. */
+static ALWAYS_INLINE struct pen_vec3 hard_transmittance(const struct pen_kernel_input *input,
+                                                        struct pen_kernel_scratch *scratch,
+                                                        const struct surface *s,
+                                                        const struct lit *lit, const unsigned fx)
+{
+    const struct shadow_way way = {
+        .d = lit->to_light, .to_point = lit->to_point, .light = lit->light, .in = {1, 1, 1}};
+    return shadow_ray(input, scratch, s, &way, fx);
 }
 
 #endif

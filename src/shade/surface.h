@@ -37,13 +37,13 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
     return s;
 }
 
-/* What a ray leaves that goes on from p at the viewer's side. */
-static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s)
+/* What a ray leaves that goes on from p: at the viewer's side, or `through` the surface. */
+static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s, bool through)
 {
     return (struct pen_leave){
         .prim = s->hit.prim,
         .part = s->hit.part,
-        .through = false,
+        .through = through,
         .toward = pen_neg(s->v),
         .bound = s->bound,
     };

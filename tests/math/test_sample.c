@@ -241,6 +241,25 @@ START_TEST(test_sample__disk_map_at_its_edges)
 }
 END_TEST
 
+START_TEST(test_sample__grid_has_one_point_in_every_cell)
+{
+    static struct pen_point2 points[POINTS];
+    const uint32_t edges[] = {1, 2, 15, 64};
+    for (size_t e = 0; e < sizeof edges / sizeof edges[0]; e++) {
+        uint32_t edge = edges[e], n = 0;
+        for (uint32_t key_number = 0; n < POINTS; key_number++)
+            for (uint32_t cell = 0; cell < edge * edge && n < POINTS; cell++) {
+                struct pen_point2 p = pen_grid2(hash_of(key_number), edge, cell);
+                ck_assert_uint_eq((uint32_t)(p.x * edge), cell % edge);
+                ck_assert_uint_eq((uint32_t)(p.y * edge), cell / edge);
+                points[n].x = p.x * edge - cell % edge;
+                points[n++].y = p.y * edge - cell / edge;
+            }
+        check_uniform(points, "within cells");
+    }
+}
+END_TEST
+
 /* Changing these changes every picture that samples: only with a new major version. */
 START_TEST(test_sample__values_are_fixed)
 {
@@ -250,6 +269,8 @@ START_TEST(test_sample__values_are_fixed)
     ck_assert_uint_eq(h, UINT64_C(2272846109047862657));
     ck_assert_msg(p.x == 0x1.1107d1d3p-1 && p.y == 0x1.cae091d5p-1, "%a %a", p.x, p.y);
     ck_assert_msg(q.x == 0x1.f2b068c5p-1 && q.y == 0x1.c4d87b5ep-2, "%a %a", q.x, q.y);
+    struct pen_point2 g = pen_grid2(h, 7, 30);
+    ck_assert_msg(g.x == 0x1.411d58bep-2 && g.y == 0x1.68d583afdb6dbp-1, "%a %a", g.x, g.y);
     ck_assert_msg(d.x == 0x1.abb6da4c6e9a4p-5 && d.y == 0x1.94df767ecb3bep-1, "%a %a", d.x, d.y);
 }
 END_TEST
@@ -259,4 +280,4 @@ PEN_SUITE("sample", test_sample__sobol_prefixes_are_nets, test_sample__a_point_i
           test_sample__pairs_within_one_set_fill_the_square,
           test_sample__every_bit_of_the_key_counts, test_sample__shadow_edges_converge_as_published,
           test_sample__disk_map_keeps_areas, test_sample__disk_map_at_its_edges,
-          test_sample__values_are_fixed)
+          test_sample__grid_has_one_point_in_every_cell, test_sample__values_are_fixed)

@@ -40,8 +40,14 @@ static void any_scene(struct random *random)
     struct pen_transform identity = pen_transform_identity();
     if (bodies > 1 && random_below(random, 2))
         kit_group(&kit, 1, &identity);
-    for (uint32_t i = 0; i < lights; i++)
-        kit_point(&kit, pen_vec3(0, 9, 0), sometimes(random))->shadows = random_below(random, 2);
+    for (uint32_t i = 0; i < lights; i++) {
+        struct pen_light_desc *light = kit_point(&kit, pen_vec3(0, 9, 0), sometimes(random));
+        light->kind = random_below(random, 2) ? PEN_LIGHT_POINT : PEN_LIGHT_DIRECTIONAL;
+        light->direction = pen_vec3(0, -1, 0);
+        light->shadows = random_below(random, 2);
+        light->radius = random_below(random, 2) * 0.5; /* which only one kind of light has */
+        light->angular_radius = random_below(random, 2) * 0.5;
+    }
 }
 
 START_TEST(test_effects__are_the_same_before_and_after_freezing)

@@ -80,8 +80,13 @@ static void leave_out(unsigned effects)
     if (effects & PEN_FX_AMBIENT)
         kit.desc.ambient = pen_vec3(0, 0, 0);
     for (uint32_t i = 0; i < kit.desc.light_count; i++)
-        if (effects & PEN_FX_HARD_SHADOWS)
+        if ((effects & PEN_FX_HARD_SHADOWS) && !pen_light_desc_soft(&kit.lights[i]))
             kit.lights[i].shadows = false;
+    for (uint32_t i = 0; i < kit.desc.light_count; i++)
+        if (effects & PEN_FX_SOFT_SHADOWS) {
+            kit.lights[i].shadows = kit.lights[i].shadows && !(effects & PEN_FX_HARD_SHADOWS);
+            kit.lights[i].radius = kit.lights[i].angular_radius = 0;
+        }
     for (uint32_t i = 0; i < kit.desc.material_count; i++) {
         if (effects & PEN_FX_MIRROR)
             kit.materials[i].kr = pen_vec3(0, 0, 0);
@@ -147,8 +152,11 @@ START_TEST(test_kernel__effects_follow_the_scene)
     ck_assert_uint_eq(effects_of_medley(PEN_FX_SPECULAR), all & ~(unsigned)PEN_FX_SPECULAR);
     ck_assert_uint_eq(effects_of_medley(PEN_FX_TRANSMISSION),
                       all & ~(unsigned)(PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE));
-    ck_assert_uint_eq(effects_of_medley(PEN_FX_HARD_SHADOWS),
-                      all & ~(unsigned)(PEN_FX_HARD_SHADOWS | PEN_FX_SHADOW_TRANSMITTANCE));
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_HARD_SHADOWS), all & ~(unsigned)PEN_FX_HARD_SHADOWS);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_SOFT_SHADOWS), all & ~(unsigned)PEN_FX_SOFT_SHADOWS);
+    ck_assert_uint_eq(
+        effects_of_medley(PEN_FX_HARD_SHADOWS | PEN_FX_SOFT_SHADOWS),
+        all & ~(unsigned)(PEN_FX_HARD_SHADOWS | PEN_FX_SOFT_SHADOWS | PEN_FX_SHADOW_TRANSMITTANCE));
 }
 END_TEST
 

@@ -267,5 +267,10 @@ void kit_medley(struct kit *kit)
     kit_triangle(kit, pen_vec3(-1, -1, 4), pen_vec3(1, -1, 4), pen_vec3(0, 0, 4.5), m[5]);
     kit_point(kit, pen_vec3(0, 0.5, 1.25), pen_vec3(3, 2, 1))->attenuation[2] = 0.125;
     kit_directional(kit, pen_vec3(1, -2, -1.5), pen_vec3(0.5, 0.5, 0.6));
-    kit_spot(kit, pen_vec3(-4, 5, 4), pen_vec3(4, -5, -5), pen_vec3(2, 2, 2))->beam_exponent = 7.5;
+    struct pen_light_desc *spot =
+        kit_spot(kit, pen_vec3(-4, 5, 4), pen_vec3(4, -5, -5), pen_vec3(2, 2, 2));
+    spot->beam_exponent = 7.5;
+    spot->radius = 0.75;
+    kit_directional(kit, pen_vec3(-1, -1, -3), pen_vec3(0.25, 0.25, 0.125))->angular_radius = 4;
+    kit->settings.light_samples = 5;
 }

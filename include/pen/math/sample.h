@@ -7,6 +7,7 @@
 #ifndef PEN_MATH_SAMPLE_H
 #define PEN_MATH_SAMPLE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 enum pen_purpose {
@@ -17,16 +18,33 @@ enum pen_purpose {
     PEN_PURPOSE_TRANSMISSION = 5
 };
 
-/* What a set of samples is for. `node` numbers the nodes of the path tree: the camera ray's hit
- * is 1, the hit of a transmitted ray from node k is 2k, of a reflected one 2k + 1. */
+/* What a set of samples is for. The keys are fixed for good: whoever changes what goes into one
+ * changes every picture that samples.
+ *  - PEN_PURPOSE_PIXEL: point i is where camera ray i crosses the pixel; pixel_sample, node and
+ *    light are 0.
+ *  - PEN_PURPOSE_LIGHT: the points on the disk of one light as seen from one shaded point: those of
+ *    pen_sobol2 or pen_random2 from 0 on, brought to the disk by pen_disk_of_square; or the cells
+ * of pen_grid2, row by row, those whose point is in the circle. pixel_sample is the index of the
+ *    camera ray that the path began with, node the shaded point's node, light the light's place in
+ *    the document, from 0 on.
+ * Nothing else may enter a key: not the tile, the thread, the accelerator, the number of samples.
+ */
 struct pen_sample_key {
     uint64_t seed;
-    uint32_t x, y;         /* pixel */
+    uint32_t x, y;         /* pixel, from the top left of the view */
     uint32_t pixel_sample; /* index of the camera ray within its pixel; 0 for PEN_PURPOSE_PIXEL */
-    uint32_t node;
-    uint32_t purpose; /* enum pen_purpose */
-    uint32_t light;   /* index of the light, else 0 */
+    uint32_t node;         /* of the path tree: pen_sample_node; 0 for PEN_PURPOSE_PIXEL */
+    uint32_t purpose;      /* enum pen_purpose */
+    uint32_t light;        /* place of the light in the document, else 0 */
 };
+
+/* The nodes of the path tree: the camera ray's hit is 1, the hit of a transmitted ray from node k
+ * is 2k, of a reflected one 2k + 1. From 2^32 on a number is reduced, bit by bit as it grows, by
+ * the CRC-32 polynomial, which is primitive, so that long paths do not fall into one number. */
+static inline uint32_t pen_sample_node(uint32_t from, bool reflected)
+{
+    return (from << 1 | reflected) ^ (from >> 31 ? UINT32_C(0x04C11DB7) : 0);
+}
 
 struct pen_point2 {
     double x, y; /* in [0, 1) */
@@ -41,6 +59,9 @@ struct pen_point2 pen_sobol2(uint64_t hash, uint32_t index);
 
 /* Independent uniform points: the baseline that studies compare with. */
 struct pen_point2 pen_random2(uint64_t hash, uint32_t index);
+
+/* The point of one cell of edge x edge, uniform in the cell; cells count from 0, row by row. */
+struct pen_point2 pen_grid2(uint64_t hash, uint32_t edge, uint32_t cell);
 
 /* The concentric map from the unit square to the unit disk: keeps areas. */
 struct pen_point2 pen_disk_of_square(struct pen_point2 p);

@@ -35,6 +35,12 @@ struct pen_light_desc {
     double angular_radius; /* degrees */
 };
 
+/* Whether the light has a disk, so that shadows it casts are soft. */
+static inline bool pen_light_desc_soft(const struct pen_light_desc *light)
+{
+    return (light->kind == PEN_LIGHT_DIRECTIONAL ? light->angular_radius : light->radius) > 0;
+}
+
 enum pen_object_kind {
     PEN_OBJECT_SPHERE,
     PEN_OBJECT_PLANE,

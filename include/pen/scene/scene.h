@@ -21,13 +21,14 @@
 enum pen_effect {
     PEN_FX_AMBIENT = 1 << 0,
     PEN_FX_HARD_SHADOWS = 1 << 1,
-    PEN_FX_SHADOW_TRANSMITTANCE = 1 << 2,
-    PEN_FX_MIRROR = 1 << 3,
-    PEN_FX_TRANSMISSION = 1 << 4,
-    PEN_FX_ANTI_ALIASING = 1 << 5,
-    PEN_FX_SPECULAR = 1 << 6
+    PEN_FX_SOFT_SHADOWS = 1 << 2,
+    PEN_FX_SHADOW_TRANSMITTANCE = 1 << 3,
+    PEN_FX_MIRROR = 1 << 4,
+    PEN_FX_TRANSMISSION = 1 << 5,
+    PEN_FX_ANTI_ALIASING = 1 << 6,
+    PEN_FX_SPECULAR = 1 << 7
 };
-enum { PEN_FX_COUNT = 7 };
+enum { PEN_FX_COUNT = 8 };
 
 /* The effect's name in the API ("hard_shadows") by bit number. */
 const char *pen_effect_name(int bit);
@@ -35,11 +36,13 @@ const char *pen_effect_name(int bit);
 struct pen_light {
     enum pen_light_kind kind;
     bool shadows;
+    bool soft; /* it casts shadows and has a radius above 0 */
     struct pen_vec3 intensity;
     struct pen_vec3 position;  /* local frame */
     struct pen_vec3 direction; /* unit */
     double kc, kl, kq;         /* for local distances */
     double beam_exponent;
+    double radius; /* of its disk, local frame; directional: at unit distance */
 };
 
 /* A pinhole: the ray through the image point (px, py), in pixels from the top left corner, has

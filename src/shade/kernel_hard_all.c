@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: MIT */
+/* The kernel's instance for every effect but soft shadows. */
+#include "instances.h"
+#include "kernel_body.h"
+
+void pen_kernel_hard_all(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
+                         int x, int y, double rgb[3], struct pen_ray_counts *counts)
+{
+    kernel_pixel(input, scratch, x, y, rgb, counts, FX_HARD_ALL);
+}

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: MIT */
+/* The kernel's instance for soft shadows, compiled for AVX2. */
+#include "instances.h"
+#include "kernel_body.h"
+
+void pen_kernel_soft_avx2(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
+                          int x, int y, double rgb[3], struct pen_ray_counts *counts)
+{
+    kernel_pixel(input, scratch, x, y, rgb, counts, FX_SOFT);
+}

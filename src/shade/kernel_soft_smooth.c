@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: MIT */
+/* The kernel's instance for soft shadows and anti-aliasing. */
+#include "instances.h"
+#include "kernel_body.h"
+
+void pen_kernel_soft_smooth(const struct pen_kernel_input *input,
+                            struct pen_kernel_scratch *scratch, int x, int y, double rgb[3],
+                            struct pen_ray_counts *counts)
+{
+    kernel_pixel(input, scratch, x, y, rgb, counts, FX_SOFT_SMOOTH);
+}
