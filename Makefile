@@ -22,7 +22,7 @@ endif
 
 VERSION := 0.1.0
 RENDER_ROOMS := base math geom accel scene shade film render io
-SERVICE_ROOMS := store jobs http
+SERVICE_ROOMS := study store jobs http
 CMD_COMMON := $(filter-out src/cmd/penumbra.c src/cmd/penumbrad.c,$(wildcard src/cmd/*.c))
 
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla $(WERROR)

@@ -10,6 +10,7 @@ extern const struct pen_command pen_command_render;
 extern const struct pen_command pen_command_validate;
 extern const struct pen_command pen_command_compare;
 extern const struct pen_command pen_command_scenes;
+extern const struct pen_command pen_command_bench;
 extern const struct pen_command pen_command_submit;
 extern const struct pen_command pen_command_wait;
 extern const struct pen_command pen_command_fetch;

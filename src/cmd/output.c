@@ -2,10 +2,12 @@
 #include "output.h"
 
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "pen/film/encode.h"
 #include "pen/io/scene_json.h"
+#include "pen/study/report.h"
 
 const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
 const char *const pen_output_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
@@ -28,6 +30,24 @@ const char *pen_output_format(const char *path, const char *format, struct pen_s
              "--output: found \"%s\", allowed is a name ending in .png or .pfm, or any name with "
              "--format png, png16 or pfm",
              path);
+    return NULL;
+}
+
+const char *pen_output_form(const char *path, const char *form, struct pen_status *st)
+{
+    if (form)
+        return form;
+    for (int i = 0; pen_study_forms[i]; i++) {
+        char ending[8];
+        snprintf(ending, sizeof ending, ".%s", pen_study_forms[i]);
+        if (ends_in(path, ending))
+            return pen_study_forms[i];
+    }
+    pen_fail(
+        st, PEN_USAGE,
+        "--output: found \"%s\", allowed is a name ending in .json, .csv, .md or .html, or any "
+        "name with --format json, csv, md or html",
+        path);
     return NULL;
 }
 

@@ -19,6 +19,10 @@ extern const char *const pen_output_layers[];
  * known ending needs a format. Returns "png", "png16" or "pfm". Fails: PEN_USAGE. */
 const char *pen_output_format(const char *path, const char *format, struct pen_status *st);
 
+/* The form of a report: `form` if given, else by the ending of `path`: .json, .csv, .md or .html.
+ * Fails: PEN_USAGE. */
+const char *pen_output_form(const char *path, const char *form, struct pen_status *st);
+
 /* Refuses the layers that are still to come. Fails: PEN_UNSUPPORTED. */
 bool pen_output_layer_check(const char *layer, struct pen_status *st);
 

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "pen/base/clock.h"
+#include "pen/study/figures.h"
 #include "stats.h"
 
 static double ms_since(int64_t begin_ns)
@@ -198,7 +199,7 @@ static bool assemble(struct pen_batch_room *room, const struct pen_claim *claim,
             pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", claim->job_id, claim->view);
     ok = ok && encode(room, *film, work, &encode_ms, st);
     pen_film_free(film);
-    return ok && write_stats(json_pack("{s:{s:o}}", "timing", "encode_ms", pen_stats_ms(encode_ms)),
+    return ok && write_stats(json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms)),
                              work, st);
 }
 

@@ -41,9 +41,6 @@ void pen_etag_make(const void *data, size_t bytes, char out[72]);
  * caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_settings_json(const struct pen_settings *settings);
 
-/* stats.c: the names of effects. */
-json_t *pen_effects_json(unsigned effects);
-
 /* job_json.c: the job object of http-api.md from a stored job. Fails: PEN_STORAGE (the stored
  * request is no JSON), PEN_NO_MEMORY. */
 json_t *pen_job_json(const struct pen_job_record *job, struct pen_status *st);

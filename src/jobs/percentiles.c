@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "jobs.h"
+#include "pen/study/figures.h"
 #include "stats.h"
 
 static int by_ms(const void *a, const void *b)
@@ -68,7 +69,7 @@ json_t *pen_tile_times(const double *ms, size_t count)
     size_t kept = count < PEN_TILE_TIMES ? count : PEN_TILE_TIMES;
     /* The largest is always among them: the list's maximum is that of the batch. */
     for (size_t i = 0; i < kept; i++)
-        json_array_append_new(list, pen_stats_ms(sorted[(i + 1) * count / kept - 1]));
+        json_array_append_new(list, pen_figure(sorted[(i + 1) * count / kept - 1]));
     free(sorted);
     return pen_json_all(list, kept);
 }

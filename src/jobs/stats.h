@@ -35,15 +35,7 @@ struct pen_percentiles pen_percentiles_weighted(struct pen_weighted *times, size
 /* A batch's times of tiles for storing. */
 json_t *pen_tile_times(const double *ms, size_t count);
 
-/* Milliseconds to the microsecond. */
-double pen_stats_round(double ms);
-json_t *pen_stats_ms(double ms);
-
-uint64_t pen_stats_total(const struct pen_ray_counts *rays);
-json_t *pen_stats_rays(const struct pen_ray_counts *rays);
-json_t *pen_stats_rate(uint64_t rays, double render_ms);
 json_t *pen_stats_tiles(uint64_t count, const struct pen_percentiles *ms);
-json_t *pen_stats_host(void);
 
 /* The peak of this process's resident memory since the last reset. */
 void pen_peak_reset(void);

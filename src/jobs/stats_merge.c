@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "jobs.h"
+#include "pen/study/figures.h"
 #include "stats.h"
 
 struct sum {
@@ -120,12 +121,12 @@ static json_t *timing_json(const struct sum *sum, const struct pen_job_record *j
 {
     int64_t begun_ms = job->started_ms ? job->started_ms : job->finished_ms;
     return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "queue_ms",
-                     pen_stats_ms((double)(begun_ms - job->created_ms)), "parse_ms",
-                     pen_stats_ms(sum->parse_ms), "build_ms", pen_stats_ms(sum->build_ms),
-                     "render_ms", pen_stats_ms(sum->render_ms), "encode_ms",
-                     pen_stats_ms(sum->encode_ms), "store_ms", pen_stats_ms(sum->store_ms),
-                     "total_ms", pen_stats_ms((double)(job->finished_ms - job->created_ms)),
-                     "cpu_ms", pen_stats_ms(sum->cpu_ms));
+                     pen_figure((double)(begun_ms - job->created_ms)), "parse_ms",
+                     pen_figure(sum->parse_ms), "build_ms", pen_figure(sum->build_ms), "render_ms",
+                     pen_figure(sum->render_ms), "encode_ms", pen_figure(sum->encode_ms),
+                     "store_ms", pen_figure(sum->store_ms), "total_ms",
+                     pen_figure((double)(job->finished_ms - job->created_ms)), "cpu_ms",
+                     pen_figure(sum->cpu_ms));
 }
 
 /* Null stands for what is not known: no batch was committed. */
@@ -133,11 +134,11 @@ static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
 {
     struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);
     return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:O?}", "timing",
-                     timing_json(sum, job), "rays", pen_stats_rays(&sum->rays), "mrays_per_second",
-                     pen_stats_rate(pen_stats_total(&sum->rays), sum->render_ms), "threads",
-                     sum->threads, "tiles", pen_stats_tiles(sum->tile_count, &tiles), "accelerator",
-                     sum->accelerator, "kernel", sum->kernel, "effects", sum->effects, "memory",
-                     "peak_bytes", (json_int_t)sum->peak_bytes, "dropped_samples",
+                     timing_json(sum, job), "rays", pen_figure_rays(&sum->rays), "mrays_per_second",
+                     pen_figure_rate(&sum->rays, sum->render_ms), "threads", sum->threads, "tiles",
+                     pen_stats_tiles(sum->tile_count, &tiles), "accelerator", sum->accelerator,
+                     "kernel", sum->kernel, "effects", sum->effects, "memory", "peak_bytes",
+                     (json_int_t)sum->peak_bytes, "dropped_samples",
                      (json_int_t)sum->rays.dropped_samples, "host", sum->host);
 }
 

@@ -7,6 +7,7 @@
 #include "jobs.h"
 #include "pen/base/clock.h"
 #include "pen/scene/scene.h"
+#include "pen/study/figures.h"
 #include "plan.h"
 #include "request.h"
 
@@ -36,7 +37,7 @@ static json_t *request_json(const struct pen_request *request)
                      request->max_attempts, "timeout_seconds", timeout_json(request), "views",
                      views_json(request), "layers", "beauty", "render",
                      pen_settings_json(&request->settings), "effects",
-                     pen_effects_json(pen_desc_effects(&request->desc, &request->settings)));
+                     pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
 
 /* What is put together for one call of pen_store_submit. */

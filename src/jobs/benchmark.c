@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: MIT */
+/* Reading the members of a benchmark, and the rows its matrix makes. A value of the matrix is read
+ * by the reader of `render` objects, so what is allowed there is allowed here. */
+#include "pen/jobs/benchmark.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs.h"
+#include "request.h"
+
+enum { UP_BYTES = PEN_AT_BYTES };
+
+static const char matrix_at[] = "/matrix";
+
+/* Whether an error of the reader is about a key and not about its value. */
+static bool is_about_key(const struct pen_status *error)
+{
+    return strncmp(error->msg, "unknown key", strlen("unknown key")) == 0;
+}
+
+/* Puts one setting on top of *settings. Returns false after an error, *known false too if there is
+ * no such setting. `i` is its place in the list. */
+static bool read_value(const char *key, const json_t *value, size_t i,
+                       struct pen_settings *settings, bool *known, struct pen_errors *errors)
+{
+    struct pen_errors found = {0};
+    json_t *render = json_object();
+    if (json_object_set(render, key, (json_t *)(uintptr_t)value) != 0) {
+        pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory to read a matrix");
+        json_decref(render);
+        return false;
+    }
+    bool ok = pen_settings_read(render, matrix_at, settings, &found);
+    json_decref(render);
+    for (size_t e = 0; e < found.count; e++) {
+        struct pen_status *error = &found.item[e];
+        char up[UP_BYTES], place[24];
+        *known = !is_about_key(error);
+        snprintf(up, sizeof up, "%s", error->at);
+        snprintf(place, sizeof place, "%zu", i);
+        pen_request_fail(errors, error->code, up, *known ? place : NULL, "%s", error->msg);
+    }
+    return ok;
+}
+
+static bool check_list(const char *key, const json_t *list, struct pen_errors *errors)
+{
+    struct pen_settings scratch = pen_settings_default();
+    bool ok = true, known = true;
+    size_t i;
+    json_t *value;
+    if (!json_is_array(list) || json_array_size(list) == 0) {
+        pen_request_fail(errors, PEN_INVALID, matrix_at, key,
+                         "must be an array of one or more values of this setting, found %s",
+                         pen_found(list).text);
+        return false;
+    }
+    json_array_foreach(list, i, value)
+    {
+        ok &= read_value(key, value, i, &scratch, &known, errors);
+        if (!known)
+            return false;
+        for (size_t k = 0; k < i; k++) {
+            char up[UP_BYTES], place[24];
+            if (!json_equal(json_array_get(list, k), value))
+                continue;
+            snprintf(up, sizeof up, "%s/%s", matrix_at, key);
+            snprintf(place, sizeof place, "%zu", i);
+            pen_request_fail(errors, PEN_INVALID, up, place, "%s is there twice",
+                             pen_found(value).text);
+            ok = false;
+        }
+    }
+    return ok;
+}
+
+/* Checks the matrix and counts its rows. */
+static bool check_matrix(struct pen_bench_order *order, struct pen_errors *errors)
+{
+    const char *key;
+    json_t *list;
+    double rows = 1;
+    bool ok = true;
+    if (!json_is_object(order->matrix)) {
+        pen_request_fail(errors, PEN_INVALID, "", "matrix",
+                         "must be an object of render settings, each with an array of values, "
+                         "found %s",
+                         pen_found(order->matrix).text);
+        return false;
+    }
+    json_object_foreach(order->matrix, key, list)
+    {
+        ok &= check_list(key, list, errors);
+        rows *= (double)json_array_size(list);
+    }
+    if (ok && rows > PEN_BENCH_ROWS_MAX) {
+        pen_request_fail(errors, PEN_INVALID, "", "matrix",
+                         "makes %.0f rows, at most %d are allowed", rows, (int)PEN_BENCH_ROWS_MAX);
+        return false;
+    }
+    order->row_count = ok ? (int)rows : 0;
+    return ok;
+}
+
+/* Fills row number `number`: what it chooses from each list, and its settings. */
+static bool fill_row(const struct pen_bench_order *order, const struct pen_settings *base,
+                     int number, struct pen_bench_row *row)
+{
+    const char *key;
+    json_t *list, *chosen = json_object();
+    struct pen_errors none = {0};
+    int left = order->row_count;
+    *row = (struct pen_bench_row){.settings = *base, .chosen = chosen};
+    json_object_foreach(order->matrix, key, list)
+    {
+        left /= (int)json_array_size(list);
+        if (json_object_set(chosen, key, json_array_get(list, (size_t)(number / left))) != 0)
+            return false;
+        number %= left;
+    }
+    return chosen && pen_settings_read(chosen, "", &row->settings, &none);
+}
+
+static bool make_rows(struct pen_bench_order *order, const struct pen_settings *base,
+                      struct pen_errors *errors)
+{
+    order->rows = calloc((size_t)order->row_count, sizeof *order->rows);
+    bool ok = order->rows != NULL;
+    for (int i = 0; ok && i < order->row_count; i++)
+        ok = fill_row(order, base, i, &order->rows[i]);
+    if (!ok)
+        pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for %d rows",
+                         order->row_count);
+    return ok;
+}
+
+static bool read_count(const json_t *members, const char *key, int lo, int hi, int *out,
+                       struct pen_errors *errors)
+{
+    const json_t *value = json_object_get(members, key);
+    double number = json_number_value(value);
+    if (!value)
+        return true;
+    if (!json_is_number(value) || number != (int)number || number < lo || number > hi) {
+        pen_request_fail(errors, PEN_INVALID, "", key, "must be an integer from %d to %d, found %s",
+                         lo, hi, pen_found(value).text);
+        return false;
+    }
+    *out = (int)number;
+    return true;
+}
+
+static bool is_listed(const json_t *list, const json_t *value)
+{
+    size_t i;
+    json_t *item;
+    json_array_foreach(list, i, item)
+    {
+        if (json_equal(item, value))
+            return true;
+    }
+    return false;
+}
+
+static bool check_baseline(const struct pen_bench_order *order, const json_t *baseline,
+                           struct pen_errors *errors)
+{
+    const char *key;
+    json_t *value;
+    bool ok = true;
+    json_object_foreach((json_t *)(uintptr_t)baseline, key, value)
+    {
+        const json_t *list = json_object_get(order->matrix, key);
+        if (list && is_listed(list, value))
+            continue;
+        pen_request_fail(errors, PEN_INVALID, "/baseline", key,
+                         list ? "must be one of the matrix's values, found %s"
+                              : "must be a key of the matrix, which lacks it; found %s",
+                         pen_found(value).text);
+        ok = false;
+    }
+    return ok;
+}
+
+static bool row_has(const struct pen_bench_row *row, const json_t *wanted)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)(uintptr_t)wanted, key, value)
+    {
+        if (!json_equal(json_object_get(row->chosen, key), value))
+            return false;
+    }
+    return true;
+}
+
+/* The first row that has all the values that the baseline names. */
+static bool read_baseline(struct pen_bench_order *order, const json_t *baseline,
+                          struct pen_errors *errors)
+{
+    if (!baseline || json_is_null(baseline))
+        return true;
+    if (!json_is_object(baseline)) {
+        pen_request_fail(errors, PEN_INVALID, "", "baseline",
+                         "must be an object with values of the matrix, found %s",
+                         pen_found(baseline).text);
+        return false;
+    }
+    if (!check_baseline(order, baseline, errors))
+        return false;
+    while (!row_has(&order->rows[order->baseline], baseline))
+        order->baseline++;
+    return true;
+}
+
+bool pen_bench_order_read(const json_t *members, const struct pen_settings *base,
+                          struct pen_bench_order *order, struct pen_errors *errors)
+{
+    json_t *matrix = json_object_get(members, "matrix");
+    *order = (struct pen_bench_order){.repeats = 3, .warmup = 1};
+    order->matrix = matrix ? json_incref(matrix) : json_object();
+    bool ok = read_count(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, &order->repeats, errors);
+    ok &= read_count(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &order->warmup, errors);
+    if (!check_matrix(order, errors) || !make_rows(order, base, errors))
+        return false;
+    return read_baseline(order, json_object_get(members, "baseline"), errors) && ok;
+}
+
+void pen_bench_order_release(struct pen_bench_order *order)
+{
+    for (int i = 0; order->rows && i < order->row_count; i++)
+        json_decref((json_t *)(uintptr_t)order->rows[i].chosen);
+    free(order->rows);
+    json_decref(order->matrix);
+    *order = (struct pen_bench_order){0};
+}
+
+struct pen_bench pen_bench_of_order(const struct pen_bench_order *order)
+{
+    return (struct pen_bench){.rows = order->rows,
+                              .row_count = order->row_count,
+                              .baseline = order->baseline,
+                              .repeats = order->repeats,
+                              .warmup = order->warmup};
+}
+
+/* One run more than those that are timed: the one that counts tests. */
+static double work_of(const struct pen_bench_order *order, const struct pen_scene_desc *desc,
+                      int views)
+{
+    double work = 0;
+    for (int i = 0; i < order->row_count; i++) {
+        const struct pen_settings *s = &order->rows[i].settings;
+        work += (double)s->width * s->height * pen_work_per_pixel(desc, s);
+    }
+    return work * views * (order->repeats + order->warmup + 1);
+}
+
+bool pen_bench_order_check(const struct pen_bench_order *order, const struct pen_limits *limits,
+                           const struct pen_scene_desc *desc, int views, struct pen_status *st)
+{
+    struct pen_bench bench = pen_bench_of_order(order);
+    bench.view_count = views;
+    for (int i = 0; i < order->row_count; i++) {
+        if (!pen_limits_check(limits, desc, &order->rows[i].settings, (uint32_t)views, matrix_at,
+                              st))
+            return false;
+    }
+    double work = work_of(order, desc, views), kept = pen_bench_kept_pixels(&bench);
+    if (work > limits->work)
+        return pen_fail_at(st, PEN_TOO_LARGE, matrix_at,
+                           "all runs of %d rows together take up to %.3g primary and shadow rays, "
+                           "at most %.3g are allowed",
+                           order->row_count, work, limits->work);
+    if (kept > (double)limits->pixels_per_view)
+        return pen_fail_at(st, PEN_TOO_LARGE, matrix_at,
+                           "the pictures to be compared have %.0f pixels together, at most %llu "
+                           "are allowed",
+                           kept, (unsigned long long)limits->pixels_per_view);
+    return true;
+}
+
+/* The settings without those that the matrix varies. */
+static json_t *shared_settings(const struct pen_bench_order *order, const struct pen_settings *base)
+{
+    json_t *render = pen_settings_json(base);
+    const char *key;
+    json_t *list;
+    json_object_foreach(order->matrix, key, list)
+    {
+        json_object_del(render, key);
+    }
+    return render;
+}
+
+json_t *pen_bench_order_head(const struct pen_bench_order *order, const struct pen_bench *bench,
+                             const struct pen_settings *base)
+{
+    const char *name = bench->desc->name;
+    json_t *views = json_array();
+    for (int i = 0; i < bench->view_count; i++)
+        json_array_append_new(views, json_string(bench->desc->views[bench->views[i]].name));
+    return json_pack("{s:s, s:s, s:o, s:I, s:O, s:o}", "kind", "benchmark", "scene",
+                     name ? name : "", "views", pen_json_all(views, (size_t)bench->view_count),
+                     "primitives", (json_int_t)bench->desc->primitive_count, "matrix",
+                     order->matrix, "render", shared_settings(order, base));
+}

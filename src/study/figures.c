@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT */
+#include "pen/study/figures.h"
+
+#include <math.h>
+
+#include "pen/base/cpu.h"
+
+json_t *pen_figure(double value)
+{
+    return json_real(round(value * 1000) / 1000);
+}
+
+uint64_t pen_figure_ray_sum(const struct pen_ray_counts *rays)
+{
+    return rays->primary + rays->shadow + rays->reflection + rays->transmission;
+}
+
+json_t *pen_figure_rays(const struct pen_ray_counts *rays)
+{
+    return json_pack("{s:I, s:I, s:I, s:I, s:I}", "primary", (json_int_t)rays->primary, "shadow",
+                     (json_int_t)rays->shadow, "reflection", (json_int_t)rays->reflection,
+                     "transmission", (json_int_t)rays->transmission, "total",
+                     (json_int_t)pen_figure_ray_sum(rays));
+}
+
+json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms)
+{
+    return pen_figure(render_ms > 0 ? (double)pen_figure_ray_sum(rays) / render_ms / 1000 : 0);
+}
+
+/* Adds a member; NULL when memory ran out. */
+static json_t *with(json_t *object, const char *key, json_t *value)
+{
+    if (object && json_object_set_new(object, key, value) == 0)
+        return object;
+    if (!object)
+        json_decref(value);
+    json_decref(object);
+    return NULL;
+}
+
+json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
+                               const struct pen_render_stats *stats)
+{
+    double rays = (double)pen_figure_ray_sum(&stats->rays);
+    json_t *json =
+        json_pack("{s:s, s:I, s:I, s:I, s:I, s:o, s:o}", "kind", pen_accelerator_name(accel->kind),
+                  "nodes", (json_int_t)accel->nodes, "leaves", (json_int_t)accel->leaves, "depth",
+                  (json_int_t)accel->depth, "bytes", (json_int_t)accel->bytes, "sah_cost",
+                  pen_figure(accel->sah_cost), "build_ms", pen_figure(accel->build_ms));
+    if (!stats->tests_counted || !(rays > 0))
+        return json;
+    json = with(json, "box_tests_per_ray", pen_figure((double)stats->tests.boxes / rays));
+    return with(json, "primitive_tests_per_ray",
+                pen_figure((double)stats->tests.primitives / rays));
+}
+
+json_t *pen_figure_effects(unsigned effects)
+{
+    json_t *list = json_array();
+    for (int bit = 0; bit < PEN_FX_COUNT; bit++) {
+        if ((effects & (1u << bit)) &&
+            json_array_append_new(list, json_string(pen_effect_name(bit))) != 0) {
+            json_decref(list);
+            return NULL;
+        }
+    }
+    return list;
+}
+
+json_t *pen_figure_host(void)
+{
+    char model[128];
+    pen_cpu_model(model, sizeof model);
+    return json_pack("{s:s, s:s, s:i, s:s}", "cpu", model, "isa", pen_isa_name(pen_cpu_isa()),
+                     "cores", pen_cpu_count(), "version", PEN_VERSION);
+}

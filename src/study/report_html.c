@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+/* A report as one page of HTML: no script, nothing loaded, light and dark by the reader's choice.
+ */
+#include <string.h>
+
+#include "grid.h"
+#include "html.h"
+#include "pen/study/report.h"
+
+static const char style[] =
+    ":root{color-scheme:light dark;--ink:#1b1f24;--soft:#5a6370;--line:#d6dbe1;--paper:#fff;"
+    "--bar:#3573b9;--base:#8a94a3;--mark:#1b1f24}"
+    "@media(prefers-color-scheme:dark){:root{--ink:#e7eaee;--soft:#a3adb9;--line:#39424d;"
+    "--paper:#14181d;--bar:#5b9ae0;--base:#77818f;--mark:#f2f4f6}}"
+    "body{margin:0 auto;padding:1.5rem;max-width:78rem;color:var(--ink);background:var(--paper);"
+    "font:16px/1.5 system-ui,sans-serif}"
+    "h1{font-size:1.6rem;margin:0 0 .3rem}h2{font-size:1.15rem;margin:2rem 0 .5rem}"
+    "p{margin:.4rem 0}.soft{color:var(--soft)}"
+    "figure{margin:1.5rem 0;overflow-x:auto}svg{width:100%;min-width:40rem;height:auto;"
+    "font:14px system-ui,sans-serif}"
+    "svg text{fill:var(--ink)}svg .tick{fill:var(--soft);font-size:12px}"
+    "svg .figure{font-variant-numeric:tabular-nums}"
+    "svg .grid{stroke:var(--line)}svg .bar{fill:var(--bar)}svg .base{fill:var(--base)}"
+    "svg .whisker{stroke:var(--mark);stroke-width:1.5;fill:none}"
+    ".wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums;"
+    "font-size:.88rem}figcaption{color:var(--soft);font-size:.88rem}"
+    "th,td{padding:.25rem .55rem;border-bottom:1px solid var(--line);text-align:right;"
+    "white-space:nowrap}"
+    "th{font-weight:600;color:var(--soft)}.w{text-align:left}"
+    "caption{text-align:left;color:var(--soft);padding-bottom:.3rem}";
+
+void pen_html_text(const char *text, struct pen_buf *out)
+{
+    for (; *text; text++) {
+        switch (*text) {
+        case '<':
+            pen_buf_puts(out, "&lt;");
+            break;
+        case '>':
+            pen_buf_puts(out, "&gt;");
+            break;
+        case '&':
+            pen_buf_puts(out, "&amp;");
+            break;
+        case '"':
+            pen_buf_puts(out, "&quot;");
+            break;
+        case '\'':
+            pen_buf_puts(out, "&#39;");
+            break;
+        default:
+            pen_buf_add(out, text, 1);
+        }
+    }
+}
+
+/* A paragraph of what `write` says. */
+static void write_paragraph(const json_t *report, const char *class,
+                            void (*write)(const json_t *report, struct pen_buf *out),
+                            struct pen_buf *out)
+{
+    struct pen_buf text = {0};
+    write(report, &text);
+    pen_buf_printf(out, "<p class=\"%s\">", class);
+    pen_html_text(text.data ? (const char *)text.data : "", out);
+    pen_buf_puts(out, "</p>\n");
+    out->failed |= text.failed;
+    pen_buf_release(&text);
+}
+
+static void write_cells(const struct pen_grid *grid, size_t row, struct pen_buf *out)
+{
+    pen_buf_puts(out, "<tr>");
+    for (size_t column = 0; column < grid->columns; column++) {
+        const char *tag = row == 0 || column == 0 ? "th" : "td";
+        pen_buf_printf(out, "<%s%s%s>", tag, grid->words[column] ? " class=\"w\"" : "",
+                       row == 0      ? " scope=\"col\""
+                       : column == 0 ? " scope=\"row\""
+                                     : "");
+        pen_html_text(pen_grid_text(grid, row, column), out);
+        pen_buf_printf(out, "</%s>", tag);
+    }
+    pen_buf_puts(out, "</tr>\n");
+}
+
+static void write_table(const json_t *report, const struct pen_column *columns, const char *caption,
+                        struct pen_buf *out)
+{
+    struct pen_grid grid;
+    bool ok = pen_grid_make(report, columns, &grid);
+    pen_buf_printf(out,
+                   "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"%s\"><table>"
+                   "<caption>%s</caption>\n<thead>",
+                   caption, caption);
+    for (size_t row = 0; ok && row < grid.rows; row++) {
+        write_cells(&grid, row, out);
+        if (row == 0)
+            pen_buf_puts(out, "</thead>\n<tbody>");
+    }
+    pen_buf_puts(out, "</tbody></table></div>\n");
+    pen_grid_release(&grid);
+    out->failed |= !ok;
+}
+
+static void write_notes(const json_t *report, struct pen_buf *out)
+{
+    const json_t *notes = json_object_get(report, "notes");
+    size_t i;
+    json_t *note;
+    if (json_array_size(notes) == 0)
+        return;
+    pen_buf_puts(out, "<h2>Notes</h2>\n<ul>");
+    json_array_foreach(notes, i, note)
+    {
+        pen_buf_puts(out, "<li>");
+        pen_html_text(json_string_value(note) ? json_string_value(note) : "", out);
+        pen_buf_puts(out, "</li>");
+    }
+    pen_buf_puts(out, "</ul>\n");
+}
+
+/* The settings that all rows share. */
+static void write_settings(const json_t *report, struct pen_buf *out)
+{
+    const char *key, *gap = "";
+    json_t *value;
+    struct pen_buf text = {0};
+    json_object_foreach((json_t *)(uintptr_t)json_object_get(report, "render"), key, value)
+    {
+        pen_buf_printf(&text, "%s%s ", gap, key);
+        pen_write_value(value, &text);
+        gap = ", ";
+    }
+    pen_buf_puts(out, "<h2>Settings of all rows</h2>\n<p>");
+    pen_html_text(text.data ? (const char *)text.data : "", out);
+    pen_buf_puts(out, "</p>\n");
+    out->failed |= text.failed;
+    pen_buf_release(&text);
+}
+
+static void write_heading(const json_t *report, struct pen_buf *out)
+{
+    const char *scene = pen_study_text(report, "scene");
+    pen_buf_puts(out, "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+                      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+                      "<title>Benchmark: ");
+    pen_html_text(scene, out);
+    pen_buf_printf(out, "</title>\n<style>%s</style>\n</head>\n<body>\n<h1>Benchmark: ", style);
+    pen_html_text(scene, out);
+    pen_buf_puts(out, "</h1>\n");
+}
+
+void pen_study_html(const json_t *report, struct pen_buf *out)
+{
+    write_heading(report, out);
+    write_paragraph(report, "soft", pen_write_method, out);
+    pen_buf_puts(out, "<figure>");
+    pen_html_chart(report, out);
+    pen_buf_puts(out, "<figcaption>Bar: median. Whisker: least to largest. Grey: the row that "
+                      "speed-ups refer to.</figcaption></figure>\n");
+    write_table(report, pen_time_columns, "Times, tests and pictures", out);
+    pen_buf_puts(out, "<h2>Rays and trees</h2>\n");
+    write_table(report, pen_ray_columns, "Rays by kind, and the accelerator", out);
+    write_notes(report, out);
+    pen_buf_puts(out, "<h2>Machine</h2>\n");
+    write_paragraph(report, "", pen_write_host, out);
+    write_settings(report, out);
+    pen_buf_puts(out, "</body>\n</html>\n");
+}

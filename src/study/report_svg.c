@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+/* The bar chart of a benchmark: a bar for each row's median, a whisker from its least to its
+ * largest time. Where the slowest row takes more than twenty times what the fastest takes, a bar of
+ * the fastest could not be read any more, and the axis is logarithmic.
+ *
+ * Colours come from the page's style sheet, by class. Units: pixels of the view box. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "html.h"
+#include "read.h"
+
+enum { WIDTH = 960, ROW = 30, BAR = 16, TOP = 30, FIGURES = 190, CHAR = 8, LABEL_MAX = 340 };
+
+static const double log_spread = 20;
+
+struct chart {
+    const json_t *report;
+    size_t rows;
+    double left, right; /* of the axis */
+    double low, high;   /* what they stand for, ms */
+    bool logarithmic;
+};
+
+static double place(const struct chart *chart, double ms)
+{
+    double share = chart->logarithmic ? log(ms / chart->low) / log(chart->high / chart->low)
+                                      : ms / chart->high;
+    if (!(share > 0))
+        share = 0;
+    return chart->left + (share < 1 ? share : 1) * (chart->right - chart->left);
+}
+
+/* The longest name decides how much room there is for names. */
+static double label_width(const struct chart *chart)
+{
+    size_t longest = 0;
+    for (size_t i = 0; i < chart->rows; i++) {
+        struct pen_buf name = {0};
+        pen_write_row_name(pen_study_row(chart->report, i), &name);
+        longest = name.bytes > longest ? name.bytes : longest;
+        pen_buf_release(&name);
+    }
+    double width = 16 + (double)longest * CHAR;
+    return width < LABEL_MAX ? width : LABEL_MAX;
+}
+
+static void find_scale(struct chart *chart)
+{
+    double least = HUGE_VAL, most = 0;
+    for (size_t i = 0; i < chart->rows; i++) {
+        const json_t *row = pen_study_row(chart->report, i);
+        least = fmin(least, pen_study_number(row, "min_ms"));
+        most = fmax(most, pen_study_number(row, "max_ms"));
+    }
+    chart->logarithmic = least > 0 && most > log_spread * least;
+    chart->low = chart->logarithmic ? pow(10, floor(log10(least / 1.5))) : 0;
+    chart->high = most > 0 ? most : 1;
+}
+
+static void write_tick(const struct chart *chart, double ms, double bottom, struct pen_buf *out)
+{
+    double x = place(chart, ms);
+    pen_buf_printf(out,
+                   "<path class=\"grid\" d=\"M%.1f %d V%.1f\"/><text class=\"tick\" x=\"%.1f\""
+                   " y=\"%d\" text-anchor=\"middle\">",
+                   x, TOP - 4, bottom, x, TOP - 10);
+    if (ms >= 1000)
+        pen_buf_printf(out, "%g s", ms / 1000);
+    else
+        pen_buf_printf(out, "%g ms", ms);
+    pen_buf_puts(out, "</text>");
+}
+
+/* A round step, so that there are at most six of them. */
+static double round_step(double high)
+{
+    double least = high / 6, unit = pow(10, floor(log10(least)));
+    if (least > 5 * unit)
+        return 10 * unit;
+    if (least > 2 * unit)
+        return 5 * unit;
+    return least > unit ? 2 * unit : unit;
+}
+
+static void write_axis(const struct chart *chart, double bottom, struct pen_buf *out)
+{
+    if (chart->logarithmic) {
+        for (double ms = chart->low; ms <= chart->high; ms *= 10)
+            write_tick(chart, ms, bottom, out);
+        return;
+    }
+    double step = round_step(chart->high);
+    for (int i = 0; i * step <= chart->high; i++)
+        write_tick(chart, i * step, bottom, out);
+}
+
+static void write_name(const json_t *row, double y, struct pen_buf *out)
+{
+    struct pen_buf name = {0};
+    pen_write_row_name(row, &name);
+    pen_buf_printf(out, "<text class=\"name\" x=\"0\" y=\"%.1f\">", y);
+    pen_html_text(name.data ? (const char *)name.data : "", out);
+    pen_buf_puts(out, "</text>");
+    out->failed |= name.failed;
+    pen_buf_release(&name);
+}
+
+static void write_bar(const struct chart *chart, size_t number, struct pen_buf *out)
+{
+    const json_t *row = pen_study_row(chart->report, number);
+    bool base = (double)number == pen_study_number(chart->report, "baseline");
+    double middle = TOP + ((double)number + 0.5) * ROW, text = middle + 5;
+    double least = place(chart, pen_study_number(row, "min_ms"));
+    double most = place(chart, pen_study_number(row, "max_ms"));
+    double end = place(chart, pen_study_number(row, "median_ms"));
+    write_name(row, text, out);
+    pen_buf_printf(out,
+                   "<rect class=\"%s\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%d\"/>"
+                   "<path class=\"whisker\" d=\"M%.1f %.1f H%.1f M%.1f %.1f v8 M%.1f %.1f v8\"/>",
+                   base ? "bar base" : "bar", chart->left, middle - BAR / 2.0,
+                   fmax(end - chart->left, 1), (int)BAR, least, middle, most, least, middle - 4,
+                   most, middle - 4);
+    pen_buf_printf(out, "<text class=\"figure\" x=\"%d\" y=\"%.1f\" text-anchor=\"end\">",
+                   WIDTH - 80, text);
+    pen_write_figure(pen_study_number(row, "median_ms"), "\xE2\x80\xAF", out);
+    pen_buf_printf(out, " ms</text><text class=\"figure\" x=\"%d\" y=\"%.1f\" text-anchor=\"end\">",
+                   (int)WIDTH, text);
+    pen_time_columns[2].write(row, out);
+    pen_buf_puts(out, "</text>");
+}
+
+/* What the chart shows, for those who do not see it. */
+static void describe(const struct chart *chart, struct pen_buf *out)
+{
+    pen_buf_printf(out,
+                   "<title id=\"chart-title\">Median time of each row, %s axis</title>"
+                   "<desc id=\"chart-desc\">",
+                   chart->logarithmic ? "logarithmic" : "linear");
+    for (size_t i = 0; i < chart->rows; i++) {
+        const json_t *row = pen_study_row(chart->report, i);
+        struct pen_buf name = {0};
+        pen_write_row_name(row, &name);
+        pen_html_text(name.data ? (const char *)name.data : "", out);
+        out->failed |= name.failed;
+        pen_buf_release(&name);
+        pen_buf_puts(out, ": ");
+        pen_write_figure(pen_study_number(row, "median_ms"), "", out);
+        pen_buf_puts(out, " ms. ");
+    }
+    pen_buf_puts(out, "</desc>");
+}
+
+void pen_html_chart(const json_t *report, struct pen_buf *out)
+{
+    struct chart chart = {.report = report, .rows = pen_study_row_count(report)};
+    double bottom = TOP + (double)chart.rows * ROW;
+    if (chart.rows == 0)
+        return;
+    chart.left = label_width(&chart);
+    chart.right = WIDTH - FIGURES;
+    find_scale(&chart);
+    pen_buf_printf(out,
+                   "<svg viewBox=\"0 0 %d %.0f\" role=\"img\" aria-labelledby=\"chart-title"
+                   " chart-desc\">",
+                   (int)WIDTH, bottom + 8);
+    describe(&chart, out);
+    write_axis(&chart, bottom, out);
+    for (size_t i = 0; i < chart.rows; i++)
+        write_bar(&chart, i, out);
+    if (chart.logarithmic)
+        pen_buf_printf(out, "<text class=\"tick\" x=\"0\" y=\"%d\">logarithmic axis</text>",
+                       TOP - 10);
+    pen_buf_puts(out, "</svg>");
+}

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT */
+/* The members of a benchmark: what is refused and where, the rows that a matrix makes, limits. */
+#include <stdio.h>
+#include <string.h>
+
+#include "pen/jobs/benchmark.h"
+#include "support/suite.h"
+
+static struct pen_bench_order order;
+static struct pen_errors errors;
+
+static bool read_text(const char *text)
+{
+    struct pen_settings base = pen_settings_default();
+    json_error_t error;
+    json_t *members = json_loads(text, 0, &error);
+    ck_assert_msg(members != NULL, "%s: %s", error.text, text);
+    errors = (struct pen_errors){0};
+    bool ok = pen_bench_order_read(members, &base, &order, &errors);
+    json_decref(members);
+    ck_assert_msg(ok == (errors.count == 0), "%s", text);
+    return ok;
+}
+
+static void read_good(const char *text)
+{
+    if (!read_text(text))
+        ck_abort_msg("%s: %s: %s", text, errors.item[0].at, errors.item[0].msg);
+}
+
+struct bad {
+    const char *text;
+    enum pen_code code;
+    const char *at, *words;
+};
+
+static const struct bad bad_members[] = {
+    {"{\"matrix\": []}", PEN_INVALID, "/matrix", "found an empty array"},
+    {"{\"matrix\": {\"threads\": 1}}", PEN_INVALID, "/matrix/threads", "found 1"},
+    {"{\"matrix\": {\"threads\": []}}", PEN_INVALID, "/matrix/threads", "one or more values"},
+    {"{\"matrix\": {\"accelerator\": [\"none\", \"auto\", \"automatic\"]}}", PEN_INVALID,
+     "/matrix/accelerator/2", "found the string \"automatic\""},
+    {"{\"matrix\": {\"threads\": [1, -1]}}", PEN_INVALID, "/matrix/threads/1", "found -1"},
+    {"{\"matrix\": {\"thread\": [1, 2]}}", PEN_INVALID, "/matrix/thread",
+     "did you mean \"threads\"?"},
+    {"{\"matrix\": {\"a/b\": [1, 2]}}", PEN_INVALID, "/matrix/a~1b", "unknown key"},
+    {"{\"matrix\": {\"threads\": [1, 2, 1]}}", PEN_INVALID, "/matrix/threads/2", "twice"},
+    {"{\"matrix\": {\"target_error\": [0.1]}}", PEN_UNSUPPORTED, "/matrix/target_error/0",
+     "not supported yet"},
+    {"{\"repeats\": 0}", PEN_INVALID, "/repeats", "from 1 to 100, found 0"},
+    {"{\"repeats\": 101}", PEN_INVALID, "/repeats", "from 1 to 100"},
+    {"{\"repeats\": 1.5}", PEN_INVALID, "/repeats", "found 1.5"},
+    {"{\"repeats\": 1e300}", PEN_INVALID, "/repeats", "integer"},
+    {"{\"repeats\": null}", PEN_INVALID, "/repeats", "found null"},
+    {"{\"warmup\": -1}", PEN_INVALID, "/warmup", "from 0 to 10"},
+    {"{\"warmup\": 11}", PEN_INVALID, "/warmup", "from 0 to 10"},
+    {"{\"matrix\": {\"threads\": [1]}, \"baseline\": 1}", PEN_INVALID, "/baseline", "found 1"},
+    {"{\"matrix\": {\"threads\": [1]}, \"baseline\": {\"threads\": 2}}", PEN_INVALID,
+     "/baseline/threads", "one of the matrix's values, found 2"},
+    {"{\"matrix\": {\"threads\": [1]}, \"baseline\": {\"tile\": 8}}", PEN_INVALID, "/baseline/tile",
+     "must be a key of the matrix"},
+};
+
+START_TEST(test_benchmark__what_is_wrong_is_named_with_its_place)
+{
+    for (size_t i = 0; i < sizeof bad_members / sizeof bad_members[0]; i++) {
+        const struct bad *bad = &bad_members[i];
+        ck_assert_msg(!read_text(bad->text), "accepted: %s", bad->text);
+        const struct pen_status *st = &errors.item[0];
+        ck_assert_msg(errors.count == 1, "%s: %zu errors", bad->text, errors.count);
+        ck_assert_msg(st->code == bad->code, "%s: %s", bad->text, pen_code_name(st->code));
+        ck_assert_msg(strcmp(st->at, bad->at) == 0, "%s: at %s", bad->text, st->at);
+        ck_assert_msg(strstr(st->msg, bad->words) != NULL, "%s: %s", bad->text, st->msg);
+        pen_bench_order_release(&order);
+    }
+}
+END_TEST
+
+START_TEST(test_benchmark__all_errors_come_together)
+{
+    ck_assert(!read_text("{\"matrix\": {\"threads\": [1, \"x\", -1], \"tile\": [0]},"
+                         " \"repeats\": 0, \"warmup\": 99}"));
+    ck_assert_uint_eq(errors.count, 5);
+    pen_bench_order_release(&order);
+}
+END_TEST
+
+START_TEST(test_benchmark__defaults_are_one_row_three_times_after_one)
+{
+    read_good("{}");
+    ck_assert_int_eq(order.row_count, 1);
+    ck_assert_int_eq(order.repeats, 3);
+    ck_assert_int_eq(order.warmup, 1);
+    ck_assert_int_eq(order.baseline, 0);
+    pen_bench_order_release(&order);
+}
+END_TEST
+
+START_TEST(test_benchmark__rows_come_in_the_order_of_the_document)
+{
+    static const struct {
+        int tile, threads, accelerator;
+    } rows[] = {{8, 1, PEN_ACCEL_NONE},  {8, 1, PEN_ACCEL_AUTO},  {8, 0, PEN_ACCEL_NONE},
+                {8, 0, PEN_ACCEL_AUTO},  {32, 1, PEN_ACCEL_NONE}, {32, 1, PEN_ACCEL_AUTO},
+                {32, 0, PEN_ACCEL_NONE}, {32, 0, PEN_ACCEL_AUTO}};
+    read_good("{\"matrix\": {\"tile\": [8, 32], \"threads\": [1, 0],"
+              " \"accelerator\": [\"none\", \"auto\"]}}");
+    ck_assert_int_eq(order.row_count, 8);
+    for (int i = 0; i < 8; i++) {
+        ck_assert_int_eq(order.rows[i].settings.tile, rows[i].tile);
+        ck_assert_int_eq(order.rows[i].settings.threads, rows[i].threads);
+        ck_assert_int_eq(order.rows[i].settings.accelerator, rows[i].accelerator);
+        ck_assert_int_eq(order.rows[i].settings.width, 800);
+    }
+    char *chosen = json_dumps(order.rows[5].chosen, 0);
+    ck_assert_str_eq(chosen, "{\"tile\": 32, \"threads\": 1, \"accelerator\": \"auto\"}");
+    free(chosen);
+    pen_bench_order_release(&order);
+}
+END_TEST
+
+START_TEST(test_benchmark__baseline_is_the_first_row_that_fits)
+{
+    read_good("{\"matrix\": {\"accelerator\": [\"none\", \"auto\"], \"threads\": [1, 0]},"
+              " \"baseline\": {\"accelerator\": \"auto\"}}");
+    ck_assert_int_eq(order.baseline, 2);
+    pen_bench_order_release(&order);
+    read_good("{\"matrix\": {\"accelerator\": [\"none\", \"auto\"], \"threads\": [1, 0]},"
+              " \"baseline\": {\"threads\": 0, \"accelerator\": \"auto\"}}");
+    ck_assert_int_eq(order.baseline, 3);
+    pen_bench_order_release(&order);
+}
+END_TEST
+
+/* A matrix of `seeds` seeds, as text. */
+static const char *many_seeds(int seeds)
+{
+    static char text[8192];
+    int used = snprintf(text, sizeof text,
+                        "{\"warmup\": 0, \"repeats\": 1,"
+                        " \"matrix\": {\"threads\": [1, 2], \"seed\": [0");
+    for (int i = 1; i < seeds; i++)
+        used += snprintf(text + used, sizeof text - (size_t)used, ", %d", i);
+    snprintf(text + used, sizeof text - (size_t)used, "]}}");
+    return text;
+}
+
+START_TEST(test_benchmark__rows_are_capped)
+{
+    read_good(many_seeds(PEN_BENCH_ROWS_MAX / 2));
+    ck_assert_int_eq(order.row_count, PEN_BENCH_ROWS_MAX);
+    pen_bench_order_release(&order);
+    ck_assert(!read_text(many_seeds(PEN_BENCH_ROWS_MAX / 2 + 1)));
+    ck_assert_str_eq(errors.item[0].at, "/matrix");
+    ck_assert_ptr_nonnull(strstr(errors.item[0].msg, "makes 258 rows, at most 256"));
+    pen_bench_order_release(&order);
+}
+END_TEST
+
+/* Checks an order against limits, for a scene without lights and one view. */
+static bool check(const char *text, const struct pen_limits *limits, struct pen_status *st)
+{
+    struct pen_view_desc view = {.name = "main"};
+    struct pen_scene_desc desc = {.view_count = 1, .views = &view};
+    read_good(text);
+    bool ok = pen_bench_order_check(&order, limits, &desc, 1, st);
+    pen_bench_order_release(&order);
+    return ok;
+}
+
+START_TEST(test_benchmark__work_of_all_runs_together_is_bounded)
+{
+    static const char text[] =
+        "{\"repeats\": 5, \"warmup\": 2, \"matrix\": {\"width\": [100, 300], \"height\": [10]}}";
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    limits.work = (5 + 2 + 1) * 4000.0;
+    if (!check(text, &limits, &st))
+        ck_abort_msg("%s", st.msg);
+    limits.work -= 1;
+    ck_assert(!check(text, &limits, &st));
+    ck_assert_int_eq(st.code, PEN_TOO_LARGE);
+    ck_assert_str_eq(st.at, "/matrix");
+}
+END_TEST
+
+START_TEST(test_benchmark__kept_pictures_are_bounded)
+{
+    /* One picture for each seed; the threads' are the same. */
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    limits.pixels_per_view = 3 * 800 * 600;
+    if (!check(many_seeds(3), &limits, &st))
+        ck_abort_msg("%s", st.msg);
+    ck_assert(!check(many_seeds(4), &limits, &st));
+    ck_assert_int_eq(st.code, PEN_TOO_LARGE);
+    ck_assert_ptr_nonnull(strstr(st.msg, "1920000 pixels together, at most 1440000"));
+}
+END_TEST
+
+PEN_SUITE("benchmark", test_benchmark__what_is_wrong_is_named_with_its_place,
+          test_benchmark__all_errors_come_together,
+          test_benchmark__defaults_are_one_row_three_times_after_one,
+          test_benchmark__rows_come_in_the_order_of_the_document,
+          test_benchmark__baseline_is_the_first_row_that_fits, test_benchmark__rows_are_capped,
+          test_benchmark__work_of_all_runs_together_is_bounded,
+          test_benchmark__kept_pictures_are_bounded)

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: MIT */
+/* Reports in all forms: what is in them, that nothing in them is taken for markup, and that any
+ * JSON at all can be written. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/study/report.h"
+#include "support/random.h"
+#include "support/suite.h"
+
+static struct pen_buf out;
+
+/* A report of two rows; SCENE stands for the scene's name. */
+static const char sample[] =
+    "{\"kind\": \"benchmark\", \"scene\": \"SCENE\", \"views\": [\"main\"], \"repeats\": 3,"
+    " \"warmup\": 1, \"baseline\": 0, \"render\": {\"width\": 800}, \"rows\": ["
+    "{\"row\": 0, \"settings\": {\"accelerator\": \"none\", \"threads\": 1}, \"threads\": 1,"
+    " \"median_ms\": 12345.678, \"min_ms\": 12000.0, \"max_ms\": 13000.5, \"speedup\": 1.0,"
+    " \"rays\": {\"primary\": 1400000, \"shadow\": 5, \"total\": 1400005},"
+    " \"accelerator\": {\"box_tests_per_ray\": 0.0, \"primitive_tests_per_ray\": 419.5},"
+    " \"compared_with\": 0, \"identical\": true, \"max_difference\": 0.0, \"rmse\": 0.0},"
+    "{\"row\": 1, \"settings\": {\"accelerator\": \"auto\", \"threads\": 0}, \"threads\": 2,"
+    " \"median_ms\": FAST, \"min_ms\": FAST, \"max_ms\": 130.5, \"speedup\": 100.25,"
+    " \"compared_with\": 0, \"identical\": false, \"max_difference\": 0.125, \"rmse\": 0.03125}],"
+    " \"notes\": [\"NOTE\"], \"host\": {\"cpu\": \"CPU\", \"isa\": \"avx2\", \"cores\": 2,"
+    " \"version\": \"0.1.0\"}, \"pool_threads\": 2}";
+
+static void replace(char *text, size_t bytes, const char *word, const char *by)
+{
+    char copy[4096];
+    for (char *at; (at = strstr(text, word)) != NULL;) {
+        snprintf(copy, sizeof copy, "%.*s%s%s", (int)(at - text), text, by, at + strlen(word));
+        snprintf(text, bytes, "%s", copy);
+    }
+}
+
+/* The sample with texts in place of its words; they are written as JSON strings' insides. */
+static json_t *report_with(const char *text, const char *fast)
+{
+    char document[4096];
+    snprintf(document, sizeof document, "%s", sample);
+    replace(document, sizeof document, "SCENE", text);
+    replace(document, sizeof document, "NOTE", text);
+    replace(document, sizeof document, "CPU", text);
+    replace(document, sizeof document, "FAST", fast);
+    json_error_t error;
+    json_t *report = json_loads(document, 0, &error);
+    ck_assert_msg(report != NULL, "%s at %s", error.text, document + error.position);
+    return report;
+}
+
+static const char *write_as(const json_t *report, const char *form)
+{
+    struct pen_status st;
+    pen_buf_release(&out);
+    ck_assert(pen_study_write(report, form, &out, &st));
+    return (const char *)out.data;
+}
+
+static void has(const char *text, const char *part)
+{
+    ck_assert_msg(strstr(text, part) != NULL, "no %s in %s", part, text);
+}
+
+static void lacks(const char *text, const char *part)
+{
+    ck_assert_msg(strstr(text, part) == NULL, "there is %s", part);
+}
+
+START_TEST(test_report__csv_has_a_line_for_each_row)
+{
+    json_t *report = report_with("room", "123.5");
+    const char *text = write_as(report, "csv");
+    has(text, "row,accelerator,threads,threads_worked,median_ms,min_ms,max_ms,speedup,");
+    has(text, "\n0,none,1,1,12345.678,12000.0,13000.5,1.0,");
+    has(text, "\n1,auto,0,2,123.5,123.5,130.5,100.25,");
+    has(text, ",false,0.125,0.03125\n");
+    int lines = 0, commas = 0, first = 0;
+    for (const char *c = text; *c; c++) {
+        commas += *c == ',';
+        if (*c == '\n') {
+            first = lines++ ? first : commas;
+            ck_assert_int_eq(commas, first);
+            commas = 0;
+        }
+    }
+    ck_assert_int_eq(lines, 3);
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__csv_quotes_what_would_break_a_cell)
+{
+    json_t *report = report_with("room", "123.5");
+    json_t *row = json_array_get(json_object_get(report, "rows"), 0);
+    json_object_set_new(json_object_get(row, "settings"), "accelerator",
+                        json_string("a \"b\", c\nd"));
+    has(write_as(report, "csv"), "\n0,\"a \"\"b\"\", c\nd\",1,1,");
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__json_reads_back_as_itself)
+{
+    json_t *report = report_with("room", "0.1");
+    json_t *again = json_loads(write_as(report, "json"), 0, NULL);
+    ck_assert(json_equal(report, again));
+    json_decref(again);
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__people_read_times_and_ratios)
+{
+    json_t *report = report_with("room", "123.5");
+    const char *text = write_as(report, "md");
+    has(text, "# Benchmark: room\n");
+    has(text, "| 0 | none | 1 | 12 346 | 12 000\xE2\x80\x93"
+              "13 000 | 1.00\xC3\x97 |");
+    has(text, "| 1 | auto | all 2 | 124 | 124\xE2\x80\x93"
+              "130 | 100\xC3\x97 |");
+    has(text, "| max 0.125, rmse 0.0312 from row 0 |");
+    has(text, "1 400 000");
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__text_from_a_scene_is_never_markup)
+{
+    static const char evil[] =
+        "</title></svg><script>alert(1)</script><img src=x onerror='x'>&amp;`*_[a](b)|\\n# h\\\"";
+    json_t *report = report_with(evil, "123.5");
+    json_t *row = json_array_get(json_object_get(report, "rows"), 0);
+    json_object_set_new(json_object_get(row, "settings"), "accelerator",
+                        json_string("<b onclick=\"x\">"));
+    const char *text = write_as(report, "html");
+    lacks(text, "<script");
+    lacks(text, "<img");
+    lacks(text, "<b ");
+    lacks(text, "onclick=\"");
+    has(text, "&lt;script&gt;alert(1)&lt;/script&gt;");
+    has(text, "&amp;amp;");
+    has(text, "onerror=&#39;x&#39;");
+    text = write_as(report, "md");
+    lacks(text, "<script");
+    lacks(text, "\n# h");
+    lacks(text, "[a](");
+    has(text, "\\|");
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__terminal_gets_no_control_characters)
+{
+    json_t *report = report_with("\\u001b[2Jroom\\u0007", "123.5");
+    struct pen_buf text = {0};
+    pen_study_plain(report, &text);
+    ck_assert(!text.failed);
+    for (const unsigned char *c = text.data; *c; c++)
+        ck_assert(*c >= 0x20 || *c == '\n');
+    pen_buf_release(&text);
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__page_needs_nothing_else)
+{
+    json_t *report = report_with("room", "123.5");
+    const char *text = write_as(report, "html");
+    static const char *const outside[] = {"http:", "https:", "src=", "url(", "@import", "href"};
+    for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++)
+        lacks(text, outside[i]);
+    has(text, "<html lang=\"en\">");
+    has(text, "prefers-color-scheme:dark");
+    has(text, "role=\"img\" aria-labelledby=\"chart-title chart-desc\"");
+    has(text, "<title id=\"chart-title\">");
+    has(text, "<desc id=\"chart-desc\">none, 1 thread: 12346 ms. auto, all 2 threads: 124 ms. ");
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__axis_is_logarithmic_where_the_spread_asks_for_it)
+{
+    json_t *report = report_with("room", "123.5");
+    has(write_as(report, "html"), "logarithmic axis");
+    json_decref(report);
+    report = report_with("room", "5000.5");
+    json_t *row = json_array_get(json_object_get(report, "rows"), 1);
+    json_object_set_new(row, "max_ms", json_real(5001));
+    lacks(write_as(report, "html"), "logarithmic axis");
+    json_decref(report);
+}
+END_TEST
+
+/* Numbers of an attribute such as width="12.5", in turn. */
+static double next_number(const char **text, const char *before)
+{
+    const char *at = strstr(*text, before);
+    ck_assert_msg(at != NULL, "no %s", before);
+    *text = at + strlen(before);
+    return strtod(*text, NULL);
+}
+
+START_TEST(test_report__bars_are_as_long_as_the_times)
+{
+    json_t *report = report_with("room", "6172.839");
+    json_t *row = json_array_get(json_object_get(report, "rows"), 1);
+    json_object_set_new(row, "max_ms", json_real(7000));
+    const char *text = write_as(report, "html");
+    double first = next_number(&text, "<rect class=\"bar base\"");
+    first = next_number(&text, "width=\"");
+    double second = next_number(&text, "<rect class=\"bar\"");
+    second = next_number(&text, "width=\"");
+    ck_assert_double_eq_tol(first, 2 * second, 0.2);
+    json_decref(report);
+}
+END_TEST
+
+/* Any value, also where another is expected. */
+static json_t *any_value(struct random *r, int depth)
+{
+    static const char *const keys[] = {"rows",  "settings", "row",       "median_ms", "min_ms",
+                                       "notes", "host",     "threads",   "rays",      "scene",
+                                       "views", "baseline", "identical", "speedup",   "max_ms"};
+    switch (random_below(r, depth > 0 ? 8 : 5)) {
+    case 0:
+        return json_null();
+    case 1:
+        return json_integer((json_int_t)random_bits(r));
+    case 2:
+        return json_real(random_in(r, -1e300, 1e300));
+    case 3:
+        return json_string("<a\\\"&'|\xC3\xA9>");
+    case 4:
+        return json_boolean(random_below(r, 2));
+    case 5: {
+        json_t *list = json_array();
+        for (uint64_t n = random_below(r, 4); n > 0; n--)
+            json_array_append_new(list, any_value(r, depth - 1));
+        return list;
+    }
+    default: {
+        json_t *object = json_object();
+        for (uint64_t n = random_below(r, 9); n > 0; n--)
+            json_object_set_new(object, keys[random_below(r, 15)], any_value(r, depth - 1));
+        return object;
+    }
+    }
+}
+
+START_TEST(test_report__any_json_can_be_written)
+{
+    struct random r = random_begin(41);
+    for (int i = 0; i < 2000; i++) {
+        json_t *report = any_value(&r, 5);
+        for (int form = 0; pen_study_forms[form]; form++) {
+            struct pen_status st;
+            pen_buf_release(&out);
+            ck_assert_msg(pen_study_write(report, pen_study_forms[form], &out, &st),
+                          "PEN_SEED=%llu: %s", (unsigned long long)r.seed, st.msg);
+        }
+        json_decref(report);
+    }
+}
+END_TEST
+
+PEN_SUITE("report", test_report__csv_has_a_line_for_each_row,
+          test_report__csv_quotes_what_would_break_a_cell, test_report__json_reads_back_as_itself,
+          test_report__people_read_times_and_ratios, test_report__text_from_a_scene_is_never_markup,
+          test_report__terminal_gets_no_control_characters, test_report__page_needs_nothing_else,
+          test_report__axis_is_logarithmic_where_the_spread_asks_for_it,
+          test_report__bars_are_as_long_as_the_times, test_report__any_json_can_be_written)
