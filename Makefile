@@ -59,7 +59,8 @@ all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
 .PHONY: libpenumbra
 libpenumbra: $(BUILD)/libpenumbra.a
 CRASH_TEST := $(BUILD)/tests/crash/crash
-tests: all $(TEST_BIN) $(CRASH_TEST)
+STABILITY := $(BUILD)/tests/property/stability
+tests: all $(TEST_BIN) $(CRASH_TEST) $(STABILITY)
 
 have-deps:
 	@pkg-config --exists $(PKGS) || { \
@@ -105,8 +106,39 @@ $(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
 	$(Q)$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
-	    $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
+	    $(TEST_FIRST) $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
+
+# The stability suite: rows of properties, their oracles, the program that runs them in parallel and
+# writes the report. The oracles need 128-bit floats, so gcc compiles them in a build with clang.
+PROPERTY_SRC := $(filter-out tests/property/test_%.c %/stability.c %/standalone.c,$(sort $(wildcard tests/property/*.c)))
+PROPERTY_OBJ := $(PROPERTY_SRC:%.c=$(BUILD)/%.o)
+PROPERTY_LIB := $(BUILD)/tests/libproperty.a
+STABILITY_OBJ := $(BUILD)/tests/property/stability.o $(BUILD)/tests/property/standalone.o
+MPFR_LIBS := $(shell pkg-config --libs mpfr 2>/dev/null)
+ORACLE_CC := $(if $(shell command -v gcc 2>/dev/null),gcc,$(CC))
+$(BUILD)/tests/property/%.o: EXTRA := $(CHECK_CFLAGS) -Itests
+$(BUILD)/tests/property/oracle_%.o: private CC := $(ORACLE_CC)
+$(BUILD)/tests/property/oracle_%.o: private SAN :=
+$(BUILD)/tests/property/oracle_%.o: EXTRA := $(if $(MPFR_LIBS),-DHAVE_MPFR) -Itests
+$(PROPERTY_LIB): $(PROPERTY_OBJ)
+	@rm -f $@
+	$(call say,AR ,$@)
+	$(Q)ar rcs $@ $^
+$(BUILD)/tests/property/test_property: $(PROPERTY_LIB)
+$(BUILD)/tests/property/test_property: TEST_FIRST := $(PROPERTY_LIB)
+$(BUILD)/tests/property/test_property: TEST_LIBS := $(MPFR_LIBS)
+$(STABILITY): $(STABILITY_OBJ) $(PROPERTY_LIB) $(TEST_SUPPORT_LIB) $(BUILD)/libpenumbra.a
+	$(call say,LD ,$@)
+	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS) $(MPFR_LIBS)
+
+# CASES=N: so many cases per row; ROWS=text: only rows whose name contains it; SEED as for crash.
+CASES ?=
+ROWS ?=
+.PHONY: stability
+stability: $(STABILITY)
+	nice -n 10 $(STABILITY) --out $(BUILD)/stability --corpus tests/property/corpus/worst.txt --jobs $(JOBS) \
+	    $(if $(SEED),--seed $(SEED)) $(if $(CASES),--cases $(CASES)) $(if $(ROWS),--rows $(ROWS))
 
 # Kills the daemon's processes at random: ROUNDS rounds, from SEED if that is given.
 ROUNDS ?= 200
@@ -168,5 +200,6 @@ install: all
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan
 
--include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d)
+-include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) \
+    $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d)
 -include $(BUILD)/src/cmd/penumbra.d $(BUILD)/src/cmd/penumbrad.d

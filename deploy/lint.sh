@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Checks the house rules: layers, headers that compile alone, format, exported symbols, no libm in
-# the renderer, no long lines of history left in comments. Prints every offence; exit 1 if any.
+# the renderer, no absolute epsilon where crossings are decided. Prints every offence; exit 1 if any.
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."
@@ -109,6 +109,37 @@ count "$work/out"
 # 7. Every source file names its licence.
 git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' '*.sh' | xargs -r grep -L 'SPDX-License-Identifier: MIT' >"$work/out" || :
 sed -i 's/$/: no SPDX line/' "$work/out"
+count "$work/out"
+
+# 8. No absolute epsilon where crossings are decided: no literal between 1e-3 and 1e-15 there, but for
+# powers of two that scale something (0x1p-22 in 1 + 0x1p-22, 0x1p-40 * size).
+git ls-files 'src/geom/*.[ch]' 'src/accel/*.[ch]' 'src/shade/*.[ch]' 'include/pen/geom/*.h' \
+    'include/pen/accel/*.h' 'include/pen/shade/*.h' >"$work/files"
+awk '
+FNR == 1 { comment = 0 }
+{
+    line = $0
+    if (comment && !sub(/^.*\*\//, "", line)) next
+    comment = 0
+    gsub(/\/\*([^*]|\*+[^*\/])*\*+\//, " ", line)
+    if (sub(/\/\*.*$/, "", line)) comment = 1
+    for (rest = line; match(rest, /(^|[^A-Za-z0-9_.])([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?/);
+         rest = substr(rest, RSTART + RLENGTH)) {
+        number = substr(rest, RSTART, RLENGTH)
+        sub(/^[^0-9.]/, "", number)
+        if (number + 0 >= 1e-15 && number + 0 <= 1e-3)
+            print FILENAME ":" FNR ": absolute epsilon? " number
+    }
+    gsub(/(1 [-+] |\* |_set1_p[sd]\()0x[0-9a-fA-F.]+p-[0-9]+/, " ", line)
+    gsub(/0x[0-9a-fA-F.]+p-[0-9]+f? \*/, " ", line)
+    for (; match(line, /0x[0-9a-fA-F.]+p-[0-9]+/); line = substr(line, RSTART + RLENGTH)) {
+        number = substr(line, RSTART, RLENGTH)
+        power = number
+        sub(/^.*p-/, "", power)
+        if (power + 0 >= 10 && power + 0 <= 50)
+            print FILENAME ":" FNR ": absolute epsilon? " number
+    }
+}' $(cat "$work/files") >"$work/out"
 count "$work/out"
 
 if [ "$fails" -gt 0 ]; then

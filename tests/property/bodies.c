@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+#include "property/bodies.h"
+
+#include <string.h>
+
+typedef struct pen_vec3 vec3;
+
+enum { STACKS = 16, SLICES = 14 };
+
+static vec3 grid[STACKS + 1][SLICES];
+
+void bodies_bumpy(struct world *w, struct random *r, vec3 at)
+{
+    for (int i = 0; i <= STACKS; i++) {
+        for (int j = 0; j < SLICES; j++) {
+            double theta = 3.14159265358979 * i / STACKS, phi = 6.28318530717959 * j / SLICES;
+            vec3 d = pen_vec3(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
+            if (i == 0 || i == STACKS)
+                d = pen_vec3(0, 0, i == 0 ? 1 : -1);
+            bool pole = (i == 0 || i == STACKS) && j > 0;
+            grid[i][j] = pole ? grid[i][0] : pen_along(at, d, random_in(r, 1, 6));
+        }
+    }
+    world_clear(w);
+    for (int i = 0; i < STACKS; i++) {
+        for (int j = 0; j < SLICES; j++) {
+            vec3 a = grid[i][j], b = grid[i + 1][j], c = grid[i + 1][(j + 1) % SLICES];
+            if (i < STACKS - 1)
+                world_triangle(w, a, b, c);
+            if (i > 0)
+                world_triangle(w, a, c, grid[i][(j + 1) % SLICES]);
+        }
+    }
+}
+
+/* Creases along x = 0, 2, 4 ...; between them flat, and exactly so: coefficients are dyadic. */
+vec3 bodies_sheet_point(double x, double y, vec3 at)
+{
+    double fold = fabs(fmod(x, 4) - 2);
+    return pen_add(at, pen_vec3(x + .125 * y, y, .75 * fold + .25 * y));
+}
+
+/* One square of the sheet, cut up in one of four ways. */
+static void add_cell(struct world *w, struct random *r, double x, double y, vec3 at)
+{
+    vec3 p[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            p[i][j] = bodies_sheet_point(x + .5 * i, y + .5 * j, at);
+    const vec3 ell[8] = {p[0][0], p[1][0], p[2][0], p[2][1], p[1][1], p[1][2], p[0][2], p[0][1]};
+    const vec3 square[4] = {p[1][1], p[2][1], p[2][2], p[1][2]};
+    const vec3 house[7] = {p[0][0], p[1][0], p[2][0], p[2][1], p[2][2], p[1][1], p[0][1]};
+    const vec3 roof[4] = {p[1][1], p[2][2], p[1][2], p[0][2]};
+    const vec3 whole[8] = {p[0][0], p[1][0], p[2][0], p[2][1], p[2][2], p[1][2], p[0][2], p[0][1]};
+    switch (random_below(r, 4)) {
+    case 0:
+        world_polygon(w, ell, 8);
+        world_polygon(w, square, 4);
+        break;
+    case 1:
+        world_polygon(w, house, 7);
+        world_polygon(w, roof, 4);
+        world_triangle(w, p[1][1], p[0][2], p[0][1]);
+        break;
+    case 2:
+        for (int i = 0; i < 8; i++)
+            world_triangle(w, p[1][1], whole[i], whole[(i + 1) % 8]);
+        break;
+    default:
+        world_polygon(w, whole, 8);
+    }
+}
+
+void bodies_sheet(struct world *w, struct random *r, vec3 at)
+{
+    world_clear(w);
+    for (int i = 0; i < 12; i++)
+        for (int j = 0; j < 8; j++)
+            add_cell(w, r, i, j, at);
+}
+
+int bodies_crossings(const struct world *w, vec3 o, vec3 d, struct pen_hit *first)
+{
+    struct pen_ray ray;
+    struct pen_crossings c;
+    int count = 0;
+    *first = (struct pen_hit){INFINITY, PEN_NO_PRIM, 0};
+    if (!pen_ray_make(&ray, o, d))
+        return -1;
+    for (uint32_t prim = 0; prim < w->prims.count; prim++) {
+        pen_prim_cross(&w->prims, prim, &ray, &pen_leave_nothing, &c);
+        for (int i = 0; i < c.count; i++) {
+            struct pen_hit h = {c.t[i], prim, c.part[i]};
+            if (!(h.t > 0))
+                continue;
+            count++;
+            if (pen_hit_before(h, *first))
+                *first = h;
+        }
+    }
+    return count;
+}
+
+void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims)
+{
+    struct pen_status st;
+    if (tree->arena)
+        pen_arena_free(tree->arena);
+    tree->arena = pen_arena_new(0);
+    tree->accel = pen_accel_build(prims, PEN_ACCEL_AUTO, tree->arena, &st);
+}
+
+struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_ray *ray,
+                              const struct pen_leave *leave, double tmax, bool *alike)
+{
+    struct pen_span span = {pen_after_start, tmax};
+    struct pen_hit hit[2];
+    for (int i = 0; i < 2; i++) {
+        const struct pen_trace_ops *ops = pen_trace_ops_get(i ? pen_cpu_isa() : PEN_ISA_BASE);
+        memset(&hit[i], 0, sizeof hit[i]);
+        hit[i].prim = PEN_NO_PRIM;
+        if (!ops->nearest(tree->accel, ray, leave, &span, &hit[i]))
+            hit[i] = (struct pen_hit){0, PEN_NO_PRIM, 0};
+    }
+    *alike = hit[0].prim == hit[1].prim && hit[0].t == hit[1].t && hit[0].part == hit[1].part;
+    return hit[0];
+}

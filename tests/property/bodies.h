@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* Closed and open surfaces to shoot at, and ways of counting what a ray meets. */
+#ifndef TESTS_PROPERTY_BODIES_H
+#define TESTS_PROPERTY_BODIES_H
+
+#include "support/world.h"
+
+/* A closed bumpy sphere of 420 `triangle` objects with vertices at random radii of 1 ... 6 around
+ * `at`: 16 rings of 14 patches, as in pbrt's test. */
+void bodies_bumpy(struct world *w, struct random *r, struct pen_vec3 at);
+
+/* A folded sheet of triangles, squares, concave Ls and other polygons that share all corners:
+ * [0, 12] x [0, 8] as seen from above. bodies_sheet_point is the corner at (x, y), multiples of a
+ * half. */
+void bodies_sheet(struct world *w, struct random *r, struct pen_vec3 at);
+struct pen_vec3 bodies_sheet_point(double x, double y, struct pen_vec3 at);
+
+/* Crossings with t > 0 of a ray from free space, over all primitives; -1 for no ray. The nearest
+ * goes to *first (prim PEN_NO_PRIM without one). */
+int bodies_crossings(const struct world *w, struct pen_vec3 o, struct pen_vec3 d,
+                     struct pen_hit *first);
+
+/* A world with its trees; the same arrays, built once. */
+struct bodies_tree {
+    struct pen_arena *arena;
+    const struct pen_accel *accel;
+};
+
+/* Builds; frees what was there before. */
+void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims);
+
+/* The nearest crossing by the tree; *alike: whether both compiled variants say the same. */
+struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_ray *ray,
+                              const struct pen_leave *leave, double tmax, bool *alike);
+
+#endif
