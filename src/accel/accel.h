@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Inside of the acceleration structure, shared by builders and traversals.
  *
- * A tree has nodes of up to eight children, each with a box in binary32 rounded outward, and
- * leaves that are short lists of blocks. A block holds up to four primitives of one kind, lane by
- * lane, as a copy of what their test reads. Primitives without bounds, and all of them for
- * PEN_ACCEL_NONE, are in lists beside the tree.
+ * A structure has nodes whose children each have a box in binary32 rounded outward, and leaves that
+ * are short lists of blocks. A block holds up to four primitives of one kind, lane by lane, as a
+ * copy of what their test reads. Primitives without bounds, and all of them for PEN_ACCEL_NONE, are
+ * in lists beside the nodes. What a node is depends on the structure's shape:
+ *
+ *   wide   (auto) up to eight children, entered nearest first;
+ *   pairs  (median) two children, entered nearest first;
+ *   lists  (cbr, manual) any number of children, eight to a node and nodes in a row, entered in the
+ *          document's order; cbr is one list, manual has one for each group. A leaf is a single
+ *          primitive, read where the scene keeps it.
  *
  * Why boxes never hide a crossing: a crossing's point is a mean of vertices with weights in [0, 1]
  * (flat bodies) or lies within the box's own margin (quadrics), up to errors of a few 2^-53 of t
@@ -18,8 +24,10 @@ enum { PEN_WIDE = 8, PEN_LANES = 4, PEN_MAX_DEPTH = 64 };
 
 /* A child is a node, or a leaf's first item with this bit set. */
 #define PEN_CHILD_LEAF 0x80000000u
+/* In a list, the first child of a node has this bit set too if the next node continues it. */
+#define PEN_CHILD_MORE 0x40000000u
 
-/* An item is a block of a kind; the last of a leaf has the top bit set. */
+/* An item is a block of a kind, or a single primitive; the last of a leaf has the top bit set. */
 enum pen_block_kind {
     PEN_BLOCK_TRIANGLES,
     PEN_BLOCK_POLYGONS,
@@ -29,6 +37,7 @@ enum pen_block_kind {
     PEN_BLOCK_PLANES = PEN_BLOCK_FINITE_COUNT,
     PEN_BLOCK_TUBES,
     PEN_BLOCK_NOTHING,
+    PEN_BLOCK_SINGLE, /* the index is the primitive's number */
     PEN_BLOCK_KIND_COUNT
 };
 #define PEN_ITEM_LAST 0x80000000u
@@ -41,6 +50,14 @@ struct pen_node {
     float plane[6][PEN_WIDE]; /* the boxes: low ends by axis, then high ends by axis */
     uint32_t child[PEN_WIDE];
 };
+
+/* The same for two. */
+struct pen_pair {
+    float plane[6][2];
+    uint32_t child[2];
+};
+
+enum pen_shape { PEN_SHAPE_NONE, PEN_SHAPE_WIDE, PEN_SHAPE_PAIRS, PEN_SHAPE_LISTS };
 
 /* Lanes beyond the last primitive have prim = PEN_NO_PRIM and data that nothing crosses. */
 struct pen_triangles4 {
@@ -82,10 +99,11 @@ struct pen_cylinders4 {
 
 struct pen_accel {
     const struct pen_prims *prims;
-    const struct pen_node *nodes; /* the root is the first; none if node_count is 0 */
-    uint32_t node_count;
-    uint32_t infinite; /* first item of the list of primitives without bounds */
-    uint32_t list;     /* the same of finite primitives beside the tree; 0 if there are none */
+    enum pen_shape shape;
+    const struct pen_node *nodes; /* wide, lists; the root, or its list, is the first */
+    const struct pen_pair *pairs; /* pairs; the root is the first */
+    uint32_t infinite;            /* first item of the list of primitives without bounds */
+    uint32_t list; /* the same of finite primitives beside the tree; 0 if there are none */
     const uint32_t *items;
     const struct pen_triangles4 *triangles;
     const struct pen_polygons4 *polygons;

@@ -82,6 +82,27 @@ static inline unsigned enter_node(const struct pen_node *node, const struct box_
     return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(t0, t1, _CMP_LE_OQ));
 }
 
+/* Two boxes, in the low lanes of four. */
+static inline __m128 pair_t(const struct pen_pair *pair, const struct box_side *side)
+{
+    const __m128i two = _mm_loadl_epi64((const __m128i *)pair->plane[side->row]);
+    return _mm_mul_ps(_mm_sub_ps(_mm_castsi128_ps(two), _mm256_castps256_ps128(side->o)),
+                      _mm256_castps256_ps128(side->inv));
+}
+
+static inline unsigned enter_pair(const struct pen_pair *pair, const struct box_ray *box,
+                                  float limit, float near[2])
+{
+    __m128 t0 = _mm_max_ps(pair_t(pair, &box->near[0]), _mm_set1_ps(box->tmin));
+    __m128 t1 = _mm_min_ps(pair_t(pair, &box->far[0]), _mm_set1_ps(limit));
+    t0 = _mm_max_ps(pair_t(pair, &box->near[1]), t0);
+    t1 = _mm_min_ps(pair_t(pair, &box->far[1]), t1);
+    t0 = _mm_max_ps(pair_t(pair, &box->near[2]), t0);
+    t1 = _mm_min_ps(pair_t(pair, &box->far[2]), t1);
+    _mm_storel_pi((__m64 *)near, t0);
+    return (unsigned)_mm_movemask_ps(_mm_cmp_ps(t0, t1, _CMP_LE_OQ)) & 3;
+}
+
 static inline bool test_item(struct trace *w, uint32_t item, bool any)
 {
     uint32_t index = PEN_ITEM_INDEX(item);

@@ -50,24 +50,40 @@ static inline void box_ray_make(struct box_ray *box, const struct pen_ray *ray, 
     box->tmin = pen_float_down(tmin * box->scale);
 }
 
+/* One of the `width` boxes whose planes these are. */
+static inline bool enter_box(const float *plane, int width, const struct box_ray *box, float limit,
+                             float *near)
+{
+    float t0 = box->tmin, t1 = limit;
+    for (int axis = 0; axis < 3; axis++) {
+        float first = plane[width * (axis + (box->negative[axis] ? 3 : 0))];
+        float last = plane[width * (axis + (box->negative[axis] ? 0 : 3))];
+        float a = (first - box->near_o[axis]) * box->near_inv[axis];
+        float b = (last - box->far_o[axis]) * box->far_inv[axis];
+        t0 = a > t0 ? a : t0; /* NaN, from 0 times infinity, leaves the axis out */
+        t1 = b < t1 ? b : t1;
+    }
+    *near = t0;
+    return t0 <= t1;
+}
+
 static inline unsigned enter_node(const struct pen_node *node, const struct box_ray *box,
                                   float limit, float near[PEN_WIDE])
 {
     unsigned mask = 0;
-    for (int lane = 0; lane < PEN_WIDE; lane++) {
-        float t0 = box->tmin, t1 = limit;
-        for (int axis = 0; axis < 3; axis++) {
-            float first = node->plane[axis + (box->negative[axis] ? 3 : 0)][lane];
-            float last = node->plane[axis + (box->negative[axis] ? 0 : 3)][lane];
-            float a = (first - box->near_o[axis]) * box->near_inv[axis];
-            float b = (last - box->far_o[axis]) * box->far_inv[axis];
-            t0 = a > t0 ? a : t0; /* NaN, from 0 times infinity, leaves the axis out */
-            t1 = b < t1 ? b : t1;
-        }
-        near[lane] = t0;
-        mask |= (unsigned)(t0 <= t1) << lane;
-    }
+    for (int lane = 0; lane < PEN_WIDE; lane++)
+        mask |= (unsigned)enter_box((const float *)node->plane + lane, PEN_WIDE, box, limit,
+                                    &near[lane])
+                << lane;
     return mask;
+}
+
+static inline unsigned enter_pair(const struct pen_pair *pair, const struct box_ray *box,
+                                  float limit, float near[2])
+{
+    unsigned first = enter_box((const float *)pair->plane, 2, box, limit, &near[0]);
+    return first | (unsigned)enter_box((const float *)pair->plane + 1, 2, box, limit, &near[1])
+                       << 1;
 }
 
 static inline bool test_item(struct trace *w, uint32_t item, bool any)

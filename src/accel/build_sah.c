@@ -227,7 +227,7 @@ static uint32_t build(struct pen_plan *plan, const struct range *r, uint32_t dep
     if (count == 1)
         return pen_plan_leaf(plan, r->begin, r->end - r->begin);
     uint32_t number = plan->nodes.count;
-    if (!pen_plan_node(plan))
+    if (!pen_plan_nodes(plan, 1))
         return PEN_NO_CHILD;
     for (int i = 0; i < count; i++) {
         uint32_t made = build(plan, &child[i], depth + 1);
@@ -248,11 +248,12 @@ bool pen_build_sah(struct pen_plan *plan)
     if (plan->count == 0)
         return true;
     struct range all = measure(plan->ref, 0, plan->count);
+    plan->shape = PEN_SHAPE_WIDE;
     uint32_t root = build(plan, &all, 0);
     if (root == PEN_NO_CHILD || !(root & PEN_CHILD_LEAF))
         return root != PEN_NO_CHILD;
     /* One leaf: it gets a node of its own, so that its box is tested. */
-    struct pen_node *node = pen_plan_node(plan);
+    struct pen_node *node = pen_plan_nodes(plan, 1);
     if (!node)
         return false;
     node->child[0] = root;
@@ -260,5 +261,6 @@ bool pen_build_sah(struct pen_plan *plan)
         node->plane[a][0] = all.box.lo[a];
         node->plane[3 + a][0] = all.box.hi[a];
     }
+    plan->depth = 1;
     return true;
 }

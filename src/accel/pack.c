@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Packing: from a plan to the frozen tree in an arena. */
+/* Packing: from a plan to the frozen structure in an arena. */
 #include <string.h>
 
 #include "plan.h"
 
 /* What is being packed, and how much of each array is filled. */
 struct packer {
+    bool singles; /* leaves hold single primitives instead of blocks */
     const struct pen_prims *prims;
     const struct pen_ref *ref;
     uint32_t *items;
@@ -142,6 +143,15 @@ static void pack_block(struct packer *p, const struct lanes *in, uint32_t kind)
     }
 }
 
+/* A leaf of one primitive, which stays where it is. */
+static uint32_t pack_single(struct packer *p, uint32_t ref)
+{
+    uint32_t item = p->item_count++;
+    if (p->items)
+        p->items[item] = (uint32_t)PEN_BLOCK_SINGLE << 28 | p->ref[ref].prim | PEN_ITEM_LAST;
+    return item;
+}
+
 /* Packs a leaf, kind by kind, and returns its first item. */
 static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
 {
@@ -179,7 +189,7 @@ static void pack_leaves(struct packer *p, const struct pen_plan *plan, uint32_t 
     pack_leaf(p, (struct pen_leaf){0, 0});
     pack_leaf(p, (struct pen_leaf){plan->count, plan->infinite});
     for (uint32_t i = 0; i < plan->leaves.count; i++) {
-        uint32_t first = pack_leaf(p, leaf[i]);
+        uint32_t first = p->singles ? pack_single(p, leaf[i].begin) : pack_leaf(p, leaf[i]);
         if (first_item)
             first_item[i] = first;
     }
@@ -200,27 +210,39 @@ static bool allocate(struct packer *p, const struct packer *counted, struct pen_
            p->planes && p->tubes;
 }
 
-/* The plan's nodes, with leaf numbers replaced by first items. */
+/* Replaces leaf numbers by first items. */
+static void pack_children(uint32_t *child, int count, const uint32_t *first_item)
+{
+    for (int lane = 0; lane < count; lane++) {
+        uint32_t more = lane == 0 ? child[lane] & PEN_CHILD_MORE : 0;
+        uint32_t number = child[lane] & ~(PEN_CHILD_LEAF | PEN_CHILD_MORE);
+        if (child[lane] == PEN_NO_CHILD)
+            child[lane] = PEN_CHILD_LEAF;
+        else if (child[lane] & PEN_CHILD_LEAF)
+            child[lane] = PEN_CHILD_LEAF | more | first_item[number];
+    }
+}
+
 static bool pack_nodes(const struct pen_plan *plan, const uint32_t *first_item,
                        struct pen_arena *arena, struct pen_accel *accel)
 {
     uint32_t count = plan->nodes.count;
-    struct pen_node *nodes = pen_arena_alloc(arena, count, sizeof *nodes);
+    void *nodes = pen_arena_alloc(arena, count, plan->nodes.size);
     if (!nodes)
         return false;
     if (count > 0)
-        memcpy(nodes, plan->nodes.data, count * sizeof *nodes);
+        memcpy(nodes, plan->nodes.data, count * plan->nodes.size);
+    if (plan->shape == PEN_SHAPE_PAIRS)
+        accel->pairs = nodes;
+    else
+        accel->nodes = nodes;
     for (uint32_t i = 0; i < count; i++) {
-        for (int lane = 0; lane < PEN_WIDE; lane++) {
-            uint32_t *child = &nodes[i].child[lane];
-            if (*child == PEN_NO_CHILD)
-                *child = PEN_CHILD_LEAF;
-            else if (*child & PEN_CHILD_LEAF)
-                *child = PEN_CHILD_LEAF | first_item[*child & ~PEN_CHILD_LEAF];
-        }
+        if (plan->shape == PEN_SHAPE_PAIRS)
+            pack_children(((struct pen_pair *)nodes)[i].child, 2, first_item);
+        else
+            pack_children(((struct pen_node *)nodes)[i].child, PEN_WIDE, first_item);
     }
-    accel->nodes = nodes;
-    accel->node_count = count;
+    accel->shape = plan->shape;
     return true;
 }
 
@@ -237,7 +259,9 @@ static double largest_scale(const struct pen_plan *plan)
 
 bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_accel *accel)
 {
-    struct packer counted = {.prims = plan->prims, .ref = plan->ref}, p = counted;
+    struct packer counted = {
+        .singles = plan->shape == PEN_SHAPE_LISTS, .prims = plan->prims, .ref = plan->ref};
+    struct packer p = counted;
     accel->prims = plan->prims;
     pack_leaves(&counted, plan, NULL);
     struct pen_pool first = {.size = sizeof(uint32_t)};
@@ -246,7 +270,7 @@ bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_a
         pack_leaves(&p, plan, first.data);
         ok = pack_nodes(plan, first.data, arena, accel);
         accel->list =
-            plan->nodes.count == 0 && plan->leaves.count > 0 ? *(uint32_t *)first.data : 0;
+            plan->shape == PEN_SHAPE_NONE && plan->leaves.count > 0 ? *(uint32_t *)first.data : 0;
     }
     pen_pool_release(&first);
     accel->items = p.items;
@@ -259,7 +283,7 @@ bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_a
     accel->tubes = p.tubes;
     accel->infinite = 1;
     accel->scale = largest_scale(plan);
-    accel->stats.nodes = plan->nodes.count;
+    accel->stats.nodes = plan->shape == PEN_SHAPE_LISTS ? plan->lists : plan->nodes.count;
     accel->stats.leaves = plan->leaves.count;
     accel->stats.depth = plan->depth;
     return ok;

@@ -7,6 +7,9 @@
 
 #include "rounding.h"
 
+const struct pen_lane pen_lane_empty = {
+    {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, PEN_NO_CHILD};
+
 void *pen_pool_add(struct pen_pool *pool, uint32_t more)
 {
     if (pool->count > UINT32_MAX / 2 - more)
@@ -99,21 +102,86 @@ uint32_t pen_plan_leaf(struct pen_plan *plan, uint32_t begin, uint32_t count)
     return PEN_CHILD_LEAF | (plan->leaves.count - 1);
 }
 
-struct pen_node *pen_plan_node(struct pen_plan *plan)
+struct pen_node *pen_plan_nodes(struct pen_plan *plan, uint32_t count)
 {
-    struct pen_node *node = pen_pool_add(&plan->nodes, 1);
-    if (!node)
+    struct pen_node *nodes = pen_pool_add(&plan->nodes, count);
+    if (!nodes)
         return NULL;
-    memset(node, 0, sizeof *node);
-    for (int axis = 0; axis < 3; axis++) {
-        for (int lane = 0; lane < PEN_WIDE; lane++) {
-            node->plane[axis][lane] = INFINITY;
-            node->plane[3 + axis][lane] = -INFINITY;
-        }
+    for (uint32_t i = 0; i < count; i++) {
+        for (int lane = 0; lane < PEN_WIDE; lane++)
+            pen_node_put(&nodes[i], lane, &pen_lane_empty);
     }
-    for (int lane = 0; lane < PEN_WIDE; lane++)
-        node->child[lane] = PEN_NO_CHILD;
-    return node;
+    return nodes;
+}
+
+struct pen_pair *pen_plan_pair(struct pen_plan *plan)
+{
+    struct pen_pair *pair = pen_pool_add(&plan->nodes, 1);
+    if (!pair)
+        return NULL;
+    pen_pair_put(pair, 0, &pen_lane_empty);
+    pen_pair_put(pair, 1, &pen_lane_empty);
+    return pair;
+}
+
+struct pen_lane pen_ref_lane(const struct pen_ref *ref)
+{
+    return (struct pen_lane){
+        {ref->lo[0], ref->lo[1], ref->lo[2]}, {ref->hi[0], ref->hi[1], ref->hi[2]}, PEN_NO_CHILD};
+}
+
+void pen_lane_add(struct pen_lane *sum, const struct pen_lane *in)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        sum->lo[axis] = in->lo[axis] < sum->lo[axis] ? in->lo[axis] : sum->lo[axis];
+        sum->hi[axis] = in->hi[axis] > sum->hi[axis] ? in->hi[axis] : sum->hi[axis];
+    }
+}
+
+void pen_node_put(struct pen_node *node, int lane, const struct pen_lane *in)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        node->plane[axis][lane] = in->lo[axis];
+        node->plane[3 + axis][lane] = in->hi[axis];
+    }
+    node->child[lane] = in->child;
+}
+
+void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_lane *in)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        pair->plane[axis][lane] = in->lo[axis];
+        pair->plane[3 + axis][lane] = in->hi[axis];
+    }
+    pair->child[lane] = in->child;
+}
+
+int pen_plan_width(const struct pen_plan *plan)
+{
+    return plan->shape == PEN_SHAPE_PAIRS ? 2 : PEN_WIDE;
+}
+
+bool pen_plan_lane(const struct pen_plan *plan, uint32_t node, int lane, struct pen_lane *out)
+{
+    const struct pen_node *nodes = plan->nodes.data;
+    const struct pen_pair *pairs = plan->nodes.data;
+    bool pair = plan->shape == PEN_SHAPE_PAIRS;
+    for (int axis = 0; axis < 3; axis++) {
+        out->lo[axis] = pair ? pairs[node].plane[axis][lane] : nodes[node].plane[axis][lane];
+        out->hi[axis] =
+            pair ? pairs[node].plane[axis + 3][lane] : nodes[node].plane[axis + 3][lane];
+    }
+    out->child = pair ? pairs[node].child[lane] : nodes[node].child[lane];
+    if (out->child == PEN_NO_CHILD)
+        return false;
+    out->child &= ~PEN_CHILD_MORE;
+    return true;
+}
+
+bool pen_plan_more(const struct pen_plan *plan, uint32_t node)
+{
+    const struct pen_node *nodes = plan->nodes.data;
+    return plan->shape == PEN_SHAPE_LISTS && nodes[node].child[0] & PEN_CHILD_MORE;
 }
 
 const float pen_node_cost = 0.3f;

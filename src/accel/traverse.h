@@ -6,6 +6,8 @@
  *                                     double grow);
  *     static inline unsigned enter_node(const struct pen_node *, const struct box_ray *,
  *                                       float limit, float near[PEN_WIDE]);
+ *     static inline unsigned enter_pair(const struct pen_pair *, const struct box_ray *,
+ *                                       float limit, float near[2]);
  *     static inline bool test_item(struct trace *, uint32_t item, bool any);
  * and then includes traverse_walk.h. Whatever a variant does there, it offers the same crossings:
  * those that pen_prim_cross states.
@@ -245,9 +247,11 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
     }
 }
 
-/* A block's primitives one by one. */
+/* A block's primitives, or a single one, one by one. */
 static inline bool test_each(struct trace *w, uint32_t item, bool any)
 {
+    if (PEN_ITEM_KIND(item) == PEN_BLOCK_SINGLE)
+        return test_prim(w, PEN_ITEM_INDEX(item), any);
     const uint32_t *prim = block_prims(w->accel, item);
     for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
         if (test_prim(w, prim[lane], any))

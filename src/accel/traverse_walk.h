@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The walk through a tree and the two queries; see traverse.h. The including file also says whether
- * tests are counted: `enum { COUNTING = 0 };` or 1. */
+/* The walk through wide nodes and the two queries; see traverse.h. The including file also says
+ * whether tests are counted: `enum { COUNTING = 0 };` or 1. */
 #ifndef PEN_SRC_ACCEL_TRAVERSE_WALK_H
 #define PEN_SRC_ACCEL_TRAVERSE_WALK_H
 
-#include "traverse.h"
+#include "traverse_lists.h"
+#include "traverse_pairs.h"
 
 /* Each node on the way down leaves at most seven others behind. */
 enum { STACK = (PEN_WIDE - 1) * PEN_MAX_DEPTH + 1 };
@@ -13,33 +14,6 @@ struct pending {
     float near;
     uint32_t child;
 };
-
-/* The boxes of a node count together, as they are tested. */
-static inline void count_boxes(const struct trace *w, const struct pen_node *node)
-{
-    for (int lane = 0; lane < PEN_WIDE; lane++)
-        w->accel->counts->boxes += node->child[lane] != PEN_CHILD_LEAF;
-}
-
-/* The primitives of a block count together, whichever of them ends the query. */
-static inline void count_prims(const struct trace *w, uint32_t item)
-{
-    const uint32_t *prim = block_prims(w->accel, item);
-    for (int lane = 0; prim && lane < PEN_LANES; lane++)
-        w->accel->counts->primitives += prim[lane] != PEN_NO_PRIM;
-}
-
-static inline bool test_leaf(struct trace *w, uint32_t first, bool any)
-{
-    for (const uint32_t *item = &w->accel->items[first];; item++) {
-        if (COUNTING)
-            count_prims(w, *item);
-        if (test_item(w, *item, any))
-            return true;
-        if (*item & PEN_ITEM_LAST)
-            return false;
-    }
-}
 
 /* Puts the entered children on the stack, the nearest on top. */
 static inline int push_children(struct pending *stack, int top, const struct pen_node *node,
@@ -73,7 +47,7 @@ static inline void walk_nearest(struct trace *w, const struct box_ray *box)
             const struct pen_node *node = &w->accel->nodes[child];
             float near[PEN_WIDE];
             if (COUNTING)
-                count_boxes(w, node);
+                count_boxes(w, node->child, PEN_WIDE);
             unsigned mask = enter_node(node, box, limit, near);
             if (mask && !(mask & (mask - 1))) {
                 child = node->child[__builtin_ctz(mask)];
@@ -101,7 +75,7 @@ static inline bool walk_any(struct trace *w, const struct box_ray *box)
         const struct pen_node *node = &w->accel->nodes[stack[--top]];
         float near[PEN_WIDE];
         if (COUNTING)
-            count_boxes(w, node);
+            count_boxes(w, node->child, PEN_WIDE);
         unsigned mask = enter_node(node, box, limit, near);
         for (; mask; mask &= mask - 1) {
             uint32_t child = node->child[__builtin_ctz(mask)];
@@ -114,15 +88,24 @@ static inline bool walk_any(struct trace *w, const struct box_ray *box)
     return false;
 }
 
+/* The other shapes, kept out of the way of the wide one. */
+static __attribute__((noinline)) bool walk_other(struct trace *w, const struct box_ray *box,
+                                                 bool any)
+{
+    return w->accel->shape == PEN_SHAPE_PAIRS ? walk_pairs(w, box, any) : walk_lists(w, box, any);
+}
+
 static inline bool search(struct trace *w, double tmin, bool any)
 {
     const struct pen_accel *accel = w->accel;
     if (test_leaf(w, accel->infinite, any) || (accel->list && test_leaf(w, accel->list, any)))
         return true;
-    if (accel->node_count == 0)
+    if (accel->shape == PEN_SHAPE_NONE)
         return false;
     struct box_ray box;
     box_ray_make(&box, w->ray, tmin, w->grow);
+    if (accel->shape != PEN_SHAPE_WIDE)
+        return walk_other(w, &box, any);
     if (any)
         return walk_any(w, &box);
     walk_nearest(w, &box);

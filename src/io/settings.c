@@ -22,16 +22,10 @@ static const struct pen_word precisions[] = {
     {"fast", PEN_PRECISION_FAST, "the precision \"fast\"; only \"robust\" is accepted so far"},
     {0}};
 
-#define LATER_ACCELERATOR(name)                                                                    \
-    "the accelerator \"" name "\"; only \"auto\" and \"none\" are accepted so far"
-
 static const struct pen_word accelerators[] = {
-    {"auto", PEN_ACCEL_AUTO, NULL},
-    {"none", PEN_ACCEL_NONE, NULL},
-    {"cbr", PEN_ACCEL_CBR, LATER_ACCELERATOR("cbr")},
-    {"manual", PEN_ACCEL_MANUAL, LATER_ACCELERATOR("manual")},
-    {"median", PEN_ACCEL_MEDIAN, LATER_ACCELERATOR("median")},
-    {0}};
+    {"auto", PEN_ACCEL_AUTO, NULL},     {"none", PEN_ACCEL_NONE, NULL},
+    {"cbr", PEN_ACCEL_CBR, NULL},       {"manual", PEN_ACCEL_MANUAL, NULL},
+    {"median", PEN_ACCEL_MEDIAN, NULL}, {0}};
 
 static const struct pen_word transfers[] = {
     {"srgb", PEN_SETTING_SRGB, NULL}, {"linear", PEN_SETTING_LINEAR, NULL}, {0}};

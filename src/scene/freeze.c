@@ -211,7 +211,9 @@ struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
     free(f.buffer);
     scene->freeze_ms = (double)(pen_clock_ns() - begun) * 1e-6;
     if (ok)
-        scene->accel = pen_accel_build(&scene->prims, accelerator, arena, st);
+        scene->accel = accelerator == PEN_ACCEL_MANUAL
+                           ? pen_freeze_manual(&f)
+                           : pen_accel_build(&scene->prims, accelerator, arena, st);
     fesetenv(&caller);
     if (scene->accel)
         return scene;

@@ -39,4 +39,7 @@ bool pen_freeze_each(struct pen_freezer *f, pen_freeze_body *fn, void *user);
 /* The typed arrays of the bodies; needs the survey and the local frame. */
 bool pen_freeze_prims(struct pen_freezer *f);
 
+/* The accelerator `manual`; needs the typed arrays. NULL, and the status, as pen_accel_build. */
+struct pen_accel *pen_freeze_manual(struct pen_freezer *f);
+
 #endif

@@ -6,20 +6,44 @@
 
 static struct world world;
 
-/* All four ways to ask. */
+/* Every accelerator, manual with groups and without. */
+enum { ACCELS = PEN_ACCEL_COUNT + 1, WAYS = 2 * ACCELS };
+
+/* All ways to ask. */
 struct ways {
     struct pen_arena *arena;
-    const struct pen_accel *accel[2];
+    const struct pen_accel *accel[ACCELS];
     const struct pen_trace_ops *ops[2];
 };
 
-static struct ways build(const struct world *w)
+/* Random groups of the world's primitives, in order, nested; some are empty, some equal. */
+static void random_groups(struct random *random, uint32_t begin, uint32_t end, int depth,
+                          struct pen_group_span *group, uint32_t *count)
 {
+    while (begin < end && *count < WORLD_MAX) {
+        uint32_t inner = begin + random_below(random, end - begin + 1);
+        if (depth == 0 || random_below(random, 3) == 0) {
+            begin += 1 + random_below(random, 5);
+            continue;
+        }
+        group[(*count)++] = (struct pen_group_span){begin, inner};
+        random_groups(random, begin, inner, depth - 1, group, count);
+        begin = inner + random_below(random, 2);
+    }
+}
+
+static struct ways build(const struct world *w, struct random *random)
+{
+    static struct pen_group_span group[WORLD_MAX];
     struct pen_status st;
     struct ways ways = {.arena = pen_arena_new(0)};
-    ways.accel[0] = pen_accel_build(&w->prims, PEN_ACCEL_NONE, ways.arena, &st);
-    ways.accel[1] = pen_accel_build(&w->prims, PEN_ACCEL_AUTO, ways.arena, &st);
-    ck_assert(ways.accel[0] && ways.accel[1]);
+    struct pen_groups groups = {group, 0};
+    random_groups(random, 0, w->prims.count, 8, group, &groups.count);
+    for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
+        ways.accel[kind] = pen_accel_build(&w->prims, (enum pen_accelerator)kind, ways.arena, &st);
+    ways.accel[PEN_ACCEL_COUNT] = pen_accel_build_manual(&w->prims, &groups, ways.arena, &st);
+    for (int i = 0; i < ACCELS; i++)
+        ck_assert(ways.accel[i]);
     ways.ops[0] = pen_trace_ops_get(PEN_ISA_BASE);
     ways.ops[1] = pen_trace_ops_get(pen_cpu_isa());
     return ways;
@@ -31,7 +55,7 @@ static struct pen_hit nearest(const struct world *w, const struct ways *ways,
                               const struct pen_span *span)
 {
     struct pen_hit truth = world_nearest(w, ray, leave, span);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < WAYS; i++) {
         struct pen_hit hit = {0, PEN_NO_PRIM, 0};
         bool found = ways->ops[i & 1]->nearest(ways->accel[i / 2], ray, leave, span, &hit);
         ck_assert_msg(
@@ -65,7 +89,7 @@ static void shadow(const struct world *w, const struct ways *ways, const struct 
         count++;
         span.after = h;
     }
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < WAYS; i++) {
         struct pen_shadow query = {.tmax = 1, .see_through = see_through};
         query.last_occluder = i == 1 ? 0 : PEN_NO_PRIM;
         bool b = ways->ops[i & 1]->shadow(ways->accel[i / 2], ray, leave, &query);
@@ -123,7 +147,7 @@ START_TEST(test_accel__h095_equals_brute_force)
         world_random(&world, &random, random_below(&random, 60), random_in(&random, 0.02, 1));
         for (uint32_t i = 0; i < world.prims.count; i++)
             see_through[i] = random_below(&random, 8) != 0;
-        struct ways ways = build(&world);
+        struct ways ways = build(&world, &random);
         for (int i = 0; i < 60; i++)
             follow_path(&random, &ways, see_through);
         pen_arena_free(ways.arena);

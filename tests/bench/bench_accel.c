@@ -3,7 +3,7 @@
  * and compiled variant. Prints one line per scene and variant; figures of different runs compare
  * only as ratios, see performance.md.
  *
- * usage: bench_accel [all|room|bumpy|soup] [rays] [base|avx2] */
+ * usage: bench_accel [all|room|bumpy|soup] [rays] [base|avx2] [accelerator] */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -226,13 +226,13 @@ static size_t make_jobs(const struct bench *b, const struct pen_accel *accel, si
 static void run(const char *name, const struct bench *b, enum pen_accelerator kind, size_t side,
                 const char *only)
 {
+    static const char *const names[PEN_ACCEL_COUNT] = {"auto", "none", "cbr", "manual", "median"};
     struct pen_status st;
     struct pen_accel *accel = need(pen_accel_build(&b->prims, kind, b->arena, &st));
     const struct pen_accel_stats *stats = pen_accel_get_stats(accel);
     printf("%s %s: %u primitives, %u nodes, %u leaves, depth %u, %.1f MiB, cost %.2f, %.0f ms\n",
-           name, kind == PEN_ACCEL_NONE ? "none" : "auto", b->prims.count, stats->nodes,
-           stats->leaves, stats->depth, (double)stats->bytes / 0x1p20, stats->sah_cost,
-           stats->build_ms);
+           name, names[kind], b->prims.count, stats->nodes, stats->leaves, stats->depth,
+           (double)stats->bytes / 0x1p20, stats->sah_cost, stats->build_ms);
     size_t n = side * side;
     struct job *primary = need(calloc(n, sizeof *primary));
     struct job *shadow = need(calloc(n, sizeof *shadow));
@@ -259,19 +259,31 @@ static void run(const char *name, const struct bench *b, enum pen_accelerator ki
     free(bounce);
 }
 
+static enum pen_accelerator kind_of(const char *name)
+{
+    switch (name[0]) {
+    case 'n':
+        return PEN_ACCEL_NONE;
+    case 'c':
+        return PEN_ACCEL_CBR;
+    case 'm':
+        return name[1] == 'a' ? PEN_ACCEL_MANUAL : PEN_ACCEL_MEDIAN;
+    default:
+        return PEN_ACCEL_AUTO;
+    }
+}
+
 int main(int argc, char **argv)
 {
     const char *which = argc > 1 ? argv[1] : "all";
-    const char *only = argc > 3 ? argv[3] : NULL;
+    const char *only = argc > 3 && argv[3][0] ? argv[3] : NULL;
     size_t side = argc > 2 ? (size_t)sqrt(atof(argv[2])) : 512;
-    if (!strcmp(which, "all") || !strcmp(which, "room")) {
-        struct bench *b = room();
-        run("room", b, PEN_ACCEL_AUTO, side, only);
-        run("room", b, PEN_ACCEL_NONE, side / 4, only);
-    }
+    enum pen_accelerator kind = kind_of(argc > 4 ? argv[4] : "auto");
+    if (!strcmp(which, "all") || !strcmp(which, "room"))
+        run("room", room(), kind, side, only);
     if (!strcmp(which, "all") || !strcmp(which, "bumpy"))
-        run("bumpy", bumpy(), PEN_ACCEL_AUTO, side, only);
+        run("bumpy", bumpy(), kind, side, only);
     if (!strcmp(which, "all") || !strcmp(which, "soup"))
-        run("soup", soup(), PEN_ACCEL_AUTO, side, only);
+        run("soup", soup(), kind, side, only);
     return 0;
 }

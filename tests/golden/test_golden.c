@@ -91,13 +91,18 @@ static void hash_views(const char *path, const struct pen_scene_desc *desc, stru
 {
     struct pen_settings settings = desc->settings;
     shrink(&settings);
-    struct pen_scene *tree = freeze(desc, PEN_ACCEL_AUTO), *list = freeze(desc, PEN_ACCEL_NONE);
+    struct pen_scene *by_kind[PEN_ACCEL_COUNT];
+    for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
+        by_kind[kind] = freeze(desc, kind);
+    const struct pen_scene *tree = by_kind[PEN_ACCEL_AUTO];
     for (uint32_t view = 0; view < desc->view_count; view++) {
         uint64_t hash = render_hash(tree, (int)view, settings, 1, 32);
         ck_assert_msg(hash == render_hash(tree, (int)view, settings, 2, 7), "%s: threads", path);
         ck_assert_msg(hash == render_hash(tree, (int)view, settings, 3, 1000), "%s: tiles", path);
         ck_assert_msg(hash == render_hash(tree, (int)view, settings, 8, 1), "%s: threads", path);
-        ck_assert_msg(hash == render_hash(list, (int)view, settings, 2, 32), "%s: none", path);
+        for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
+            ck_assert_msg(hash == render_hash(by_kind[kind], (int)view, settings, 2, 32), "%s: %s",
+                          path, pen_accelerator_name((enum pen_accelerator)kind));
         setenv("PENUMBRA_ISA", "base", 1);
         ck_assert_msg(hash == render_hash(tree, (int)view, settings, 2, 32), "%s: base", path);
         unsetenv("PENUMBRA_ISA");
@@ -105,8 +110,8 @@ static void hash_views(const char *path, const struct pen_scene_desc *desc, stru
         snprintf(table->line[table->count++], LINE_BYTES, "%016llx %s %s\n",
                  (unsigned long long)hash, path, desc->views[view].name);
     }
-    pen_scene_free(tree);
-    pen_scene_free(list);
+    for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
+        pen_scene_free(by_kind[kind]);
 }
 
 static void hash_scene(const char *path, struct table *table)

@@ -48,7 +48,7 @@ START_TEST(test_render__same_film_for_threads_tiles_and_accelerators)
     float *want = kit_film(scene, &kit.settings, 1);
     pen_scene_free(scene);
     static const int threads[] = {1, 2, 3, 8}, tiles[] = {1, 7, 32, 100};
-    for (int accelerator = PEN_ACCEL_AUTO; accelerator <= PEN_ACCEL_NONE; accelerator++) {
+    for (int accelerator = PEN_ACCEL_AUTO; accelerator < PEN_ACCEL_COUNT; accelerator++) {
         kit.settings.accelerator = accelerator;
         scene = kit_freeze(&kit);
         for (int t = 0; t < 4; t++)

@@ -315,34 +315,112 @@ START_TEST(test_freeze__memory_cap_is_an_error)
 }
 END_TEST
 
+/* Freezes with the n-th allocation failing, for every n; returns how many there are. */
+static long allocations(enum pen_accelerator kind)
+{
+    for (long n = 0;; n++) {
+        struct pen_status st = {0};
+        alloc_fail_after(n);
+        struct pen_scene *scene = pen_scene_freeze(&kit.desc, kind, 0, &st);
+        bool refused = alloc_succeed();
+        ck_assert_int_eq(scene == NULL, refused);
+        pen_scene_free(scene);
+        if (!refused)
+            return n;
+        ck_assert_int_eq(st.code, PEN_NO_MEMORY);
+    }
+}
+
 START_TEST(test_freeze__every_allocation_may_fail)
 {
     kit_medley(&kit);
     struct pen_transform f = turn(2, 30, pen_vec3(1, 2, 3));
     kit_group(&kit, 2, &f);
-    long n = 0;
-    for (;; n++) {
-        struct pen_status st = {0};
-        alloc_fail_after(n);
-        struct pen_scene *scene = pen_scene_freeze(&kit.desc, PEN_ACCEL_AUTO, 0, &st);
-        bool refused = alloc_succeed();
-        ck_assert_int_eq(scene == NULL, refused);
-        pen_scene_free(scene);
-        if (!refused)
-            break;
-        ck_assert_int_eq(st.code, PEN_NO_MEMORY);
-    }
-    ck_assert_int_gt(n, 3);
+    for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
+        ck_assert_int_gt(allocations((enum pen_accelerator)kind), 3);
+    /* Groups are looked for only where they are wanted. */
+    ck_assert_int_gt(allocations(PEN_ACCEL_MANUAL), allocations(PEN_ACCEL_CBR));
 }
 END_TEST
 
-START_TEST(test_freeze__accelerators_to_come)
+static struct pen_accel_stats stats_of(enum pen_accelerator kind)
+{
+    struct pen_status st;
+    struct pen_scene *scene = pen_scene_freeze(&kit.desc, kind, 0, &st);
+    ck_assert(scene != NULL);
+    struct pen_accel_stats stats = *pen_accel_get_stats(scene->accel);
+    ck_assert(stats.kind == kind);
+    pen_scene_free(scene);
+    return stats;
+}
+
+/* A sphere, a group of a sphere, a plane and a group of two spheres, a sphere. */
+static void nested_groups(void)
+{
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
+    kit_sphere(&kit, pen_vec3(3, 0, 0), 1, -1);
+    kit_plane(&kit, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0), -1);
+    kit_sphere(&kit, pen_vec3(6, 0, 0), 1, -1);
+    kit_sphere(&kit, pen_vec3(9, 0, 0), 1, -1);
+    kit_group(&kit, 3, NULL);
+    struct pen_transform up = turn(1, 30, pen_vec3(0, 3, 0));
+    kit_group(&kit, 1, &up);
+    kit_sphere(&kit, pen_vec3(12, 0, 0), 1, -1);
+}
+
+START_TEST(test_freeze__groups_are_the_structure_of_manual)
+{
+    nested_groups();
+    struct pen_accel_stats s = stats_of(PEN_ACCEL_MANUAL);
+    ck_assert_uint_eq(s.nodes, 3);
+    ck_assert_uint_eq(s.leaves, 5); /* the plane has no box */
+    ck_assert_uint_eq(s.depth, 3);
+    s = stats_of(PEN_ACCEL_CBR);
+    ck_assert_uint_eq(s.nodes, 1);
+    ck_assert_uint_eq(s.leaves, 5);
+    ck_assert_uint_eq(s.depth, 1);
+    kit_group(&kit, 0, NULL); /* all in one, and that in another: a box each */
+    kit_group(&kit, 0, NULL);
+    s = stats_of(PEN_ACCEL_MANUAL);
+    ck_assert_uint_eq(s.nodes, 5);
+    ck_assert_uint_eq(s.depth, 5);
+}
+END_TEST
+
+START_TEST(test_freeze__manual_without_groups_is_cbr)
 {
     kit_medley(&kit);
-    struct pen_status st;
-    ck_assert(pen_scene_freeze(&kit.desc, PEN_ACCEL_MANUAL, 0, &st) == NULL);
-    ck_assert_int_eq(st.code, PEN_UNSUPPORTED);
-    ck_assert_str_eq(pen_accelerator_name(PEN_ACCEL_MANUAL), "manual");
+    struct pen_accel_stats manual = stats_of(PEN_ACCEL_MANUAL), cbr = stats_of(PEN_ACCEL_CBR);
+    ck_assert_uint_eq(manual.nodes, 1);
+    ck_assert_uint_eq(manual.leaves, cbr.leaves);
+    ck_assert_uint_eq(manual.bytes, cbr.bytes);
+    ck_assert(manual.sah_cost == cbr.sah_cost);
+}
+END_TEST
+
+/* Groups next to each other, empty ones, and groups that begin with a group. */
+START_TEST(test_freeze__groups_side_by_side)
+{
+    kit_init(&kit);
+    struct pen_object_desc pair[2], inner, groups[4];
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
+    pair[0] = pair[1] = kit.objects[0];
+    pair[1].u.sphere.center.x = 5;
+    inner = (struct pen_object_desc){.kind = PEN_OBJECT_GROUP, .material = -1};
+    inner.u.group.objects = pair;
+    inner.u.group.count = 2;
+    for (int i = 0; i < 4; i++) { /* two hold the same array, one a group, one nothing */
+        groups[i] = inner;
+        groups[i].u.group.objects = i == 3 ? &inner : i == 1 ? NULL : pair;
+        groups[i].u.group.count = i == 3 ? 1 : i == 1 ? 0 : 2;
+    }
+    kit.desc.objects = groups;
+    kit.desc.object_count = 4;
+    struct pen_accel_stats s = stats_of(PEN_ACCEL_MANUAL);
+    ck_assert_uint_eq(s.nodes, 1 + 3 + 1);
+    ck_assert_uint_eq(s.leaves, 6);
+    ck_assert_uint_eq(s.depth, 3);
 }
 END_TEST
 
@@ -407,4 +485,6 @@ PEN_SUITE("freeze", test_freeze__bodies_are_numbered_depth_first,
           test_freeze__materials_and_lights, test_freeze__local_frame_is_about_one,
           test_freeze__local_frame_moves_along, test_freeze__scenes_without_finite_bodies,
           test_freeze__memory_cap_is_an_error, test_freeze__every_allocation_may_fail,
-          test_freeze__accelerators_to_come, test_freeze__crossings_of_a_small_view_plane)
+          test_freeze__groups_are_the_structure_of_manual,
+          test_freeze__manual_without_groups_is_cbr, test_freeze__groups_side_by_side,
+          test_freeze__crossings_of_a_small_view_plane)

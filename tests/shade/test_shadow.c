@@ -38,7 +38,7 @@ static void assert_shadow(vec3 want)
     kit.desc.object_count = 1;
     vec3 lit = kit_pixel(&kit, 0, 0, NULL);
     kit.desc.object_count = objects;
-    for (int accelerator = PEN_ACCEL_AUTO; accelerator <= PEN_ACCEL_NONE; accelerator++) {
+    for (int accelerator = PEN_ACCEL_AUTO; accelerator < PEN_ACCEL_COUNT; accelerator++) {
         kit.settings.accelerator = accelerator;
         vec3 got = kit_pixel(&kit, 0, 0, &rays);
         ck_assert_uint_eq(rays.shadow, 1);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Acceleration structures: a builder makes a frozen tree over the finite primitives; infinite
+/* Acceleration structures: a builder makes a frozen structure over the finite primitives; infinite
  * ones stay in a short list beside it. Every kind gives the same crossings, bit for bit:
  * boxes are float, rounded outward, and tested so that no crossing is ever missed (Ize, JCGT
  * 2(2), 2013, and directed rounding of origins); a box is entered when its near distance is
@@ -15,27 +15,52 @@
 #include "pen/geom/prims.h"
 
 enum pen_accelerator {
-    PEN_ACCEL_AUTO, /* surface-area heuristic */
-    PEN_ACCEL_NONE, /* every primitive, in order */
-    PEN_ACCEL_CBR,
-    PEN_ACCEL_MANUAL,
-    PEN_ACCEL_MEDIAN
+    PEN_ACCEL_AUTO,   /* surface-area heuristic: a tree of up to eight children to a node */
+    PEN_ACCEL_NONE,   /* every primitive, in order */
+    PEN_ACCEL_CBR,    /* a box for each primitive, in one list */
+    PEN_ACCEL_MANUAL, /* the same, and a box and a list for each group of the document */
+    PEN_ACCEL_MEDIAN  /* median split: a binary tree */
 };
+enum { PEN_ACCEL_COUNT = PEN_ACCEL_MEDIAN + 1 };
 
 struct pen_accel; /* lives in the arena it was built in */
 
 struct pen_accel_stats {
     enum pen_accelerator kind;
-    uint32_t nodes, leaves, depth;
-    uint64_t bytes;
-    double sah_cost; /* expected tests per ray, in units of one primitive test */
+    uint32_t nodes;  /* with children that have boxes; of cbr and manual one for each list */
+    uint32_t leaves; /* each a box's content; none has one, without a box */
+    uint32_t depth;  /* boxes around the innermost primitive */
+    uint64_t bytes;  /* beside the primitives themselves */
+    /* Expected cost of a ray in units of one primitive test, by the surface-area heuristic, the
+     * same for all kinds: the primitives of the leaves it enters, 0.15 for each box of the nodes it
+     * enters, and 1 for each infinite primitive. It enters the first node, and what is in a box
+     * with the probability area(box) / area(box around all finite primitives), those of a random
+     * line through the latter; that a ray begins, ends or is blocked is left out. */
+    double sah_cost;
     double build_ms;
 };
 
-/* Builds. Units: local frame. Owns: the tree borrows `prims`, which must outlive it.
- * Fails: PEN_NO_MEMORY; PEN_UNSUPPORTED for kinds still to come (cbr, manual, median). */
+/* Builds. Units: local frame. Owns: the structure borrows `prims`, which must outlive it. Cost:
+ * n log n or better for every kind; nothing is deeper than 64 boxes. PEN_ACCEL_MANUAL is built as
+ * if there were no groups. Fails: PEN_NO_MEMORY. */
 struct pen_accel *pen_accel_build(const struct pen_prims *prims, enum pen_accelerator kind,
                                   struct pen_arena *arena, struct pen_status *st);
+
+/* Groups of primitives: those with numbers from begin to end - 1. A group comes before those inside
+ * it, and two either nest or have nothing in common. */
+struct pen_group_span {
+    uint32_t begin, end;
+};
+
+struct pen_groups {
+    const struct pen_group_span *group;
+    uint32_t count;
+};
+
+/* Builds PEN_ACCEL_MANUAL. Owns: nothing of `groups` is kept. Else as pen_accel_build. */
+struct pen_accel *pen_accel_build_manual(const struct pen_prims *prims,
+                                         const struct pen_groups *groups, struct pen_arena *arena,
+                                         struct pen_status *st);
 
 const struct pen_accel_stats *pen_accel_get_stats(const struct pen_accel *accel);
 

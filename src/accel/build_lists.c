@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* The builder of `cbr` and `manual`, which take the document as it is: a list of the top level's
+ * children in document order, each with its box; in `manual` a group is a child like any other, and
+ * its box leads to a list of its own, in `cbr` there are no groups, and all primitives are in one
+ * list. Children are single primitives: nothing is gathered, sorted or cut. Groups that hold no
+ * finite primitive are left out, and those nested deeper than PEN_MAX_DEPTH give their children to
+ * the group around them. Cost: linear. */
+#include <stdlib.h>
+
+#include "plan.h"
+
+/* A group, as a range of ref[], and the first group after it that is not inside. */
+struct span {
+    uint32_t begin, end, after;
+};
+
+struct lists {
+    struct pen_plan *plan;
+    struct span *span;
+    uint32_t count;
+};
+
+/* The first of ref[] whose primitive is not before `prim`. */
+static uint32_t find_ref(const struct pen_plan *plan, uint32_t prim)
+{
+    uint32_t low = 0, high = plan->count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (plan->ref[middle].prim < prim)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static bool make_spans(struct lists *l, const struct pen_groups *groups)
+{
+    uint32_t given = groups ? groups->count : 0;
+    l->span = malloc(((size_t)given + 1) * sizeof *l->span);
+    if (!l->span)
+        return false;
+    for (uint32_t i = 0; i < given; i++) {
+        struct span s = {find_ref(l->plan, groups->group[i].begin),
+                         find_ref(l->plan, groups->group[i].end), 0};
+        if (s.begin < s.end)
+            l->span[l->count++] = s;
+    }
+    for (uint32_t i = l->count; i-- > 0;) {
+        uint32_t after = i + 1;
+        while (after < l->count && l->span[after].begin < l->span[i].end)
+            after = l->span[after].after;
+        l->span[i].after = after;
+    }
+    return true;
+}
+
+/* Walks over the children of a list: of the references from `at` to `end`, and of the groups from
+ * `group` on, which begin no earlier than `at`. */
+struct children {
+    uint32_t at, end, group;
+};
+
+/* Goes to the next child: a group if *group is less than the number of them, else the reference
+ * *ref. With `flat` groups are looked through. */
+static bool next_child(const struct lists *l, struct children *c, bool flat, uint32_t *ref,
+                       uint32_t *group)
+{
+    *ref = c->at;
+    *group = l->count;
+    if (c->at == c->end)
+        return false;
+    if (!flat && c->group < l->count && l->span[c->group].begin == c->at) {
+        *group = c->group;
+        c->at = l->span[c->group].end;
+        c->group = l->span[c->group].after;
+    } else {
+        c->at++;
+    }
+    return true;
+}
+
+static uint32_t count_children(const struct lists *l, struct children c, bool flat)
+{
+    uint32_t count = 0, ref, group;
+    while (next_child(l, &c, flat, &ref, &group))
+        count++;
+    return count;
+}
+
+static bool build_leaf(struct lists *l, uint32_t at, uint32_t depth, struct pen_lane *made)
+{
+    *made = pen_ref_lane(&l->plan->ref[at]);
+    made->child = pen_plan_leaf(l->plan, at, 1);
+    if (l->plan->depth < depth)
+        l->plan->depth = depth;
+    return made->child != PEN_NO_CHILD;
+}
+
+/* Makes a list, `depth` boxes down; *made is the lane that the list around it gets. */
+static bool build_list(struct lists *l, struct children c, uint32_t depth, struct pen_lane *made)
+{
+    bool flat = depth + 1 == PEN_MAX_DEPTH;
+    uint32_t count = count_children(l, c, flat), first = l->plan->nodes.count, ref, group;
+    *made = pen_lane_empty;
+    made->child = first;
+    if (!pen_plan_nodes(l->plan, count / PEN_WIDE + (count % PEN_WIDE != 0)))
+        return false;
+    l->plan->lists++;
+    for (uint32_t i = 0; next_child(l, &c, flat, &ref, &group); i++) {
+        struct pen_lane child;
+        bool ok = group == l->count
+                      ? build_leaf(l, ref, depth + 1, &child)
+                      : build_list(l, (struct children){ref, l->span[group].end, group + 1},
+                                   depth + 1, &child);
+        if (!ok)
+            return false;
+        pen_lane_add(made, &child);
+        if (i % PEN_WIDE == 0 && count - i > PEN_WIDE)
+            child.child |= PEN_CHILD_MORE;
+        struct pen_node *nodes = l->plan->nodes.data;
+        pen_node_put(&nodes[first + i / PEN_WIDE], (int)(i % PEN_WIDE), &child);
+    }
+    return true;
+}
+
+bool pen_build_lists(struct pen_plan *plan, const struct pen_groups *groups)
+{
+    if (plan->count == 0)
+        return true;
+    plan->shape = PEN_SHAPE_LISTS;
+    struct lists l = {.plan = plan};
+    struct pen_lane top;
+    bool ok =
+        make_spans(&l, groups) && build_list(&l, (struct children){0, plan->count, 0}, 0, &top);
+    free(l.span);
+    return ok;
+}

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+/* The builder of `median`: a binary tree, each range of primitives cut in two halves at the median
+ * of their boxes' centres on the axis along which the centres extend farthest, down to leaves of at
+ * most four. Nothing is weighed: it is the plain tree that others are compared with.
+ *
+ * The primitives are sorted once along each axis (by radix, stable, so that equal centres stay in
+ * document order), and every cut divides the three orders stably, as a k-d tree is built by
+ * presorting (Bentley, "Multidimensional binary search trees used for associative searching", CACM
+ * 18(9), 1975; Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in
+ * O(N log N)", RT 2006). Cost: n log n for any input. A range's halves differ by one at most, also
+ * where all centres are equal, so the depth is that of a balanced tree. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan.h"
+
+enum { LEAF_MAX = PEN_LANES, DIGITS = 1 << 8 };
+
+struct median {
+    struct pen_plan *plan;
+    const struct pen_ref *ref;  /* in document order, until all is built */
+    uint32_t *order[3], *spare; /* the first is the order of the leaves */
+    uint32_t *key;              /* of one axis, by ref */
+    uint8_t *left;              /* by ref: which half it goes to */
+};
+
+static float center(const struct pen_ref *ref, int axis)
+{
+    return 0.5f * ref->lo[axis] + 0.5f * ref->hi[axis];
+}
+
+/* The bits of a float as a number with the float's order. */
+static uint32_t ordered(float f)
+{
+    uint32_t bits;
+    f += 0.0f; /* both zeros are one place */
+    memcpy(&bits, &f, sizeof bits);
+    return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+/* One pass of a radix sort: stable, by eight bits of the keys. */
+static void sort_digit(const uint32_t *key, int shift, const uint32_t *from, uint32_t *to,
+                       uint32_t count)
+{
+    uint32_t start[DIGITS] = {0}, sum = 0;
+    for (uint32_t i = 0; i < count; i++)
+        start[key[from[i]] >> shift & (DIGITS - 1)]++;
+    for (int d = 0; d < DIGITS; d++) {
+        uint32_t n = start[d];
+        start[d] = sum;
+        sum += n;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        to[start[key[from[i]] >> shift & (DIGITS - 1)]++] = from[i];
+}
+
+static void sort_axis(struct median *m, int axis)
+{
+    uint32_t count = m->plan->count;
+    for (uint32_t i = 0; i < count; i++) {
+        m->key[i] = ordered(center(&m->ref[i], axis));
+        m->order[axis][i] = i;
+    }
+    for (int shift = 0; shift < 32; shift += 16) {
+        sort_digit(m->key, shift, m->order[axis], m->spare, count);
+        sort_digit(m->key, shift + 8, m->spare, m->order[axis], count);
+    }
+}
+
+/* The axis along which the centres of a range extend farthest; the first of equals. */
+static int longest_axis(const struct median *m, uint32_t begin, uint32_t end)
+{
+    int longest = 0;
+    float most = -1;
+    for (int axis = 0; axis < 3; axis++) {
+        const uint32_t *order = m->order[axis];
+        float extent = center(&m->ref[order[end - 1]], axis) - center(&m->ref[order[begin]], axis);
+        if (extent > most) {
+            longest = axis;
+            most = extent;
+        }
+    }
+    return longest;
+}
+
+/* Brings those that go left to the front of an order's range, both halves keeping theirs. */
+static void divide(struct median *m, uint32_t *order, uint32_t begin, uint32_t end)
+{
+    uint32_t left = begin, right = 0;
+    for (uint32_t i = begin; i < end; i++) {
+        if (m->left[order[i]])
+            order[left++] = order[i];
+        else
+            m->spare[right++] = order[i];
+    }
+    memcpy(&order[left], m->spare, right * sizeof *order);
+}
+
+/* Cuts a range at its median and returns where. */
+static uint32_t cut(struct median *m, uint32_t begin, uint32_t end)
+{
+    int axis = longest_axis(m, begin, end);
+    uint32_t middle = begin + (end - begin) / 2;
+    for (uint32_t i = begin; i < end; i++)
+        m->left[m->order[axis][i]] = i < middle;
+    for (int a = 0; a < 3; a++) {
+        if (a != axis)
+            divide(m, m->order[a], begin, end);
+    }
+    return middle;
+}
+
+static bool build_leaf(struct median *m, uint32_t begin, uint32_t end, struct pen_lane *made)
+{
+    for (uint32_t i = begin; i < end; i++) {
+        struct pen_lane box = pen_ref_lane(&m->ref[m->order[0][i]]);
+        pen_lane_add(made, &box);
+    }
+    made->child = pen_plan_leaf(m->plan, begin, end - begin);
+    return made->child != PEN_NO_CHILD;
+}
+
+/* Makes the subtree of a range; *made is the lane that its parent gets. */
+static bool build(struct median *m, uint32_t begin, uint32_t end, uint32_t depth,
+                  struct pen_lane *made)
+{
+    *made = pen_lane_empty;
+    made->child = m->plan->nodes.count;
+    if (m->plan->depth < depth)
+        m->plan->depth = depth;
+    if (end - begin <= LEAF_MAX && depth > 0)
+        return build_leaf(m, begin, end, made);
+    uint32_t number = made->child;
+    if (!pen_plan_pair(m->plan))
+        return false;
+    uint32_t middle = end - begin <= LEAF_MAX ? end : cut(m, begin, end);
+    for (int lane = 0; lane < 2 && begin < end; lane++) {
+        struct pen_lane child;
+        if (!build(m, begin, middle, depth + 1, &child))
+            return false;
+        pen_pair_put((struct pen_pair *)m->plan->nodes.data + number, lane, &child);
+        pen_lane_add(made, &child);
+        begin = middle;
+        middle = end;
+    }
+    return true;
+}
+
+/* Puts the plan's references into the order of the leaves. */
+static bool reorder(struct median *m)
+{
+    uint32_t count = m->plan->count;
+    struct pen_ref *ref = malloc(count * sizeof *ref);
+    if (!ref)
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        ref[i] = m->plan->ref[m->order[0][i]];
+    memcpy(m->plan->ref, ref, count * sizeof *ref);
+    free(ref);
+    return true;
+}
+
+bool pen_build_median(struct pen_plan *plan)
+{
+    size_t count = plan->count;
+    if (count == 0)
+        return true;
+    plan->shape = PEN_SHAPE_PAIRS;
+    plan->nodes.size = sizeof(struct pen_pair);
+    struct median m = {.plan = plan, .ref = plan->ref};
+    uint32_t *numbers = malloc(5 * count * sizeof *numbers);
+    m.left = malloc(count);
+    bool ok = numbers && m.left;
+    if (ok) {
+        for (int axis = 0; axis < 3; axis++)
+            m.order[axis] = numbers + (size_t)axis * count;
+        m.spare = numbers + 3 * count;
+        m.key = numbers + 4 * count;
+        for (int axis = 0; axis < 3; axis++)
+            sort_axis(&m, axis);
+        struct pen_lane root;
+        ok = build(&m, 0, plan->count, 0, &root) && reorder(&m);
+    }
+    free(numbers);
+    free(m.left);
+    return ok;
+}

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+/* The groups of a document as ranges of primitive numbers. Bodies are numbered depth first, so a
+ * group is a range, and one that holds no body is none. The walk that numbers them shows the path
+ * to each body; groups open and close where the path changes. */
+#include <stdlib.h>
+
+#include "freeze.h"
+
+/* A group around the body at hand. */
+struct open_group {
+    uint32_t place; /* in the group around it: what the walk's level there says is next */
+    uint32_t span;
+};
+
+struct gatherer {
+    struct pen_group_span *span; /* in the order in which groups open */
+    uint32_t count, capacity;
+    struct open_group *open; /* the outermost first */
+    uint32_t depth, depth_capacity;
+};
+
+static bool open_group(struct gatherer *g, uint32_t place, uint32_t prim)
+{
+    if (g->count == g->capacity) {
+        uint32_t capacity = g->capacity ? 2 * g->capacity : 64;
+        struct pen_group_span *span = realloc(g->span, capacity * sizeof *span);
+        if (!span)
+            return false;
+        g->span = span;
+        g->capacity = capacity;
+    }
+    if (g->depth == g->depth_capacity) {
+        uint32_t capacity = g->depth_capacity ? 2 * g->depth_capacity : 16;
+        struct open_group *open = realloc(g->open, capacity * sizeof *open);
+        if (!open)
+            return false;
+        g->open = open;
+        g->depth_capacity = capacity;
+    }
+    g->open[g->depth++] = (struct open_group){place, g->count};
+    g->span[g->count++].begin = prim;
+    return true;
+}
+
+static void close_groups(struct gatherer *g, uint32_t depth, uint32_t prim)
+{
+    while (g->depth > depth)
+        g->span[g->open[--g->depth].span].end = prim;
+}
+
+/* Closes the groups that body number `prim` is not in, and opens those that it is the first of. */
+static bool follow(struct gatherer *g, const struct pen_walk *walk, uint32_t prim)
+{
+    uint32_t same = 0;
+    while (same < g->depth && same + 1 < walk->depth &&
+           g->open[same].place == walk->levels[same].next)
+        same++;
+    close_groups(g, same, prim);
+    for (uint32_t level = same; level + 1 < walk->depth; level++) {
+        if (!open_group(g, walk->levels[level].next, prim))
+            return false;
+    }
+    return true;
+}
+
+static bool gather(struct pen_freezer *f, struct gatherer *g)
+{
+    struct pen_walk walk;
+    struct pen_walk_body at;
+    enum pen_walk_step step;
+    uint32_t prim = 0;
+    if (!pen_walk_init(&walk, f->desc, f->st))
+        return false;
+    while ((step = pen_walk_next(&walk, &at, f->st)) == PEN_WALK_BODY) {
+        if (!follow(g, &walk, prim++)) {
+            pen_freeze_no_memory(f);
+            break;
+        }
+    }
+    close_groups(g, 0, prim);
+    pen_walk_release(&walk);
+    return step == PEN_WALK_END;
+}
+
+struct pen_accel *pen_freeze_manual(struct pen_freezer *f)
+{
+    struct gatherer g = {0};
+    struct pen_accel *accel = NULL;
+    if (gather(f, &g)) {
+        struct pen_groups groups = {g.span, g.count};
+        accel = pen_accel_build_manual(&f->scene->prims, &groups, f->scene->arena, f->st);
+    }
+    free(g.span);
+    free(g.open);
+    return accel;
+}
