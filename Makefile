@@ -32,7 +32,7 @@ CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Iinclude $(CPPFLAGS)
 COMPILE = $(CC) $(CPP) $(OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
 LINK = $(CC) $(SAN) -pthread $(LDFLAGS)
 
-PKGS := libmicrohttpd jansson libpng sqlite3 libzstd libsodium libcurl
+PKGS := libmicrohttpd jansson expat libpng sqlite3 libzstd libsodium libcurl
 PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 PKG_LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm
 CHECK_CFLAGS := $(shell pkg-config --cflags check 2>/dev/null)

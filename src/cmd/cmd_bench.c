@@ -126,16 +126,13 @@ static bool read_scene(struct study *s, const char *name, struct pen_errors *err
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     bool ok = pen_source_read(&s->source, name, limits.body_bytes, &st);
-    if (ok && s->source.xml)
-        ok = pen_fail(&st, PEN_UNSUPPORTED, "scene XML: known, not supported yet");
     if (ok && !(s->arena = pen_arena_new(0)))
         ok = pen_fail(&st, PEN_NO_MEMORY, "out of memory");
     if (!ok) {
         pen_errors_add(errors, &st);
         return false;
     }
-    const char *text = s->source.text.data ? (const char *)s->source.text.data : "";
-    return pen_scene_load(text, s->source.text.bytes, &limits, s->arena, &s->desc, errors);
+    return pen_source_scene(&s->source, &limits, s->arena, &s->desc, errors);
 }
 
 static bool find_view(const struct study *s, const char *name, int *view, struct pen_status *st)

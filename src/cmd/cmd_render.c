@@ -9,7 +9,6 @@
 #include "output.h"
 #include "pen/base/clock.h"
 #include "pen/film/film.h"
-#include "pen/io/scene_json.h"
 #include "pen/jobs/worker.h"
 #include "pen/render/render.h"
 #include "pen/scene/scene.h"
@@ -137,8 +136,6 @@ static bool read_scene(struct render *r, const char *name, struct pen_errors *er
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     bool ok = pen_source_read(&r->source, name, limits.body_bytes, &st);
-    if (ok && r->source.xml)
-        ok = pen_fail(&st, PEN_UNSUPPORTED, "scene XML: known, not supported yet");
     if (ok && !(r->arena = pen_arena_new(0)))
         ok = pen_fail(&st, PEN_NO_MEMORY, "out of memory");
     if (!ok) {
@@ -146,11 +143,9 @@ static bool read_scene(struct render *r, const char *name, struct pen_errors *er
         return false;
     }
     int64_t start = pen_clock_ns();
-    const char *text = r->source.text.data ? (const char *)r->source.text.data : "";
-    if (!pen_scene_load(text, r->source.text.bytes, &limits, r->arena, &r->desc, errors))
-        return false;
+    ok = pen_source_scene(&r->source, &limits, r->arena, &r->desc, errors);
     r->parse_ms = ms_since(start);
-    return true;
+    return ok;
 }
 
 /* The command line's settings over the scene's. */
@@ -315,10 +310,10 @@ static int render(struct render *r, const char *name)
         return pen_report_json(NULL, json, &st);
     if (!read_scene(r, name, &errors))
         return pen_report_errors_json(r->source.label, json, &errors);
-    if (!apply_settings(r, &st) || !check_files(r, &st) || !freeze(r, &st) ||
-        !carry_out(r, start, &st))
-        return pen_report_json(st.at[0] ? r->source.label : NULL, json, &st);
-    return 0;
+    if (apply_settings(r, &st) && check_files(r, &st) && freeze(r, &st) && carry_out(r, start, &st))
+        return 0;
+    pen_source_locate(&r->source, &st);
+    return pen_report_json(st.at[0] || st.line > 0 ? r->source.label : NULL, json, &st);
 }
 
 static int run(int argc, char **argv)

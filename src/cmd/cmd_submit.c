@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* `penumbra submit`: makes a job of a scene and the command line, and hands it to a daemon.
  * A bare scene without options goes as it is; with options it is put, byte for byte, inside a job,
- * so that the daemon keeps the document as written and its errors keep their places. */
+ * so that the daemon keeps the document as written and its errors keep their places. A job holds
+ * JSON only: a scene in XML with options is converted first. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
@@ -9,7 +10,7 @@
 #include "commands.h"
 #include "files.h"
 #include "output.h"
-#include "pen/io/scene_json.h"
+#include "pen/io/document.h"
 #include "remote.h"
 #include "report.h"
 
@@ -87,6 +88,7 @@ static const struct pen_option options[] = {
 /* What is sent, and how the places in its errors relate to the file. */
 struct body {
     struct pen_buf text;
+    bool xml;     /* a bare scene in XML */
     bool wrapped; /* the document is the job's member "scene", beginning on line 2 */
 };
 
@@ -172,11 +174,14 @@ static bool dump(const json_t *json, struct pen_buf *out)
 }
 
 /* {"scene":⏎DOCUMENT⏎,MEMBERS} */
-static bool wrap(const struct pen_source *source, const json_t *members, struct pen_buf *out)
+static bool wrap(const struct pen_source *source, const json_t *document, const json_t *members,
+                 struct pen_buf *out)
 {
     struct pen_buf tail = {0};
     bool ok = pen_buf_puts(out, "{\"scene\":\n") &&
-              pen_buf_add(out, source->text.data, source->text.bytes) && dump(members, &tail);
+              (source->xml ? dump(document, out)
+                           : pen_buf_add(out, source->text.data, source->text.bytes)) &&
+              dump(members, &tail);
     if (ok && json_object_size(members) > 0)
         ok = pen_buf_puts(out, "\n,") && pen_buf_add(out, tail.data + 1, tail.bytes - 1);
     else
@@ -200,14 +205,17 @@ static bool compose_job(const struct pen_source *source, json_t *job, const stru
     return ok;
 }
 
-static bool compose_scene(const struct pen_source *source, const struct values *values,
-                          bool has_priority, struct body *body, struct pen_status *st)
+static bool compose_scene(const struct pen_source *source, const json_t *document,
+                          const struct values *values, bool has_priority, struct body *body,
+                          struct pen_status *st)
 {
     json_t *members = json_object();
     bool ok = add_options(members, values, has_priority, st);
     body->wrapped = json_object_size(members) > 0;
+    body->xml = source->xml && !body->wrapped;
     if (ok && body->wrapped)
-        ok = wrap(source, members, &body->text) || pen_fail(st, PEN_NO_MEMORY, "out of memory");
+        ok = wrap(source, document, members, &body->text) ||
+             pen_fail(st, PEN_NO_MEMORY, "out of memory");
     else if (ok)
         ok = pen_buf_add(&body->text, source->text.data, source->text.bytes) ||
              pen_fail(st, PEN_NO_MEMORY, "out of memory");
@@ -215,31 +223,58 @@ static bool compose_scene(const struct pen_source *source, const struct values *
     return ok;
 }
 
-static json_t *read_document(const char *scene, struct pen_source *source, struct pen_status *st)
+/* A scene in XML is checked as a whole: as JSON it would no longer tell where it is wrong. */
+static json_t *read_xml(const struct pen_source *source, const struct pen_limits *limits,
+                        struct pen_errors *errors)
+{
+    struct pen_document document = {0};
+    struct pen_scene_desc desc;
+    struct pen_status st;
+    struct pen_arena *arena = pen_arena_new(0);
+    bool ok = arena != NULL || pen_fail(&st, PEN_NO_MEMORY, "out of memory");
+    ok = ok && pen_document_parse((const char *)source->text.data, source->text.bytes, true, limits,
+                                  &document, &st);
+    if (!ok)
+        pen_errors_add(errors, &st);
+    ok = ok && pen_document_read(&document, limits, arena, &desc, errors);
+    json_t *json = ok ? json_incref(document.json) : NULL;
+    pen_document_release(&document);
+    pen_arena_free(arena);
+    return json;
+}
+
+static json_t *read_document(const char *scene, struct pen_source *source,
+                             struct pen_errors *errors)
 {
     struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
     source->label = scene;
     if (strncmp(scene, "builtin:", 8) == 0)
         return json_pack("{s:s}", "scene", scene); /* the daemon knows its own */
-    if (!pen_source_read(source, scene, limits.body_bytes, st))
-        return NULL;
-    if (source->xml) {
-        pen_fail(st, PEN_UNSUPPORTED, "scene XML: known, not supported yet");
-        return NULL;
-    }
-    return pen_json_parse((const char *)source->text.data, source->text.bytes, &limits, st);
+    bool read = pen_source_read(source, scene, limits.body_bytes, &st);
+    if (read && source->xml)
+        return read_xml(source, &limits, errors);
+    json_t *document =
+        read ? pen_json_parse((const char *)source->text.data, source->text.bytes, &limits, &st)
+             : NULL;
+    if (!document)
+        pen_errors_add(errors, &st);
+    return document;
 }
 
 static bool make_body(const char *scene, struct pen_source *source, const struct values *values,
-                      bool has_priority, struct body *body, struct pen_status *st)
+                      bool has_priority, struct body *body, struct pen_errors *errors)
 {
-    json_t *document = read_document(scene, source, st);
+    struct pen_status st;
+    json_t *document = read_document(scene, source, errors);
     if (!document)
         return false;
     bool ok = json_object_get(document, "scene")
-                  ? compose_job(source, document, values, has_priority, body, st)
-                  : compose_scene(source, values, has_priority, body, st);
+                  ? compose_job(source, document, values, has_priority, body, &st)
+                  : compose_scene(source, document, values, has_priority, body, &st);
     json_decref(document);
+    if (!ok)
+        pen_errors_add(errors, &st);
     return ok;
 }
 
@@ -255,20 +290,22 @@ static bool random_key(char key[40], struct pen_status *st)
 
 /* Gives errors of a wrapped document back their places in the file. Those of other members are
  * about the command line: they lose the file's name. */
-static int report(const struct values *values, const char *label, const struct body *body,
-                  struct pen_errors *errors)
+static int report(const struct values *values, const struct pen_source *source,
+                  const struct body *body, struct pen_errors *errors)
 {
     static const char inside[] = "/scene";
     enum { LENGTH = sizeof inside - 1 };
+    const char *label = source->label;
     if (!body->wrapped)
         return pen_report_errors_json(label, values->json, errors);
     for (size_t i = 0; i < errors->count; i++) {
         struct pen_status *st = &errors->item[i];
         if (st->line > 1)
             st->line--;
-        if (strncmp(st->at, inside, LENGTH) == 0)
+        if (strncmp(st->at, inside, LENGTH) == 0) {
             memmove(st->at, st->at + LENGTH, sizeof st->at - LENGTH);
-        else if (st->at[0])
+            pen_source_locate(source, st);
+        } else if (st->at[0])
             label = "the job";
     }
     return pen_report_errors_json(label, values->json, errors);
@@ -282,7 +319,7 @@ static bool post(struct pen_client *client, const struct body *body, const char 
                                   .path = "/v1/jobs",
                                   .body = (const char *)body->text.data,
                                   .body_bytes = body->text.bytes,
-                                  .type = "application/json",
+                                  .type = body->xml ? "application/xml" : "application/json",
                                   .idempotency_key = key,
                                   .repeatable = true, /* by the key */
                                   .timeout_s = 60};
@@ -323,8 +360,8 @@ static int follow(struct pen_client *client, const struct values *values, json_t
     return ok ? 0 : pen_report_errors("penumbra", NULL, &errors);
 }
 
-static int submit(struct pen_client *client, const struct values *values, const char *label,
-                  const struct body *body)
+static int submit(struct pen_client *client, const struct values *values,
+                  const struct pen_source *source, const struct body *body)
 {
     struct pen_errors errors = {0};
     struct pen_status st;
@@ -333,7 +370,7 @@ static int submit(struct pen_client *client, const struct values *values, const 
     if (!values->idempotency_key && !random_key(key, &st))
         return pen_report_json(NULL, values->json, &st);
     if (!post(client, body, values->idempotency_key ? values->idempotency_key : key, &job, &errors))
-        return report(values, label, body, &errors);
+        return report(values, source, body, &errors);
     int code = follow(client, values, job);
     json_decref(job);
     return code;
@@ -349,18 +386,20 @@ static int run(int argc, char **argv)
     struct pen_status st;
     struct pen_source source = {0};
     struct body body = {0};
+    struct pen_errors errors = {0};
     struct pen_client *client = NULL;
     int priority = pen_option_find(options, "priority");
     bool has_priority = parsed.set >> priority & 1;
     if (values.output && (!pen_output_format(values.output, values.format, &st) ||
                           !pen_file_check(values.output, &st)))
         code = pen_report_json(NULL, values.json, &st);
-    else if (!make_body(parsed.args[0], &source, &values, has_priority, &body, &st))
-        code = pen_report_json(st.code == PEN_USAGE ? NULL : source.label, values.json, &st);
+    else if (!make_body(parsed.args[0], &source, &values, has_priority, &body, &errors))
+        code = pen_report_errors_json(errors.item[0].code == PEN_USAGE ? NULL : source.label,
+                                      values.json, &errors);
     else if (!(client = pen_client_open(&values.remote, &st)))
         code = pen_report_json(NULL, values.json, &st);
     else
-        code = submit(client, &values, source.label, &body);
+        code = submit(client, &values, &source, &body);
     pen_client_close(client);
     pen_buf_release(&body.text);
     pen_source_release(&source);
@@ -373,7 +412,8 @@ const struct pen_command pen_command_submit = {
     .arguments = "SCENE",
     .summary = "Submits a scene or a job to a daemon and prints the job's id.",
     .details = "SCENE is a file, - for standard input, or builtin:NAME; a file may hold a bare "
-               "scene or a whole job. When the id is printed the job is on the daemon's disk.",
+               "scene, in JSON or XML, or a whole job. When the id is printed the job is on the "
+               "daemon's disk.",
     .options = options,
     .min_args = 1,
     .max_args = 1,

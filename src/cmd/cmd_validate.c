@@ -33,8 +33,14 @@ static void print_warnings(const char *file, const json_t *answer)
     {
         const char *pointer = json_string_value(json_object_get(warning, "pointer"));
         const char *detail = json_string_value(json_object_get(warning, "detail"));
-        fprintf(stderr, "penumbra: %s: %s%swarning: %s\n", file, pointer ? pointer : "",
-                pointer && *pointer ? ": " : "", detail ? detail : "");
+        json_int_t line = json_integer_value(json_object_get(warning, "line"));
+        json_int_t column = json_integer_value(json_object_get(warning, "column"));
+        if (line > 0)
+            fprintf(stderr, "penumbra: %s:%d:%d: warning: %s\n", file, (int)line, (int)column,
+                    detail ? detail : "");
+        else
+            fprintf(stderr, "penumbra: %s: %s%swarning: %s\n", file, pointer ? pointer : "",
+                    pointer && *pointer ? ": " : "", detail ? detail : "");
     }
 }
 
@@ -89,7 +95,7 @@ const struct pen_command pen_command_validate = {
     .summary = "Checks scenes or jobs, without a daemon.",
     .details = "SCENE is a file, - for standard input, or builtin:NAME. Up to 20 errors of a "
                "document are reported together, each with its place: a JSON Pointer, or line and "
-               "column for malformed JSON. Warnings do not change the exit code.",
+               "column in XML and malformed JSON. Warnings do not change the exit code.",
     .options = options,
     .min_args = 1,
     .max_args = -1,

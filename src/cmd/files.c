@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "pen/io/builtin.h"
-#include "pen/io/scene_json.h"
 
 static bool fail_errno(struct pen_status *st, enum pen_code code, const char *doing,
                        const char *path)
@@ -69,6 +68,12 @@ static bool fail_builtin(const char *name, struct pen_status *st)
     return pen_fail(st, PEN_NOT_FOUND, "no built-in scene \"%s\", see penumbra scenes", name);
 }
 
+static bool ends_in(const char *name, const char *ending)
+{
+    size_t length = strlen(name), tail = strlen(ending);
+    return length > tail && strcmp(name + length - tail, ending) == 0;
+}
+
 static bool read_builtin(struct pen_source *source, const char *name, struct pen_status *st)
 {
     size_t bytes;
@@ -81,6 +86,13 @@ static bool read_builtin(struct pen_source *source, const char *name, struct pen
     return true;
 }
 
+/* A name's ending says what a document is written in; without one it shows. */
+static bool is_xml(const char *name, const struct pen_buf *text)
+{
+    return ends_in(name, ".xml") ||
+           (!ends_in(name, ".json") && pen_text_is_xml((const char *)text->data, text->bytes));
+}
+
 bool pen_source_read(struct pen_source *source, const char *name, size_t max_bytes,
                      struct pen_status *st)
 {
@@ -90,11 +102,36 @@ bool pen_source_read(struct pen_source *source, const char *name, size_t max_byt
         return read_builtin(source, name + sizeof builtin - 1, st);
     if (strcmp(name, "-") == 0) {
         source->label = "standard input";
-        return read_all(STDIN_FILENO, source->label, max_bytes, &source->text, st);
+        if (!read_all(STDIN_FILENO, source->label, max_bytes, &source->text, st))
+            return false;
+    } else if (!pen_file_read(name, max_bytes, &source->text, st)) {
+        return false;
     }
-    size_t length = strlen(name);
-    source->xml = length > 4 && strcmp(name + length - 4, ".xml") == 0;
-    return pen_file_read(name, max_bytes, &source->text, st);
+    source->xml = is_xml(name, &source->text);
+    return true;
+}
+
+bool pen_source_scene(const struct pen_source *source, const struct pen_limits *limits,
+                      struct pen_arena *arena, struct pen_scene_desc *desc,
+                      struct pen_errors *errors)
+{
+    struct pen_document document;
+    struct pen_status st;
+    const char *text = source->text.data ? (const char *)source->text.data : "";
+    bool ok = pen_document_parse(text, source->text.bytes, source->xml, limits, &document, &st);
+    if (ok)
+        ok = pen_document_read(&document, limits, arena, desc, errors);
+    else
+        pen_errors_add(errors, &st);
+    pen_document_release(&document);
+    return ok;
+}
+
+void pen_source_locate(const struct pen_source *source, struct pen_status *st)
+{
+    struct pen_limits limits = pen_limits_default();
+    if (source->xml && st->at[0])
+        pen_text_locate((const char *)source->text.data, source->text.bytes, &limits, st);
 }
 
 void pen_source_release(struct pen_source *source)

@@ -10,19 +10,28 @@
 
 #include "pen/base/buf.h"
 #include "pen/base/status.h"
+#include "pen/io/document.h"
 
 /* A document and what to call it in messages. */
 struct pen_source {
     struct pen_buf text;
     const char *label; /* the file's path, "standard input", "builtin:NAME" */
     bool builtin;
-    bool xml; /* the path ends in .xml */
+    bool xml; /* by its ending, .xml or .json, or else because the text begins with < */
 };
 
 /* Reads `name`: a path, `-`, or `builtin:NAME`; at most max_bytes. Owns: release it.
  * Fails: PEN_NOT_FOUND (with the nearest built-in name), PEN_TOO_LARGE, PEN_IO, PEN_NO_MEMORY. */
 bool pen_source_read(struct pen_source *source, const char *name, size_t max_bytes,
                      struct pen_status *st);
+/* The scene of a bare document, in JSON or XML. Errors as pen_scene_load. */
+bool pen_source_scene(const struct pen_source *source, const struct pen_limits *limits,
+                      struct pen_arena *arena, struct pen_scene_desc *desc,
+                      struct pen_errors *errors);
+
+/* A place in the document that XML was made into becomes one in the XML. */
+void pen_source_locate(const struct pen_source *source, struct pen_status *st);
+
 void pen_source_release(struct pen_source *source);
 
 /* Reads a whole file of at most max_bytes (0: any size). Errors as pen_source_read. */

@@ -5,6 +5,7 @@
 
 #include "handlers.h"
 #include "http.h"
+#include "pen/io/document.h"
 #include "request.h"
 #include "snapshots.h"
 #include "watch.h"
@@ -22,29 +23,22 @@ static enum outcome answer_status(struct request *request, const struct pen_stat
 }
 
 /* The body as a submission. A body without a type is XML if it looks like it. */
-static bool read_submission(const struct request *request, struct pen_submission *in,
-                            struct pen_status *st)
+static struct pen_submission read_submission(const struct request *request)
 {
-    *in =
-        (struct pen_submission){.body = request->body.data ? (const char *)request->body.data : "",
+    struct pen_submission in = {.body = request->body.data ? (const char *)request->body.data : "",
                                 .bytes = request->body.bytes,
                                 .idempotency_key = request->fields.idempotency_key};
-    bool untyped = pen_media_parse(request->fields.content_type) == PEN_MEDIA_NONE;
-    if (untyped && in->body[strspn(in->body, " \t\r\n")] == '<')
-        return pen_fail(st, PEN_MEDIA_TYPE,
-                        "the body looks like XML; scenes in XML are known, but not supported "
-                        "yet; application/json is accepted");
-    return true;
+    enum pen_media media = pen_media_parse(request->fields.content_type);
+    in.xml =
+        media == PEN_MEDIA_XML || (media == PEN_MEDIA_NONE && pen_text_is_xml(in.body, in.bytes));
+    return in;
 }
 
 enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_submission in;
+    struct pen_submission in = read_submission(request);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
-    struct pen_status st;
-    if (!read_submission(request, &in, &st))
-        return answer_status(request, &st);
     if (!pen_jobs_submit(jobs, &in, &out, &errors))
         return answer_errors(request, &errors);
     memcpy(request->job_id, out.id, sizeof request->job_id); /* for the log */
@@ -56,12 +50,9 @@ enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jo
 
 enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_submission in;
+    struct pen_submission in = read_submission(request);
     struct pen_errors errors = {0};
-    struct pen_status st;
     json_t *answer = NULL;
-    if (!read_submission(request, &in, &st))
-        return answer_status(request, &st);
     if (!pen_jobs_validate(jobs, &in, &answer, &errors))
         return answer_errors(request, &errors);
     pen_http_reply_json(&request->reply, 200, answer);

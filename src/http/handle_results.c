@@ -4,6 +4,7 @@
 
 #include "handlers.h"
 #include "http.h"
+#include "pen/io/document.h"
 #include "request.h"
 #include "snapshots.h"
 #include "watch.h"
@@ -56,13 +57,13 @@ static void answer_picture(struct request *request, struct pen_image *image, boo
 }
 
 /* Answers with a representation whose tag is its hash. */
-static void answer_hashed(struct request *request, struct blob *blob)
+static void answer_hashed(struct request *request, struct blob *blob, const char *type)
 {
     char etag[ETAG_BYTES] = "";
     if (blob)
         pen_http_blob_etag(blob, etag);
     const struct content content = {
-        .blob = blob, .type = "application/json", .etag = etag, .cache_control = forever};
+        .blob = blob, .type = type, .etag = etag, .cache_control = forever};
     pen_http_request_content(request, &content);
 }
 
@@ -100,7 +101,7 @@ enum outcome pen_http_handle_stats(struct request *request, struct pen_jobs *job
     json_t *stats = pen_jobs_stats(jobs, request->job_id, &st);
     if (!stats)
         return answer_status(request, jobs, &st);
-    answer_hashed(request, pen_http_blob_json(stats));
+    answer_hashed(request, pen_http_blob_json(stats), "application/json");
     json_decref(stats);
     return OUTCOME_ANSWERED;
 }
@@ -111,6 +112,8 @@ enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *job
     struct pen_status st;
     if (!pen_jobs_scene(jobs, request->job_id, &scene, &st))
         return answer_status(request, jobs, &st);
-    answer_hashed(request, pen_http_blob_take(&scene));
+    bool xml = pen_text_is_xml((const char *)scene.data, scene.bytes);
+    answer_hashed(request, pen_http_blob_take(&scene),
+                  xml ? "application/xml" : "application/json");
     return OUTCOME_ANSWERED;
 }

@@ -171,16 +171,14 @@ static bool check_media(const struct request *request, struct pen_status *st)
     switch (pen_media_parse(request->fields.content_type)) {
     case PEN_MEDIA_NONE:
     case PEN_MEDIA_JSON:
-        return true;
     case PEN_MEDIA_XML:
-        return pen_fail(st, PEN_MEDIA_TYPE,
-                        "scenes in XML are known, but not supported yet; "
-                        "application/json is accepted");
+        return true;
     case PEN_MEDIA_OTHER:
         break;
     }
     return pen_fail(st, PEN_MEDIA_TYPE,
-                    "a body of type %s is not taken; application/json in UTF-8 is accepted",
+                    "a body of type %s is not taken; application/json and application/xml in UTF-8 "
+                    "are accepted",
                     request->fields.content_type);
 }
 

@@ -5,11 +5,12 @@
 #include <string.h>
 
 #include "reader.h"
+#include "tables.h"
 
 /* Wide enough for any picture, and far enough from 180 that the tangent stays finite. */
 static const struct pen_range fov_range = {0, 180, true, true};
 
-static const struct pen_field camera_fields[] = {
+const struct pen_field pen_camera_fields[] = {
     {"position", PEN_FIELD_POINT, .required = true,
      .offset = offsetof(struct pen_camera_desc, position)},
     {"look_at", PEN_FIELD_POINT, .offset = offsetof(struct pen_camera_desc, look_at)},
@@ -41,13 +42,13 @@ static const struct pen_field move_fields[] = {
     {"orbit", .type = PEN_FIELD_OTHER},
     {0}};
 
-static const struct pen_field rotate_fields[] = {
+const struct pen_field pen_camera_rotate_fields[] = {
     {"axis", PEN_FIELD_OTHER, .required = true},
     {"degrees", PEN_FIELD_NUMBER, .required = true,
      .offset = offsetof(struct pen_camera_move, degrees), .range = &pen_range_turn},
     {0}};
 
-static const struct pen_field orbit_fields[] = {
+const struct pen_field pen_camera_orbit_fields[] = {
     {"target", PEN_FIELD_POINT, .required = true,
      .offset = offsetof(struct pen_camera_move, vector)},
     {"axis", PEN_FIELD_DIRECTION, .required = true,
@@ -65,7 +66,7 @@ static bool read_rotate(struct pen_reader *r, const struct pen_place *at, const 
                         struct pen_camera_move *move)
 {
     move->kind = PEN_MOVE_ROTATE;
-    bool ok = pen_fields_read_whole(r, at, json, rotate_fields, move);
+    bool ok = pen_fields_read_whole(r, at, json, pen_camera_rotate_fields, move);
     const json_t *axis = json_object_get(json, "axis");
     struct pen_place place = pen_place_key(at, "axis");
     int word = PEN_AXIS_VECTOR;
@@ -81,7 +82,7 @@ static bool read_orbit(struct pen_reader *r, const struct pen_place *at, const j
                        struct pen_camera_move *move)
 {
     move->kind = PEN_MOVE_ORBIT;
-    return pen_fields_read_whole(r, at, json, orbit_fields, move);
+    return pen_fields_read_whole(r, at, json, pen_camera_orbit_fields, move);
 }
 
 static bool read_move(struct pen_reader *r, const struct pen_place *at, const json_t *json,
@@ -131,8 +132,8 @@ static bool refuse_both(struct pen_reader *r, const struct pen_place *at, const 
     if (!json_object_get(json, first) || !json_object_get(json, second))
         return true;
     struct pen_place place = pen_place_key(at, second);
-    return pen_reader_fail(r, &place, PEN_INVALID,
-                           "\"%s\" and \"%s\" exclude each other, found both", first, second);
+    return pen_reader_fail(r, &place, PEN_INVALID, "%s and %s exclude each other, found both",
+                           pen_reader_name(r, at, first).text, pen_reader_name(r, at, second).text);
 }
 
 /* What of the camera's frame is impossible, at the key to blame if this object has it. */
@@ -175,18 +176,18 @@ bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const jso
                      struct pen_camera_desc *camera)
 {
     *camera = (struct pen_camera_desc){.up = {0, 1, 0}, .fov_degrees = 50};
-    bool ok = pen_fields_read_whole(r, at, json, camera_fields, camera);
+    bool ok = pen_fields_read_whole(r, at, json, pen_camera_fields, camera);
     ok &= read_others(r, at, json, camera);
     if (json_is_object(json) && !json_object_get(json, "look_at") &&
         !json_object_get(json, "direction"))
-        ok = pen_reader_fail(r, at, PEN_INVALID, "missing key \"look_at\" or \"direction\"");
+        ok = pen_reader_missing(r, at, "look_at", "direction");
     return ok && check_frame(r, at, json, camera);
 }
 
 bool pen_camera_override(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                          bool check, struct pen_camera_desc *camera)
 {
-    bool ok = pen_fields_read(r, at, json, camera_fields, camera);
+    bool ok = pen_fields_read(r, at, json, pen_camera_fields, camera);
     ok &= read_others(r, at, json, camera);
     return ok && (!check || check_frame(r, at, json, camera));
 }

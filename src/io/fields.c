@@ -12,7 +12,7 @@ static bool read_number_field(struct pen_reader *r, const struct pen_place *at, 
         return false;
     if (!field->later || *out == field->off)
         return true;
-    struct pen_text found = pen_text_value(value), off = pen_text_number(field->off);
+    struct pen_text found = pen_reader_found(r, at, value), off = pen_text_number(field->off);
     return pen_reader_fail(r, at, PEN_UNSUPPORTED,
                            "known, not supported yet: %s; found %s, only %s is accepted so far",
                            field->later, found.text, off.text);
@@ -24,7 +24,7 @@ static bool read_bool(struct pen_reader *r, const struct pen_place *at, const js
     *out = json_is_true(value);
     if (json_is_boolean(value))
         return true;
-    struct pen_text found = pen_text_value(value);
+    struct pen_text found = pen_reader_found(r, at, value);
     return pen_reader_fail(r, at, PEN_INVALID, "must be true or false, found %s", found.text);
 }
 
@@ -126,7 +126,7 @@ bool pen_fields_read_whole(struct pen_reader *r, const struct pen_place *at, con
     bool ok = pen_fields_read(r, at, object, fields, target);
     for (const struct pen_field *f = fields; f->key && json_is_object(object); f++) {
         if (f->required && !json_object_get(object, f->key))
-            ok = pen_reader_fail(r, at, PEN_INVALID, "missing key \"%s\"", f->key);
+            ok = pen_reader_missing(r, at, f->key, NULL);
     }
     return ok;
 }

@@ -28,20 +28,27 @@ size_t pen_json_string_end(const struct pen_json_text *json, size_t offset)
     return i < json->bytes ? i + 1 : json->bytes;
 }
 
+void pen_text_position(const char *text, size_t offset, int *line, int *column)
+{
+    size_t i = offset >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    *line = *column = 1;
+    for (; i < offset; i++) {
+        unsigned char c = (unsigned char)text[i];
+        if (c == '\n') {
+            ++*line;
+            *column = 1;
+        } else if ((c & 0xC0) != 0x80) {
+            ++*column;
+        }
+    }
+}
+
 bool pen_json_fault(const struct pen_json_text *json, size_t offset, struct pen_status *st,
                     const char *format, ...)
 {
     char message[2 * PEN_MSG_BYTES];
-    int line = 1, column = 1;
-    for (size_t i = 0; i < offset; i++) {
-        unsigned char c = (unsigned char)json->text[i];
-        if (c == '\n') {
-            line++;
-            column = 1;
-        } else if ((c & 0xC0) != 0x80) {
-            column++;
-        }
-    }
+    int line, column;
+    pen_text_position(json->text, offset, &line, &column);
     va_list args;
     va_start(args, format);
     if (vsnprintf(message, sizeof message, format, args) < 0)

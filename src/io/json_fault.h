@@ -4,9 +4,11 @@
 #ifndef PEN_SRC_IO_JSON_FAULT_H
 #define PEN_SRC_IO_JSON_FAULT_H
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "pen/base/buf.h"
 #include "pen/base/status.h"
 
 struct pen_json_text {
@@ -36,5 +38,13 @@ size_t pen_json_string_end(const struct pen_json_text *json, size_t offset);
 /* Whether the text at `offset` up to `end` is a number by RFC 8259, section 6; *integer: without
  * fraction and exponent. */
 bool pen_json_is_number(const struct pen_json_text *json, size_t offset, size_t end, bool *integer);
+
+/* The value of such a text, whatever the locale; NULL in *out when out of memory. Returns false if
+ * it is too large for a number. */
+bool pen_json_number(const char *text, size_t bytes, bool integer, struct pen_buf *scratch,
+                     json_t **out);
+
+/* Line and column of the byte at `offset`. A byte order mark at the beginning has no width. */
+void pen_text_position(const char *text, size_t offset, int *line, int *column);
 
 #endif

@@ -172,20 +172,33 @@ static double to_real(struct pen_buf *text)
     return strtod((char *)text->data, NULL);
 }
 
+bool pen_json_number(const char *text, size_t bytes, bool integer, struct pen_buf *scratch,
+                     json_t **out)
+{
+    *out = NULL;
+    scratch->bytes = 0;
+    if (!pen_buf_add(scratch, text, bytes))
+        return true;
+    errno = 0;
+    long long whole = integer ? strtoll((char *)scratch->data, NULL, 10) : 0;
+    if (integer && errno == 0) {
+        *out = json_integer(whole);
+        return true;
+    }
+    double value = to_real(scratch);
+    if (!isfinite(value))
+        return false;
+    *out = json_real(value);
+    return true;
+}
+
 static json_t *parse_number(struct parser *p, size_t end, bool integer)
 {
     size_t start = p->at;
-    p->scratch.bytes = 0;
-    if (!pen_buf_add(&p->scratch, p->json.text + start, end - start))
-        return made(p, NULL);
+    json_t *number;
     p->at = end;
-    errno = 0;
-    long long whole = integer ? strtoll((char *)p->scratch.data, NULL, 10) : 0;
-    if (integer && errno == 0)
-        return made(p, json_integer(whole));
-    double value = to_real(&p->scratch);
-    if (isfinite(value))
-        return made(p, json_real(value));
+    if (pen_json_number(p->json.text + start, end - start, integer, &p->scratch, &number))
+        return made(p, number);
     pen_json_fault_piece(&p->json, start, p->st,
                          "is too large for a number: they reach to about 1.8e308");
     return NULL;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights. */
 #include "reader.h"
+#include "tables.h"
 
 static const struct pen_range angular_range = {0, 90, false, true};
 
@@ -9,7 +10,7 @@ static const struct pen_word kinds[] = {{"directional", PEN_LIGHT_DIRECTIONAL, N
                                         {"spot", PEN_LIGHT_SPOT, NULL},
                                         {0}};
 
-static const struct pen_field directional_fields[] = {
+const struct pen_field pen_directional_fields[] = {
     {"type", PEN_FIELD_OTHER, .required = true},
     {"intensity", PEN_FIELD_COLOUR, .required = true,
      .offset = offsetof(struct pen_light_desc, intensity)},
@@ -20,7 +21,7 @@ static const struct pen_field directional_fields[] = {
      .range = &angular_range},
     {0}};
 
-static const struct pen_field point_fields[] = {
+const struct pen_field pen_point_fields[] = {
     {"type", PEN_FIELD_OTHER, .required = true},
     {"intensity", PEN_FIELD_COLOUR, .required = true,
      .offset = offsetof(struct pen_light_desc, intensity)},
@@ -32,7 +33,7 @@ static const struct pen_field point_fields[] = {
      .range = &pen_range_not_negative},
     {0}};
 
-static const struct pen_field spot_fields[] = {
+const struct pen_field pen_spot_fields[] = {
     {"type", PEN_FIELD_OTHER, .required = true},
     {"intensity", PEN_FIELD_COLOUR, .required = true,
      .offset = offsetof(struct pen_light_desc, intensity)},
@@ -51,9 +52,10 @@ static const struct pen_field spot_fields[] = {
 static bool read_light(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                        struct pen_light_desc *light)
 {
-    static const struct pen_field *const tables[] = {[PEN_LIGHT_DIRECTIONAL] = directional_fields,
-                                                     [PEN_LIGHT_POINT] = point_fields,
-                                                     [PEN_LIGHT_SPOT] = spot_fields};
+    static const struct pen_field *const tables[] = {[PEN_LIGHT_DIRECTIONAL] =
+                                                         pen_directional_fields,
+                                                     [PEN_LIGHT_POINT] = pen_point_fields,
+                                                     [PEN_LIGHT_SPOT] = pen_spot_fields};
     *light = (struct pen_light_desc){.shadows = true, .attenuation = {1, 0, 0}, .beam_exponent = 1};
     int kind;
     if (!pen_read_type(r, at, json, kinds, &kind))

@@ -4,10 +4,11 @@
 #include <string.h>
 
 #include "reader.h"
+#include "tables.h"
 
 static const struct pen_range blur_range = {0, 90, false, true};
 
-static const struct pen_field material_fields[] = {
+const struct pen_field pen_material_fields[] = {
     {"emission", PEN_FIELD_COLOUR, .offset = offsetof(struct pen_material, emission)},
     {"ka", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, ka)},
     {"kd", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kd)},
@@ -29,7 +30,7 @@ bool pen_material_read(struct pen_reader *r, const struct pen_place *at, const j
                        struct pen_material *material)
 {
     *material = pen_material_default();
-    return pen_fields_read(r, at, json, material_fields, material);
+    return pen_fields_read(r, at, json, pen_material_fields, material);
 }
 
 static int compare_names(const void *a, const void *b)
@@ -80,10 +81,10 @@ static bool unknown_name(struct pen_reader *r, const struct pen_place *at, const
         near = pen_text_nearest(name, names);
         free(names);
     }
-    return pen_reader_fail(r, at, PEN_INVALID,
-                           "unknown material %s: must be a name in \"materials\" or a material "
-                           "object%s",
-                           quoted.text, near.text);
+    return pen_reader_fail(r, at, PEN_INVALID, "unknown material %s: must be %s%s", quoted.text,
+                           r->xml ? "the name of a <material>"
+                                  : "a name in \"materials\" or a material object",
+                           near.text);
 }
 
 /* Room for one more inline material; doubled, so that copying stays linear. */
@@ -117,7 +118,7 @@ bool pen_material_of(struct pen_reader *r, const struct pen_place *at, const jso
         return true;
     }
     if (!json_is_object(json)) {
-        struct pen_text found = pen_text_value(json);
+        struct pen_text found = pen_reader_found(r, at, json);
         return pen_reader_fail(r, at, PEN_INVALID,
                                "must be the name of a material or a material object, found %s",
                                found.text);

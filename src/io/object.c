@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Objects and groups. */
 #include "object.h"
+#include "tables.h"
 
 #include <math.h>
 #include <stdio.h>
 
 #include "pen/math/exact.h"
+#include "pen/math/scale.h"
 
 /* Kinds that the format knows and this version does not. */
 enum { KIND_LATER = -1 };
@@ -23,7 +25,7 @@ static const struct pen_word kinds[] = {{"sphere", PEN_OBJECT_SPHERE, NULL},
 
 #define MEMBER(path) offsetof(struct pen_object_desc, path)
 
-static const struct pen_field sphere_fields[] = {
+const struct pen_field pen_sphere_fields[] = {
     {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
     {"material", .type = PEN_FIELD_OTHER},
@@ -32,7 +34,7 @@ static const struct pen_field sphere_fields[] = {
      .range = &pen_range_positive},
     {0}};
 
-static const struct pen_field plane_fields[] = {
+const struct pen_field pen_plane_fields[] = {
     {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
     {"material", .type = PEN_FIELD_OTHER},
@@ -40,14 +42,13 @@ static const struct pen_field plane_fields[] = {
     {"normal", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.plane.normal)},
     {0}};
 
-static const struct pen_field polygon_fields[] = {
-    {"type", .type = PEN_FIELD_OTHER},
-    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", .type = PEN_FIELD_OTHER},
-    {"vertices", PEN_FIELD_OTHER, .required = true},
-    {0}};
+const struct pen_field pen_polygon_fields[] = {{"type", .type = PEN_FIELD_OTHER},
+                                               {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+                                               {"material", .type = PEN_FIELD_OTHER},
+                                               {"vertices", PEN_FIELD_OTHER, .required = true},
+                                               {0}};
 
-static const struct pen_field tube_fields[] = {
+const struct pen_field pen_tube_fields[] = {
     {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
     {"material", .type = PEN_FIELD_OTHER},
@@ -57,7 +58,7 @@ static const struct pen_field tube_fields[] = {
      .range = &pen_range_positive},
     {0}};
 
-static const struct pen_field cylinder_fields[] = {
+const struct pen_field pen_cylinder_fields[] = {
     {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
     {"material", .type = PEN_FIELD_OTHER},
@@ -70,24 +71,24 @@ static const struct pen_field cylinder_fields[] = {
     {"caps", PEN_FIELD_BOOL, .offset = MEMBER(u.cylinder.caps)},
     {0}};
 
-static const struct pen_field group_fields[] = {{"type", .type = PEN_FIELD_OTHER},
-                                                {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-                                                {"objects", PEN_FIELD_OTHER, .required = true},
-                                                {"transform", .type = PEN_FIELD_OTHER},
-                                                {0}};
+const struct pen_field pen_group_fields[] = {{"type", .type = PEN_FIELD_OTHER},
+                                             {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+                                             {"objects", PEN_FIELD_OTHER, .required = true},
+                                             {"transform", .type = PEN_FIELD_OTHER},
+                                             {0}};
 
 static const struct {
     const char *name;
     const struct pen_field *fields;
     bool quadric;
 } by_kind[] = {
-    [PEN_OBJECT_SPHERE] = {"sphere", sphere_fields, true},
-    [PEN_OBJECT_PLANE] = {"plane", plane_fields, false},
-    [PEN_OBJECT_TRIANGLE] = {"triangle", polygon_fields, false},
-    [PEN_OBJECT_POLYGON] = {"polygon", polygon_fields, false},
-    [PEN_OBJECT_TUBE] = {"tube", tube_fields, true},
-    [PEN_OBJECT_CYLINDER] = {"cylinder", cylinder_fields, true},
-    [PEN_OBJECT_GROUP] = {"group", group_fields, false},
+    [PEN_OBJECT_SPHERE] = {"sphere", pen_sphere_fields, true},
+    [PEN_OBJECT_PLANE] = {"plane", pen_plane_fields, false},
+    [PEN_OBJECT_TRIANGLE] = {"triangle", pen_polygon_fields, false},
+    [PEN_OBJECT_POLYGON] = {"polygon", pen_polygon_fields, false},
+    [PEN_OBJECT_TUBE] = {"tube", pen_tube_fields, true},
+    [PEN_OBJECT_CYLINDER] = {"cylinder", pen_cylinder_fields, true},
+    [PEN_OBJECT_GROUP] = {"group", pen_group_fields, false},
 };
 
 static double largest(struct pen_vec3 v)
@@ -99,7 +100,7 @@ static double largest(struct pen_vec3 v)
 
 /* Whether the corner's sides point the same way, or opposite ways, within what the rounding of
  * their differences can hide. Scaled first, so that products neither over- nor underflow. */
-static bool has_area(const struct pen_vec3 v[3])
+bool pen_corner_has_area(const struct pen_vec3 v[3])
 {
     const double hidden = 0x1p-49;
     struct pen_vec3 a = pen_sub(v[1], v[0]), b = pen_sub(v[2], v[0]);
@@ -111,12 +112,21 @@ static bool has_area(const struct pen_vec3 v[3])
     return pen_length(pen_cross(a, b)) > hidden * pen_length(a) * pen_length(b);
 }
 
+struct pen_vec3 pen_corner_normal(const struct pen_vec3 v[3])
+{
+    struct pen_vec3 a = pen_sub(v[1], v[0]), b = pen_sub(v[2], v[0]);
+    int ea = pen_exponent(largest(a)), eb = pen_exponent(largest(b));
+    a = pen_vec3(pen_scale2(a.x, -ea), pen_scale2(a.y, -ea), pen_scale2(a.z, -ea));
+    b = pen_vec3(pen_scale2(b.x, -eb), pen_scale2(b.y, -eb), pen_scale2(b.z, -eb));
+    return pen_cross(a, b);
+}
+
 static bool check_loop(struct pen_reader *r, const struct pen_place *at, bool triangle,
                        const struct pen_object_desc *object)
 {
     const struct pen_vec3 *v = object->u.polygon.vertices;
     if (triangle)
-        return has_area(v) ||
+        return pen_corner_has_area(v) ||
                pen_reader_fail(r, at, PEN_INVALID,
                                "must be three points that are not on one line, found a triangle "
                                "of zero area");
@@ -135,7 +145,7 @@ static bool read_vertices(struct pen_reader *r, const struct pen_place *up, cons
     struct pen_place at = pen_place_key(up, "vertices");
     size_t count = json_array_size(json);
     if (count < 3 || (triangle && count > 3)) {
-        struct pen_text found = pen_text_value(json);
+        struct pen_text found = pen_reader_found(r, &at, json);
         return pen_reader_fail(r, &at, PEN_INVALID, "must be an array of %s points, found %s",
                                triangle ? "3" : "at least 3", found.text);
     }
@@ -206,7 +216,7 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
     struct pen_place material_at = pen_place_key(at, "material");
     if (material)
         ok &= pen_material_of(r, &material_at, material, &object->material);
-    if (vertices && fields == polygon_fields)
+    if (vertices && fields == pen_polygon_fields)
         ok &= read_vertices(r, at, vertices, kind == PEN_OBJECT_TRIANGLE, object);
     if (ok && by_kind[kind].quadric && !chain->broken)
         ok = pen_chain_takes_quadric(r, at, by_kind[kind].name, chain);

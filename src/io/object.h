@@ -30,4 +30,11 @@ bool pen_chain_add(struct pen_reader *r, const struct pen_place *at, const struc
 bool pen_chain_takes_quadric(struct pen_reader *r, const struct pen_place *at, const char *what,
                              const struct pen_chain *chain);
 
+/* Whether the corner's three points are not on one line, as far as rounding lets one tell. */
+bool pen_corner_has_area(const struct pen_vec3 v[3]);
+
+/* The normal of such a corner, on the side from which it runs counter-clockwise; of no special
+ * length, but near 1 whatever the size of the corner. */
+struct pen_vec3 pen_corner_normal(const struct pen_vec3 v[3]);
+
 #endif

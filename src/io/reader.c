@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "pen/base/utf8.h"
+#include "xml_places.h"
 
 /* Writes text at out[used], as much as fits with an end, escaping as RFC 6901 asks if set. */
 static size_t append(char *out, size_t bytes, size_t used, const char *text, bool escape)
@@ -49,6 +50,8 @@ bool pen_reader_fail(struct pen_reader *r, const struct pen_place *at, enum pen_
                      const char *format, ...)
 {
     struct pen_status st = {.code = code};
+    if (r->xml && pen_xml_is_reported(r->xml, at))
+        return false;
     if (pen_reader_explains(r)) {
         /* Longer than a status keeps, so that pen_fail_at sees what it must cut. */
         char pointer[2 * PEN_AT_BYTES], message[2 * PEN_MSG_BYTES];
@@ -58,7 +61,10 @@ bool pen_reader_fail(struct pen_reader *r, const struct pen_place *at, enum pen_
         if (vsnprintf(message, sizeof message, format, args) < 0)
             message[0] = '\0';
         va_end(args);
-        pen_fail_at(&st, code, pointer, "%s", message);
+        if (r->xml && code != PEN_NO_MEMORY)
+            pen_xml_fail(r->xml, at, code, message, &st);
+        else
+            pen_fail_at(&st, code, pointer, "%s", message);
     }
     pen_errors_add(r->errors, &st);
     return false;
@@ -167,4 +173,36 @@ struct pen_text pen_text_nearest(const char *word, const char *const *names)
         append(out.text, sizeof out.text, used, "?", false);
     }
     return out;
+}
+
+struct pen_text pen_reader_found(const struct pen_reader *r, const struct pen_place *at,
+                                 const json_t *value)
+{
+    return r->xml ? pen_xml_found(r->xml, at, value) : pen_text_value(value);
+}
+
+struct pen_text pen_reader_name(const struct pen_reader *r, const struct pen_place *up,
+                                const char *key)
+{
+    return r->xml ? pen_xml_name(r->xml, up, key) : pen_text_quote(key);
+}
+
+void pen_reader_place(const struct pen_reader *r, const struct pen_place *at, char *out,
+                      size_t bytes)
+{
+    if (r->xml)
+        pen_xml_place_text(r->xml, at, out, bytes);
+    else
+        pen_place_text(at, r->prefix, out, bytes);
+}
+
+bool pen_reader_missing(struct pen_reader *r, const struct pen_place *up, const char *key,
+                        const char *other)
+{
+    const char *noun = r->xml ? "attribute" : "key";
+    struct pen_text one = pen_reader_name(r, up, key);
+    if (!other)
+        return pen_reader_fail(r, up, PEN_INVALID, "missing %s %s", noun, one.text);
+    return pen_reader_fail(r, up, PEN_INVALID, "missing %s %s or %s", noun, one.text,
+                           pen_reader_name(r, up, other).text);
 }

@@ -49,9 +49,12 @@ struct pen_name_index {
     uint32_t index;
 };
 
+struct pen_xml;
+
 struct pen_reader {
     struct pen_errors *errors;
-    const char *prefix; /* of every pointer */
+    const char *prefix;  /* of every pointer */
+    struct pen_xml *xml; /* what the document was made from; NULL: it is JSON as sent */
     struct pen_arena *arena;
     const struct pen_limits *limits;
     bool no_memory; /* reported already: what follows is read no more */
@@ -62,7 +65,8 @@ struct pen_reader {
     uint64_t object_count, primitive_count;
 };
 
-/* Adds an error. Returns false. Once the list is full it only counts. */
+/* Adds an error, in a document made from XML with line and column and the names that stand there.
+ * Returns false. Once the list is full it only counts. */
 bool pen_reader_fail(struct pen_reader *r, const struct pen_place *at, enum pen_code code,
                      const char *format, ...) __attribute__((format(printf, 4, 5)));
 
@@ -92,6 +96,19 @@ struct pen_text pen_text_value(const json_t *value);
 
 /* `; did you mean "radius"?` or, without a near name, "". */
 struct pen_text pen_text_nearest(const char *word, const char *const *names);
+
+/* The same three of the document as sent: what stands at a place, the name of a member there, and
+ * where that is. */
+struct pen_text pen_reader_found(const struct pen_reader *r, const struct pen_place *at,
+                                 const json_t *value);
+struct pen_text pen_reader_name(const struct pen_reader *r, const struct pen_place *up,
+                                const char *key);
+void pen_reader_place(const struct pen_reader *r, const struct pen_place *at, char *out,
+                      size_t bytes);
+
+/* Reports that `key`, or `other` in its place if that is not NULL, is missing. Returns false. */
+bool pen_reader_missing(struct pen_reader *r, const struct pen_place *up, const char *key,
+                        const char *other);
 
 /* What a number may be. A bound of +-PEN_NUMBER_MAX is one in practice only. */
 struct pen_range {
@@ -181,6 +198,11 @@ bool pen_read_word(struct pen_reader *r, const struct pen_place *at, const json_
 
 /* "… are known, not supported yet". Returns false. */
 bool pen_reader_later(struct pen_reader *r, const struct pen_place *at, const char *feature);
+
+/* pen_scene_read, of a document that was made from XML if `xml` is not NULL. */
+bool pen_scene_read_from(const json_t *document, struct pen_xml *xml, const char *at,
+                         const struct pen_limits *limits, struct pen_arena *arena,
+                         struct pen_scene_desc *desc, struct pen_errors *errors);
 
 /* Parts of a scene. */
 bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,

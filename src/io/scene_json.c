@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "reader.h"
+#include "tables.h"
 
 enum { FORMAT_1 = 1 };
 static const struct pen_word formats[] = {{"penumbra-scene/1", FORMAT_1, NULL}, {0}};
@@ -16,7 +17,7 @@ struct target {
     int format;
 };
 
-static const struct pen_field fields[] = {
+const struct pen_field pen_scene_fields[] = {
     {"format", PEN_FIELD_WORD, .required = true, .offset = offsetof(struct target, format),
      .words = formats},
     {"name", PEN_FIELD_STRING, .offset = offsetof(struct target, name)},
@@ -31,7 +32,7 @@ static const struct pen_field fields[] = {
     {"render", .type = PEN_FIELD_OTHER},
     {0}};
 
-static const struct pen_field view_fields[] = {
+const struct pen_field pen_view_fields[] = {
     {"name", PEN_FIELD_STRING, .required = true, .offset = offsetof(struct pen_view_desc, name)},
     {"camera", .type = PEN_FIELD_OTHER},
     {0}};
@@ -72,7 +73,7 @@ static bool check_view_name(struct pen_reader *r, const struct pen_place *up,
 static bool read_view(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                       bool camera_ok, struct pen_view_desc *views, size_t i)
 {
-    bool ok = pen_fields_read_whole(r, at, json, view_fields, &views[i]);
+    bool ok = pen_fields_read_whole(r, at, json, pen_view_fields, &views[i]);
     if (views[i].name)
         ok &= check_view_name(r, at, views, i);
     struct pen_place camera_at = pen_place_key(at, "camera");
@@ -144,15 +145,17 @@ static void read_parts(struct pen_reader *r, const json_t *document, struct pen_
     desc->material_count = r->material_count;
 }
 
-bool pen_scene_read(const json_t *document, const char *at, const struct pen_limits *limits,
-                    struct pen_arena *arena, struct pen_scene_desc *desc, struct pen_errors *errors)
+bool pen_scene_read_from(const json_t *document, struct pen_xml *xml, const char *at,
+                         const struct pen_limits *limits, struct pen_arena *arena,
+                         struct pen_scene_desc *desc, struct pen_errors *errors)
 {
     const struct pen_place root = {0};
-    struct pen_reader r = {.errors = errors, .prefix = at, .arena = arena, .limits = limits};
+    struct pen_reader r = {
+        .errors = errors, .prefix = at, .xml = xml, .arena = arena, .limits = limits};
     struct target target = {.name = ""};
     size_t before = errors->total;
     *desc = (struct pen_scene_desc){.settings = pen_settings_default()};
-    pen_fields_read_whole(&r, &root, document, fields, &target);
+    pen_fields_read_whole(&r, &root, document, pen_scene_fields, &target);
     if (!json_is_object(document))
         return false;
     desc->name = target.name;
@@ -162,16 +165,8 @@ bool pen_scene_read(const json_t *document, const char *at, const struct pen_lim
     return errors->total == before;
 }
 
-bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
+bool pen_scene_read(const json_t *document, const char *at, const struct pen_limits *limits,
                     struct pen_arena *arena, struct pen_scene_desc *desc, struct pen_errors *errors)
 {
-    struct pen_status st;
-    json_t *document = pen_json_parse(text, bytes, limits, &st);
-    if (!document) {
-        pen_errors_add(errors, &st);
-        return false;
-    }
-    bool ok = pen_scene_read(document, "", limits, arena, desc, errors);
-    json_decref(document);
-    return ok;
+    return pen_scene_read_from(document, NULL, at, limits, arena, desc, errors);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "reader.h"
+#include "tables.h"
 
 /* Caps that keep a tile's and a path's memory in bounds; everything else that is too much is
  * caught by the limits on pixels and work. */
@@ -46,7 +47,7 @@ struct target {
 
 #define MEMBER(name) offsetof(struct target, settings.name)
 
-static const struct pen_field fields[] = {
+const struct pen_field pen_settings_fields[] = {
     {"width", PEN_FIELD_INTEGER, .offset = MEMBER(width), .range = &pen_range_count},
     {"height", PEN_FIELD_INTEGER, .offset = MEMBER(height), .range = &pen_range_count},
     {"samples_per_pixel", PEN_FIELD_INTEGER, .offset = MEMBER(samples_per_pixel),
@@ -75,7 +76,7 @@ bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at, 
                               struct pen_settings *settings)
 {
     struct target target = {.settings = *settings};
-    bool ok = pen_fields_read(r, at, json, fields, &target);
+    bool ok = pen_fields_read(r, at, json, pen_settings_fields, &target);
     if (ok)
         *settings = target.settings;
     return ok;

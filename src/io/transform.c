@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "object.h"
+#include "tables.h"
 
 struct transform_parts {
     double scale;
@@ -13,14 +14,14 @@ struct transform_parts {
 
 #define PART(name) offsetof(struct transform_parts, name)
 
-static const struct pen_field transform_fields[] = {
+const struct pen_field pen_transform_fields[] = {
     {"scale", PEN_FIELD_NUMBER, .offset = PART(scale), .range = &pen_range_positive},
     {"rotate", .type = PEN_FIELD_OTHER},
     {"translate", PEN_FIELD_POINT, .offset = PART(translate)},
     {"matrix", .type = PEN_FIELD_OTHER},
     {0}};
 
-static const struct pen_field rotate_fields[] = {
+const struct pen_field pen_transform_rotate_fields[] = {
     {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = PART(axis)},
     {"degrees", PEN_FIELD_NUMBER, .required = true, .offset = PART(degrees),
      .range = &pen_range_turn},
@@ -30,7 +31,7 @@ static bool read_matrix(struct pen_reader *r, const struct pen_place *at, const 
                         struct pen_transform *f)
 {
     if (json_array_size(json) != 12) {
-        struct pen_text found = pen_text_value(json);
+        struct pen_text found = pen_reader_found(r, at, json);
         return pen_reader_fail(r, at, PEN_INVALID,
                                "must be an array of 12 numbers, three rows of four, found %s",
                                found.text);
@@ -50,9 +51,9 @@ static bool read_parts(struct pen_reader *r, const struct pen_place *at, const j
     struct transform_parts parts = {.scale = 1, .axis = {0, 0, 1}};
     const json_t *rotate = json_object_get(json, "rotate");
     struct pen_place rotate_at = pen_place_key(at, "rotate");
-    bool ok = pen_fields_read(r, at, json, transform_fields, &parts);
+    bool ok = pen_fields_read(r, at, json, pen_transform_fields, &parts);
     if (rotate)
-        ok &= pen_fields_read_whole(r, &rotate_at, rotate, rotate_fields, &parts);
+        ok &= pen_fields_read_whole(r, &rotate_at, rotate, pen_transform_rotate_fields, &parts);
     if (ok)
         *f = pen_transform_make(parts.scale, parts.axis, parts.degrees, parts.translate);
     return ok;
@@ -82,7 +83,7 @@ bool pen_group_transform_read(struct pen_reader *r, const struct pen_place *at, 
     if (!matrix)
         return read_parts(r, at, json, f);
     struct transform_parts ignored;
-    bool ok = pen_fields_read(r, at, json, transform_fields, &ignored);
+    bool ok = pen_fields_read(r, at, json, pen_transform_fields, &ignored);
     if (json_object_size(json) > 1 && ok)
         ok = pen_reader_fail(r, &matrix_at, PEN_INVALID,
                              "\"matrix\" excludes \"scale\", \"rotate\" and \"translate\", found "
@@ -127,7 +128,7 @@ bool pen_chain_takes_quadric(struct pen_reader *r, const struct pen_place *at, c
     struct pen_text a = pen_text_number(length[0]), b = pen_text_number(length[1]),
                     c = pen_text_number(length[2]);
     char place[PEN_AT_BYTES], why[128];
-    pen_place_text(chain->blame, r->prefix, place, sizeof place);
+    pen_reader_place(r, chain->blame, place, sizeof place);
     snprintf(why, sizeof why, "of lengths %.30s, %.30s, %.30s", a.text, b.text, c.text);
     return pen_reader_fail(
         r, at, PEN_INVALID,

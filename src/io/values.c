@@ -54,7 +54,7 @@ static bool number_in(struct pen_reader *r, const struct pen_place *at, const js
     if (inside(range, v) && (!integral || v == floor(v)))
         return true;
     struct pen_text allowed = range_text(integral ? "an integer" : "a number", range, v);
-    struct pen_text found = pen_text_value(value);
+    struct pen_text found = pen_reader_found(r, at, value);
     return pen_reader_fail(r, at, PEN_INVALID, "must be %s, found %s", allowed.text, found.text);
 }
 
@@ -83,7 +83,7 @@ bool pen_read_seed(struct pen_reader *r, const struct pen_place *at, const json_
     const int64_t most = INT64_C(1) << 53;
     const struct pen_range range = {0, (double)most, false, false};
     if (json_is_integer(value) && json_integer_value(value) > most) {
-        struct pen_text found = pen_text_value(value);
+        struct pen_text found = pen_reader_found(r, at, value);
         return pen_reader_fail(r, at, PEN_INVALID, "must be an integer from 0 to %lld, found %s",
                                (long long)most, found.text);
     }
@@ -110,7 +110,7 @@ bool pen_read_three(struct pen_reader *r, const struct pen_place *at, const json
 {
     if (json_array_size(value) == 3)
         return triple_elements(r, at, value, range, out);
-    struct pen_text found = pen_text_value(value);
+    struct pen_text found = pen_reader_found(r, at, value);
     return pen_reader_fail(r, at, PEN_INVALID, "must be an array of 3 numbers, found %s",
                            found.text);
 }
@@ -125,14 +125,21 @@ bool pen_read_triple(struct pen_reader *r, const struct pen_place *at, const jso
     return true;
 }
 
+/* A vector of zeros as a message shows it. */
+static struct pen_text zeros(const struct pen_reader *r, const struct pen_place *at,
+                             const json_t *value)
+{
+    return r->xml ? pen_reader_found(r, at, value) : (struct pen_text){"[0, 0, 0]"};
+}
+
 bool pen_read_direction(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                         struct pen_vec3 *out)
 {
     if (!pen_read_triple(r, at, value, &pen_range_any, out))
         return false;
     if (out->x == 0 && out->y == 0 && out->z == 0)
-        return pen_reader_fail(r, at, PEN_INVALID,
-                               "must have a length greater than 0, found [0, 0, 0]");
+        return pen_reader_fail(r, at, PEN_INVALID, "must have a length greater than 0, found %s",
+                               zeros(r, at, value).text);
     return true;
 }
 
@@ -148,7 +155,7 @@ bool pen_read_factor(struct pen_reader *r, const struct pen_place *at, const jso
         *out = pen_vec3(v, v, v);
         return true;
     }
-    struct pen_text found = pen_text_value(value);
+    struct pen_text found = pen_reader_found(r, at, value);
     return pen_reader_fail(
         r, at, PEN_INVALID,
         "must be a number from 0 to 1, or an array of 3 such numbers (red, green, blue), found %s",
@@ -161,7 +168,8 @@ bool pen_read_coefficients(struct pen_reader *r, const struct pen_place *at, con
     if (!pen_read_three(r, at, value, &pen_range_not_negative, out))
         return false;
     if (out[0] == 0 && out[1] == 0 && out[2] == 0)
-        return pen_reader_fail(r, at, PEN_INVALID, "must not be all 0, found [0, 0, 0]");
+        return pen_reader_fail(r, at, PEN_INVALID, "must not be all 0, found %s",
+                               zeros(r, at, value).text);
     return true;
 }
 
@@ -170,7 +178,7 @@ bool pen_read_array(struct pen_reader *r, const struct pen_place *at, const json
 {
     if (json_is_array(value))
         return true;
-    struct pen_text found = pen_text_value(value);
+    struct pen_text found = pen_reader_found(r, at, value);
     return pen_reader_fail(r, at, PEN_INVALID, "must be an array of %s, found %s", what,
                            found.text);
 }
@@ -179,7 +187,7 @@ bool pen_read_string(struct pen_reader *r, const struct pen_place *at, const jso
                      const char **out)
 {
     if (!json_is_string(value)) {
-        struct pen_text found = pen_text_value(value);
+        struct pen_text found = pen_reader_found(r, at, value);
         return pen_reader_fail(r, at, PEN_INVALID, "must be a string, found %s", found.text);
     }
     size_t bytes = json_string_length(value) + 1;
@@ -204,7 +212,7 @@ static bool wrong_word(struct pen_reader *r, const struct pen_place *at, const j
         used += (size_t)n < sizeof list - used ? (size_t)n : 0;
     }
     names[count] = NULL;
-    struct pen_text found = pen_text_value(value), near = {""};
+    struct pen_text found = pen_reader_found(r, at, value), near = {""};
     if (json_is_string(value))
         near = pen_text_nearest(json_string_value(value), names);
     return pen_reader_fail(r, at, PEN_INVALID, "must be %s%s, found %s%s",

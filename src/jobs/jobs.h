@@ -37,6 +37,9 @@ static inline struct pen_log_about pen_claim_about(const struct pen_claim *claim
 /* A strong entity tag, quoted: a hash of the bytes. */
 void pen_etag_make(const void *data, size_t bytes, char out[72]);
 
+/* problems.c: {pointer, detail}, or {line, column, detail} where the text has lines. */
+json_t *pen_problem_place(const struct pen_status *st);
+
 /* settings_json.c: settings as a `render` object that pen_settings_read takes back. Owns: the
  * caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_settings_json(const struct pen_settings *settings);

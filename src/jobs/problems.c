@@ -12,7 +12,7 @@ static bool about_input(const struct pen_status *st)
     return st->line > 0 || st->at[0] || st->code == PEN_INVALID || st->code == PEN_UNSUPPORTED;
 }
 
-static json_t *located(const struct pen_status *st)
+json_t *pen_problem_place(const struct pen_status *st)
 {
     if (st->line > 0)
         return json_pack("{s:i, s:i, s:s}", "line", st->line, "column", st->column, "detail",
@@ -33,7 +33,7 @@ json_t *pen_problem(const struct pen_status *st)
     json_t *document = problem(st->code, st->msg);
     if (!about_input(st))
         return document;
-    return pen_json_with(document, "errors", json_pack("[o]", located(st)));
+    return pen_json_with(document, "errors", json_pack("[o]", pen_problem_place(st)));
 }
 
 json_t *pen_problem_list(const struct pen_errors *errors)
@@ -51,6 +51,6 @@ json_t *pen_problem_list(const struct pen_errors *errors)
     json_t *document = problem(errors->item[0].code, detail);
     json_t *list = json_array();
     for (size_t i = 0; i < errors->count; i++)
-        json_array_append_new(list, located(&errors->item[i]));
+        json_array_append_new(list, pen_problem_place(&errors->item[i]));
     return pen_json_with(document, "errors", pen_json_all(list, errors->count));
 }

@@ -149,8 +149,10 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
                        struct pen_errors *errors)
 {
     const json_t *render = request->bare ? NULL : json_object_get(request->body, "render");
-    bool ok = pen_scene_read(request->scene, request->scene_at, limits, request->arena,
-                             &request->desc, errors);
+    bool ok = request->document.xml ? pen_document_read(&request->document, limits, request->arena,
+                                                        &request->desc, errors)
+                                    : pen_scene_read(request->scene, request->scene_at, limits,
+                                                     request->arena, &request->desc, errors);
     request->settings = ok ? request->desc.settings : pen_settings_default();
     if (render)
         pen_settings_read(render, "/render", &request->settings, errors);
@@ -160,8 +162,10 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
     struct pen_status st;
     limits_place(request, at, sizeof at);
     if (!pen_limits_check(limits, &request->desc, &request->settings, (uint32_t)request->view_count,
-                          at, &st))
+                          at, &st)) {
+        pen_document_locate(&request->document, &st);
         add_status(errors, &st);
+    }
 }
 
 bool pen_request_read(const struct pen_submission *in, const struct pen_limits *limits,
@@ -169,12 +173,8 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
 {
     struct pen_status st;
     *out = (struct pen_request){.kind = "render", .max_attempts = 3};
-    if (in->xml) {
-        pen_fail(&st, PEN_UNSUPPORTED, "scene XML is known, not supported yet; send JSON");
-        add_status(errors, &st);
-        return false;
-    }
-    out->body = pen_json_parse(in->body, in->bytes, limits, &st);
+    bool parsed = pen_document_parse(in->body, in->bytes, in->xml, limits, &out->document, &st);
+    out->body = parsed ? out->document.json : NULL;
     out->arena = out->body ? pen_arena_new(0) : NULL;
     if (out->body && !out->arena)
         pen_fail(&st, PEN_NO_MEMORY, "no memory to read a scene");
@@ -193,7 +193,7 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
 void pen_request_release(struct pen_request *request)
 {
     pen_arena_free(request->arena);
-    json_decref(request->body);
+    pen_document_release(&request->document);
     json_decref(request->builtin);
     *request = (struct pen_request){0};
 }

@@ -5,16 +5,18 @@
 #define PEN_JOBS_REQUEST_H
 
 #include "jobs.h"
+#include "pen/io/document.h"
 #include "pen/scene/desc.h"
 
 enum { PEN_JOB_NAME_BYTES = 200, PEN_JOB_LABELS = 32 };
 
 struct pen_request {
-    struct pen_arena *arena; /* of desc */
-    json_t *body;            /* what was sent */
-    json_t *builtin;         /* the built-in scene it names, parsed; else NULL */
-    const json_t *scene;     /* the scene document, in body or builtin */
-    const char *scene_at;    /* its place in the body: "" or "/scene" */
+    struct pen_arena *arena;      /* of desc */
+    struct pen_document document; /* what was sent */
+    json_t *body;                 /* the same as JSON; borrowed */
+    json_t *builtin;              /* the built-in scene it names, parsed; else NULL */
+    const json_t *scene;          /* the scene document, in body or builtin */
+    const char *scene_at;         /* its place in the body: "" or "/scene" */
     bool bare;
     struct pen_scene_desc desc;
     struct pen_settings settings; /* the scene's, and the job's on top */

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "pen/base/clock.h"
-#include "pen/io/scene_json.h"
+#include "pen/io/document.h"
 
 enum { ENTRIES = 16 };
 static const size_t bytes_max = (size_t)512 << 20;
@@ -98,6 +98,12 @@ static bool parse(const struct pen_buf *text, struct pen_arena *arena, struct pe
     return false;
 }
 
+static void locate(const struct pen_buf *text, struct pen_status *st)
+{
+    struct pen_limits limits = open_limits();
+    pen_text_locate((const char *)text->data, text->bytes, &limits, st);
+}
+
 static struct pen_scene *load(const struct pen_scene_cache *cache, const struct pen_buf *text,
                               enum pen_accelerator accelerator, struct pen_scene_times *times,
                               struct pen_status *st)
@@ -114,6 +120,8 @@ static struct pen_scene *load(const struct pen_scene_cache *cache, const struct 
         times->parse_ms = ms_since(begin_ns);
         begin_ns = pen_clock_ns();
         scene = pen_scene_freeze(&desc, accelerator, cache->cap_bytes, st);
+        if (!scene && st->at[0])
+            locate(text, st);
         times->build_ms = ms_since(begin_ns);
     }
     pen_arena_free(arena);

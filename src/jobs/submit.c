@@ -59,7 +59,7 @@ static void parcel_release(struct parcel *parcel)
     free(parcel->batches);
 }
 
-/* The scene's own bytes: as sent if the body is the scene. */
+/* The scene's own bytes: as sent, in JSON or XML, if the body is the scene. */
 static bool pack_scene(struct parcel *parcel, const struct pen_submission *in,
                        const struct pen_request *request)
 {
@@ -199,8 +199,7 @@ static json_t *warnings_json(const struct pen_errors *warnings)
 {
     json_t *list = json_array();
     for (size_t i = 0; i < warnings->count; i++)
-        json_array_append_new(list, json_pack("{s:s, s:s}", "pointer", warnings->item[i].at,
-                                              "detail", warnings->item[i].msg));
+        json_array_append_new(list, pen_problem_place(&warnings->item[i]));
     return pen_json_all(list, warnings->count);
 }
 
@@ -214,6 +213,8 @@ bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, j
     *answer = NULL;
     if (ok) {
         pen_scene_warnings(request.scene, request.scene_at, &request.desc, &warnings);
+        for (size_t i = 0; i < warnings.count; i++)
+            pen_document_locate(&request.document, &warnings.item[i]);
         *answer = json_pack("{s:b, s:o}", "valid", 1, "warnings", warnings_json(&warnings));
         ok = *answer != NULL;
         if (!ok) {

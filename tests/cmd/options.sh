@@ -23,7 +23,7 @@ says "penumbrad --help shows environment variables" stdout "[PENUMBRA_LISTEN]"
 expect "penumbrad --help keeps internals to itself" "$(grep -c internal "$work/stdout")" 0
 ends "penumbrad --version" 0 "$build/penumbrad" --version
 
-for word in plan convert bench accuracy effects; do
+for word in plan accuracy effects; do
     ends "the later command $word" 3 "$penumbra" "$word" x
     says "is known" stderr "\"$word\" is known, not supported yet"
 done

@@ -88,11 +88,15 @@ for type in text/plain multipart/form-data application/octet-stream 'application
     expect_problem "type $type" 415 '*application/json*'
 done
 for type in application/xml text/xml; do
-    call /v1/jobs -H "Content-Type: $type" -d '<scene/>'
-    expect_problem "type $type" 415 '*XML*not supported yet*'
+    call /v1/jobs -H "Content-Type: $type" -d '{}'
+    expect_problem "no xml, but type $type" 400 '*not well-formed*'
 done
-call /v1/jobs -d ' <scene/>'
-expect_problem looks-like-xml 415 '*XML*not supported yet*'
+call /v1/jobs -H 'Content-Type: application/xml; charset=utf-16' -d '<scene/>'
+expect_problem xml-in-utf-16 415 '*application/xml in UTF-8*'
+call /v1/jobs -H 'Content-Type: application/json' -d '<scene/>'
+expect_problem xml-as-json 400 '*not JSON*'
+call /v1/jobs -d ' <scene><sphere/></scene>'
+expect_problem looks-like-xml 422 '*unknown element*'
 call /v1/jobs -H 'Content-Type:' --data-binary "$small"
 expect no-type-is-json "$status" 202
 call /v1/jobs -d "$small"

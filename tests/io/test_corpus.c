@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
+#include "pen/io/document.h"
 #include "pen/scene/scene.h"
 #include "support/suite.h"
 
@@ -131,13 +131,20 @@ static bool load(const char *path, struct pen_errors *errors, struct pen_errors 
     char *file = read_file(path, &bytes);
     char *text = malloc(bytes ? bytes : 1);
     memcpy(text, file, bytes);
-    bool ok = pen_scene_load(text, bytes, &limits, arena, &desc, errors);
+    struct pen_document document;
+    struct pen_status st;
+    bool xml = strcmp(strrchr(path, '.'), ".xml") == 0;
+    bool ok = pen_document_parse(text, bytes, xml, &limits, &document, &st);
+    if (ok)
+        ok = pen_document_read(&document, &limits, arena, &desc, errors);
+    else
+        pen_errors_add(errors, &st);
     if (ok && warnings) {
-        struct pen_status st;
-        json_t *document = pen_json_parse(text, bytes, &limits, &st);
-        pen_scene_warnings(document, "", &desc, warnings);
-        json_decref(document);
+        pen_scene_warnings(document.json, "", &desc, warnings);
+        for (size_t i = 0; i < warnings->count; i++)
+            pen_document_locate(&document, &warnings->item[i]);
     }
+    pen_document_release(&document);
     free(text);
     free(file);
     pen_arena_free(arena);

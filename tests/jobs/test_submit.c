@@ -182,14 +182,43 @@ START_TEST(test_submit__too_many_bytes_and_labels_are_refused)
 }
 END_TEST
 
-START_TEST(test_submit__xml_is_known_and_not_supported_yet)
+START_TEST(test_submit__xml_is_a_bare_scene_and_comes_back_as_sent)
 {
-    struct pen_submission in = {.body = "<scene/>", .bytes = 8, .xml = true};
+    static const char xml[] = "<scene name='x'><render width='8' height='6'/><geometries>"
+                              "<sphere center='0 0 -9' radius='2'/></geometries></scene>";
+    struct pen_submission in = {.body = xml, .bytes = sizeof xml - 1, .xml = true};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    struct pen_buf scene = {0};
+    jobs_bed_open(&bed);
+    ck_assert(pen_jobs_submit(bed.jobs, &in, &out, &errors));
+    json_t *job = json_loadb((char *)out.answer.data, out.answer.bytes, 0, NULL);
+    const json_t *render = json_object_get(job, "render");
+    ck_assert_int_eq(json_integer_value(json_object_get(render, "width")), 8);
+    ck_assert_str_eq(json_string_value(json_object_get(render, "transfer")), "linear");
+    store_must(pen_jobs_scene(bed.jobs, out.id, &scene, &st), &st, "scene");
+    ck_assert_str_eq((char *)scene.data, xml);
+    json_decref(job);
+    pen_buf_release(&scene);
+    pen_buf_release(&out.answer);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_submit__faults_of_xml_have_lines)
+{
+    static const char wide[] = "<scene>\n <camera position='0 0 9' look-at='0 0 0' "
+                               "image='9000 9000'/></scene>";
+    struct pen_submission in = {.body = wide, .bytes = sizeof wide - 1, .xml = true};
     struct pen_submitted out;
     struct pen_errors errors = {0};
     jobs_bed_open(&bed);
     ck_assert(!pen_jobs_submit(bed.jobs, &in, &out, &errors));
-    ck_assert_int_eq(errors.item[0].code, PEN_UNSUPPORTED);
+    ck_assert_uint_eq(errors.count, 1);
+    ck_assert_int_eq(errors.item[0].code, PEN_TOO_LARGE);
+    ck_assert_int_eq(errors.item[0].line, 2);
+    ck_assert_int_eq(errors.item[0].column, 2);
     jobs_bed_close(&bed);
 }
 END_TEST
@@ -472,8 +501,8 @@ END_TEST
 PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__errors_of_job_and_scene_come_together,
           test_submit__too_many_bytes_and_labels_are_refused,
-          test_submit__xml_is_known_and_not_supported_yet,
-          test_submit__bare_scene_is_a_job_of_defaults,
+          test_submit__xml_is_a_bare_scene_and_comes_back_as_sent,
+          test_submit__faults_of_xml_have_lines, test_submit__bare_scene_is_a_job_of_defaults,
           test_submit__job_keys_are_kept_and_render_goes_over_the_scene,
           test_submit__effective_settings_read_back_as_themselves,
           test_submit__answer_is_the_stored_job, test_submit__scene_comes_back_as_accepted,

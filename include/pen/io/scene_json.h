@@ -73,7 +73,8 @@ double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_se
 void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
                         struct pen_errors *warnings);
 
-/* Parses and reads a whole bare scene in one go: the path of `penumbra render FILE`. */
+/* Parses and reads a whole bare scene in one go: the path of `penumbra render FILE`. Text that
+ * begins with `<` is XML, see document.h; errors are then placed by line and column. */
 bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
                     struct pen_arena *arena, struct pen_scene_desc *desc,
                     struct pen_errors *errors);

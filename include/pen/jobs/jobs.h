@@ -29,7 +29,7 @@ struct pen_store *pen_jobs_store(struct pen_jobs *jobs);
 struct pen_submission {
     const char *body;
     size_t bytes;
-    bool xml;
+    bool xml;                    /* a bare scene in XML; else JSON */
     const char *idempotency_key; /* NULL: none */
 };
 
@@ -38,7 +38,7 @@ struct pen_submitted {
     struct pen_buf answer; /* the job as JSON; release it */
 };
 
-/* Accepts a job (an object with `scene`), or a bare scene (an object with `format`).
+/* Accepts a job (an object with `scene`), or a bare scene (an object with `format`, or XML).
  * When it returns true the job is on disk. Fails: errors->count > 0; with PEN_INVALID and at ""
  * for a key reused with another body. */
 bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
@@ -112,7 +112,8 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
 /* The statistics object. Fails: PEN_CONFLICT until the job has ended. */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* The scene as accepted, as bytes. */
+/* The scene as accepted: the bytes of a bare scene, XML too (pen_text_is_xml tells), or the JSON
+ * of a job's. */
 bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
                     struct pen_status *st);
 

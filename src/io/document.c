@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/* One door for both dialects. */
+#include "pen/io/document.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "reader.h"
+#include "xml_parse.h"
+
+bool pen_text_is_xml(const char *text, size_t bytes)
+{
+    size_t i = bytes >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    while (i < bytes && (text[i] == ' ' || text[i] == '\t' || text[i] == '\n' || text[i] == '\r'))
+        i++;
+    return i < bytes && text[i] == '<';
+}
+
+bool pen_document_parse(const char *text, size_t bytes, bool xml, const struct pen_limits *limits,
+                        struct pen_document *out, struct pen_status *st)
+{
+    *out = (struct pen_document){0};
+    if (!xml) {
+        out->json = pen_json_parse(text, bytes, limits, st);
+        return out->json != NULL;
+    }
+    out->xml = calloc(1, sizeof *out->xml);
+    if (!out->xml)
+        return pen_fail(st, PEN_NO_MEMORY, "the document does not fit into memory");
+    out->json = pen_xml_parse(text, bytes, limits, out->xml, st);
+    return out->json != NULL;
+}
+
+void pen_document_release(struct pen_document *document)
+{
+    json_decref(document->json);
+    if (document->xml)
+        pen_xml_release(document->xml);
+    free(document->xml);
+    *document = (struct pen_document){0};
+}
+
+static bool is_before(const struct pen_status *a, const struct pen_status *b)
+{
+    return a->line < b->line || (a->line == b->line && a->column < b->column);
+}
+
+/* By place; those of the same place stay in the order in which they were found. */
+static void sort(struct pen_errors *errors)
+{
+    for (size_t i = 1; i < errors->count; i++) {
+        struct pen_status moved = errors->item[i];
+        size_t k = i;
+        for (; k > 0 && is_before(&moved, &errors->item[k - 1]); k--)
+            errors->item[k] = errors->item[k - 1];
+        errors->item[k] = moved;
+    }
+}
+
+bool pen_document_read(const struct pen_document *document, const struct pen_limits *limits,
+                       struct pen_arena *arena, struct pen_scene_desc *desc,
+                       struct pen_errors *errors)
+{
+    const struct pen_xml *xml = document->xml;
+    size_t before = errors->total;
+    for (size_t i = 0; xml && i < xml->faults.count; i++)
+        pen_errors_add(errors, &xml->faults.item[i]);
+    if (xml)
+        errors->total += xml->faults.total - xml->faults.count;
+    pen_scene_read_from(document->json, document->xml, "", limits, arena, desc, errors);
+    if (xml)
+        sort(errors);
+    return errors->total == before;
+}
+
+void pen_document_locate(const struct pen_document *document, struct pen_status *st)
+{
+    if (document->xml)
+        pen_xml_locate(document->xml, st);
+}
+
+void pen_text_locate(const char *text, size_t bytes, const struct pen_limits *limits,
+                     struct pen_status *st)
+{
+    struct pen_document document = {0};
+    struct pen_status ignored;
+    if (pen_text_is_xml(text, bytes) &&
+        pen_document_parse(text, bytes, true, limits, &document, &ignored))
+        pen_document_locate(&document, st);
+    pen_document_release(&document);
+}
+
+bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
+                    struct pen_arena *arena, struct pen_scene_desc *desc, struct pen_errors *errors)
+{
+    struct pen_document document;
+    struct pen_status st;
+    bool ok = pen_document_parse(text, bytes, pen_text_is_xml(text, bytes), limits, &document, &st);
+    if (ok)
+        ok = pen_document_read(&document, limits, arena, desc, errors);
+    else
+        pen_errors_add(errors, &st);
+    pen_document_release(&document);
+    return ok;
+}
