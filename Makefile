@@ -151,10 +151,11 @@ crash: all $(CRASH_TEST)
 	$(CRASH_TEST) $(BUILD) $(ROUNDS) $(SEED)
 
 # Benchmarks, one program each.
-$(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libpenumbra.a
+$(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
-	$(Q)$(COMPILE) -Itests $(LDFLAGS) -o $@ $< $(BUILD)/libpenumbra.a $(PKG_LIBS)
+	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< $(BUILD)/libservice.a \
+	    $(BUILD)/libpenumbra.a $(PKG_LIBS)
 
 check:
 	@sh deploy/install-deps.sh

@@ -162,6 +162,8 @@ struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options
     heart->options = options;
     heart->lease_ms = lease_ms;
     heart->store = pen_store_open(options->store_url, st);
+    if (heart->store)
+        pen_store_observe(heart->store, options->observer);
     init_locks(heart);
     if (heart->store && pthread_create(&heart->thread, NULL, beat, heart) == 0)
         return heart;

@@ -235,6 +235,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
     if (!w->store || !(w->room.pool = pen_pool_new(o->threads, st)) ||
         !(w->room.heart = pen_heartbeat_new(o, w->lease_ms, st)))
         return false;
+    pen_store_observe(w->store, o->observer);
     w->room.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     return w->room.scenes || pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
 }

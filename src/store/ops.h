@@ -13,8 +13,10 @@ struct pen_wake;
 struct pen_store {
     const struct pen_store_ops *ops;
     struct pen_wake *wake;
-    bool work; /* out: since the dispatcher last looked, a batch became claimable */
-    bool news; /* out: a job changed */
+    bool work;            /* out: since the dispatcher last looked, a batch became claimable */
+    bool news;            /* out: a job changed */
+    int64_t transactions; /* out: writing ones that were committed */
+    const struct pen_store_observer *observer; /* NULL: none */
 };
 
 struct pen_store_ops {

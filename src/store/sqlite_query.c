@@ -205,6 +205,7 @@ bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg
         store->base.work = store->base.news = false;
         return false;
     }
+    store->base.transactions++;
     keep_log_short(store);
     return true;
 }

@@ -6,8 +6,10 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "ops.h"
+#include "pen/base/clock.h"
 #include "wake.h"
 
 static bool has_prefix(const char *text, const char *prefix)
@@ -38,15 +40,50 @@ void pen_store_close(struct pen_store *store)
     pen_wake_close(wake);
 }
 
+void pen_store_observe(struct pen_store *store, const struct pen_store_observer *observer)
+{
+    store->observer = observer;
+}
+
+/* The beginning of a call that an observer is to be told of. */
+struct span {
+    const char *name;
+    int64_t transactions, wall_ns, cpu_ns;
+};
+
+static int64_t thread_cpu_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+static struct span begin(const struct pen_store *store, const char *name)
+{
+    if (!store->observer)
+        return (struct span){0};
+    return (struct span){name, store->transactions, pen_clock_ns(), thread_cpu_ns()};
+}
+
+static bool end(const struct pen_store *store, const struct span *span, bool ok)
+{
+    if (!span->name)
+        return ok;
+    struct pen_store_call call = {span->name, store->transactions - span->transactions,
+                                  pen_clock_ns() - span->wall_ns, thread_cpu_ns() - span->cpu_ns};
+    store->observer->called(store->observer->user, &call);
+    return ok;
+}
+
 /* Gives the hints due, and passes the call's outcome through. */
-static bool told(struct pen_store *store, bool ok)
+static bool told(struct pen_store *store, const struct span *span, bool ok)
 {
     if (store->work)
         pen_wake_all(store->wake, PEN_SIGNAL_WORK);
     if (store->news)
         pen_wake_all(store->wake, PEN_SIGNAL_NEWS);
     store->work = store->news = false;
-    return ok;
+    return end(store, span, ok);
 }
 
 bool pen_store_check(struct pen_store *store, struct pen_status *st)
@@ -63,7 +100,8 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st)
 {
-    return told(store, store->ops->submit(store, job, result, first_answer, st));
+    struct span span = begin(store, "submit");
+    return told(store, &span, store->ops->submit(store, job, result, first_answer, st));
 }
 
 void pen_job_record_release(struct pen_job_record *job)
@@ -77,7 +115,8 @@ void pen_job_record_release(struct pen_job_record *job)
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st)
 {
-    return store->ops->job(store, id, job, st);
+    struct span span = begin(store, "job");
+    return end(store, &span, store->ops->job(store, id, job, st));
 }
 
 bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
@@ -96,72 +135,84 @@ void pen_job_records_free(struct pen_job_record *jobs, int count)
 bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                      struct pen_status *st)
 {
-    return store->ops->scene(store, id, scene, st);
+    struct span span = begin(store, "scene");
+    return end(store, &span, store->ops->scene(store, id, scene, st));
 }
 
 bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st)
 {
-    return told(store, store->ops->cancel(store, id, st));
+    struct span span = begin(store, "cancel");
+    return told(store, &span, store->ops->cancel(store, id, st));
 }
 
 bool pen_store_delete(struct pen_store *store, const char *id, struct pen_status *st)
 {
-    return told(store, store->ops->remove(store, id, st));
+    struct span span = begin(store, "remove");
+    return told(store, &span, store->ops->remove(store, id, st));
 }
 
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                      struct pen_claim *claim, bool *found, struct pen_status *st)
 {
-    return told(store, store->ops->claim(store, worker, lease_ms, claim, found, st));
+    struct span span = begin(store, "claim");
+    return told(store, &span, store->ops->claim(store, worker, lease_ms, claim, found, st));
 }
 
 bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
                       const struct pen_result *result, struct pen_status *st)
 {
-    return told(store, store->ops->commit(store, claim, result, NULL, st));
+    struct span span = begin(store, "commit");
+    return told(store, &span, store->ops->commit(store, claim, result, NULL, st));
 }
 
 bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
                                 const struct pen_result *result, struct pen_next *next,
                                 struct pen_status *st)
 {
-    return told(store, store->ops->commit(store, claim, result, next, st));
+    struct span span = begin(store, "commit");
+    return told(store, &span, store->ops->commit(store, claim, result, next, st));
 }
 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st)
 {
-    return told(store, store->ops->release(store, claim, st));
+    struct span span = begin(store, "release");
+    return told(store, &span, store->ops->release(store, claim, st));
 }
 
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                     struct pen_status *st)
 {
-    return told(store, store->ops->fail(store, claim, error, st));
+    struct span span = begin(store, "fail");
+    return told(store, &span, store->ops->fail(store, claim, error, st));
 }
 
 bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st)
 {
-    return store->ops->heartbeat(store, claim, lease_ms, held, st);
+    struct span span = begin(store, "heartbeat");
+    return end(store, &span, store->ops->heartbeat(store, claim, lease_ms, held, st));
 }
 
 bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *opened,
                      struct pen_status *st)
 {
-    return told(store, store->ops->sweep(store, dead_worker, opened, st));
+    struct span span = begin(store, "sweep");
+    return told(store, &span, store->ops->sweep(store, dead_worker, opened, st));
 }
 
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
                             int *opened, struct pen_status *st)
 {
-    return told(store, store->ops->worker_ended(store, death, opened, st));
+    struct span span = begin(store, "worker_ended");
+    return told(store, &span, store->ops->worker_ended(store, death, opened, st));
 }
 
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
                       void *user, struct pen_status *st)
 {
-    return store->ops->pixels(store, id, view, each, user, st);
+    struct span span = begin(store, "pixels");
+    return end(store, &span, store->ops->pixels(store, id, view, each, user, st));
 }
 
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
@@ -185,12 +236,14 @@ bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, p
 bool pen_store_worker_seen(struct pen_store *store, const char *name, int threads, int64_t lease_ms,
                            struct pen_status *st)
 {
-    return store->ops->worker_seen(store, name, threads, lease_ms, st);
+    struct span span = begin(store, "worker_seen");
+    return end(store, &span, store->ops->worker_seen(store, name, threads, lease_ms, st));
 }
 
 bool pen_store_worker_gone(struct pen_store *store, const char *name, struct pen_status *st)
 {
-    return store->ops->worker_gone(store, name, st);
+    struct span span = begin(store, "worker_gone");
+    return end(store, &span, store->ops->worker_gone(store, name, st));
 }
 
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
@@ -214,7 +267,8 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
 
 bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
 {
-    return store->ops->tidy(store, key_age_ms, st);
+    struct span span = begin(store, "tidy");
+    return end(store, &span, store->ops->tidy(store, key_age_ms, st));
 }
 
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

@@ -12,6 +12,7 @@
 #include "pen/jobs/trace.h"
 #include "pen/render/render.h"
 #include "pen/scene/scene.h"
+#include "pen/store/store.h"
 
 /* For tests: a renderer that fails. `wanted` is asked once per batch with the job's name (NULL:
  * none); if it says so, `pixel` is called before each pixel and returns false when it has run out
@@ -35,6 +36,8 @@ struct pen_worker_options {
     void (*stuck)(void *user);
     void *stuck_user;
     const struct pen_worker_fault *fault; /* NULL: none */
+    /* Told of the worker's calls on the store, also from the heartbeat's thread; NULL: none. */
+    const struct pen_store_observer *observer;
 };
 
 /* Works until *stop becomes true: then the batch in flight is finished or given back. Wake the

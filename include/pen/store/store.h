@@ -72,6 +72,22 @@ bool pen_store_check(struct pen_store *store, struct pen_status *st);
 /* Whether a write gets to disk now; the reason if not. */
 bool pen_store_probe(struct pen_store *store, struct pen_status *st);
 
+/* One call that was made on a handle, as whoever looks on is told: for tests and benches. Told of
+ * are the calls that change a store and those that a worker makes. */
+struct pen_store_call {
+    const char *name;        /* "claim", "commit", … */
+    int64_t transactions;    /* writing ones that it committed */
+    int64_t wall_ns, cpu_ns; /* cpu: of the calling thread */
+};
+struct pen_store_observer {
+    void (*called)(void *user, const struct pen_store_call *call);
+    void *user;
+};
+
+/* Has an observer told of every such call, from its thread. It must stay until the handle is
+ * closed; NULL: none. */
+void pen_store_observe(struct pen_store *store, const struct pen_store_observer *observer);
+
 struct pen_view_new {
     const char *name;
     int width, height;

@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: MIT */
+/* What keeping a job's work costs beside rendering it: the calls of a worker on the store, their
+ * time (wall clock, and processor time of the thread that made them) and the transactions among
+ * them, for jobs that take turns. The share of a job is the wall time of all calls, heartbeats
+ * among them, of the time its tiles took to render. A heartbeat is also timed apart, since a short
+ * job sees few of them: most only read, and one in a third of the lease extends it.
+ *
+ * usage: bench_traffic [runs] [folder]     the store is made in a new folder in there (/tmp) */
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "pen/base/clock.h"
+#include "pen/jobs/jobs.h"
+#include "pen/jobs/worker.h"
+
+static const struct {
+    const char *title, *body;
+} jobs_of[] = {
+    {"room 1000x1400", "{\"scene\": \"builtin:room\"}"},
+    {"room 1000x1400, 4 samples",
+     "{\"scene\": \"builtin:room\", \"render\": {\"samples_per_pixel\": 4}}"},
+    {"spheres 64x48", "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 64,"
+                      " \"height\": 48}}"},
+};
+enum { JOBS = sizeof jobs_of / sizeof jobs_of[0], RUNS_MAX = 100, WARM_UP = 1 };
+
+/* The calls of one name. */
+struct tally {
+    int calls;
+    int64_t transactions;
+    double wall_ms, cpu_ms;
+};
+enum { COMMIT, CLAIM, READ, HEARTBEAT, OTHER, KINDS };
+static const char *const kind_names[KINDS] = {"commit", "claim", "read", "heartbeat", "other"};
+
+/* One run of a job. */
+struct run {
+    struct tally kind[KINDS];
+    double render_ms, stats_store_ms;
+};
+
+static struct {
+    pthread_mutex_t lock;
+    struct run now; /* guarded by lock */
+} watch = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+static int kind_of(const char *name)
+{
+    if (strcmp(name, "commit") == 0)
+        return COMMIT;
+    if (strcmp(name, "claim") == 0)
+        return CLAIM;
+    if (strcmp(name, "job") == 0 || strcmp(name, "scene") == 0 || strcmp(name, "pixels") == 0)
+        return READ;
+    return strcmp(name, "heartbeat") == 0 ? HEARTBEAT : OTHER;
+}
+
+static void called(void *user, const struct pen_store_call *call)
+{
+    (void)user;
+    pthread_mutex_lock(&watch.lock);
+    struct tally *tally = &watch.now.kind[kind_of(call->name)];
+    tally->calls++;
+    tally->transactions += call->transactions;
+    tally->wall_ms += (double)call->wall_ns * 1e-6;
+    tally->cpu_ms += (double)call->cpu_ns * 1e-6;
+    pthread_mutex_unlock(&watch.lock);
+}
+
+static void die(const char *what, const struct pen_status *st)
+{
+    fprintf(stderr, "bench_traffic: %s: %s\n", what, st->msg);
+    exit(1);
+}
+
+static const struct pen_store_observer observer = {.called = called};
+static struct pen_worker_options options = {
+    .name = "bench:1:1", .threads = 2, .observer = &observer};
+static atomic_bool stop;
+
+static void *work(void *user)
+{
+    struct pen_status st;
+    (void)user;
+    if (!pen_worker_run(&options, &stop, &st))
+        die("worker", &st);
+    return NULL;
+}
+
+static void wait_until_ended(struct pen_store *store, const char *id)
+{
+    uint32_t seen = 0;
+    struct pen_job_record job;
+    struct pen_status st;
+    enum pen_job_state state = PEN_JOB_QUEUED;
+    while (!pen_job_state_ended(state)) {
+        if (!pen_store_job(store, id, &job, &st))
+            die("job", &st);
+        state = job.state;
+        pen_job_record_release(&job);
+        if (!pen_job_state_ended(state))
+            pen_store_wait(store, PEN_SIGNAL_NEWS, &seen, 100);
+    }
+    usleep(20000); /* the last call's tally comes after its news */
+}
+
+static void read_times(struct pen_jobs *jobs, const char *id, struct run *run)
+{
+    struct pen_status st;
+    json_t *stats = pen_jobs_stats(jobs, id, &st);
+    if (!stats)
+        die("stats", &st);
+    const json_t *timing = json_object_get(stats, "timing");
+    run->render_ms = json_number_value(json_object_get(timing, "render_ms"));
+    run->stats_store_ms = json_number_value(json_object_get(timing, "store_ms"));
+    json_decref(stats);
+}
+
+static struct run run_job(struct pen_jobs *jobs, const char *body)
+{
+    struct pen_submission in = {.body = body, .bytes = strlen(body)};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    pthread_mutex_lock(&watch.lock);
+    watch.now = (struct run){0};
+    pthread_mutex_unlock(&watch.lock);
+    if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
+        fprintf(stderr, "bench_traffic: refused: %s\n", errors.item[0].msg);
+        exit(1);
+    }
+    pen_buf_release(&out.answer);
+    wait_until_ended(pen_jobs_store(jobs), out.id);
+    pthread_mutex_lock(&watch.lock);
+    struct run run = watch.now;
+    pthread_mutex_unlock(&watch.lock);
+    read_times(jobs, out.id, &run);
+    return run;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+struct range {
+    double median, least, most;
+};
+
+static struct range range_of(double *values, int count)
+{
+    qsort(values, (size_t)count, sizeof *values, by_value);
+    return (struct range){(values[(count - 1) / 2] + values[count / 2]) / 2, values[0],
+                          values[count - 1]};
+}
+
+static double all_calls_ms(const struct run *run)
+{
+    double ms = 0;
+    for (int kind = 0; kind < KINDS; kind++)
+        ms += run->kind[kind].wall_ms;
+    return ms;
+}
+
+static void print_kind(const struct run *runs, int count, int kind)
+{
+    double wall[RUNS_MAX], cpu[RUNS_MAX];
+    const struct tally *first = &runs[0].kind[kind];
+    for (int i = 0; i < count; i++) {
+        wall[i] = runs[i].kind[kind].wall_ms;
+        cpu[i] = runs[i].kind[kind].cpu_ms;
+    }
+    struct range w = range_of(wall, count), c = range_of(cpu, count);
+    printf("  %-9s %3d calls, %2" PRId64 " transactions (run 1), wall %8.3f ms (%.3f to %.3f),"
+           " processor %8.3f ms\n",
+           kind_names[kind], first->calls, first->transactions, w.median, w.least, w.most,
+           c.median);
+}
+
+static void print_job(const char *title, const struct run *runs, int count)
+{
+    double render[RUNS_MAX], store[RUNS_MAX], share[RUNS_MAX], stats[RUNS_MAX];
+    for (int i = 0; i < count; i++) {
+        render[i] = runs[i].render_ms;
+        store[i] = all_calls_ms(&runs[i]);
+        stats[i] = runs[i].stats_store_ms;
+        share[i] = 100 * store[i] / render[i];
+    }
+    struct range r = range_of(render, count), s = range_of(store, count),
+                 p = range_of(share, count), t = range_of(stats, count);
+    printf("%s, %d runs\n", title, count);
+    for (int kind = 0; kind < KINDS; kind++)
+        print_kind(runs, count, kind);
+    printf("  render %.1f ms (%.1f to %.1f), all calls %.2f ms, share %.2f %% (%.2f to %.2f);"
+           " store_ms of the statistics %.1f\n",
+           r.median, r.least, r.most, s.median, p.median, p.least, p.most, t.median);
+}
+
+/* Heartbeats of a claim that is held: what reading costs, and what extending does. */
+static void time_heartbeats(struct pen_jobs *jobs, const char *url)
+{
+    enum { BEATS = 1000, EXTENSIONS = 50, LEASE_MS = 60000 };
+    struct pen_submission in = {.body = jobs_of[2].body, .bytes = strlen(jobs_of[2].body)};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    struct pen_claim claim;
+    struct pen_status st;
+    bool found = false, held = false;
+    struct pen_store *store = pen_store_open(url, &st);
+    if (!store || !pen_jobs_submit(jobs, &in, &out, &errors) ||
+        !pen_store_claim(store, "bench:2:2", LEASE_MS, &claim, &found, &st) || !found)
+        die("claim", &st);
+    pen_buf_release(&out.answer);
+    int64_t begun = pen_clock_ns();
+    for (int i = 0; i < BEATS; i++)
+        pen_store_heartbeat(store, &claim, LEASE_MS, &held, &st);
+    double read_ms = (double)(pen_clock_ns() - begun) * 1e-6 / BEATS;
+    begun = pen_clock_ns();
+    for (int64_t i = 1; i <= EXTENSIONS; i++) /* a lease twice as long is always due */
+        pen_store_heartbeat(store, &claim, (int64_t)LEASE_MS * 2 * (i + 1), &held, &st);
+    double write_ms = (double)(pen_clock_ns() - begun) * 1e-6 / EXTENSIONS;
+    /* Five looks a second, one extension in 5 s at the worker's lease of 15 s. */
+    printf("one heartbeat: %.4f ms to look, %.3f ms to extend the lease; at five looks a second and"
+           " one extension in 5 s that is %.3f %% of the time\n",
+           read_ms, write_ms, 100 * (5 * read_ms + write_ms / 5) / 1000);
+    pen_store_close(store);
+}
+
+static void remove_store(const char *folder)
+{
+    static const char *const ends[] = {"", "-wal", "-shm", "-wake"};
+    char path[300];
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        snprintf(path, sizeof path, "%s/penumbra.db%s", folder, ends[i]);
+        unlink(path);
+    }
+    rmdir(folder);
+}
+
+int main(int argc, char **argv)
+{
+    static struct run runs[JOBS][RUNS_MAX];
+    int count = argc > 1 ? atoi(argv[1]) : 5;
+    char folder[200], url[230];
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st = {0};
+    pthread_t thread;
+    count = count < 1 ? 1 : count > RUNS_MAX ? RUNS_MAX : count;
+    snprintf(folder, sizeof folder, "%s/penumbra-bench-XXXXXX", argc > 2 ? argv[2] : "/tmp");
+    if (!mkdtemp(folder))
+        die("cannot make a folder there", &st);
+    snprintf(url, sizeof url, "%s/penumbra.db", folder);
+    options.store_url = url;
+    struct pen_jobs *jobs = pen_jobs_open(url, &limits, &st);
+    if (!jobs || pthread_create(&thread, NULL, work, NULL) != 0)
+        die("cannot begin", &st);
+    for (int i = -WARM_UP; i < count; i++) {
+        for (int j = 0; j < JOBS; j++)
+            runs[j][i < 0 ? 0 : i] = run_job(jobs, jobs_of[j].body);
+    }
+    atomic_store(&stop, true);
+    pen_store_wake(pen_jobs_store(jobs), PEN_SIGNAL_WORK);
+    pthread_join(thread, NULL);
+    for (int j = 0; j < JOBS; j++)
+        print_job(jobs_of[j].title, runs[j], count);
+    time_heartbeats(jobs, url);
+    pen_jobs_close(jobs);
+    remove_store(folder);
+    return 0;
+}
