@@ -81,6 +81,8 @@ $(BUILD)/penumbra $(BUILD)/penumbrad: $(BUILD)/%: $(BUILD)/src/cmd/%.o $(CMD_OBJ
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
 
 $(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
+# Loops over bytes of pixels, which the compiler makes vectors of from here on.
+$(BUILD)/src/store/pixels.o: EXTRA := -O3
 $(BUILD)/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)

@@ -27,16 +27,14 @@ void pen_batch_room_empty(struct pen_batch_room *room)
 {
     pen_scene_cache_empty(room->scenes);
     free(room->image);
-    free(room->tiles);
-    room->image = room->tiles = NULL;
-    room->image_pixels = room->tiles_pixels = 0;
+    room->image = NULL;
+    room->image_pixels = 0;
 }
 
 void pen_batch_room_release(struct pen_batch_room *room)
 {
     json_decref(room->plan.request);
     free(room->image);
-    free(room->tiles);
 }
 
 /* The job's settings and views; batches of one job come one after the other. */
@@ -47,6 +45,7 @@ static bool load_plan(struct pen_batch_room *room, const struct pen_claim *claim
     if (strcmp(room->plan_id, claim->job_id) == 0)
         return true;
     room->plan_id[0] = '\0';
+    room->store_ms = 0;
     json_decref(room->plan.request);
     room->plan.request = NULL;
     if (!pen_store_job(room->store, claim->job_id, &job, st))
@@ -58,16 +57,20 @@ static bool load_plan(struct pen_batch_room *room, const struct pen_claim *claim
     return ok;
 }
 
-static bool make_room(float **pixels, size_t *capacity, size_t wanted, struct pen_status *st)
+/* Room for the whole image that the plan asks for. */
+static bool make_room(struct pen_batch_room *room, struct pen_status *st)
 {
-    if (wanted <= *capacity)
+    size_t wanted = (size_t)room->plan.settings.width * (size_t)room->plan.settings.height;
+    if (wanted <= room->image_pixels)
         return true;
-    free(*pixels);
-    *capacity = 0;
-    *pixels = wanted < SIZE_MAX / 3 / sizeof **pixels ? malloc(wanted * 3 * sizeof **pixels) : NULL;
-    if (!*pixels)
+    free(room->image);
+    room->image_pixels = 0;
+    room->image = wanted < SIZE_MAX / 3 / sizeof *room->image
+                      ? malloc(wanted * 3 * sizeof *room->image)
+                      : NULL;
+    if (!room->image)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu pixels", wanted);
-    *capacity = wanted;
+    room->image_pixels = wanted;
     return true;
 }
 
@@ -85,9 +88,13 @@ static bool encode(struct pen_batch_room *room, struct pen_film film, struct pen
     return true;
 }
 
-/* Statistics as they are stored: with the wall clock at which the batch goes to the store. */
-static bool write_stats(json_t *stats, struct pen_batch_work *work, struct pen_status *st)
+/* Statistics as they are stored: with the wall clock at which the batch goes to the store, and what
+ * the store has taken before. */
+static bool write_stats(struct pen_batch_room *room, json_t *stats, struct pen_batch_work *work,
+                        struct pen_status *st)
 {
+    stats = pen_json_with(stats, "store_before_ms", pen_figure(room->store_ms));
+    room->store_ms = 0;
     stats = pen_json_with(stats, "commit_ms", json_integer(pen_clock_wall_ms()));
     work->stats = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
     json_decref(stats);
@@ -124,12 +131,18 @@ static void look_on(struct pen_batch_room *room, struct pen_render_task *task)
     atomic_store_explicit(&room->exhausted, false, memory_order_relaxed);
 }
 
+/* Renders; the pixels are packed on the way. */
 static bool run_task(struct pen_batch_room *room, const struct pen_render_task *task,
                      struct pen_render_stats *stats, struct pen_status *st)
 {
+    struct pen_tile_run run = {task->settings, task->first_tile, task->tile_count, task->rgb};
+    if (!pen_packing_begin(room->packing, &run, st))
+        return false;
     bool ok = pen_render_run(room->pool, task, stats, st);
     if (room->trace)
         pen_trace_idle(room->trace);
+    if (!ok)
+        pen_packing_drop(room->packing);
     if (!ok && atomic_load_explicit(&room->exhausted, memory_order_relaxed))
         return pen_fail(st, PEN_NO_MEMORY, "out of memory while rendering");
     return ok;
@@ -148,14 +161,22 @@ static bool run_tiles(struct pen_batch_room *room, const struct pen_claim *claim
                                    .tile_count = claim->tile_count,
                                    .rgb = room->image,
                                    .cancel = pen_heartbeat_flag(room->heart),
+                                   .tile_done = pen_packing_tile_done,
+                                   .user = room->packing,
                                    .keep_tile_ms = true};
     if (task.view < 0)
         return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
     look_on(room, &task);
-    if (!run_task(room, &task, stats, st))
-        return false;
-    pen_tiles_gather(s, claim->first_tile, claim->tile_count, room->image, room->tiles);
-    return true;
+    return run_task(room, &task, stats, st);
+}
+
+static bool take_packed(struct pen_batch_room *room, struct pen_batch_work *work,
+                        struct pen_status *st)
+{
+    int64_t begin_ns = pen_clock_ns();
+    bool ok = pen_packing_end(room->packing, &work->result.packed, st);
+    room->store_ms += ms_since(begin_ns);
+    return ok;
 }
 
 static bool render(struct pen_batch_room *room, const struct pen_claim *claim,
@@ -166,23 +187,23 @@ static bool render(struct pen_batch_room *room, const struct pen_claim *claim,
     struct pen_render_stats stats;
     const struct pen_scene *scene = pen_scene_cache_get(
         room->scenes, room->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
-    if (!scene ||
-        !make_room(&room->image, &room->image_pixels, (size_t)s->width * (size_t)s->height, st) ||
-        !make_room(&room->tiles, &room->tiles_pixels, (size_t)claim->pixels, st) ||
-        !run_tiles(room, claim, scene, &stats, st))
+    if (!scene || !make_room(room, st) || !run_tiles(room, claim, scene, &stats, st))
         return false;
-    work->result.rgb = room->tiles;
     work->result.pixels = claim->pixels;
     struct pen_stats_input in = {
         .parse_ms = times.parse_ms, .build_ms = times.build_ms, .render = &stats, .scene = scene};
     bool ok =
         claim->view_batches > 1 ||
         encode(room, (struct pen_film){s->width, s->height, room->image}, work, &in.encode_ms, st);
+    if (ok)
+        ok = take_packed(room, work, st);
+    else
+        pen_packing_drop(room->packing);
     json_t *json = ok ? pen_stats_json(&in) : NULL;
     if (ok)
         json = pen_json_with(json, "tile_ms", pen_tile_times(stats.tile_ms, stats.tile_count));
     free(stats.tile_ms);
-    return ok && write_stats(json, work, st);
+    return ok && write_stats(room, json, work, st);
 }
 
 static bool assemble(struct pen_batch_room *room, const struct pen_claim *claim,
@@ -191,16 +212,19 @@ static bool assemble(struct pen_batch_room *room, const struct pen_claim *claim,
     const struct pen_settings *s = &room->plan.settings;
     double encode_ms = 0;
     int64_t filled = 0;
-    struct pen_film *film = pen_film_new(s->width, s->height, st);
-    bool ok = film &&
-              pen_canvas_load(room->store, claim->job_id, claim->view, s, film, NULL, &filled, st);
+    if (!make_room(room, st))
+        return false;
+    struct pen_film film = {s->width, s->height, room->image};
+    int64_t begin_ns = pen_clock_ns();
+    bool ok = pen_canvas_load(room->store, claim->job_id, claim->view, s, &film, NULL, &filled, st);
+    room->store_ms += ms_since(begin_ns);
     if (ok && filled != (int64_t)s->width * s->height)
         ok =
             pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", claim->job_id, claim->view);
-    ok = ok && encode(room, *film, work, &encode_ms, st);
-    pen_film_free(film);
-    return ok && write_stats(json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms)),
-                             work, st);
+    ok = ok && encode(room, film, work, &encode_ms, st);
+    return ok &&
+           write_stats(room, json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms)),
+                       work, st);
 }
 
 bool pen_batch_do(struct pen_batch_room *room, const struct pen_claim *claim,

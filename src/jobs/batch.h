@@ -5,6 +5,7 @@
 
 #include "heartbeat.h"
 #include "jobs.h"
+#include "packing.h"
 #include "pen/jobs/worker.h"
 #include "pen/render/render.h"
 #include "scene_cache.h"
@@ -15,13 +16,15 @@ struct pen_batch_room {
     struct pen_pool *pool;
     struct pen_heartbeat *heart;
     struct pen_scene_cache *scenes;
+    struct pen_packing *packing;
     struct pen_trace *trace;              /* may be NULL */
     const struct pen_worker_fault *fault; /* NULL: none */
     atomic_bool exhausted;                /* atomic: relaxed; the fault ran out of memory */
     char plan_id[PEN_ID_BYTES];           /* the job that plan is of, "" if there is none */
     struct pen_job_plan plan;
-    float *image, *tiles;
-    size_t image_pixels, tiles_pixels; /* what the two have room for */
+    float *image;
+    size_t image_pixels; /* what it has room for */
+    double store_ms;     /* what the store took of the plan's job since its last statistics */
 };
 
 /* A finished batch; the pixels stay in the room. Owns: release it. */

@@ -26,6 +26,7 @@ struct pen_heartbeat {
     pthread_mutex_t lock;
     pthread_cond_t change;
     bool quit, asleep;       /* guarded by lock */
+    bool settle;             /* guarded by lock; the store is to be settled */
     bool active;             /* guarded by lock */
     struct pen_claim claim;  /* guarded by lock; of the active claim */
     uint64_t turn;           /* guarded by lock; grows with every claim */
@@ -100,6 +101,17 @@ static void look(struct pen_heartbeat *heart)
         end_turn(heart, turn, PEN_BEAT_LOST);
 }
 
+/* Settles the store, beside the render threads. Called and returns with the lock held. */
+static void settle_store(struct pen_heartbeat *heart)
+{
+    struct pen_status st;
+    heart->settle = false;
+    pthread_mutex_unlock(&heart->lock);
+    if (!pen_store_settle(heart->store, &st))
+        pen_log(PEN_LOG_WARN, "settling: %s", st.msg);
+    pthread_mutex_lock(&heart->lock);
+}
+
 static struct timespec after_ms(int64_t ms)
 {
     struct timespec time;
@@ -134,8 +146,10 @@ static void *beat(void *user)
         last_turn = heart->turn;
         if (seen_before)
             look(heart);
+        while (heart->settle)
+            settle_store(heart);
         if (!heart->quit)
-            pause_thread(heart, idle);
+            pause_thread(heart, idle && !heart->active);
     }
     pthread_mutex_unlock(&heart->lock);
     return NULL;
@@ -215,6 +229,15 @@ const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart)
 void pen_heartbeat_stop(struct pen_heartbeat *heart)
 {
     atomic_store_explicit(&heart->flag, true, memory_order_relaxed);
+}
+
+void pen_heartbeat_settle(struct pen_heartbeat *heart)
+{
+    pthread_mutex_lock(&heart->lock);
+    heart->settle = true;
+    if (heart->asleep)
+        pthread_cond_signal(&heart->change);
+    pthread_mutex_unlock(&heart->lock);
 }
 
 enum pen_beat_end pen_heartbeat_end(struct pen_heartbeat *heart)

@@ -32,6 +32,9 @@ const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart);
 /* Makes the flag true. Threads: any. */
 void pen_heartbeat_stop(struct pen_heartbeat *heart);
 
+/* Has the store settled, see pen_store_settle, by the thread, when it next looks. */
+void pen_heartbeat_settle(struct pen_heartbeat *heart);
+
 /* Ends watching. Returns what happened meanwhile. */
 enum pen_beat_end pen_heartbeat_end(struct pen_heartbeat *heart);
 

@@ -5,6 +5,8 @@
  *   tile_ms    the times of its tiles, at most PEN_TILE_TIMES of them (evenly picked from the
  *              sorted ones where there are more)
  *   commit_ms  wall clock at which it was handed to the store
+ *   store_before_ms  what the worker had waited for the store by then, since its last batch of the
+ *              job: for that one's commit, for reading and packing pixels
  * which the job's statistics do not show. */
 #ifndef PEN_JOBS_STATS_H
 #define PEN_JOBS_STATS_H

@@ -2,8 +2,8 @@
 /* The statistics of a job from those of its committed batches. Times and rays are sums over the
  * batches (so with several workers at once render_ms may exceed the time that went by), threads
  * and memory the largest, percentiles those of all tiles together. queue_ms and total_ms are the
- * job's own. store_ms is the time from handing a batch to the store until its transaction was
- * about to end. */
+ * job's own. store_ms is what workers waited for the store; the last commit, which is in no later
+ * batch's statistics, counts until its transaction was about to end. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,6 +13,7 @@
 
 struct sum {
     double parse_ms, build_ms, render_ms, encode_ms, store_ms, cpu_ms;
+    double last_commit_ms;
     struct pen_ray_counts rays;
     int threads;
     int64_t peak_bytes;
@@ -46,13 +47,17 @@ static void add_rays(struct sum *sum, const json_t *stats)
 static void add_timing(struct sum *sum, const json_t *stats, int64_t done_ms)
 {
     const json_t *timing = json_object_get(stats, "timing");
-    double store_ms = (double)done_ms - number(stats, "commit_ms");
+    double commit_ms = (double)done_ms - number(stats, "commit_ms");
     sum->parse_ms += number(timing, "parse_ms");
     sum->build_ms += number(timing, "build_ms");
     sum->render_ms += number(timing, "render_ms");
     sum->encode_ms += number(timing, "encode_ms");
     sum->cpu_ms += number(timing, "cpu_ms");
-    sum->store_ms += store_ms > 0 ? store_ms : 0;
+    if (json_object_get(stats, "store_before_ms"))
+        sum->store_ms += number(stats, "store_before_ms");
+    else /* written by an earlier version */
+        sum->store_ms += sum->last_commit_ms;
+    sum->last_commit_ms = commit_ms > 0 ? commit_ms : 0;
 }
 
 static bool reserve_times(struct sum *sum, size_t more)
@@ -124,7 +129,7 @@ static json_t *timing_json(const struct sum *sum, const struct pen_job_record *j
                      pen_figure((double)(begun_ms - job->created_ms)), "parse_ms",
                      pen_figure(sum->parse_ms), "build_ms", pen_figure(sum->build_ms), "render_ms",
                      pen_figure(sum->render_ms), "encode_ms", pen_figure(sum->encode_ms),
-                     "store_ms", pen_figure(sum->store_ms), "total_ms",
+                     "store_ms", pen_figure(sum->store_ms + sum->last_commit_ms), "total_ms",
                      pen_figure((double)(job->finished_ms - job->created_ms)), "cpu_ms",
                      pen_figure(sum->cpu_ms));
 }

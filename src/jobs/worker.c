@@ -94,6 +94,7 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
                    const struct pen_batch_work *work, struct pen_next *next, struct pen_status *st)
 {
     struct pen_log_about about = pen_claim_about(claim);
+    int64_t begin_ns = pen_clock_ns();
     bool ok;
     do {
         if (stopped(w))
@@ -101,6 +102,9 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
         else
             ok = pen_store_commit_and_claim(w->store, claim, &work->result, next, st);
     } while (!ok && wait_to_retry(w, "committing a batch", st));
+    w->room.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
+    if (pen_store_unsettled(w->store))
+        pen_heartbeat_settle(w->room.heart);
     if (!ok && st->code == PEN_STALE)
         pen_log_about(PEN_LOG_INFO, &about, "the batch was no longer wanted");
     return ok || st->code == PEN_STALE;
@@ -236,6 +240,9 @@ static bool set_up(struct worker *w, struct pen_status *st)
         !(w->room.heart = pen_heartbeat_new(o, w->lease_ms, st)))
         return false;
     pen_store_observe(w->store, o->observer);
+    pen_store_leave_settling(w->store);
+    if (!(w->room.packing = pen_packing_new(o->observer, st)))
+        return false;
     w->room.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     return w->room.scenes || pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
 }
@@ -243,6 +250,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
 static void tear_down(struct worker *w)
 {
     pen_heartbeat_free(w->room.heart);
+    pen_packing_free(w->room.packing);
     pen_pool_free(w->room.pool);
     pen_scene_cache_free(w->room.scenes);
     pen_batch_room_release(&w->room);

@@ -15,6 +15,8 @@ struct pen_store {
     struct pen_wake *wake;
     bool work;            /* out: since the dispatcher last looked, a batch became claimable */
     bool news;            /* out: a job changed */
+    bool others_settle;   /* in: the handle's commits leave settling to another */
+    bool unsettled;       /* out: it is time for that */
     int64_t transactions; /* out: writing ones that were committed */
     const struct pen_store_observer *observer; /* NULL: none */
 };
@@ -64,6 +66,7 @@ struct pen_store_ops {
                      const char *format, struct pen_buf *out, struct pen_status *st);
     bool (*artefact_put)(struct pen_store *store, const char *id, int view, const char *layer,
                          const char *format, const void *data, size_t bytes, struct pen_status *st);
+    bool (*settle)(struct pen_store *store, struct pen_status *st);
     bool (*tidy)(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
     bool (*audit)(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                   struct pen_status *st);

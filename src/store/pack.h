@@ -5,34 +5,36 @@
 #define PEN_STORE_PACK_H
 
 #include <stddef.h>
+#include <stdint.h>
 
-#include "pen/base/status.h"
+#include "pen/store/pixels.h"
 
 struct pen_packer;
 
-/* What a call gives back. Owns: the packer's memory, valid until its next call. */
+/* What a call gives back. Owns: the callee's memory, valid until its next call. */
 struct pen_packed {
     const void *data;
     size_t bytes;
 };
 
-/* Owns: free with pen_packer_free. Fails: NULL when out of memory. */
-struct pen_packer *pen_packer_new(void);
+/* level: of zstd. Owns: free with pen_packer_free. Fails: NULL when out of memory. */
+struct pen_packer *pen_packer_new(int level);
 void pen_packer_free(struct pen_packer *packer);
 
 /* Packs bytes. Fails: PEN_NO_MEMORY. */
 bool pen_packer_pack(struct pen_packer *packer, const void *data, size_t bytes,
                      struct pen_packed *out, struct pen_status *st);
 
-/* Packs pixels of 3 values each. */
-bool pen_pack_rgb(struct pen_packer *packer, const float *rgb, size_t pixels,
-                  struct pen_packed *out, struct pen_status *st);
-
-/* Unpacks; the result of pen_unpack_rgb is an array of float. Fails: PEN_STORAGE (damaged),
- * PEN_NO_MEMORY. */
+/* Unpacks. Fails: PEN_STORAGE (damaged), PEN_NO_MEMORY. */
 bool pen_unpack(struct pen_packer *packer, const void *data, size_t bytes, struct pen_packed *out,
                 struct pen_status *st);
-bool pen_unpack_rgb(struct pen_packer *packer, const void *data, size_t bytes,
-                    struct pen_packed *out, struct pen_status *st);
+
+/* pixels.c: what has been added, as it is stored. Valid until more is added. */
+struct pen_packed pen_pixels_packed(const struct pen_pixels *pixels);
+
+/* Unpacks stored pixels, of which there must be `count`, into rgb. Fails: PEN_STORAGE (damaged, or
+ * of a form that is not known), PEN_NO_MEMORY. */
+bool pen_pixels_unpack(struct pen_packer *packer, const struct pen_packed *in, float *rgb,
+                       int64_t count, struct pen_status *st);
 
 #endif

@@ -80,8 +80,11 @@ struct pen_sq_store {
     sqlite3 *db;
     char *path;
     struct pen_packer *packer;
-    int64_t patience_ms; /* how long to wait for another's write */
-    int wal_pages;       /* length of the write-ahead log after the last commit */
+    struct pen_pixels *pixels; /* of results that come unpacked; NULL before the first */
+    float *rgb;                /* unpacked pixels, kept from batch to batch */
+    size_t rgb_pixels;         /* what it has room for */
+    int64_t patience_ms;       /* how long to wait for another's write */
+    int wal_pages;             /* length of the write-ahead log after the last commit */
     sqlite3_stmt *stmt[SQ_COUNT];
 };
 
@@ -141,6 +144,9 @@ bool pen_sq_snapshot(struct pen_sq_store *store, pen_sq_body *body, void *arg,
 
 /* Runs SQL text without results, for opening. */
 bool pen_sq_exec(struct pen_sq_store *store, const char *sql, struct pen_status *st);
+
+/* The entry of the ops table. */
+bool pen_sq_settle(struct pen_store *store, struct pen_status *st);
 
 /* Copies the write-ahead log into the database and empties it, if readers leave soon enough. */
 void pen_sq_wind_back_log(struct pen_sq_store *store);

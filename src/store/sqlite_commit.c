@@ -125,7 +125,8 @@ static bool check_result(const struct commit *commit, struct pen_status *st)
 {
     const struct pen_result *result = commit->result;
     bool render = commit->standing.kind == PEN_BATCH_RENDER;
-    if (render ? !result->rgb || result->pixels != commit->standing.pixels : result->rgb != NULL)
+    bool any = commit->pixels.bytes > 0;
+    if (render ? !any || result->pixels != commit->standing.pixels : any)
         return pen_fail(st, PEN_INTERNAL, "a result of %lld pixels for a batch of %lld",
                         (long long)result->pixels, (long long)commit->standing.pixels);
     return true;
@@ -148,6 +149,28 @@ static bool write_commit(struct pen_sq_store *store, void *arg, struct pen_statu
     return !commit->next || pen_sq_take_next(store, commit->next, st);
 }
 
+/* Packs the pixels, unless they come packed. */
+static bool pack_result(struct pen_sq_store *store, struct commit *commit, struct pen_status *st)
+{
+    const struct pen_result *result = commit->result;
+    const struct pen_pixels *packed = result->packed;
+    if (!packed && !result->rgb)
+        return true;
+    if (!packed) {
+        if (!store->pixels && !(store->pixels = pen_pixels_new()))
+            return pen_fail(st, PEN_NO_MEMORY, "no memory to pack pixels");
+        pen_pixels_begin(store->pixels);
+        if (!pen_pixels_add(store->pixels, result->rgb, result->pixels, st))
+            return false;
+        packed = store->pixels;
+    }
+    if (pen_pixels_count(packed) != result->pixels)
+        return pen_fail(st, PEN_INTERNAL, "%lld packed pixels in a result of %lld",
+                        (long long)pen_pixels_count(packed), (long long)result->pixels);
+    commit->pixels = pen_pixels_packed(packed);
+    return true;
+}
+
 bool pen_sq_commit(struct pen_store *base, const struct pen_claim *claim,
                    const struct pen_result *result, struct pen_next *next, struct pen_status *st)
 {
@@ -155,8 +178,7 @@ bool pen_sq_commit(struct pen_store *base, const struct pen_claim *claim,
     struct commit commit = {.claim = claim, .result = result, .next = next};
     if (next)
         next->found = false;
-    if (result->rgb &&
-        !pen_pack_rgb(store->packer, result->rgb, (size_t)result->pixels, &commit.pixels, st))
+    if (!pack_result(store, &commit, st))
         return false;
     return pen_sq_transaction(store, write_commit, &commit, st);
 }

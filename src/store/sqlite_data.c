@@ -2,6 +2,8 @@
 /* What was committed: pixels, statistics, batches, pictures. Lists are read inside one snapshot,
  * so a caller sees one moment of the job. */
 #include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
 
 #include "sqlite.h"
 
@@ -16,18 +18,31 @@ struct listing {
     void *user;
 };
 
+static bool make_room(struct pen_sq_store *store, int64_t pixels, struct pen_status *st)
+{
+    if (pixels < 0 || (uint64_t)pixels > SIZE_MAX / 3 / sizeof *store->rgb)
+        return pen_fail(st, PEN_STORAGE, "a stored batch of %lld pixels", (long long)pixels);
+    if ((size_t)pixels <= store->rgb_pixels)
+        return true;
+    free(store->rgb);
+    store->rgb_pixels = 0;
+    store->rgb = malloc((size_t)pixels * 3 * sizeof *store->rgb);
+    if (!store->rgb)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for %lld pixels", (long long)pixels);
+    store->rgb_pixels = (size_t)pixels;
+    return true;
+}
+
 static bool hand_pixels(struct pen_sq_store *store, const struct pen_sq_query *row,
                         const struct listing *listing, bool *more, struct pen_status *st)
 {
-    struct pen_packed packed = pen_sq_column_blob(row, 3), rgb;
+    struct pen_packed packed = pen_sq_column_blob(row, 3);
     int64_t pixels = pen_sq_column_int(row, 2);
-    if (!pen_unpack_rgb(store->packer, packed.data, packed.bytes, &rgb, st))
+    if (!make_room(store, pixels, st) ||
+        !pen_pixels_unpack(store->packer, &packed, store->rgb, pixels, st))
         return false;
-    if (rgb.bytes != (size_t)pixels * 3 * sizeof(float))
-        return pen_fail(st, PEN_STORAGE, "stored pixels are damaged: %zu bytes for %lld pixels",
-                        rgb.bytes, (long long)pixels);
     *more = listing->pixels(listing->user, (int)pen_sq_column_int(row, 0),
-                            (int)pen_sq_column_int(row, 1), rgb.data, pixels);
+                            (int)pen_sq_column_int(row, 1), store->rgb, pixels);
     return true;
 }
 

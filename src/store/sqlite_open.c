@@ -18,7 +18,7 @@
 #include "sqlite.h"
 #include "wake.h"
 
-enum { PATIENCE_MS = 5000 };
+enum { PATIENCE_MS = 5000, DOCUMENT_LEVEL = 1 /* of zstd: they are written once */ };
 
 static void pen_sq_close(struct pen_store *base)
 {
@@ -27,6 +27,8 @@ static void pen_sq_close(struct pen_store *base)
         sqlite3_finalize(store->stmt[i]);
     sqlite3_close(store->db);
     pen_packer_free(store->packer);
+    pen_pixels_free(store->pixels);
+    free(store->rgb);
     free(store->path);
     free(store);
 }
@@ -88,6 +90,7 @@ static const struct pen_store_ops ops = {
     .workers = pen_sq_workers,
     .artefact = pen_sq_artefact,
     .artefact_put = pen_sq_artefact_put,
+    .settle = pen_sq_settle,
     .tidy = pen_sq_tidy,
     .audit = pen_sq_audit,
 };
@@ -247,7 +250,7 @@ struct pen_store *pen_sqlite_open(const char *path, struct pen_status *st)
         store->base.ops = &ops;
         store->patience_ms = PATIENCE_MS;
         store->path = strdup(path);
-        store->packer = pen_packer_new();
+        store->packer = pen_packer_new(DOCUMENT_LEVEL);
     }
     if (!store || !store->path || !store->packer)
         pen_fail(st, PEN_NO_MEMORY, "no memory for the store");

@@ -162,11 +162,19 @@ void pen_sq_wind_back_log(struct pen_sq_store *store)
     checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
 }
 
+bool pen_sq_settle(struct pen_store *base, struct pen_status *st)
+{
+    struct pen_sq_store *store = pen_sq_of(base);
+    int rc = sqlite3_wal_checkpoint_v2(store->db, "main", SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
+    return rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY || pen_sq_error(store, rc, st);
+}
+
 static void keep_log_short(struct pen_sq_store *store)
 {
+    store->base.unsettled = store->wal_pages >= WAL_CHECKPOINT_PAGES;
     if (store->wal_pages >= WAL_TRUNCATE_PAGES)
         checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
-    else if (store->wal_pages >= WAL_CHECKPOINT_PAGES)
+    else if (store->base.unsettled && !store->base.others_settle)
         checkpoint(store, SQLITE_CHECKPOINT_PASSIVE);
 }
 

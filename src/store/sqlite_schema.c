@@ -130,7 +130,11 @@ static const char step_4[] = "CREATE TABLE worker ("
                              " seen_ms INTEGER NOT NULL"
                              ") STRICT, WITHOUT ROWID;";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4};
+/* No change of tables: from here on pixels may be of the form 0x02, see pixels.c, which a build of
+ * the schema before cannot read. */
+static const char step_5[] = "";
+
+static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,

@@ -265,6 +265,22 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
     return store->ops->artefact_put(store, id, view, layer, format, data, bytes, st);
 }
 
+void pen_store_leave_settling(struct pen_store *store)
+{
+    store->others_settle = true;
+}
+
+bool pen_store_unsettled(const struct pen_store *store)
+{
+    return store->unsettled;
+}
+
+bool pen_store_settle(struct pen_store *store, struct pen_status *st)
+{
+    struct span span = begin(store, "settle");
+    return end(store, &span, store->ops->settle(store, st));
+}
+
 bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
 {
     struct span span = begin(store, "tidy");

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* What keeping a job's work costs beside rendering it: the calls of a worker on the store, their
  * time (wall clock, and processor time of the thread that made them) and the transactions among
- * them, for jobs that take turns. The share of a job is the wall time of all calls, heartbeats
- * among them, of the time its tiles took to render. A heartbeat is also timed apart, since a short
- * job sees few of them: most only read, and one in a third of the lease extends it.
+ * them, for jobs that take turns. Shares are of the time that the job's tiles took to render.
+ * Packing of pixels goes on beside rendering, in a thread of its own; it costs processor time,
+ * which has a share of its own. A heartbeat is also timed apart, since a short job sees few of
+ * them: most only read, and one in a third of the lease extends it.
  *
  * usage: bench_traffic [runs] [folder]     the store is made in a new folder in there (/tmp) */
 #include <inttypes.h>
@@ -34,13 +35,14 @@ struct tally {
     int64_t transactions;
     double wall_ms, cpu_ms;
 };
-enum { COMMIT, CLAIM, READ, HEARTBEAT, OTHER, KINDS };
-static const char *const kind_names[KINDS] = {"commit", "claim", "read", "heartbeat", "other"};
+enum { COMMIT, CLAIM, READ, HEARTBEAT, PACK, SETTLE, OTHER, KINDS };
+static const char *const kind_names[KINDS] = {"commit",    "claim",  "read",
+                                              "heartbeat", "pack", "settle", "other"};
 
 /* One run of a job. */
 struct run {
     struct tally kind[KINDS];
-    double render_ms, stats_store_ms;
+    double render_ms, cpu_ms, stats_store_ms;
 };
 
 static struct {
@@ -56,6 +58,10 @@ static int kind_of(const char *name)
         return CLAIM;
     if (strcmp(name, "job") == 0 || strcmp(name, "scene") == 0 || strcmp(name, "pixels") == 0)
         return READ;
+    if (strcmp(name, "pack") == 0)
+        return PACK;
+    if (strcmp(name, "settle") == 0)
+        return SETTLE;
     return strcmp(name, "heartbeat") == 0 ? HEARTBEAT : OTHER;
 }
 
@@ -116,6 +122,7 @@ static void read_times(struct pen_jobs *jobs, const char *id, struct run *run)
         die("stats", &st);
     const json_t *timing = json_object_get(stats, "timing");
     run->render_ms = json_number_value(json_object_get(timing, "render_ms"));
+    run->cpu_ms = json_number_value(json_object_get(timing, "cpu_ms"));
     run->stats_store_ms = json_number_value(json_object_get(timing, "store_ms"));
     json_decref(stats);
 }
@@ -158,11 +165,18 @@ static struct range range_of(double *values, int count)
                           values[count - 1]};
 }
 
-static double all_calls_ms(const struct run *run)
+/* What rendering waits for: all calls of the worker's own thread. */
+static double waited_ms(const struct run *run)
+{
+    return run->kind[COMMIT].wall_ms + run->kind[CLAIM].wall_ms + run->kind[READ].wall_ms +
+           run->kind[OTHER].wall_ms;
+}
+
+static double spent_ms(const struct run *run)
 {
     double ms = 0;
     for (int kind = 0; kind < KINDS; kind++)
-        ms += run->kind[kind].wall_ms;
+        ms += run->kind[kind].cpu_ms;
     return ms;
 }
 
@@ -181,23 +195,32 @@ static void print_kind(const struct run *runs, int count, int kind)
            c.median);
 }
 
+static void print_range(const char *what, double *values, int count)
+{
+    struct range r = range_of(values, count);
+    printf("  %s %.2f (%.2f to %.2f)\n", what, r.median, r.least, r.most);
+}
+
 static void print_job(const char *title, const struct run *runs, int count)
 {
-    double render[RUNS_MAX], store[RUNS_MAX], share[RUNS_MAX], stats[RUNS_MAX];
+    double render[RUNS_MAX], commits[RUNS_MAX], all[RUNS_MAX], cpu[RUNS_MAX], stats[RUNS_MAX];
     for (int i = 0; i < count; i++) {
-        render[i] = runs[i].render_ms;
-        store[i] = all_calls_ms(&runs[i]);
-        stats[i] = runs[i].stats_store_ms;
-        share[i] = 100 * store[i] / render[i];
+        const struct run *run = &runs[i];
+        double beat_ms = run->kind[HEARTBEAT].wall_ms;
+        render[i] = run->render_ms;
+        commits[i] = 100 * (waited_ms(run) - run->kind[READ].wall_ms + beat_ms) / run->render_ms;
+        all[i] = 100 * (waited_ms(run) + beat_ms) / run->render_ms;
+        cpu[i] = 100 * spent_ms(run) / run->cpu_ms;
+        stats[i] = run->stats_store_ms;
     }
-    struct range r = range_of(render, count), s = range_of(store, count),
-                 p = range_of(share, count), t = range_of(stats, count);
     printf("%s, %d runs\n", title, count);
     for (int kind = 0; kind < KINDS; kind++)
         print_kind(runs, count, kind);
-    printf("  render %.1f ms (%.1f to %.1f), all calls %.2f ms, share %.2f %% (%.2f to %.2f);"
-           " store_ms of the statistics %.1f\n",
-           r.median, r.least, r.most, s.median, p.median, p.least, p.most, t.median);
+    print_range("rendering, ms", render, count);
+    print_range("claims, commits and heartbeats, % of it", commits, count);
+    print_range("with reads, %", all, count);
+    print_range("processor time of all these, % of the tiles'", cpu, count);
+    print_range("store_ms of the statistics", stats, count);
 }
 
 /* Heartbeats of a claim that is held: what reading costs, and what extending does. */

@@ -106,6 +106,27 @@ START_TEST(test_worker__several_batches_give_the_pixels_of_a_direct_render)
 }
 END_TEST
 
+/* Pixels are packed in slices, while others are still rendered. */
+START_TEST(test_worker__large_batches_give_the_pixels_of_a_direct_render)
+{
+    static const char *const sizes[] = {
+        ", \"render\": {\"width\": 611, \"height\": 401}",
+        ", \"render\": {\"width\": 401, \"height\": 611, \"tile\": 7}",
+        ", \"render\": {\"width\": 511, \"height\": 303, \"tile\": 400}",
+        ", \"render\": {\"width\": 300, \"height\": 450, \"tile\": 4096}"};
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    for (int i = 0; i < 4; i++) {
+        jobs_submit(&bed, jobs_scene(sizes[i]), id);
+        ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+        struct pen_film *film = render_directly(jobs_scene(sizes[i]));
+        compare_with_film(film);
+        pen_film_free(film);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_worker__views_are_rendered_each_from_its_camera)
 {
     static const char views[] =
@@ -321,6 +342,7 @@ END_TEST
 
 PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__several_batches_give_the_pixels_of_a_direct_render,
+          test_worker__large_batches_give_the_pixels_of_a_direct_render,
           test_worker__views_are_rendered_each_from_its_camera,
           test_worker__cancel_reaches_a_running_batch, test_worker__job_that_takes_too_long_fails,
           test_worker__job_whose_time_ran_out_between_batches_fails,

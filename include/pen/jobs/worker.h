@@ -36,7 +36,8 @@ struct pen_worker_options {
     void (*stuck)(void *user);
     void *stuck_user;
     const struct pen_worker_fault *fault; /* NULL: none */
-    /* Told of the worker's calls on the store, also from the heartbeat's thread; NULL: none. */
+    /* Told of the worker's calls on the store, also from the heartbeat's thread, and of packing
+     * ("pack", once per batch, from a third); NULL: none. */
     const struct pen_store_observer *observer;
 };
 

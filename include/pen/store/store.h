@@ -23,6 +23,7 @@
 
 #include "pen/base/buf.h"
 #include "pen/base/status.h"
+#include "pen/store/pixels.h"
 
 enum { PEN_ID_BYTES = 37 }; /* UUID text and its end */
 
@@ -198,10 +199,11 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
 
 /* What a batch came to. */
 struct pen_result {
-    const float *rgb; /* tiles in order, each its rows; tile_pixels * 3 values; NULL: assemble */
+    const float *rgb; /* tiles in order, each its rows; pixels * 3 values; or NULL */
     int64_t pixels;
-    const char *stats;          /* JSON, kept as long as the job */
-    const char *layer, *format; /* of the artefact; NULL: none */
+    const struct pen_pixels *packed; /* the same, packed beforehand; or NULL. Assemble: neither */
+    const char *stats;               /* JSON, kept as long as the job */
+    const char *layer, *format;      /* of the artefact; NULL: none */
     const void *artefact;
     size_t artefact_bytes;
 };
@@ -305,6 +307,15 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
 /* Housekeeping: idempotency keys and workers older than key_age_ms go, unused scene documents go,
  * room no longer needed is given back to the file system. */
 bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+
+/* An engine first writes changes to a log and later brings them to their place. A commit does that
+ * itself now and then, and takes the longer for it; a handle can leave it to another one, whose
+ * caller has the time: pen_store_unsettled says after a commit that it is due, and the other calls
+ * pen_store_settle, which keeps nobody from reading or writing. Where that does not happen, a
+ * commit does it in the end. Fails: PEN_STORAGE, PEN_STORAGE_FULL; nothing is lost. */
+void pen_store_leave_settling(struct pen_store *store);
+bool pen_store_unsettled(const struct pen_store *store);
+bool pen_store_settle(struct pen_store *store, struct pen_status *st);
 
 /* One batch as stored, for looking on. */
 struct pen_batch_record {

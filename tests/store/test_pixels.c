@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT */
+/* Stored pixels come back bit for bit, however they were packed; those that an earlier version
+ * stored are read; damage is noticed. */
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zstd.h>
+
+#include "pen/store/pixels.h"
+#include "support/random.h"
+#include "support/store.h"
+#include "support/suite.h"
+
+static struct store_bed bed;
+static struct store_job job;
+
+enum { SIDE = STORE_JOB_TILE, TILE_PIXELS = SIDE * SIDE, MOST = 3 * PEN_PIXELS_SLICE + 1 };
+static float sent[3 * MOST];
+
+/* Bits of every kind: smooth values, equal ones, and any pattern at all, NaNs among them. */
+static void fill(struct random *random, int pixels)
+{
+    for (int i = 0; i < 3 * pixels; i++) {
+        uint32_t bits = (uint32_t)random_bits(random);
+        switch (i / 999 % 3) {
+        case 0:
+            sent[i] = 0.25F + (float)i * 1e-6F + (float)random_unit(random) * 1e-4F;
+            break;
+        case 1:
+            sent[i] = i > 3 ? sent[i - 3] : 0;
+            break;
+        default:
+            memcpy(&sent[i], &bits, sizeof bits);
+        }
+    }
+}
+
+/* A job of one batch of so many pixels, claimed. */
+static struct pen_claim claim_of(int n, int pixels)
+{
+    store_job_init(&job, n, 1, 1);
+    job.view[0].width = pixels;
+    job.view[0].height = 1;
+    job.batch[0].pixels = pixels;
+    store_job_submit(bed.store, &job);
+    return store_claim(bed.store, "w");
+}
+
+static enum pen_code commit(const struct pen_claim *claim, struct pen_result *result)
+{
+    struct pen_status st = {0};
+    result->stats = "{}";
+    result->layer = "beauty";
+    result->format = "png";
+    result->artefact = "picture";
+    result->artefact_bytes = 7;
+    return pen_store_commit(bed.store, claim, result, &st) ? PEN_OK : st.code;
+}
+
+static bool compare(void *user, int first_tile, int tile_count, const float *rgb, int64_t pixels)
+{
+    (void)first_tile;
+    (void)tile_count;
+    ck_assert_mem_eq(rgb, sent, (size_t)pixels * 3 * sizeof *rgb);
+    *(int64_t *)user += pixels;
+    return true;
+}
+
+static void check_stored(int pixels)
+{
+    struct pen_status st;
+    int64_t seen = 0;
+    store_must(pen_store_pixels(bed.store, job.id, 0, compare, &seen, &st), &st, "pixels");
+    ck_assert_int_eq(seen, pixels);
+}
+
+START_TEST(test_pixels__come_back_bit_for_bit_whatever_their_number)
+{
+    static const int counts[] = {
+        1, 2, 3, 1000, PEN_PIXELS_SLICE - 1, PEN_PIXELS_SLICE, PEN_PIXELS_SLICE + 1, MOST};
+    struct random random = random_begin(71);
+    store_bed_open(&bed);
+    for (int i = 0; i < (int)(sizeof counts / sizeof counts[0]); i++) {
+        fill(&random, counts[i]);
+        printf("seed %llu, %d pixels\n", (unsigned long long)random.seed, counts[i]);
+        struct pen_claim claim = claim_of(i, counts[i]);
+        struct pen_result result = {.rgb = sent, .pixels = counts[i]};
+        ck_assert_int_eq(commit(&claim, &result), PEN_OK);
+        check_stored(counts[i]);
+    }
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_pixels__may_be_packed_beforehand_in_parts_of_any_size)
+{
+    struct random random = random_begin(72);
+    struct pen_pixels *pixels = pen_pixels_new();
+    struct pen_status st;
+    store_bed_open(&bed);
+    for (int i = 0; i < 5; i++) {
+        int count = 1 + (int)(random_unit(&random) * (MOST - 1)), done = 0;
+        fill(&random, count);
+        printf("seed %llu, %d pixels\n", (unsigned long long)random.seed, count);
+        pen_pixels_begin(pixels);
+        while (done < count) {
+            int part = 1 + (int)(random_unit(&random) * 1.5 * PEN_PIXELS_SLICE);
+            part = part < count - done ? part : count - done;
+            store_must(pen_pixels_add(pixels, sent + 3 * done, part, &st), &st, "add");
+            done += part;
+        }
+        ck_assert_int_eq(pen_pixels_count(pixels), count);
+        struct pen_claim claim = claim_of(i, count);
+        struct pen_result result = {.packed = pixels, .pixels = count};
+        ck_assert_int_eq(commit(&claim, &result), PEN_OK);
+        check_stored(count);
+    }
+    pen_pixels_free(pixels);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_pixels__packed_in_another_number_are_refused)
+{
+    struct pen_pixels *pixels = pen_pixels_new();
+    struct pen_status st;
+    store_bed_open(&bed);
+    struct pen_claim claim = claim_of(1, 16);
+    pen_pixels_begin(pixels);
+    store_must(pen_pixels_add(pixels, sent, 15, &st), &st, "add");
+    struct pen_result result = {.packed = pixels, .pixels = 16};
+    ck_assert_int_eq(commit(&claim, &result), PEN_INTERNAL);
+    store_must(pen_pixels_add(pixels, sent, 1, &st), &st, "add");
+    ck_assert_int_eq(commit(&claim, &result), PEN_OK);
+    pen_pixels_free(pixels);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Runs SQL on the store's file, behind its back, with a blob for the first parameter. */
+static void run_sql(const char *sql, const void *blob, size_t bytes)
+{
+    sqlite3 *db;
+    sqlite3_stmt *stmt;
+    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_prepare_v2(db, sql, -1, &stmt, NULL), SQLITE_OK);
+    if (blob)
+        sqlite3_bind_blob(stmt, 1, blob, (int)bytes, SQLITE_STATIC);
+    int rc = sqlite3_step(stmt);
+    ck_assert_msg(rc == SQLITE_DONE || rc == SQLITE_ROW, "%s: %s", sql, sqlite3_errmsg(db));
+    sqlite3_finalize(stmt);
+    sqlite3_close(db);
+}
+
+/* What the version before stored: one frame of three times four planes of bytes, of the zigzag of
+ * differences along each channel. Written from its description, with division for shifts. */
+static size_t pack_as_before(int pixels, unsigned char *out, size_t room)
+{
+    unsigned char *planes = malloc((size_t)pixels * 12);
+    for (int channel = 0; channel < 3; channel++) {
+        uint32_t last = 0;
+        for (int i = 0; i < pixels; i++) {
+            uint32_t bits;
+            memcpy(&bits, &sent[3 * i + channel], sizeof bits);
+            int64_t difference = (int32_t)(bits - last);
+            uint64_t zigzag =
+                difference >= 0 ? 2 * (uint64_t)difference : 2 * (uint64_t)-difference - 1;
+            for (int k = 0; k < 4; k++, zigzag /= 256)
+                planes[(channel * 4 + k) * pixels + i] = (unsigned char)(zigzag % 256);
+            last = bits;
+        }
+    }
+    size_t bytes = ZSTD_compress(out, room, planes, (size_t)pixels * 12, 1);
+    ck_assert(!ZSTD_isError(bytes));
+    free(planes);
+    return bytes;
+}
+
+START_TEST(test_pixels__of_the_version_before_are_read)
+{
+    enum { PIXELS = 5000 };
+    static unsigned char old[PIXELS * 13 + 1000];
+    struct random random = random_begin(73);
+    store_bed_open(&bed);
+    fill(&random, PIXELS);
+    size_t bytes = pack_as_before(PIXELS, old, sizeof old);
+    struct pen_claim claim = claim_of(1, PIXELS);
+    static const float black[3 * PIXELS];
+    struct pen_result result = {.rgb = black, .pixels = PIXELS};
+    ck_assert_int_eq(commit(&claim, &result), PEN_OK);
+    pen_store_close(bed.store);
+    run_sql("UPDATE pixels SET data = ?", old, bytes);
+    run_sql("PRAGMA user_version = 4", NULL, 0);
+    bed.store = store_bed_handle(&bed);
+    check_stored(PIXELS);
+    store_bed_close(&bed);
+}
+END_TEST
+
+static bool ignore(void *user, int first_tile, int tile_count, const float *rgb, int64_t pixels)
+{
+    (void)user;
+    (void)first_tile;
+    (void)tile_count;
+    (void)rgb;
+    (void)pixels;
+    return true;
+}
+
+static void expect_damaged(const char *data)
+{
+    struct pen_status st = {0};
+    char sql[200];
+    snprintf(sql, sizeof sql, "UPDATE pixels SET data = CAST(%s AS BLOB) FROM kept", data);
+    run_sql(sql, NULL, 0);
+    ck_assert_msg(!pen_store_pixels(bed.store, job.id, 0, ignore, NULL, &st), "%s", data);
+    ck_assert_msg(st.code == PEN_STORAGE, "%s: %s", data, st.msg);
+}
+
+START_TEST(test_pixels__damage_is_noticed)
+{
+    /* What is left of the stored bytes, and what comes before and after. */
+    static const char *const damages[] = {
+        "x''",
+        "x'02'",
+        "x'03' || substr(kept.data, 2)",
+        "substr(kept.data, 1, 500)",
+        "kept.data || x'00'",
+        "kept.data || x'000000000000000000'",
+        "x'02ffffffff' || substr(kept.data, 6)",
+        "x'02e703' || substr(kept.data, 4)", /* 999 pixels */
+        "substr(kept.data, 1, 700) || x'5a5a' || substr(kept.data, 703)",
+    };
+    struct random random = random_begin(74);
+    store_bed_open(&bed);
+    fill(&random, 1000);
+    struct pen_claim claim = claim_of(1, 1000);
+    struct pen_result result = {.rgb = sent, .pixels = 1000};
+    ck_assert_int_eq(commit(&claim, &result), PEN_OK);
+    run_sql("CREATE TABLE kept AS SELECT data FROM pixels", NULL, 0);
+    for (int i = 0; i < (int)(sizeof damages / sizeof damages[0]); i++)
+        expect_damaged(damages[i]);
+    run_sql("UPDATE pixels SET data = (SELECT data FROM kept)", NULL, 0);
+    check_stored(1000);
+    run_sql("DROP TABLE kept", NULL, 0);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("store pixels", test_pixels__come_back_bit_for_bit_whatever_their_number,
+          test_pixels__may_be_packed_beforehand_in_parts_of_any_size,
+          test_pixels__packed_in_another_number_are_refused,
+          test_pixels__of_the_version_before_are_read, test_pixels__damage_is_noticed)
