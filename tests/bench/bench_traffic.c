@@ -36,8 +36,8 @@ struct tally {
     double wall_ms, cpu_ms;
 };
 enum { COMMIT, CLAIM, READ, HEARTBEAT, PACK, SETTLE, OTHER, KINDS };
-static const char *const kind_names[KINDS] = {"commit",    "claim",  "read",
-                                              "heartbeat", "pack", "settle", "other"};
+static const char *const kind_names[KINDS] = {"commit", "claim",  "read", "heartbeat",
+                                              "pack",   "settle", "other"};
 
 /* One run of a job. */
 struct run {
