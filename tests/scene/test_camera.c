@@ -166,6 +166,118 @@ START_TEST(test_camera__orbit_moves_eye_and_frame)
 }
 END_TEST
 
+static void assert_near(struct pen_vec3 got, double x, double y, double z)
+{
+    double off = pen_length(pen_sub(got, pen_vec3(x, y, z)));
+    ck_assert_msg(off <= 1e-14 * (1 + pen_length(got)), "(%g %g %g) is not (%g %g %g)", got.x,
+                  got.y, got.z, x, y, z);
+}
+
+/* Angles without a right one among them, by closed forms: 30 degrees about each axis, and a third
+ * of a turn about the diagonal, which permutes the axes: x to y to z to x. */
+START_TEST(test_camera__rotate_by_any_angle_about_any_axis)
+{
+    const double half = 0.5, most = 0.5 * sqrt(3);
+    struct pen_camera_move move = {
+        .kind = PEN_MOVE_ROTATE, .axis_kind = PEN_AXIS_RIGHT, .degrees = 30};
+    struct pen_camera_frame frame = moved(&move, 1); /* looks up */
+    assert_near(frame.forward, 0, half, -most);
+    assert_near(frame.up, 0, most, half);
+    assert_near(frame.right, 1, 0, 0);
+    move.axis_kind = PEN_AXIS_UP; /* looks left */
+    frame = moved(&move, 1);
+    assert_near(frame.forward, -half, 0, -most);
+    assert_near(frame.up, 0, 1, 0);
+    assert_near(frame.right, most, 0, -half);
+    move.axis_kind = PEN_AXIS_FORWARD; /* leans to the right */
+    frame = moved(&move, 1);
+    assert_near(frame.forward, 0, 0, -1);
+    assert_near(frame.up, half, most, 0);
+    assert_near(frame.right, most, -half, 0);
+    move = (struct pen_camera_move){.kind = PEN_MOVE_ROTATE, .axis = {7, 7, 7}, .degrees = 120};
+    frame = moved(&move, 1);
+    assert_near(frame.forward, -1, 0, 0);
+    assert_near(frame.up, 0, 0, 1);
+    assert_near(frame.right, 0, 1, 0);
+    assert_vec(frame.eye, 0, 0, 100);
+}
+END_TEST
+
+/* The same third of a turn about a diagonal through (10, 20, 30): seen from there the eye is at
+ * (-10, -20, 70), and goes to (70, -10, -20). */
+START_TEST(test_camera__orbit_about_any_axis_and_target)
+{
+    const struct pen_camera_move orbit = {
+        .kind = PEN_MOVE_ORBIT, .axis = {2, 2, 2}, .vector = {10, 20, 30}, .degrees = 120};
+    struct pen_camera_frame frame = moved(&orbit, 1);
+    assert_near(frame.eye, 80, 10, 10);
+    assert_near(frame.forward, -1, 0, 0);
+    assert_near(frame.up, 0, 0, 1);
+    assert_near(frame.right, 0, 1, 0);
+}
+END_TEST
+
+/* However it orbits, a camera that looks at the target goes on doing so, from the same distance,
+ * and an orbit about the view direction is a rotation. */
+START_TEST(test_camera__orbit_keeps_its_target_in_place)
+{
+    srand(29);
+    for (int i = 0; i < 200; i++) {
+        struct pen_vec3 target = pen_vec3(rand() % 19 - 9, rand() % 19 - 9, rand() % 19 - 9);
+        struct pen_vec3 axis = pen_vec3(1 + rand() % 9, rand() % 19 - 9, rand() % 19 - 9);
+        const struct pen_camera_move orbit = {.kind = PEN_MOVE_ORBIT,
+                                              .axis = axis,
+                                              .vector = target,
+                                              .degrees = rand() % 7200 * 0.1 - 360};
+        struct pen_camera_desc camera = camera_at(pen_vec3(20, 3, -5), pen_vec3(0, 0, 0));
+        camera.has_look_at = true;
+        camera.look_at = target;
+        camera.up = pen_vec3(0.1, 1, 0.2);
+        struct pen_camera_frame before = frame_of(&camera);
+        camera.moves = &orbit;
+        camera.move_count = 1;
+        struct pen_camera_frame after = frame_of(&camera);
+        double distance = pen_length(pen_sub(target, before.eye));
+        struct pen_vec3 ahead = pen_along(after.eye, after.forward, distance);
+        assert_near(ahead, target.x, target.y, target.z);
+        /* Rigid: eye and axes keep their angles to the axis of the orbit. */
+        struct pen_vec3 n = pen_normalize(axis);
+        ck_assert_double_eq_tol(pen_dot(before.up, n), pen_dot(after.up, n), 1e-14);
+        ck_assert_double_eq_tol(pen_dot(before.right, n), pen_dot(after.right, n), 1e-14);
+    }
+    const struct pen_camera_move roll[] = {
+        {.kind = PEN_MOVE_ORBIT, .axis = {0, 0, -1}, .vector = {0, 0, 5}, .degrees = 37},
+        {.kind = PEN_MOVE_ROTATE, .axis_kind = PEN_AXIS_FORWARD, .degrees = 37}};
+    struct pen_camera_frame orbited = moved(&roll[0], 1), rotated = moved(&roll[1], 1);
+    assert_near(orbited.eye, rotated.eye.x, rotated.eye.y, rotated.eye.z);
+    assert_near(orbited.up, rotated.up.x, rotated.up.y, rotated.up.z);
+}
+END_TEST
+
+/* Moves apply one after the other: the same two in another order are another camera, parts of a
+ * turn add up, and a turn and its opposite cancel. */
+START_TEST(test_camera__moves_apply_in_order)
+{
+    const struct pen_camera_move step = {.kind = PEN_MOVE_TRANSLATE, .vector = {10, 0, 0}};
+    const struct pen_camera_move orbit = {
+        .kind = PEN_MOVE_ORBIT, .axis = {0, 1, 0}, .vector = {0, 0, 0}, .degrees = 90};
+    const struct pen_camera_move first[] = {step, orbit}, last[] = {orbit, step};
+    assert_vec(moved(first, 2).eye, 100, 0, -10);
+    assert_vec(moved(last, 2).eye, 110, 0, 0);
+    struct pen_camera_move parts[] = {orbit, orbit, orbit};
+    parts[0].degrees = 17;
+    parts[1].degrees = 44;
+    parts[2].degrees = 29;
+    struct pen_camera_frame sum = moved(parts, 3);
+    assert_near(sum.eye, 100, 0, 0);
+    assert_near(sum.forward, -1, 0, 0);
+    parts[2].degrees = -61;
+    sum = moved(parts, 3);
+    assert_near(sum.eye, 0, 0, 100);
+    assert_near(sum.forward, 0, 0, -1);
+}
+END_TEST
+
 START_TEST(test_camera__frame_stays_orthonormal)
 {
     enum { MOVES = 4000 };
@@ -261,7 +373,9 @@ END_TEST
 PEN_SUITE("camera", test_camera__frame_is_right_handed, test_camera__up_is_made_orthogonal,
           test_camera__refuses_what_gives_no_frame, test_camera__frame_survives_any_length,
           test_camera__translate_is_in_world_axes, test_camera__rotate_is_about_the_current_axes,
-          test_camera__orbit_moves_eye_and_frame, test_camera__frame_stays_orthonormal,
-          test_camera__rays_of_the_classic_view_planes,
+          test_camera__orbit_moves_eye_and_frame, test_camera__rotate_by_any_angle_about_any_axis,
+          test_camera__orbit_about_any_axis_and_target,
+          test_camera__orbit_keeps_its_target_in_place, test_camera__moves_apply_in_order,
+          test_camera__frame_stays_orthonormal, test_camera__rays_of_the_classic_view_planes,
           test_camera__fov_is_vertical_and_pixels_are_square, test_camera__view_plane_may_stretch,
           test_camera__mirrored_pixels_have_mirrored_rays)
