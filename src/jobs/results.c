@@ -102,10 +102,12 @@ static void shrink_into(const struct pen_film *view, int shrink, int x0, int y0,
     }
 }
 
-/* Places of views on a contact sheet: as square a grid as fits, views shrunk by a whole number
- * where the sheet would become too large. */
+/* Places of views on a contact sheet: as square a grid as fits, with black gaps between the views,
+ * and these shrunk by a whole number where the sheet would become too large. */
 struct grid {
-    int columns, rows, shrink, width, height; /* width and height of a cell */
+    int columns, rows, shrink, gap;
+    int width, height;             /* of a cell */
+    int sheet_width, sheet_height; /* all in pixels */
 };
 
 static struct grid plan_grid(const struct pen_job_plan *plan)
@@ -118,8 +120,11 @@ static struct grid plan_grid(const struct pen_job_plan *plan)
         grid.shrink++;
         grid.width = plan->settings.width / grid.shrink;
         grid.height = plan->settings.height / grid.shrink;
-    } while ((double)grid.width * grid.height * grid.columns * grid.rows > SHEET_PIXELS_MAX &&
-             grid.width > 1 && grid.height > 1);
+        grid.gap = 1 + grid.width / 128;
+        grid.sheet_width = (grid.width + grid.gap) * grid.columns - grid.gap;
+        grid.sheet_height = (grid.height + grid.gap) * grid.rows - grid.gap;
+    } while ((double)grid.sheet_width * grid.sheet_height > SHEET_PIXELS_MAX && grid.width > 1 &&
+             grid.height > 1);
     return grid;
 }
 
@@ -128,14 +133,14 @@ static struct pen_film *make_sheet(struct pen_jobs *jobs, const struct wanted *w
 {
     const struct pen_settings *s = &want->plan.settings;
     struct grid grid = plan_grid(&want->plan);
-    struct pen_film *sheet = pen_film_new(grid.width * grid.columns, grid.height * grid.rows, st);
+    struct pen_film *sheet = pen_film_new(grid.sheet_width, grid.sheet_height, st);
     struct pen_film *view = sheet ? pen_film_new(s->width, s->height, st) : NULL;
     bool ok = view != NULL;
     for (int i = 0; ok && i < want->plan.view_count; i++) {
         ok = load_view(jobs, want, i, view, st);
         if (ok)
-            shrink_into(view, grid.shrink, i % grid.columns * grid.width,
-                        i / grid.columns * grid.height, sheet);
+            shrink_into(view, grid.shrink, i % grid.columns * (grid.width + grid.gap),
+                        i / grid.columns * (grid.height + grid.gap), sheet);
     }
     pen_film_free(view);
     if (ok)

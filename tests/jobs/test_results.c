@@ -152,17 +152,21 @@ START_TEST(test_results__contact_sheet_holds_the_views_in_a_grid)
 {
     static const char *const names[] = {"a", "b", "c"};
     finished_job(three_views);
-    struct pen_film *sheet = film_of_job("all", 48, 36);
+    struct pen_film *sheet = film_of_job("all", 49, 37); /* a gap of one pixel */
     for (int i = 0; i < 3; i++) {
         struct pen_film *view = film_of_job(names[i], 24, 18);
         for (int y = 0; y < 18; y++) {
-            const float *cell = sheet->rgb + 3 * ((i / 2 * 18 + y) * 48 + i % 2 * 24);
+            const float *cell = sheet->rgb + 3 * ((i / 2 * 19 + y) * 49 + i % 2 * 25);
             ck_assert_mem_eq(cell, view->rgb + (ptrdiff_t)3 * 24 * y, 24 * 3 * sizeof(float));
         }
         pen_film_free(view);
     }
-    for (int i = 0; i < 24 * 3; i++)
-        ck_assert(sheet->rgb[3 * (18 * 48 + 24) + i] == 0);
+    for (int i = 0; i < 24 * 3; i++) /* nothing in the fourth place, and in the gaps */
+        ck_assert(sheet->rgb[3 * (19 * 49 + 25) + i] == 0);
+    for (int i = 0; i < 49 * 3; i++)
+        ck_assert(sheet->rgb[3 * 18 * 49 + i] == 0);
+    for (int i = 0; i < 37 * 3; i++)
+        ck_assert(sheet->rgb[3 * (i / 3 * 49 + 24) + i % 3] == 0);
     struct pen_png_options options = {.bits = 8, .transfer = PEN_TRANSFER_SRGB};
     struct pen_buf png = jobs_image(&bed, id, "all", "png");
     expect_png(sheet, &options, &png);
