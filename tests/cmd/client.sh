@@ -34,6 +34,37 @@ expect "count primary rays" "$(jq .rays.primary stdout)" 2400
 ends "stats into a file" 0 "$penumbra" stats "$id" -o stats.json
 expect "are the same" "$(jq .rays.primary stats.json)" 2400
 
+# Accelerators: each does its work, and none changes the picture
+for kind in auto none cbr manual median; do
+    ends "submit with $kind" 0 "$penumbra" submit scene.json "$@" --set accelerator=$kind -o kind.png
+    check "gives the same bytes" cmp kind.png a.png
+    "$penumbra" stats "$("$penumbra" list --limit 1 --json | jq -r '.jobs[0].id')" >stats.json
+    expect "and is in the statistics" "$(jq -r .accelerator.kind stats.json)" $kind
+done
+ends "an accelerator that is none" 2 "$penumbra" submit scene.json --set accelerator=bvh
+says "is answered with all there are" stderr '"auto", "none", "cbr", "manual", "median"'
+
+# Views: one job, each fetched by name, and all on one sheet
+jq '. + {views: [{name: "front"}, {name: "side", camera: {position: [5, 2, 9]}},
+    {name: "above", camera: {position: [0, 9, 3]}}]}' scene.json >views.json
+ends "submit a scene of views" 0 "$penumbra" submit views.json "$@" --wait
+views=$("$penumbra" list --limit 1 --json | jq -r '.jobs[0].id')
+for view in front side above; do
+    ends "fetch --view $view" 0 "$penumbra" fetch "$views" -o $view.pfm --view $view
+    "$penumbra" render views.json "$@" -o local.pfm --view $view
+    check "is the same as rendered here" cmp $view.pfm local.pfm
+done
+ends "fetch the first view by default" 0 "$penumbra" fetch "$views" -o first.pfm
+check "is the first of the document" cmp first.pfm front.pfm
+ends "fetch --view all" 0 "$penumbra" fetch "$views" -o sheet.pfm --view all
+expect "is a sheet of two by two" "$(sed -n 2p sheet.pfm)" "121 81"
+ends "fetch a view that is not there" 4 "$penumbra" fetch "$views" -o x.pfm --view below
+ends "submit some of the views" 0 "$penumbra" submit views.json "$@" --view above --view side --wait
+views=$("$penumbra" list --limit 1 --json | jq -r '.jobs[0].id')
+ends "fetch the first of them" 0 "$penumbra" fetch "$views" -o first.pfm --view above
+check "is the same" cmp first.pfm above.pfm
+ends "fetch one that was left out" 4 "$penumbra" fetch "$views" -o x.pfm --view front
+
 # Ways to submit
 ends "submit and wait" 0 "$penumbra" submit builtin:spheres "$@" --wait
 ends "submit and fetch" 0 "$penumbra" submit builtin:spheres "$@" -o b.png

@@ -148,6 +148,47 @@ START_TEST(test_stats__known_scene_costs_no_parse_and_no_build)
 }
 END_TEST
 
+struct builds {
+    int batches, built;
+};
+
+static bool count_builds(void *user, const struct pen_batch_stats *batch)
+{
+    struct builds *builds = user;
+    json_t *stats = json_loads(batch->stats, 0, NULL);
+    builds->batches++;
+    builds->built += number(json_object_get(stats, "timing"), "build_ms") > 0;
+    json_decref(stats);
+    return true;
+}
+
+/* A scene's views are rendered in one job, from one structure that is built once. */
+START_TEST(test_stats__views_share_one_build)
+{
+    jobs_bed_open(&bed);
+    jobs_submit(&bed,
+                jobs_scene(", \"views\": [{\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": \"c\"},"
+                           " {\"name\": \"d\"}], \"render\": {\"width\": 24, \"height\": 18,"
+                           " \"accelerator\": \"manual\"}"),
+                id);
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    struct builds builds = {0};
+    struct pen_status st;
+    store_must(pen_store_stats(bed.bed.store, id, count_builds, &builds, &st), &st, "stats");
+    ck_assert_int_eq(builds.batches, 4);
+    ck_assert_int_eq(builds.built, 1);
+    json_t *stats = stats_of_job();
+    const json_t *accelerator = json_object_get(stats, "accelerator");
+    ck_assert_str_eq(json_string_value(json_object_get(accelerator, "kind")), "manual");
+    ck_assert(number(accelerator, "build_ms") <=
+              number(json_object_get(stats, "timing"), "build_ms"));
+    ck_assert(number(json_object_get(stats, "rays"), "primary") == 4 * 24 * 18);
+    json_decref(stats);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 /* Percentiles are nearest ranks: of 1 ... 200 they are 100, 190 and 200, whatever the order. */
 START_TEST(test_stats__percentiles_of_tiles_are_nearest_ranks)
 {
@@ -188,5 +229,5 @@ END_TEST
 PEN_SUITE("stats", test_stats__of_a_job_is_the_sum_of_its_batches,
           test_stats__rays_do_not_depend_on_how_the_job_was_cut,
           test_stats__wait_for_the_end_and_then_say_what_is_known,
-          test_stats__known_scene_costs_no_parse_and_no_build,
+          test_stats__known_scene_costs_no_parse_and_no_build, test_stats__views_share_one_build,
           test_stats__percentiles_of_tiles_are_nearest_ranks)
