@@ -2,6 +2,7 @@
 /* Every scene of tests/golden/scenes, and the built-in ones small, against the oracle: a renderer
  * written apart (tests/support/oracle.h). Pixels may differ in the last digits; whole different
  * pixels are allowed only where a ray grazes an edge closer than rounding can tell. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,6 +48,8 @@ static struct picture rendered(const char *path, const char *view, int width)
     settings.height = settings.height * width / settings.width;
     settings.width = width;
     settings.samples_per_pixel = 1;
+    settings.light_samples = 1024; /* of soft lights, to be held against other points */
+    settings.light_pattern = PEN_PATTERN_SOBOL;
     struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_AUTO, 0, &st);
     ck_assert_msg(scene != NULL, "%s: %s", path, st.msg);
     struct picture p = {width, settings.height, NULL};
@@ -165,6 +168,45 @@ START_TEST(test_oracle__agrees_on_the_built_in_scenes)
 }
 END_TEST
 
+/* Soft shadows are means over different points of the disk: each pixel is within their errors, and
+ * those have no bias. */
+static void compare_soft(const char *name, int width)
+{
+    char path[256];
+    snprintf(path, sizeof path, "tests/golden/scenes/%s.json", name);
+    struct picture p = rendered(path, "main", width);
+    struct oracle_scene *oracle = oracle_load(path, NULL);
+    ck_assert_msg(oracle != NULL, "the oracle cannot read %s", path);
+    double worst = 0, sum = 0, brightness = 0;
+    for (int i = 0; i < p.width * p.height; i++) {
+        double theirs[3];
+        oracle_pixel(oracle, p.width, p.height, i % p.width, i / p.width, theirs);
+        for (int c = 0; c < 3; c++) {
+            double off = p.rgb[3 * i + c] - theirs[c];
+            worst = fmax(worst, fabs(off));
+            sum += off;
+            brightness += theirs[c];
+        }
+    }
+    double values = 3. * p.width * p.height;
+    printf("%s: largest difference %.5f, mean %.2g of %.3f\n", name, worst, sum / values,
+           brightness / values);
+    ck_assert_msg(worst < 0.01, "%s: %g", name, worst);
+    ck_assert_msg(fabs(sum / values) < 1.5e-4, "%s: mean %g", name, sum / values);
+    oracle_free(oracle);
+    free(p.rgb);
+}
+
+START_TEST(test_oracle__agrees_on_soft_shadows)
+{
+    compare_soft("soft-point", 48);
+    compare_soft("soft-spot-grid", 48);
+    compare_soft("soft-directional", 48);
+    compare_soft("soft-horizon", 48);
+}
+END_TEST
+
 PEN_SUITE("oracle", test_oracle__agrees_on_bodies,
           test_oracle__agrees_on_ties_but_for_overlapping_sheets, test_oracle__agrees_on_light,
-          test_oracle__agrees_on_every_view, test_oracle__agrees_on_the_built_in_scenes)
+          test_oracle__agrees_on_soft_shadows, test_oracle__agrees_on_every_view,
+          test_oracle__agrees_on_the_built_in_scenes)

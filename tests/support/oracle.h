@@ -3,7 +3,8 @@
  * every ray against every body, no tree, no tricks, scenes read straight from JSON. What the two
  * agree on is unlikely to be wrong in both. It shares no code with Penumbra.
  *
- * It knows one sample per pixel, hard lights and straight transmission, and trusts its input. */
+ * It knows one sample per pixel and straight transmission, takes soft lights by many points of its
+ * own choice, and trusts its input. */
 #ifndef TESTS_SUPPORT_ORACLE_H
 #define TESTS_SUPPORT_ORACLE_H
 

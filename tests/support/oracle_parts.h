@@ -75,6 +75,7 @@ struct oracle_light {
     enum oracle_light_kind kind;
     struct point intensity, position, direction; /* direction: unit */
     real kc, kl, kq, beam_exponent;
+    real radius; /* of the disk; directional: at distance 1 */
     bool shadows;
 };
 

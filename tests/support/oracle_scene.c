@@ -209,6 +209,8 @@ static bool lights_read(struct oracle_scene *s, const json_t *list)
         l->kl = k.y;
         l->kq = k.z;
         l->beam_exponent = number_or(o, "beam_exponent", 1);
+        real spread = number_or(o, "angular_radius", 0) * 3.14159265358979323846264338327950288L;
+        l->radius = l->kind == ORACLE_DIRECTIONAL ? tanl(spread / 180) : number_or(o, "radius", 0);
         l->shadows = !json_is_false(json_object_get(o, "shadows"));
     }
     return true;

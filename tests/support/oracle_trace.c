@@ -169,6 +169,38 @@ static struct point transmittance(const struct oracle_scene *s, struct point p, 
     return clear;
 }
 
+/* Any unit vector across a unit vector. */
+static struct point across(struct point n)
+{
+    struct point other = fabsl(n.x) < 0.5L ? (struct point){1, 0, 0} : (struct point){0, 1, 0};
+    return point_unit(point_cross(n, other));
+}
+
+/* T(p) of a light with a disk, by points of a sunflower's head: as many in equal areas, in no way
+ * like those of the renderer. `way` is the unit direction to the disk's centre, `reach` how far. */
+static struct point disk_transmittance(const struct oracle_scene *s,
+                                       const struct oracle_light *light,
+                                       const struct oracle_material *m, struct point p,
+                                       struct point n, struct point way, real reach)
+{
+    enum { POINTS = 640 };
+    const real golden_turn = 2.39996322972865332223155550663361385L;
+    bool far = light->kind == ORACLE_DIRECTIONAL;
+    struct point u = across(way), v = point_cross(way, u), sum = {0, 0, 0};
+    for (int i = 0; i < POINTS; i++) {
+        real r = light->radius * sqrtl((i + 0.5L) / POINTS), turn = i * golden_turn;
+        struct point to = point_times(way, far ? 1 : reach);
+        to = point_sum(to, point_times(u, r * cosl(turn)));
+        to = point_sum(to, point_times(v, r * sinl(turn)));
+        real length = far ? HUGE_VALL : point_length(to);
+        struct point t = transmittance(s, p, point_unit(to), length);
+        if (point_dot(n, to) <= 0) /* it comes through the surface at p */
+            t = point_product(t, m->kt);
+        sum = point_sum(sum, t);
+    }
+    return point_times(sum, 1.0L / POINTS);
+}
+
 static real power(real base, real exponent)
 {
     return base <= 0 ? 0 : powl(base, exponent);
@@ -195,8 +227,11 @@ static struct point light_at(const struct oracle_scene *s, const struct oracle_l
     struct point r = point_difference(l, point_times(n, 2 * facing));
     struct point term = point_sum(point_times(m->kd, -facing),
                                   point_times(m->ks, power(-point_dot(v, r), m->shininess)));
-    if (light->shadows)
-        arriving = point_product(arriving, transmittance(s, p, point_times(l, -1), reach));
+    struct point way = point_times(l, -1);
+    if (light->shadows && light->radius > 0)
+        arriving = point_product(arriving, disk_transmittance(s, light, m, p, n, way, reach));
+    else if (light->shadows)
+        arriving = point_product(arriving, transmittance(s, p, way, reach));
     return point_product(arriving, term);
 }
 
