@@ -48,9 +48,12 @@ static uint64_t film_hash(const float *film, size_t count)
     return h;
 }
 
-/* Shrinks the image, keeping its shape, so that all scenes take seconds. */
+/* Shrinks the image, keeping its shape, and takes few of many samples, so that all scenes take
+ * seconds. */
 static void shrink(struct pen_settings *s)
 {
+    if (s->light_samples > 32)
+        s->light_samples = 8;
     int longest = s->width > s->height ? s->width : s->height;
     if (longest <= LONGEST_EDGE)
         return;
