@@ -164,6 +164,7 @@ START_TEST(test_oracle__agrees_on_the_built_in_scenes)
     for (int i = 0; i < 4; i++)
         different += differences("scenes/forest", forest[i], 60);
     different += differences("scenes/room", NULL, 50);
+    different += differences("scenes/teapot", NULL, 40);
     ck_assert_int_eq(different, 0);
 }
 END_TEST
