@@ -43,6 +43,7 @@ static const struct code_row table[PEN_CODE_COUNT] = {
     [PEN_CONFLICT] = {"conflict", "Wrong state", 409, EXIT_STATE},
     [PEN_LENGTH] = {"length-required", "Length required", 411, EXIT_INPUT},
     [PEN_MEDIA_TYPE] = {"media-type", "Unsupported media type", 415, EXIT_INPUT},
+    [PEN_ACCEPT] = {"not-acceptable", "Not acceptable", 406, EXIT_USAGE},
     [PEN_RANGE] = {"range", "Range not satisfiable", 416, EXIT_USAGE},
     [PEN_QUOTA] = {"quota", "Quota exceeded", 429, EXIT_NETWORK},
     [PEN_UNAVAILABLE] = {"unavailable", "Not ready", 503, EXIT_NETWORK},

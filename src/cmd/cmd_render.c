@@ -231,7 +231,7 @@ static json_t *make_stats(const struct render *r)
                                  .encode_ms = r->encode_ms,
                                  .total_ms = r->total_ms,
                                  .render = &r->stats,
-                                 .scene = r->scene};
+                                 .accel = pen_accel_get_stats(r->scene->accel)};
     return pen_stats_json(&in);
 }
 

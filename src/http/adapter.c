@@ -65,6 +65,7 @@ static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *
         {"X-Request-Id", offsetof(struct fields, request_id), false},
         {"Expect", offsetof(struct fields, expect), false},
         {"Last-Event-ID", offsetof(struct fields, last_event_id), false},
+        {"Accept", offsetof(struct fields, accept), false},
     };
     (void)kind;
     struct fields *fields = cls;

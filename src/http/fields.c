@@ -3,6 +3,7 @@
  * wins: no match, no range, another type, a foreign host. */
 #include <ctype.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -99,6 +100,67 @@ bool pen_etag_listed(const char *if_none_match, const char *etag)
         at = close + 1;
     }
     return false;
+}
+
+/* How closely a media range of `length` bytes names a type: 3 itself, 2 its main type, 1 any type,
+ * 0 it does not. */
+static int range_fits(const char *range, size_t length, const char *type)
+{
+    size_t slash = strcspn(type, "/");
+    if (strlen(type) == length && strncasecmp(range, type, length) == 0)
+        return 3;
+    if (length == slash + 2 && strncasecmp(range, type, slash + 1) == 0 && range[slash + 1] == '*')
+        return 2;
+    return length == 3 && memcmp(range, "*/*", 3) == 0;
+}
+
+/* The q of a media range's parameters, 1 if there is none; a malformed one is 0. */
+static double quality_of(const char *at, const char *end)
+{
+    while (at < end) {
+        at += strspn(at, "; \t");
+        if (at < end && strncasecmp(at, "q=", 2) == 0) {
+            double q = isdigit((unsigned char)at[2]) ? strtod(at + 2, NULL) : 0;
+            return q <= 1 ? q : 0;
+        }
+        at += strcspn(at, ";,");
+        if (*at == ',')
+            break;
+    }
+    return 1;
+}
+
+/* How much a type is wanted: the q of the range that names it most closely. */
+static double wish_for(const char *accept, const char *type)
+{
+    double wish = 0;
+    int closest = 0;
+    for (const char *at = accept; *at;) {
+        at += strspn(at, ", \t");
+        const char *end = at + strcspn(at, ",");
+        size_t length = strcspn(at, ";, \t");
+        int fits = range_fits(at, length, type);
+        if (fits > closest) {
+            closest = fits;
+            wish = quality_of(at + length, end);
+        }
+        at = end;
+    }
+    return wish;
+}
+
+int pen_accept_choose(const char *accept, const char *const *types, int count)
+{
+    int best = -1;
+    double most = 0;
+    for (int i = 0; i < count; i++) {
+        double wish = accept && *accept ? wish_for(accept, types[i]) : 1;
+        if (wish > most) {
+            most = wish;
+            best = i;
+        }
+    }
+    return best;
 }
 
 /* Reads digits, stopping at the largest value: everything beyond any size is the same. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a job has come to: picture, preview, statistics, scene. */
+/* What a job has come to: picture, preview, statistics, report, scene. */
 #include <string.h>
 
 #include "handlers.h"
@@ -115,5 +115,39 @@ enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *job
     bool xml = pen_text_is_xml((const char *)scene.data, scene.bytes);
     answer_hashed(request, pen_http_blob_take(&scene),
                   xml ? "application/xml" : "application/json");
+    return OUTCOME_ANSWERED;
+}
+
+/* Which form of a report is wanted; HTML where anything will do. */
+static const char *choose_form(const struct request *request, struct pen_status *st)
+{
+    static const char *const types[] = {"text/html", "application/json", "text/csv",
+                                        "text/markdown"};
+    static const char *const forms[] = {"html", "json", "csv", "md"};
+    int i = pen_accept_choose(request->fields.accept, types, 4);
+    if (i >= 0)
+        return forms[i];
+    pen_fail(st, PEN_ACCEPT,
+             "a report is text/html, application/json, text/csv or text/markdown, not \"%.100s\"",
+             request->fields.accept);
+    return NULL;
+}
+
+enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_image report = {0};
+    struct pen_status st;
+    const char *form = choose_form(request, &st);
+    pen_http_reply_field(&request->reply, "Vary", "Accept");
+    if (!form || !pen_jobs_report(jobs, request->job_id, form, &report, &st))
+        return answer_status(request, jobs, &st);
+    if (strcmp(form, "html") == 0)
+        pen_http_reply_field(&request->reply, "Content-Security-Policy",
+                             "default-src 'none'; style-src 'unsafe-inline'");
+    const struct content content = {.blob = pen_http_blob_take(&report.bytes),
+                                    .type = report.type,
+                                    .etag = report.etag,
+                                    .cache_control = forever};
+    pen_http_request_content(request, &content);
     return OUTCOME_ANSWERED;
 }

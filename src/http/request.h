@@ -31,7 +31,7 @@ enum phase { PHASE_LINE, PHASE_BODY, PHASE_SWALLOW, PHASE_HELD, PHASE_ANSWERED }
 struct fields {
     const char *host, *origin, *content_type, *content_length, *transfer_encoding;
     const char *if_none_match, *range, *if_range, *idempotency_key, *request_id, *expect;
-    const char *last_event_id;
+    const char *last_event_id, *accept;
     bool repeated; /* one of those that must be single came twice */
 };
 

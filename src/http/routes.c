@@ -67,6 +67,10 @@ static const struct route table[] = {
      .handle = pen_http_handle_stats,
      .lane = LANE_STORE},
     {.method = "GET",
+     .path = "/v1/jobs/{id}/report",
+     .handle = pen_http_handle_report,
+     .lane = LANE_SIDE},
+    {.method = "GET",
      .path = "/v1/jobs/{id}/scene",
      .handle = pen_http_handle_scene,
      .lane = LANE_STORE},
@@ -91,8 +95,7 @@ static const struct route table[] = {
 enum { ROUTES = sizeof table / sizeof table[0] };
 
 /* Resources that are part of the design and still to come. */
-static const char *const to_come[] = {"/v1/jobs/{id}/report", "/v1/plan", "/v1/assets/{sha256}",
-                                      "/metrics", "/"};
+static const char *const to_come[] = {"/v1/plan", "/v1/assets/{sha256}", "/metrics", "/"};
 
 bool pen_http_route(int i, const char **method, const char **path)
 {

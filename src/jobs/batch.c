@@ -18,7 +18,7 @@ static double ms_since(int64_t begin_ns)
 
 void pen_batch_work_release(struct pen_batch_work *work)
 {
-    pen_buf_release(&work->picture);
+    pen_buf_release(&work->artefact);
     free(work->stats);
     *work = (struct pen_batch_work){0};
 }
@@ -78,20 +78,18 @@ static bool encode(struct pen_batch_room *room, struct pen_film film, struct pen
                    double *encode_ms, struct pen_status *st)
 {
     int64_t begin_ns = pen_clock_ns();
-    if (!pen_canvas_encode(&film, &room->plan.settings, "png", &work->picture, st))
+    if (!pen_canvas_encode(&film, &room->plan.settings, "png", &work->artefact, st))
         return false;
     work->result.layer = "beauty";
     work->result.format = "png";
-    work->result.artefact = work->picture.data;
-    work->result.artefact_bytes = work->picture.bytes;
+    work->result.artefact = work->artefact.data;
+    work->result.artefact_bytes = work->artefact.bytes;
     *encode_ms = ms_since(begin_ns);
     return true;
 }
 
-/* Statistics as they are stored: with the wall clock at which the batch goes to the store, and what
- * the store has taken before. */
-static bool write_stats(struct pen_batch_room *room, json_t *stats, struct pen_batch_work *work,
-                        struct pen_status *st)
+bool pen_batch_write_stats(struct pen_batch_room *room, json_t *stats, struct pen_batch_work *work,
+                           struct pen_status *st)
 {
     stats = pen_json_with(stats, "store_before_ms", pen_figure(room->store_ms));
     room->store_ms = 0;
@@ -102,7 +100,7 @@ static bool write_stats(struct pen_batch_room *room, json_t *stats, struct pen_b
     return work->stats || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
 }
 
-static void trace_pixel(void *user, int thread, int x, int y)
+void pen_batch_trace_pixel(void *user, int thread, int x, int y)
 {
     struct pen_batch_room *room = user;
     pen_trace_pixel(room->trace, thread, x, y);
@@ -125,7 +123,7 @@ static void look_on(struct pen_batch_room *room, struct pen_render_task *task)
     const char *name = json_string_value(json_object_get(room->plan.request, "name"));
     task->pixel_user = room;
     if (room->trace)
-        task->pixel_begins = trace_pixel;
+        task->pixel_begins = pen_batch_trace_pixel;
     if (room->fault && room->fault->wanted(room->fault->user, name))
         task->pixel_begins = try_pixel;
     atomic_store_explicit(&room->exhausted, false, memory_order_relaxed);
@@ -190,8 +188,10 @@ static bool render(struct pen_batch_room *room, const struct pen_claim *claim,
     if (!scene || !make_room(room, st) || !run_tiles(room, claim, scene, &stats, st))
         return false;
     work->result.pixels = claim->pixels;
-    struct pen_stats_input in = {
-        .parse_ms = times.parse_ms, .build_ms = times.build_ms, .render = &stats, .scene = scene};
+    struct pen_stats_input in = {.parse_ms = times.parse_ms,
+                                 .build_ms = times.build_ms,
+                                 .render = &stats,
+                                 .accel = pen_accel_get_stats(scene->accel)};
     bool ok =
         claim->view_batches > 1 ||
         encode(room, (struct pen_film){s->width, s->height, room->image}, work, &in.encode_ms, st);
@@ -203,7 +203,7 @@ static bool render(struct pen_batch_room *room, const struct pen_claim *claim,
     if (ok)
         json = pen_json_with(json, "tile_ms", pen_tile_times(stats.tile_ms, stats.tile_count));
     free(stats.tile_ms);
-    return ok && write_stats(room, json, work, st);
+    return ok && pen_batch_write_stats(room, json, work, st);
 }
 
 static bool assemble(struct pen_batch_room *room, const struct pen_claim *claim,
@@ -222,9 +222,9 @@ static bool assemble(struct pen_batch_room *room, const struct pen_claim *claim,
         ok =
             pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", claim->job_id, claim->view);
     ok = ok && encode(room, film, work, &encode_ms, st);
-    return ok &&
-           write_stats(room, json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms)),
-                       work, st);
+    return ok && pen_batch_write_stats(
+                     room, json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms)),
+                     work, st);
 }
 
 bool pen_batch_do(struct pen_batch_room *room, const struct pen_claim *claim,
@@ -233,7 +233,9 @@ bool pen_batch_do(struct pen_batch_room *room, const struct pen_claim *claim,
     *work = (struct pen_batch_work){0};
     pen_peak_reset();
     bool ok = load_plan(room, claim, st);
-    if (ok)
+    if (ok && claim->kind == PEN_BATCH_STUDY)
+        ok = pen_batch_study(room, claim, work, st);
+    else if (ok)
         ok = claim->kind == PEN_BATCH_RENDER ? render(room, claim, work, st)
                                              : assemble(room, claim, work, st);
     if (!ok)

@@ -30,7 +30,7 @@ struct pen_batch_room {
 /* A finished batch; the pixels stay in the room. Owns: release it. */
 struct pen_batch_work {
     struct pen_result result;
-    struct pen_buf picture;
+    struct pen_buf artefact; /* what result.artefact points into */
     char *stats;
 };
 void pen_batch_work_release(struct pen_batch_work *work);
@@ -39,6 +39,18 @@ void pen_batch_work_release(struct pen_batch_work *work);
  * is gone), PEN_STORAGE …: the store; any other code is an error of the job. */
 bool pen_batch_do(struct pen_batch_room *room, const struct pen_claim *claim,
                   struct pen_batch_work *work, struct pen_status *st);
+
+/* study_batch.c: the whole of a benchmark; its artefact is the report as JSON. */
+bool pen_batch_study(struct pen_batch_room *room, const struct pen_claim *claim,
+                     struct pen_batch_work *work, struct pen_status *st);
+
+/* Writes statistics as they are stored: with the wall clock at which the batch goes to the store,
+ * and what the store has taken before. Takes the reference; NULL is an allocation that failed. */
+bool pen_batch_write_stats(struct pen_batch_room *room, json_t *stats, struct pen_batch_work *work,
+                           struct pen_status *st);
+
+/* For pixel_begins, with the room as user: notes the pixel in the room's trace. */
+void pen_batch_trace_pixel(void *user, int thread, int x, int y);
 
 /* Lets go of the memory that is kept for later: scenes and pixels. */
 void pen_batch_room_empty(struct pen_batch_room *room);

@@ -19,7 +19,7 @@ struct place {
 static struct place place_of(const struct pen_claim *claim, const struct pen_trace *trace)
 {
     struct place place = {.claim = claim};
-    if (!trace || claim->kind != PEN_BATCH_RENDER || !pen_trace_where(trace, &place.x, &place.y))
+    if (!trace || claim->kind == PEN_BATCH_ASSEMBLE || !pen_trace_where(trace, &place.x, &place.y))
         place.x = place.y = -1;
     return place;
 }
@@ -33,6 +33,18 @@ static void add_quoted(struct pen_buf *out, const char *text)
     pen_buf_puts(out, "'");
 }
 
+static void add_value(struct pen_buf *out, const json_t *value)
+{
+    char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+    size_t length = text ? strlen(text) : 0;
+    bool string = json_is_string(value) && length >= 2;
+    pen_buf_printf(out, "%.*s", (int)(string ? length - 2 : length),
+                   string ? text + 1
+                   : text ? text
+                          : "");
+    free(text);
+}
+
 /* All settings: the scene's own may be others than the job's. */
 static void add_settings(struct pen_buf *out, const json_t *settings)
 {
@@ -40,26 +52,55 @@ static void add_settings(struct pen_buf *out, const json_t *settings)
     json_t *value;
     json_object_foreach((json_t *)(uintptr_t)settings, key, value)
     {
-        char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
-        size_t length = text ? strlen(text) : 0;
-        bool string = json_is_string(value) && length >= 2;
-        pen_buf_printf(out, " --set %s=%.*s", key, (int)(string ? length - 2 : length),
-                       string ? text + 1
-                       : text ? text
-                              : "");
-        free(text);
+        pen_buf_printf(out, " --set %s=", key);
+        add_value(out, value);
+    }
+}
+
+/* --matrix accelerator=none,auto … */
+static void add_matrix(struct pen_buf *out, const json_t *request)
+{
+    const char *key;
+    json_t *list, *value;
+    size_t i;
+    json_object_foreach(json_object_get(request, "matrix"), key, list)
+    {
+        pen_buf_printf(out, " --matrix %s=", key);
+        json_array_foreach(list, i, value)
+        {
+            pen_buf_puts(out, i ? "," : "");
+            add_value(out, value);
+        }
+    }
+    pen_buf_printf(out, " --repeats %d --warmup %d",
+                   (int)json_integer_value(json_object_get(request, "repeats")),
+                   (int)json_integer_value(json_object_get(request, "warmup")));
+}
+
+static void add_views(struct pen_buf *out, const struct place *place,
+                      const struct pen_job_plan *plan)
+{
+    bool all = place->claim->kind == PEN_BATCH_STUDY;
+    for (int i = 0; i < plan->view_count; i++) {
+        const char *view = pen_job_plan_view(plan, i);
+        if (!all && i != place->claim->view)
+            continue;
+        pen_buf_puts(out, " --view ");
+        add_quoted(out, view ? view : "");
     }
 }
 
 static json_t *repeat_json(const struct place *place, const struct pen_job_plan *plan)
 {
     struct pen_buf line = {0};
-    const char *view = pen_job_plan_view(plan, place->claim->view);
-    pen_buf_printf(&line, "curl -s \"$PENUMBRA_URL/v1/jobs/%s/scene\" | penumbra render - --view ",
-                   place->claim->job_id);
-    add_quoted(&line, view ? view : "");
+    bool study = place->claim->kind == PEN_BATCH_STUDY;
+    pen_buf_printf(&line, "curl -s \"$PENUMBRA_URL/v1/jobs/%s/scene\" | penumbra %s -",
+                   place->claim->job_id, study ? "bench" : "render");
+    add_views(&line, place, plan);
     add_settings(&line, json_object_get(plan->request, "render"));
-    if (place->x >= 0)
+    if (study)
+        add_matrix(&line, plan->request);
+    else if (place->x >= 0)
         pen_buf_printf(&line, " --pixel %d,%d", place->x, place->y);
     else
         pen_buf_puts(&line, " -o out.png");
@@ -86,7 +127,7 @@ static void add_place(json_t *problem, const struct place *place, struct pen_sto
                                   (json_int_t)claim->attempt));
     if (place->x >= 0)
         json_object_set_new(problem, "pixel", json_pack("[i, i]", place->x, place->y));
-    if (claim->kind != PEN_BATCH_RENDER || !pen_store_job(store, claim->job_id, &job, &st))
+    if (claim->kind == PEN_BATCH_ASSEMBLE || !pen_store_job(store, claim->job_id, &job, &st))
         return;
     bool known = pen_job_plan_read(job.request, &plan, &st);
     pen_job_record_release(&job);
@@ -167,8 +208,10 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
              "%d worker process%s in a row died over this job alone, the last by %s, at %s of view "
              "%d%s",
              charges, charges == 1 ? "" : "es", obituary->how,
-             claim->kind == PEN_BATCH_ASSEMBLE ? "the picture" : "tiles", claim->view,
-             at_pixel(&place, where, sizeof where));
+             claim->kind == PEN_BATCH_ASSEMBLE ? "the picture"
+             : claim->kind == PEN_BATCH_STUDY  ? "a run of the benchmark"
+                                               : "tiles",
+             claim->view, at_pixel(&place, where, sizeof where));
     log_failure(claim, why.msg);
     json_t *problem = pen_problem(&why);
     if (problem && sscanf(obituary->how, "signal %*d (%15[A-Z0-9])", name) == 1)

@@ -29,6 +29,7 @@ struct pen_heartbeat {
     bool settle;             /* guarded by lock; the store is to be settled */
     bool active;             /* guarded by lock */
     struct pen_claim claim;  /* guarded by lock; of the active claim */
+    const atomic_bool *stop; /* guarded by lock; NULL: the batch is finished first */
     uint64_t turn;           /* guarded by lock; grows with every claim */
     int64_t deadline_ns;     /* guarded by lock; INT64_MAX: none */
     enum pen_beat_end ended; /* guarded by lock */
@@ -93,6 +94,8 @@ static void look(struct pen_heartbeat *heart)
     }
     if (pen_clock_ns() >= heart->deadline_ns)
         end_turn(heart, turn, PEN_BEAT_TIME_UP);
+    if (heart->stop && atomic_load_explicit(heart->stop, memory_order_relaxed))
+        end_turn(heart, turn, PEN_BEAT_STOPPED);
     pthread_mutex_unlock(&heart->lock);
     if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st))
         pen_log_about(PEN_LOG_WARN, &about, "heartbeat: %s", st.msg);
@@ -205,11 +208,13 @@ void pen_heartbeat_free(struct pen_heartbeat *heart)
     free(heart);
 }
 
-void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *claim)
+void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *claim,
+                         const atomic_bool *stop)
 {
     int64_t left_ms = claim->started_ms + claim->timeout_ms - claim->claimed_ms;
     pthread_mutex_lock(&heart->lock);
     heart->claim = *claim;
+    heart->stop = stop;
     heart->active = true;
     heart->turn++;
     heart->ended = PEN_BEAT_HELD;

@@ -17,6 +17,7 @@ enum pen_beat_end {
     PEN_BEAT_HELD,    /* nothing happened */
     PEN_BEAT_LOST,    /* cancelled, or leased to another */
     PEN_BEAT_TIME_UP, /* the job's timeout */
+    PEN_BEAT_STOPPED  /* the worker is to end and does not wait for this batch */
 };
 
 /* Starts the thread, with a handle of its own. Owns: free with pen_heartbeat_free; options must
@@ -25,8 +26,10 @@ struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options
                                         struct pen_status *st);
 void pen_heartbeat_free(struct pen_heartbeat *heart);
 
-/* Begins to watch over a claim. From now on the flag becomes true when its work is in vain. */
-void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *claim);
+/* Begins to watch over a claim. From now on the flag becomes true when its work is in vain, also
+ * once *stop is true; stop may be NULL. */
+void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *claim,
+                         const atomic_bool *stop);
 const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart);
 
 /* Makes the flag true. Threads: any. */

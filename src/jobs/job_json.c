@@ -37,12 +37,16 @@ static json_t *progress_json(const struct pen_job_record *job)
                      eta_json(job));
 }
 
-static json_t *links_json(const char *id)
+static json_t *links_json(const struct pen_job_record *job)
 {
-    return json_pack("{s:s+, s:s++, s:s++, s:s++, s:s++, s:s++}", "self", "/v1/jobs/", id, "events",
-                     "/v1/jobs/", id, "/events", "image", "/v1/jobs/", id, "/image", "preview",
-                     "/v1/jobs/", id, "/preview", "stats", "/v1/jobs/", id, "/stats", "scene",
-                     "/v1/jobs/", id, "/scene");
+    const char *id = job->id, *at = "/v1/jobs/";
+    if (strcmp(job->kind, "benchmark") == 0)
+        return json_pack("{s:s+, s:s++, s:s++, s:s++, s:s++}", "self", at, id, "events", at, id,
+                         "/events", "report", at, id, "/report", "stats", at, id, "/stats", "scene",
+                         at, id, "/scene");
+    return json_pack("{s:s+, s:s++, s:s++, s:s++, s:s++, s:s++}", "self", at, id, "events", at, id,
+                     "/events", "image", at, id, "/image", "preview", at, id, "/preview", "stats",
+                     at, id, "/stats", "scene", at, id, "/scene");
 }
 
 /* A stored text as JSON; what is there was written by this program. */
@@ -62,7 +66,7 @@ static json_t *state_json(const struct pen_job_record *job, json_t *error)
                      "created_at", time_json(job->created_ms), "started_at",
                      time_json(job->started_ms), "finished_at", time_json(job->finished_ms),
                      "progress", progress_json(job), "attempts", job->attempts, "error", error,
-                     "links", links_json(job->id));
+                     "links", links_json(job));
 }
 
 json_t *pen_job_json(const struct pen_job_record *job, struct pen_status *st)
@@ -90,6 +94,8 @@ bool pen_job_plan_read(const char *request, struct pen_job_plan *plan, struct pe
     plan->request = stored_json(request, st);
     if (!plan->request)
         return false;
+    const char *kind = json_string_value(json_object_get(plan->request, "kind"));
+    plan->benchmark = kind && strcmp(kind, "benchmark") == 0;
     plan->view_count = (int)json_array_size(json_object_get(plan->request, "views"));
     json_t *render = json_object_get(plan->request, "render");
     if (plan->view_count > 0 && render &&

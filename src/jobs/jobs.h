@@ -48,6 +48,10 @@ json_t *pen_settings_json(const struct pen_settings *settings);
  * request is no JSON), PEN_NO_MEMORY. */
 json_t *pen_job_json(const struct pen_job_record *job, struct pen_status *st);
 
+/* Where the report of a job is kept, among its artefacts. */
+#define PEN_REPORT_LAYER "report"
+#define PEN_REPORT_FORMAT "json"
+
 /* canvas.c: pixels between the order of tiles, in which they are committed, and that of rows.
  * Copies the tiles of a batch out of an image, or into one. */
 void pen_tiles_gather(const struct pen_settings *settings, int first, int count, const float *image,
@@ -80,6 +84,7 @@ struct pen_job_plan {
     json_t *request; /* owns the names below; json_decref() it */
     struct pen_settings settings;
     int view_count;
+    bool benchmark;
 };
 bool pen_job_plan_read(const char *request, struct pen_job_plan *plan, struct pen_status *st);
 const char *pen_job_plan_view(const struct pen_job_plan *plan, int view);

@@ -26,17 +26,25 @@ static int batches_of_view(const struct pen_request *request, int tiles)
     return wanted < most ? (int)wanted : most;
 }
 
+static struct pen_batch_new study_of(const struct pen_request *request)
+{
+    struct pen_bench bench = pen_bench_of_order(&request->order);
+    return (struct pen_batch_new){.kind = PEN_BATCH_STUDY, .pixels = pen_bench_runs(&bench)};
+}
+
 bool pen_plan_batches(const struct pen_request *request, struct pen_batch_new **batches, int *count,
                       struct pen_status *st)
 {
     const struct pen_settings *s = &request->settings;
     int tiles = pen_tile_count(s->width, s->height, s->tile);
     int each = batches_of_view(request, tiles);
-    *count = each * request->view_count;
+    *count = request->benchmark ? 1 : each * request->view_count;
     *batches = malloc((size_t)*count * sizeof **batches);
     if (!*batches)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %d batches", *count);
-    for (int i = 0; i < *count; i++) {
+    if (request->benchmark)
+        **batches = study_of(request);
+    for (int i = 0; i < *count && !request->benchmark; i++) {
         int first = (int)((int64_t)tiles * (i % each) / each);
         int end = (int)((int64_t)tiles * (i % each + 1) / each);
         (*batches)[i] = (struct pen_batch_new){.view = i / each,

@@ -6,7 +6,8 @@
 #include "pen/store/store.h"
 #include "request.h"
 
-/* Owns: *batches is malloc()ed. Fails: PEN_NO_MEMORY. */
+/* A benchmark is one batch, of its first view, whatever it renders: what it measures is worth
+ * something only as a whole. Owns: *batches is malloc()ed. Fails: PEN_NO_MEMORY. */
 bool pen_plan_batches(const struct pen_request *request, struct pen_batch_new **batches, int *count,
                       struct pen_status *st);
 

@@ -145,6 +145,22 @@ static void limits_place(const struct pen_request *request, char *at, size_t byt
                  json_object_get(request->scene, "render") ? "/render" : "");
 }
 
+static void check_limits(struct pen_request *request, const struct pen_limits *limits,
+                         struct pen_errors *errors)
+{
+    char at[16];
+    struct pen_status st;
+    limits_place(request, at, sizeof at);
+    bool ok = request->benchmark ? pen_bench_order_check(&request->order, limits, &request->desc,
+                                                         request->view_count, &st)
+                                 : pen_limits_check(limits, &request->desc, &request->settings,
+                                                    (uint32_t)request->view_count, at, &st);
+    if (ok)
+        return;
+    pen_document_locate(&request->document, &st);
+    add_status(errors, &st);
+}
+
 static void read_scene(struct pen_request *request, const struct pen_limits *limits,
                        struct pen_errors *errors)
 {
@@ -156,16 +172,10 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
     request->settings = ok ? request->desc.settings : pen_settings_default();
     if (render)
         pen_settings_read(render, "/render", &request->settings, errors);
-    if (!ok || !choose_views(request, errors) || errors->count > 0)
-        return;
-    char at[16];
-    struct pen_status st;
-    limits_place(request, at, sizeof at);
-    if (!pen_limits_check(limits, &request->desc, &request->settings, (uint32_t)request->view_count,
-                          at, &st)) {
-        pen_document_locate(&request->document, &st);
-        add_status(errors, &st);
-    }
+    if (request->benchmark)
+        pen_bench_order_read(request->body, &request->settings, &request->order, errors);
+    if (ok && choose_views(request, errors) && errors->count == 0)
+        check_limits(request, limits, errors);
 }
 
 bool pen_request_read(const struct pen_submission *in, const struct pen_limits *limits,
@@ -194,6 +204,7 @@ void pen_request_release(struct pen_request *request)
 {
     pen_arena_free(request->arena);
     pen_document_release(&request->document);
+    pen_bench_order_release(&request->order);
     json_decref(request->builtin);
     *request = (struct pen_request){0};
 }

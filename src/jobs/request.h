@@ -6,6 +6,7 @@
 
 #include "jobs.h"
 #include "pen/io/document.h"
+#include "pen/jobs/benchmark.h"
 #include "pen/scene/desc.h"
 
 enum { PEN_JOB_NAME_BYTES = 200, PEN_JOB_LABELS = 32 };
@@ -25,6 +26,8 @@ struct pen_request {
     const json_t *name;   /* NULL: none */
     const json_t *labels; /* NULL: none */
     const char *kind;
+    bool benchmark;
+    struct pen_bench_order order; /* of a benchmark */
     int view_count;
     int *views; /* indices into desc.views; in arena */
 };

@@ -7,6 +7,8 @@
 
 #include "request.h"
 
+static const char benchmark[] = "benchmark";
+
 enum { TIMEOUT_MAX_S = 1000000000, AT_BYTES = 2 * PEN_AT_BYTES, POSITION_BYTES = 24 };
 
 typedef void key_fn(struct pen_request *request, const json_t *value, struct pen_errors *errors);
@@ -90,12 +92,14 @@ static void read_kind(struct pen_request *request, const json_t *value, struct p
 {
     static const char *const kinds[] = {"render", "benchmark", "accuracy", "effects", NULL};
     const char *kind = read_word(value, "", "kind", kinds, errors);
-    if (kind && strcmp(kind, "render") != 0)
+    if (kind && strcmp(kind, "render") != 0 && strcmp(kind, benchmark) != 0)
         pen_request_fail(errors, PEN_UNSUPPORTED, "", "kind",
-                         "jobs of kind \"%s\" are known, not supported yet; only \"render\" is",
+                         "jobs of kind \"%s\" are known, not supported yet; \"render\" and "
+                         "\"benchmark\" are",
                          kind);
     else if (kind)
         request->kind = kind;
+    request->benchmark = kind && strcmp(kind, benchmark) == 0;
 }
 
 static void read_name(struct pen_request *request, const json_t *value, struct pen_errors *errors)
@@ -201,26 +205,27 @@ static const struct {
     const char *key;
     key_fn *read;      /* NULL: read elsewhere */
     const char *later; /* the kind that will bring it */
+    const char *of;    /* the kind it belongs to; NULL: all */
 } keys[] = {
-    {"scene", NULL, NULL},
-    {"kind", read_kind, NULL},
-    {"render", NULL, NULL},
-    {"views", NULL, NULL},
-    {"priority", read_priority, NULL},
-    {"name", read_name, NULL},
-    {"labels", read_labels, NULL},
-    {"layers", read_layers, NULL},
-    {"max_attempts", read_max_attempts, NULL},
-    {"timeout_seconds", read_timeout, NULL},
-    {"matrix", NULL, "benchmark"},
-    {"repeats", NULL, "benchmark"},
-    {"warmup", NULL, "benchmark"},
-    {"baseline", NULL, "benchmark"},
-    {"ladder", NULL, "accuracy"},
-    {"reference", NULL, "accuracy"},
-    {"target", NULL, "accuracy"},
-    {"seeds", NULL, "accuracy"},
-    {"budget_seconds", NULL, "accuracy"},
+    {.key = "scene"},
+    {.key = "kind", .read = read_kind},
+    {.key = "render"},
+    {.key = "views"},
+    {.key = "priority", .read = read_priority},
+    {.key = "name", .read = read_name},
+    {.key = "labels", .read = read_labels},
+    {.key = "layers", .read = read_layers},
+    {.key = "max_attempts", .read = read_max_attempts},
+    {.key = "timeout_seconds", .read = read_timeout},
+    {.key = "matrix", .of = benchmark},
+    {.key = "repeats", .of = benchmark},
+    {.key = "warmup", .of = benchmark},
+    {.key = "baseline", .of = benchmark},
+    {.key = "ladder", .later = "accuracy"},
+    {.key = "reference", .later = "accuracy"},
+    {.key = "target", .later = "accuracy"},
+    {.key = "seeds", .later = "accuracy"},
+    {.key = "budget_seconds", .later = "accuracy"},
 };
 enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
 
@@ -235,6 +240,18 @@ static void refuse_key(const char *key, struct pen_errors *errors)
     const char *near = pen_nearest_name(key, names);
     pen_request_fail(errors, PEN_INVALID, "", key, "unknown key in a job%s%s%s",
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+}
+
+/* Keys that mean nothing to a job of this kind are no less wrong than those that mean nothing. */
+static void refuse_foreign_keys(const struct pen_request *request, struct pen_errors *errors)
+{
+    for (int i = 0; i < KEY_COUNT; i++) {
+        if (keys[i].of && strcmp(keys[i].of, request->kind) != 0 &&
+            json_object_get(request->body, keys[i].key))
+            pen_request_fail(errors, PEN_INVALID, "", keys[i].key,
+                             "belongs to jobs of kind \"%s\"; this one is of kind \"%s\"",
+                             keys[i].of, request->kind);
+    }
 }
 
 void pen_request_keys_read(struct pen_request *request, struct pen_errors *errors)
@@ -254,4 +271,5 @@ void pen_request_keys_read(struct pen_request *request, struct pen_errors *error
         else if (keys[i].read)
             keys[i].read(request, value, errors);
     }
+    refuse_foreign_keys(request, errors);
 }

@@ -31,7 +31,10 @@ static bool read_job(struct pen_jobs *jobs, const char *id, struct pen_job_plan 
     *state = job.state;
     bool ok = pen_job_plan_read(job.request, plan, st);
     pen_job_record_release(&job);
-    return ok;
+    if (!ok || !plan->benchmark)
+        return ok;
+    json_decref(plan->request);
+    return pen_fail(st, PEN_NOT_FOUND, "job %s is a benchmark: it has a report and no picture", id);
 }
 
 static bool resolve_view(struct wanted *want, const char *name, bool sheet, struct pen_status *st)

@@ -34,6 +34,11 @@ struct pen_scene_cache *pen_scene_cache_new(size_t cap_bytes)
     return cache;
 }
 
+size_t pen_scene_cache_cap(const struct pen_scene_cache *cache)
+{
+    return cache->cap_bytes;
+}
+
 static void drop_last(struct pen_scene_cache *cache)
 {
     pen_scene_free(cache->entry[--cache->count].scene);
@@ -102,6 +107,15 @@ static void locate(const struct pen_buf *text, struct pen_status *st)
 {
     struct pen_limits limits = open_limits();
     pen_text_locate((const char *)text->data, text->bytes, &limits, st);
+}
+
+bool pen_scene_describe(struct pen_store *store, const char *job_id, struct pen_arena *arena,
+                        struct pen_scene_desc *desc, struct pen_status *st)
+{
+    struct pen_buf text = {0};
+    bool ok = pen_store_scene(store, job_id, &text, st) && parse(&text, arena, desc, st);
+    pen_buf_release(&text);
+    return ok;
 }
 
 static struct pen_scene *load(const struct pen_scene_cache *cache, const struct pen_buf *text,

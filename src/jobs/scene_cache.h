@@ -19,6 +19,8 @@ struct pen_scene_times {
 struct pen_scene_cache *pen_scene_cache_new(size_t cap_bytes);
 void pen_scene_cache_free(struct pen_scene_cache *cache);
 
+size_t pen_scene_cache_cap(const struct pen_scene_cache *cache);
+
 /* Lets all scenes go. */
 void pen_scene_cache_empty(struct pen_scene_cache *cache);
 
@@ -28,5 +30,10 @@ const struct pen_scene *pen_scene_cache_get(struct pen_scene_cache *cache, struc
                                             const struct pen_claim *claim,
                                             enum pen_accelerator accelerator,
                                             struct pen_scene_times *times, struct pen_status *st);
+
+/* The scene's document as a description, in an arena of the caller's. Fails: as pen_store_scene and
+ * pen_scene_load. */
+bool pen_scene_describe(struct pen_store *store, const char *job_id, struct pen_arena *arena,
+                        struct pen_scene_desc *desc, struct pen_status *st);
 
 #endif

@@ -68,8 +68,8 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
                      timing_json(in), "rays", pen_figure_rays(&r->rays), "mrays_per_second",
                      pen_figure_rate(&r->rays, r->render_ms), "threads", r->threads, "tiles",
                      pen_stats_tiles(r->tile_count, &tiles), "accelerator",
-                     pen_figure_accelerator(pen_accel_get_stats(in->scene->accel), r), "kernel",
-                     r->kernel ? r->kernel : "", "effects", pen_figure_effects(r->effects),
-                     "memory", "peak_bytes", (json_int_t)pen_peak_bytes(), "dropped_samples",
+                     pen_figure_accelerator(in->accel, r), "kernel", r->kernel ? r->kernel : "",
+                     "effects", pen_figure_effects(r->effects), "memory", "peak_bytes",
+                     (json_int_t)pen_peak_bytes(), "dropped_samples",
                      (json_int_t)r->rays.dropped_samples, "host", pen_figure_host());
 }

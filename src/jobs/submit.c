@@ -27,7 +27,7 @@ static json_t *timeout_json(const struct pen_request *request)
 }
 
 /* The job as accepted: the client's keys with all defaults filled in, without the scene. */
-static json_t *request_json(const struct pen_request *request)
+static json_t *common_json(const struct pen_request *request)
 {
     json_t *name = request->name ? json_copy((json_t *)(uintptr_t)request->name) : json_null();
     json_t *labels =
@@ -38,6 +38,25 @@ static json_t *request_json(const struct pen_request *request)
                      views_json(request), "layers", "beauty", "render",
                      pen_settings_json(&request->settings), "effects",
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
+}
+
+/* What a benchmark adds to that. */
+static json_t *order_json(const struct pen_bench_order *order)
+{
+    return json_pack("{s:O, s:i, s:i, s:O}", "matrix", order->matrix, "repeats", order->repeats,
+                     "warmup", order->warmup, "baseline", order->rows[order->baseline].chosen);
+}
+
+static json_t *request_json(const struct pen_request *request)
+{
+    json_t *json = common_json(request);
+    json_t *order = json && request->benchmark ? order_json(&request->order) : NULL;
+    if (json && request->benchmark && (!order || json_object_update(json, order) != 0)) {
+        json_decref(json);
+        json = NULL;
+    }
+    json_decref(order);
+    return json;
 }
 
 /* What is put together for one call of pen_store_submit. */
@@ -80,6 +99,7 @@ static char *make_answer(const struct parcel *parcel, struct pen_status *st)
 {
     struct pen_job_record record = {.state = PEN_JOB_QUEUED,
                                     .revision = 1,
+                                    .kind = (char *)(uintptr_t)parcel->job.kind,
                                     .request = parcel->request,
                                     .created_ms = parcel->job.created_ms};
     memcpy(record.id, parcel->id, sizeof record.id);
@@ -103,7 +123,7 @@ static bool pack_views(struct parcel *parcel, const struct pen_request *request,
         parcel->views[i] = (struct pen_view_new){request->desc.views[request->views[i]].name,
                                                  request->settings.width, request->settings.height};
     parcel->job.views = parcel->views;
-    parcel->job.view_count = request->view_count;
+    parcel->job.view_count = request->benchmark ? 1 : request->view_count;
     if (!pen_plan_batches(request, &parcel->batches, &parcel->job.batch_count, st))
         return false;
     parcel->job.batches = parcel->batches;

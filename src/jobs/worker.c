@@ -3,6 +3,7 @@
  *
  *   the job's fault (scene, memory, time)   the job fails with the problem
  *   the lease is lost, the job cancelled    the result is thrown away
+ *   it is to end in mid benchmark           the benchmark is given back, to begin anew elsewhere
  *   the store is busy or full               it tries again, holding what it has
  *   the store failed                        it ends; its successor begins from what is committed
  *
@@ -118,7 +119,7 @@ static bool give_up(struct worker *w, const struct pen_claim *claim, enum pen_be
         return true;
     if (ended == PEN_BEAT_TIME_UP)
         return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
-    if (why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
+    if (ended == PEN_BEAT_STOPPED || why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
         return release(w, claim, st);
     return fail_job(w, claim, pen_failure_of(w->store, claim, why), st);
 }
@@ -152,12 +153,15 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
     if (is_late(claim))
         return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
     struct pen_log_about about = pen_claim_about(claim);
-    if (claim->kind == PEN_BATCH_RENDER)
+    if (claim->kind == PEN_BATCH_STUDY)
+        pen_log_about(PEN_LOG_INFO, &about, "a benchmark of %lld runs", (long long)claim->pixels);
+    else if (claim->kind == PEN_BATCH_RENDER)
         pen_log_about(PEN_LOG_DEBUG, &about, "%d tiles of view %d from %d on", claim->tile_count,
                       claim->view, claim->first_tile);
     else
         pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
-    pen_heartbeat_begin(w->room.heart, claim);
+    /* A study takes too long to be waited for. */
+    pen_heartbeat_begin(w->room.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
     bool done = do_batch(w, claim, &work, &why);
     bool ok = !done || commit(w, claim, &work, next, st);
     enum pen_beat_end ended = pen_heartbeat_end(w->room.heart);

@@ -52,12 +52,23 @@ static json_t *worker_json(const struct pen_worker_record *worker)
                      "batches");
 }
 
+static const char *kind_name(enum pen_batch_kind kind)
+{
+    switch (kind) {
+    case PEN_BATCH_ASSEMBLE:
+        return "assemble";
+    case PEN_BATCH_STUDY:
+        return "benchmark";
+    default:
+        return "render";
+    }
+}
+
 static json_t *batch_json(const struct pen_worker_record *worker)
 {
     return json_pack("{s:s, s:s, s:I, s:I, s:s, s:I}", "job", worker->job_id, "view", worker->view,
                      "batch", (json_int_t)worker->batch, "attempt", (json_int_t)worker->attempt,
-                     "kind", worker->kind == PEN_BATCH_RENDER ? "render" : "assemble", "pixels",
-                     (json_int_t)worker->pixels);
+                     "kind", kind_name(worker->kind), "pixels", (json_int_t)worker->pixels);
 }
 
 /* Rows of one worker follow each other, one for each batch it holds. */

@@ -40,6 +40,8 @@ struct pen_store_ops {
                   struct pen_claim *claim, bool *found, struct pen_status *st);
     bool (*commit)(struct pen_store *store, const struct pen_claim *claim,
                    const struct pen_result *result, struct pen_next *next, struct pen_status *st);
+    bool (*progress)(struct pen_store *store, const struct pen_claim *claim, int64_t done,
+                     struct pen_status *st);
     bool (*release)(struct pen_store *store, const struct pen_claim *claim, struct pen_status *st);
     bool (*fail)(struct pen_store *store, const struct pen_claim *claim, const char *error,
                  struct pen_status *st);

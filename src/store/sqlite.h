@@ -49,6 +49,7 @@ enum pen_sq_sql {
     SQ_VIEW_COUNT_DOWN,
     SQ_VIEW_GET,
     SQ_JOB_PROGRESS,
+    SQ_STUDY_PROGRESS,
     SQ_JOB_VIEW_ENDED,
     SQ_BATCH_OPEN,
     SQ_LEASE_EXTEND,
@@ -179,6 +180,8 @@ bool pen_sq_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status 
 
 bool pen_sq_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                   struct pen_claim *claim, bool *found, struct pen_status *st);
+bool pen_sq_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
+                     struct pen_status *st);
 bool pen_sq_release(struct pen_store *store, const struct pen_claim *claim, struct pen_status *st);
 bool pen_sq_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                  struct pen_status *st);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The audit: one query per rule, each selecting what breaks it. State numbers are those of
  * store.h: jobs 0 queued, 1 running, 2 succeeded, 3 failed, 4 cancelled; batches 0 open, 1 leased,
- * 2 done, 3 ended; kinds 0 render, 1 assemble. */
+ * 2 done, 3 ended; kinds 0 render, 1 assemble, 2 study. */
 #include <stdio.h>
 
 #include "sqlite.h"
@@ -28,10 +28,12 @@ static const struct rule rules[] = {
     {"a succeeded job with unfinished batches",
      "SELECT id FROM job WHERE state = 2 AND EXISTS"
      " (SELECT 1 FROM batch WHERE job = number AND state <> 2)"},
-    {"a succeeded job without a view's picture",
+    {"a succeeded job without a view's picture, or without its report",
      "SELECT j.id FROM job j JOIN view v ON v.job = j.number WHERE j.state = 2 AND NOT EXISTS"
      " (SELECT 1 FROM artefact a WHERE a.job = v.job AND a.view = v.view"
-     " AND a.layer = 'beauty' AND a.format = 'png')"},
+     " AND a.format = CASE WHEN a.layer = 'report' THEN 'json' ELSE 'png' END"
+     " AND a.layer = CASE WHEN EXISTS (SELECT 1 FROM batch WHERE job = j.number AND kind = 2)"
+     " THEN 'report' ELSE 'beauty' END)"},
     {"a failed or cancelled job whose batches may still be worked on",
      "SELECT id FROM job WHERE state IN (3, 4) AND EXISTS"
      " (SELECT 1 FROM batch WHERE job = number AND state IN (0, 1))"},
@@ -39,16 +41,21 @@ static const struct rule rules[] = {
      "SELECT b.id FROM batch b JOIN job j ON j.number = b.job"
      " WHERE b.state = 3 AND j.state NOT IN (3, 4)"},
     {"a job whose progress is not the sum of its batches",
-     "SELECT id FROM job WHERE done_pixels <> (SELECT coalesce(sum(pixels), 0) FROM batch"
-     " WHERE job = number AND kind = 0 AND state = 2) OR total_pixels <> (SELECT"
-     " coalesce(sum(pixels), 0) FROM batch WHERE job = number AND kind = 0)"},
+     "SELECT id FROM job WHERE total_pixels <> (SELECT coalesce(sum(pixels), 0) FROM batch"
+     " WHERE job = number AND kind <> 1) OR done_pixels <> (SELECT coalesce(sum(pixels), 0)"
+     " FROM batch WHERE job = number AND kind <> 1 AND state = 2) AND NOT EXISTS"
+     " (SELECT 1 FROM batch WHERE job = number AND kind = 2 AND state <> 2)"},
     {"a job whose views' pixels are not those of its batches",
      "SELECT id FROM job WHERE total_pixels <>"
-     " (SELECT sum(width * height) FROM view WHERE job = number)"},
+     " (SELECT sum(width * height) FROM view WHERE job = number)"
+     " AND NOT EXISTS (SELECT 1 FROM batch WHERE job = number AND kind = 2)"},
+    {"a study that is not the only batch of its job",
+     "SELECT id FROM batch s WHERE kind = 2 AND EXISTS"
+     " (SELECT 1 FROM batch b WHERE b.job = s.job AND b.id <> s.id)"},
     {"a view whose count of open batches is wrong, of job",
      "SELECT v.job FROM view v WHERE v.batches <> (SELECT count(*) FROM batch b"
-     " WHERE b.job = v.job AND b.view = v.view AND b.kind = 0) OR v.open_batches <>"
-     " (SELECT count(*) FROM batch b WHERE b.job = v.job AND b.view = v.view AND b.kind = 0"
+     " WHERE b.job = v.job AND b.view = v.view AND b.kind <> 1) OR v.open_batches <>"
+     " (SELECT count(*) FROM batch b WHERE b.job = v.job AND b.view = v.view AND b.kind <> 1"
      " AND b.state <> 2)"},
     {"a view with too many or too few assemble batches, of job",
      "SELECT v.job FROM view v WHERE (v.batches > 1 AND v.open_batches = 0) <>"
@@ -82,8 +89,9 @@ static const struct rule rules[] = {
      "SELECT id FROM job WHERE deaths < 2 AND rest_until_ms <> 0"},
     {"a suspect batch that was never attempted, or has come to its end",
      "SELECT id FROM batch WHERE suspect = 1 AND (attempt = 0 OR state IN (2, 3))"},
-    {"a worker that holds more than a suspect batch",
-     "SELECT a.worker FROM batch a WHERE a.state = 1 AND a.suspect = 1 AND EXISTS (SELECT 1"
+    {"a worker that holds more than a suspect batch, or than a study",
+     "SELECT a.worker FROM batch a WHERE a.state = 1 AND (a.suspect = 1 OR a.kind = 2)"
+     " AND EXISTS (SELECT 1"
      " FROM batch b WHERE b.state = 1 AND b.worker = a.worker AND b.id <> a.id)"},
     {"a scene document that no job names",
      "SELECT id FROM scene WHERE id NOT IN (SELECT scene FROM job)"},

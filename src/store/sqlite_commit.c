@@ -48,11 +48,12 @@ static bool add_artefact(struct pen_sq_store *store, const struct commit *commit
 static bool add_progress(struct pen_sq_store *store, const struct commit *commit, int64_t now_ms,
                          struct pen_status *st)
 {
-    bool render = commit->standing.kind == PEN_BATCH_RENDER;
+    const struct pen_sq_standing *standing = &commit->standing;
     struct pen_sq_query query = pen_sq_query(store, SQ_JOB_PROGRESS);
-    pen_sq_int(&query, commit->standing.job);
-    pen_sq_int(&query, render ? commit->standing.pixels : 0);
+    pen_sq_int(&query, standing->job);
+    pen_sq_int(&query, standing->kind == PEN_BATCH_ASSEMBLE ? 0 : standing->pixels);
     pen_sq_int(&query, now_ms);
+    pen_sq_int(&query, standing->kind == PEN_BATCH_STUDY); /* has been counting by itself */
     return pen_sq_run(&query, st);
 }
 
@@ -75,15 +76,14 @@ static bool end_view(struct pen_sq_store *store, const struct commit *commit, in
 {
     if (!commit->result->artefact)
         return pen_fail(st, PEN_INTERNAL,
-                        "the batch that ends a view was committed without its "
-                        "picture");
+                        "the batch that ends a view was committed without what it was to make");
     struct pen_sq_query query = pen_sq_query(store, SQ_JOB_VIEW_ENDED);
     pen_sq_int(&query, commit->standing.job);
     pen_sq_int(&query, now_ms);
     return pen_sq_run(&query, st);
 }
 
-/* Counts a render batch off its view; the last of several calls for an assemble batch. */
+/* Counts a batch off its view; the last of several calls for an assemble batch. */
 static bool count_down(struct pen_sq_store *store, const struct commit *commit, int64_t now_ms,
                        struct pen_status *st)
 {
@@ -117,7 +117,9 @@ static bool write_result(struct pen_sq_store *store, const struct commit *commit
         (render && !add_pixels(store, commit, st)) ||
         (commit->result->artefact && !add_artefact(store, commit, st)))
         return false;
-    return render ? count_down(store, commit, now_ms, st) : end_view(store, commit, now_ms, st);
+    if (commit->standing.kind == PEN_BATCH_ASSEMBLE)
+        return end_view(store, commit, now_ms, st);
+    return count_down(store, commit, now_ms, st);
 }
 
 /* Whether the result is one for this batch; a claim names both, so this is about the caller. */

@@ -76,6 +76,7 @@ static const struct pen_store_ops ops = {
     .remove = pen_sq_remove,
     .claim = pen_sq_claim,
     .commit = pen_sq_commit,
+    .progress = pen_sq_progress,
     .release = pen_sq_release,
     .fail = pen_sq_fail,
     .heartbeat = pen_sq_heartbeat,

@@ -134,7 +134,11 @@ static const char step_4[] = "CREATE TABLE worker ("
  * the schema before cannot read. */
 static const char step_5[] = "";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5};
+/* From here on there may be batches of kind 2, studies, which builds of the schemas before would
+ * take for batches that assemble a picture. */
+static const char step_6[] = "";
+
+static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5, step_6};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,

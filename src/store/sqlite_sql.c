@@ -64,7 +64,7 @@ static const char *const sql_text[SQ_COUNT] = {
     [SQ_OPEN_NEXT] = "SELECT " BATCH_COLUMNS BATCH_TABLES
                      " WHERE b.state = 0 AND j.rest_until_ms <= ?1 AND b.suspect <= ?2"
                      " ORDER BY b.priority DESC, b.job, b.id LIMIT 1",
-    [SQ_HELD_BY] = "SELECT count(*), coalesce(max(suspect), 0) FROM batch"
+    [SQ_HELD_BY] = "SELECT count(*), coalesce(max(suspect OR kind = 2), 0) FROM batch"
                    " WHERE state = 1 AND worker = ?",
     [SQ_BATCH_LEASE] = "UPDATE batch SET state = 1, attempt = ?2, worker = ?3, lease_until_ms = ?4"
                        " WHERE id = ?1 AND state = 0",
@@ -82,9 +82,12 @@ static const char *const sql_text[SQ_COUNT] = {
     [SQ_VIEW_COUNT_DOWN] = "UPDATE view SET open_batches = open_batches - 1"
                            " WHERE job = ? AND view = ?",
     [SQ_VIEW_GET] = "SELECT batches, open_batches FROM view WHERE job = ? AND view = ?",
-    [SQ_JOB_PROGRESS] = "UPDATE job SET done_pixels = done_pixels + ?2, updated_ms = ?3,"
+    [SQ_JOB_PROGRESS] = "UPDATE job SET done_pixels = ?2 + CASE WHEN ?4 THEN 0"
+                        " ELSE done_pixels END, updated_ms = ?3,"
                         " charges = 0, deaths = 0, rest_until_ms = 0, revision = revision + 1"
                         " WHERE number = ?1",
+    [SQ_STUDY_PROGRESS] = "UPDATE job SET done_pixels = min(?2, total_pixels), updated_ms = ?3,"
+                          " revision = revision + 1 WHERE number = ?1",
     [SQ_JOB_VIEW_ENDED] = "UPDATE job SET open_views = open_views - 1,"
                           " state = CASE WHEN open_views = 1 THEN 2 ELSE state END,"
                           " finished_ms = CASE WHEN open_views = 1 THEN ?2 ELSE finished_ms END"

@@ -128,7 +128,7 @@ static bool add_batch(struct pen_sq_store *store, int64_t number, const struct p
     struct pen_sq_query query = pen_sq_query(store, SQ_BATCH_ADD);
     pen_sq_int(&query, number);
     pen_sq_int(&query, batch->view);
-    pen_sq_int(&query, PEN_BATCH_RENDER);
+    pen_sq_int(&query, batch->kind);
     pen_sq_int(&query, batch->first_tile);
     pen_sq_int(&query, batch->tile_count);
     pen_sq_int(&query, batch->pixels);

@@ -55,8 +55,8 @@ static bool start_job(struct pen_sq_store *store, int64_t number, int64_t now_ms
     return true;
 }
 
-/* Whether the worker may be given anything, and suspects too: one of those is worked on alone. */
-static bool may_take(struct pen_sq_store *store, const char *worker, bool *any, bool *suspects,
+/* Whether the worker may be given anything, and what is worked on alone too: it holds nothing. */
+static bool may_take(struct pen_sq_store *store, const char *worker, bool *any, bool *alone,
                      struct pen_status *st)
 {
     struct pen_sq_query query = pen_sq_query(store, SQ_HELD_BY);
@@ -64,19 +64,20 @@ static bool may_take(struct pen_sq_store *store, const char *worker, bool *any, 
     pen_sq_text(&query, worker);
     if (!pen_sq_next(&query, &row, st))
         return false;
-    *suspects = !row || pen_sq_column_int(&query, 0) == 0;
-    *any = *suspects || pen_sq_column_int(&query, 1) == 0;
+    *alone = !row || pen_sq_column_int(&query, 0) == 0;
+    *any = *alone || pen_sq_column_int(&query, 1) == 0;
     pen_sq_end(&query);
     return true;
 }
 
-/* The open batch whose turn it is, of the jobs that rest no longer than until `rested_ms`. */
-static bool find_open(struct pen_sq_store *store, int64_t rested_ms, bool suspects,
+/* The open batch whose turn it is, of the jobs that rest no longer than until `rested_ms`. A
+ * suspect is passed over by a worker that holds something. */
+static bool find_open(struct pen_sq_store *store, int64_t rested_ms, bool alone,
                       struct pen_next *next, int64_t *job, struct pen_status *st)
 {
     struct pen_sq_query query = pen_sq_query(store, SQ_OPEN_NEXT);
     pen_sq_int(&query, rested_ms);
-    pen_sq_int(&query, suspects);
+    pen_sq_int(&query, alone);
     if (!pen_sq_next(&query, &next->found, st))
         return false;
     if (!next->found)
@@ -89,15 +90,18 @@ static bool find_open(struct pen_sq_store *store, int64_t rested_ms, bool suspec
 bool pen_sq_take_next(struct pen_sq_store *store, struct pen_next *next, struct pen_status *st)
 {
     int64_t now_ms = pen_clock_wall_ms(), job = 0;
-    bool any, suspects;
+    bool any, alone;
     next->found = false;
-    if (!may_take(store, next->worker, &any, &suspects, st))
+    if (!may_take(store, next->worker, &any, &alone, st))
         return false;
-    if (any && !find_open(store, now_ms, suspects, next, &job, st))
+    if (any && !find_open(store, now_ms, alone, next, &job, st))
         return false;
     /* Jobs that rest let others go first; when there are none, they may go on. */
-    if (any && !next->found && !find_open(store, INT64_MAX, suspects, next, &job, st))
+    if (any && !next->found && !find_open(store, INT64_MAX, alone, next, &job, st))
         return false;
+    /* A study is not passed over: the worker becomes idle for it. */
+    if (next->found && next->claim.kind == PEN_BATCH_STUDY && !alone)
+        next->found = false;
     if (!next->found)
         return true;
     struct pen_claim *claim = &next->claim;
@@ -160,6 +164,34 @@ bool pen_sq_standing(struct pen_sq_store *store, const struct pen_claim *claim,
     standing->held = standing->state == PEN_BATCH_LEASED && standing->attempt == claim->attempt;
     pen_sq_end(&query);
     return true;
+}
+
+struct progress {
+    const struct pen_claim *claim;
+    int64_t done;
+};
+
+static bool write_progress(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    const struct progress *progress = arg;
+    struct pen_sq_standing standing;
+    if (!pen_sq_standing(store, progress->claim, &standing, st))
+        return false;
+    if (!standing.held)
+        return pen_fail(st, PEN_STALE, "the batch is no longer held; its progress was refused");
+    struct pen_sq_query query = pen_sq_query(store, SQ_STUDY_PROGRESS);
+    pen_sq_int(&query, standing.job);
+    pen_sq_int(&query, progress->done);
+    pen_sq_int(&query, pen_clock_wall_ms());
+    store->base.news = true;
+    return pen_sq_run(&query, st);
+}
+
+bool pen_sq_progress(struct pen_store *base, const struct pen_claim *claim, int64_t done,
+                     struct pen_status *st)
+{
+    struct progress progress = {claim, done};
+    return pen_sq_transaction(pen_sq_of(base), write_progress, &progress, st);
 }
 
 static bool open_batch(struct pen_sq_store *store, void *arg, struct pen_status *st)

@@ -173,6 +173,13 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
     return told(store, &span, store->ops->commit(store, claim, result, next, st));
 }
 
+bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
+                        struct pen_status *st)
+{
+    struct span span = begin(store, "progress");
+    return told(store, &span, store->ops->progress(store, claim, done, st));
+}
+
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st)
 {

@@ -4,6 +4,7 @@
 #include "pen/study/bench.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "compare.h"
 #include "pen/base/clock.h"
@@ -12,6 +13,7 @@ struct state {
     const struct pen_bench *bench;
     struct pen_bench_result *result;
     struct pen_gallery *gallery;
+    double *tile_ms; /* of the baseline's last counted run */
     int done, total;
 };
 
@@ -20,6 +22,7 @@ struct run {
     double build_ms;
     struct pen_render_stats stats; /* in: tests_counted, whether to count */
     struct pen_accel_stats accel;
+    double *tile_ms; /* in: where the times of tiles go, one view behind the other; NULL: nowhere */
 };
 
 static bool cancelled(const struct pen_bench *bench)
@@ -60,9 +63,14 @@ static bool render_views(struct state *state, const struct pen_settings *setting
                                        .cancel = bench->cancel,
                                        .pixel_begins = bench->pixel_begins,
                                        .pixel_user = bench->pixel_user,
+                                       .keep_tile_ms = run->tile_ms != NULL,
                                        .count_tests = run->stats.tests_counted};
         if (!pen_render_run(bench->pool, &task, &stats, st))
             return false;
+        if (stats.tile_ms)
+            memcpy(run->tile_ms + run->stats.tile_count, stats.tile_ms,
+                   stats.tile_count * sizeof *stats.tile_ms);
+        free(stats.tile_ms);
         add_stats(&run->stats, &stats);
     }
     return true;
@@ -133,7 +141,7 @@ static bool run_all(struct state *state, struct pen_status *st)
 {
     for (int turn = 0; turn < state->bench->repeats; turn++) {
         for (int row = 0; row < state->bench->row_count; row++) {
-            struct run run = {0};
+            struct run run = {.tile_ms = row == state->bench->baseline ? state->tile_ms : NULL};
             if (!run_row(state, row, &run, st))
                 return false;
             note_run(state, row, turn, &run);
@@ -246,12 +254,21 @@ static bool sum_up(struct state *state, struct pen_status *st)
     for (int row = 0; row < bench->row_count; row++)
         sum_up_row(&rows[row], bench->repeats, values);
     free(values);
+    rows[bench->baseline].stats.tile_ms = state->tile_ms;
+    state->tile_ms = NULL;
     for (int row = 0; row < bench->row_count; row++) {
         rows[row].speedup = rows[bench->baseline].median_ms / rows[row].median_ms;
         if (!pen_gallery_compare(state->gallery, row, &rows[row], st))
             return false;
     }
     return true;
+}
+
+/* Of all views of a row. */
+static size_t tiles_of(const struct pen_bench *bench, int row)
+{
+    const struct pen_settings *s = &bench->rows[row].settings;
+    return (size_t)pen_tile_count(s->width, s->height, s->tile) * (size_t)bench->view_count;
 }
 
 static bool make_room(struct state *state, struct pen_status *st)
@@ -266,7 +283,8 @@ static bool make_room(struct state *state, struct pen_status *st)
         ok = outcomes[i].laps != NULL;
     }
     state->gallery = ok ? pen_gallery_new(bench) : NULL;
-    return state->gallery ||
+    state->tile_ms = calloc(tiles_of(bench, bench->baseline), sizeof *state->tile_ms);
+    return (state->gallery && state->tile_ms) ||
            pen_fail(st, PEN_NO_MEMORY, "no memory for a benchmark of %zu rows", rows);
 }
 
@@ -290,13 +308,16 @@ bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *resul
     result->load_after = load_average();
     result->ended_ms = pen_clock_wall_ms();
     pen_gallery_free(state.gallery);
+    free(state.tile_ms);
     return ok;
 }
 
 void pen_bench_result_release(const struct pen_bench *bench, struct pen_bench_result *result)
 {
-    for (int row = 0; result->rows && row < bench->row_count; row++)
+    for (int row = 0; result->rows && row < bench->row_count; row++) {
         free(result->rows[row].laps);
+        free(result->rows[row].stats.tile_ms);
+    }
     free(result->rows);
     *result = (struct pen_bench_result){0};
 }

@@ -28,6 +28,11 @@ expect_match retry-with-a-key-of-its-own "$(sh $examples/retry.sh)" '/v1/jobs/*'
 expect list "$(sh $examples/list.sh | wc -l | tr -d ' ')" 3
 expect list-names "$(sh $examples/list.sh | cut -f3 | grep -c '^example$')" 1
 
+mkdir "$work/reports"
+expect benchmark "$(sh $examples/benchmark.sh "$work/reports" | cut -d' ' -f1,2 | tr '\n' ' ')" \
+    "none 1 none 2 auto 1 auto 2 "
+expect benchmark-reports "$(cd "$work/reports" && echo *)" "report.csv report.html report.json report.md"
+
 submit "$long"
 expect cancel "$(sh $examples/cancel.sh "$job")" cancelled
 call "$job"

@@ -16,6 +16,8 @@ NEEDS_FAULT = {"503", "507"}
 SMALL = '{"scene": "builtin:spheres", "render": {"width": 32, "height": 24}}'
 LONG = ('{"scene": "builtin:spheres",'
         ' "render": {"width": 4000, "height": 4000, "samples_per_pixel": 64}}')
+BENCHMARK = ('{"scene": "builtin:spheres", "kind": "benchmark", "render": {"width": 16, "height": 12},'
+             ' "matrix": {"accelerator": ["none", "auto"], "threads": [1, 64]}, "repeats": 1}')
 NOBODY = "01890a5d-ac96-774b-bcce-b302099a8057"
 
 url = urllib.parse.urlsplit(sys.argv[1])
@@ -122,7 +124,10 @@ done = submit(SMALL)
 gone = submit(SMALL)
 ask("GET", f"/v1/jobs/{done}?wait=60")
 ask("GET", f"/v1/jobs/{gone}?wait=60")
+measured = submit(BENCHMARK)
+ask("GET", f"/v1/jobs/{measured}?wait=60")
 busy = submit(LONG)
+late = submit(BENCHMARK)  # has to wait for `busy`
 ask("POST", "/v1/jobs", SMALL, Idempotency_Key="k")
 everything = {"If_None_Match": "*"}
 known = {"Last_Event_ID": None}
@@ -137,23 +142,28 @@ body_samples = [
     ("404", "", {"body": '{"scene": "builtin:rom"}'}),
 ]
 samples = {
-    "submitJob": [("202", "", {"body": SMALL}), *body_samples,
+    "submitJob": [("202", "", {"body": SMALL}), ("202", "", {"body": BENCHMARK}), *body_samples,
                   ("422", "", {"body": SMALL + " ", "Idempotency_Key": "k"})],
     "listJobs": [("200", "", {}), ("200", "?limit=1", {}), ("400", "?limit=0", {}),
                  ("400", "?cursor=x", {})],
-    "getJob": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
+    "getJob": [("200", done, {}), ("200", busy, {}), ("200", measured, {}), ("304", done, everything),
                ("400", done + "?wait=99", {}), ("404", NOBODY, {})],
     "getEvents": [("200", done, {}), ("204", done, known), ("404", NOBODY, {})],
     "cancelJob": [("404", NOBODY, {})],
-    "getImage": [("200", done, {}), ("200", done + "?format=pfm", {}),
+    "getImage": [("200", done, {}), ("404", measured, {}), ("200", done + "?format=pfm", {}),
                  ("206", done, {"Range": "bytes=0-9"}), ("304", done, everything),
                  ("400", done + "?format=gif", {}), ("404", done + "?view=x", {}),
                  ("404", done + "?layer=depth", {}), ("404", NOBODY, {}), ("409", busy, {}),
                  ("416", done, {"Range": "bytes=9999999-"})],
     "getPreview": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
                    ("400", done + "?x", {}), ("404", NOBODY, {}), ("404", done + "?view=x", {})],
-    "getStatistics": [("200", done, {}), ("304", done, everything), ("404", NOBODY, {}),
+    "getStatistics": [("200", done, {}), ("200", measured, {}), ("304", done, everything), ("404", NOBODY, {}),
                       ("409", busy, {})],
+    "getReport": [("200", measured, {}), ("200", measured, {"Accept": "application/json"}),
+                  ("200", measured, {"Accept": "text/csv"}),
+                  ("200", measured, {"Accept": "text/markdown;q=0.5, image/*"}),
+                  ("304", measured, everything), ("404", NOBODY, {}), ("404", done, {}),
+                  ("406", measured, {"Accept": "image/png"}), ("409", late, {})],
     "getScene": [("200", done, {}), ("304", done, everything), ("404", NOBODY, {})],
     "validate": [("200", "", {"body": SMALL}), *body_samples],
     "listScenes": [("200", "", {}), ("304", "", everything)],
@@ -166,7 +176,7 @@ samples = {
     "deleteJob": [("204", gone, {}), ("404", gone, {}), ("409", busy, {})],
 }
 samples["cancelJob"].append(("202", busy, {}))
-order = ["deleteJob", "getImage", "getStatistics", "getPreview", "getJob"]  # while `busy` is busy
+order = ["deleteJob", "getReport", "getImage", "getStatistics", "getPreview", "getJob"]  # while `busy` is busy
 operations = {}
 for path, item in definition["paths"].items():
     for method in ("get", "post", "delete", "put"):

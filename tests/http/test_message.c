@@ -302,6 +302,47 @@ START_TEST(test_message__nothing_lies_in_an_empty_object)
 }
 END_TEST
 
+static int choose(const char *accept)
+{
+    static const char *const types[] = {"text/html", "application/json", "text/csv",
+                                        "text/markdown"};
+    return pen_accept_choose(accept, types, 4);
+}
+
+START_TEST(test_message__accept_is_answered_with_what_is_wanted_most)
+{
+    static const struct {
+        const char *accept;
+        int chosen;
+    } rows[] = {
+        {NULL, 0},
+        {"", 0},
+        {"*/*", 0},
+        {"application/json", 1},
+        {"APPLICATION/Json; charset=utf-8", 1},
+        {"text/*", 0},
+        {"application/*", 1},
+        {"image/png, text/csv", 2},
+        {"text/html;q=0.5, text/markdown", 3},
+        {"text/html ; q=0.5 , text/markdown ;q=0.4", 0},
+        {"text/*;q=0.5, text/csv;q=0.6", 2},
+        {"*/*, text/html;q=0", 1},
+        {"text/html;q=0", -1},
+        {"image/png", -1},
+        {"image/*", -1},
+        {"text", -1},
+        {"text/htmlx", -1},
+        {"text/html;q=2", -1},
+        {"text/html;q=x", -1},
+        {";;,,;q=", -1},
+        {"text/html,application/xhtml+xml,application/xml;q=0.9,image/avif,*/*;q=0.8", 0},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        ck_assert_msg(choose(rows[i].accept) == rows[i].chosen, "%s: %d", rows[i].accept,
+                      choose(rows[i].accept));
+}
+END_TEST
+
 PEN_SUITE("message", test_message__target_splits_path_and_query,
           test_message__target_root_has_no_segments, test_message__target_keeps_empty_segments,
           test_message__target_decodes_after_splitting, test_message__target_refuses_bad_escapes,
@@ -312,4 +353,5 @@ PEN_SUITE("message", test_message__target_splits_path_and_query,
           test_message__number_takes_plain_digits_in_range,
           test_message__host_is_loopback_by_name_only, test_message__origin_must_be_the_host,
           test_message__media_types, test_message__etag_lists, test_message__ranges,
-          test_message__nothing_lies_in_an_empty_object)
+          test_message__nothing_lies_in_an_empty_object,
+          test_message__accept_is_answered_with_what_is_wanted_most)

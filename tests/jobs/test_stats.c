@@ -205,7 +205,8 @@ START_TEST(test_stats__percentiles_of_tiles_are_nearest_ranks)
     const char *text = jobs_scene("");
     ck_assert(pen_scene_load(text, strlen(text), &limits, arena, &desc, &errors));
     struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_AUTO, 0, &st);
-    struct pen_stats_input in = {.render = &render, .scene = scene, .queue_ms = 1.23456};
+    struct pen_stats_input in = {
+        .render = &render, .accel = pen_accel_get_stats(scene->accel), .queue_ms = 1.23456};
     json_t *stats = pen_stats_json(&in);
     const json_t *tiles = json_object_get(json_object_get(stats, "tiles"), "ms");
     ck_assert(number(tiles, "p50") == 100);

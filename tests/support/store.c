@@ -85,7 +85,10 @@ void store_job_init(struct store_job *job, int n, int views, int batches)
         job->view[v] = (struct pen_view_new){names[v], STORE_JOB_TILE * batches, STORE_JOB_TILE};
         for (int b = 0; b < batches; b++)
             job->batch[v * batches + b] =
-                (struct pen_batch_new){v, b, 1, STORE_JOB_TILE * STORE_JOB_TILE};
+                (struct pen_batch_new){.view = v,
+                                       .first_tile = b,
+                                       .tile_count = 1,
+                                       .pixels = STORE_JOB_TILE * STORE_JOB_TILE};
     }
     job->job = (struct pen_job_new){
         .id = job->id,
@@ -101,6 +104,13 @@ void store_job_init(struct store_job *job, int n, int views, int batches)
         .batch_count = views * batches,
         .batches = job->batch,
     };
+}
+
+void store_study_init(struct store_job *job, int n, int runs)
+{
+    store_job_init(job, n, 1, 1);
+    job->job.kind = "benchmark";
+    job->batch[0] = (struct pen_batch_new){.pixels = runs, .kind = PEN_BATCH_STUDY};
 }
 
 void store_job_submit(struct pen_store *store, const struct store_job *job)
@@ -136,7 +146,12 @@ enum pen_code store_commit(struct pen_store *store, const struct pen_claim *clai
         result.rgb = rgb;
         result.pixels = claim->pixels;
     }
-    if (claim->kind == PEN_BATCH_ASSEMBLE || claim->view_batches == 1) {
+    if (claim->kind == PEN_BATCH_STUDY) {
+        result.layer = "report";
+        result.format = "json";
+        result.artefact = "{}";
+        result.artefact_bytes = strlen("{}");
+    } else if (claim->kind == PEN_BATCH_ASSEMBLE || claim->view_batches == 1) {
         result.layer = "beauty";
         result.format = "png";
         result.artefact = "picture";

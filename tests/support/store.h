@@ -42,6 +42,9 @@ struct store_job {
 /* Number n gives the id and, modulo 8, the scene. */
 void store_job_init(struct store_job *job, int n, int views, int batches);
 
+/* The same for a job that is one study of so many runs. */
+void store_study_init(struct store_job *job, int n, int runs);
+
 /* Submits; fails the test unless it was created. */
 void store_job_submit(struct pen_store *store, const struct store_job *job);
 

@@ -26,6 +26,7 @@ enum pen_code {
     PEN_CONFLICT,      /* the object is in the wrong state for this */
     PEN_LENGTH,        /* Content-Length missing */
     PEN_MEDIA_TYPE,    /* body of an unknown type */
+    PEN_ACCEPT,        /* the object is to be had, but in none of the types asked for */
     PEN_RANGE,         /* the range asked for lies outside the object */
     PEN_QUOTA,         /* queue or client quota full */
     PEN_UNAVAILABLE,   /* not ready, draining, busy */

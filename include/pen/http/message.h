@@ -66,6 +66,11 @@ enum pen_media pen_media_parse(const char *content_type);
  * Source: RFC 9110, section 13.1.2. */
 bool pen_etag_listed(const char *if_none_match, const char *etag);
 
+/* Which of the `count` media types an Accept field wants most; of types wanted alike the first. An
+ * absent or empty field wants anything. -1: none of them. Parameters other than q are passed over.
+ * Source: RFC 9110, section 12.5.1. */
+int pen_accept_choose(const char *accept, const char *const *types, int count);
+
 enum pen_range_kind {
     PEN_RANGE_WHOLE, /* no range, several, or one of another unit: answer all of it */
     PEN_RANGE_PART,

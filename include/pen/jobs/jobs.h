@@ -81,7 +81,7 @@ struct pen_image_query {
 
 struct pen_image {
     struct pen_buf bytes; /* release it */
-    char type[32];        /* media type */
+    char type[40];        /* media type */
     char etag[72];        /* quoted, strong: a hash of the bytes */
 };
 
@@ -111,6 +111,11 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
 
 /* The statistics object. Fails: PEN_CONFLICT until the job has ended. */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
+
+/* The report of a job that measured, in one of pen_study_forms. Fails: PEN_CONFLICT (unfinished,
+ * failed, cancelled), PEN_NOT_FOUND (no such job, or of a kind without a report). */
+bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
+                     struct pen_status *st);
 
 /* The scene as accepted: the bytes of a bare scene, XML too (pen_text_is_xml tells), or the JSON
  * of a job's. */

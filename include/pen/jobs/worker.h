@@ -41,8 +41,9 @@ struct pen_worker_options {
     const struct pen_store_observer *observer;
 };
 
-/* Works until *stop becomes true: then the batch in flight is finished or given back. Wake the
- * store's PEN_SIGNAL_WORK after setting *stop. Fails: the store cannot be opened or broke. */
+/* Works until *stop becomes true: then the batch in flight is finished, a benchmark given back.
+ * Wake the store's PEN_SIGNAL_WORK after setting *stop. Fails: the store cannot be opened or broke.
+ */
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st);
 
@@ -51,7 +52,7 @@ bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool 
 struct pen_stats_input {
     double queue_ms, parse_ms, build_ms, encode_ms, store_ms, total_ms;
     const struct pen_render_stats *render;
-    const struct pen_scene *scene;
+    const struct pen_accel_stats *accel;
 };
 json_t *pen_stats_json(const struct pen_stats_input *in);
 

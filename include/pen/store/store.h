@@ -45,8 +45,9 @@ enum pen_batch_state {
 };
 
 enum pen_batch_kind {
-    PEN_BATCH_RENDER,  /* tiles of a view */
-    PEN_BATCH_ASSEMBLE /* makes a view's picture from its committed batches */
+    PEN_BATCH_RENDER,   /* tiles of a view */
+    PEN_BATCH_ASSEMBLE, /* makes a view's picture from its committed batches */
+    PEN_BATCH_STUDY     /* the whole of a job that measures; its worker holds nothing else */
 };
 
 const char *pen_job_state_name(enum pen_job_state state);
@@ -97,7 +98,8 @@ struct pen_view_new {
 struct pen_batch_new {
     int view;
     int first_tile, tile_count;
-    int64_t pixels;
+    int64_t pixels;           /* of a study: the runs it makes, which its progress counts */
+    enum pen_batch_kind kind; /* render or study; a study is the only batch of its job */
 };
 
 struct pen_job_new {
@@ -193,7 +195,9 @@ struct pen_claim {
 };
 
 /* Claims the next batch by (priority, age), but see pen_store_worker_ended about suspects; the job
- * becomes running. Returns true with *found = false when there is nothing to do. */
+ * becomes running. A study whose turn it is waits for the worker to hold nothing, and until then,
+ * as long as it is held, there is nothing else for that worker. Returns true with *found = false
+ * when there is nothing to do. */
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                      struct pen_claim *claim, bool *found, struct pen_status *st);
 
@@ -210,7 +214,7 @@ struct pen_result {
 
 /* Commits a batch. The commit that leaves no open render batch in a view of several batches adds
  * an assemble batch; the one that ends the last view makes the job succeeded. The batch that ends
- * a view (its only one, or the assemble batch) brings the view's picture.
+ * a view (its only one, or the assemble batch) brings the view's picture, a study its report.
  * Fails: PEN_STALE; PEN_STORAGE_FULL, PEN_STORAGE, PEN_UNAVAILABLE (nothing was changed, or the
  * outcome is unknown: commit again); PEN_INTERNAL (a result that does not fit the batch). */
 bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
@@ -228,6 +232,10 @@ struct pen_next {
 bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
                                 const struct pen_result *result, struct pen_next *next,
                                 struct pen_status *st);
+
+/* Says how many of its runs a study has made, for readers to see. Fails: PEN_STALE. */
+bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
+                        struct pen_status *st);
 
 /* Gives a batch back without a result and without charge. A batch no longer held is left as it
  * is. */

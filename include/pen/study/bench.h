@@ -35,7 +35,8 @@ struct pen_bench_outcome {
     double median_ms, min_ms, max_ms;   /* of build + render */
     double build_ms, render_ms, cpu_ms; /* medians of the parts */
     double speedup;                     /* the baseline's median over this row's */
-    struct pen_render_stats stats;      /* of the last counted run, all views together */
+    struct pen_render_stats stats; /* of the last counted run, all views together; tile_ms of the
+                                    * baseline's alone */
     struct pen_accel_stats accel;
     int same_as;                 /* the first row that shows the same picture; may be itself */
     int compared_with;           /* the first row of the same size; may be itself */

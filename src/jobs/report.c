@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/* Reports of jobs. The JSON is stored with the job's commit; the other forms are made of it when
+ * they are asked for. */
+#include <string.h>
+
+#include "jobs.h"
+#include "pen/study/report.h"
+
+/* Whether a job is of a kind that has a report, and has it. */
+static bool check_job(const struct pen_job_record *job, struct pen_status *st)
+{
+    if (strcmp(job->kind, "benchmark") != 0)
+        return pen_fail(st, PEN_NOT_FOUND, "job %s is of kind \"%s\", which has no report", job->id,
+                        job->kind);
+    if (job->state == PEN_JOB_SUCCEEDED)
+        return true;
+    return pen_fail(st, PEN_CONFLICT, "job %s is %s; only a succeeded job has its report", job->id,
+                    pen_job_state_name(job->state));
+}
+
+/* The stored report in another form, in its place. */
+static bool transform(const char *id, const char *form, struct pen_buf *bytes,
+                      struct pen_status *st)
+{
+    json_error_t error;
+    json_t *report = json_loadb((const char *)bytes->data, bytes->bytes, 0, &error);
+    pen_buf_release(bytes);
+    bool ok = report ? pen_study_write(report, form, bytes, st)
+                     : pen_fail(st, PEN_STORAGE, "the stored report of job %s is damaged: %s", id,
+                                error.text);
+    json_decref(report);
+    return ok;
+}
+
+bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
+                     struct pen_status *st)
+{
+    struct pen_job_record job;
+    *out = (struct pen_image){0};
+    if (!pen_store_job(jobs->store, id, &job, st))
+        return false;
+    bool ok = check_job(&job, st);
+    pen_job_record_release(&job);
+    ok = ok && pen_store_artefact(jobs->store, id, 0, PEN_REPORT_LAYER, PEN_REPORT_FORMAT,
+                                  &out->bytes, st);
+    if (ok && strcmp(form, PEN_REPORT_FORMAT) != 0)
+        ok = transform(id, form, &out->bytes, st);
+    if (!ok) {
+        pen_buf_release(&out->bytes);
+        return false;
+    }
+    strcpy(out->type, pen_study_media_type(form));
+    pen_etag_make(out->bytes.data, out->bytes.bytes, out->etag);
+    return true;
+}

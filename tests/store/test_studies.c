@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: MIT */
+/* Studies: who gets them and what else, how far they are, and what becomes of them when their
+ * worker dies. */
+#include <sqlite3.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/store.h"
+#include "support/suite.h"
+
+static struct store_bed bed;
+static struct pen_status st;
+static struct store_job first, second, study;
+
+enum { RUNS = 12 };
+
+static bool claim_any(const char *worker, struct pen_claim *claim)
+{
+    bool found = false;
+    store_must(pen_store_claim(bed.store, worker, 60000, claim, &found, &st), &st, "claim");
+    return found;
+}
+
+static void submit_study(int n)
+{
+    store_study_init(&study, n, RUNS);
+    store_job_submit(bed.store, &study);
+}
+
+static void submit_job(struct store_job *job, int n, int batches)
+{
+    store_job_init(job, n, 1, batches);
+    store_job_submit(bed.store, job);
+}
+
+static void progress(const struct pen_claim *claim, int64_t done)
+{
+    store_must(pen_store_progress(bed.store, claim, done, &st), &st, "progress");
+}
+
+START_TEST(test_studies__commit_brings_the_report_and_ends_the_job)
+{
+    struct pen_buf report = {0};
+    store_bed_open(&bed);
+    submit_study(1);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(claim.kind, PEN_BATCH_STUDY);
+    ck_assert_int_eq(claim.pixels, RUNS);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    struct pen_job_record job = store_job_get(bed.store, study.id);
+    ck_assert_int_eq(job.state, PEN_JOB_SUCCEEDED);
+    ck_assert_int_eq(job.done_pixels, RUNS);
+    ck_assert_int_eq(job.total_pixels, RUNS);
+    pen_job_record_release(&job);
+    store_must(pen_store_artefact(bed.store, study.id, 0, "report", "json", &report, &st), &st,
+               "report");
+    pen_buf_release(&report);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_studies__commit_without_a_report_is_refused)
+{
+    struct pen_result empty = {.stats = "{}"};
+    store_bed_open(&bed);
+    submit_study(1);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    ck_assert(!pen_store_commit(bed.store, &claim, &empty, &st));
+    ck_assert_int_eq(st.code, PEN_INTERNAL);
+    ck_assert_int_eq(store_job_state(bed.store, study.id), PEN_JOB_RUNNING);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_studies__worker_holds_nothing_beside_one)
+{
+    struct pen_claim claim, other;
+    store_bed_open(&bed);
+    submit_study(1);
+    submit_job(&first, 2, 2);
+    claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(claim.kind, PEN_BATCH_STUDY);
+    ck_assert(!claim_any("w", &other));
+    ck_assert(claim_any("v", &other)); /* another worker may */
+    ck_assert_int_eq(other.kind, PEN_BATCH_RENDER);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    ck_assert(claim_any("w", &other));
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_studies__one_whose_turn_it_is_waits_for_an_idle_worker)
+{
+    struct pen_claim held, more, claim;
+    store_bed_open(&bed);
+    submit_job(&first, 1, 2);
+    submit_study(2);
+    submit_job(&second, 3, 1);
+    held = store_claim(bed.store, "w");
+    more = store_claim(bed.store, "w");
+    /* The third job has to stand behind, or a busy worker would never come to the study. */
+    ck_assert(!claim_any("w", &claim));
+    ck_assert_int_eq(store_commit(bed.store, &held), PEN_OK);
+    ck_assert(!claim_any("w", &claim));
+    ck_assert_int_eq(store_commit(bed.store, &more), PEN_OK);
+    claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(claim.kind, PEN_BATCH_ASSEMBLE); /* of the job that was before */
+    ck_assert(!claim_any("w", &more));
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(claim.kind, PEN_BATCH_STUDY);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_studies__next_claim_of_a_commit_may_be_one)
+{
+    struct pen_next next = {.worker = "w", .lease_ms = 60000};
+    struct pen_result result = {.stats = "{}", .layer = "report", .format = "json"};
+    store_bed_open(&bed);
+    submit_study(1);
+    store_study_init(&first, 2, 3);
+    store_job_submit(bed.store, &first);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    result.artefact = "{}";
+    result.artefact_bytes = 2;
+    store_must(pen_store_commit_and_claim(bed.store, &claim, &result, &next, &st), &st, "commit");
+    ck_assert(next.found);
+    ck_assert_int_eq(next.claim.kind, PEN_BATCH_STUDY);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_studies__progress_is_seen_and_fenced)
+{
+    store_bed_open(&bed);
+    submit_study(1);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    progress(&claim, 5);
+    struct pen_job_record job = store_job_get(bed.store, study.id);
+    ck_assert_int_eq(job.done_pixels, 5);
+    int64_t revision = job.revision;
+    pen_job_record_release(&job);
+    store_audit_clean(bed.store);
+    progress(&claim, 7);
+    job = store_job_get(bed.store, study.id);
+    ck_assert_int_eq(job.done_pixels, 7);
+    ck_assert_int_eq(job.revision, revision + 1);
+    pen_job_record_release(&job);
+    store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+    ck_assert(!pen_store_progress(bed.store, &claim, 8, &st));
+    ck_assert_int_eq(st.code, PEN_STALE);
+    struct pen_claim again = store_claim(bed.store, "v");
+    progress(&again, 0);
+    ck_assert(!pen_store_progress(bed.store, &claim, 9, &st));
+    job = store_job_get(bed.store, study.id);
+    ck_assert_int_eq(job.done_pixels, 0);
+    pen_job_record_release(&job);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_STALE);
+    ck_assert_int_eq(store_commit(bed.store, &again), PEN_OK);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_studies__cancel_in_the_middle_leaves_a_sound_store)
+{
+    bool held = true;
+    store_bed_open(&bed);
+    submit_study(1);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    progress(&claim, 5);
+    store_must(pen_store_cancel(bed.store, study.id, &st), &st, "cancel");
+    store_must(pen_store_heartbeat(bed.store, &claim, 60000, &held, &st), &st, "heartbeat");
+    ck_assert(!held);
+    ck_assert(!pen_store_progress(bed.store, &claim, 6, &st));
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_STALE);
+    store_bed_close(&bed);
+}
+END_TEST
+
+static char *death_error(void *user, const struct pen_claim *claim, int charges)
+{
+    (void)user;
+    ck_assert_int_eq(claim->kind, PEN_BATCH_STUDY);
+    ck_assert_int_eq(charges, 3);
+    return strdup("{}");
+}
+
+START_TEST(test_studies__crashes_are_charged_though_progress_was_told)
+{
+    struct pen_worker_death death = {
+        .worker = "w", .end = PEN_WORKER_CRASHED, .error = death_error};
+    int opened;
+    store_bed_open(&bed);
+    submit_study(1);
+    for (int i = 0; i < 3; i++) {
+        ck_assert_int_eq(store_job_state(bed.store, study.id),
+                         i == 0 ? PEN_JOB_QUEUED : PEN_JOB_RUNNING);
+        struct pen_claim claim = store_claim(bed.store, "w");
+        progress(&claim, 3 + i);
+        store_must(pen_store_worker_ended(bed.store, &death, &opened, &st), &st, "ended");
+    }
+    ck_assert_int_eq(store_job_state(bed.store, study.id), PEN_JOB_FAILED);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Takes the store back to the schema before studies. */
+static void make_old(void)
+{
+    sqlite3 *db;
+    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_exec(db, "PRAGMA user_version = 5", NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(db);
+}
+
+static int version(void)
+{
+    sqlite3 *db;
+    sqlite3_stmt *stmt;
+    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_prepare_v2(db, "PRAGMA user_version", -1, &stmt, NULL), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_step(stmt), SQLITE_ROW);
+    int value = sqlite3_column_int(stmt, 0);
+    sqlite3_finalize(stmt);
+    sqlite3_close(db);
+    return value;
+}
+
+START_TEST(test_studies__store_from_before_takes_them_once_it_was_opened)
+{
+    store_bed_open(&bed);
+    int current = version();
+    ck_assert_int_ge(current, 6);
+    submit_job(&first, 1, 2);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    pen_store_close(bed.store);
+    make_old();
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(version(), current);
+    submit_study(2);
+    ck_assert_int_eq(store_work_off(bed.store, "w"), 3);
+    ck_assert_int_eq(store_job_state(bed.store, first.id), PEN_JOB_SUCCEEDED);
+    ck_assert_int_eq(store_job_state(bed.store, study.id), PEN_JOB_SUCCEEDED);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("studies", test_studies__commit_brings_the_report_and_ends_the_job,
+          test_studies__commit_without_a_report_is_refused,
+          test_studies__worker_holds_nothing_beside_one,
+          test_studies__one_whose_turn_it_is_waits_for_an_idle_worker,
+          test_studies__next_claim_of_a_commit_may_be_one,
+          test_studies__progress_is_seen_and_fenced,
+          test_studies__cancel_in_the_middle_leaves_a_sound_store,
+          test_studies__crashes_are_charged_though_progress_was_told,
+          test_studies__store_from_before_takes_them_once_it_was_opened)
