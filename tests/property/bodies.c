@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "property/bodies.h"
 
+#include <check.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct pen_vec3 vec3;
@@ -124,4 +126,45 @@ struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_r
     }
     *alike = hit[0].prim == hit[1].prim && hit[0].t == hit[1].t && hit[0].part == hit[1].part;
     return hit[0];
+}
+
+int bodies_walk(const struct bodies_tree *tree, const struct pen_ray *ray, int most)
+{
+    const struct pen_trace_ops *ops = pen_trace_ops_get(pen_cpu_isa());
+    struct pen_span span = {pen_after_start, INFINITY};
+    int count = 0;
+    while (count < most && ops->nearest(tree->accel, ray, &pen_leave_nothing, &span, &span.after))
+        count++;
+    return count;
+}
+
+void bodies_mesh_begin(struct bodies_mesh *mesh, uint32_t capacity)
+{
+    mesh->triangle = calloc(capacity, sizeof *mesh->triangle);
+    mesh->ref = calloc(capacity, sizeof *mesh->ref);
+    ck_assert(mesh->triangle && mesh->ref);
+    mesh->prims = (struct pen_prims){.ref = mesh->ref, .triangle = mesh->triangle};
+}
+
+void bodies_mesh_add(struct bodies_mesh *mesh, vec3 a, vec3 b, vec3 c)
+{
+    uint32_t i = mesh->prims.count;
+    if (!pen_triangle_make(&mesh->triangle[i], a, b, c))
+        return;
+    mesh->ref[i].kind = PEN_PRIM_TRIANGLE;
+    mesh->ref[i].index = i & 0x0fffffffu;
+    mesh->prims.count = mesh->prims.kind_count[PEN_PRIM_TRIANGLE] = i + 1;
+}
+
+void bodies_mesh_grid(struct bodies_mesh *mesh, int n, bodies_grid_fn *at, const void *user)
+{
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) {
+            vec3 v[4] = {at(i, j, user), at(i + 1, j, user), at(i + 1, j + 1, user),
+                         at(i, j + 1, user)};
+            int s = (i ^ j) & 1;
+            bodies_mesh_add(mesh, v[s], v[s + 1], v[s + 2]);
+            bodies_mesh_add(mesh, v[s], v[s + 2], v[(s + 3) % 4]);
+        }
+    }
 }

@@ -33,4 +33,21 @@ void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims);
 struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_ray *ray,
                               const struct pen_leave *leave, double tmax, bool *alike);
 
+/* How many crossings the ray has by the tree, walked from one to the next; at most `most`. */
+int bodies_walk(const struct bodies_tree *tree, const struct pen_ray *ray, int most);
+
+/* More triangles than a world holds; kept for the life of the process. */
+struct bodies_mesh {
+    struct pen_prims prims;
+    struct pen_triangle *triangle;
+    struct pen_prim_ref *ref;
+};
+void bodies_mesh_begin(struct bodies_mesh *mesh, uint32_t capacity);
+/* Triangles without area are left out. */
+void bodies_mesh_add(struct bodies_mesh *mesh, struct pen_vec3 a, struct pen_vec3 b,
+                     struct pen_vec3 c);
+/* n x n squares of a square grid, split one way or the other: point (i, j) is at(i, j). */
+typedef struct pen_vec3 bodies_grid_fn(double i, double j, const void *user);
+void bodies_mesh_grid(struct bodies_mesh *mesh, int n, bodies_grid_fn *at, const void *user);
+
 #endif

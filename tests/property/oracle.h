@@ -85,6 +85,9 @@ bool oracle_plane_at(struct pen_vec3 p, struct pen_vec3 n, struct oracle_ray ray
 /* How far o + t d is from the plane of three points, as a share of |o - v0| + |t d|, in u. */
 double oracle_flat_residual(const struct pen_vec3 v[3], struct oracle_ray ray, double t);
 
+/* |cos| of the angle between the ray and the normal of the plane of three points. */
+double oracle_flat_cosine(const struct pen_vec3 v[3], struct oracle_ray ray);
+
 /* Whether o + t d lies between the depths of the vertices, up to k u of the depths. */
 bool oracle_depth_between(const struct pen_vec3 *v, int count, struct oracle_ray ray, double t,
                           double k);
@@ -100,7 +103,11 @@ int oracle_winding(const struct pen_vec3 *v, int count, struct oracle_ray ray, d
 /* Whether the ray meets the closed box at some 0 <= t <= tmax, exactly; tmax may be infinite. */
 bool oracle_slab(struct pen_vec3 lo, struct pen_vec3 hi, struct oracle_ray ray, double tmax);
 
-/* The sign of the area of triangle abc: 0 iff the three lie on one line, exactly. */
+/* The side of the plane through a, b, c that p is on, exactly: +1 where they run counter-clockwise
+ * as seen from p, -1 behind, 0 in the plane. */
+int oracle_above(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c, struct pen_vec3 p);
+
+/* Whether the three lie on one line, exactly. */
 bool oracle_collinear(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c);
 
 #endif

@@ -84,16 +84,24 @@ static void cross(struct expansion3 *out, const struct expansion3 *a, const stru
     }
 }
 
-static int triple(struct pen_vec3 d, const struct expansion3 *p, const struct expansion3 *q)
+/* The sign of d.(p x q). */
+static int triple_of(const struct expansion3 *d, const struct expansion3 *p,
+                     const struct expansion3 *q)
 {
-    struct expansion3 n, direction;
+    struct expansion3 n;
     struct expansion sum;
-    difference3(&direction, d, pen_vec3(0, 0, 0));
     cross(&n, p, q);
     clear(&sum);
     for (int i = 0; i < 3; i++)
-        add_product(&sum, 1, &direction.c[i], &n.c[i]);
+        add_product(&sum, 1, &d->c[i], &n.c[i]);
     return sign_of(&sum);
+}
+
+static int triple(struct pen_vec3 d, const struct expansion3 *p, const struct expansion3 *q)
+{
+    struct expansion3 direction;
+    difference3(&direction, d, pen_vec3(0, 0, 0));
+    return triple_of(&direction, p, q);
 }
 
 /* The determinant in doubles and a bound on its error, 2^-53 times this. */
@@ -225,4 +233,13 @@ bool oracle_collinear(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c)
     difference3(&f, c, a);
     cross(&n, &e, &f);
     return sign_of(&n.c[0]) == 0 && sign_of(&n.c[1]) == 0 && sign_of(&n.c[2]) == 0;
+}
+
+int oracle_above(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c, struct pen_vec3 p)
+{
+    struct expansion3 e, f, g;
+    difference3(&e, b, a);
+    difference3(&f, c, a);
+    difference3(&g, p, a);
+    return triple_of(&g, &e, &f);
 }

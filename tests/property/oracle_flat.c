@@ -34,6 +34,12 @@ double oracle_flat_residual(const struct pen_vec3 v[3], struct oracle_ray ray, d
     return (double)(off / (U * scale));
 }
 
+double oracle_flat_cosine(const struct pen_vec3 v[3], struct oracle_ray ray)
+{
+    struct quad3 n = normal_of(v), d = q3(ray.d);
+    return (double)(q_abs(q_dot(n, d)) / (q_length(n) * q_length(d)));
+}
+
 bool oracle_depth_between(const struct pen_vec3 *v, int count, struct oracle_ray ray, double t,
                           double k)
 {

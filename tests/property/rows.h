@@ -20,4 +20,29 @@ void rows_cylinder_caps(struct pen_row_run *run);
 void rows_cylinder_grazing(struct pen_row_run *run);
 void rows_oracle(struct pen_row_run *run);
 
+/* rows_closed.c */
+void rows_embree(struct pen_row_run *run);
+void rows_fan(struct pen_row_run *run);
+void rows_tiling(struct pen_row_run *run);
+void rows_star(struct pen_row_run *run);
+void rows_bent(struct pen_row_run *run);
+void rows_circle(struct pen_row_run *run);
+void rows_circle_area(struct pen_row_run *run);
+void rows_huge_small(struct pen_row_run *run);
+void rows_glass_cube(struct pen_row_run *run);
+
+/* rows_flat.c */
+void rows_antisymmetry(struct pen_row_run *run);
+void rows_roles(struct pen_row_run *run);
+void rows_triangle(struct pen_row_run *run);
+void rows_needle(struct pen_row_run *run);
+void rows_needle_grazed(struct pen_row_run *run);
+void rows_triangle_grazed(struct pen_row_run *run);
+void rows_grazed(struct pen_row_run *run);
+void rows_polygon(struct pen_row_run *run);
+void rows_degenerate(struct pen_row_run *run);
+void rows_pbrt(struct pen_row_run *run);
+void rows_edge_on(struct pen_row_run *run);
+void rows_plane(struct pen_row_run *run);
+
 #endif

@@ -22,6 +22,191 @@ static const struct row sheet = {
     .full = 4000000,
 };
 
+static const struct row embree = {
+    .id = "H040",
+    .name = "h040_embree",
+    .what = "Embree's sphere and square of 200 x 200 squares each at (148376, 1234, -223423): "
+            "no leak, no double hit, at random, corners and edges",
+    .oracle = "count",
+    .run = rows_embree,
+};
+
+static const struct row antisymmetry = {
+    .id = "H041",
+    .name = "h041_antisymmetry",
+    .what = "dop(P, Q) and dop(Q, P) have opposite signs, and the right ones",
+    .oracle = "exact sign by expansions",
+    .run = rows_antisymmetry,
+};
+
+static const struct row roles = {
+    .id = "H042",
+    .name = "h042_roles",
+    .what = "an outline begun at another vertex or reversed gives the same hit and the same t: "
+            "every vertex plays every role",
+    .oracle = "the body itself, bit for bit",
+    .run = rows_roles,
+};
+
+static const struct row needle = {
+    .id = "H043",
+    .name = "h043_needle",
+    .what = "triangles of aspect down to 1e-12: hit or miss outside BE(8) right, t within 16 u",
+    .oracle = "exact winding; 113-bit plane",
+    .run = rows_needle,
+};
+
+static const struct row triangle = {
+    .id = "O1 triangle",
+    .name = "o1_triangle",
+    .what = "ordinary triangles, up to 1e9 from the origin: the same",
+    .oracle = "exact winding; 113-bit plane",
+    .run = rows_triangle,
+};
+
+static const struct row fan = {
+    .id = "H044",
+    .name = "h044_needle_fan",
+    .what = "1000 triangles of apex angle 1e-7 that share a vertex: a ray at the vertex or a "
+            "shared edge meets one",
+    .oracle = "count = 1",
+    .run = rows_fan,
+    .full = 200000,
+    .check = 3000,
+};
+
+static const struct row degenerate = {
+    .id = "H045",
+    .name = "h045_degenerate",
+    .what = "triangles whose vertices lie on one line are refused, all others made, whatever "
+            "their size; t is a number",
+    .oracle = "exact cross product",
+    .run = rows_degenerate,
+};
+
+static const struct row pbrt = {
+    .id = "H046",
+    .name = "h046_pbrt",
+    .what = "pbrt's bad case and its neighbours within ulps: no hit",
+    .oracle = "exact winding",
+    .run = rows_pbrt,
+};
+
+static const struct row grazed = {
+    .id = "H047",
+    .name = "h047_grazing_thin",
+    .what = "a thin triangle at 0.52 degrees in random poses: hit or miss outside BE(8) right, "
+            "t among the depths of the vertices",
+    .oracle = "exact winding; 113-bit depths",
+    .run = rows_grazed,
+};
+
+static const struct row edge_on = {
+    .id = "H048",
+    .name = "h048_edge_on",
+    .what = "a ray in the triangle's plane: no hit where the shear is exact, else t among the "
+            "depths of the vertices",
+    .oracle = "exact lattice",
+    .run = rows_edge_on,
+};
+
+static const struct row tiling = {
+    .id = "H049",
+    .name = "h049_tiling",
+    .what = "64 x 64 squares split both ways: each lattice point belongs to one triangle",
+    .oracle = "count = 1",
+    .run = rows_tiling,
+};
+
+static const struct row star = {
+    .id = "H052",
+    .name = "h052_star",
+    .what = "a concave star and the triangles in its notches: one is met, and the right one",
+    .oracle = "count = 1; exact winding",
+    .run = rows_star,
+};
+
+static const struct row polygon = {
+    .id = "O1 polygon",
+    .name = "o1_polygon",
+    .what = "concave outlines: hit or miss outside BE(8) right, t among the depths of the "
+            "vertices, within 8 u of the plane",
+    .oracle = "exact winding; 113-bit plane",
+    .run = rows_polygon,
+};
+
+static const struct row bent = {
+    .id = "H054",
+    .name = "h054_bent",
+    .what = "a sheet of squares with vertices off their planes by 1e-7 has no cracks",
+    .oracle = "count = 1",
+    .run = rows_bent,
+};
+
+static const struct row circle = {
+    .id = "H055",
+    .name = "h055_circle",
+    .what = "a circle of 10 000 corners and its complement: one is met at corners and the "
+            "middles of edges",
+    .oracle = "count = 1",
+    .run = rows_circle,
+    .full = 50000,
+    .check = 2000,
+};
+
+static const struct row circle_area = {
+    .id = "H055",
+    .name = "h055_circle_area",
+    .what = "the share of random rays that meet the circle of 10 000 corners is its area",
+    .oracle = "closed form, 5 sigma",
+    .run = rows_circle_area,
+    .full = 40,
+    .check = 2,
+};
+
+static const struct row huge_small = {
+    .id = "H056",
+    .name = "h056_huge_beside_small",
+    .what = "a tetrahedron with edges of 1e6 and 1e-6: a line through a point inside meets two "
+            "faces",
+    .oracle = "exact inside; count = 2",
+    .run = rows_huge_small,
+};
+
+static const struct row glass_cube = {
+    .id = "H058",
+    .name = "h058_glass_cube",
+    .what = "a shadow ray from outside at edges and corners of a glass cube of 12 triangles "
+            "passes two of them or none",
+    .oracle = "count",
+    .run = rows_glass_cube,
+};
+
+static const struct row plane = {
+    .id = "H087 O1 plane",
+    .name = "h087_plane",
+    .what = "planes met at any angle down to 1e-300: the class is exact, t a number, the point "
+            "within 8 u of the plane",
+    .oracle = "113 bits",
+    .run = rows_plane,
+};
+
+static const struct row t_junction = {
+    .id = "H051",
+    .name = "h051_t_junction",
+    .what = "a vertex that rests on a long edge",
+    .status = ROW_INAPPLICABLE,
+    .why = "input is never repaired: validate warns of T-junctions (tests/io/test_warnings.c)",
+};
+
+static const struct row bow_tie = {
+    .id = "H053",
+    .name = "h053_bow_tie",
+    .what = "a self-crossing outline",
+    .status = ROW_INAPPLICABLE,
+    .why = "self-crossing outlines are refused (tests/scene/test_polygon_check.c)",
+};
+
 static const char roots_oracle[] = "113-bit roots; class by growing and shrinking the body";
 
 static const struct row oracle = {
@@ -107,8 +292,58 @@ static const struct row cylinder_grazing = {
     .known = "t of grazing rays: the square root of a discriminant that keeps few digits",
 };
 
+static const struct row needle_grazed = {
+    .id = "H043",
+    .name = "h043_needle_grazed",
+    .what = "the same for rays within 0.1 rad of the needle's plane",
+    .oracle = "113-bit plane",
+    .run = rows_needle_grazed,
+    .known = "t of rays nearly in the plane",
+};
+
+static const struct row triangle_grazed = {
+    .id = "O1 triangle",
+    .name = "o1_triangle_grazed",
+    .what = "the same for rays within 0.1 rad of the triangle's plane",
+    .oracle = "113-bit plane",
+    .run = rows_triangle_grazed,
+    .known = "t of rays nearly in the plane",
+};
+
 const struct row *const row_table[] = {
-    &bumpy,        &sheet,    &oracle,         &sphere_roots,  &sphere_grazing,   &tube_roots,
-    &tube_grazing, &tube_far, &cylinder_roots, &cylinder_caps, &cylinder_grazing,
+    &bumpy,
+    &embree,
+    &antisymmetry,
+    &roles,
+    &needle,
+    &needle_grazed,
+    &fan,
+    &degenerate,
+    &pbrt,
+    &grazed,
+    &edge_on,
+    &tiling,
+    &sheet,
+    &t_junction,
+    &star,
+    &bow_tie,
+    &bent,
+    &circle,
+    &circle_area,
+    &huge_small,
+    &glass_cube,
+    &plane,
+    &oracle,
+    &sphere_roots,
+    &sphere_grazing,
+    &tube_roots,
+    &tube_grazing,
+    &tube_far,
+    &cylinder_roots,
+    &cylinder_caps,
+    &cylinder_grazing,
+    &triangle,
+    &triangle_grazed,
+    &polygon,
 };
 const int row_table_count = sizeof row_table / sizeof row_table[0];
