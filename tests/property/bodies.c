@@ -146,6 +146,12 @@ void bodies_mesh_begin(struct bodies_mesh *mesh, uint32_t capacity)
     mesh->prims = (struct pen_prims){.ref = mesh->ref, .triangle = mesh->triangle};
 }
 
+void bodies_mesh_end(struct bodies_mesh *mesh)
+{
+    free(mesh->triangle);
+    free(mesh->ref);
+}
+
 void bodies_mesh_add(struct bodies_mesh *mesh, vec3 a, vec3 b, vec3 c)
 {
     uint32_t i = mesh->prims.count;

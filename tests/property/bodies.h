@@ -36,13 +36,14 @@ struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_r
 /* How many crossings the ray has by the tree, walked from one to the next; at most `most`. */
 int bodies_walk(const struct bodies_tree *tree, const struct pen_ray *ray, int most);
 
-/* More triangles than a world holds; kept for the life of the process. */
+/* More triangles than a world holds. */
 struct bodies_mesh {
     struct pen_prims prims;
     struct pen_triangle *triangle;
     struct pen_prim_ref *ref;
 };
 void bodies_mesh_begin(struct bodies_mesh *mesh, uint32_t capacity);
+void bodies_mesh_end(struct bodies_mesh *mesh);
 /* Triangles without area are left out. */
 void bodies_mesh_add(struct bodies_mesh *mesh, struct pen_vec3 a, struct pen_vec3 b,
                      struct pen_vec3 c);

@@ -45,4 +45,25 @@ void rows_pbrt(struct pen_row_run *run);
 void rows_edge_on(struct pen_row_run *run);
 void rows_plane(struct pen_row_run *run);
 
+/* rows_leave.c */
+void rows_leave_round(struct pen_row_run *run);
+void rows_leave_flat(struct pen_row_run *run);
+void rows_way_out(struct pen_row_run *run);
+void rows_wedge(struct pen_row_run *run);
+void rows_shell(struct pen_row_run *run);
+void rows_twins(struct pen_row_run *run);
+void rows_overlap(struct pen_row_run *run);
+void rows_touching(struct pen_row_run *run);
+
+/* rows_boxes.c, rows_trees.c */
+void rows_signed_zeros(struct pen_row_run *run);
+void rows_boxes(struct pen_row_run *run);
+void rows_flat_boxes(struct pen_row_run *run);
+void rows_on_faces(struct pen_row_run *run);
+void rows_tmax(struct pen_row_run *run);
+void rows_paths(struct pen_row_run *run);
+void rows_copies(struct pen_row_run *run);
+void rows_crowd(struct pen_row_run *run);
+void rows_few(struct pen_row_run *run);
+
 #endif

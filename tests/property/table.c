@@ -310,6 +310,175 @@ static const struct row triangle_grazed = {
     .known = "t of rays nearly in the plane",
 };
 
+static const struct row leave_round = {
+    .id = "H059",
+    .name = "h059_leave_round",
+    .what = "from a hit on a sphere, tube or cylinder of radius 1e-6 to 1e6 at offsets 0 to "
+            "1e9: no crossing outward, exactly one inward",
+    .oracle = "sign of the chord; undecided only within 8u",
+    .run = rows_leave_round,
+    .full = 9000000,
+};
+
+static const struct row leave_flat = {
+    .id = "H060",
+    .name = "h060_leave_flat",
+    .what = "from a hit on a triangle, a polygon or a plane of size e^-8 to e^8 at offsets 0 to "
+            "1e9: it is not met again",
+    .oracle = "count = 0",
+    .run = rows_leave_flat,
+    .full = 5000000,
+};
+
+static const struct row way_out = {
+    .id = "H061",
+    .name = "h061_way_out",
+    .what = "inward from the surface, t is -2 b / a within 4 ulp; from or to a cap within 32u "
+            "(r + h)",
+    .oracle = "113 bits",
+    .run = rows_way_out,
+    .full = 6000000,
+};
+
+static const struct row wedge = {
+    .id = "H062",
+    .name = "h062_dihedral",
+    .what = "two triangles at 10^-k rad, k up to 12: from one, into the wedge, the other is met",
+    .oracle = "construction",
+    .run = rows_wedge,
+};
+
+static const struct row shell = {
+    .id = "H063",
+    .name = "h063_thin_shell",
+    .what = "an opaque sphere in a glass one with gaps of 4e-5 to 64u of the coordinates: it is "
+            "always seen, and "
+            "nothing meets itself",
+    .oracle = "order of spheres",
+    .run = rows_shell,
+};
+
+static const struct row twins = {
+    .id = "H068 H069",
+    .name = "h068_coincident",
+    .what = "of two coincident bodies the first in the document is met, by the tree too; on "
+            "leaving it neither is met at the start",
+    .oracle = "document order",
+    .run = rows_twins,
+};
+
+static const struct row overlap = {
+    .id = "H070",
+    .name = "h070_coplanar_overlap",
+    .what = "coplanar squares that overlap: what is met is there, and is the same by tree and "
+            "by trying all",
+    .oracle = "exact winding; brute force",
+    .run = rows_overlap,
+};
+
+static const struct row touching = {
+    .id = "H071",
+    .name = "h071_touching_spheres",
+    .what = "spheres that touch: crossings at 1, 3, 3, 5 in document order; the common tangent "
+            "misses both; scaled by 2^-200 to 2^200",
+    .oracle = "closed form",
+    .run = rows_touching,
+    .full = 10000,
+    .check = 600,
+};
+
+static const struct row signed_zeros = {
+    .id = "H086",
+    .name = "h086_signed_zeros",
+    .what = "26 directions along axes and diagonals, zeros of either sign, from box faces moved "
+            "by -1, 0, +1 ulp: no false miss, and signs of zeros change nothing",
+    .oracle = "brute force, exact slabs",
+    .run = rows_signed_zeros,
+};
+
+static const struct row boxes = {
+    .id = "H091",
+    .name = "h091_boxes",
+    .what = "rays at and from corners, edges and faces of boxes at offsets 0 to 1e9: no false "
+            "miss",
+    .oracle = "brute force; exact slabs, BE(8)",
+    .run = rows_boxes,
+    .full = 12000000,
+};
+
+static const struct row flat_boxes = {
+    .id = "H092",
+    .name = "h092_flat_boxes",
+    .what = "boxes without thickness around axis-parallel rectangles: hit iff the rectangle is",
+    .oracle = "brute force, bit for bit",
+    .run = rows_flat_boxes,
+};
+
+static const struct row on_faces = {
+    .id = "H093",
+    .name = "h093_on_faces",
+    .what = "rays that start on faces, edges and corners of boxes, inward, along and outward",
+    .oracle = "brute force; exact slabs, BE(8)",
+    .run = rows_on_faces,
+};
+
+static const struct row tmax = {
+    .id = "H094",
+    .name = "h094_tmax",
+    .what = "tmax equal to t of a crossing includes it, an ulp less does not, by tree and by "
+            "trying all",
+    .oracle = "brute force, bit for bit",
+    .run = rows_tmax,
+};
+
+static const struct row paths = {
+    .id = "H095 H096",
+    .name = "h095_trees",
+    .what = "random mixed scenes, paths of three rays: the tree, the list and trying all meet "
+            "the same (t, primitive, part), and say the same of shadows",
+    .oracle = "brute force, bit for bit",
+    .run = rows_paths,
+    .full = 2000000,
+};
+
+static const struct row copies = {
+    .id = "H097",
+    .name = "h097_copies",
+    .what = "up to 1e5 copies of one triangle: the tree is less than 64 deep, the first is met, "
+            "then each",
+    .oracle = "document order",
+    .run = rows_copies,
+    .full = 2000,
+    .check = 20,
+};
+
+static const struct row crowd = {
+    .id = "H098",
+    .name = "h098_unbounded",
+    .what = "planes and tubes beside 1e5 triangles: the tree meets what trying all meets",
+    .oracle = "brute force, bit for bit",
+    .run = rows_crowd,
+    .full = 3000,
+    .check = 100,
+};
+
+static const struct row few = {
+    .id = "H099",
+    .name = "h099_few",
+    .what = "none, one or a few primitives: what trying all says",
+    .oracle = "brute force, bit for bit",
+    .run = rows_few,
+    .full = 200000,
+};
+
+static const struct row builders = {
+    .id = "H096",
+    .name = "h096_builders",
+    .what = "the same picture with the builders cbr, manual and median",
+    .status = ROW_PENDING,
+    .why = "these builders are still to come; h095_trees compares those that are there",
+};
+
 const struct row *const row_table[] = {
     &bumpy,
     &embree,
@@ -333,6 +502,24 @@ const struct row *const row_table[] = {
     &huge_small,
     &glass_cube,
     &plane,
+    &leave_round,
+    &leave_flat,
+    &way_out,
+    &wedge,
+    &shell,
+    &twins,
+    &overlap,
+    &touching,
+    &signed_zeros,
+    &boxes,
+    &flat_boxes,
+    &on_faces,
+    &tmax,
+    &paths,
+    &builders,
+    &copies,
+    &crowd,
+    &few,
     &oracle,
     &sphere_roots,
     &sphere_grazing,
