@@ -15,7 +15,7 @@
 
 enum {
     LOOK_MS = 200,
-    STUCK_MS = 3000 /* render threads look at the flag after each row of pixels */
+    STUCK_MS = 700 /* render threads look at the flag before each pixel */
 };
 
 struct pen_heartbeat {
@@ -234,6 +234,16 @@ const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart)
 void pen_heartbeat_stop(struct pen_heartbeat *heart)
 {
     atomic_store_explicit(&heart->flag, true, memory_order_relaxed);
+}
+
+bool pen_heartbeat_is_late(struct pen_heartbeat *heart)
+{
+    pthread_mutex_lock(&heart->lock);
+    if (pen_clock_ns() >= heart->deadline_ns)
+        end_turn(heart, heart->turn, PEN_BEAT_TIME_UP);
+    bool late = heart->ended == PEN_BEAT_TIME_UP;
+    pthread_mutex_unlock(&heart->lock);
+    return late;
 }
 
 void pen_heartbeat_settle(struct pen_heartbeat *heart)

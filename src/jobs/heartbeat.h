@@ -38,6 +38,10 @@ void pen_heartbeat_stop(struct pen_heartbeat *heart);
 /* Has the store settled, see pen_store_settle, by the thread, when it next looks. */
 void pen_heartbeat_settle(struct pen_heartbeat *heart);
 
+/* Whether the claim's time is up, looking at the clock now: a short batch ends between two looks.
+ */
+bool pen_heartbeat_is_late(struct pen_heartbeat *heart);
+
 /* Ends watching. Returns what happened meanwhile. */
 enum pen_beat_end pen_heartbeat_end(struct pen_heartbeat *heart);
 

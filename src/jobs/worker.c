@@ -163,6 +163,10 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
     /* A study takes too long to be waited for. */
     pen_heartbeat_begin(w->room.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
     bool done = do_batch(w, claim, &work, &why);
+    if (done && pen_heartbeat_is_late(w->room.heart)) {
+        pen_batch_work_release(&work);
+        done = pen_fail(&why, PEN_CANCELLED, "the time is up");
+    }
     bool ok = !done || commit(w, claim, &work, next, st);
     enum pen_beat_end ended = pen_heartbeat_end(w->room.heart);
     if (!done)

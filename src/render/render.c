@@ -72,11 +72,11 @@ static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
     const struct pen_render_task *task = run->task;
     struct part *part = &run->parts[thread];
     for (int y = rect.y; y < rect.y + rect.height; y++) {
-        if (cancelled(task))
-            return false;
         float *out = task->rgb + 3 * ((size_t)y * (size_t)task->settings->width + (size_t)rect.x);
         for (int x = rect.x; x < rect.x + rect.width; x++, out += 3) {
             double rgb[3];
+            if (cancelled(task))
+                return false;
             if (task->pixel_begins)
                 task->pixel_begins(task->pixel_user, thread, x, y);
             run->kernel->pixel(part->input, part->scratch, x, y, rgb, &part->rays);

@@ -233,6 +233,21 @@ START_TEST(test_worker__job_that_takes_too_long_fails)
 }
 END_TEST
 
+/* A batch may be done before the heartbeat has looked once. */
+START_TEST(test_worker__short_job_that_takes_longer_than_its_timeout_fails)
+{
+    char body[4200];
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    snprintf(body, sizeof body, "{\"timeout_seconds\": 0.001, \"scene\": %s}",
+             jobs_scene(", \"render\": {\"width\": 150, \"height\": 110}"));
+    jobs_submit(&bed, body, id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_FAILED);
+    check_error("urn:penumbra:problem:timeout", 504);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 /* Time runs from the first claim on, also while nobody works on the job. */
 START_TEST(test_worker__job_whose_time_ran_out_between_batches_fails)
 {
@@ -345,6 +360,7 @@ PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__large_batches_give_the_pixels_of_a_direct_render,
           test_worker__views_are_rendered_each_from_its_camera,
           test_worker__cancel_reaches_a_running_batch, test_worker__job_that_takes_too_long_fails,
+          test_worker__short_job_that_takes_longer_than_its_timeout_fails,
           test_worker__job_whose_time_ran_out_between_batches_fails,
           test_worker__scene_beyond_the_memory_cap_fails_its_job_alone,
           test_worker__stop_leaves_the_rest_to_the_next_worker,

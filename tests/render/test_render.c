@@ -234,6 +234,43 @@ START_TEST(test_render__parts_make_the_whole)
 }
 END_TEST
 
+static void cancel_at_pixel(void *user, int thread, int x, int y)
+{
+    struct watch *watch = user;
+    (void)thread;
+    ck_assert_int_eq(y, 0);
+    ck_assert_int_eq(x, watch->calls); /* none after the last */
+    if (++watch->calls == watch->cancel_after)
+        atomic_store(&watch->cancel, true);
+}
+
+/* One row of a large tile with many samples can take seconds. */
+START_TEST(test_render__cancel_is_seen_within_a_row)
+{
+    struct pen_status st;
+    struct pen_render_stats stats;
+    kit_medley(&kit);
+    kit.settings.tile = 4096;
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_pool *pool = pen_pool_new(1, &st);
+    struct watch watch = {.cancel_after = 7};
+    float *rgb = calloc((size_t)kit.settings.width * (size_t)kit.settings.height * 3, sizeof *rgb);
+    struct pen_render_task task = {.scene = scene,
+                                   .settings = &kit.settings,
+                                   .tile_count = -1,
+                                   .rgb = rgb,
+                                   .cancel = &watch.cancel,
+                                   .pixel_begins = cancel_at_pixel,
+                                   .pixel_user = &watch};
+    ck_assert(!pen_render_run(pool, &task, &stats, &st));
+    ck_assert_int_eq(st.code, PEN_CANCELLED);
+    ck_assert_int_eq(watch.calls, 7);
+    free(rgb);
+    pen_pool_free(pool);
+    pen_scene_free(scene);
+}
+END_TEST
+
 START_TEST(test_render__cancel)
 {
     kit_medley(&kit);
@@ -255,7 +292,7 @@ START_TEST(test_render__cancel)
     ck_assert(!pen_render_run(pool, &task, &stats, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);
     ck_assert_int_ge(watch.calls, 5);
-    ck_assert_int_le(watch.calls, 6); /* the other thread may have been past its last row */
+    ck_assert_int_le(watch.calls, 6); /* the other thread may have been past its last pixel */
     ck_assert_uint_eq(stats.tile_count, (uint32_t)watch.calls);
     ck_assert(stats.tile_ms == NULL);
     atomic_store(&watch.cancel, false);
@@ -331,5 +368,5 @@ PEN_SUITE("render", test_render__tiles_cover_the_image_once,
           test_render__same_film_for_threads_tiles_and_accelerators,
           test_render__tests_are_counted_alike_however_the_work_is_divided,
           test_render__a_pixel_is_what_the_film_holds, test_render__statistics,
-          test_render__parts_make_the_whole, test_render__cancel,
-          test_render__default_arithmetic_in_every_thread)
+          test_render__parts_make_the_whole, test_render__cancel_is_seen_within_a_row,
+          test_render__cancel, test_render__default_arithmetic_in_every_thread)

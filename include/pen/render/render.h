@@ -51,7 +51,7 @@ struct pen_render_task {
     const struct pen_settings *settings;
     int first_tile, tile_count; /* tile_count -1: all from first_tile on */
     float *rgb;                 /* the whole image, width * height * 3, row 0 on top */
-    const atomic_bool *cancel;  /* polled between rows of pixels; may be NULL */
+    const atomic_bool *cancel;  /* polled before each pixel; may be NULL */
     /* Called after each tile from a render thread, one call at a time; may be NULL. */
     void (*tile_done)(void *user, struct pen_rect rect);
     void *user;
