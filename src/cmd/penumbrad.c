@@ -50,8 +50,11 @@ static int run(const struct pen_config *config, int argc, char **argv)
     pen_log_set_name("supervisor");
     if (!pen_config_log(&target, &st))
         return pen_report(program, NULL, &st);
-    if (strcmp(config->role, "worker") == 0)
+    if (strcmp(config->role, "worker") == 0) {
+        if (config->control_fd < 0 && !check_store(config->store, &st))
+            return pen_report(program, config->store, &st);
         return pen_role_worker(config);
+    }
     if (config->listen_fd >= 0)
         return pen_role_api(config, config->listen_fd);
     return serve(config, argc, argv);

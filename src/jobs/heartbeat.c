@@ -15,7 +15,8 @@
 
 enum {
     LOOK_MS = 200,
-    STUCK_MS = 700 /* render threads look at the flag before each pixel */
+    SAY_MS = 10000, /* between lines of the log about a store that does not answer */
+    STUCK_MS = 700  /* render threads look at the flag before each pixel */
 };
 
 struct pen_heartbeat {
@@ -25,6 +26,7 @@ struct pen_heartbeat {
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
+    int64_t said_ns;         /* the thread's: when it last said that the store does not answer */
     bool quit, asleep;       /* guarded by lock */
     bool settle;             /* guarded by lock; the store is to be settled */
     bool active;             /* guarded by lock */
@@ -79,6 +81,16 @@ static void settle(struct pen_heartbeat *heart, const struct pen_claim *claim, u
     heart->options->stuck(heart->options->stuck_user);
 }
 
+static void say(struct pen_heartbeat *heart, const struct pen_log_about *about,
+                const struct pen_status *st)
+{
+    int64_t now_ns = pen_clock_ns();
+    if (heart->said_ns && now_ns - heart->said_ns < (int64_t)SAY_MS * 1000000)
+        return;
+    heart->said_ns = now_ns;
+    pen_log_about(PEN_LOG_WARN, about, "heartbeat: %s", st->msg);
+}
+
 /* Looks after the active claim. Called and returns with the lock held; the store is asked without
  * it. A store that cannot be asked just now changes nothing: the lease may outlive that. */
 static void look(struct pen_heartbeat *heart)
@@ -98,7 +110,7 @@ static void look(struct pen_heartbeat *heart)
         end_turn(heart, turn, PEN_BEAT_STOPPED);
     pthread_mutex_unlock(&heart->lock);
     if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st))
-        pen_log_about(PEN_LOG_WARN, &about, "heartbeat: %s", st.msg);
+        say(heart, &about, &st);
     pthread_mutex_lock(&heart->lock);
     if (!held)
         end_turn(heart, turn, PEN_BEAT_LOST);

@@ -4,8 +4,9 @@
  *   the job's fault (scene, memory, time)   the job fails with the problem
  *   the lease is lost, the job cancelled    the result is thrown away
  *   it is to end in mid benchmark           the benchmark is given back, to begin anew elsewhere
- *   the store is busy or full               it tries again, holding what it has
- *   the store failed                        it ends; its successor begins from what is committed
+ *   the store is busy, full or ill          it tries again, holding what it has; the store mends
+ *                                           itself under such calls once its disk works again
+ *   the store could not be read meanwhile   the batch is begun again once it can
  *
  * A result is kept until the store has said that it is stored or not wanted: an unknown outcome is
  * asked again, since a commit may be repeated. */
@@ -23,7 +24,9 @@
 enum {
     LEASE_MS = 15000,
     IDLE_MS = 1000,       /* how long to wait for a hint before looking anyway */
-    RETRY_MS = 250,       /* between tries of a busy or full store */
+    RETRY_MS = 250,       /* between tries of a busy or failing store */
+    SAY_MS = 10000,       /* between lines of the log about the same failure */
+    READ_TRIES = 5,       /* of a batch that the store could not be read for */
     MEMORY_TRIES = 20,    /* of what there was no memory for; memory held here does not come back */
     SWEEP_MS = 1000,      /* between looks for leases that ran out */
     TIDY_MS = 600000,     /* between housekeepings */
@@ -39,7 +42,9 @@ struct worker {
     struct pen_batch_room room;
     int64_t swept_ns, tidied_ns, seen_ns;
     int memory_tries; /* in a row */
-    uint32_t seen;    /* the last hint */
+    int64_t said_ns;  /* when a failure of the store was last logged */
+    enum pen_code said;
+    uint32_t seen; /* the last hint */
 };
 
 static bool stopped(const struct worker *w)
@@ -56,7 +61,19 @@ static void pause_ms(int ms)
 /* Whether waiting may help. */
 static bool is_passing(const struct pen_status *st)
 {
-    return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_NO_MEMORY;
+    return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_STORAGE ||
+           st->code == PEN_NO_MEMORY;
+}
+
+/* A store may be ill for hours: the log is told now and then. */
+static void say(struct worker *w, const char *what, const struct pen_status *st)
+{
+    int64_t now_ns = pen_clock_ns();
+    if (w->said == st->code && now_ns - w->said_ns < (int64_t)SAY_MS * 1000000)
+        return;
+    w->said = st->code;
+    w->said_ns = now_ns;
+    pen_log(PEN_LOG_WARN, "%s: %s; trying again", what, st->msg);
 }
 
 /* Waits before the next try of what the store refused. Returns whether to try at all. */
@@ -65,7 +82,7 @@ static bool wait_to_retry(struct worker *w, const char *what, const struct pen_s
     w->memory_tries = st->code == PEN_NO_MEMORY ? w->memory_tries + 1 : 0;
     if (!is_passing(st) || stopped(w) || w->memory_tries > MEMORY_TRIES)
         return false;
-    pen_log(PEN_LOG_WARN, "%s: %s; trying again", what, st->msg);
+    say(w, what, st);
     pause_ms(RETRY_MS);
     return true;
 }
@@ -119,7 +136,9 @@ static bool give_up(struct worker *w, const struct pen_claim *claim, enum pen_be
         return true;
     if (ended == PEN_BEAT_TIME_UP)
         return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
-    if (ended == PEN_BEAT_STOPPED || why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
+    bool stopped_ill = why->code == PEN_STORAGE && stopped(w);
+    if (ended == PEN_BEAT_STOPPED || why->code == PEN_UNAVAILABLE ||
+        why->code == PEN_STORAGE_FULL || stopped_ill)
         return release(w, claim, st);
     return fail_job(w, claim, pen_failure_of(w->store, claim, why), st);
 }
@@ -129,6 +148,17 @@ static bool give_up(struct worker *w, const struct pen_claim *claim, enum pen_be
 static bool is_late(const struct pen_claim *claim)
 {
     return claim->timeout_ms && claim->claimed_ms - claim->started_ms >= claim->timeout_ms;
+}
+
+/* Whether the store takes writes, now or after a while. */
+static bool wait_for_store(struct worker *w)
+{
+    struct pen_status st;
+    while (!pen_store_probe(w->store, &st)) {
+        if (!wait_to_retry(w, "reading what a batch needs", &st))
+            return false;
+    }
+    return true;
 }
 
 /* What scenes of earlier jobs take is not this job's fault: without them it gets a second try. */
@@ -142,6 +172,19 @@ static bool do_batch(struct worker *w, const struct pen_claim *claim, struct pen
         return false;
     pen_batch_room_empty(&w->room);
     return pen_batch_do(&w->room, claim, work, why);
+}
+
+/* What the store could not be read for is tried again; what is wrong with a store that is well is
+ * wrong with what it has of this job. */
+static bool do_batch_with_patience(struct worker *w, const struct pen_claim *claim,
+                                   struct pen_batch_work *work, struct pen_status *why)
+{
+    for (int tries = 1;; tries++) {
+        if (do_batch(w, claim, work, why))
+            return true;
+        if (why->code != PEN_STORAGE || tries == READ_TRIES || !wait_for_store(w))
+            return false;
+    }
 }
 
 /* Works on a claim. *next is the claim after it, if one came along. */
@@ -162,7 +205,7 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
         pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
     /* A study takes too long to be waited for. */
     pen_heartbeat_begin(w->room.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
-    bool done = do_batch(w, claim, &work, &why);
+    bool done = do_batch_with_patience(w, claim, &work, &why);
     if (done && pen_heartbeat_is_late(w->room.heart)) {
         pen_batch_work_release(&work);
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What an engine behind store.h implements. Each pen_store_* function is one entry of the same
  * name and meaning; the dispatcher (store.c) adds only the wake-up hints, so an engine deals with
- * the database alone and says through `changed` what readers and workers should hear of. */
+ * the database alone. It says through the head of its handle what readers and workers should hear
+ * of, and what went wrong; what follows from that is health.h's to decide. */
 #ifndef PEN_STORE_OPS_H
 #define PEN_STORE_OPS_H
 
@@ -9,9 +10,18 @@
 
 struct pen_wake;
 
+/* What can be wrong with a store; see health.h. */
+enum pen_fault {
+    PEN_FAULT_FULL,   /* no room: nothing is broken */
+    PEN_FAULT_IO,     /* a read, write or fsync failed: what the handle believes may not be so */
+    PEN_FAULT_DAMAGE, /* what was read cannot be */
+    PEN_FAULT_COUNT
+};
+
 /* The head of every engine's handle. */
 struct pen_store {
     const struct pen_store_ops *ops;
+    const char *name; /* for messages; the engine's */
     struct pen_wake *wake;
     bool work;            /* out: since the dispatcher last looked, a batch became claimable */
     bool news;            /* out: a job changed */
@@ -19,12 +29,23 @@ struct pen_store {
     bool unsettled;       /* out: it is time for that */
     int64_t transactions; /* out: writing ones that were committed */
     const struct pen_store_observer *observer; /* NULL: none */
+    unsigned faults;                           /* out: bits of enum pen_fault that were met */
+    int fault_errno;                           /* out: of the last one, 0 if not known */
+    /* health.c's: */
+    int depth;      /* of calls: callbacks may call again */
+    bool closed;    /* the engine's handle must be opened anew, or could not be */
+    uint32_t epoch; /* the store's faults when the engine's handle was opened */
 };
 
 struct pen_store_ops {
     void (*close)(struct pen_store *store);
     bool (*check)(struct pen_store *store, struct pen_status *st);
     bool (*probe)(struct pen_store *store, struct pen_status *st);
+    /* Whether there is room for more than a trifle: writes about a MiB, and takes it back. */
+    bool (*room)(struct pen_store *store, struct pen_status *st);
+    /* Closes the database without writing to it, and opens it anew; an existing one only. After a
+     * failure nothing but this and close may be called. */
+    bool (*reopen)(struct pen_store *store, struct pen_status *st);
     bool (*submit)(struct pen_store *store, const struct pen_job_new *job,
                    enum pen_submit_result *result, struct pen_buf *first_answer,
                    struct pen_status *st);

@@ -22,6 +22,7 @@ enum pen_sq_sql {
     SQ_COMMIT,
     SQ_ROLLBACK,
     SQ_PROBE,
+    SQ_PROBE_LARGE,
     SQ_KEY_FIND,
     SQ_KEY_ADD,
     SQ_SCENE_FIND,
@@ -86,6 +87,7 @@ struct pen_sq_store {
     size_t rgb_pixels;         /* what it has room for */
     int64_t patience_ms;       /* how long to wait for another's write */
     int wal_pages;             /* length of the write-ahead log after the last commit */
+    bool sound;                /* opened without fault, and none since: closing may write */
     sqlite3_stmt *stmt[SQ_COUNT];
 };
 
@@ -127,9 +129,17 @@ const char *pen_sq_column_text(const struct pen_sq_query *query, int column);
 struct pen_packed pen_sq_column_blob(const struct pen_sq_query *query, int column);
 char *pen_sq_column_dup(const struct pen_sq_query *query, int column, bool *ok);
 
-/* Turns an SQLite result into a status: PEN_STORAGE_FULL, PEN_UNAVAILABLE (busy), PEN_NO_MEMORY,
- * else PEN_STORAGE with SQLite's words. */
+/* Turns an SQLite result into a status, and takes note of what it says of the store's health:
+ * PEN_STORAGE_FULL, PEN_STORAGE (input, output, damage), PEN_UNAVAILABLE (busy), PEN_NO_MEMORY,
+ * PEN_TOO_LARGE, else PEN_INTERNAL with SQLite's words. */
 bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st);
+
+/* The same for a result of a file's own methods, with its errno (0: not known). */
+bool pen_sq_io_error(struct pen_sq_store *store, int rc, int error, struct pen_status *st);
+
+/* Notes damage; the message is what was found and what to do. Fails: always, PEN_STORAGE. */
+bool pen_sq_damaged(struct pen_sq_store *store, struct pen_status *st, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* Prepares what transactions themselves need, so that none is left open for want of memory. */
 bool pen_sq_prepare(struct pen_sq_store *store, struct pen_status *st);
@@ -156,9 +166,18 @@ void pen_sq_wind_back_log(struct pen_sq_store *store);
 bool pen_sq_job_number(struct pen_sq_store *store, const char *id, int64_t *number,
                        struct pen_status *st);
 
-/* sqlite_schema.c: makes or upgrades the schema; installs the rules on changes of state. */
+/* sqlite_schema.c: makes the schema in a new file; upgrades an older one, once it was checked;
+ * installs the rules on changes of state. */
+bool pen_sq_make_schema(struct pen_sq_store *store, struct pen_status *st);
 bool pen_sq_migrate(struct pen_sq_store *store, struct pen_status *st);
 bool pen_sq_guard_states(struct pen_sq_store *store, struct pen_status *st);
+
+/* sqlite_check.c: the whole of the file and of its log; of any schema, or of this one. */
+bool pen_sq_check_file(struct pen_sq_store *store, struct pen_status *st);
+bool pen_sq_check(struct pen_store *store, struct pen_status *st);
+
+/* sqlite_wal.c: whether the write-ahead log is one that SQLite has written, up to its torn end. */
+bool pen_sq_check_log(struct pen_sq_store *store, struct pen_status *st);
 
 /* What marks a file as a Penumbra store: PRAGMA application_id, "Penm". */
 enum { SQ_APPLICATION_ID = 0x50656e6d };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Opening and closing. A file is touched only once it is known to be ours: its first bytes are
- * looked at before the first statement, which could already write. Handles of several processes
+ * looked at before the first statement, which could already write; and it is closed without a
+ * checkpoint unless it was opened without fault. Handles of several processes
  * may open at the same time; making and migrating is done under a lock on the file of the wake-up
  * hints. The database file is read through SQLite's own descriptor: closing another one would
  * drop the POSIX locks that other handles of this process hold on the file. */
@@ -14,41 +15,46 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "health.h"
 #include "pen/base/clock.h"
 #include "sqlite.h"
 #include "wake.h"
 
 enum { PATIENCE_MS = 5000, DOCUMENT_LEVEL = 1 /* of zstd: they are written once */ };
 
+/* A log without content is removed by the last to close; nothing is written for that. */
+static bool has_log(const struct pen_sq_store *store)
+{
+    char path[4112];
+    struct stat info;
+    snprintf(path, sizeof path, "%s-wal", store->path);
+    return stat(path, &info) != 0 || info.st_size > 0;
+}
+
+/* Without a checkpoint, where the file or the handle is not to be trusted: nothing is written. */
+static void close_database(struct pen_sq_store *store)
+{
+    for (int i = 0; i < SQ_COUNT; i++) {
+        sqlite3_finalize(store->stmt[i]);
+        store->stmt[i] = NULL;
+    }
+    if (store->db)
+        sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE,
+                          !store->sound && has_log(store), NULL);
+    sqlite3_close(store->db);
+    store->db = NULL;
+    store->sound = false;
+}
+
 static void pen_sq_close(struct pen_store *base)
 {
     struct pen_sq_store *store = pen_sq_of(base);
-    for (int i = 0; i < SQ_COUNT; i++)
-        sqlite3_finalize(store->stmt[i]);
-    sqlite3_close(store->db);
+    close_database(store);
     pen_packer_free(store->packer);
     pen_pixels_free(store->pixels);
     free(store->rgb);
     free(store->path);
     free(store);
-}
-
-static bool pen_sq_check(struct pen_store *base, struct pen_status *st)
-{
-    struct pen_sq_store *store = pen_sq_of(base);
-    sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(store->db, "PRAGMA quick_check(1)", -1, &stmt, NULL);
-    if (rc == SQLITE_OK)
-        rc = sqlite3_step(stmt);
-    bool ok = rc == SQLITE_ROW || pen_sq_error(store, rc, st);
-    const char *verdict = ok ? (const char *)sqlite3_column_text(stmt, 0) : NULL;
-    if (ok && (!verdict || strcmp(verdict, "ok") != 0))
-        ok = pen_fail(st, PEN_STORAGE,
-                      "the store %s is damaged (%s); nothing was changed: stop Penumbra and "
-                      "restore a backup, or move the file away to begin anew",
-                      store->path, verdict ? verdict : "no verdict");
-    sqlite3_finalize(stmt);
-    return ok;
 }
 
 static bool write_probe(struct pen_sq_store *store, void *arg, struct pen_status *st)
@@ -64,10 +70,46 @@ static bool pen_sq_probe(struct pen_store *base, struct pen_status *st)
     return pen_sq_transaction(pen_sq_of(base), write_probe, NULL, st);
 }
 
+static bool write_large_probe(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    (void)arg;
+    struct pen_sq_query query = pen_sq_query(store, SQ_PROBE_LARGE);
+    pen_sq_int(&query, pen_clock_wall_ms());
+    return pen_sq_run(&query, st);
+}
+
+/* The large row and then the small one in its place. A log that is there to be overwritten proves
+ * nothing of the room on the disk, so it is given back first. */
+static bool pen_sq_room(struct pen_store *base, struct pen_status *st)
+{
+    struct pen_sq_store *store = pen_sq_of(base);
+    pen_sq_wind_back_log(store);
+    return pen_sq_transaction(store, write_large_probe, NULL, st) &&
+           pen_sq_transaction(store, write_probe, NULL, st);
+}
+
+static bool open_database(struct pen_sq_store *store, struct pen_status *st);
+
+/* The new connection comes before the old one goes: were there none in between, the next would
+ * read the whole log again and find a transaction there whose sync had failed, after others saw
+ * the store without it. */
+static bool pen_sq_reopen(struct pen_store *base, struct pen_status *st)
+{
+    struct pen_sq_store *store = pen_sq_of(base), old = *store;
+    store->db = NULL;
+    memset(store->stmt, 0, sizeof store->stmt);
+    bool ok = open_database(store, st);
+    old.sound = false;
+    close_database(&old);
+    return ok;
+}
+
 static const struct pen_store_ops ops = {
     .close = pen_sq_close,
     .check = pen_sq_check,
     .probe = pen_sq_probe,
+    .room = pen_sq_room,
+    .reopen = pen_sq_reopen,
     .submit = pen_sq_submit,
     .job = pen_sq_job,
     .jobs = pen_sq_jobs,
@@ -119,51 +161,49 @@ static uint32_t big_endian(const unsigned char bytes[4])
 }
 
 /* Refuses a file that is not a store of ours, from the header of SQLite's file format (magic at
- * 0, application id at 68). A rollback journal beside it means that its creation was cut short:
- * then SQLite must first undo what is half written. */
+ * 0, application id at 68). */
 static bool check_header(struct pen_sq_store *store, struct pen_status *st)
 {
     unsigned char header[100];
-    char journal[4096];
     sqlite3_file *file = NULL;
     sqlite3_int64 bytes = 0;
     int rc = sqlite3_file_control(store->db, "main", SQLITE_FCNTL_FILE_POINTER, &file);
     if (rc == SQLITE_OK)
         rc = file->pMethods->xFileSize(file, &bytes);
-    snprintf(journal, sizeof journal, "%s-journal", store->path);
-    if (rc == SQLITE_OK && (bytes == 0 || access(journal, F_OK) == 0))
-        return true;
     if (rc == SQLITE_OK && bytes >= (sqlite3_int64)sizeof header)
         rc = file->pMethods->xRead(file, header, (int)sizeof header, 0);
     if (rc != SQLITE_OK)
-        return pen_sq_error(store, rc, st);
+        return pen_sq_io_error(store, rc, 0, st);
+    if (bytes == 0)
+        return pen_sq_damaged(store, st, "the file %s is empty, which a store never is",
+                              store->path);
     if (bytes < (sqlite3_int64)sizeof header || memcmp(header, "SQLite format 3", 16) != 0)
-        return pen_fail(st, PEN_STORAGE,
-                        "%s is not a Penumbra store, or its beginning is damaged; nothing was "
-                        "changed: give another path, restore a backup, or move the file away",
-                        store->path);
+        return pen_sq_damaged(store, st, "%s is not a Penumbra store, or its beginning is damaged",
+                              store->path);
     if (big_endian(header + 68) != SQ_APPLICATION_ID)
         return pen_fail(st, PEN_STORAGE,
-                        "%s is a database of another program; give another path for the store",
-                        store->path);
+                        "%s is a database of another program (application id 0x%08x); give "
+                        "another path for the store",
+                        store->path, (unsigned)big_endian(header + 68));
     return true;
 }
 
 static bool cannot_open(const char *path, int error, struct pen_status *st)
 {
-    return pen_fail(st, error == ENOSPC ? PEN_STORAGE_FULL : PEN_STORAGE,
+    return pen_fail(st, error == ENOSPC || error == EDQUOT ? PEN_STORAGE_FULL : PEN_STORAGE,
                     "cannot open the store %s: %s", path, strerror(error));
 }
 
-/* Makes the file, readable by its owner alone, if it is not there. */
-static bool make_file(const char *path, struct pen_status *st)
+/* What SQLite would not say, or would say in riddles. */
+static bool check_kind(const char *path, struct pen_status *st)
 {
-    int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (fd < 0 && errno != EEXIST)
+    struct stat info;
+    if (stat(path, &info) != 0)
         return cannot_open(path, errno, st);
-    if (fd >= 0)
-        close(fd);
-    return true;
+    if (S_ISREG(info.st_mode))
+        return access(path, R_OK | W_OK) == 0 || cannot_open(path, errno, st);
+    return pen_fail(st, PEN_STORAGE, "cannot open the store %s: it is a %s, not a file", path,
+                    S_ISDIR(info.st_mode) ? "folder" : "device or pipe");
 }
 
 /* Waits for another's write in short, slightly growing steps; SQLite's own handler sleeps up to
@@ -201,19 +241,89 @@ static bool configure(struct pen_sq_store *store, struct pen_status *st)
                        st);
 }
 
-static bool open_database(struct pen_sq_store *store, struct pen_status *st)
+static bool connect(struct pen_sq_store *store, const char *path, struct pen_status *st)
 {
-    int rc =
-        sqlite3_open_v2(store->path, &store->db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
+    int rc = sqlite3_open_v2(path, &store->db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
     if (!store->db)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     if (rc != SQLITE_OK)
         return pen_sq_error(store, rc, st);
-    if (!check_header(store, st) || !configure(store, st) || !pen_sq_migrate(store, st) ||
-        !pen_sq_guard_states(store, st) || !pen_sq_prepare(store, st))
-        return false;
-    sqlite3_wal_hook(store->db, on_wal, store);
+    sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     return true;
+}
+
+/* Opens a store that is there. */
+static bool open_database(struct pen_sq_store *store, struct pen_status *st)
+{
+    bool ok = check_kind(store->path, st) && connect(store, store->path, st) &&
+              check_header(store, st) && configure(store, st) && pen_sq_migrate(store, st) &&
+              pen_sq_guard_states(store, st) && pen_sq_prepare(store, st);
+    if (!ok) {
+        close_database(store);
+        return false;
+    }
+    sqlite3_wal_hook(store->db, on_wal, store);
+    sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
+    store->sound = true;
+    return true;
+}
+
+static bool sync_folder(const char *path)
+{
+    char folder[4096];
+    snprintf(folder, sizeof folder, "%s", path);
+    char *slash = strrchr(folder, '/');
+    if (slash)
+        slash[slash == folder] = '\0';
+    int fd = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    bool ok = fd >= 0 && fsync(fd) == 0;
+    if (fd >= 0)
+        close(fd);
+    return ok;
+}
+
+/* Gives the file its name, unless that has been taken meanwhile. Old file systems cannot promise
+ * that; then a look has to do, under the lock that all who make stores take. */
+static bool name_new_file(const char *from, const char *to)
+{
+    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)
+        return true;
+    if (errno != EINVAL && errno != ENOSYS)
+        return errno == EEXIST && unlink(from) == 0;
+    return access(to, F_OK) == 0 ? unlink(from) == 0 : rename(from, to) == 0;
+}
+
+/* A new store is made whole beside its path and then named, so an empty or half-made file under
+ * that path is never ours. */
+static bool make_store(struct pen_sq_store *store, const char *path, struct pen_status *st)
+{
+    char leftover[4128];
+    snprintf(leftover, sizeof leftover, "%s-journal", path);
+    unlink(path);
+    unlink(leftover);
+    int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (fd < 0)
+        return cannot_open(path, errno, st);
+    close(fd);
+    bool ok = connect(store, path, st) && configure(store, st) && pen_sq_make_schema(store, st);
+    close_database(store);
+    if (ok && (!name_new_file(path, store->path) || !sync_folder(store->path)))
+        ok = cannot_open(store->path, errno, st);
+    if (!ok)
+        unlink(path);
+    return ok;
+}
+
+static bool make_missing(struct pen_sq_store *store, struct pen_status *st)
+{
+    char path[4112];
+    struct stat info;
+    if (lstat(store->path, &info) == 0)
+        return true;
+    if (errno != ENOENT)
+        return cannot_open(store->path, errno, st);
+    snprintf(path, sizeof path, "%s-new", store->path);
+    return make_store(store, path, st);
 }
 
 /* The steps that must not be taken by two at once. */
@@ -229,14 +339,17 @@ static bool open_locked(struct pen_sq_store *store, const char *lock_path, struc
         return cannot_open(lock_path, errno, st);
     while (flock(lock, LOCK_EX) != 0 && errno == EINTR)
         continue;
-    bool ok = make_file(store->path, st) && open_database(store, st);
+    bool ok = make_missing(store, st) && open_database(store, st);
     if (!ok && made) /* a file that is no store is left as it was found, without company */
         unlink(lock_path);
     close(lock);
     if (!ok)
         return false;
     store->base.wake = pen_wake_open(lock_path);
-    return store->base.wake || pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    if (!store->base.wake)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    pen_health_begin(&store->base);
+    return true;
 }
 
 struct pen_store *pen_sqlite_open(const char *path, struct pen_status *st)
@@ -250,7 +363,7 @@ struct pen_store *pen_sqlite_open(const char *path, struct pen_status *st)
     if (store) {
         store->base.ops = &ops;
         store->patience_ms = PATIENCE_MS;
-        store->path = strdup(path);
+        store->base.name = store->path = strdup(path);
         store->packer = pen_packer_new(DOCUMENT_LEVEL);
     }
     if (!store || !store->path || !store->packer)

@@ -6,6 +6,8 @@
 #include "sqlite.h"
 
 #include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -110,33 +112,113 @@ char *pen_sq_column_dup(const struct pen_sq_query *query, int column, bool *ok)
     return copy;
 }
 
-static bool disk_is_full(struct pen_sq_store *store, int rc)
+static void note_fault(struct pen_sq_store *store, enum pen_fault fault, int error)
 {
+    store->base.faults |= 1u << fault;
+    store->base.fault_errno = error;
+    if (fault != PEN_FAULT_FULL)
+        store->sound = false;
+}
+
+bool pen_sq_damaged(struct pen_sq_store *store, struct pen_status *st, const char *format, ...)
+{
+    char what[PEN_MSG_BYTES];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    note_fault(store, PEN_FAULT_DAMAGE, 0);
+    return pen_fail(st, PEN_STORAGE,
+                    "%s; nothing was changed: stop Penumbra and restore a backup, or move the file "
+                    "away to begin anew",
+                    what);
+}
+
+static const char *what_failed(int rc)
+{
+    switch (rc) {
+    case SQLITE_IOERR_READ:
+    case SQLITE_IOERR_SHORT_READ:
+        return "be read";
+    case SQLITE_IOERR_WRITE:
+    case SQLITE_IOERR_TRUNCATE:
+        return "be written";
+    case SQLITE_IOERR_FSYNC:
+    case SQLITE_IOERR_DIR_FSYNC:
+    case SQLITE_IOERR_CLOSE:
+        return "be synced to the disk";
+    case SQLITE_IOERR_SHMOPEN:
+    case SQLITE_IOERR_SHMSIZE:
+    case SQLITE_IOERR_SHMMAP:
+        return "make its shared memory, the file ending in -shm";
+    default:
+        break;
+    }
+    return (rc & 0xff) == SQLITE_CANTOPEN ? "be opened" : "be used";
+}
+
+bool pen_sq_io_error(struct pen_sq_store *store, int rc, int error, struct pen_status *st)
+{
+    bool full = (rc & 0xff) == SQLITE_FULL || error == ENOSPC || error == EDQUOT;
+    bool sync = rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC;
+    note_fault(store, full && !sync ? PEN_FAULT_FULL : PEN_FAULT_IO, error);
+    if (full && !sync)
+        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no room left", store->path);
+    return pen_fail(st, full ? PEN_STORAGE_FULL : PEN_STORAGE, "the store %s could not %s: %s",
+                    store->path, what_failed(rc), error ? strerror(error) : sqlite3_errstr(rc));
+}
+
+/* Of a process that has run out of something: says nothing of the store. */
+static bool is_own_want(int rc, int error)
+{
+    return rc == SQLITE_NOMEM || rc == SQLITE_IOERR_NOMEM ||
+           (rc != SQLITE_FULL && (error == ENOMEM || error == EMFILE || error == ENFILE));
+}
+
+/* SQLite passes on the errno of most failures; of those in a commit, only the files know it. */
+static int errno_of(struct pen_sq_store *store)
+{
+    static const int files[] = {SQLITE_FCNTL_JOURNAL_POINTER, SQLITE_FCNTL_FILE_POINTER};
     int error = sqlite3_system_errno(store->db);
-    return (rc & 0xff) == SQLITE_FULL ||
-           ((rc & 0xff) == SQLITE_IOERR && (error == ENOSPC || error == EDQUOT));
+    for (size_t i = 0; i < 2 && !error; i++) {
+        sqlite3_file *file = NULL;
+        if (sqlite3_file_control(store->db, "main", files[i], &file) == SQLITE_OK && file &&
+            file->pMethods)
+            file->pMethods->xFileControl(file, SQLITE_FCNTL_LAST_ERRNO, &error);
+    }
+    return error;
 }
 
 bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st)
 {
-    if (disk_is_full(store, rc))
-        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no room left", store->path);
-    switch (rc & 0xff) {
+    int kind = rc & 0xff;
+    bool system = kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN;
+    int error = system ? errno_of(store) : 0;
+    if (is_own_want(rc, error))
+        return error == EMFILE || error == ENFILE
+                   ? pen_fail(st, PEN_UNAVAILABLE, "the store %s cannot be opened: %s", store->path,
+                              strerror(error))
+                   : pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    switch (kind) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
+    case SQLITE_PROTOCOL:
         return pen_fail(st, PEN_UNAVAILABLE, "the store %s is busy", store->path);
-    case SQLITE_NOMEM:
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     case SQLITE_TOOBIG:
         return pen_fail(st, PEN_TOO_LARGE, "too large to be stored in one piece");
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-        return pen_fail(st, PEN_STORAGE,
-                        "the store %s is damaged (%s); nothing was changed: stop Penumbra and "
-                        "restore a backup, or move the file away to begin anew",
-                        store->path, sqlite3_errmsg(store->db));
+        return pen_sq_damaged(store, st, "the store %s is damaged (%s)", store->path,
+                              sqlite3_errmsg(store->db));
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+        return pen_sq_io_error(store, rc, error, st);
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+        return pen_sq_io_error(store, rc, 0, st);
     default:
-        return pen_fail(st, PEN_STORAGE, "the store %s failed: %s", store->path,
+        return pen_fail(st, PEN_INTERNAL, "the store %s failed: %s", store->path,
                         sqlite3_errmsg(store->db));
     }
 }
@@ -147,14 +229,18 @@ bool pen_sq_exec(struct pen_sq_store *store, const char *sql, struct pen_status 
     return rc == SQLITE_OK || pen_sq_error(store, rc, st);
 }
 
-/* A checkpoint that does not get through is no failure: the next one does. */
+/* A checkpoint that does not get through is no failure of its caller: the next one does. Where it
+ * met a fault, that is noted. */
 static void checkpoint(struct pen_sq_store *store, int mode)
 {
+    struct pen_status ignored;
     int64_t patience = store->patience_ms;
     store->patience_ms = WAL_PATIENCE_MS;
-    sqlite3_wal_checkpoint_v2(store->db, "main", mode, NULL, NULL);
+    int rc = sqlite3_wal_checkpoint_v2(store->db, "main", mode, NULL, NULL);
     store->patience_ms = patience;
     store->wal_pages = 0;
+    if (rc != SQLITE_OK)
+        pen_sq_error(store, rc, &ignored);
 }
 
 void pen_sq_wind_back_log(struct pen_sq_store *store)
@@ -195,18 +281,32 @@ static bool run_plain(struct pen_sq_store *store, enum pen_sq_sql sql, struct pe
     return pen_sq_run(&query, st);
 }
 
-/* Some failures have ended the transaction already. */
+/* Some failures have ended the transaction already. One that cannot be ended, as for want of
+ * memory, ends with the handle. */
 static void roll_back(struct pen_sq_store *store)
 {
     struct pen_status ignored;
     if (!sqlite3_get_autocommit(store->db))
         run_plain(store, SQ_ROLLBACK, &ignored);
+    if (!sqlite3_get_autocommit(store->db))
+        store->base.closed = true;
+}
+
+/* Within another transaction it fails, and leaves that one as it is. */
+static bool begin(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_status *st)
+{
+    bool outermost = sqlite3_get_autocommit(store->db);
+    if (run_plain(store, sql, st))
+        return true;
+    if (outermost)
+        roll_back(store);
+    return false;
 }
 
 bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg,
                         struct pen_status *st)
 {
-    if (!run_plain(store, SQ_BEGIN_WRITE, st))
+    if (!begin(store, SQ_BEGIN_WRITE, st))
         return false;
     if (!body(store, arg, st) || !run_plain(store, SQ_COMMIT, st)) {
         roll_back(store);
@@ -221,7 +321,7 @@ bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg
 bool pen_sq_snapshot(struct pen_sq_store *store, pen_sq_body *body, void *arg,
                      struct pen_status *st)
 {
-    if (!run_plain(store, SQ_BEGIN_READ, st))
+    if (!begin(store, SQ_BEGIN_READ, st))
         return false;
     bool ok = body(store, arg, st);
     roll_back(store);

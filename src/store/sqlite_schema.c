@@ -155,17 +155,14 @@ static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *va
     return ok;
 }
 
-/* What kind of file it is, from inside. */
-static bool look_at_file(struct pen_sq_store *store, int64_t *version, bool *empty,
-                         struct pen_status *st)
+/* The schema's version, from inside. The header of the file can be older than its log. */
+static bool read_version(struct pen_sq_store *store, int64_t *version, struct pen_status *st)
 {
-    int64_t application = 0, pages = 0;
-    if (!read_pragma(store, "PRAGMA page_count", &pages, st) ||
-        !read_pragma(store, "PRAGMA application_id", &application, st) ||
+    int64_t application = 0;
+    if (!read_pragma(store, "PRAGMA application_id", &application, st) ||
         !read_pragma(store, "PRAGMA user_version", version, st))
         return false;
-    *empty = pages == 0;
-    if (!*empty && application != SQ_APPLICATION_ID)
+    if (application != SQ_APPLICATION_ID)
         return pen_fail(st, PEN_STORAGE,
                         "%s is a database of another program; give another path for the store",
                         store->path);
@@ -174,6 +171,9 @@ static bool look_at_file(struct pen_sq_store *store, int64_t *version, bool *emp
                         "the store %s was written by a newer Penumbra (schema %d, this one knows "
                         "%d); use that version, or another store",
                         store->path, (int)*version, (int)STEP_COUNT);
+    if (*version < 1)
+        return pen_sq_damaged(store, st, "the store %s is damaged (its schema has version %d)",
+                              store->path, (int)*version);
     return true;
 }
 
@@ -192,19 +192,30 @@ static bool take_steps(struct pen_sq_store *store, int version, struct pen_statu
     return ok;
 }
 
-/* The schema of a new file is written in rollback-journal mode, so that the file is marked as ours
- * from its first byte on; the switch to write-ahead logging comes after. */
+bool pen_sq_make_schema(struct pen_sq_store *store, struct pen_status *st)
+{
+    return pen_sq_exec(store, "PRAGMA auto_vacuum = INCREMENTAL", st) && take_steps(store, 0, st);
+}
+
+/* Steps are taken only from a store without fault, and only if it has the schema it says. */
+static bool upgrade(struct pen_sq_store *store, int version, struct pen_status *st)
+{
+    if (!pen_sq_check_file(store, st))
+        return false;
+    if (take_steps(store, version, st))
+        return true;
+    if (st->code != PEN_INTERNAL)
+        return false;
+    return pen_sq_damaged(store, st, "the store %s is damaged (it is not of schema %d as it says)",
+                          store->path, version);
+}
+
 bool pen_sq_migrate(struct pen_sq_store *store, struct pen_status *st)
 {
     int64_t version = 0;
-    bool empty = false;
-    if (!look_at_file(store, &version, &empty, st))
-        return false;
-    if (empty && !pen_sq_exec(store, "PRAGMA auto_vacuum = INCREMENTAL", st))
-        return false;
-    if (version < STEP_COUNT && !take_steps(store, (int)version, st))
-        return false;
-    return pen_sq_exec(store, "PRAGMA journal_mode = WAL", st);
+    return read_version(store, &version, st) &&
+           (version == STEP_COUNT || upgrade(store, (int)version, st)) &&
+           pen_sq_exec(store, "PRAGMA journal_mode = WAL", st);
 }
 
 /* A trigger that refuses every change of state that has no arrow. */

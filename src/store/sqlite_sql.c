@@ -27,7 +27,12 @@ static const char *const sql_text[SQ_COUNT] = {
     /* Any change will do, as long as it is written and synced. */
     [SQ_PROBE] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
                  " VALUES ('', zeroblob(32), '', ?) ON CONFLICT (key)"
-                 " DO UPDATE SET created_ms = excluded.created_ms",
+                 " DO UPDATE SET answer = '', created_ms = excluded.created_ms",
+
+    [SQ_PROBE_LARGE] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
+                       " VALUES ('', zeroblob(32), hex(zeroblob(524288)), ?) ON CONFLICT (key)"
+                       " DO UPDATE SET answer = excluded.answer,"
+                       " created_ms = excluded.created_ms",
 
     [SQ_KEY_FIND] = "SELECT body_sha256, answer FROM idempotency WHERE key = ?",
     [SQ_KEY_ADD] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"

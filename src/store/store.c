@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The door: picks the engine by the URL, hands each call to it, and gives the wake-up hints that
- * the call has earned. Hints are given after the engine is done, so whoever wakes sees the change.
- */
+/* The door: picks the engine by the URL, hands each call to it if the store's health allows, and
+ * gives the wake-up hints that the call has earned. Hints are given after the engine is done, so
+ * whoever wakes sees the change. */
 #include "pen/store/store.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
+#include "health.h"
 #include "ops.h"
 #include "pen/base/clock.h"
 #include "wake.h"
@@ -75,25 +76,41 @@ static bool end(const struct pen_store *store, const struct span *span, bool ok)
     return ok;
 }
 
-/* Gives the hints due, and passes the call's outcome through. */
-static bool told(struct pen_store *store, const struct span *span, bool ok)
+/* A call of the engine is `enter(…) && leave(store, span, call)`: see health.h. */
+static bool enter(struct pen_store *store, enum pen_need need, struct pen_status *st)
+{
+    return pen_health_enter(store, need, st);
+}
+
+static void give_hints(struct pen_store *store)
 {
     if (store->work)
         pen_wake_all(store->wake, PEN_SIGNAL_WORK);
     if (store->news)
         pen_wake_all(store->wake, PEN_SIGNAL_NEWS);
     store->work = store->news = false;
-    return end(store, span, ok);
+}
+
+/* Takes note of faults, gives the hints due, and passes the call's outcome through. Within another
+ * call there are no hints yet: its transaction may still go on. */
+static bool leave(struct pen_store *store, const struct span *span, bool ok)
+{
+    if (pen_health_leave(store))
+        give_hints(store);
+    return span ? end(store, span, ok) : ok;
 }
 
 bool pen_store_check(struct pen_store *store, struct pen_status *st)
 {
-    return store->ops->check(store, st);
+    if (!enter(store, PEN_NEED_CHECK, st) || !leave(store, NULL, store->ops->check(store, st)))
+        return false;
+    pen_health_found_whole(store);
+    return true;
 }
 
 bool pen_store_probe(struct pen_store *store, struct pen_status *st)
 {
-    return store->ops->probe(store, st);
+    return enter(store, PEN_NEED_ROOM, st) && leave(store, NULL, store->ops->probe(store, st));
 }
 
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
@@ -101,7 +118,8 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       struct pen_status *st)
 {
     struct span span = begin(store, "submit");
-    return told(store, &span, store->ops->submit(store, job, result, first_answer, st));
+    return enter(store, PEN_NEED_ROOM, st) &&
+           leave(store, &span, store->ops->submit(store, job, result, first_answer, st));
 }
 
 void pen_job_record_release(struct pen_job_record *job)
@@ -116,13 +134,15 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
                    struct pen_status *st)
 {
     struct span span = begin(store, "job");
-    return end(store, &span, store->ops->job(store, id, job, st));
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, &span, store->ops->job(store, id, job, st));
 }
 
 bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
                     struct pen_job_record **jobs, int *count, struct pen_status *st)
 {
-    return store->ops->jobs(store, filter, jobs, count, st);
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->ops->jobs(store, filter, jobs, count, st));
 }
 
 void pen_job_records_free(struct pen_job_record *jobs, int count)
@@ -136,33 +156,38 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
                      struct pen_status *st)
 {
     struct span span = begin(store, "scene");
-    return end(store, &span, store->ops->scene(store, id, scene, st));
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, &span, store->ops->scene(store, id, scene, st));
 }
 
 bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st)
 {
     struct span span = begin(store, "cancel");
-    return told(store, &span, store->ops->cancel(store, id, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->cancel(store, id, st));
 }
 
 bool pen_store_delete(struct pen_store *store, const char *id, struct pen_status *st)
 {
     struct span span = begin(store, "remove");
-    return told(store, &span, store->ops->remove(store, id, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->remove(store, id, st));
 }
 
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                      struct pen_claim *claim, bool *found, struct pen_status *st)
 {
     struct span span = begin(store, "claim");
-    return told(store, &span, store->ops->claim(store, worker, lease_ms, claim, found, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->claim(store, worker, lease_ms, claim, found, st));
 }
 
 bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
                       const struct pen_result *result, struct pen_status *st)
 {
     struct span span = begin(store, "commit");
-    return told(store, &span, store->ops->commit(store, claim, result, NULL, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->commit(store, claim, result, NULL, st));
 }
 
 bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
@@ -170,106 +195,123 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
                                 struct pen_status *st)
 {
     struct span span = begin(store, "commit");
-    return told(store, &span, store->ops->commit(store, claim, result, next, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->commit(store, claim, result, next, st));
 }
 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                         struct pen_status *st)
 {
     struct span span = begin(store, "progress");
-    return told(store, &span, store->ops->progress(store, claim, done, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->progress(store, claim, done, st));
 }
 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st)
 {
     struct span span = begin(store, "release");
-    return told(store, &span, store->ops->release(store, claim, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->release(store, claim, st));
 }
 
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                     struct pen_status *st)
 {
     struct span span = begin(store, "fail");
-    return told(store, &span, store->ops->fail(store, claim, error, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->fail(store, claim, error, st));
 }
 
 bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st)
 {
     struct span span = begin(store, "heartbeat");
-    return end(store, &span, store->ops->heartbeat(store, claim, lease_ms, held, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->heartbeat(store, claim, lease_ms, held, st));
 }
 
 bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *opened,
                      struct pen_status *st)
 {
     struct span span = begin(store, "sweep");
-    return told(store, &span, store->ops->sweep(store, dead_worker, opened, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->sweep(store, dead_worker, opened, st));
 }
 
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
                             int *opened, struct pen_status *st)
 {
     struct span span = begin(store, "worker_ended");
-    return told(store, &span, store->ops->worker_ended(store, death, opened, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->worker_ended(store, death, opened, st));
 }
 
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
                       void *user, struct pen_status *st)
 {
     struct span span = begin(store, "pixels");
-    return end(store, &span, store->ops->pixels(store, id, view, each, user, st));
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, &span, store->ops->pixels(store, id, view, each, user, st));
 }
 
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
                      struct pen_status *st)
 {
-    return store->ops->stats(store, id, each, user, st);
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->ops->stats(store, id, each, user, st));
 }
 
 bool pen_store_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
                        struct pen_status *st)
 {
-    return store->ops->batches(store, id, each, user, st);
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->ops->batches(store, id, each, user, st));
 }
 
 bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
                        void *user, struct pen_status *st)
 {
-    return store->ops->commits(store, id, after, each, user, st);
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->ops->commits(store, id, after, each, user, st));
 }
 
 bool pen_store_worker_seen(struct pen_store *store, const char *name, int threads, int64_t lease_ms,
                            struct pen_status *st)
 {
     struct span span = begin(store, "worker_seen");
-    return end(store, &span, store->ops->worker_seen(store, name, threads, lease_ms, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->worker_seen(store, name, threads, lease_ms, st));
 }
 
 bool pen_store_worker_gone(struct pen_store *store, const char *name, struct pen_status *st)
 {
     struct span span = begin(store, "worker_gone");
-    return end(store, &span, store->ops->worker_gone(store, name, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->worker_gone(store, name, st));
 }
 
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                        struct pen_status *st)
 {
-    return store->ops->workers(store, each, user, st);
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->ops->workers(store, each, user, st));
 }
 
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st)
 {
-    return store->ops->artefact(store, id, view, layer, format, out, st);
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->ops->artefact(store, id, view, layer, format, out, st));
 }
 
 bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st)
 {
-    return store->ops->artefact_put(store, id, view, layer, format, data, bytes, st);
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, NULL,
+                 store->ops->artefact_put(store, id, view, layer, format, data, bytes, st));
 }
 
 void pen_store_leave_settling(struct pen_store *store)
@@ -285,19 +327,21 @@ bool pen_store_unsettled(const struct pen_store *store)
 bool pen_store_settle(struct pen_store *store, struct pen_status *st)
 {
     struct span span = begin(store, "settle");
-    return end(store, &span, store->ops->settle(store, st));
+    return enter(store, PEN_NEED_WRITE, st) && leave(store, &span, store->ops->settle(store, st));
 }
 
 bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
 {
     struct span span = begin(store, "tidy");
-    return end(store, &span, store->ops->tidy(store, key_age_ms, st));
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->tidy(store, key_age_ms, st));
 }
 
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                      struct pen_status *st)
 {
-    return store->ops->audit(store, each, user, found, st);
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->ops->audit(store, each, user, found, st));
 }
 
 void pen_store_wait(struct pen_store *store, enum pen_signal signal, uint32_t *seen, int timeout_ms)

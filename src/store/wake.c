@@ -11,6 +11,8 @@
 #include <linux/futex.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -19,12 +21,13 @@
 
 #include "pen/base/clock.h"
 
-enum { SIGNAL_COUNT = 2, FILE_BYTES = 4096 };
+enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, FILE_BYTES = 4096 };
 
 struct pen_wake {
-    _Atomic uint32_t *counter;          /* SIGNAL_COUNT of them; atomic: release with the wake,
-                                           acquire in the wait */
-    _Atomic uint32_t own[SIGNAL_COUNT]; /* used where the file is not */
+    char *path;
+    _Atomic uint32_t *counter; /* SIGNAL_COUNT of them; atomic: release with the wake, acquire in
+                                  the wait. The words of health.h follow at FIRST_WORD */
+    _Atomic uint32_t own[FIRST_WORD + PEN_WAKE_WORDS]; /* used where the file is not */
 };
 
 /* Extends a short file with written zeros: a hole could not be filled on a full disk, and storing
@@ -47,8 +50,10 @@ static bool fill_file(int fd)
 struct pen_wake *pen_wake_open(const char *path)
 {
     struct pen_wake *wake = calloc(1, sizeof *wake);
-    if (!wake)
+    if (!wake || !(wake->path = strdup(path))) {
+        free(wake);
         return NULL;
+    }
     wake->counter = wake->own;
     int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (fd < 0)
@@ -68,7 +73,28 @@ void pen_wake_close(struct pen_wake *wake)
         return;
     if (wake->counter != wake->own)
         munmap(wake->counter, FILE_BYTES);
+    free(wake->path);
     free(wake);
+}
+
+_Atomic uint32_t *pen_wake_words(struct pen_wake *wake)
+{
+    return wake->counter + FIRST_WORD;
+}
+
+bool pen_wake_try_lock(struct pen_wake *wake, int *lock)
+{
+    *lock = open(wake->path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (*lock < 0 || flock(*lock, LOCK_EX | LOCK_NB) == 0)
+        return true;
+    close(*lock);
+    return false;
+}
+
+void pen_wake_unlock(int lock)
+{
+    if (lock >= 0)
+        close(lock);
 }
 
 void pen_wake_wait(struct pen_wake *wake, enum pen_signal signal, uint32_t *seen, int timeout_ms)

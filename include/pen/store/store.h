@@ -9,6 +9,10 @@
  *  - A commit is one transaction: pixels, statistics, artefact and state together. It is refused
  *    with PEN_STALE unless the batch is still leased under the same attempt number.
  *  - A commit repeated with the same claim succeeds as a duplicate and changes nothing.
+ *  - After a failed read, write or fsync, or when the disk is full, what the call cannot promise it
+ *    refuses (PEN_STORAGE, PEN_STORAGE_FULL), for all handles of all processes, and the store is
+ *    used again as soon as it was reopened, checked and written to: handles stay valid, callers
+ *    just call again (src/store/health.h has the rules).
  *  - Leases use the store's clock only.
  *  - Everything stored as text is opaque here (JSON written by room jobs).
  *
@@ -61,17 +65,17 @@ static inline bool pen_job_state_ended(enum pen_job_state state)
 struct pen_store;
 
 /* Opens a store: a file path (SQLite; folders are made) or a postgres:// URL (to come).
- * Creates and migrates it as needed. Fails: PEN_STORAGE (not a Penumbra store, corrupt, newer
- * schema: the message says what to do, and the file is as it was), PEN_UNSUPPORTED (postgres://),
- * PEN_STORAGE_FULL, PEN_UNAVAILABLE, PEN_NO_MEMORY. */
+ * Creates and migrates it as needed. Fails: PEN_STORAGE (not a Penumbra store, damaged, newer
+ * schema, no permission: the message says what to do, and the file is as it was), PEN_UNSUPPORTED
+ * (postgres://), PEN_STORAGE_FULL, PEN_UNAVAILABLE, PEN_NO_MEMORY. */
 struct pen_store *pen_store_open(const char *url, struct pen_status *st);
 void pen_store_close(struct pen_store *store);
 
-/* Reads the whole store for damage. The daemon does so once at its start.
+/* Reads the whole store, and its log, for damage. The daemon does so once at its start.
  * Fails: PEN_STORAGE with the first damage found. Cost: reads every page. */
 bool pen_store_check(struct pen_store *store, struct pen_status *st);
 
-/* Whether a write gets to disk now; the reason if not. */
+/* Whether new work gets to disk now; the reason if not. */
 bool pen_store_probe(struct pen_store *store, struct pen_status *st);
 
 /* One call that was made on a handle, as whoever looks on is told: for tests and benches. Told of
