@@ -7,10 +7,11 @@
  * in lists beside the nodes. What a node is depends on the structure's shape:
  *
  *   wide   (auto) up to eight children, entered nearest first;
- *   pairs  (median) two children, entered nearest first;
+ *   pairs  (median) two children, entered nearest first; a leaf is a block of triangles, or a
+ *          single primitive, read where the scene keeps it;
  *   lists  (cbr, manual) any number of children, eight to a node and nodes in a row, entered in the
  *          document's order; cbr is one list, manual has one for each group. A leaf is a single
- *          primitive, read where the scene keeps it.
+ *          primitive.
  *
  * Why boxes never hide a crossing: a crossing's point is a mean of vertices with weights in [0, 1]
  * (flat bodies) or lies within the box's own margin (quadrics), up to errors of a few 2^-53 of t

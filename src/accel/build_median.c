@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The builder of `median`: a binary tree, each range of primitives cut in two halves at the median
- * of their boxes' centres on the axis along which the centres extend farthest, down to leaves of at
- * most four. Nothing is weighed: it is the plain tree that others are compared with.
+ * of their boxes' centres on the axis along which the centres extend farthest, down to single
+ * primitives, or to what is tested in one go: up to four triangles. Nothing is weighed: it is the
+ * plain tree that others are compared with.
  *
  * The primitives are sorted once along each axis (by radix, stable, so that equal centres stay in
  * document order), and every cut divides the three orders stably, as a k-d tree is built by
@@ -14,7 +15,7 @@
 
 #include "plan.h"
 
-enum { LEAF_MAX = PEN_LANES, DIGITS = 1 << 8 };
+enum { DIGITS = 1 << 8 };
 
 struct median {
     struct pen_plan *plan;
@@ -110,6 +111,19 @@ static uint32_t cut(struct median *m, uint32_t begin, uint32_t end)
     return middle;
 }
 
+static bool is_leaf(const struct median *m, uint32_t begin, uint32_t end)
+{
+    if (end - begin == 1)
+        return true;
+    if (end - begin > PEN_LANES)
+        return false;
+    for (uint32_t i = begin; i < end; i++) {
+        if (m->ref[m->order[0][i]].kind != PEN_BLOCK_TRIANGLES)
+            return false;
+    }
+    return true;
+}
+
 static bool build_leaf(struct median *m, uint32_t begin, uint32_t end, struct pen_lane *made)
 {
     for (uint32_t i = begin; i < end; i++) {
@@ -128,12 +142,13 @@ static bool build(struct median *m, uint32_t begin, uint32_t end, uint32_t depth
     made->child = m->plan->nodes.count;
     if (m->plan->depth < depth)
         m->plan->depth = depth;
-    if (end - begin <= LEAF_MAX && depth > 0)
+    bool leaf = is_leaf(m, begin, end);
+    if (leaf && depth > 0)
         return build_leaf(m, begin, end, made);
     uint32_t number = made->child;
     if (!pen_plan_pair(m->plan))
         return false;
-    uint32_t middle = end - begin <= LEAF_MAX ? end : cut(m, begin, end);
+    uint32_t middle = leaf ? end : cut(m, begin, end);
     for (int lane = 0; lane < 2 && begin < end; lane++) {
         struct pen_lane child;
         if (!build(m, begin, middle, depth + 1, &child))

@@ -6,7 +6,7 @@
 
 /* What is being packed, and how much of each array is filled. */
 struct packer {
-    bool singles; /* leaves hold single primitives instead of blocks */
+    bool singles; /* a leaf of one primitive holds no block */
     const struct pen_prims *prims;
     const struct pen_ref *ref;
     uint32_t *items;
@@ -189,7 +189,8 @@ static void pack_leaves(struct packer *p, const struct pen_plan *plan, uint32_t 
     pack_leaf(p, (struct pen_leaf){0, 0});
     pack_leaf(p, (struct pen_leaf){plan->count, plan->infinite});
     for (uint32_t i = 0; i < plan->leaves.count; i++) {
-        uint32_t first = p->singles ? pack_single(p, leaf[i].begin) : pack_leaf(p, leaf[i]);
+        uint32_t first = p->singles && leaf[i].count == 1 ? pack_single(p, leaf[i].begin)
+                                                          : pack_leaf(p, leaf[i]);
         if (first_item)
             first_item[i] = first;
     }
@@ -259,8 +260,10 @@ static double largest_scale(const struct pen_plan *plan)
 
 bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_accel *accel)
 {
-    struct packer counted = {
-        .singles = plan->shape == PEN_SHAPE_LISTS, .prims = plan->prims, .ref = plan->ref};
+    struct packer counted = {.singles =
+                                 plan->shape == PEN_SHAPE_PAIRS || plan->shape == PEN_SHAPE_LISTS,
+                             .prims = plan->prims,
+                             .ref = plan->ref};
     struct packer p = counted;
     accel->prims = plan->prims;
     pack_leaves(&counted, plan, NULL);

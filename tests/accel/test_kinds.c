@@ -171,29 +171,29 @@ START_TEST(test_kinds__groups_nested_without_end)
 }
 END_TEST
 
-/* The depth and the leaves of a balanced tree with leaves of at most four. */
-static uint32_t halvings(uint32_t count, uint32_t *leaves)
+/* The depth and the leaves of a balanced tree with leaves of at most `most`. */
+static uint32_t halvings(uint32_t count, uint32_t most, uint32_t *leaves)
 {
-    if (count <= 4) {
+    if (count <= most) {
         ++*leaves;
         return 0;
     }
-    uint32_t a = halvings(count / 2, leaves), b = halvings(count - count / 2, leaves);
+    uint32_t a = halvings(count / 2, most, leaves), b = halvings(count - count / 2, most, leaves);
     return 1 + (a > b ? a : b);
 }
 
 START_TEST(test_kinds__median_is_balanced_for_any_number)
 {
     for (uint32_t n = 1; n <= 300; n += n < 70 ? 1 : 23) {
-        for (int equal = 0; equal < 2; equal++) {
-            uint32_t leaves = 0, depth = halvings(n, &leaves);
+        for (int what = 0; what < 3; what++) {
+            uint32_t leaves = 0, depth = halvings(n, what == 2 ? 4 : 1, &leaves);
             world_clear(&world);
-            if (equal) {
-                for (uint32_t i = 0; i < n; i++)
-                    world_sphere(&world, pen_vec3(1, 2, 3), 1 + i);
-            } else {
+            for (uint32_t i = 0; i < n && what == 1; i++)
+                world_sphere(&world, pen_vec3(1, 2, 3), 1 + i);
+            for (uint32_t i = 0; i < n && what == 2; i++)
+                world_triangle(&world, pen_vec3(i, 0, 0), pen_vec3(i, 1, 0), pen_vec3(i, 0, 1));
+            if (what == 0)
                 row(2, n, 1);
-            }
             check_stats(build(PEN_ACCEL_MEDIAN), leaves > 1 ? leaves - 1 : 1, leaves,
                         depth ? depth : 1);
         }
@@ -201,25 +201,25 @@ START_TEST(test_kinds__median_is_balanced_for_any_number)
 }
 END_TEST
 
-/* On a row of 64 numbered anyhow, a ray across it takes one way down: two boxes at each of four
- * levels, and the four spheres of a leaf, which are neighbours. */
+/* On a row of 64 numbered anyhow, a ray across it takes one way down: two boxes at each of six
+ * levels, and one sphere. */
 START_TEST(test_kinds__median_cuts_the_longest_axis_in_the_middle)
 {
     for (int axis = 0; axis < 3; axis++) {
         world_clear(&world);
         row(axis, 64, 27);
         const struct pen_accel *accel = build(PEN_ACCEL_MEDIAN);
-        check_stats(accel, 15, 16, 4);
+        check_stats(accel, 63, 64, 6);
         for (uint32_t i = 0; i < 64; i++) {
             double x = i * 27 % 64;
             vec3 o = pen_vec3(axis == 0 ? x : 5, axis == 1 ? x : 5, axis == 2 ? x : 5);
             vec3 d = pen_vec3(axis == 0 ? 0 : -1, axis == 1 ? 0 : -1, axis == 2 ? 0 : -1);
-            check_tests(accel, o, d, i, 2 * 4, 4);
+            check_tests(accel, o, d, i, 2 * 6, 1);
         }
         /* Along the row, from either end, the nearer half comes first, and no other is met. */
         vec3 far = pen_vec3(axis == 0 ? 99 : 0, axis == 1 ? 99 : 0, axis == 2 ? 99 : 0);
-        check_tests(accel, far, pen_neg(far), 45, 2 * 4, 4); /* 45 * 27 = 63 mod 64 */
-        check_tests(accel, pen_neg(far), far, 0, 2 * 4, 4);
+        check_tests(accel, far, pen_neg(far), 45, 2 * 6, 1); /* 45 * 27 = 63 mod 64 */
+        check_tests(accel, pen_neg(far), far, 0, 2 * 6, 1);
     }
 }
 END_TEST
@@ -229,10 +229,10 @@ START_TEST(test_kinds__median_of_a_square_cuts_the_axes_in_turn)
     for (int i = 0; i < 256; i++)
         world_sphere(&world, pen_vec3(i & 15, 0, 1.01 * (i >> 4)), .25);
     const struct pen_accel *accel = build(PEN_ACCEL_MEDIAN);
-    check_stats(accel, 63, 64, 6);
+    check_stats(accel, 255, 256, 8);
     for (int i = 0; i < 256; i++)
         check_tests(accel, pen_vec3(i & 15, 9, 1.01 * (i >> 4)), pen_vec3(0, -1, 0), (uint32_t)i,
-                    2 * 6, 4);
+                    2 * 8, 1);
 }
 END_TEST
 
@@ -259,11 +259,16 @@ START_TEST(test_kinds__cost_is_that_of_its_definition)
 }
 END_TEST
 
-/* Two spheres far apart, in one leaf of a binary tree: one box, which all rays enter. */
-START_TEST(test_kinds__cost_of_a_single_leaf)
+/* A triangle across another: one leaf, and one box, which all rays enter; two spheres: two boxes,
+ * each with a surface of 2 * 3 * .25 where the whole has 2 * (.25 + 2 * .75). */
+START_TEST(test_kinds__cost_of_a_tree_of_two)
 {
-    row(1, 2, 1);
+    world_triangle(&world, pen_vec3(0, 0, 0), pen_vec3(1, 0, 0), pen_vec3(0, 1, 0));
+    world_triangle(&world, pen_vec3(0, 0, 1), pen_vec3(1, 0, -1), pen_vec3(0, 1, 0));
     check_cost(PEN_ACCEL_MEDIAN, .15 + 2);
+    world_clear(&world);
+    row(1, 2, 1);
+    check_cost(PEN_ACCEL_MEDIAN, 2 * .15 + 2 * .75 / 1.75);
     world_clear(&world);
     ck_assert(pen_accel_get_stats(build(PEN_ACCEL_MEDIAN))->sah_cost == 0);
 }
@@ -283,7 +288,7 @@ int main(void)
     tcase_add_test(tcase, test_kinds__median_cuts_the_longest_axis_in_the_middle);
     tcase_add_test(tcase, test_kinds__median_of_a_square_cuts_the_axes_in_turn);
     tcase_add_test(tcase, test_kinds__cost_is_that_of_its_definition);
-    tcase_add_test(tcase, test_kinds__cost_of_a_single_leaf);
+    tcase_add_test(tcase, test_kinds__cost_of_a_tree_of_two);
     suite_add_tcase(suite, tcase);
     SRunner *runner = srunner_create(suite);
     srunner_run_all(runner, CK_NORMAL);

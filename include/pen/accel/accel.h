@@ -19,7 +19,8 @@ enum pen_accelerator {
     PEN_ACCEL_NONE,   /* every primitive, in order */
     PEN_ACCEL_CBR,    /* a box for each primitive, in one list */
     PEN_ACCEL_MANUAL, /* the same, and a box and a list for each group of the document */
-    PEN_ACCEL_MEDIAN  /* median split: a binary tree */
+    PEN_ACCEL_MEDIAN  /* median split: a binary tree of single primitives, or
+                       * of up to four triangles */
 };
 enum { PEN_ACCEL_COUNT = PEN_ACCEL_MEDIAN + 1 };
 
