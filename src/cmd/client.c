@@ -165,6 +165,8 @@ static bool make_headers(const struct pen_client *client, const struct pen_reque
         ok = ok && add_header(list, "Content-Type: %s", request->type);
     if (request->idempotency_key)
         ok = ok && add_header(list, "Idempotency-Key: %s", request->idempotency_key);
+    if (request->accept)
+        ok = ok && add_header(list, "Accept: %s", request->accept);
     if (request->if_none_match)
         ok = ok && add_header(list, "If-None-Match: %s", request->if_none_match);
     if (client->authorization)

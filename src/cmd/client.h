@@ -59,6 +59,7 @@ struct pen_request {
     size_t body_bytes;
     const char *idempotency_key; /* NULL: none */
     const char *if_none_match;   /* NULL: none */
+    const char *accept;          /* media type; NULL: any */
     bool repeatable;             /* may be sent again after a connection that broke */
     int timeout_s;               /* how long the answer may take to begin */
 };

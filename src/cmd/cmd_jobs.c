@@ -12,7 +12,7 @@
 struct values {
     struct pen_remote remote;
     const char *output, *format, *view, *layer;
-    bool quiet, json;
+    bool quiet, json, report;
 };
 
 /* What one of these subcommands does with one job. Returns the exit code, after reporting. */
@@ -67,7 +67,8 @@ static int fetch_one(struct pen_client *client, const char *id, const struct val
     struct pen_fetch fetch = {.output = values->output,
                               .format = values->format,
                               .view = values->view,
-                              .layer = values->layer};
+                              .layer = values->layer,
+                              .report = values->report};
     if (!values->output) {
         pen_fail(&st, PEN_USAGE, "missing -o OUT");
         return pen_report_json(NULL, values->json, &st);
@@ -144,12 +145,17 @@ static const struct pen_option fetch_options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, output),
      .value = "OUT",
-     .help = "where the picture goes; .png or .pfm by its ending"},
+     .help = "where the picture goes, .png or .pfm by its ending; a report .html, .json, .csv or "
+             ".md"},
+    {.name = "report",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, report),
+     .help = "the report of a benchmark instead of a picture"},
     {.name = "format",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, format),
-     .value = "png|png16|pfm",
-     .choices = pen_output_formats,
+     .value = "png|png16|pfm|json|csv|md|html",
+     .choices = pen_output_all_formats,
      .help = "whatever the ending of OUT says"},
     {.name = "view",
      .kind = PEN_OPTION_TEXT,
@@ -218,7 +224,7 @@ const struct pen_command pen_command_fetch = {
     .program = "penumbra",
     .name = "fetch",
     .arguments = "ID -o OUT",
-    .summary = "Fetches the picture of a job.",
+    .summary = "Fetches the picture of a job, or the report of a benchmark.",
     .options = fetch_options,
     .min_args = 1,
     .max_args = 1,

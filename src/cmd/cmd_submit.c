@@ -9,18 +9,23 @@
 
 #include "commands.h"
 #include "files.h"
+#include "matrix.h"
 #include "output.h"
 #include "pen/io/document.h"
+#include "pen/jobs/benchmark.h"
 #include "remote.h"
 #include "report.h"
 
 struct values {
     struct pen_remote remote;
-    struct pen_option_list set, view, label;
-    const char *name, *idempotency_key, *output, *format;
-    int priority;
+    struct pen_option_list set, view, label, matrix;
+    const char *name, *idempotency_key, *output, *format, *kind, *baseline;
+    int priority, repeats, warmup;
+    bool has_priority, has_repeats, has_warmup;
     bool wait, quiet, json;
 };
+
+static const char *const kinds[] = {"render", "benchmark", NULL};
 
 static const struct pen_option options[] = {
     {.name = "set",
@@ -33,6 +38,36 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, view),
      .value = "NAME",
      .help = "render only this view; may be repeated"},
+    {.name = "kind",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, kind),
+     .value = "render|benchmark",
+     .choices = kinds,
+     .help = "what the job is to do with the scene, render by default"},
+    {.name = "matrix",
+     .letter = 'm',
+     .kind = PEN_OPTION_LIST,
+     .offset = offsetof(struct values, matrix),
+     .value = "KEY=VALUE,…",
+     .help = "of a benchmark: values of a render setting to be compared; may be repeated"},
+    {.name = "repeats",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct values, repeats),
+     .value = "N",
+     .min = 1,
+     .max = PEN_BENCH_REPEATS_MAX,
+     .help = "of a benchmark: runs of each row"},
+    {.name = "warmup",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct values, warmup),
+     .value = "N",
+     .max = PEN_BENCH_WARMUP_MAX,
+     .help = "of a benchmark: runs of each row before those, not counted"},
+    {.name = "baseline",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, baseline),
+     .value = "KEY=VALUE,…",
+     .help = "of a benchmark: the row that speed-ups refer to"},
     {.name = "name",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, name),
@@ -66,12 +101,13 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, output),
      .value = "OUT",
-     .help = "wait, then fetch the picture; .png or .pfm by its ending"},
+     .help = "wait, then fetch the picture, .png or .pfm by its ending; of a benchmark the report, "
+             ".html, .json, .csv or .md"},
     {.name = "format",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, format),
-     .value = "png|png16|pfm",
-     .choices = pen_output_formats,
+     .value = "png|png16|pfm|json|csv|md|html",
+     .choices = pen_output_all_formats,
      .help = "whatever the ending of OUT says"},
     {.name = "quiet",
      .letter = 'q',
@@ -149,8 +185,7 @@ static bool add_labels(json_t *job, const struct pen_option_list *label, struct 
 }
 
 /* The command line's members of the job, over those that are there. */
-static bool add_options(json_t *job, const struct values *values, bool has_priority,
-                        struct pen_status *st)
+static bool add_options(json_t *job, const struct values *values, struct pen_status *st)
 {
     if (values->view.count > 0) {
         json_t *views = json_array();
@@ -160,9 +195,16 @@ static bool add_options(json_t *job, const struct values *values, bool has_prior
     }
     if (values->name)
         json_object_set_new(job, "name", json_string(values->name));
-    if (has_priority)
+    if (values->has_priority)
         json_object_set_new(job, "priority", json_integer(values->priority));
-    return add_render(job, &values->set, st) && add_labels(job, &values->label, st);
+    if (values->kind)
+        json_object_set_new(job, "kind", json_string(values->kind));
+    if (values->has_repeats)
+        json_object_set_new(job, "repeats", json_integer(values->repeats));
+    if (values->has_warmup)
+        json_object_set_new(job, "warmup", json_integer(values->warmup));
+    return pen_matrix_add(job, &values->matrix, values->baseline, st) &&
+           add_render(job, &values->set, st) && add_labels(job, &values->label, st);
 }
 
 static bool dump(const json_t *json, struct pen_buf *out)
@@ -193,10 +235,10 @@ static bool wrap(const struct pen_source *source, const json_t *document, const 
 /* A document that is a job already, or names a built-in scene: the command line's members go over
  * its own. Without any, it is sent as it is. */
 static bool compose_job(const struct pen_source *source, json_t *job, const struct values *values,
-                        bool has_priority, struct body *body, struct pen_status *st)
+                        struct body *body, struct pen_status *st)
 {
     json_t *before = json_deep_copy(job);
-    bool ok = add_options(job, values, has_priority, st);
+    bool ok = add_options(job, values, st);
     if (ok && source->text.bytes > 0 && json_equal(before, job))
         ok = pen_buf_add(&body->text, source->text.data, source->text.bytes);
     else if (ok)
@@ -206,11 +248,10 @@ static bool compose_job(const struct pen_source *source, json_t *job, const stru
 }
 
 static bool compose_scene(const struct pen_source *source, const json_t *document,
-                          const struct values *values, bool has_priority, struct body *body,
-                          struct pen_status *st)
+                          const struct values *values, struct body *body, struct pen_status *st)
 {
     json_t *members = json_object();
-    bool ok = add_options(members, values, has_priority, st);
+    bool ok = add_options(members, values, st);
     body->wrapped = json_object_size(members) > 0;
     body->xml = source->xml && !body->wrapped;
     if (ok && body->wrapped)
@@ -263,15 +304,15 @@ static json_t *read_document(const char *scene, struct pen_source *source,
 }
 
 static bool make_body(const char *scene, struct pen_source *source, const struct values *values,
-                      bool has_priority, struct body *body, struct pen_errors *errors)
+                      struct body *body, struct pen_errors *errors)
 {
     struct pen_status st;
     json_t *document = read_document(scene, source, errors);
     if (!document)
         return false;
     bool ok = json_object_get(document, "scene")
-                  ? compose_job(source, document, values, has_priority, body, &st)
-                  : compose_scene(source, document, values, has_priority, body, &st);
+                  ? compose_job(source, document, values, body, &st)
+                  : compose_scene(source, document, values, body, &st);
     json_decref(document);
     if (!ok)
         pen_errors_add(errors, &st);
@@ -349,12 +390,13 @@ static int follow(struct pen_client *client, const struct values *values, json_t
     fflush(stdout);
     if (!waits)
         return 0;
+    bool report = strcmp(pen_remote_text(job, "kind"), "benchmark") == 0;
     json_t *last;
     bool ok = pen_remote_wait(client, id, values->quiet, &last, &errors);
     if (values->json && last)
         pen_report_line(json_incref(last));
     json_decref(last);
-    struct pen_fetch fetch = {.output = values->output, .format = values->format};
+    struct pen_fetch fetch = {.output = values->output, .format = values->format, .report = report};
     if (ok && values->output)
         ok = pen_remote_fetch(client, id, &fetch, &errors);
     return ok ? 0 : pen_report_errors("penumbra", NULL, &errors);
@@ -376,6 +418,24 @@ static int submit(struct pen_client *client, const struct values *values,
     return code;
 }
 
+/* Whether an output's name tells what it is to be: a picture or, where that may be, a report. */
+static bool check_output(const struct values *values, struct pen_status *st)
+{
+    bool benchmark = values->kind && strcmp(values->kind, "benchmark") == 0;
+    if (!values->output)
+        return true;
+    if (!(benchmark ? pen_output_form(values->output, values->format, st)
+                    : pen_output_format(values->output, values->format, st)) &&
+        (values->kind || !pen_output_form(values->output, values->format, st)))
+        return false;
+    return pen_file_check(values->output, st);
+}
+
+static bool given(const struct pen_parsed *parsed, const char *option)
+{
+    return parsed->set >> pen_option_find(options, option) & 1;
+}
+
 static int run(int argc, char **argv)
 {
     struct values values = {.remote = PEN_REMOTE_DEFAULT};
@@ -388,12 +448,12 @@ static int run(int argc, char **argv)
     struct body body = {0};
     struct pen_errors errors = {0};
     struct pen_client *client = NULL;
-    int priority = pen_option_find(options, "priority");
-    bool has_priority = parsed.set >> priority & 1;
-    if (values.output && (!pen_output_format(values.output, values.format, &st) ||
-                          !pen_file_check(values.output, &st)))
+    values.has_priority = given(&parsed, "priority");
+    values.has_repeats = given(&parsed, "repeats");
+    values.has_warmup = given(&parsed, "warmup");
+    if (!check_output(&values, &st))
         code = pen_report_json(NULL, values.json, &st);
-    else if (!make_body(parsed.args[0], &source, &values, has_priority, &body, &errors))
+    else if (!make_body(parsed.args[0], &source, &values, &body, &errors))
         code = pen_report_errors_json(errors.item[0].code == PEN_USAGE ? NULL : source.label,
                                       values.json, &errors);
     else if (!(client = pen_client_open(&values.remote, &st)))

@@ -18,37 +18,47 @@ static bool ends_in(const char *path, const char *ending)
     return length > tail && strcmp(path + length - tail, ending) == 0;
 }
 
+const char *const pen_output_all_formats[] = {"png", "png16", "pfm",  "json",
+                                              "csv", "md",    "html", NULL};
+
+/* The member of names[] that is `format`, or else the ending of `path`; NULL if none is. */
+static const char *find_format(const char *path, const char *format, const char *const *names)
+{
+    for (int i = 0; names[i]; i++) {
+        char ending[8];
+        snprintf(ending, sizeof ending, ".%s", names[i]);
+        if (format ? strcmp(format, names[i]) == 0 : ends_in(path, ending))
+            return names[i];
+    }
+    return NULL;
+}
+
 const char *pen_output_format(const char *path, const char *format, struct pen_status *st)
 {
-    if (format)
-        return format;
-    if (ends_in(path, ".png"))
-        return "png";
-    if (ends_in(path, ".pfm"))
-        return "pfm";
-    pen_fail(st, PEN_USAGE,
-             "--output: found \"%s\", allowed is a name ending in .png or .pfm, or any name with "
-             "--format png, png16 or pfm",
-             path);
-    return NULL;
+    static const char *const endings[] = {"png", "pfm", NULL};
+    const char *found = find_format(path, format, format ? pen_output_formats : endings);
+    if (!found && format)
+        pen_fail(st, PEN_USAGE, "--format: a picture is png, png16 or pfm, not %s", format);
+    else if (!found)
+        pen_fail(st, PEN_USAGE,
+                 "--output: found \"%s\", allowed is a name ending in .png or .pfm, or any name "
+                 "with --format png, png16 or pfm",
+                 path);
+    return found;
 }
 
 const char *pen_output_form(const char *path, const char *form, struct pen_status *st)
 {
-    if (form)
-        return form;
-    for (int i = 0; pen_study_forms[i]; i++) {
-        char ending[8];
-        snprintf(ending, sizeof ending, ".%s", pen_study_forms[i]);
-        if (ends_in(path, ending))
-            return pen_study_forms[i];
-    }
-    pen_fail(
-        st, PEN_USAGE,
-        "--output: found \"%s\", allowed is a name ending in .json, .csv, .md or .html, or any "
-        "name with --format json, csv, md or html",
-        path);
-    return NULL;
+    const char *found = find_format(path, form, pen_study_forms);
+    if (!found && form)
+        pen_fail(st, PEN_USAGE, "--format: a report is json, csv, md or html, not %s", form);
+    else if (!found)
+        pen_fail(
+            st, PEN_USAGE,
+            "--output: found \"%s\", allowed is a name ending in .json, .csv, .md or .html, or "
+            "any name with --format json, csv, md or html",
+            path);
+    return found;
 }
 
 bool pen_output_layer_check(const char *layer, struct pen_status *st)

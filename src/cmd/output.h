@@ -14,13 +14,15 @@
 /* What --format and --layer take; for struct pen_option. */
 extern const char *const pen_output_formats[];
 extern const char *const pen_output_layers[];
+extern const char *const pen_output_all_formats[]; /* of pictures and reports */
 
-/* The format of an output: `format` if given, else by the ending of `path`; a path without a
- * known ending needs a format. Returns "png", "png16" or "pfm". Fails: PEN_USAGE. */
+/* The format of a picture: `format` if given, else by the ending of `path`; a path without a
+ * known ending needs a format. Returns "png", "png16" or "pfm". Fails: PEN_USAGE, also for the
+ * format of a report. */
 const char *pen_output_format(const char *path, const char *format, struct pen_status *st);
 
 /* The form of a report: `form` if given, else by the ending of `path`: .json, .csv, .md or .html.
- * Fails: PEN_USAGE. */
+ * Fails: PEN_USAGE, also for the format of a picture. */
 const char *pen_output_form(const char *path, const char *form, struct pen_status *st);
 
 /* Refuses the layers that are still to come. Fails: PEN_UNSUPPORTED. */

@@ -8,6 +8,7 @@
 #include "files.h"
 #include "output.h"
 #include "pen/base/utf8.h"
+#include "pen/study/report.h"
 #include "progress.h"
 
 enum {
@@ -235,21 +236,35 @@ static bool image_path(struct pen_client *client, const char *id, const struct p
            add_query(client, path, "layer", fetch->layer, '&');
 }
 
+/* Where what is wanted is, and as what type; NULL: the path says it all. */
+static bool result_path(struct pen_client *client, const char *id, const struct pen_fetch *fetch,
+                        struct pen_buf *path, const char **accept, struct pen_errors *errors)
+{
+    struct pen_status st;
+    const char *format = fetch->report ? pen_output_form(fetch->output, fetch->format, &st)
+                                       : pen_output_format(fetch->output, fetch->format, &st);
+    if (!format) {
+        pen_errors_add(errors, &st);
+        return false;
+    }
+    *accept = fetch->report ? pen_study_media_type(format) : NULL;
+    return (fetch->report ? job_path(client, id, "/report", path)
+                          : image_path(client, id, fetch, format, path)) ||
+           out_of_memory(errors);
+}
+
 bool pen_remote_fetch(struct pen_client *client, const char *id, const struct pen_fetch *fetch,
                       struct pen_errors *errors)
 {
     struct pen_status st;
     struct pen_buf path = {0};
     struct pen_reply reply = {0};
-    const char *format = pen_output_format(fetch->output, fetch->format, &st);
-    if (!format) {
-        pen_errors_add(errors, &st);
-        return false;
-    }
-    bool ok = image_path(client, id, fetch, format, &path) || out_of_memory(errors);
+    const char *accept = NULL;
+    bool ok = result_path(client, id, fetch, &path, &accept, errors);
     if (ok) {
         struct pen_request request = {.method = "GET",
                                       .path = (const char *)path.data,
+                                      .accept = accept,
                                       .repeatable = true,
                                       .timeout_s = ANSWER_S};
         ok = pen_client_send(client, &request, &reply, errors);

@@ -23,9 +23,10 @@ bool pen_remote_wait(struct pen_client *client, const char *id, bool quiet, json
 struct pen_fetch {
     const char *output, *format; /* format NULL: by the ending of output */
     const char *view, *layer;    /* NULL: the daemon's defaults */
+    bool report;                 /* the report, not a picture */
 };
 
-/* Downloads a job's picture into a file. */
+/* Downloads a job's picture or report into a file. */
 bool pen_remote_fetch(struct pen_client *client, const char *id, const struct pen_fetch *fetch,
                       struct pen_errors *errors);
 

@@ -100,7 +100,7 @@ bool pen_batch_write_stats(struct pen_batch_room *room, json_t *stats, struct pe
     return work->stats || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
 }
 
-void pen_batch_trace_pixel(void *user, int thread, int x, int y)
+static void trace_pixel(void *user, int thread, int x, int y)
 {
     struct pen_batch_room *room = user;
     pen_trace_pixel(room->trace, thread, x, y);
@@ -118,15 +118,22 @@ static void try_pixel(void *user, int thread, int x, int y)
     }
 }
 
-static void look_on(struct pen_batch_room *room, struct pen_render_task *task)
+pen_batch_pixel_fn *pen_batch_look_on(struct pen_batch_room *room)
 {
     const char *name = json_string_value(json_object_get(room->plan.request, "name"));
-    task->pixel_user = room;
-    if (room->trace)
-        task->pixel_begins = pen_batch_trace_pixel;
-    if (room->fault && room->fault->wanted(room->fault->user, name))
-        task->pixel_begins = try_pixel;
     atomic_store_explicit(&room->exhausted, false, memory_order_relaxed);
+    if (room->fault && room->fault->wanted(room->fault->user, name))
+        return try_pixel;
+    return room->trace ? trace_pixel : NULL;
+}
+
+bool pen_batch_looked(struct pen_batch_room *room, bool ok, struct pen_status *st)
+{
+    if (room->trace)
+        pen_trace_idle(room->trace);
+    if (!ok && atomic_load_explicit(&room->exhausted, memory_order_relaxed))
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory while rendering");
+    return ok;
 }
 
 /* Renders; the pixels are packed on the way. */
@@ -137,13 +144,9 @@ static bool run_task(struct pen_batch_room *room, const struct pen_render_task *
     if (!pen_packing_begin(room->packing, &run, st))
         return false;
     bool ok = pen_render_run(room->pool, task, stats, st);
-    if (room->trace)
-        pen_trace_idle(room->trace);
     if (!ok)
         pen_packing_drop(room->packing);
-    if (!ok && atomic_load_explicit(&room->exhausted, memory_order_relaxed))
-        return pen_fail(st, PEN_NO_MEMORY, "out of memory while rendering");
-    return ok;
+    return pen_batch_looked(room, ok, st);
 }
 
 static bool run_tiles(struct pen_batch_room *room, const struct pen_claim *claim,
@@ -161,10 +164,11 @@ static bool run_tiles(struct pen_batch_room *room, const struct pen_claim *claim
                                    .cancel = pen_heartbeat_flag(room->heart),
                                    .tile_done = pen_packing_tile_done,
                                    .user = room->packing,
+                                   .pixel_begins = pen_batch_look_on(room),
+                                   .pixel_user = room,
                                    .keep_tile_ms = true};
     if (task.view < 0)
         return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
-    look_on(room, &task);
     return run_task(room, &task, stats, st);
 }
 

@@ -49,8 +49,12 @@ bool pen_batch_study(struct pen_batch_room *room, const struct pen_claim *claim,
 bool pen_batch_write_stats(struct pen_batch_room *room, json_t *stats, struct pen_batch_work *work,
                            struct pen_status *st);
 
-/* For pixel_begins, with the room as user: notes the pixel in the room's trace. */
-void pen_batch_trace_pixel(void *user, int thread, int x, int y);
+/* What looks on when the claim's job is rendered: for pixel_begins, with the room as user; it notes
+ * the pixel in the room's trace. May be NULL. pen_batch_looked comes after the render, passes its
+ * outcome on, and knows a fault that was to be tested. */
+typedef void pen_batch_pixel_fn(void *user, int thread, int x, int y);
+pen_batch_pixel_fn *pen_batch_look_on(struct pen_batch_room *room);
+bool pen_batch_looked(struct pen_batch_room *room, bool ok, struct pen_status *st);
 
 /* Lets go of the memory that is kept for later: scenes and pixels. */
 void pen_batch_room_empty(struct pen_batch_room *room);

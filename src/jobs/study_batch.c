@@ -96,14 +96,9 @@ static bool read_order(struct study *study, struct pen_status *st)
 static bool run(struct study *study, struct pen_status *st)
 {
     struct pen_batch_room *room = study->room;
-    if (room->trace) {
-        study->bench.pixel_begins = pen_batch_trace_pixel;
-        study->bench.pixel_user = room;
-    }
-    bool ok = pen_bench_run(&study->bench, &study->result, st);
-    if (room->trace)
-        pen_trace_idle(room->trace);
-    return ok;
+    study->bench.pixel_begins = pen_batch_look_on(room);
+    study->bench.pixel_user = room;
+    return pen_batch_looked(room, pen_bench_run(&study->bench, &study->result, st), st);
 }
 
 static bool write_report(struct study *study, struct pen_batch_work *work, struct pen_status *st)
