@@ -186,6 +186,21 @@ asan:
 tsan:
 	$(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" OPT="-O1 -g" run-tests
 
+# Feeds the reader of XML what libFuzzer finds, for SECONDS; needs clang.
+SECONDS ?= 120
+FUZZ_SAN := -fsanitize=address,undefined -fno-sanitize-recover=undefined
+FUZZ := BUILD=$(BUILD)-fuzz CC=clang SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" OPT="-O1 -g"
+FUZZ_DIR := $(BUILD)-fuzz/tests/fuzz
+.PHONY: fuzz
+fuzz:
+	$(MAKE) $(FUZZ) libpenumbra
+	@mkdir -p $(FUZZ_DIR)/found
+	clang $(CPP) $(FUZZ_SAN) -fsanitize=fuzzer -O1 -g -pthread -o $(FUZZ_DIR)/xml tests/fuzz/fuzz_xml.c \
+	    $(BUILD)-fuzz/libpenumbra.a $(PKG_LIBS)
+	$(FUZZ_DIR)/xml -max_total_time=$(SECONDS) -timeout=10 -rss_limit_mb=2048 \
+	    -dict=tests/fuzz/xml.dict -artifact_prefix=$(FUZZ_DIR)/ -print_final_stats=1 \
+	    $(FUZZ_DIR)/found tests/io/corpus/xml-good tests/io/corpus/xml-bad tests/golden/xml
+
 $(BUILD)/tests/conformance/compare_pair: tests/conformance/compare_pair.c $(BUILD)/libpenumbra.a
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
@@ -201,7 +216,7 @@ install: all
 	cp -r include/pen $(DESTDIR)$(PREFIX)/include
 
 clean:
-	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan
+	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan $(BUILD)-fuzz
 
 -include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) \
     $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d)

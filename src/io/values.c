@@ -158,8 +158,8 @@ bool pen_read_factor(struct pen_reader *r, const struct pen_place *at, const jso
     struct pen_text found = pen_reader_found(r, at, value);
     return pen_reader_fail(
         r, at, PEN_INVALID,
-        "must be a number from 0 to 1, or an array of 3 such numbers (red, green, blue), found %s",
-        found.text);
+        "must be a number from 0 to 1, or %s3 such numbers (red, green, blue), found %s",
+        r->xml ? "" : "an array of ", found.text);
 }
 
 bool pen_read_coefficients(struct pen_reader *r, const struct pen_place *at, const json_t *value,

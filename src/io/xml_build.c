@@ -136,9 +136,10 @@ static bool read_corner(struct pen_xml_builder *b, const struct pen_xml_frame *f
         if (fabs(v[k]) <= PEN_NUMBER_MAX)
             continue;
         if (value) /* else it is reported */
-            pen_xml_complain_about(b, &about,
-                                   "must be 3 numbers up to 1e100 in magnitude, found %s",
-                                   pen_text_value(value).text);
+            pen_xml_complain_about(
+                b, &about, "must be 3 numbers up to 1e100 in magnitude, found %s",
+                json_is_string(value) ? pen_text_quote(json_string_value(value)).text
+                                      : pen_text_value(value).text);
         return false;
     }
     *out = pen_vec3(v[0], v[1], v[2]);

@@ -54,6 +54,9 @@ static bool check_bytes(const char *text, size_t bytes, struct pen_status *st)
             return fault(text, i, st, "a zero byte is not XML");
         if (c < 0x20 && c != '\t' && c != '\n' && c != '\r')
             return fault(text, i, st, "the control character 0x%02x is not XML", c);
+        if (length == 3 &&
+            (memcmp(text + i, "\xEF\xBF\xBE", 3) == 0 || memcmp(text + i, "\xEF\xBF\xBF", 3) == 0))
+            return fault(text, i, st, "U+FFFE and U+FFFF are no characters of XML");
     }
     return true;
 }
@@ -168,13 +171,38 @@ static bool fault_entity(const char *text, size_t bytes, size_t offset, struct p
                  pen_xml_tag_name(text, bytes, at).text);
 }
 
-static bool fault_token(const char *text, size_t bytes, size_t offset, struct pen_status *st)
+/* Whether the text at `offset` stands in a tag, outside quotes or in them. */
+static bool in_tag(const char *text, size_t offset)
 {
-    char c = offset < bytes ? text[offset] : '\0';
+    while (offset > 0 && text[offset - 1] != '<' && text[offset - 1] != '>')
+        offset--;
+    return offset > 0 && text[offset - 1] == '<';
+}
+
+static bool fault_token(const char *text, size_t bytes, size_t offset,
+                        const struct pen_xml_open *open, struct pen_status *st)
+{
+    char c = offset < bytes ? text[offset] : '\0', before = offset > 0 ? text[offset - 1] : '\0';
+    if (before == '&')
+        return fault(text, offset - 1, st, "& is written &amp; where it begins no reference");
+    if (before == '<')
+        return fault(text, offset - 1, st, "< is written &lt; where it opens no tag");
     return fault(text, offset, st, "not well-formed: found %s%s", shown(text, bytes, offset).text,
-                 c == '<'   ? ", which is written &lt; where it opens no tag"
-                 : c == '&' ? ", which is written &amp; where it begins no reference"
-                            : "");
+                 open->count == 0 && !in_tag(text, offset) ? ": a scene in XML begins with <scene>"
+                 : c == '<' ? ", which is written &lt; in a value; is a quote before it not closed?"
+                 : in_tag(text, offset) ? ", in a tag stand NAME=\"VALUE\" and nothing else"
+                                        : "");
+}
+
+/* expat points at the end of the text. */
+static bool fault_cdata(const char *text, size_t offset, struct pen_status *st)
+{
+    static const char begin[] = "<![CDATA[";
+    size_t at = offset;
+    while (at > 0 &&
+           (offset - at < sizeof begin - 1 || memcmp(text + at, begin, sizeof begin - 1) != 0))
+        at--;
+    return fault(text, at, st, "the CDATA section that begins here does not end");
 }
 
 bool pen_xml_fault(const char *text, size_t bytes, size_t offset, int code,
@@ -186,11 +214,11 @@ bool pen_xml_fault(const char *text, size_t bytes, size_t offset, int code,
     case XML_ERROR_NO_ELEMENTS:
         return fault_end(text, bytes, open, st);
     case XML_ERROR_INVALID_TOKEN:
-        return fault_token(text, bytes, offset, st);
+        return fault_token(text, bytes, offset, open, st);
     case XML_ERROR_UNCLOSED_TOKEN:
         return fault(text, offset, st, "the document ends inside the piece that begins here");
     case XML_ERROR_UNCLOSED_CDATA_SECTION:
-        return fault(text, offset, st, "the CDATA section that begins here does not end");
+        return fault_cdata(text, offset, st);
     case XML_ERROR_TAG_MISMATCH:
         return fault_mismatch(text, bytes, offset, open, st);
     case XML_ERROR_DUPLICATE_ATTRIBUTE:

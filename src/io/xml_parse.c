@@ -150,7 +150,10 @@ static void XMLCALL on_declaration(void *user, const XML_Char *version, const XM
                                    int standalone)
 {
     struct pen_xml_builder *b = user;
-    (void)version, (void)standalone;
+    (void)standalone;
+    if (version && strcmp(version, "1.0") != 0)
+        pen_xml_end(b, offset_now(b), PEN_SYNTAX, "XML version %s is not read: allowed is 1.0",
+                    pen_text_quote(version).text);
     if (!encoding || strcasecmp(encoding, "UTF-8") == 0 || strcasecmp(encoding, "US-ASCII") == 0)
         return;
     pen_xml_end(

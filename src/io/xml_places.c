@@ -267,9 +267,11 @@ struct pen_text pen_xml_name(struct pen_xml *xml, const struct pen_place *up, co
     const struct pen_place last = pen_place_key(up, key);
     size_t used = walk(xml, &path, &spot), count = pen_xml_rows(spot.element, rows);
     path.step[path.count++] = &last;
+    size_t length = strlen(key);
     for (size_t i = 0; i < count; i++) {
-        int taken = match(rows[i].path, &path, used);
-        if (rows[i].path[0] && taken >= 0)
+        bool first = used + 1 == path.count && strncmp(rows[i].path, key, length) == 0 &&
+                     rows[i].path[length] == '/';
+        if (first || (rows[i].path[0] && match(rows[i].path, &path, used) >= 0))
             return pen_text_quote(rows[i].name);
     }
     return pen_text_quote(key);

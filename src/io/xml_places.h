@@ -41,7 +41,8 @@ void pen_xml_fail(struct pen_xml *xml, const struct pen_place *at, enum pen_code
 /* What stands there, as it is written. */
 struct pen_text pen_xml_found(struct pen_xml *xml, const struct pen_place *at, const json_t *value);
 
-/* The quoted name of the attribute that `key` of the object at `up` comes from. */
+/* The quoted name of the attribute, the first if there are several, that `key` of the object at
+ * `up` comes from. */
 struct pen_text pen_xml_name(struct pen_xml *xml, const struct pen_place *up, const char *key);
 
 /* "line 3, column 7" */

@@ -26,6 +26,11 @@ key=$(sh $examples/retry.sh key-1)
 expect retry "$(sh $examples/retry.sh key-1)" "$key"
 expect_match retry-with-a-key-of-its-own "$(sh $examples/retry.sh)" '/v1/jobs/*'
 expect list "$(sh $examples/list.sh | wc -l | tr -d ' ')" 3
+job=$(sh $examples/submit-xml.sh)
+expect_match submit-xml "$job" '/v1/jobs/????????-*'
+expect submit-xml-renders "$(sh $examples/wait.sh "$job")" succeeded
+expect submit-xml-a-file "$(sh $examples/wait.sh "$(sh $examples/submit-xml.sh tests/golden/xml/views.xml)")" \
+    succeeded
 expect list-names "$(sh $examples/list.sh | cut -f3 | grep -c '^example$')" 1
 
 mkdir "$work/reports"

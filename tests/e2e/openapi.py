@@ -14,6 +14,7 @@ import yaml
 
 NEEDS_FAULT = {"503", "507"}
 SMALL = '{"scene": "builtin:spheres", "render": {"width": 32, "height": 24}}'
+XML = '<scene><render width="8" height="8"/></scene>'
 LONG = ('{"scene": "builtin:spheres",'
         ' "render": {"width": 4000, "height": 4000, "samples_per_pixel": 64}}')
 BENCHMARK = ('{"scene": "builtin:spheres", "kind": "benchmark", "render": {"width": 16, "height": 12},'
@@ -137,12 +138,14 @@ for line in ask("GET", f"/v1/jobs/{done}/events").content.decode().splitlines():
 body_samples = [
     ("400", "", {"body": "{"}), ("411", "", {}), ("411", "", {"chunked": True}),
     ("413", "", {"body": '{"scene": "builtin:spheres", "render": {"width": 60000, "height": 60000}}'}),
-    ("415", "", {"body": "x", "Content_Type": "text/plain"}), ("415", "", {"body": "<scene/>"}),
+    ("415", "", {"body": "x", "Content_Type": "text/plain"}),
+    ("400", "", {"body": "<scene>"}), ("422", "", {"body": "<fog/>", "Content_Type": "text/xml"}),
     ("422", "", {"body": "{}"}), ("422", "", {"body": '{"scene": "builtin:room", "fog": [1]}'}),
     ("404", "", {"body": '{"scene": "builtin:rom"}'}),
 ]
 samples = {
-    "submitJob": [("202", "", {"body": SMALL}), ("202", "", {"body": BENCHMARK}), *body_samples,
+    "submitJob": [("202", "", {"body": SMALL}), ("202", "", {"body": BENCHMARK}),
+                  ("202", "", {"body": XML}), *body_samples,
                   ("422", "", {"body": SMALL + " ", "Idempotency_Key": "k"})],
     "listJobs": [("200", "", {}), ("200", "?limit=1", {}), ("400", "?limit=0", {}),
                  ("400", "?cursor=x", {})],
@@ -164,8 +167,9 @@ samples = {
                   ("200", measured, {"Accept": "text/markdown;q=0.5, image/*"}),
                   ("304", measured, everything), ("404", NOBODY, {}), ("404", done, {}),
                   ("406", measured, {"Accept": "image/png"}), ("409", late, {})],
-    "getScene": [("200", done, {}), ("304", done, everything), ("404", NOBODY, {})],
-    "validate": [("200", "", {"body": SMALL}), *body_samples],
+    "getScene": [("200", done, {}), ("200", submit(XML), {}), ("304", done, everything),
+                 ("404", NOBODY, {})],
+    "validate": [("200", "", {"body": SMALL}), ("200", "", {"body": XML}), *body_samples],
     "listScenes": [("200", "", {}), ("304", "", everything)],
     "getBuiltinScene": [("200", "spheres", {}), ("304", "spheres", everything), ("404", "x", {})],
     "listWorkers": [("200", "", {})],

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The reader against tests/io/corpus. Beside each bad/NAME.json, NAME.expect lists its errors in
- * order, one per line:
+/* The reader against tests/io/corpus. Beside each bad/NAME.json and xml-bad/NAME.xml, NAME.expect
+ * lists its errors in order, one per line:
  *
  *     CODE | PLACE | PART OF THE MESSAGE
  *
- * PLACE is a JSON Pointer, or LINE:COLUMN of a syntax error; one that ends in … stands for all
- * that begin so. The line `more | N |` says that N more were found than are kept. A line
- * `schema-blind: WHY` or `not-json: WHY` is for the schema's test. Beside good/NAME.json,
- * NAME.expect lists the notes that a person gets on the scene; without it there are none. */
+ * PLACE is a JSON Pointer, or LINE:COLUMN in XML and of a syntax error; one that ends in … stands
+ * for all that begin so. The line `more | N |` says that N more were found than are kept. A line
+ * `schema-blind: WHY` or `not-json: WHY` is for the schema's test. Beside good/NAME.json and
+ * xml-good/NAME.xml, NAME.expect lists the notes that a person gets on the scene; without it there
+ * are none. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -151,12 +152,12 @@ static bool load(const char *path, struct pen_errors *errors, struct pen_errors 
     return ok;
 }
 
-START_TEST(test_corpus__bad_scenes_are_refused_where_and_as_expected)
+static void check_refusals(const char *pattern, size_t least)
 {
     glob_t files;
     int wrong = 0;
-    ck_assert_int_eq(glob("tests/io/corpus/bad/*.json", 0, NULL, &files), 0);
-    ck_assert_uint_ge(files.gl_pathc, 120);
+    ck_assert_int_eq(glob(pattern, 0, NULL, &files), 0);
+    ck_assert_uint_ge(files.gl_pathc, least);
     for (size_t i = 0; i < files.gl_pathc; i++) {
         struct pen_errors errors = {0};
         struct expectations wanted = read_expectations(files.gl_pathv[i]);
@@ -167,6 +168,17 @@ START_TEST(test_corpus__bad_scenes_are_refused_where_and_as_expected)
     globfree(&files);
     ck_assert_int_eq(wrong, 0);
 }
+
+START_TEST(test_corpus__bad_scenes_are_refused_where_and_as_expected)
+{
+    check_refusals("tests/io/corpus/bad/*.json", 120);
+}
+END_TEST
+
+START_TEST(test_corpus__bad_xml_is_refused_where_and_as_expected)
+{
+    check_refusals("tests/io/corpus/xml-bad/*.xml", 130);
+}
 END_TEST
 
 /* What the reader takes, the renderer can make something of. */
@@ -175,6 +187,7 @@ START_TEST(test_corpus__good_scenes_can_be_frozen)
     struct pen_limits limits = pen_limits_default();
     glob_t files;
     ck_assert_int_eq(glob("tests/io/corpus/good/*.json", 0, NULL, &files), 0);
+    ck_assert_int_eq(glob("tests/io/corpus/xml-good/*.xml", GLOB_APPEND, NULL, &files), 0);
     for (size_t i = 0; i < files.gl_pathc; i++) {
         struct pen_errors errors = {0};
         struct pen_status st = {0};
@@ -199,6 +212,8 @@ START_TEST(test_corpus__good_scenes_are_read_with_the_notes_expected)
     int wrong = 0;
     ck_assert_int_eq(glob("tests/io/corpus/good/*.json", 0, NULL, &files), 0);
     ck_assert_int_eq(glob("scenes/*.json", GLOB_APPEND, NULL, &files), 0);
+    ck_assert_int_eq(glob("tests/io/corpus/xml-good/*.xml", GLOB_APPEND, NULL, &files), 0);
+    ck_assert_int_eq(glob("tests/golden/xml/*.xml", GLOB_APPEND, NULL, &files), 0);
     for (size_t i = 0; i < files.gl_pathc; i++) {
         struct pen_errors errors = {0}, warnings = {0};
         struct expectations wanted = read_expectations(files.gl_pathv[i]), none = {0};
@@ -232,5 +247,6 @@ START_TEST(test_corpus__pointers_start_at_the_place_given)
 END_TEST
 
 PEN_SUITE("io/corpus", test_corpus__bad_scenes_are_refused_where_and_as_expected,
+          test_corpus__bad_xml_is_refused_where_and_as_expected,
           test_corpus__good_scenes_are_read_with_the_notes_expected,
           test_corpus__good_scenes_can_be_frozen, test_corpus__pointers_start_at_the_place_given)

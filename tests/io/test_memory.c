@@ -9,9 +9,11 @@
 #include "support/suite.h"
 
 static const char *const files[] = {
-    "tests/io/corpus/good/all-objects.json", "tests/io/corpus/good/all-lights.json",
-    "tests/io/corpus/good/camera-full.json", "tests/io/corpus/good/views.json",
-    "tests/io/corpus/good/text-escapes.json"};
+    "tests/io/corpus/good/all-objects.json",  "tests/io/corpus/good/all-lights.json",
+    "tests/io/corpus/good/camera-full.json",  "tests/io/corpus/good/views.json",
+    "tests/io/corpus/good/text-escapes.json", "tests/io/corpus/xml-good/bodies.xml",
+    "tests/io/corpus/xml-good/order.xml",     "tests/io/corpus/xml-good/views.xml",
+    "tests/io/corpus/xml-good/classroom.xml"};
 
 static char *read_file(const char *path, size_t *bytes)
 {
@@ -74,10 +76,10 @@ START_TEST(test_memory__any_cap_of_the_arena_is_kept)
 }
 END_TEST
 
-START_TEST(test_memory__a_bad_scene_is_explained_whatever_fails)
+static void explain(const char *path, size_t errors_wanted)
 {
     size_t bytes;
-    char *text = read_file("tests/io/corpus/bad/several.json", &bytes);
+    char *text = read_file(path, &bytes);
     bool refused = true;
     for (long n = 0; refused; n++) {
         struct pen_errors errors = {0};
@@ -85,9 +87,17 @@ START_TEST(test_memory__a_bad_scene_is_explained_whatever_fails)
         bool ok = load(text, bytes, 0, &errors);
         refused = alloc_succeed();
         ck_assert(!ok);
-        ck_assert(refused || errors.count == 7);
+        ck_assert(refused || errors.count == errors_wanted);
     }
     free(text);
+}
+
+START_TEST(test_memory__a_bad_scene_is_explained_whatever_fails)
+{
+    explain("tests/io/corpus/bad/several.json", 7);
+    explain("tests/io/corpus/xml-bad/camera-transforms.xml", 8);
+    explain("tests/io/corpus/xml-bad/mismatch.xml", 1);
+    explain("tests/io/corpus/xml-bad/plane-missing.xml", 2);
 }
 END_TEST
 

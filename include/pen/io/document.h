@@ -6,7 +6,7 @@
  * `<lights>`, `<geometries>`), an object in an object is an element in an element (`<transform>`,
  * `<transforms>`), and every other key an attribute with - for _. Colours are 0 to 255, `color` is
  * a light's intensity, material attributes stand on bodies, and without `render` pictures are
- * encoded linearly. See README.md and scene-format in api/.
+ * encoded linearly. api/openapi.yaml (SceneXml) has all rules.
  *
  * What is not well-formed, or not UTF-8, is PEN_SYNTAX, reported alone; document types and entity
  * declarations are refused as such. Everything else is collected as in JSON. */

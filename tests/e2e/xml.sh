@@ -1,0 +1,96 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Scenes in XML over HTTP: submit, validate, errors by line, and the scene as it was accepted.
+. "$(dirname "$0")/lib.sh"
+penumbra=$build/penumbra
+daemon_start
+
+xml=tests/golden/xml/primitives.xml
+for type in 'application/xml' 'text/xml; charset=utf-8' 'application/x-www-form-urlencoded' ''; do
+    call /v1/validate -H "Content-Type:${type:+ $type}" --data-binary "@$xml"
+    expect "validate as ${type:-nothing}" "$status $(jq -c . "$work/body")" \
+        '200 {"valid":true,"warnings":[]}'
+done
+call /v1/jobs --data-binary "@$xml"
+expect "submitted without a type" "$status" 202
+job=$(header location)
+call "$job?wait=60"
+expect "it is rendered" "$(body .state)" succeeded
+call "$job/image?format=pfm"
+cp "$work/body" "$work/xml.pfm"
+"$penumbra" render $xml -o "$work/local.pfm"
+expect "the picture is that of the command line" \
+    "$(cmp "$work/xml.pfm" "$work/local.pfm" && echo same)" same
+"$penumbra" render tests/golden/scenes/primitives.json -o "$work/json.pfm"
+expect "and that of the same scene in JSON" \
+    "$(cmp "$work/xml.pfm" "$work/json.pfm" && echo same)" same
+call "$job/scene"
+expect "the scene is the bytes that were sent" "$status $(cmp "$work/body" $xml && echo same)" \
+    "200 same"
+expect "with their type" "$(header content-type)" application/xml
+call "$job" # the job's own settings are those of the XML
+expect "settings" "$(jq -c '.render | [.width, .height, .transfer]' "$work/body")" \
+    "$(jq -c '.render | [.width, .height, "srgb"]' tests/golden/scenes/primitives.json)"
+
+call /v1/jobs -H 'Content-Type: application/xml' -H 'Idempotency-Key: k' --data-binary "@$xml"
+expect "with a key" "$status" 202
+first=$(jq -r .id "$work/body")
+call /v1/jobs -H 'Content-Type: application/xml' -H 'Idempotency-Key: k' --data-binary "@$xml"
+expect "again, the same job" "$status $(jq -r .id "$work/body")" "202 $first"
+
+# Errors have lines
+bad='<scene>
+  <lights><spot color="1 1 1" position="0 0 0" direction="0 0 1" beam-exponant="-1"/></lights>
+  <geometries><sphere center="0 0 -9" radius="0"/></geometries>
+</scene>'
+for path in /v1/validate /v1/jobs; do
+    call $path -H 'Content-Type: application/xml' --data-binary "$bad"
+    expect_problem "$path: errors" 422 '*2 errors*'
+    expect "$path: places" "$(jq -c '[.errors[] | [.line, .column]]' "$work/body")" '[[2,66],[3,39]]'
+    expect "$path: names" "$(jq -r '.errors[0].detail' "$work/body")" \
+        '<spot>: unknown attribute "beam-exponant"; did you mean "beam-exponent"?'
+done
+call /v1/validate -H 'Content-Type: application/xml' --data-binary '<scene>
+</scen>'
+expect_problem "not well-formed" 400 '*does not close <scene>*'
+expect "is placed" "$(jq -c '.errors[0] | [.line, .column]' "$work/body")" '[2,1]'
+for bomb in billion-laughs external-entity parameter-entity doctype-system utf16-le zero-byte; do
+    call /v1/jobs -H 'Content-Type: text/xml' --data-binary "@tests/io/corpus/xml-bad/$bomb.xml"
+    expect_problem "$bomb" 400
+done
+call /v1/validate --data-binary "@tests/io/corpus/xml-good/notes.xml"
+expect "notes have lines" "$(jq -c '[.warnings[] | [.line, .column]]' "$work/body")" \
+    '[[1,1],[2,14],[4,29]]'
+cat >"$work/far.xml" <<'SCENE'
+<scene>
+  <geometries>
+    <sphere center="1e99 0 0" radius="1e-99"/>
+  <sphere center="0 0 -9" radius="1"/></geometries>
+  <render width="8" height="8"/>
+</scene>
+SCENE
+call /v1/jobs -H 'Content-Type: application/xml' --data-binary "@$work/far.xml"
+call "$(header location)?wait=60"
+expect "what the worker refuses is placed, too" \
+    "$(jq -c '.error.errors[0] | [.line, .column]' "$work/body")" '[3,5]'
+
+# The command line
+PENUMBRA_URL=$url
+export PENUMBRA_URL
+"$penumbra" submit $xml -q -o "$work/s.pfm" >/dev/null
+expect "penumbra submit" "$(cmp "$work/s.pfm" "$work/local.pfm" && echo same)" same
+id=$("$penumbra" submit $xml --name from-xml --set samples_per_pixel=4 --wait -q)
+call "/v1/jobs/$id"
+expect "with options" "$(jq -c '[.name, .render.samples_per_pixel, .state]' "$work/body")" \
+    '["from-xml",4,"succeeded"]'
+call "/v1/jobs/$id/image?format=pfm"
+"$penumbra" render $xml -o "$work/four.pfm" --set samples_per_pixel=4
+expect "with options, the picture" "$(cmp "$work/body" "$work/four.pfm" && echo same)" same
+printf '%s' "$bad" >"$work/bad.xml"
+"$penumbra" submit "$work/bad.xml" --name x 2>"$work/said"
+expect "a bad scene" "$? $(grep -c "bad.xml:[23]:[0-9]*: " "$work/said")" "3 2"
+"$penumbra" submit $xml --set width=20000 --set height=20000 2>"$work/said"
+expect "too large a picture" "$?" 3
+"$penumbra" submit - -q <$xml >"$work/id"
+expect "standard input" "$?" 0
+finish

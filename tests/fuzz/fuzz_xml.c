@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/* Any bytes as a scene in XML, for libFuzzer: `make fuzz SECONDS=120`. What is read must be
+ * released, what is accepted must be accepted again as the JSON written of it, and all that is
+ * said must have a place. */
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "pen/io/document.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void must(int holds)
+{
+    if (!holds)
+        abort();
+}
+
+static void check_json(const struct pen_document *document)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_errors errors = {0};
+    struct pen_scene_desc desc;
+    struct pen_status st;
+    struct pen_buf out = {0};
+    struct pen_arena *arena = pen_arena_new(0);
+    must(pen_json_write(document->json, &out));
+    json_t *json = pen_json_parse((char *)out.data, out.bytes, &limits, &st);
+    must(json && pen_scene_read(json, "", &limits, arena, &desc, &errors));
+    json_decref(json);
+    pen_arena_free(arena);
+    pen_buf_release(&out);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_errors errors = {0}, notes = {0};
+    struct pen_document document;
+    struct pen_scene_desc desc;
+    struct pen_status st = {0};
+    struct pen_arena *arena = pen_arena_new(0);
+    bool parsed = pen_document_parse((const char *)data, size, true, &limits, &document, &st);
+    must(parsed || (st.line > 0 && st.column > 0));
+    if (parsed && pen_document_read(&document, &limits, arena, &desc, &errors)) {
+        pen_scene_warnings(document.json, "", &desc, &notes);
+        for (size_t i = 0; i < notes.count; i++)
+            pen_document_locate(&document, &notes.item[i]);
+        check_json(&document);
+    } else if (parsed) {
+        must(errors.count > 0);
+    }
+    for (size_t i = 0; i < errors.count; i++)
+        must(errors.item[i].line > 0 && errors.item[i].column > 0);
+    pen_document_release(&document);
+    pen_arena_free(arena);
+    return 0;
+}

@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: MIT */
+/* What scenes in XML mean, and what they may cost. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/io/document.h"
+#include "pen/scene/scene.h"
+#include "support/suite.h"
+
+static struct pen_scene_desc desc;
+static struct pen_errors errors;
+static struct pen_arena *arena;
+
+static bool load(const char *text, size_t bytes)
+{
+    struct pen_limits limits = pen_limits_default();
+    errors = (struct pen_errors){0};
+    pen_arena_free(arena);
+    arena = pen_arena_new(0);
+    return pen_scene_load(text, bytes, &limits, arena, &desc, &errors);
+}
+
+static void must_load(const char *text)
+{
+    ck_assert_msg(load(text, strlen(text)), "%d:%d: %s", errors.item[0].line, errors.item[0].column,
+                  errors.item[0].msg);
+}
+
+static void check_vector(struct pen_vec3 v, double x, double y, double z)
+{
+    ck_assert_msg(v.x == x && v.y == y && v.z == z, "%g %g %g, not %g %g %g", v.x, v.y, v.z, x, y,
+                  z);
+}
+
+START_TEST(test_xml__a_scene_without_camera_is_seen_as_in_the_classroom)
+{
+    must_load("<scene background-color='75 127 190'><ambient-light color='255 191 51'/>"
+              "<geometries><sphere center='0 0 -100' radius='50'/></geometries></scene>");
+    const struct pen_camera_desc *camera = &desc.views[0].camera;
+    ck_assert_uint_eq(desc.view_count, 1);
+    ck_assert_str_eq(desc.views[0].name, "main");
+    check_vector(camera->position, 0, 0, 0);
+    check_vector(camera->direction, 0, 0, -1);
+    check_vector(camera->up, 0, 1, 0);
+    ck_assert(!camera->has_look_at && camera->has_view_plane);
+    ck_assert(camera->plane_distance == 100);
+    ck_assert(camera->plane_width == 500 && camera->plane_height == 500);
+    ck_assert_int_eq(desc.settings.width, 1000);
+    ck_assert_int_eq(desc.settings.height, 1000);
+    ck_assert_int_eq(desc.settings.transfer, PEN_SETTING_LINEAR);
+    check_vector(desc.background, 75.0 / 255, 127.0 / 255, 190.0 / 255);
+    check_vector(desc.ambient, 1, 191.0 / 255, 0.2);
+    ck_assert_int_eq(desc.objects[0].material, -1);
+}
+END_TEST
+
+START_TEST(test_xml__a_camera_of_its_own_has_the_formats_defaults)
+{
+    must_load("<scene><camera position='0 0 9' look-at='1 2 3'/></scene>");
+    ck_assert(desc.views[0].camera.has_look_at && !desc.views[0].camera.has_view_plane);
+    ck_assert(desc.views[0].camera.fov_degrees == 50);
+    ck_assert_int_eq(desc.settings.width, 800);
+    ck_assert_int_eq(desc.settings.height, 600);
+    ck_assert_int_eq(desc.settings.transfer, PEN_SETTING_LINEAR);
+    must_load("<scene><render height='7' transfer='srgb'/></scene>");
+    ck_assert_int_eq(desc.settings.width, 1000);
+    ck_assert_int_eq(desc.settings.height, 7);
+    ck_assert_int_eq(desc.settings.transfer, PEN_SETTING_SRGB);
+    must_load("<scene><camera position='0 0 9' direction='0 0 -1' image='12 34'/>"
+              "<render threads='3'/></scene>");
+    ck_assert_int_eq(desc.settings.width, 12);
+    ck_assert_int_eq(desc.settings.height, 34);
+    ck_assert_int_eq(desc.settings.threads, 3);
+}
+END_TEST
+
+START_TEST(test_xml__lights_and_materials_mean_what_json_means)
+{
+    must_load("<scene><lights>"
+              "<spot color='1000 700 500' position='0 30 0' direction='0 -2 0' radius='0'"
+              " attenuation='1 0 0.0006' beam-exponent='7'/>"
+              "<directional color='51 0 0' direction='1 0 0' shadows='false'/></lights>"
+              "<geometries><sphere center='0 0 -9' radius='2' emission='255 160 30' kd='0.1' "
+              "ks='0.8 0.7 0.6' shininess='150' kt='1' kr='0' ka='0.5'/></geometries></scene>");
+    const struct pen_light_desc *spot = &desc.lights[0], *sun = &desc.lights[1];
+    ck_assert_int_eq(spot->kind, PEN_LIGHT_SPOT);
+    check_vector(spot->intensity, 1000.0 / 255, 700.0 / 255, 500.0 / 255);
+    check_vector(spot->direction, 0, -2, 0);
+    ck_assert(spot->attenuation[0] == 1 && spot->attenuation[1] == 0);
+    ck_assert(spot->attenuation[2] == 0.0006 && spot->beam_exponent == 7 && spot->shadows);
+    ck_assert_int_eq(sun->kind, PEN_LIGHT_DIRECTIONAL);
+    check_vector(sun->intensity, 0.2, 0, 0);
+    ck_assert(!sun->shadows);
+    const struct pen_material *m = &desc.materials[desc.objects[0].material];
+    check_vector(m->emission, 1, 160.0 / 255, 30.0 / 255);
+    check_vector(m->kd, 0.1, 0.1, 0.1);
+    check_vector(m->ks, 0.8, 0.7, 0.6);
+    check_vector(m->ka, 0.5, 0.5, 0.5);
+    check_vector(m->kt, 1, 1, 1);
+    ck_assert(m->shininess == 150 && m->ior == 1);
+}
+END_TEST
+
+/* The normal is that of the side from which the points run counter-clockwise, at any scale. */
+START_TEST(test_xml__three_points_make_a_plane_at_any_scale)
+{
+    static const char *const sizes[] = {"1", "1e-160", "1e99", "-3e-300"};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "<scene><geometries><plane p0='0 0 0' p1='%s 0 0' p2='0 %s 0'/></geometries>"
+                 "</scene>",
+                 sizes[i], sizes[i]);
+        must_load(text);
+        struct pen_vec3 n = desc.objects[0].u.plane.normal;
+        check_vector(desc.objects[0].u.plane.point, 0, 0, 0);
+        ck_assert_msg(n.x == 0 && n.y == 0 && n.z > 0.1 && n.z <= 2, "%s: %g %g %g", sizes[i], n.x,
+                      n.y, n.z);
+    }
+    must_load("<scene><geometries><plane p0='1 2 3' p1='1 2 4' p2='2 2 3'/></geometries></scene>");
+    struct pen_vec3 n = desc.objects[0].u.plane.normal;
+    check_vector(desc.objects[0].u.plane.point, 1, 2, 3);
+    ck_assert(n.x == 0 && n.y > 0 && n.z == 0);
+}
+END_TEST
+
+START_TEST(test_xml__groups_nest_and_are_moved)
+{
+    must_load("<scene><geometries><group name='outer'><sphere center='0 0 0' radius='1'/>"
+              "<transform scale='2' translate='1 2 3'><rotate axis='0 0 1' degrees='90'/>"
+              "</transform><group/></group></geometries></scene>");
+    const struct pen_object_desc *group = &desc.objects[0];
+    ck_assert_str_eq(group->name, "outer");
+    ck_assert_uint_eq(group->u.group.count, 2);
+    ck_assert(group->u.group.has_transform);
+    const struct pen_transform *f = &group->u.group.transform;
+    ck_assert(f->m[0][0] == 0 && f->m[0][1] == -2 && f->m[1][0] == 2 && f->m[2][2] == 2);
+    ck_assert(f->m[0][3] == 1 && f->m[1][3] == 2 && f->m[2][3] == 3);
+    ck_assert_int_eq(group->u.group.objects[1].kind, PEN_OBJECT_GROUP);
+    ck_assert_uint_eq(group->u.group.objects[1].u.group.count, 0);
+}
+END_TEST
+
+/* The published schema knows every key; each that is no object or list must be an attribute. */
+static void check_attributes(const json_t *schema, const char *definition, const char *head,
+                             const char *tail, const char *const *other)
+{
+    json_t *defs = json_object_get(schema, "$defs");
+    json_t *keys = json_object_get(json_object_get(defs, definition), "properties");
+    const char *key;
+    json_t *ignored;
+    ck_assert_msg(json_object_size(keys) > 3, "%s", definition);
+    json_object_foreach(keys, key, ignored)
+    {
+        char text[512], name[64];
+        bool skip = false;
+        for (size_t i = 0; other[i]; i++)
+            skip = skip || strcmp(other[i], key) == 0;
+        if (skip)
+            continue;
+        snprintf(name, sizeof name, "%s", key);
+        for (char *c = name; *c; c++)
+            *c = *c == '_' ? '-' : *c;
+        snprintf(text, sizeof text, "%s %s='?'%s", head, name, tail);
+        load(text, strlen(text));
+        for (size_t i = 0; i < errors.count; i++)
+            ck_assert_msg(!strstr(errors.item[i].msg, "unknown attribute"), "%s: %s", text,
+                          errors.item[i].msg);
+    }
+}
+
+START_TEST(test_xml__every_key_of_the_schema_is_an_attribute)
+{
+    static const char *const none[] = {NULL};
+    static const char *const camera[] = {"view_plane", "transforms", NULL};
+    json_t *schema = json_load_file("api/scene.schema.json", 0, NULL);
+    ck_assert_ptr_nonnull(schema);
+    check_attributes(schema, "render", "<scene><render", "/></scene>", none);
+    check_attributes(schema, "material", "<scene><materials><material name='m'",
+                     "/></materials></scene>", none);
+    check_attributes(schema, "material", "<scene><geometries><sphere center='0 0 0' radius='1'",
+                     "/></geometries></scene>", none);
+    check_attributes(schema, "camera_keys", "<scene><camera", "/></scene>", camera);
+    json_decref(schema);
+}
+END_TEST
+
+/* A member of a list as a repeated piece of text. */
+static char *repeat(const char *head, const char *piece, size_t count, const char *tail,
+                    size_t *bytes)
+{
+    size_t h = strlen(head), p = strlen(piece), t = strlen(tail);
+    char *text = malloc(h + count * p + t);
+    memcpy(text, head, h);
+    for (size_t i = 0; i < count; i++)
+        memcpy(text + h + i * p, piece, p);
+    memcpy(text + h + count * p, tail, t);
+    *bytes = h + count * p + t;
+    return text;
+}
+
+static void refused(const char *head, const char *piece, size_t count, const char *tail,
+                    enum pen_code code, const char *part)
+{
+    size_t bytes;
+    char *text = repeat(head, piece, count, tail, &bytes);
+    ck_assert(!load(text, bytes));
+    ck_assert_int_eq(errors.item[0].code, code);
+    ck_assert_msg(strstr(errors.item[0].msg, part) != NULL, "%s", errors.item[0].msg);
+    free(text);
+}
+
+START_TEST(test_xml__size_depth_and_counts_are_bounded)
+{
+    refused("<scene>", " ", (size_t)16 << 20, "</scene>", PEN_TOO_LARGE, "at most 16777216");
+    refused("<scene>", "<a>", 5000000, "", PEN_INVALID, "64 elements");
+    refused("<scene><geometries>", "<group>", 2000000, "", PEN_INVALID, "64 levels");
+    refused("<scene ", "a='' ", 3000000, "/>", PEN_SYNTAX, "64 attributes");
+    refused("<scene><geometries>", "<triangle/>", 1200000, "</geometries></scene>", PEN_INVALID,
+            "missing attribute");
+    refused("<scene><geometries>", "<group/>", 1200000, "</geometries></scene>", PEN_INVALID,
+            "more elements");
+    refused("<scene name='", "x", 16000000, "<'/>", PEN_SYNTAX, "&lt;");
+    refused("<scene><geometries>", "<a b='c'/>", 1000000, "</geometries></scene>", PEN_INVALID,
+            "unknown element");
+}
+END_TEST
+
+START_TEST(test_xml__a_huge_attribute_is_read)
+{
+    size_t bytes;
+    char *text = repeat("<scene name='", "0123456789abcdef", 1000000, "'/>", &bytes);
+    ck_assert(load(text, bytes));
+    ck_assert_uint_eq(strlen(desc.name), 16000000);
+    free(text);
+}
+END_TEST
+
+START_TEST(test_xml__limits_of_a_caller_are_kept)
+{
+    static const char text[] = "<scene><geometries><group><sphere center='0 0 0' radius='1'/>"
+                               "</group><sphere center='0 0 0' radius='1'/></geometries></scene>";
+    struct pen_limits limits = pen_limits_default();
+    limits.objects = 2;
+    errors = (struct pen_errors){0};
+    arena = pen_arena_new(0);
+    ck_assert(!pen_scene_load(text, sizeof text - 1, &limits, arena, &desc, &errors));
+    ck_assert_msg(strstr(errors.item[0].msg, "more than 2 objects"), "%s", errors.item[0].msg);
+    ck_assert_int_eq(errors.item[0].line, 1);
+    limits.objects = 3;
+    limits.nesting = 7;
+    ck_assert(pen_scene_load(text, sizeof text - 1, &limits, arena, &desc, &errors));
+    limits.nesting = 6;
+    ck_assert(!pen_scene_load(text, sizeof text - 1, &limits, arena, &desc, &errors));
+}
+END_TEST
+
+START_TEST(test_xml__a_pointer_becomes_line_and_column)
+{
+    static const char text[] =
+        "<scene>\n <geometries>\n  <group><polygon\n   points='0 0 0; 1 0 0; "
+        "1 1 0'/>\n  </group>\n </geometries>\n</scene>";
+    static const struct {
+        const char *at;
+        int line, column;
+    } rows[] = {{"", 1, 1},
+                {"/objects", 2, 2},
+                {"/objects/0", 3, 3},
+                {"/objects/0/objects/0", 3, 10},
+                {"/objects/0/objects/0/vertices", 4, 4},
+                {"/objects/0/objects/0/vertices/2", 4, 26},
+                {"/objects/0/objects/0/vertices/2/1", 4, 28},
+                {"/objects/0/objects/7/radius", 3, 3},
+                {"/camera", 1, 1},
+                {"/render/width", 1, 1},
+                {"/no~1such~0", 1, 1},
+                {"/objects/0/objects/0/vertices/2/…", 4, 26}};
+    struct pen_limits limits = pen_limits_default();
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct pen_status st;
+        pen_fail_at(&st, PEN_INVALID, rows[i].at, "is wrong");
+        pen_text_locate(text, sizeof text - 1, &limits, &st);
+        ck_assert_msg(st.line == rows[i].line && st.column == rows[i].column, "%s: %d:%d",
+                      rows[i].at, st.line, st.column);
+        ck_assert(strstr(st.msg, "is wrong") != NULL && st.at[0] == '\0');
+    }
+    struct pen_status st;
+    pen_fail_at(&st, PEN_INVALID, "/objects", "is wrong");
+    pen_text_locate("{}", 2, &limits, &st);
+    ck_assert_str_eq(st.at, "/objects");
+}
+END_TEST
+
+START_TEST(test_xml__written_json_reads_back_as_the_same)
+{
+    static const char text[] =
+        "{\"a\": [1, 2.5, 0.1, 1e100, -0.0, 12345678901234567], \"b\": {\"c\": [[0.3], []], "
+        "\"d\": {}}, \"e\": \"x\\\"\\n\\u00e9\\u0001\", \"f\": true, \"g\": null, "
+        "\"h/~\": 0.29411764705882354}";
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    struct pen_buf out = {0};
+    json_t *json = pen_json_parse(text, sizeof text - 1, &limits, &st);
+    ck_assert_ptr_nonnull(json);
+    ck_assert(pen_json_write(json, &out));
+    json_t *again = pen_json_parse((char *)out.data, out.bytes, &limits, &st);
+    ck_assert_msg(again != NULL, "%s: %s", st.msg, (char *)out.data);
+    char *a = json_dumps(json, JSON_REAL_PRECISION(17) | JSON_SORT_KEYS);
+    ck_assert(strstr((char *)out.data, "[1, 2.5, 0.1, 1e+100, -0, 12345678901234567]") != NULL);
+    ck_assert(strstr((char *)out.data, "0.29411764705882354") != NULL);
+    free(a);
+    json_decref(json);
+    json_decref(again);
+    pen_buf_release(&out);
+}
+END_TEST
+
+PEN_SUITE("io/xml", test_xml__a_scene_without_camera_is_seen_as_in_the_classroom,
+          test_xml__a_camera_of_its_own_has_the_formats_defaults,
+          test_xml__lights_and_materials_mean_what_json_means,
+          test_xml__three_points_make_a_plane_at_any_scale, test_xml__groups_nest_and_are_moved,
+          test_xml__every_key_of_the_schema_is_an_attribute,
+          test_xml__size_depth_and_counts_are_bounded, test_xml__a_huge_attribute_is_read,
+          test_xml__limits_of_a_caller_are_kept, test_xml__a_pointer_becomes_line_and_column,
+          test_xml__written_json_reads_back_as_the_same)

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: MIT */
+/* What holds for any text taken as XML: the reader survives it, every error and every note has a
+ * line and a column that are in the text, and a scene that is accepted is the same as that of the
+ * JSON written of it. A failure prints the seed: PEN_SEED=… repeats it. */
+#include <glob.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pen/io/document.h"
+#include "support/random.h"
+#include "support/suite.h"
+
+enum { TEXT_BYTES = 1 << 16 };
+
+struct text {
+    char data[TEXT_BYTES];
+    size_t bytes;
+};
+
+static const char *const pieces[] = {"<",
+                                     ">",
+                                     "/>",
+                                     "</",
+                                     "\"",
+                                     "'",
+                                     "=",
+                                     "&",
+                                     "&#32;",
+                                     "&lt;",
+                                     "&x;",
+                                     "<!--",
+                                     "-->",
+                                     "<![CDATA[",
+                                     "]]>",
+                                     "<?",
+                                     "?>",
+                                     "<!DOCTYPE a [",
+                                     "<group>",
+                                     "</group>",
+                                     "<sphere/>",
+                                     "<transform/>",
+                                     "<views><view/></views>",
+                                     " material=\"m\"",
+                                     " p0='0 0 0'",
+                                     ";",
+                                     "1e999",
+                                     "-0",
+                                     "0",
+                                     " ",
+                                     "\n",
+                                     "\xC3",
+                                     "\xE2\x82\xAC",
+                                     "\xEF\xBB\xBF",
+                                     "\x01",
+                                     "nan"};
+
+static void insert(struct text *text, size_t at, const char *piece, size_t bytes)
+{
+    if (text->bytes + bytes > sizeof text->data)
+        return;
+    memmove(text->data + at + bytes, text->data + at, text->bytes - at);
+    memcpy(text->data + at, piece, bytes);
+    text->bytes += bytes;
+}
+
+/* One change, of the kind that typing, cutting and pasting make. */
+static void corrupt(struct random *random, struct text *text)
+{
+    size_t at = random_below(random, (uint32_t)text->bytes + 1), left = text->bytes - at;
+    const char *piece = pieces[random_below(random, sizeof pieces / sizeof pieces[0])];
+    size_t some = random_below(random, 64);
+    char copy[64], byte = (char)random_below(random, 256);
+    some = some < left ? some : left;
+    switch (random_below(random, 5)) {
+    case 0:
+        insert(text, at, piece, strlen(piece));
+        break;
+    case 1:
+        memmove(text->data + at, text->data + at + some, left - some);
+        text->bytes -= some;
+        break;
+    case 2:
+        memcpy(copy, text->data + at, some);
+        insert(text, random_below(random, (uint32_t)text->bytes + 1), copy, some);
+        break;
+    case 3: /* a digit for a digit: the text stays XML */
+        while (at < text->bytes && (text->data[at] < '0' || text->data[at] > '9'))
+            at++;
+        if (at < text->bytes)
+            text->data[at] = "0123456789-.e "[random_below(random, 14)];
+        break;
+    default:
+        if (left > 0)
+            text->data[at] = byte;
+        break;
+    }
+}
+
+/* Whether a place is in the text, its end included. */
+static bool is_inside(const struct text *text, const struct pen_status *st)
+{
+    int line = 1, column = 1;
+    size_t i = text->bytes >= 3 && memcmp(text->data, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    for (; i <= text->bytes; i++) {
+        if (line == st->line && column == st->column)
+            return true;
+        if (i < text->bytes && text->data[i] == '\n') {
+            line++;
+            column = 1;
+        } else if (i + 1 >= text->bytes || (text->data[i + 1] & 0xC0) != 0x80) {
+            column++;
+        }
+    }
+    return false;
+}
+
+static void check_places(const struct text *text, const struct pen_errors *errors,
+                         const struct random *random)
+{
+    for (size_t i = 0; i < errors->count; i++) {
+        const struct pen_status *st = &errors->item[i];
+        ck_assert_msg(is_inside(text, st), "PEN_SEED=%llu: %d:%d: %s\n%.*s",
+                      (unsigned long long)random->seed, st->line, st->column, st->msg,
+                      (int)text->bytes, text->data);
+        ck_assert(st->msg[0] != '\0' && st->at[0] == '\0');
+        ck_assert_msg(i == 0 || errors->item[i - 1].line <= st->line, "not in order");
+    }
+}
+
+static bool same_objects(const struct pen_object_desc *a, const struct pen_object_desc *b,
+                         uint32_t count)
+{
+    bool same = true;
+    for (uint32_t i = 0; i < count && same; i++) {
+        same = a[i].kind == b[i].kind && a[i].material == b[i].material;
+        if (same && a[i].kind == PEN_OBJECT_GROUP)
+            same = a[i].u.group.count == b[i].u.group.count &&
+                   same_objects(a[i].u.group.objects, b[i].u.group.objects, a[i].u.group.count);
+        else if (same && a[i].kind == PEN_OBJECT_SPHERE)
+            same = memcmp(&a[i].u.sphere, &b[i].u.sphere, sizeof a[i].u.sphere) == 0;
+        else if (same && a[i].kind == PEN_OBJECT_PLANE)
+            same = memcmp(&a[i].u.plane, &b[i].u.plane, sizeof a[i].u.plane) == 0;
+    }
+    return same;
+}
+
+/* -0 in a colour may become 0; everything else keeps its bits. */
+static void check_round_trip(const struct pen_document *document, const struct pen_scene_desc *desc,
+                             const struct random *random)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    struct pen_scene_desc again;
+    struct pen_buf out = {0};
+    struct pen_arena *arena = pen_arena_new(0);
+    ck_assert(pen_json_write(document->json, &out));
+    json_t *json = pen_json_parse((char *)out.data, out.bytes, &limits, &st);
+    ck_assert_msg(json != NULL, "PEN_SEED=%llu: %s", (unsigned long long)random->seed, st.msg);
+    bool ok = pen_scene_read(json, "", &limits, arena, &again, &errors);
+    ck_assert_msg(ok, "PEN_SEED=%llu: %s: %s", (unsigned long long)random->seed, errors.item[0].at,
+                  errors.item[0].msg);
+    ck_assert_uint_eq(again.object_count, desc->object_count);
+    ck_assert_uint_eq(again.material_count, desc->material_count);
+    ck_assert_uint_eq(again.light_count, desc->light_count);
+    ck_assert_uint_eq(again.view_count, desc->view_count);
+    const struct pen_settings *a = &again.settings, *b = &desc->settings;
+    ck_assert(a->width == b->width && a->height == b->height && a->seed == b->seed);
+    ck_assert(a->transfer == b->transfer && a->min_contribution == b->min_contribution);
+    ck_assert(memcmp(again.materials, desc->materials,
+                     desc->material_count * sizeof *again.materials) == 0);
+    ck_assert(same_objects(again.objects, desc->objects, desc->object_count));
+    json_decref(json);
+    pen_arena_free(arena);
+    pen_buf_release(&out);
+}
+
+/* Reads a copy of exact size. Returns whether it is a scene. */
+static bool check(const struct text *text, const struct random *random)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_errors errors = {0}, notes = {0};
+    struct pen_document document;
+    struct pen_scene_desc desc;
+    struct pen_status st = {0};
+    struct pen_arena *arena = pen_arena_new(0);
+    char *exact = malloc(text->bytes ? text->bytes : 1);
+    memcpy(exact, text->data, text->bytes);
+    bool parsed = pen_document_parse(exact, text->bytes, true, &limits, &document, &st);
+    bool ok = parsed && pen_document_read(&document, &limits, arena, &desc, &errors);
+    if (!parsed)
+        pen_errors_add(&errors, &st);
+    ck_assert(ok == (errors.total == 0));
+    check_places(text, &errors, random);
+    if (ok) {
+        pen_scene_warnings(document.json, "", &desc, &notes);
+        for (size_t i = 0; i < notes.count; i++)
+            pen_document_locate(&document, &notes.item[i]);
+        for (size_t i = 0; i < notes.count; i++)
+            ck_assert(is_inside(text, &notes.item[i]));
+        check_round_trip(&document, &desc, random);
+    }
+    pen_document_release(&document);
+    pen_arena_free(arena);
+    free(exact);
+    return ok;
+}
+
+static void read_text(const char *path, struct text *text)
+{
+    FILE *file = fopen(path, "rb");
+    ck_assert_ptr_nonnull(file);
+    text->bytes = fread(text->data, 1, sizeof text->data / 2, file);
+    fclose(file);
+}
+
+START_TEST(test_xml_property__corrupted_text_is_survived_and_placed)
+{
+    static struct text text;
+    struct random random = random_begin(1);
+    glob_t files;
+    int accepted = 0;
+    ck_assert_int_eq(glob("tests/io/corpus/xml-*/*.xml", 0, NULL, &files), 0);
+    ck_assert_int_eq(glob("tests/golden/xml/*.xml", GLOB_APPEND, NULL, &files), 0);
+    for (int i = 0; i < 20000; i++) {
+        read_text(files.gl_pathv[random_below(&random, (uint32_t)files.gl_pathc)], &text);
+        for (uint32_t changes = random_below(&random, 4); changes > 0; changes--)
+            corrupt(&random, &text);
+        accepted += check(&text, &random);
+    }
+    globfree(&files);
+    ck_assert_int_gt(accepted, 500);
+}
+END_TEST
+
+PEN_SUITE("io/xml_property", test_xml_property__corrupted_text_is_survived_and_placed)
