@@ -154,7 +154,7 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
     if (refined)
         own |= refined;
     lanes &= ~own;
-    if (w->leaving) {
+    if (w->at_origin) {
         __m256d r = _mm256_loadu_pd(b->r);
         __m256d near = _mm256_mul_pd(
             all(4), _mm256_mul_pd(
@@ -207,6 +207,40 @@ static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], 
     return false;
 }
 
+/* The lanes whose edge from a to b passes the origin within what a border may miss it by, or
+ * little more. In ray space distances across the ray are at most doubled by the shear. An edge that
+ * is a single point there has a neighbour that is not, and passes as near. */
+static inline __m256d passes_origin4(const struct trace *w, struct vec4 a, struct vec4 b)
+{
+    __m256d size = _mm256_add_pd(abs4(_mm256_sub_pd(b.x, a.x)), abs4(_mm256_sub_pd(b.y, a.y)));
+    __m256d area = _mm256_sub_pd(_mm256_mul_pd(a.x, b.y), _mm256_mul_pd(a.y, b.x));
+    return LESS(abs4(area), _mm256_mul_pd(all(0x1p-6 * w->grow), size));
+}
+
+/* A superset of the triangles with the origin on their border. */
+static __attribute__((noinline)) unsigned triangle_borders4(const struct trace *w,
+                                                            const struct pen_triangles4 *block)
+{
+    struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
+    __m256d ab = passes_origin4(w, a, b), bc = passes_origin4(w, b, c);
+    return bits(_mm256_or_pd(_mm256_or_pd(ab, bc), passes_origin4(w, c, a)));
+}
+
+/* The same of polygons. */
+static __attribute__((noinline)) unsigned polygon_borders4(const struct trace *w,
+                                                           const struct pen_polygons4 *block)
+{
+    const struct pen_corner4 *corner = &w->accel->corners[block->first];
+    struct vec4 a = shear4(w, corner[block->count - 1].v);
+    __m256d near = all(0);
+    for (uint32_t i = 0; i < block->count; i++) {
+        struct vec4 b = shear4(w, corner[i].v);
+        near = _mm256_or_pd(near, passes_origin4(w, a, b));
+        a = b;
+    }
+    return bits(near);
+}
+
 static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 *block, bool any)
 {
     const __m256d zero = all(0);
@@ -225,6 +259,12 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
                                   _mm256_and_pd(_mm256_andnot_pd(b_low, c_low), LESS(eu, zero))),
                      _mm256_and_pd(_mm256_andnot_pd(c_low, a_low), LESS(ev, zero)));
     unsigned lanes = bits(_mm256_xor_pd(up, down));
+    if (w->at_origin) {
+        unsigned border = triangle_borders4(w, block) & ~own_lanes(w, block->prim);
+        if (border && test_lanes(w, block->prim, border, any))
+            return true;
+        lanes &= ~border;
+    }
     if (lanes == 0)
         return false;
     __m256d sum = _mm256_add_pd(_mm256_add_pd(_mm256_mul_pd(eu, a.z), _mm256_mul_pd(ev, b.z)),
@@ -264,6 +304,8 @@ static inline unsigned polygons_met4(const struct trace *w, const struct pen_pol
 static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
 {
     unsigned lanes = polygons_met4(w, block);
+    if (w->at_origin)
+        lanes |= polygon_borders4(w, block);
     return lanes && test_lanes(w, block->prim, lanes & ~own_lanes(w, block->prim), any);
 }
 
@@ -397,8 +439,8 @@ static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 
     __m256d t0 = _mm256_max_pd(side.t0, lo), t1 = _mm256_min_pd(side.t1, hi);
     __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
     unsigned lanes = bits(met) & useful_pairs(w, t0, t1, any);
-    if (w->leaving)
-        plain |= bits(_mm256_and_pd(met, cylinder_touches4(w, b, side.nn, fa)));
+    if (w->at_origin)
+        plain |= bits(cylinder_touches4(w, b, side.nn, fa));
     lanes &= ~plain;
     if (lanes) {
         double s0[PEN_LANES], s1[PEN_LANES], l[PEN_LANES], h[PEN_LANES];

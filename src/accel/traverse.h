@@ -30,6 +30,7 @@ struct trace {
     const struct pen_ray *ray;
     const struct pen_leave *leave;
     bool leaving;               /* the ray starts on a primitive */
+    bool at_origin;             /* and what is tested now may reach the place where it starts */
     double grow;                /* then nothing farther from the origin than this touches it */
     double back_sq;             /* square of the t that is this far */
     struct pen_hit after, best; /* nearest: the crossing looked for is between them */
@@ -163,10 +164,10 @@ static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pe
     if (prim == w->leave->prim)
         return !(w->leave->part == PEN_PART_SIDE && pen_round_outward(&c->round, w->ray)) &&
                test_at_origin(w, prim, any);
-    if (!pen_cylinder_inside(c, w->ray, &in))
-        return false;
     if (w->leaving && pen_cylinder_touches(c, w->ray->o, w->leave->bound))
         return test_at_origin(w, prim, any);
+    if (!pen_cylinder_inside(c, w->ray, &in))
+        return false;
     return ((c->caps || in.lo_part == PEN_PART_SIDE) && offer(w, prim, in.lo, in.lo_part, any)) ||
            ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(w, prim, in.hi, in.hi_part, any));
 }
@@ -198,12 +199,15 @@ static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool 
     return offer_flat(w, prim, t, any);
 }
 
-/* One primitive of any kind, by the functions of its header. */
+/* One primitive of any kind, by the functions of its header. Where a flat body may have the origin
+ * on its border, to miss it is not the whole answer. */
 static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
 {
     const struct pen_prims *prims = w->accel->prims;
     const struct pen_prim_ref ref = prims->ref[prim];
     double t;
+    if (w->at_origin && (ref.kind == PEN_PRIM_TRIANGLE || ref.kind == PEN_PRIM_POLYGON))
+        return prim != w->leave->prim && test_at_origin(w, prim, any);
     switch ((enum pen_prim_kind)ref.kind) {
     case PEN_PRIM_SPHERE:
         return test_sphere(w, prim, &prims->sphere[ref.index], any);

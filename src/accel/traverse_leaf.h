@@ -21,9 +21,11 @@ static inline void count_prims(const struct trace *w, uint32_t item)
         w->accel->counts->primitives += prim[lane] != PEN_NO_PRIM;
 }
 
-/* Tests a leaf, or a list of items beside the nodes; true if a crossing ended the query. */
-static inline bool test_leaf(struct trace *w, uint32_t first, bool any)
+/* Tests a leaf, or a list of items beside the nodes; true if a crossing ended the query. The ray
+ * starts in the leaf's box if it enters it no later than the query begins. */
+static inline bool test_leaf(struct trace *w, uint32_t first, bool starts_in, bool any)
 {
+    w->at_origin = w->leaving && starts_in;
     for (const uint32_t *item = &w->accel->items[first];; item++) {
         if (COUNTING)
             count_prims(w, *item);

@@ -50,7 +50,7 @@ static inline bool walk_lists(struct trace *w, const struct box_ray *box, bool a
             list_enter(w, box, limit, child, &stack[++top]);
             continue;
         }
-        if (test_leaf(w, child & ~PEN_CHILD_LEAF, any))
+        if (test_leaf(w, child & ~PEN_CHILD_LEAF, level->near[lane] <= box->tmin, any))
             return true;
         limit = walk_limit(w, box, any);
     }

@@ -21,7 +21,7 @@ static inline bool walk_pairs(struct trace *w, const struct box_ray *box, bool a
         if (at.near > limit)
             continue;
         if (at.child & PEN_CHILD_LEAF) {
-            if (test_leaf(w, at.child & ~PEN_CHILD_LEAF, any))
+            if (test_leaf(w, at.child & ~PEN_CHILD_LEAF, at.near <= box->tmin, any))
                 return true;
             limit = walk_limit(w, box, any);
             continue;

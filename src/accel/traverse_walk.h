@@ -38,10 +38,10 @@ static inline void walk_nearest(struct trace *w, const struct box_ray *box)
     struct pending stack[STACK];
     int top = 0;
     uint32_t child = 0;
-    float limit = pen_float_up(w->best.t * box->scale);
+    float limit = pen_float_up(w->best.t * box->scale), entry = box->tmin;
     for (;;) {
         if (child & PEN_CHILD_LEAF) {
-            test_leaf(w, child & ~PEN_CHILD_LEAF, false);
+            test_leaf(w, child & ~PEN_CHILD_LEAF, entry <= box->tmin, false);
             limit = pen_float_up(w->best.t * box->scale);
         } else {
             const struct pen_node *node = &w->accel->nodes[child];
@@ -51,6 +51,7 @@ static inline void walk_nearest(struct trace *w, const struct box_ray *box)
             unsigned mask = enter_node(node, box, limit, near);
             if (mask && !(mask & (mask - 1))) {
                 child = node->child[__builtin_ctz(mask)];
+                entry = near[__builtin_ctz(mask)];
                 continue;
             }
             top = push_children(stack, top, node, mask, near);
@@ -61,6 +62,7 @@ static inline void walk_nearest(struct trace *w, const struct box_ray *box)
             top--;
         } while (stack[top].near > limit);
         child = stack[top].child;
+        entry = stack[top].near;
     }
 }
 
@@ -78,10 +80,11 @@ static inline bool walk_any(struct trace *w, const struct box_ray *box)
             count_boxes(w, node->child, PEN_WIDE);
         unsigned mask = enter_node(node, box, limit, near);
         for (; mask; mask &= mask - 1) {
-            uint32_t child = node->child[__builtin_ctz(mask)];
+            int lane = __builtin_ctz(mask);
+            uint32_t child = node->child[lane];
             if (!(child & PEN_CHILD_LEAF))
                 stack[top++] = child;
-            else if (test_leaf(w, child & ~PEN_CHILD_LEAF, true))
+            else if (test_leaf(w, child & ~PEN_CHILD_LEAF, near[lane] <= box->tmin, true))
                 return true;
         }
     }
@@ -98,7 +101,8 @@ static __attribute__((noinline)) bool walk_other(struct trace *w, const struct b
 static inline bool search(struct trace *w, double tmin, bool any)
 {
     const struct pen_accel *accel = w->accel;
-    if (test_leaf(w, accel->infinite, any) || (accel->list && test_leaf(w, accel->list, any)))
+    if (test_leaf(w, accel->infinite, true, any) ||
+        (accel->list && test_leaf(w, accel->list, true, any)))
         return true;
     if (accel->shape == PEN_SHAPE_NONE)
         return false;

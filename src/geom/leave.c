@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The crossings of a ray that starts on a surface: the rule stated in pen/geom/prims.h. */
-#include <float.h>
-
 #include "kinds.h"
-
-/* A crossing at the origin that counts is reported here: behind nothing, before everything. */
-static const double first_t = DBL_TRUE_MIN;
 
 static double max2(double a, double b)
 {
@@ -23,50 +18,106 @@ static double own_rounding(const struct pen_prims *prims, uint32_t prim, struct 
     return 8 * PEN_U * pen_prim_scale(prims, prim, p);
 }
 
+static double farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n,
+                       struct pen_vec3 p)
+{
+    double far = -INFINITY;
+    for (uint32_t i = 0; i < count; i++)
+        far = max2(far, pen_dot(n, pen_sub(v[i], p)));
+    return far;
+}
+
+/* How far the side of a round body reaches along unit vector n beyond point p: without end where
+ * the axis is not across n, as far as the rounding of both can tell. */
+static double round_reach(const struct pen_round *s, double h, struct pen_vec3 n, struct pen_vec3 p)
+{
+    double along = pen_dot(n, s->a) / s->length;
+    double rim = s->r * pen_length(pen_cross(n, s->a)) / s->length;
+    if (h == INFINITY)
+        along = fabs(along) <= 16 * PEN_U ? 0 : fabs(along);
+    return pen_dot(n, pen_sub(s->q, p)) + rim + (along > 0 ? along * h : 0);
+}
+
 /* How far primitive q reaches along unit vector n beyond point p. */
 static double reach(const struct pen_prims *prims, uint32_t q, struct pen_vec3 n, struct pen_vec3 p)
 {
     const struct pen_prim_ref ref = prims->ref[q];
-    double far = -INFINITY;
-    if (ref.kind == PEN_PRIM_SPHERE) {
-        const struct pen_sphere *s = &prims->sphere[ref.index];
-        return pen_dot(n, pen_sub(s->c, p)) + s->r;
-    }
-    if (ref.kind == PEN_PRIM_TRIANGLE) {
-        for (int i = 0; i < 3; i++)
-            far = max2(far, pen_dot(n, pen_sub(prims->triangle[ref.index].v[i], p)));
-        return far;
-    }
-    if (ref.kind == PEN_PRIM_POLYGON) {
-        const struct pen_polygon *pg = &prims->polygon[ref.index];
-        for (uint32_t i = 0; i < pg->count; i++)
-            far = max2(far, pen_dot(n, pen_sub(pg->v[i], p)));
-        return far;
-    }
-    if (ref.kind == PEN_PRIM_CYLINDER) {
-        const struct pen_cylinder *c = &prims->cylinder[ref.index];
-        double along = pen_dot(n, c->round.a) / c->round.length;
-        double rim = c->round.r * pen_length(pen_cross(n, c->round.a)) / c->round.length;
-        return pen_dot(n, pen_sub(c->round.q, p)) + rim + max2(0, along * c->h);
+    switch ((enum pen_prim_kind)ref.kind) {
+    case PEN_PRIM_SPHERE:
+        return pen_dot(n, pen_sub(prims->sphere[ref.index].c, p)) + prims->sphere[ref.index].r;
+    case PEN_PRIM_PLANE:
+        if (pen_norm1(pen_cross(n, prims->plane[ref.index].n)) > 16 * PEN_U)
+            return INFINITY;
+        return pen_dot(n, pen_sub(prims->plane[ref.index].q, p));
+    case PEN_PRIM_TRIANGLE:
+        return farthest(prims->triangle[ref.index].v, 3, n, p);
+    case PEN_PRIM_POLYGON:
+        return farthest(prims->polygon[ref.index].v, prims->polygon[ref.index].count, n, p);
+    case PEN_PRIM_TUBE:
+        return round_reach(&prims->tube[ref.index].round, INFINITY, n, p);
+    case PEN_PRIM_CYLINDER:
+        return round_reach(&prims->cylinder[ref.index].round, prims->cylinder[ref.index].h, n, p);
+    case PEN_PRIM_KIND_COUNT:
+        break;
     }
     return INFINITY;
 }
 
-/* Whether a crossing of q at the ray's origin counts. */
-static bool origin_counts(const struct pen_prims *prims, struct pen_hit q,
-                          const struct pen_ray *ray, const struct pen_leave *leave)
+/* What is known of a primitive q at the origin of a ray that leaves another. */
+struct contact {
+    const struct pen_prims *prims;
+    const struct pen_leave *leave;
+    struct pen_hit q;
+    struct pen_vec3 p, n; /* the origin, and q's unit normal there */
+    double slack;         /* by how much p may miss q */
+    double share;         /* d runs along q, for all that is known, if d.n is no more of |d| */
+};
+
+/* Flat bodies are known to `slack` over their whole length. */
+static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q,
+                                 const struct pen_ray *ray, const struct pen_leave *leave)
 {
-    struct pen_vec3 n = pen_prim_normal(prims, q, ray->o);
-    double dn = pen_dot(ray->d, n), wn = pen_dot(leave->toward, n);
-    bool same_side = (dn > 0 && wn > 0) || (dn < 0 && wn < 0);
-    bool across = (dn > 0 && wn < 0) || (dn < 0 && wn > 0);
-    if (leave->through ? !same_side : !across)
+    struct contact c = {prims, leave, q, ray->o, {0, 0, 0}, 0, 4 * PEN_U};
+    double scale = pen_prim_scale(prims, q.prim, ray->o);
+    uint32_t kind = prims->ref[q.prim].kind;
+    c.n = pen_prim_normal(prims, q, ray->o);
+    c.slack = leave->bound + own_rounding(prims, q.prim, ray->o);
+    if (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON)
+        c.share = max2(c.share, c.slack / scale);
+    return c;
+}
+
+/* d.n, or 0 if that is rounding. */
+static double across(const struct contact *c, struct pen_vec3 d)
+{
+    double dn = pen_dot(d, c->n);
+    return fabs(dn) <= c->share * pen_norm1(d) ? 0 : dn;
+}
+
+/* The side of q that the ray comes from, as the sign of a product with n: where `toward` points.
+ * That tells nothing if it points along q, and little after the primitive left was passed: then it
+ * is where that primitive lies, if it lies on one side. 0 if it lies on neither: there the two are
+ * one surface. */
+static double side_of(const struct contact *c)
+{
+    double wn = across(c, c->leave->toward);
+    if (!c->leave->through && wn != 0)
+        return wn;
+    bool out = reach(c->prims, c->leave->prim, c->n, c->p) > c->slack;
+    bool in = reach(c->prims, c->leave->prim, pen_neg(c->n), c->p) > c->slack;
+    return out && in ? wn : (double)(out - in);
+}
+
+/* Whether a crossing of q at the ray's origin counts. A ray along q does not get by. */
+static bool origin_counts(const struct contact *c, struct pen_vec3 d)
+{
+    double side = side_of(c), dn = across(c, d);
+    if (side == 0 || (side > 0 && dn > 0) || (side < 0 && dn < 0))
         return false;
-    struct pen_hit left = {0, leave->prim, leave->part};
-    struct pen_vec3 m = pen_prim_normal(prims, left, ray->o);
-    double dm = pen_dot(ray->d, m);
-    double slack = leave->bound + own_rounding(prims, q.prim, ray->o);
-    return dm == 0 || reach(prims, q.prim, dm > 0 ? m : pen_neg(m), ray->o) > slack;
+    struct pen_hit left = {0, c->leave->prim, c->leave->part};
+    struct pen_vec3 m = pen_prim_normal(c->prims, left, c->p);
+    double dm = pen_dot(d, m);
+    return dm == 0 || reach(c->prims, c->q.prim, dm > 0 ? m : pen_neg(m), c->p) > c->slack;
 }
 
 /* The primitive that the ray leaves: it is left at the leave's part, and can be met once more if
@@ -83,7 +134,7 @@ static void cross_own(const struct pen_prims *prims, uint32_t prim, const struct
         out->t[0] = pen_round_chord(&prims->tube[ref.index].round, ray);
     else if (ref.kind == PEN_PRIM_CYLINDER &&
              pen_cylinder_inward(&prims->cylinder[ref.index], ray, part, &in)) {
-        out->t[0] = max2(in.hi, first_t);
+        out->t[0] = max2(in.hi, PEN_FIRST_T);
         out->part[0] = in.hi_part;
         out->count = prims->cylinder[ref.index].caps || in.hi_part == PEN_PART_SIDE;
         return;
@@ -102,37 +153,108 @@ static void cross_chord(double chord, struct pen_crossings *out)
     out->count = chord == 0 ? 0 : 2;
 }
 
-/* Replaces the crossings of a quadric that contains the origin within the bounds: the one that
- * is the origin gets t = 0, exactly. */
-static void quadric_touching(const struct pen_prims *prims, uint32_t prim,
-                             const struct pen_ray *ray, double bound, struct pen_crossings *out)
+/* Adds a crossing at the ray's origin if it counts. */
+static void add_at_origin(const struct pen_prims *prims, struct pen_hit q,
+                          const struct pen_ray *ray, const struct pen_leave *leave,
+                          struct pen_crossings *out)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
-    if (ref.kind == PEN_PRIM_SPHERE) {
-        if (pen_sphere_touches(&prims->sphere[ref.index], ray->o, bound))
-            cross_chord(pen_sphere_chord(&prims->sphere[ref.index], ray), out);
-    } else if (ref.kind == PEN_PRIM_TUBE) {
-        const struct pen_tube *tube = &prims->tube[ref.index];
-        if (pen_round_touches(&tube->round, ray->o, bound + pen_tube_rounding(tube)))
-            cross_chord(pen_round_chord(&tube->round, ray), out);
-    } else if (ref.kind == PEN_PRIM_CYLINDER) {
-        const struct pen_cylinder *c = &prims->cylinder[ref.index];
-        unsigned on = pen_cylinder_touches(c, ray->o, bound);
-        struct pen_inside in;
-        if (on == 0)
-            return;
-        out->count = 0;
-        if (pen_cylinder_inside_from(c, ray, on, &in))
-            pen_inside_ends(c, &in, out);
+    const struct contact c = contact_at(prims, q, ray, leave);
+    if (!origin_counts(&c, ray->d))
+        return;
+    out->t[out->count] = q.t;
+    out->part[out->count++] = q.part;
+}
+
+/* Replaces the crossings of a cylinder that contains the origin within the bounds. Where the ray
+ * merely grazes the rim of two parts it meets the cylinder nowhere else. */
+static void cylinder_touching(const struct pen_prims *prims, uint32_t prim,
+                              const struct pen_ray *ray, const struct pen_leave *leave,
+                              struct pen_crossings *out)
+{
+    const struct pen_cylinder *c = &prims->cylinder[prims->ref[prim].index];
+    unsigned on = pen_cylinder_touches(c, ray->o, leave->bound);
+    struct pen_inside in;
+    if (on == 0)
+        return;
+    out->count = 0;
+    if (pen_cylinder_inside_from(c, ray, on, &in))
+        pen_inside_ends(c, &in, out);
+    if (!(on & PEN_ON_SIDE && on & (PEN_ON_BASE | PEN_ON_TOP)))
+        return;
+    for (uint8_t part = 0; out->count == 0 && part <= PEN_PART_TOP; part++) {
+        const struct contact at = contact_at(prims, (struct pen_hit){0, prim, part}, ray, leave);
+        if (on >> part & 1 && (c->caps || part == PEN_PART_SIDE) && origin_counts(&at, ray->d))
+            *out = (struct pen_crossings){1, {0}, {part}};
     }
 }
 
-/* Whether the crossing of a flat body is the ray's origin, within the bounds. */
-static bool flat_touches(const struct pen_prims *prims, struct pen_hit hit,
-                         const struct pen_ray *ray, double bound)
+/* Replaces the crossings of a quadric that contains the origin within the bounds: the one that
+ * is the origin gets t = 0, exactly. */
+static void quadric_touching(const struct pen_prims *prims, uint32_t prim,
+                             const struct pen_ray *ray, const struct pen_leave *leave,
+                             struct pen_crossings *out)
 {
-    return pen_flat_touches(pen_prim_normal(prims, hit, ray->o),
-                            pen_prim_scale(prims, hit.prim, ray->o), ray, hit.t, bound);
+    const struct pen_prim_ref ref = prims->ref[prim];
+    if (ref.kind == PEN_PRIM_CYLINDER) {
+        cylinder_touching(prims, prim, ray, leave, out);
+    } else if (out->count == 0) {
+        return;
+    } else if (ref.kind == PEN_PRIM_SPHERE) {
+        if (pen_sphere_touches(&prims->sphere[ref.index], ray->o, leave->bound))
+            cross_chord(pen_sphere_chord(&prims->sphere[ref.index], ray), out);
+    } else if (ref.kind == PEN_PRIM_TUBE) {
+        const struct pen_tube *tube = &prims->tube[ref.index];
+        if (pen_round_touches(&tube->round, ray->o, leave->bound + pen_tube_rounding(tube)))
+            cross_chord(pen_round_chord(&tube->round, ray), out);
+    }
+}
+
+/* Whether p is within b of the segment from a to c. */
+static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p, double b)
+{
+    struct pen_vec3 e = pen_sub(c, a), f = pen_sub(p, a);
+    double ee = pen_dot(e, e), s = ee > 0 ? pen_dot(f, e) / ee : 0;
+    struct pen_vec3 off = pen_along(f, e, s < 0 ? 0 : s > 1 ? -1 : -s);
+    return pen_dot(off, off) <= b * b;
+}
+
+/* Whether p is on a triangle or polygon with unit normal n, within b: on its border, or inside. */
+static bool on_body(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
+                    struct pen_vec3 p, double b)
+{
+    const struct pen_prim_ref ref = prims->ref[prim];
+    bool three = ref.kind == PEN_PRIM_TRIANGLE;
+    if (!three && ref.kind != PEN_PRIM_POLYGON)
+        return false;
+    const struct pen_vec3 *v = three ? prims->triangle[ref.index].v : prims->polygon[ref.index].v;
+    uint32_t count = three ? 3 : prims->polygon[ref.index].count;
+    for (uint32_t i = 0; i < count; i++) {
+        if (near_segment(v[i], v[i + 1 < count ? i + 1 : 0], p, b))
+            return true;
+    }
+    struct pen_ray across;
+    struct pen_crossings c;
+    if (!(fabs(pen_dot(n, pen_sub(v[0], p))) <= 2 * b) || !pen_ray_make(&across, p, n))
+        return false;
+    pen_prim_cross_line(prims, prim, &across, &c);
+    return c.count > 0 && fabs(c.t[0]) <= b;
+}
+
+/* The crossing of a flat body by a ray that leaves another. A ray that starts on it may miss it:
+ * at its border, or along it. */
+static void cross_flat(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                       const struct pen_leave *leave, struct pen_crossings *out)
+{
+    double scale = pen_prim_scale(prims, prim, ray->o), b = leave->bound + 8 * PEN_U * scale;
+    struct pen_hit hit = {out->count ? out->t[0] : 0, prim, PEN_PART_SIDE};
+    struct pen_vec3 n = pen_prim_normal(prims, hit, ray->o);
+    bool touches = out->count && pen_flat_touches(n, scale, ray, hit.t, leave->bound);
+    if (!touches && !(hit.t <= 0 && on_body(prims, prim, n, ray->o, b)))
+        return;
+    out->count = 0;
+    if (hit.t <= 0 || pen_flat_near(ray, hit.t, b))
+        hit.t = PEN_FIRST_T;
+    add_at_origin(prims, hit, ray, leave, out);
 }
 
 void pen_prim_cross(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
@@ -143,22 +265,24 @@ void pen_prim_cross(const struct pen_prims *prims, uint32_t prim, const struct p
         return;
     }
     pen_prim_cross_line(prims, prim, ray, out);
-    if (leave->prim == PEN_NO_PRIM || out->count == 0)
+    if (leave->prim == PEN_NO_PRIM)
         return;
+    if (is_flat(prims->ref[prim].kind)) {
+        cross_flat(prims, prim, ray, leave, out);
+        return;
+    }
+    quadric_touching(prims, prim, ray, leave, out);
     struct pen_crossings all = *out;
-    bool flat = is_flat(prims->ref[prim].kind);
-    if (!flat)
-        quadric_touching(prims, prim, ray, leave->bound, &all);
     out->count = 0;
     for (int i = 0; i < all.count; i++) {
         struct pen_hit hit = {all.t[i], prim, all.part[i]};
-        if (flat ? flat_touches(prims, hit, ray, leave->bound) : hit.t == 0) {
-            if (!origin_counts(prims, hit, ray, leave))
-                continue;
-            hit.t = max2(hit.t, first_t);
+        if (hit.t == 0) {
+            hit.t = PEN_FIRST_T;
+            add_at_origin(prims, hit, ray, leave, out);
+        } else {
+            out->t[out->count] = hit.t;
+            out->part[out->count++] = hit.part;
         }
-        out->t[out->count] = hit.t;
-        out->part[out->count++] = hit.part;
     }
 }
 

@@ -67,7 +67,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
         if (!input->trace->nearest(scene->accel, &path.ray, &path.leave, &span, &hit)) {
             sum = pen_add(sum, pen_mul(path.weight, scene->background));
         } else {
-            struct surface s = surface_at(scene, &path.ray, hit);
+            struct surface s = surface_at(scene, &path.ray, &path.leave, hit);
             if (fx & PEN_FX_SOFT_SHADOWS)
                 scratch->key.node = path.node;
             struct pen_vec3 here = shade_surface(input, scratch, &s, path.depth == 0, counts, fx);

@@ -10,17 +10,20 @@
 struct surface {
     struct pen_hit hit;
     const struct pen_material *material;
-    struct pen_vec3 p; /* on the surface */
-    struct pen_vec3 n; /* unit, turned towards the viewer */
-    struct pen_vec3 v; /* unit, from the viewer to p */
-    double nv;         /* n.v <= 0 */
-    double bound;      /* how far p may be off by rounding */
+    struct pen_vec3 p;      /* on the surface */
+    struct pen_vec3 n;      /* unit, turned towards the viewer */
+    struct pen_vec3 v;      /* unit, from the viewer to p */
+    double nv;              /* n.v <= 0 */
+    double bound;           /* how far p may be off by rounding */
+    struct pen_vec3 toward; /* where the path came from, as rays that leave p understand it */
 };
 
 /* p = o + t d misses its surface by the rounding of the sum before it is put back, and may miss
- * others there by as much: 16u covers the products, t and the sum. */
+ * others there by as much: 16u covers the products, t and the sum. A ray that met the surface
+ * where it started has not moved: it came from where the one before it did. */
 static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
-                                               const struct pen_ray *ray, struct pen_hit hit)
+                                               const struct pen_ray *ray,
+                                               const struct pen_leave *left, struct pen_hit hit)
 {
     struct surface s;
     s.hit = hit;
@@ -33,6 +36,7 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
         s.n = pen_neg(s.n);
         s.nv = -s.nv;
     }
+    s.toward = hit.t == PEN_FIRST_T ? left->toward : pen_neg(s.v);
     s.bound = pen_prim_rounding(&scene->prims, hit.prim, s.p) + 16 * PEN_U * pen_norm1(ray->o);
     return s;
 }
@@ -44,7 +48,7 @@ static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s, boo
         .prim = s->hit.prim,
         .part = s->hit.part,
         .through = through,
-        .toward = pen_neg(s->v),
+        .toward = s->toward,
         .bound = s->bound,
     };
 }

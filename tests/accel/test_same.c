@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Every accelerator and every compiled variant gives the same crossings as trying all primitives,
  * bit for bit. */
+#include "support/rooms.h"
 #include "support/suite.h"
-#include "support/world.h"
 
 static struct world world;
 
@@ -68,8 +68,8 @@ static struct pen_hit nearest(const struct world *w, const struct ways *ways,
     return truth;
 }
 
-/* Compares one shadow query with a walk over all crossings. */
-static void shadow(const struct world *w, const struct ways *ways, const struct pen_ray *ray,
+/* Compares one shadow query with a walk over all crossings; true if it is blocked. */
+static bool shadow(const struct world *w, const struct ways *ways, const struct pen_ray *ray,
                    const struct pen_leave *leave, const uint8_t *see_through)
 {
     bool blocked = false;
@@ -104,6 +104,7 @@ static void shadow(const struct world *w, const struct ways *ways, const struct 
             ck_assert(query.hit[k].t == kept[k].t && query.hit[k].prim == kept[k].prim &&
                       query.hit[k].part == kept[k].part);
     }
+    return blocked;
 }
 
 /* A path of a few bounces through the world, comparing everything asked on the way. */
@@ -155,4 +156,45 @@ START_TEST(test_accel__h095_equals_brute_force)
 }
 END_TEST
 
-PEN_SUITE("same", test_accel__h095_equals_brute_force)
+/* A path that is aimed at a seam of a closed room, and what is asked on it: H073 says that nothing
+ * opaque lets it out. Rays go on through what is see-through. */
+static void follow_seam(struct random *r, const struct ways *ways, struct pen_vec3 o,
+                        const uint8_t *see_through)
+{
+    struct pen_leave leave = pen_leave_nothing;
+    struct pen_vec3 d = pen_sub(world_aim(&world, r), o);
+    for (int bounce = 0; bounce < 3; bounce++) {
+        struct pen_ray ray = world_ray(o, d);
+        struct pen_span span = {pen_after_start, INFINITY};
+        struct pen_hit hit = nearest(&world, ways, &ray, &leave, &span);
+        ck_assert_msg(hit.prim != PEN_NO_PRIM, "no way out; seed %llu",
+                      (unsigned long long)r->seed);
+        struct stand s = world_stand(&world, &ray, &leave, hit);
+        d = stand_turn(&s, r, see_through[hit.prim], &leave);
+        o = s.p;
+        ray = world_ray(o, pen_scale(d, 9));
+        ck_assert_msg(shadow(&world, ways, &ray, &leave, see_through), "no light in; seed %llu",
+                      (unsigned long long)r->seed);
+    }
+}
+
+START_TEST(test_accel__h073_seams)
+{
+    struct random r = random_begin(73);
+    static const double offsets[] = {0, 1e3, 1e6};
+    for (int i = 0; i < 180; i++) {
+        static uint8_t see_through[WORLD_MAX];
+        enum world_room room = (enum world_room)(i % ROOM_COUNT);
+        struct pen_vec3 eye = world_room(&world, &r, room, offsets[i / ROOM_COUNT % 3]);
+        see_through[6] = room == ROOM_PANE;
+        if (i & 1) /* something else in the leaves */
+            world_cylinder(&world, eye, random_direction(&r), .1, .1, true);
+        struct ways ways = build(&world, &r);
+        for (int k = 0; k < 40; k++)
+            follow_seam(&r, &ways, eye, see_through);
+        pen_arena_free(ways.arena);
+    }
+}
+END_TEST
+
+PEN_SUITE("same", test_accel__h095_equals_brute_force, test_accel__h073_seams)

@@ -81,16 +81,20 @@ static inline bool pen_cylinder_inside(const struct pen_cylinder *c, const struc
     return pen_inside_cut(in, side);
 }
 
-/* The parts that p lies on, each taken as endless, up to `bound` and the body's own rounding. */
+/* The parts that p lies on, up to `bound` and the body's own rounding. */
 static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct pen_vec3 p,
                                             double bound)
 {
-    double b = bound + 8 * PEN_U * (c->round.r + c->h);
+    double b = bound + 8 * PEN_U * (c->round.r + c->h), length = c->round.length;
     double fa = pen_dot(pen_sub(p, c->round.q), c->round.a);
-    unsigned on = pen_round_touches(&c->round, p, b) ? PEN_ON_SIDE : 0;
-    if (fabs(fa) <= b * c->round.length)
+    struct pen_vec3 n = pen_round_across(&c->round, p);
+    double off = pen_dot(n, n) - c->round.rr, side = 2 * c->round.r * b * (length * length);
+    if (!(-b * length <= fa && fa <= c->top + b * length && off <= side))
+        return 0;
+    unsigned on = fabs(off) <= side ? PEN_ON_SIDE : 0;
+    if (fa <= b * length)
         on |= PEN_ON_BASE;
-    if (fabs(c->top - fa) <= b * c->round.length)
+    if (c->top - fa <= b * length)
         on |= PEN_ON_TOP;
     return on;
 }

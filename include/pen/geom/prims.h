@@ -7,17 +7,19 @@
  * as scene-format.md says.
  *
  * Leaving (pen_leave). Let a ray start at p on primitive P, arrived from the direction w
- * (`toward`), and let Q be another primitive whose crossing with the ray's line is p itself
- * within rounding: p misses Q's surface by no more than the bounds of p and of Q's own test.
- * Whether that crossing counts can not be seen in its t, whose sign is an accident. It counts, at
- * the smallest positive t, if the ray goes over to the side of Q that it did not come from (for
- * a ray that goes `through` P: if it comes back to the side it came from, since all surfaces at p
- * were passed in one event), and if Q extends beyond P's tangent plane on the side where the ray
- * goes. Else it does not count, whatever the sign. So
- *  - in a wedge or a corner of walls, a ray into the other wall is stopped by it;
+ * (`toward`), and let Q be another primitive that contains p within rounding, inside or on its
+ * border: p misses Q by no more than the bounds of p and of Q's own test. On which side of Q
+ * rounding has put p is an accident, and so is, at a border, whether the ray's line passes through
+ * Q at all. So neither is asked. Q is crossed at p, at PEN_FIRST_T, if the ray does not go back to
+ * the side of Q that it comes from, and if Q extends beyond P's tangent plane on the side where
+ * the ray goes; else it is not crossed there. The ray comes from w's side; but after it passed
+ * `through` P, or where w runs along Q, from the side where P lies, if it lies on one. So
+ *  - in a wedge or a corner of walls, a ray into the other wall is stopped by it, and no light
+ *    comes in at the seams of a closed room;
  *  - over a convex edge, or a seam between two boxes, no neighbour shades its neighbour;
  *  - coplanar and coincident surfaces neither shade each other nor are entered twice;
  *  - things resting on each other shade each other at the contact.
+ * A ray that met a surface at PEN_FIRST_T has not moved: what it leaves next has the same w.
  * A quadric that p touches has its other root at -2 b / a, as if it were left itself, so that
  * coincident quadrics agree bit for bit. Nothing else is dropped, however near it is. */
 #ifndef PEN_GEOM_PRIMS_H

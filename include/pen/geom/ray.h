@@ -26,6 +26,9 @@
 /* 2^-53, the unit roundoff of binary64. */
 #define PEN_U 0x1p-53
 
+/* The t of a crossing at the ray's origin that counts: behind nothing, before everything. */
+#define PEN_FIRST_T 0x1p-1074
+
 /* A crossing of a quadric at tp - h is refined where it is nearer the origin than this share of
  * the half chord h: the subtraction would lose more than three bits. */
 #define PEN_NEAR 0.125
@@ -97,7 +100,8 @@ struct pen_leave {
     uint32_t prim;
     uint8_t part;
     bool through;           /* it goes on at the other side of the surface than it arrived from */
-    struct pen_vec3 toward; /* from the origin back to where the arriving ray came from */
+    struct pen_vec3 toward; /* from the origin back to where the arriving ray came from; if it
+                               arrived at PEN_FIRST_T, to where the one before it came from */
     double bound; /* distance by which the origin may miss its surface: pen_prim_rounding */
 };
 

@@ -77,6 +77,12 @@ static inline struct pen_vec3 pen_triangle_project(const struct pen_triangle *tr
     return pen_along(p, tri->n, pen_dot(tri->n, pen_sub(tri->v[0], p)));
 }
 
+/* Whether the point of the ray at t is within 2^10 b of its origin. */
+static inline bool pen_flat_near(const struct pen_ray *ray, double t, double b)
+{
+    return t * t <= (0x1p20 * b * b) * ray->inv_dd;
+}
+
 /* Whether a crossing at t of a flat body with unit normal n is the ray's origin itself, up to
  * `bound` and the body's own rounding, which is proportional to `scale`. What lies behind the
  * origin must be within 2^10 bounds of it: farther away it is merely seen edge-on. */
@@ -84,9 +90,7 @@ static inline bool pen_flat_touches(struct pen_vec3 n, double scale, const struc
                                     double t, double bound)
 {
     double b = bound + 8 * PEN_U * scale;
-    if (!(fabs(t * pen_dot(ray->d, n)) <= b))
-        return false;
-    return t > 0 || t * t <= (0x1p20 * b * b) * ray->inv_dd;
+    return fabs(t * pen_dot(ray->d, n)) <= b && (t > 0 || pen_flat_near(ray, t, b));
 }
 
 /* The largest distance between two vertices along an axis. */

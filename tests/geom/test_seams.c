@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/* H073: no light comes in at the seams of a closed room. Rays are aimed at its edges and corners,
+ * and from where they arrive, wherever rounding puts that, no ray back into the room finds a way
+ * out, and none is stopped on the way to a point inside. */
+#include <check.h>
+
+#include "geom/rows.h"
+#include "support/rooms.h"
+#include "support/suite.h"
+
+static struct world world;
+
+static const double offsets[] = {0, 1e3, 1e6};
+
+enum { WAYS_ON = 6 };
+
+/* Whether something opaque is met: anything but a pane. */
+static bool stopped(enum world_room room, const struct pen_ray *ray, const struct pen_leave *leave,
+                    double tmax)
+{
+    struct pen_hit hit[WAYS_ON];
+    int count = world_crossings(&world, ray, leave, tmax, hit, WAYS_ON);
+    for (int i = 0; i < count && i < WAYS_ON; i++) {
+        if (room != ROOM_PANE || hit[i].prim < world.prims.count - 1)
+            return true;
+    }
+    return false;
+}
+
+/* Goes on from s in a random direction to what is met next; false if nothing is. */
+static bool bounce(struct random *r, struct stand *s)
+{
+    struct pen_leave leave;
+    struct pen_ray ray = world_ray(s->p, stand_turn(s, r, false, &leave));
+    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_hit hit = world_nearest(&world, &ray, &leave, &span);
+    if (hit.prim == PEN_NO_PRIM)
+        return false;
+    *s = world_stand(&world, &ray, &leave, hit);
+    return true;
+}
+
+/* Where a ray from `eye` arrives that is aimed at a seam. */
+static struct stand look(struct random *r, vec3 eye)
+{
+    struct pen_ray ray = world_ray(eye, pen_sub(world_aim(&world, r), eye));
+    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_hit hit = world_nearest(&world, &ray, &pen_leave_nothing, &span);
+    ck_assert_uint_ne(hit.prim, PEN_NO_PRIM);
+    return world_stand(&world, &ray, &pen_leave_nothing, hit);
+}
+
+/* d turned into the plane of some wall, as far as rounding allows. */
+static vec3 along_wall(struct random *r, vec3 d)
+{
+    struct pen_hit wall = {0, random_below(r, world.prims.count), PEN_PART_SIDE};
+    vec3 n = pen_prim_normal(&world.prims, wall, pen_vec3(0, 0, 0));
+    return pen_along(d, n, -pen_dot(d, n));
+}
+
+START_TEST(test_seams__h073_no_way_out_of_a_closed_room)
+{
+    struct random r = random_begin(73);
+    int rays = 0, leaks = 0;
+    for (int i = 0; i < 360; i++) {
+        enum world_room room = (enum world_room)(i % ROOM_COUNT);
+        vec3 inside = world_room(&world, &r, room, offsets[i / ROOM_COUNT % 3]);
+        for (int k = 0; k < 40; k++) {
+            struct stand s = look(&r, inside);
+            for (int b = 0; b < 3; b++) {
+                for (int j = 0; j < 3; j++, rays++) { /* lights outside */
+                    struct pen_leave leave;
+                    bool pane = room == ROOM_PANE && s.hit.prim == world.prims.count - 1;
+                    vec3 d = stand_turn(&s, &r, pane && j == 0, &leave);
+                    vec3 flat = along_wall(&r, d);
+                    if (j == 1 && pen_dot(flat, s.n) > .1)
+                        d = pen_normalize(flat);
+                    struct pen_ray ray = world_ray(s.p, pen_scale(d, random_in(&r, 4, 9)));
+                    leaks += !stopped(room, &ray, &leave, 1);
+                }
+                if (!bounce(&r, &s)) {
+                    leaks++;
+                    break;
+                }
+            }
+        }
+    }
+    ck_assert_int_gt(rays, 100000);
+    ck_assert_msg(leaks == 0, "%d leaks of %d rays; seed %llu", leaks, rays,
+                  (unsigned long long)r.seed);
+}
+END_TEST
+
+START_TEST(test_seams__light_inside_a_convex_room_is_seen)
+{
+    struct random r = random_begin(74);
+    for (int i = 0; i < 180; i++) {
+        enum world_room room = (enum world_room)(i % ROOM_CONVEX_COUNT);
+        vec3 inside = world_room(&world, &r, room, offsets[i / ROOM_CONVEX_COUNT % 3]);
+        for (int k = 0; k < 40; k++) {
+            struct stand s = look(&r, inside);
+            vec3 light = pen_along(inside, random_direction(&r), .1);
+            struct pen_ray ray = world_ray(s.p, pen_sub(light, s.p));
+            ck_assert_msg(!stopped(room, &ray, &s.leave, 1), "room %d, ray %d; seed %llu", room, k,
+                          (unsigned long long)r.seed);
+        }
+    }
+}
+END_TEST
+
+/* An open cylinder between two lids that are wider than it: the seam is a rim of the cylinder, and
+ * inside the lids. */
+START_TEST(test_seams__h073_no_way_out_of_a_drum)
+{
+    struct random r = random_begin(75);
+    int rays = 0, leaks = 0;
+    for (int i = 0; i < 300; i++) {
+        double far = offsets[i % 3], radius = random_in(&r, .5, 1), h = random_in(&r, .5, 2);
+        vec3 at = pen_vec3(far, -.5 * far, .25 * far), a = random_direction(&r);
+        vec3 e = pen_normalize(pen_cross(a, random_direction(&r))), g = pen_cross(a, e);
+        world_clear(&world);
+        world_cylinder(&world, at, a, radius, h, false);
+        for (int lid = 0; lid < 2; lid++) {
+            vec3 v[4], c = pen_along(at, a, lid * h);
+            for (int k = 0; k < 4; k++)
+                v[k] = pen_along(pen_along(c, e, k & 2 ? 2 : -2), g, (k + 1) & 2 ? 2 : -2);
+            world_polygon(&world, v, 4);
+        }
+        vec3 inside = pen_along(at, a, .4 * h);
+        for (int k = 0; k < 60; k++) {
+            double phi = random_in(&r, 0, 6.3);
+            vec3 rim = pen_along(pen_along(at, e, radius * cos(phi)), g, radius * sin(phi));
+            rim = pen_along(rim, a, k & 1 ? h : 0);
+            struct pen_ray ray = world_ray(inside, pen_sub(rim, inside));
+            struct pen_span span = {pen_after_start, INFINITY};
+            struct pen_hit hit = world_nearest(&world, &ray, &pen_leave_nothing, &span);
+            if (hit.prim == PEN_NO_PRIM || hit.t > 1.01) /* not quite the rim: a gap of some ulps */
+                continue;
+            struct stand s = world_stand(&world, &ray, &pen_leave_nothing, hit);
+            for (int j = 0; j < 4; j++, rays++) {
+                struct pen_leave leave;
+                vec3 d = stand_turn(&s, &r, false, &leave);
+                ray = world_ray(s.p, pen_scale(d, random_in(&r, 6, 9)));
+                leaks += !stopped(ROOM_BOX, &ray, &leave, 1);
+            }
+        }
+    }
+    ck_assert_int_gt(rays, 50000);
+    ck_assert_msg(leaks == 0, "%d leaks of %d rays; seed %llu", leaks, rays,
+                  (unsigned long long)r.seed);
+}
+END_TEST
+
+PEN_SUITE("seams", test_seams__h073_no_way_out_of_a_closed_room,
+          test_seams__h073_no_way_out_of_a_drum, test_seams__light_inside_a_convex_room_is_seen)

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/* Closed rooms of flat bodies, and places on their surfaces where rays arrive: for rays that are
+ * aimed on purpose at edges and corners. */
+#ifndef TESTS_SUPPORT_ROOMS_H
+#define TESTS_SUPPORT_ROOMS_H
+
+#include "support/world.h"
+
+/* Convex ones come first. Their faces have one outward side or the other, by chance. */
+enum world_room {
+    ROOM_BOX,       /* six quads */
+    ROOM_TRIANGLES, /* the same, of twelve triangles */
+    ROOM_PANE,      /* the same as the first, and a pane across it, the last primitive */
+    ROOM_CONVEX_COUNT,
+    ROOM_L = ROOM_CONVEX_COUNT, /* six quads between two concave polygons */
+    ROOM_FOLDED,                /* a box with a dent or a bulge in every face */
+    ROOM_BUMPY,                 /* a ball of triangles */
+    ROOM_COUNT
+};
+
+/* Makes a room about 2 across, often turned, `far` from the origin; returns a point inside it that
+ * sees all walls. */
+struct pen_vec3 world_room(struct world *w, struct random *r, enum world_room room, double far);
+
+/* A corner of the room, a point of an edge, or one that is exactly on it if its ends allow. */
+struct pen_vec3 world_aim(const struct world *w, struct random *r);
+
+/* Where a ray has arrived. */
+struct stand {
+    struct pen_hit hit;
+    struct pen_vec3 p, n; /* n: unit, on the side that the ray came from */
+    struct pen_leave leave;
+};
+
+/* The place of a hit of a ray that left `leave`, as shading makes it. */
+struct stand world_stand(const struct world *w, const struct pen_ray *ray,
+                         const struct pen_leave *leave, struct pen_hit hit);
+
+/* Some direction on the side of the surface that was seen (through: on the other), with what a ray
+ * that way leaves. */
+struct pen_vec3 stand_turn(const struct stand *s, struct random *r, bool through,
+                           struct pen_leave *leave);
+
+#endif
