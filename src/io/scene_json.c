@@ -40,6 +40,7 @@ const struct pen_field pen_view_fields[] = {
 struct pen_limits pen_limits_default(void)
 {
     return (struct pen_limits){.body_bytes = (size_t)16 << 20,
+                               .parsed_bytes = (size_t)384 << 20,
                                .nesting = 64,
                                .objects = 1000000,
                                .pixels_per_view = 64000000,

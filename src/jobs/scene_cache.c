@@ -84,7 +84,7 @@ static double ms_since(int64_t begin_ns)
 static struct pen_limits open_limits(void)
 {
     struct pen_limits limits = pen_limits_default();
-    limits.body_bytes = SIZE_MAX;
+    limits.body_bytes = limits.parsed_bytes = SIZE_MAX;
     limits.objects = UINT64_MAX;
     limits.pixels_per_view = UINT64_MAX;
     limits.views = UINT32_MAX;

@@ -25,6 +25,7 @@
 /* Limits, scene-format.md; pen_limits_default gives the defaults. */
 struct pen_limits {
     size_t body_bytes;
+    size_t parsed_bytes; /* memory that the values of a JSON document may take, by an estimate */
     int nesting;
     uint64_t objects;
     uint64_t pixels_per_view;
@@ -34,7 +35,8 @@ struct pen_limits {
 
 struct pen_limits pen_limits_default(void);
 
-/* Parses JSON strictly: bytes and nesting are checked before parsing, duplicate keys refused.
+/* Parses JSON strictly: bytes and nesting are checked before parsing, the memory that the values
+ * take while parsing, duplicate keys refused.
  * Integers that fit into 64 bits are jansson's integers, longer ones are reals.
  * Owns: the caller json_decref()s. Fails: PEN_TOO_LARGE, PEN_SYNTAX, PEN_INVALID (nesting,
  * with at), PEN_NO_MEMORY. */
