@@ -5,12 +5,15 @@
 #ifdef __AVX2__
 
 #include "boxes_avx2.h"
+#include "lanes_avx2.h"
 
 enum { COUNTING = 0 };
 
 #include "traverse_walk.h"
 
-static const struct pen_trace_ops avx2 = {"avx2", nearest, shadow};
+#include "fan_look.h"
+
+static const struct pen_trace_ops avx2 = {"avx2", nearest, shadow, fan_begin, fan_look, fan_ray};
 
 const struct pen_trace_ops *pen_trace_avx2(void)
 {

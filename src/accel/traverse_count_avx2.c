@@ -10,7 +10,7 @@ enum { COUNTING = 1 };
 
 #include "traverse_walk.h"
 
-static const struct pen_trace_ops avx2 = {"avx2, counting", nearest, shadow};
+static const struct pen_trace_ops avx2 = {"avx2, counting", nearest, shadow, NULL, NULL, NULL};
 
 const struct pen_trace_ops *pen_trace_count_avx2(void)
 {

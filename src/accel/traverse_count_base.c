@@ -7,4 +7,5 @@ enum { COUNTING = 1 };
 
 #include "traverse_walk.h"
 
-const struct pen_trace_ops pen_trace_count_base = {"base, counting", nearest, shadow};
+const struct pen_trace_ops pen_trace_count_base = {
+    "base, counting", nearest, shadow, NULL, NULL, NULL};

@@ -19,6 +19,7 @@ struct path {
 
 struct pen_kernel_scratch {
     struct pen_shadow shadow;
+    struct pen_fan fan;
     uint32_t *last_occluder;   /* by light */
     struct path *waiting;      /* max_depth of them are enough: see the kernel */
     struct pen_sample_key key; /* of the samples on lights, but for `light` */

@@ -26,35 +26,49 @@ struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const stru
                                 const struct pen_leave *leave, const struct pen_shadow *query,
                                 struct pen_vec3 in);
 
+/* What a query of the kernel's asks for. */
+static ALWAYS_INLINE void shadow_query(const struct pen_kernel_input *input,
+                                       struct pen_shadow *query, bool to_point, const unsigned fx)
+{
+    query->tmax = to_point ? 1 : INFINITY;
+    query->to_point = to_point;
+    query->see_through = fx & PEN_FX_SHADOW_TRANSMITTANCE ? input->scene->see_through : NULL;
+    query->last_occluder = PEN_NO_PRIM;
+}
+
+/* What arrives of `in` along a ray that the query found not blocked. */
+static ALWAYS_INLINE struct pen_vec3 shadow_colour(const struct pen_kernel_input *input,
+                                                   const struct pen_ray *ray,
+                                                   const struct pen_leave *leave,
+                                                   const struct pen_shadow *query,
+                                                   struct pen_vec3 in, const unsigned fx)
+{
+    if (!(fx & PEN_FX_SHADOW_TRANSMITTANCE))
+        return in;
+    if (query->overflow)
+        return pen_shadow_walk(input, ray, leave, query, in);
+    for (int i = 0; i < query->count && !is_black(in); i++)
+        in = shadow_filter(input->scene, query->hit[i].prim, in);
+    return in;
+}
+
 /* What arrives of what the ray carries. The body that blocked it is remembered for its light. */
 static ALWAYS_INLINE struct pen_vec3 shadow_ray(const struct pen_kernel_input *input,
                                                 struct pen_kernel_scratch *scratch,
                                                 const struct surface *s,
                                                 const struct shadow_way *way, const unsigned fx)
 {
-    struct pen_vec3 t = way->in;
     const struct pen_vec3 none = {0, 0, 0};
-    const struct pen_scene *scene = input->scene;
     struct pen_ray ray;
     if (!pen_ray_make(&ray, s->p, way->d))
         return none;
     struct pen_leave leave = surface_leave(s, way->through);
     struct pen_shadow *query = &scratch->shadow;
-    query->tmax = way->to_point ? 1 : INFINITY;
-    query->to_point = way->to_point;
-    query->see_through = fx & PEN_FX_SHADOW_TRANSMITTANCE ? scene->see_through : NULL;
+    shadow_query(input, query, way->to_point, fx);
     query->last_occluder = scratch->last_occluder[way->light];
-    bool blocked = input->trace->shadow(scene->accel, &ray, &leave, query);
+    bool blocked = input->trace->shadow(input->scene->accel, &ray, &leave, query);
     scratch->last_occluder[way->light] = query->last_occluder;
-    if (blocked)
-        return none;
-    if (!(fx & PEN_FX_SHADOW_TRANSMITTANCE))
-        return t;
-    if (query->overflow)
-        return pen_shadow_walk(input, &ray, &leave, query, t);
-    for (int i = 0; i < query->count && !is_black(t); i++)
-        t = shadow_filter(scene, query->hit[i].prim, t);
-    return t;
+    return blocked ? none : shadow_colour(input, &ray, &leave, query, way->in, fx);
 }
 
 /* T(p) of a light without a disk: one ray. */

@@ -10,7 +10,8 @@ with kl = 0, the diffuse and Phong terms, mirrors, straight transparency, depth 
 
 What is approximated: kl > 0 (matched at the light's distance to the scene's middle); coloured kt
 (POV-Ray's filter also tints the diffuse term); coloured ks (its brightness is used); ambient light,
-which POV-Ray shows in mirrors too.
+which POV-Ray shows in mirrors too; lights with a radius (an area light, circular, facing the point,
+with the same number of samples, none left out).
 
 Usage: to_pov.py SCENE.json > SCENE.pov     the first line tells width and height
 """
@@ -245,8 +246,21 @@ def faded(light, middle):
             " fade_power 2 fade_distance %.9g" % math.sqrt(kc / kq))
 
 
-def light_text(light, middle, reach):
+def area(light, samples):
+    """A disk light that faces the point, every sample taken; as many to the square as ours."""
+    radius = light.get("radius", 0)
+    if radius == 0 or not light.get("shadows", True):
+        return ""
+    edge = math.ceil(math.sqrt(samples))
+    return (" area_light <%.9g, 0, 0>, <0, %.9g, 0>, %d, %d circular orient jitter"
+            % (2 * radius, 2 * radius, edge, edge))
+
+
+def light_text(light, middle, reach, samples):
     tail = "" if light.get("shadows", True) else " shadowless"
+    if light.get("angular_radius", 0) > 0:
+        raise SystemExit("to_pov.py: no translation for directional lights with an angular_radius")
+    tail += area(light, samples)
     if light["type"] == "directional":
         way = unit(light["direction"])
         return ("light_source { %s color rgb %s parallel point_at %s%s }"
@@ -276,7 +290,7 @@ def main():
         middle = tuple(map(float, look_at))
     materials, out = Materials(scene), []
     bodies(scene.get("objects", []), Transform(), materials, out)
-    lights = [light_text(l, middle, 1e5) for l in scene.get("lights", [])]
+    lights = [light_text(l, middle, 1e5, render.get("light_samples", 16)) for l in scene.get("lights", [])]
     print("// width=%d height=%d" % (width, height))
     print("// %s, translated for a comparison of speed" % scene.get("name", "scene"))
     print("#version 3.7;")

@@ -9,6 +9,7 @@
 #ifndef PEN_ACCEL_ACCEL_H
 #define PEN_ACCEL_ACCEL_H
 
+#include "pen/accel/fan.h"
 #include "pen/base/arena.h"
 #include "pen/base/cpu.h"
 #include "pen/base/status.h"
@@ -109,6 +110,16 @@ struct pen_trace_ops {
     /* Whether an opaque surface is crossed. */
     bool (*shadow)(const struct pen_accel *accel, const struct pen_ray *ray,
                    const struct pen_leave *leave, struct pen_shadow *query);
+    /* The three steps of a fan (pen/accel/fan.h); NULL where rays are counted one by one.
+     * fan_begin: what becomes of all its rays. If PEN_FAN_MIXED, fan_look: of n <= PEN_FAN_RAYS of
+     * them, given by (a, b), a bit set for each that is blocked, and in *ask one for each that is
+     * not known to be blocked or to arrive untouched: then fan_ray does for ray i what `shadow`
+     * does, but for last_occluder. */
+    enum pen_fan_fate (*fan_begin)(const struct pen_accel *accel, struct pen_fan *fan);
+    uint64_t (*fan_look)(struct pen_fan *fan, const double a[PEN_FAN_RAYS],
+                         const double b[PEN_FAN_RAYS], int n, uint64_t *ask);
+    bool (*fan_ray)(const struct pen_accel *accel, const struct pen_fan *fan,
+                    const struct pen_ray *ray, int i, struct pen_shadow *query);
 };
 
 /* The table for an instruction set; falls back to the baseline where a build lacks it. */
