@@ -66,4 +66,25 @@ void rows_copies(struct pen_row_run *run);
 void rows_crowd(struct pen_row_run *run);
 void rows_few(struct pen_row_run *run);
 
+/* rows_scale.c */
+void rows_scaled(struct pen_row_run *run);
+void rows_moved(struct pen_row_run *run);
+void rows_mirrored(struct pen_row_run *run);
+void rows_mirrored_triangle(struct pen_row_run *run);
+void rows_turned(struct pen_row_run *run);
+void rows_turned_sums(struct pen_row_run *run);
+void rows_mixed(struct pen_row_run *run);
+void rows_far_camera(struct pen_row_run *run);
+void rows_planet(struct pen_row_run *run);
+void rows_subnormal(struct pen_row_run *run);
+
+/* rows_pictures.c */
+void rows_stack(struct pen_row_run *run);
+void rows_picture_scaled(struct pen_row_run *run);
+void rows_picture_decimal(struct pen_row_run *run);
+void rows_picture_moved(struct pen_row_run *run);
+void rows_picture_cornell(struct pen_row_run *run);
+void rows_picture_mirrored(struct pen_row_run *run);
+void rows_pose(struct pen_row_run *run);
+
 #endif

@@ -479,6 +479,169 @@ static const struct row builders = {
     .why = "these builders are still to come; h095_trees compares those that are there",
 };
 
+static const struct row scaled = {
+    .id = "H074",
+    .name = "h074_scaled",
+    .what = "every kind of body and a ray times 2^k, k in -200 ... 200, the direction with it "
+            "or not: the same crossings",
+    .oracle = "itself, bit for bit",
+    .run = rows_scaled,
+};
+
+static const struct row moved = {
+    .id = "H076",
+    .name = "h076_moved",
+    .what = "coordinates that are multiples of 2^-12, moved by 2^20 and 2^30: the same "
+            "crossings",
+    .oracle = "itself, bit for bit",
+    .run = rows_moved,
+};
+
+static const struct row mirrored = {
+    .id = "H078",
+    .name = "h078_mirrored",
+    .what = "any coordinates negated: the same crossings, off the borders of flat bodies; all "
+            "kinds but triangles",
+    .oracle = "itself, bit for bit",
+    .run = rows_mirrored,
+};
+
+static const struct row turned = {
+    .id = "H079",
+    .name = "h079_permuted",
+    .what = "spheres, tubes and polygons with axes permuted: hit or miss the same, t "
+            "within 2 ulp",
+    .oracle = "itself",
+    .run = rows_turned,
+};
+
+static const struct row mixed = {
+    .id = "H081",
+    .name = "h081_mixed_scale",
+    .what = "a sphere of 1e-6 that rests on one of 1e9, seen from 1e-5, in a frame at the "
+            "contact: it is seen, and so is its shadow, outside BE(16)",
+    .oracle = "113-bit class",
+    .run = rows_mixed,
+};
+
+static const struct row far_camera = {
+    .id = "H082",
+    .name = "h082_far_camera",
+    .what = "a sphere seen from up to 1e8: hit or miss wrong only where |b/r - 1| <= 4u D/r",
+    .oracle = "113-bit class",
+    .run = rows_far_camera,
+};
+
+static const struct row planet = {
+    .id = "H083",
+    .name = "h083_planet",
+    .what = "the horizon of a planet: rays begin to meet it within an ulp of the direction",
+    .oracle = "113-bit class at d and its neighbours",
+    .run = rows_planet,
+    .known = "grazing rays are decided by a discriminant that keeps few digits",
+};
+
+static const struct row subnormal = {
+    .id = "H085",
+    .name = "h085_subnormal",
+    .what = "a subnormal component of the direction changes nothing but t by 4 ulp",
+    .oracle = "itself without it",
+    .run = rows_subnormal,
+};
+
+static const struct row mirrored_triangle = {
+    .id = "H078",
+    .name = "h078_mirrored_triangle",
+    .what = "the same for triangles",
+    .oracle = "itself, bit for bit",
+    .run = rows_mirrored_triangle,
+    .known = "t of a triangle depends on the order of its corners' coordinates",
+};
+
+static const struct row turned_sums = {
+    .id = "H079",
+    .name = "h079_permuted_sums",
+    .what = "the same for triangles, cylinders and planes",
+    .oracle = "itself",
+    .run = rows_turned_sums,
+    .known = "t of triangles, caps and planes: sums of three terms, reordered, differ by more",
+};
+
+static const struct row stack = {
+    .id = "H072",
+    .name = "h072_stacked_glass",
+    .what = "64 parallel sheets of glass in any document order: the product of their "
+            "transmittances, the same bits with and without a tree",
+    .oracle = "product in order of distance",
+    .run = rows_stack,
+    .full = 20000,
+    .check = 100,
+};
+
+static const struct row picture_scaled = {
+    .id = "H074 H084",
+    .name = "h074_picture",
+    .what = "a random scene times 2^k, k in -200 ... 200, attenuation constant: the same "
+            "picture",
+    .oracle = "itself, bit for bit",
+    .run = rows_picture_scaled,
+    .full = 4000,
+    .check = 60,
+};
+
+static const struct row picture_decimal = {
+    .id = "H075",
+    .name = "h075_picture",
+    .what = "a random scene times 1e-6, 1e-3, 1e3, 1e9: at most one pixel in a thousand differs "
+            "by 1e-3",
+    .oracle = "itself",
+    .run = rows_picture_decimal,
+    .full = 400,
+    .check = 8,
+};
+
+static const struct row picture_moved = {
+    .id = "H076",
+    .name = "h076_picture",
+    .what = "a random scene of dyadic coordinates moved by 2^20 and 2^30: the same picture",
+    .oracle = "itself, bit for bit",
+    .run = rows_picture_moved,
+    .full = 4000,
+    .check = 60,
+};
+
+static const struct row picture_cornell = {
+    .id = "H077",
+    .name = "h077_cornell",
+    .what = "a Cornell box of size 1 moved by 1e6 to 1e9: root mean square error at most "
+            "ulp(offset) over a pixel's size, at most 4 pixels of 4096 another body",
+    .oracle = "itself",
+    .run = rows_picture_cornell,
+    .full = 400,
+    .check = 8,
+};
+
+static const struct row picture_mirrored = {
+    .id = "H078",
+    .name = "h078_picture",
+    .what = "a mirrored scene gives the mirrored picture but for 2 pixels",
+    .oracle = "itself, bit for bit",
+    .run = rows_picture_mirrored,
+    .full = 4000,
+    .check = 60,
+};
+
+static const struct row pose = {
+    .id = "H080",
+    .name = "h080_rotation",
+    .what = "a point in the penumbra of a straight edge under a disk light, in any pose: the "
+            "visible share of the disk",
+    .oracle = "closed form, 5 sigma",
+    .run = rows_pose,
+    .full = 1000,
+    .check = 20,
+};
+
 const struct row *const row_table[] = {
     &bumpy,
     &embree,
@@ -510,6 +673,23 @@ const struct row *const row_table[] = {
     &twins,
     &overlap,
     &touching,
+    &stack,
+    &scaled,
+    &picture_scaled,
+    &picture_decimal,
+    &moved,
+    &picture_moved,
+    &picture_cornell,
+    &mirrored,
+    &mirrored_triangle,
+    &picture_mirrored,
+    &turned,
+    &turned_sums,
+    &pose,
+    &mixed,
+    &far_camera,
+    &planet,
+    &subnormal,
     &signed_zeros,
     &boxes,
     &flat_boxes,
