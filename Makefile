@@ -120,6 +120,7 @@ STABILITY_OBJ := $(BUILD)/tests/property/stability.o $(BUILD)/tests/property/sta
 MPFR_LIBS := $(shell pkg-config --libs mpfr 2>/dev/null)
 ORACLE_CC := $(if $(shell command -v gcc 2>/dev/null),gcc,$(CC))
 $(BUILD)/tests/property/%.o: EXTRA := $(CHECK_CFLAGS) -Itests
+$(BUILD)/tests/property/%_avx2.o: EXTRA := $(CHECK_CFLAGS) -Itests $(AVX2_FLAGS)
 $(BUILD)/tests/property/oracle_%.o: private CC := $(ORACLE_CC)
 $(BUILD)/tests/property/oracle_%.o: private SAN :=
 $(BUILD)/tests/property/oracle_%.o: EXTRA := $(if $(MPFR_LIBS),-DHAVE_MPFR) -Itests

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: MIT */
+#include <stddef.h>
+
+#define PRICE_VARIANT "base"
+#include "property/price_body.h"
+
+const struct price_method *price_method_base(int i)
+{
+    return i < (int)(sizeof methods / sizeof methods[0]) ? &methods[i] : NULL;
+}
