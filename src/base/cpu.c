@@ -28,6 +28,15 @@ enum pen_isa pen_cpu_isa(void)
     return has_avx2() ? PEN_ISA_AVX2 : PEN_ISA_BASE;
 }
 
+bool pen_float_is_default(void)
+{
+    static const volatile double one = 1, little = 0x1p-60, least = 0x1p-1022,
+                                 subnormal = 0x1p-1050;
+    volatile double up = one + little, down = one - little, below = -one - little;
+    volatile double result = least * 0.5, operand = subnormal * 0x1p100;
+    return up == one && down == one && below == -one && result != 0 && operand != 0;
+}
+
 const char *pen_isa_name(enum pen_isa isa)
 {
     return isa == PEN_ISA_AVX2 ? "avx2" : "base";

@@ -27,6 +27,7 @@ struct pen_pool {
     unsigned run; /* number of runs begun */
     int asked;    /* threads that take part in the run */
     int busy;     /* of those, how many have not returned */
+    int strange;  /* and how many had another floating-point state than the default */
     pen_pool_work *work;
     void *user;
 };
@@ -57,9 +58,12 @@ static void *thread_main(void *argument)
         pthread_mutex_unlock(&pool->lock);
         /* A thread inherits the state of whoever made it, and a library may have changed it since:
          * flushed subnormals or another rounding would be another picture. */
+        bool strange = !pen_float_is_default();
         fesetenv(FE_DFL_ENV);
         pool->work(pool->user, thread->index);
+        strange = strange || !pen_float_is_default();
         pthread_mutex_lock(&pool->lock);
+        pool->strange += strange;
         if (--pool->busy == 0)
             pthread_cond_signal(&pool->idle);
     }
@@ -124,15 +128,18 @@ int pen_pool_threads(const struct pen_pool *pool)
     return pool->count;
 }
 
-void pen_pool_run(struct pen_pool *pool, int threads, pen_pool_work *work, void *user)
+int pen_pool_run(struct pen_pool *pool, int threads, pen_pool_work *work, void *user)
 {
     pthread_mutex_lock(&pool->lock);
     pool->work = work;
     pool->user = user;
     pool->asked = pool->busy = threads;
+    pool->strange = 0;
     pool->run++;
     pthread_cond_broadcast(&pool->wake);
     while (pool->busy > 0)
         pthread_cond_wait(&pool->idle, &pool->lock);
+    int strange = pool->strange;
     pthread_mutex_unlock(&pool->lock);
+    return strange;
 }

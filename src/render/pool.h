@@ -10,7 +10,9 @@
 typedef void pen_pool_work(void *user, int index);
 
 /* Calls work(user, 0 .. threads - 1), each on a thread of its own, and returns when all have
- * returned. threads is 1 .. pen_pool_threads(pool). One run at a time. */
-void pen_pool_run(struct pen_pool *pool, int threads, pen_pool_work *work, void *user);
+ * returned. threads is 1 .. pen_pool_threads(pool). One run at a time.
+ * Returns the number of threads whose state was another one before the run, where it is reset, or
+ * after it: then something in the run has changed it. */
+int pen_pool_run(struct pen_pool *pool, int threads, pen_pool_work *work, void *user);
 
 #endif

@@ -193,7 +193,7 @@ static bool run_tiles(struct pen_pool *pool, struct run *run, struct pen_render_
     }
     if (!make_parts(run, st))
         return false;
-    pen_pool_run(pool, run->threads, render_part, run);
+    stats->float_resets = pen_pool_run(pool, run->threads, render_part, run);
     stats->tile_count = (uint32_t)gather(run, stats);
     if (stats->tile_count < (uint32_t)wanted)
         return pen_fail(st, PEN_CANCELLED, "cancelled after %u of %d tiles", stats->tile_count,

@@ -51,6 +51,7 @@ static void check_shape(const json_t *stats)
     ck_assert_uint_gt(json_array_size(json_object_get(stats, "effects")), 2);
     ck_assert(number(json_object_get(stats, "memory"), "peak_bytes") > 1 << 20);
     ck_assert(number(stats, "dropped_samples") == 0);
+    ck_assert(number(stats, "float_resets") == 0);
     const json_t *host = json_object_get(stats, "host");
     ck_assert_str_eq(json_string_value(json_object_get(host, "version")), PEN_VERSION);
     ck_assert(number(host, "cores") >= 1);

@@ -330,6 +330,56 @@ static void assert_pixels_alike(void)
     pen_scene_free(scene);
 }
 
+static void set_state(void *user, int thread, int x, int y)
+{
+    (void)thread;
+    if (x == 3 && y == 0)
+        _mm_setcsr(_mm_getcsr() | *(const unsigned *)user);
+}
+
+/* Renders twice with one pool, whose threads inherit `inherited` and are given `given` in the first
+ * run; checks how many had to be reset each time. */
+static void check_resets(unsigned inherited, unsigned given, int first, int second)
+{
+    struct pen_status st;
+    struct pen_render_stats stats;
+    struct pen_scene *scene = kit_freeze(&kit);
+    float *film = calloc(1, film_bytes());
+    unsigned before = _mm_getcsr();
+    _mm_setcsr(before | inherited);
+    ck_assert_int_eq(pen_float_is_default(), inherited == 0);
+    struct pen_pool *pool = pen_pool_new(2, &st);
+    _mm_setcsr(before);
+    ck_assert(pen_float_is_default());
+    struct pen_render_task task = {.scene = scene,
+                                   .settings = &kit.settings,
+                                   .tile_count = -1,
+                                   .rgb = film,
+                                   .pixel_begins = set_state,
+                                   .pixel_user = &given};
+    ck_assert(pen_render_run(pool, &task, &stats, &st));
+    ck_assert_int_eq(stats.float_resets, first);
+    task.pixel_begins = NULL;
+    ck_assert(pen_render_run(pool, &task, &stats, &st));
+    ck_assert_int_eq(stats.float_resets, second);
+    pen_pool_free(pool);
+    free(film);
+    pen_scene_free(scene);
+}
+
+/* H105: each way to leave the default, inherited by both threads or made by one of them. */
+START_TEST(test_render__strange_arithmetic_is_counted_and_reset)
+{
+    static const unsigned states[] = {0x8000, 0x0040, 0x2000, 0x4000, 0x6000, 0x8040};
+    kit_medley(&kit);
+    check_resets(0, 0, 0, 0);
+    for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
+        check_resets(states[i], 0, 2, 0);
+        check_resets(0, states[i], 1, 1); /* it lasts until the next run begins */
+    }
+}
+END_TEST
+
 /* H105: whoever starts the threads has subnormals flushed and rounds upwards. */
 START_TEST(test_render__default_arithmetic_in_every_thread)
 {
@@ -357,6 +407,12 @@ START_TEST(test_render__default_arithmetic_in_every_thread)
 }
 END_TEST
 #else
+START_TEST(test_render__strange_arithmetic_is_counted_and_reset)
+{
+    ck_assert(pen_float_is_default());
+}
+END_TEST
+
 START_TEST(test_render__default_arithmetic_in_every_thread)
 {
     ck_assert_int_eq(fegetround(), FE_TONEAREST);
@@ -369,4 +425,5 @@ PEN_SUITE("render", test_render__tiles_cover_the_image_once,
           test_render__tests_are_counted_alike_however_the_work_is_divided,
           test_render__a_pixel_is_what_the_film_holds, test_render__statistics,
           test_render__parts_make_the_whole, test_render__cancel_is_seen_within_a_row,
-          test_render__cancel, test_render__default_arithmetic_in_every_thread)
+          test_render__cancel, test_render__strange_arithmetic_is_counted_and_reset,
+          test_render__default_arithmetic_in_every_thread)

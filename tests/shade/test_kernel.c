@@ -258,8 +258,42 @@ START_TEST(test_kernel__samples_beyond_the_film_are_left_out)
 }
 END_TEST
 
+/* H088: rays that are none are refused before anything is traced. */
+START_TEST(test_kernel__rays_that_are_none_are_refused_and_counted)
+{
+    static const double bad[] = {NAN, INFINITY, -INFINITY, 1e200};
+    half_lit(3);
+    kit.settings.samples_per_pixel = 8;
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_kernel_input input = {
+        .scene = scene, .settings = &kit.settings, .trace = pen_trace_ops_get(PEN_ISA_BASE)};
+    input.effects = pen_scene_effects(scene, &kit.settings);
+    const struct pen_kernel *kernel = pen_kernel_select(input.effects, PEN_ISA_BASE);
+    struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(&input);
+    for (int i = 0; i < 4 * 6; i++) {
+        struct pen_ray_counts rays = {0};
+        double rgb[3], *place[6];
+        input.pinhole = pen_scene_pinhole(scene, 0, kit.settings.width, kit.settings.height);
+        struct pen_pinhole *p = &input.pinhole;
+        double *all[] = {&p->eye.x, &p->eye.y, &p->eye.z, &p->middle.x, &p->middle.y, &p->middle.z};
+        memcpy(place, all, sizeof all);
+        if (i % 6 < 3 && bad[i / 6] == 1e200)
+            continue; /* far away, but a place */
+        *place[i % 6] = bad[i / 6];
+        kernel->pixel(&input, scratch, 1, 0, rgb, &rays);
+        ck_assert(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
+        ck_assert_uint_eq(rays.dropped_samples, 8);
+        ck_assert_uint_eq(rays.primary, 8);
+        ck_assert_uint_eq(rays.shadow + rays.reflection + rays.transmission, 0);
+    }
+    pen_kernel_scratch_free(scratch);
+    pen_scene_free(scene);
+}
+END_TEST
+
 PEN_SUITE("kernel", test_kernel__every_instance_gives_the_same_bits,
           test_kernel__select_takes_the_smallest, test_kernel__effects_follow_the_scene,
           test_kernel__effects_need_a_body_that_shows_them,
           test_kernel__samples_are_the_sets_of_the_pixel, test_kernel__one_sample_is_the_centre,
-          test_kernel__samples_beyond_the_film_are_left_out)
+          test_kernel__samples_beyond_the_film_are_left_out,
+          test_kernel__rays_that_are_none_are_refused_and_counted)

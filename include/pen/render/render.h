@@ -34,6 +34,7 @@ struct pen_render_stats {
     double render_ms; /* first tile begun to last tile done */
     double cpu_ms;    /* of the render threads, over those tiles */
     int threads;      /* how many worked on it: no more than there were tiles */
+    int float_resets; /* of those, whose floating-point state was not the default; expected 0 */
     struct pen_ray_counts rays;
     bool tests_counted;           /* if the task asked for it */
     struct pen_test_counts tests; /* of all rays; per ray is by the sum of `rays` */
