@@ -160,6 +160,11 @@ $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/libpenumb
 	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< $(BUILD)/libservice.a \
 	    $(BUILD)/libpenumbra.a $(PKG_LIBS)
 
+# The table of accelerators and threads, see tests/bench/table.sh: some minutes.
+.PHONY: table
+table: all
+	@sh tests/bench/table.sh $(BUILD)
+
 check:
 	@sh deploy/install-deps.sh
 	@$(MAKE) --no-print-directory -j$(JOBS) tests

@@ -221,6 +221,10 @@ bool pen_bench_order_read(const json_t *members, const struct pen_settings *base
     json_t *matrix = json_object_get(members, "matrix");
     *order = (struct pen_bench_order){.repeats = 3, .warmup = 1};
     order->matrix = matrix ? json_incref(matrix) : json_object();
+    if (!order->matrix) {
+        pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for a matrix");
+        return false;
+    }
     bool ok = read_count(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, &order->repeats, errors);
     ok &= read_count(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &order->warmup, errors);
     if (!check_matrix(order, errors) || !make_rows(order, base, errors))

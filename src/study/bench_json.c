@@ -22,8 +22,8 @@ static bool note_threads(const struct pen_bench *bench, const struct pen_bench_r
                                                       row, asked, pool)))
         return false;
     return worked == granted ||
-           add_note(notes, json_sprintf("of row %d no more than %d threads had tiles to work on",
-                                        row, worked));
+           add_note(notes, json_sprintf("of row %d no more than %d thread%s had tiles to work on",
+                                        row, worked, worked == 1 ? "" : "s"));
 }
 
 /* Others' work makes times longer, ratios less so. */
@@ -108,7 +108,7 @@ static json_t *time_json(int64_t wall_ms)
 
 static json_t *load_json(double load)
 {
-    return load < 0 ? json_null() : json_real(load);
+    return load < 0 ? json_null() : pen_figure(load);
 }
 
 json_t *pen_bench_report(const struct pen_bench *bench, const struct pen_bench_result *result,

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "pen/study/report.h"
 #include "support/alloc.h"
 #include "support/jobs.h"
 #include "support/suite.h"
@@ -55,6 +56,35 @@ static bool work_submit(struct pen_status *st)
         memcpy(id, out.id, sizeof id);
     pen_buf_release(&out.answer);
     return first_error(ok, &errors, st);
+}
+
+static bool work_submit_benchmark(struct pen_status *st)
+{
+    static const char body[] =
+        "{\"kind\": \"benchmark\", \"matrix\": {\"accelerator\": [\"none\", \"auto\"], "
+        "\"threads\": "
+        "[1, 2]}, \"repeats\": 1, \"warmup\": 0, \"baseline\": {\"threads\": 2},"
+        " \"scene\": {\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9],"
+        " \"look_at\": [0, 0, 0]}, \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0],"
+        " \"radius\": 1}]}, \"render\": {\"width\": 9, \"height\": 9}}";
+    struct pen_submission in = {.body = body, .bytes = sizeof body - 1, .idempotency_key = "b"};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    bool ok = pen_jobs_submit(bed.jobs, &in, &out, &errors);
+    if (ok)
+        memcpy(id, out.id, sizeof id);
+    pen_buf_release(&out.answer);
+    return first_error(ok, &errors, st);
+}
+
+static const char *form; /* of the report */
+
+static bool work_report(struct pen_status *st)
+{
+    struct pen_image report;
+    bool ok = pen_jobs_report(bed.jobs, id, form, &report, st);
+    pen_buf_release(&report.bytes);
+    return ok;
 }
 
 static bool work_refuse(struct pen_status *st)
@@ -159,4 +189,22 @@ START_TEST(test_memory__calls_fail_whole_and_then_succeed)
 }
 END_TEST
 
-PEN_SUITE("memory", test_memory__calls_fail_whole_and_then_succeed)
+START_TEST(test_memory__of_benchmarks_too)
+{
+    jobs_bed_open(&bed);
+    starve("submit", work_submit_benchmark);
+    store_audit_clean(bed.bed.store);
+    starve("get", work_get);
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    jobs_worker_stop(&bed);
+    starve("stats", work_stats);
+    for (int i = 0; pen_study_forms[i]; i++) {
+        form = pen_study_forms[i];
+        starve(form, work_report);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("memory", test_memory__calls_fail_whole_and_then_succeed, test_memory__of_benchmarks_too)

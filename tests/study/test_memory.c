@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/* Out of memory at any allocation of a benchmark: it says so, and leaks nothing (the sanitizer run
+ * sees to that). */
+#include <stdio.h>
+#include <string.h>
+
+#include "pen/study/bench.h"
+#include "pen/study/report.h"
+#include "support/alloc.h"
+#include "support/kit.h"
+#include "support/suite.h"
+
+static struct kit kit;
+
+/* Runs it and writes every form. */
+static bool work(const struct pen_bench *bench, struct pen_status *st)
+{
+    struct pen_bench_result result;
+    struct pen_buf text = {0};
+    bool ok = pen_bench_run(bench, &result, st);
+    json_t *report = ok ? pen_bench_report(bench, &result, json_object()) : NULL;
+    if (ok && !report)
+        ok = pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
+    for (int i = 0; ok && pen_study_forms[i]; i++) {
+        ok = pen_study_write(report, pen_study_forms[i], &text, st);
+        pen_buf_release(&text);
+    }
+    json_decref(report);
+    pen_bench_result_release(bench, &result);
+    return ok;
+}
+
+START_TEST(test_memory__of_a_benchmark)
+{
+    static const int views[] = {0};
+    struct pen_bench_row rows[2];
+    struct pen_status st = {0};
+    kit_medley(&kit);
+    kit.settings.width = kit.settings.height = 8;
+    for (int i = 0; i < 2; i++) {
+        rows[i].settings = kit.settings;
+        rows[i].settings.max_depth = i + 1;
+        rows[i].chosen = json_pack("{s:i, s:s}", "max_depth", i + 1, "transfer", "srgb");
+    }
+    struct pen_bench bench = {.desc = &kit.desc,
+                              .views = views,
+                              .view_count = 1,
+                              .rows = rows,
+                              .row_count = 2,
+                              .repeats = 2,
+                              .pool = pen_pool_new(1, &st)};
+    ck_assert(work(&bench, &st)); /* by the end of which the pool's thread has begun */
+    for (long n = 0;; n++) {
+        ck_assert_int_lt(n, 100000);
+        alloc_fail_after(n);
+        bool ok = work(&bench, &st);
+        bool refused = alloc_succeed();
+        ck_assert_msg(ok || refused, "after %ld: %s", n, st.msg);
+        ck_assert_msg(ok || st.code == PEN_NO_MEMORY, "after %ld: %s", n, st.msg);
+        if (!refused)
+            break;
+    }
+    pen_pool_free(bench.pool);
+    for (int i = 0; i < 2; i++)
+        json_decref((json_t *)(uintptr_t)rows[i].chosen);
+}
+END_TEST
+
+PEN_SUITE("memory", test_memory__of_a_benchmark)
