@@ -60,7 +60,8 @@ all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
 libpenumbra: $(BUILD)/libpenumbra.a
 CRASH_TEST := $(BUILD)/tests/crash/crash
 STABILITY := $(BUILD)/tests/property/stability
-tests: all $(TEST_BIN) $(CRASH_TEST) $(STABILITY)
+FAULTS := $(BUILD)/tests/faults/preload.so
+tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(STABILITY)
 
 have-deps:
 	@pkg-config --exists $(PKGS) || { \
@@ -152,6 +153,12 @@ $(CRASH_TEST): $(CRASH_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
 .PHONY: crash
 crash: all $(CRASH_TEST)
 	$(CRASH_TEST) $(BUILD) $(ROUNDS) $(SEED)
+
+# A disk that fails, to be preloaded into a daemon; without sanitizers, which it stands before.
+$(FAULTS): tests/faults/preload.c
+	@mkdir -p $(@D)
+	$(call say,CC ,$<)
+	$(Q)$(CC) $(CPP) $(OPT) $(WARN) -std=c11 -fPIC -shared -o $@ $< -ldl
 
 # Benchmarks, one program each.
 $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/libpenumbra.a

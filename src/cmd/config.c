@@ -138,7 +138,9 @@ const struct pen_command pen_command_daemon = {
     .details = "The first line on standard output is `listening on http://HOST:PORT`. SIGTERM "
                "drains and ends within 10 s; SIGHUP reads the configuration again and opens the "
                "log file anew. Every option is also an environment variable and a key of the "
-               "configuration file; command line wins over environment, environment over file.",
+               "configuration file; command line wins over environment, environment over file. "
+               "`penumbrad backup FILE` copies the store, also while a daemon uses it; see "
+               "`penumbrad backup --help`.",
     .options = options,
     .max_args = 0,
 };

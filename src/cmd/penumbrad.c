@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The daemon: reads its configuration and becomes what it says: the supervisor of an api and a
- * worker process, or one of the two alone. */
+ * worker process, or one of the two alone. `penumbrad backup` is the one other thing it does. */
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "cmd_backup.h"
 #include "config.h"
 #include "pen/store/store.h"
 #include "report.h"
@@ -63,6 +64,8 @@ static int run(const struct pen_config *config, int argc, char **argv)
 int main(int argc, char **argv)
 {
     struct pen_config config;
+    if (argc > 1 && strcmp(argv[1], "backup") == 0)
+        return pen_report_finish(program, pen_backup_command(argc - 1, argv + 1));
     int code = pen_config_load(&config, argc, argv);
     if (code < 0)
         code = run(&config, argc, argv);

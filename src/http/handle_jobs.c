@@ -34,13 +34,26 @@ static struct pen_submission read_submission(const struct request *request)
     return in;
 }
 
+/* A store that has just refused a job is probed anew by whoever asks for readiness next. */
+static void doubt_store(struct pen_http *http, const struct pen_errors *errors)
+{
+    enum pen_code code = errors->count ? errors->item[0].code : PEN_OK;
+    if (code != PEN_STORAGE && code != PEN_STORAGE_FULL)
+        return;
+    pthread_mutex_lock(&http->ready_lock);
+    http->ready_ns = 0;
+    pthread_mutex_unlock(&http->ready_lock);
+}
+
 enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_submission in = read_submission(request);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
-    if (!pen_jobs_submit(jobs, &in, &out, &errors))
+    if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
+        doubt_store(request->http, &errors);
         return answer_errors(request, &errors);
+    }
     memcpy(request->job_id, out.id, sizeof request->job_id); /* for the log */
     pen_http_reply_body(&request->reply, 202, pen_http_blob_take(&out.answer), "application/json");
     pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", out.id);

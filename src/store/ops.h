@@ -98,4 +98,8 @@ struct pen_store_ops {
 /* Opens the SQLite engine on a file. */
 struct pen_store *pen_sqlite_open(const char *path, struct pen_status *st);
 
+/* As pen_store_backup. */
+bool pen_sqlite_backup(const char *path, const char *file, bool replace, struct pen_backup *out,
+                       struct pen_status *st);
+
 #endif

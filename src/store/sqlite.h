@@ -137,6 +137,10 @@ bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st);
 /* The same for a result of a file's own methods, with its errno (0: not known). */
 bool pen_sq_io_error(struct pen_sq_store *store, int rc, int error, struct pen_status *st);
 
+/* Whether what looks like damage is a read that the disk refused: SQLite then takes the file system
+ * for corrupt. */
+bool pen_sq_is_refused_read(struct pen_sq_store *store, int rc);
+
 /* Notes damage; the message is what was found and what to do. Fails: always, PEN_STORAGE. */
 bool pen_sq_damaged(struct pen_sq_store *store, struct pen_status *st, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -172,7 +176,17 @@ bool pen_sq_make_schema(struct pen_sq_store *store, struct pen_status *st);
 bool pen_sq_migrate(struct pen_sq_store *store, struct pen_status *st);
 bool pen_sq_guard_states(struct pen_sq_store *store, struct pen_status *st);
 
-/* sqlite_check.c: the whole of the file and of its log; of any schema, or of this one. */
+/* sqlite_open.c. Opens a store that is there, of any schema, to be read alone; close it without
+ * writing to it. Fails: as pen_store_open, and PEN_NOT_FOUND. */
+bool pen_sq_open_to_read(struct pen_sq_store *store, struct pen_status *st);
+void pen_sq_close_unwritten(struct pen_sq_store *store);
+
+/* sqlite_files.c. Gives a file its name, unless that is taken (EEXIST); puts names on the disk. */
+bool pen_sq_name_new_file(const char *from, const char *to);
+bool pen_sq_sync_folder(const char *path);
+
+/* sqlite_check.c: the pages; the whole of the file and of its log, of any schema; of this one. */
+bool pen_sq_check_pages(struct pen_sq_store *store, struct pen_status *st);
 bool pen_sq_check_file(struct pen_sq_store *store, struct pen_status *st);
 bool pen_sq_check(struct pen_store *store, struct pen_status *st);
 

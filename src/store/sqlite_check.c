@@ -36,7 +36,7 @@ static bool report(struct pen_sq_store *store, const char *verdict, struct pen_s
                           name[0] ? ": " : "", what);
 }
 
-static bool check_pages(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sq_check_pages(struct pen_sq_store *store, struct pen_status *st)
 {
     sqlite3_stmt *stmt = NULL;
     int rc = sqlite3_prepare_v2(store->db, "PRAGMA integrity_check(1)", -1, &stmt, NULL);
@@ -45,14 +45,16 @@ static bool check_pages(struct pen_sq_store *store, struct pen_status *st)
     bool ok = rc == SQLITE_ROW || pen_sq_error(store, rc, st);
     const char *verdict = ok ? (const char *)sqlite3_column_text(stmt, 0) : NULL;
     if (ok && (!verdict || strcmp(verdict, "ok") != 0))
-        ok = report(store, verdict ? verdict : "no verdict", st);
+        ok = pen_sq_is_refused_read(store, SQLITE_CORRUPT)
+                 ? pen_sq_error(store, SQLITE_CORRUPT, st)
+                 : report(store, verdict ? verdict : "no verdict", st);
     sqlite3_finalize(stmt);
     return ok;
 }
 
 bool pen_sq_check_file(struct pen_sq_store *store, struct pen_status *st)
 {
-    return pen_sq_check_log(store, st) && check_pages(store, st);
+    return pen_sq_check_log(store, st) && pen_sq_check_pages(store, st);
 }
 
 /* A schema that is not the one of its version shows in statements that do not fit it. */

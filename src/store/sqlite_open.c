@@ -268,29 +268,19 @@ static bool open_database(struct pen_sq_store *store, struct pen_status *st)
     return true;
 }
 
-static bool sync_folder(const char *path)
+bool pen_sq_open_to_read(struct pen_sq_store *store, struct pen_status *st)
 {
-    char folder[4096];
-    snprintf(folder, sizeof folder, "%s", path);
-    char *slash = strrchr(folder, '/');
-    if (slash)
-        slash[slash == folder] = '\0';
-    int fd = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    bool ok = fd >= 0 && fsync(fd) == 0;
-    if (fd >= 0)
-        close(fd);
-    return ok;
+    struct stat info;
+    if (stat(store->path, &info) != 0 && errno == ENOENT)
+        return pen_fail(st, PEN_NOT_FOUND, "there is no store %s", store->path);
+    return check_kind(store->path, st) && connect(store, store->path, st) &&
+           check_header(store, st) && configure(store, st) && pen_sq_check_log(store, st);
 }
 
-/* Gives the file its name, unless that has been taken meanwhile. Old file systems cannot promise
- * that; then a look has to do, under the lock that all who make stores take. */
-static bool name_new_file(const char *from, const char *to)
+void pen_sq_close_unwritten(struct pen_sq_store *store)
 {
-    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)
-        return true;
-    if (errno != EINVAL && errno != ENOSYS)
-        return errno == EEXIST && unlink(from) == 0;
-    return access(to, F_OK) == 0 ? unlink(from) == 0 : rename(from, to) == 0;
+    store->sound = false;
+    close_database(store);
 }
 
 /* A new store is made whole beside its path and then named, so an empty or half-made file under
@@ -307,10 +297,11 @@ static bool make_store(struct pen_sq_store *store, const char *path, struct pen_
     close(fd);
     bool ok = connect(store, path, st) && configure(store, st) && pen_sq_make_schema(store, st);
     close_database(store);
-    if (ok && (!name_new_file(path, store->path) || !sync_folder(store->path)))
+    if (ok && !pen_sq_name_new_file(path, store->path) && errno != EEXIST)
         ok = cannot_open(store->path, errno, st);
-    if (!ok)
-        unlink(path);
+    unlink(path); /* if it still has that name */
+    if (ok && !pen_sq_sync_folder(store->path))
+        ok = cannot_open(store->path, errno, st);
     return ok;
 }
 

@@ -138,6 +138,7 @@ static const char *what_failed(int rc)
 {
     switch (rc) {
     case SQLITE_IOERR_READ:
+    case SQLITE_IOERR_CORRUPTFS:
     case SQLITE_IOERR_SHORT_READ:
         return "be read";
     case SQLITE_IOERR_WRITE:
@@ -175,11 +176,11 @@ static bool is_own_want(int rc, int error)
            (rc != SQLITE_FULL && (error == ENOMEM || error == EMFILE || error == ENFILE));
 }
 
-/* SQLite passes on the errno of most failures; of those in a commit, only the files know it. */
-static int errno_of(struct pen_sq_store *store)
+/* What the files say of their last failure; 0: none. */
+static int errno_of_files(struct pen_sq_store *store)
 {
     static const int files[] = {SQLITE_FCNTL_JOURNAL_POINTER, SQLITE_FCNTL_FILE_POINTER};
-    int error = sqlite3_system_errno(store->db);
+    int error = 0;
     for (size_t i = 0; i < 2 && !error; i++) {
         sqlite3_file *file = NULL;
         if (sqlite3_file_control(store->db, "main", files[i], &file) == SQLITE_OK && file &&
@@ -189,8 +190,23 @@ static int errno_of(struct pen_sq_store *store)
     return error;
 }
 
+/* SQLite passes on the errno of most failures; of those in a commit, only the files know it. */
+static int errno_of(struct pen_sq_store *store)
+{
+    int error = sqlite3_system_errno(store->db);
+    return error ? error : errno_of_files(store);
+}
+
+bool pen_sq_is_refused_read(struct pen_sq_store *store, int rc)
+{
+    int error = (rc & 0xff) == SQLITE_CORRUPT ? errno_of_files(store) : 0;
+    return error == EIO || error == ENXIO;
+}
+
 bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st)
 {
+    if (pen_sq_is_refused_read(store, rc))
+        return pen_sq_io_error(store, SQLITE_IOERR_READ, EIO, st);
     int kind = rc & 0xff;
     bool system = kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN;
     int error = system ? errno_of(store) : 0;

@@ -6,12 +6,11 @@
  *
  *  - The header is written and synced before the first commit. So a header that is neither zero
  *    nor fits its checksum was overwritten.
- *  - A transaction is synced before the next begins. So where a frame does not fit, and the log
- *    goes on with two or more commits of the same generation (its salts are in every frame), the
- *    first of those was whole on the disk once.
- *
- * The second could be wrong about a log that holds failed commits as well as a crash; a store that
- * met a fault is mended before it is written to again, and that winds back its log.
+ *  - A transaction is synced before the next begins, and the checksums of the next go on from its
+ *    own. So where a frame does not fit, and after it two commits follow each other in one chain of
+ *    checksums (begun anew from what a frame says of itself), the first of them was whole on the
+ *    disk once. What a failed or torn transaction leaves behind is a chain with one commit at most:
+ *    none was ever built on it.
  *
  * Source: SQLite, "Database File Format", section 4, the write-ahead log. */
 #include <errno.h>
@@ -100,15 +99,28 @@ static bool fits(struct wal *wal)
     return has_sum(wal, wal->frame + 16);
 }
 
+/* Begins a chain from what the frame says. */
+static void begin_chain(struct wal *wal)
+{
+    wal->sum[0] = word_at(wal->frame + 16, true);
+    wal->sum[1] = word_at(wal->frame + 20, true);
+}
+
 static enum verdict read_frames(struct wal *wal)
 {
     bool ours, commit, broken = false;
-    int commits = 0;
+    int commits = 0; /* in a chain after the first break */
     for (int64_t i = 0; read_frame(wal, i, &ours, &commit); i++) {
-        broken = broken || !ours || !fits(wal);
+        if (!fits(wal) || !ours) {
+            broken = true;
+            commits = 0;
+            begin_chain(wal);
+        }
         commits += broken && ours && commit;
+        if (commits == 2)
+            return WAL_BAD_FRAME;
     }
-    return commits >= 2 ? WAL_BAD_FRAME : WAL_GOOD;
+    return WAL_GOOD;
 }
 
 static enum verdict look(const char *path)

@@ -18,18 +18,23 @@ static bool has_prefix(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
+static bool is_file(const char *url, struct pen_status *st)
+{
+    if (has_prefix(url, "postgres://") || has_prefix(url, "postgresql://"))
+        return pen_fail(st, PEN_UNSUPPORTED,
+                        "a PostgreSQL store is known, not supported yet; give the path of a file");
+    return url[0] != '\0' || pen_fail(st, PEN_USAGE, "the store needs the path of a file");
+}
+
 struct pen_store *pen_store_open(const char *url, struct pen_status *st)
 {
-    if (has_prefix(url, "postgres://") || has_prefix(url, "postgresql://")) {
-        pen_fail(st, PEN_UNSUPPORTED,
-                 "a PostgreSQL store is known, not supported yet; give the path of a file");
-        return NULL;
-    }
-    if (url[0] == '\0') {
-        pen_fail(st, PEN_USAGE, "the store needs the path of a file");
-        return NULL;
-    }
-    return pen_sqlite_open(url, st);
+    return is_file(url, st) ? pen_sqlite_open(url, st) : NULL;
+}
+
+bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
+                      struct pen_status *st)
+{
+    return is_file(url, st) && pen_sqlite_backup(url, file, replace, out, st);
 }
 
 void pen_store_close(struct pen_store *store)

@@ -85,8 +85,8 @@ static int file_close(sqlite3_file *base)
 
 static int file_read(sqlite3_file *base, void *out, int bytes, sqlite3_int64 at)
 {
-    if (fails(FAULT_READ))
-        return SQLITE_IOERR_READ;
+    if (fails(FAULT_READ)) /* as the system's does */
+        return disk.plan.error == EIO ? SQLITE_IOERR_CORRUPTFS : SQLITE_IOERR_READ;
     return below(base)->xRead(of(base)->real, out, bytes, at);
 }
 

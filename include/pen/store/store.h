@@ -94,6 +94,19 @@ struct pen_store_observer {
  * closed; NULL: none. */
 void pen_store_observe(struct pen_store *store, const struct pen_store_observer *observer);
 
+struct pen_backup {
+    int64_t jobs, bytes; /* in the copy */
+};
+
+/* Copies a store, which may be in use, to a file: all that was acknowledged before the call is in
+ * it, and it is one moment of the store. It is made beside its name, checked, synced and named
+ * last. Fails: PEN_CONFLICT (the file is there and is not to be replaced), PEN_USAGE (it is a
+ * folder or the store), PEN_IO, PEN_STORAGE_FULL (the copy cannot be written), PEN_STORAGE (the
+ * store is damaged or cannot be read), PEN_NOT_FOUND (there is no store), PEN_NO_MEMORY; nothing is
+ * left then. Cost: reads every page, and the copy twice. */
+bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
+                      struct pen_status *st);
+
 struct pen_view_new {
     const char *name;
     int width, height;

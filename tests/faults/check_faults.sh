@@ -1,0 +1,198 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A daemon whose disk fails: nothing is taken that could be lost, nothing is lost that was taken,
+# what can be read is served, and it goes on by itself once the disk works again. The disk is
+# preload.c; where tmpfs may be mounted, also one that is really full.
+. "$(dirname "$0")/../cmd/lib.sh"
+cd "$work" || exit 1
+export FAULTS_STORE="$store" FAULTS_CONTROL="$work/control"
+# The sanitizer's library wants to be the first one loaded; here it need not be.
+export ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}verify_asan_link_order=0"
+: >control
+start() {
+    LD_PRELOAD="$build/tests/faults/preload.so" daemon_start "$@"
+    export PENUMBRA_URL="$url"
+}
+fault() { # TEXT: from now on, at once
+    printf '%s\n' "$1" >control.new
+    mv control.new control
+}
+state_of() { # ID
+    curl -s "$url/v1/jobs/$1" | jq -r .state
+}
+is_running() { [ "$(state_of "$1")" = running ]; }
+is_ready() { [ "$(curl -s -o ready.json -w '%{http_code}' "$url/readyz")" = 200 ]; }
+now_ms() { date +%s%3N; }
+# A job that takes a second or so.
+"$penumbra" scenes forest >scene.json
+set -- --set width=200 --set height=150
+"$penumbra" render scene.json "$@" --stats stats.json
+set -- "$@" --set samples_per_pixel=$(jq '1200 / (.timing.render_ms + 1) | floor + 1' stats.json)
+"$penumbra" render scene.json "$@" -o wanted.pfm
+: >taken # every job that was answered with 202
+longest=0
+
+# refuses NAME STATUS DETAIL-PATTERN: a submit is refused, and readiness says why.
+refuses() {
+    # Until the fault is met, a submit may still get through; then it counts.
+    for _ in 1 2 3 4 5 6 7 8; do
+        submit "$small"
+        [ "$status" = 202 ] || break
+        basename "$job" >>taken
+    done
+    expect_problem "$1: a submit is refused" "$2" "$3"
+    [ -n "$(header retry-after)" ] && ok "$1: and told when to come back" ||
+        not_ok "$1: and told when to come back" "no Retry-After"
+    call /readyz
+    expect_problem "$1: readiness" 503 '*the store does not take writes: *'
+}
+
+# serves NAME ID: what is there can be had.
+serves() {
+    call "/v1/jobs/$2"
+    expect "$1: a job is served" "$status $(body .state)" "200 succeeded"
+    call "/v1/jobs/$2/image"
+    expect "$1: its picture too" "$status" 200
+    call "/v1/jobs?limit=3"
+    expect "$1: and lists" "$status" 200
+    call /healthz
+    expect "$1: the daemon lives" "$status" 200
+}
+
+# heals NAME: ready again within seconds, by the same processes.
+heals() {
+    begun=$(now_ms)
+    fault ""
+    if within 20 is_ready; then
+        took=$(($(now_ms) - begun))
+        [ "$took" -le "$longest" ] || longest=$took
+        echo "# $1: ready $took ms after the disk"
+        expect "$1: ready within 5 s" "$((took < 5000))" 1
+    else
+        not_ok "$1: ready again" "$(cat ready.json)"
+    fi
+    submit "$small"
+    expect "$1: and takes jobs" "$status" 202
+    basename "$job" >>taken
+    expect "$1: by the same processes" "$(child api) $(child work)" "$children"
+}
+
+# strikes NAME FAULT STATUS DETAIL-PATTERN: while a job is at work.
+strikes() {
+    id=$("$penumbra" submit scene.json $args)
+    echo "$id" >>taken
+    within 20 is_running "$id" || not_ok "$1: the job starts" "$(state_of "$id")"
+    children="$(child api) $(child work)"
+    fault "$2"
+    refuses "$1" "$3" "$4"
+    [ "$5" = unread ] || serves "$1" "$done_id"
+    sleep 1.5 # the worker meets it as well, and holds what it has
+    heals "$1"
+    ends "$1: the job at work succeeds" 0 "$penumbra" wait "$id"
+    "$penumbra" fetch "$id" -o got.pfm
+    check "$1: with the same bytes" cmp got.pfm wanted.pfm
+}
+
+args=$*
+start
+done_id=$("$penumbra" submit builtin:spheres --set width=32 --set height=32 --wait -o first.png)
+done_id=$("$penumbra" list --json | jq -r '.jobs[0].id')
+echo "$done_id" >>taken
+strikes "full disk" "write ENOSPC" 507 '*no room left*' read
+strikes "disk that fills in mid write" "write SHORT" 507 '*no room left*' read
+strikes "write errors" "write EIO" 503 '*could not be*Input/output error*' read
+strikes "failed fsync" "sync EIO" 503 '*could not be*Input/output error*' read
+strikes "fsync that finds no room" "sync ENOSPC" 507 '*could not be*No space left*' read
+strikes "read errors" "read EIO
+write EIO" 503 '*could not be*Input/output error*' unread
+
+# Every third sync fails for a while: what is taken is taken all the same
+fault "sync EIO 3"
+given=0
+for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
+    submit "$small"
+    case $status in
+    202) basename "$job" >>taken ;;
+    503) given=$((given + 1)) ;;
+    *) not_ok "a disk that fails now and then" "$status" ;;
+    esac
+    sleep 0.2
+done
+children="$(child api) $(child work)"
+heals "a disk that fails now and then"
+echo "# longest time to get ready: $longest ms"
+
+# The log is told, and not flooded
+lines=$(grep -c 'trying again' log)
+expect "the log is not flooded" "$((lines < 60))" 1
+check "it says when the store fails" grep -q 'the store .* is ill: ' log
+check "and when it is mended" grep -q 'the store .* is mended: ' log
+
+# Stopped while the disk fails: in time, and nothing is lost
+id=$("$penumbra" submit scene.json $args)
+echo "$id" >>taken
+within 20 is_running "$id"
+fault "sync EIO"
+submit "$small"
+sleep 1
+begun=$(date +%s)
+daemon_stop
+expect "a daemon whose disk fails ends in time" "$(($(date +%s) - begun < 11))" 1
+fault ""
+start
+ends "the job goes on with the next start" 0 "$penumbra" wait "$id"
+"$penumbra" fetch "$id" -o got.pfm
+check "to the same bytes" cmp got.pfm wanted.pfm
+
+# All that was taken is there and has come to its end
+ends "all that was taken succeeds" 0 "$penumbra" wait $(cat taken)
+"$penumbra" wait $(cat taken) >ends 2>>log
+expect "every one" "$(grep -c ' succeeded$' ends)" "$(sort -u taken | wc -l | tr -d ' ')"
+daemon_stop
+
+# Started with a disk that fails: said, not served
+fault "read EIO"
+ends "a store that cannot be read ends the start" 8 env LD_PRELOAD="$build/tests/faults/preload.so" \
+    "$build/penumbrad" --listen 127.0.0.1:0 --store "$store"
+says "which says so" stderr "Input/output error"
+fault ""
+
+# A disk that is really full
+full=$work/full
+mkdir "$full"
+if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
+    trap 'daemon_stop; umount "$full" 2>/dev/null; clean_up' EXIT
+    store=$full/penumbra.db
+    daemon_start
+    children="$(child api) $(child work)"
+    submit "$small"
+    first=$(basename "$job")
+    PENUMBRA_URL=$url "$penumbra" wait "$first" >/dev/null
+    dd if=/dev/zero of="$full/ballast" bs=64k 2>/dev/null
+    # Each scene is another, so each takes room
+    taken=0
+    for i in $(seq 200); do
+        submit "{\"scene\": {\"format\": \"penumbra-scene/1\", \"name\": \"$(head -c 6000 /dev/urandom |
+            base64 -w 0)\", \"camera\": {\"position\": [0, 0, 9], \"look_at\": [0, 0, 0]},
+            \"objects\": []}, \"render\": {\"width\": 8, \"height\": 8}}"
+        [ "$status" = 202 ] || break
+        taken=$((taken + 1))
+    done
+    expect_problem "a disk that is really full" 507 '*no room left*'
+    call /readyz
+    expect_problem "makes the daemon unready" 503 '*no room left*'
+    call "/v1/jobs/$first"
+    expect "and what is there is served" "$status" 200
+    rm "$full/ballast"
+    within 10 is_ready && ok "room makes it ready" || not_ok "room makes it ready" "$(cat ready.json)"
+    submit "$small"
+    expect "and take jobs" "$status" 202
+    expect "by the same processes" "$(child api) $(child work)" "$children"
+    check "all it took are done" within 30 sh -c "[ \$(curl -s '$url/v1/jobs?limit=500&state=succeeded' |
+        jq '.jobs | length') = $((taken + 2)) ]"
+    daemon_stop
+    umount "$full"
+else
+    echo "# tmpfs may not be mounted here: the full disk is only played"
+fi
+finish

@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: MIT */
+/* Copies of a store: whole while others write, checked, named last, and never in another's place.
+ */
+#include <dirent.h>
+#include <errno.h>
+#include <pthread.h>
+#include <sqlite3.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "pen/base/log.h"
+#include "support/faults.h"
+#include "support/store.h"
+#include "support/suite.h"
+
+static struct store_bed bed;
+static char file[128];
+
+static void open_bed(void)
+{
+    store_bed_open(&bed);
+    snprintf(file, sizeof file, "%s/backup.db", bed.folder);
+}
+
+static void submit(int n)
+{
+    struct store_job in;
+    store_job_init(&in, n, 1, 3);
+    store_job_submit(bed.store, &in);
+}
+
+static struct pen_backup must_back_up(bool replace)
+{
+    struct pen_backup backup = {0};
+    struct pen_status st;
+    store_must(pen_store_backup(bed.url, file, replace, &backup, &st), &st, "backup");
+    return backup;
+}
+
+static void refuse(enum pen_code code, const char *hint)
+{
+    struct pen_backup backup;
+    struct pen_status st = {0};
+    ck_assert(!pen_store_backup(bed.url, file, false, &backup, &st));
+    ck_assert_msg(st.code == code, "%s: %s", pen_code_name(st.code), st.msg);
+    ck_assert_msg(strstr(st.msg, hint) != NULL, "\"%s\" lacks \"%s\"", st.msg, hint);
+}
+
+/* Nothing unfinished lies about. */
+static void expect_no_parts(void)
+{
+    DIR *dir = opendir(bed.folder);
+    ck_assert_ptr_nonnull(dir);
+    for (struct dirent *entry; (entry = readdir(dir)) != NULL;)
+        ck_assert_msg(!strstr(entry->d_name, ".part-"), "%s is left over", entry->d_name);
+    closedir(dir);
+}
+
+static int jobs_in(struct pen_store *store)
+{
+    struct pen_status st;
+    struct pen_job_filter filter = {.state = -1, .limit = 10000};
+    struct pen_job_record *jobs;
+    int count = 0;
+    store_must(pen_store_jobs(store, &filter, &jobs, &count, &st), &st, "list");
+    pen_job_records_free(jobs, count);
+    return count;
+}
+
+START_TEST(test_backup__is_a_store_of_one_file)
+{
+    struct stat info;
+    char log[140];
+    open_bed();
+    for (int n = 0; n < 5; n++)
+        submit(n);
+    store_claim(bed.store, "w");
+    struct pen_backup backup = must_back_up(false);
+    ck_assert_int_eq(backup.jobs, 5);
+    ck_assert_int_eq(stat(file, &info), 0);
+    ck_assert_int_eq(info.st_size, backup.bytes);
+    ck_assert_int_eq(info.st_mode & 0777, 0600);
+    snprintf(log, sizeof log, "%s-wal", file);
+    ck_assert_msg(access(log, F_OK) != 0, "%s", log);
+    expect_no_parts();
+    struct pen_status st;
+    struct pen_store *copy = pen_store_open(file, &st);
+    store_must(copy != NULL, &st, "open the copy");
+    store_audit_clean(copy);
+    ck_assert_int_eq(jobs_in(copy), 5);
+    int opened;
+    store_must(pen_store_sweep(copy, "w", &opened, &st), &st, "sweep");
+    ck_assert_int_eq(opened, 1);
+    ck_assert_int_eq(store_work_off(copy, "x"), 5 * 4);
+    pen_store_close(copy);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_backup__takes_no_other_files_place)
+{
+    struct stat before, after;
+    char name[128];
+    open_bed();
+    submit(1);
+    must_back_up(false);
+    ck_assert_int_eq(stat(file, &before), 0);
+    refuse(PEN_CONFLICT, "is there already");
+    submit(2);
+    ck_assert_int_eq(stat(file, &after), 0);
+    ck_assert_uint_eq(after.st_ino, before.st_ino);
+    ck_assert_int_eq(must_back_up(true).jobs, 2);
+    memcpy(name, file, sizeof name);
+    memcpy(file, bed.url, sizeof bed.url);
+    refuse(PEN_USAGE, "is the store itself");
+    snprintf(file, sizeof file, "%s-wal", bed.url);
+    refuse(PEN_USAGE, "is the store itself");
+    memcpy(file, bed.folder, sizeof bed.folder);
+    refuse(PEN_USAGE, "is a folder");
+    snprintf(file, sizeof file, "%s/no/such/folder", bed.folder);
+    refuse(PEN_IO, "No such file");
+    expect_no_parts();
+    store_bed_close(&bed);
+}
+END_TEST
+
+static atomic_bool stop;
+static atomic_int acknowledged;
+
+static void *write_on(void *arg)
+{
+    struct pen_store *store = store_bed_handle(&bed);
+    (void)arg;
+    for (int n = 1000; !atomic_load(&stop); n++) {
+        struct store_job in;
+        store_job_init(&in, n, 1, 3);
+        store_job_submit(store, &in);
+        atomic_fetch_add(&acknowledged, 1);
+        struct pen_claim claim = store_claim(store, "w");
+        ck_assert_int_eq(store_commit(store, &claim), PEN_OK);
+    }
+    pen_store_close(store);
+    return NULL;
+}
+
+START_TEST(test_backup__under_load_has_what_was_acknowledged_before)
+{
+    enum { BACKUPS = 8 };
+    pthread_t writer;
+    open_bed();
+    ck_assert_int_eq(pthread_create(&writer, NULL, write_on, NULL), 0);
+    int last = 0;
+    for (int i = 0; i < BACKUPS; i++) {
+        struct pen_status st;
+        usleep(100000);
+        int before = atomic_load(&acknowledged);
+        struct pen_backup backup = must_back_up(true);
+        ck_assert_int_ge(backup.jobs, before);
+        ck_assert_int_ge(before, last);
+        last = before;
+        struct pen_store *copy = pen_store_open(file, &st);
+        store_must(copy != NULL, &st, "open the copy");
+        store_audit_clean(copy);
+        ck_assert_int_eq(jobs_in(copy), backup.jobs);
+        pen_store_close(copy);
+    }
+    ck_assert_int_gt(last, 0);
+    atomic_store(&stop, true);
+    pthread_join(writer, NULL);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_backup__of_nothing_or_of_a_damaged_store_is_refused)
+{
+    open_bed();
+    for (int n = 0; n < 20; n++)
+        submit(n);
+    pen_store_close(bed.store);
+    FILE *store = fopen(bed.url, "r+b");
+    ck_assert_ptr_nonnull(store);
+    fseek(store, 6 * 4096, SEEK_SET);
+    for (int i = 0; i < 4096; i++)
+        fputc(0x5a, store);
+    fclose(store);
+    refuse(PEN_STORAGE, "damaged");
+    ck_assert_int_ne(access(file, F_OK), 0);
+    unlink(bed.url);
+    refuse(PEN_NOT_FOUND, "there is no store");
+    ck_assert_int_ne(access(bed.url, F_OK), 0); /* and none was made */
+    expect_no_parts();
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf %s", bed.folder);
+    ck_assert_int_eq(system(command), 0);
+}
+END_TEST
+
+/* The disk of the copy fails, at every write in turn. */
+START_TEST(test_backup__that_cannot_be_written_leaves_nothing)
+{
+    static const int errors[] = {ENOSPC, EIO};
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    faults_install();
+    open_bed();
+    for (int n = 0; n < 5; n++)
+        submit(n);
+    for (int i = 0; i < 2; i++) {
+        for (long n = 1;; n++) {
+            struct pen_backup backup;
+            struct pen_status st = {0};
+            struct fault_plan plan = {
+                .calls = FAULT_WRITE, .mode = FAULT_FROM, .n = n, .error = errors[i]};
+            faults_arm(&plan);
+            bool ok = pen_store_backup(bed.url, file, true, &backup, &st);
+            if (faults_disarm() == 0) {
+                store_must(ok, &st, "backup");
+                ck_assert_int_gt(n, 5);
+                break;
+            }
+            ck_assert(!ok);
+            ck_assert_msg(st.code == (errors[i] == ENOSPC ? PEN_STORAGE_FULL : PEN_IO),
+                          "%ld: %s: %s", n, pen_code_name(st.code), st.msg);
+            ck_assert_msg(strstr(st.msg, file) != NULL, "%s", st.msg);
+            ck_assert_int_eq(access(file, F_OK), i == 0 ? -1 : 0); /* as it was before */
+            expect_no_parts();
+        }
+    }
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("backup", test_backup__is_a_store_of_one_file, test_backup__takes_no_other_files_place,
+          test_backup__under_load_has_what_was_acknowledged_before,
+          test_backup__of_nothing_or_of_a_damaged_store_is_refused,
+          test_backup__that_cannot_be_written_leaves_nothing)
