@@ -11,6 +11,7 @@
 #define PEN_STORE_SQLITE_H
 
 #include <sqlite3.h>
+#include <sys/stat.h>
 
 #include "ops.h"
 #include "pack.h"
@@ -87,6 +88,7 @@ struct pen_sq_store {
     size_t rgb_pixels;         /* what it has room for */
     int64_t patience_ms;       /* how long to wait for another's write */
     int wal_pages;             /* length of the write-ahead log after the last commit */
+    struct stat opened;        /* the file as first opened: device and inode */
     bool sound;                /* opened without fault, and none since: closing may write */
     sqlite3_stmt *stmt[SQ_COUNT];
 };

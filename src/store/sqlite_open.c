@@ -89,6 +89,20 @@ static bool pen_sq_room(struct pen_store *base, struct pen_status *st)
 }
 
 static bool open_database(struct pen_sq_store *store, struct pen_status *st);
+static bool cannot_open(const char *path, int error, struct pen_status *st);
+
+/* Another file in the store's place must not be opened with the log of the one before. */
+static bool is_same_file(const struct pen_sq_store *store, struct pen_status *st)
+{
+    struct stat now;
+    if (stat(store->path, &now) != 0)
+        return cannot_open(store->path, errno, st);
+    return (now.st_dev == store->opened.st_dev && now.st_ino == store->opened.st_ino) ||
+           pen_fail(st, PEN_STORAGE,
+                    "another file was put in the place of the store %s while it was in use: stop "
+                    "Penumbra, remove the files ending in -wal and -shm, and start it again",
+                    store->path);
+}
 
 /* The new connection comes before the old one goes: were there none in between, the next would
  * read the whole log again and find a transaction there whose sync had failed, after others saw
@@ -96,6 +110,8 @@ static bool open_database(struct pen_sq_store *store, struct pen_status *st);
 static bool pen_sq_reopen(struct pen_store *base, struct pen_status *st)
 {
     struct pen_sq_store *store = pen_sq_of(base), old = *store;
+    if (!is_same_file(store, st))
+        return false;
     store->db = NULL;
     memset(store->stmt, 0, sizeof store->stmt);
     bool ok = open_database(store, st);
@@ -331,6 +347,8 @@ static bool open_locked(struct pen_sq_store *store, const char *lock_path, struc
     while (flock(lock, LOCK_EX) != 0 && errno == EINTR)
         continue;
     bool ok = make_missing(store, st) && open_database(store, st);
+    if (ok && stat(store->path, &store->opened) != 0)
+        ok = cannot_open(store->path, errno, st);
     if (!ok && made) /* a file that is no store is left as it was found, without company */
         unlink(lock_path);
     close(lock);

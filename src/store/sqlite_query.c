@@ -319,10 +319,24 @@ static bool begin(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_st
     return false;
 }
 
+/* A file that lost its name goes with the process, and what was written to it. */
+static bool has_name(struct pen_sq_store *store, struct pen_status *st)
+{
+    int moved = 0;
+    sqlite3_file_control(store->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    if (!moved)
+        return true;
+    note_fault(store, PEN_FAULT_IO, ENOENT);
+    return pen_fail(st, PEN_STORAGE,
+                    "the store %s was moved or removed while it was in use; put it back, or stop "
+                    "Penumbra",
+                    store->path);
+}
+
 bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg,
                         struct pen_status *st)
 {
-    if (!begin(store, SQ_BEGIN_WRITE, st))
+    if (!has_name(store, st) || !begin(store, SQ_BEGIN_WRITE, st))
         return false;
     if (!body(store, arg, st) || !run_plain(store, SQ_COMMIT, st)) {
         roll_back(store);

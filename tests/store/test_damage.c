@@ -411,8 +411,57 @@ START_TEST(test_damage__found_in_use_is_not_served_until_it_is_gone)
 }
 END_TEST
 
+static bool submit_one(int n, struct pen_status *st)
+{
+    struct store_job in;
+    struct pen_buf answer = {0};
+    enum pen_submit_result result;
+    store_job_init(&in, n, 1, 1);
+    bool ok = pen_store_submit(bed.store, &in.job, &result, &answer, st);
+    pen_buf_release(&answer);
+    return ok;
+}
+
+static void expect_refusal(int n, const char *hint)
+{
+    struct pen_status st = {0};
+    for (int i = 0; i < 20 && !strstr(st.msg, hint); i++) {
+        ck_assert(!submit_one(n, &st));
+        ck_assert_int_eq(st.code, PEN_STORAGE);
+        usleep(100000);
+    }
+    ck_assert_msg(strstr(st.msg, hint) != NULL, "\"%s\" lacks \"%s\"", st.msg, hint);
+}
+
+/* Jobs written to it would be gone with the process. */
+START_TEST(test_damage__file_that_loses_its_name_takes_no_jobs)
+{
+    char away[128], command[300];
+    struct pen_status st = {0};
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    snprintf(away, sizeof away, "%s/away", bed.folder);
+    store_must(submit_one(1, &st), &st, "submit");
+    ck_assert_int_eq(rename(bed.url, away), 0);
+    expect_refusal(2, "was moved or removed");
+    snprintf(command, sizeof command, "cp %s %s", away, bed.url);
+    ck_assert_int_eq(system(command), 0);
+    expect_refusal(2, "another file was put in the place");
+    ck_assert_int_eq(rename(away, bed.url), 0);
+    bool ok = false;
+    for (int i = 0; i < 50 && !ok; i++) {
+        ok = submit_one(2, &st);
+        usleep(100000);
+    }
+    store_must(ok, &st, "submit");
+    ck_assert_int_eq(store_work_off(bed.store, "w"), 2);
+    store_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("store damage", test_damage__every_page_of_every_table_and_index, test_damage__headers,
           test_damage__lengths, test_damage__schema_that_is_not_of_its_version,
           test_damage__not_a_file, test_damage__no_permission, test_damage__logs,
           test_damage__torn_logs_are_no_damage,
-          test_damage__found_in_use_is_not_served_until_it_is_gone)
+          test_damage__found_in_use_is_not_served_until_it_is_gone,
+          test_damage__file_that_loses_its_name_takes_no_jobs)
