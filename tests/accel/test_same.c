@@ -143,7 +143,7 @@ START_TEST(test_accel__h095_equals_brute_force)
 {
     struct random random = random_begin(2);
     static uint8_t see_through[WORLD_MAX];
-    for (int scene = 0; scene < 400; scene++) {
+    for (int scene = 0; scene < 150; scene++) {
         world_clear(&world);
         world_random(&world, &random, random_below(&random, 60), random_in(&random, 0.02, 1));
         for (uint32_t i = 0; i < world.prims.count; i++)

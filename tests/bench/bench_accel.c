@@ -228,11 +228,14 @@ static void run(const char *name, const struct bench *b, enum pen_accelerator ki
 {
     static const char *const names[PEN_ACCEL_COUNT] = {"auto", "none", "cbr", "manual", "median"};
     struct pen_status st;
+    int64_t start = pen_clock_cpu_ns();
     struct pen_accel *accel = need(pen_accel_build(&b->prims, kind, b->arena, &st));
+    double cpu_ms = (double)(pen_clock_cpu_ns() - start) * 1e-6;
     const struct pen_accel_stats *stats = pen_accel_get_stats(accel);
-    printf("%s %s: %u primitives, %u nodes, %u leaves, depth %u, %.1f MiB, cost %.2f, %.0f ms\n",
+    printf("%s %s: %u primitives, %u nodes, %u leaves, depth %u, %.1f MiB, cost %.2f, %.0f ms, cpu "
+           "%.0f ms\n",
            name, names[kind], b->prims.count, stats->nodes, stats->leaves, stats->depth,
-           (double)stats->bytes / 0x1p20, stats->sah_cost, stats->build_ms);
+           (double)stats->bytes / 0x1p20, stats->sah_cost, stats->build_ms, cpu_ms);
     size_t n = side * side;
     struct job *primary = need(calloc(n, sizeof *primary));
     struct job *shadow = need(calloc(n, sizeof *shadow));
