@@ -23,12 +23,18 @@
  * before the store is mended, perhaps all (the log may hold it, and a recovery finds it there).
  * Commits may be repeated; submits are by their key.
  *
- * Covered by tests (tests/store/test_faults.c below SQLite for every n-th call, tests/faults on a
- * running daemon): writes refused for want of room, short writes, EIO on read, write, truncate,
- * failed fsync and open, once or until healed; loss of all that was not synced at any write.
- * Damage: tests/store/test_damage.c. Not covered: a disk that says it has synced and has not;
- * bytes that change inside a text or number (SQLite keeps no checksums of pages; scenes and pixels
- * carry one of their own); SIGBUS from a mapped page that the file system cannot provide. */
+ * Covered by tests, below SQLite for every n-th call (tests/store/test_faults.c) and under a
+ * running daemon (tests/faults): no room, short writes, EIO on read, write, truncate, shared memory
+ * and open, failed fsync, once, every n-th or until healed; loss of what was not synced at any
+ * write; a tmpfs that is really full. Damage of any page, header, length or log, found at the start
+ * or in use, and a file that is moved away or replaced while it is in use:
+ * tests/store/test_damage.c.
+ *
+ * Not covered: a disk that says it has synced and has not; a file system that loses a name that
+ * was synced; bytes that change inside a text, a number or a picture (SQLite has no checksums of
+ * pages; scenes and pixels carry one of their own, and are refused when read); SIGBUS from a
+ * mapped page that the file system cannot provide; a disk that hangs without an error: calls hang
+ * with it. */
 #ifndef PEN_STORE_HEALTH_H
 #define PEN_STORE_HEALTH_H
 
