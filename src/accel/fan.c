@@ -38,7 +38,7 @@ bool pen_fan_prepare(struct pen_fan *fan, double scale)
     fan->reach = pen_norm1(fan->c) + pen_norm1(fan->u) + pen_norm1(fan->v);
     fan->grow = 0x1p10 * (fan->leave->bound + 8 * PEN_U * scale);
     fan->delta = 4 * fan->grow + share * (pen_norm1(fan->o) + (fan->to_point ? fan->reach : 0));
-    fan->gates = 0;
+    fan->gates = fan->tints = 0;
     return true;
 }
 
@@ -200,31 +200,43 @@ static bool all_along(const struct pen_fan *fan, struct pen_vec3 n, double size)
     return line_say(&line) == LINE_POSITIVE;
 }
 
-/* From outside, and with the whole sphere before the disk, a ray meets it if its angle to the
- * centre is less than the tangent's: p^2 > (|g|^2 - r^2) |d|^2, with p = g.d > 0. */
+/* A ray's crossings with a sphere are at (p -+ sqrt(p^2 - k |d|^2)) / |d|^2, with p = g.d, g from
+ * the origin to the centre, and k = |g|^2 - r^2. Lines: p; k with the band of the square root's
+ * argument; |d|^2, and the t that ends a ray. */
+static void sphere_lines(const struct pen_fan *fan, struct pen_vec3 g, double k, double size,
+                         struct pen_gate *gate)
+{
+    gate->line[0] = line_of(fan, g, 0);
+    gate->line[1].e = k;
+    gate->line[1].band = 0x1p-28 * size * size * fan->reach * fan->reach;
+    gate->line[2].e = fan->depth * fan->depth;
+    gate->line[2].u = pen_dot(fan->u, fan->u);
+    gate->line[2].v = pen_dot(fan->v, fan->v);
+    gate->line[2].band = fan->to_point ? 1 : INFINITY;
+}
+
+/* From outside, and with the whole sphere before the disk, a ray that crosses it does so twice, if
+ * p > 0; the cone of tangents tells which. */
 static enum pen_gate_say sphere_gate(const struct pen_fan *fan, const struct pen_sphere *s,
                                      struct pen_gate *gate)
 {
     struct pen_vec3 g = pen_sub(s->c, fan->o);
     double distance = pen_length(g), delta = fan->delta + share * (distance + s->r);
-    if (gate->prim == fan->leave->prim)
-        return all_along(fan, pen_neg(g), pen_norm1(g)) ? PEN_GATE_NEVER : ask(gate, true);
-    if (ball_is_off(fan, g, s->r, delta))
+    if (gate->own && all_along(fan, pen_neg(g), pen_norm1(g)))
         return PEN_GATE_NEVER;
-    double depth = pen_dot(g, fan->l);
-    if (!(distance > s->r + delta && (!fan->to_point || depth + s->r < fan->depth - delta)))
-        return ask(gate, fabs(distance - s->r) <= delta);
-    double tangent2 = (distance - s->r) * (distance + s->r);
+    if (!gate->own && ball_is_off(fan, g, s->r, delta))
+        return PEN_GATE_NEVER;
+    if (!gate->own && fabs(distance - s->r) <= delta)
+        return ask(gate, true);
+    double depth = pen_dot(g, fan->l), k = (distance - s->r) * (distance + s->r);
+    gate->kind = PEN_GATE_BALL;
+    sphere_lines(fan, g, k, distance + s->r, gate);
+    if (gate->own || k < 0 || (fan->to_point && depth + s->r > fan->depth - delta))
+        return PEN_GATE_SOME;
     double aside = pen_length(plain_cross(g, fan->l));
-    if (gate->opaque && depth * fan->slope_cos - aside * fan->slope_sin > sqrt(tangent2) + delta)
+    if (gate->opaque && depth * fan->slope_cos - aside * fan->slope_sin > sqrt(k) + delta)
         return PEN_GATE_ALWAYS;
     gate->kind = PEN_GATE_SPHERE;
-    gate->line[0] = line_of(fan, g, 0);
-    gate->line[1].e = tangent2;
-    gate->line[1].band = 0x1p-28 * distance * distance * fan->reach * fan->reach;
-    gate->line[2].e = fan->depth * fan->depth;
-    gate->line[2].u = pen_dot(fan->u, fan->u);
-    gate->line[2].v = pen_dot(fan->v, fan->v);
     return PEN_GATE_SOME;
 }
 
@@ -278,9 +290,10 @@ static bool cylinder_is_left(const struct pen_fan *fan, const struct pen_cylinde
     }
 }
 
-/* From outside, and with the disk outside, a capped cylinder is met in the overlap of the endless
- * side and the slab, between two t: as in pen_cylinder_inside, with |a| = 1. Lines: d.a; d.f across
- * the axis; then constants. */
+/* A cylinder is crossed at the ends of the overlap of two intervals, of the endless side and of the
+ * slab between the caps: as in pen_cylinder_inside, with |a| = 1. Lines: d.a; d.f across the axis;
+ * |d|^2, and the t that ends a ray; squared distance from the axis less r^2, and their sum; the two
+ * heights of the slab over the origin, and whether there are caps. */
 static void cylinder_lines(const struct pen_fan *fan, const struct pen_cylinder *c,
                            struct pen_vec3 axis, struct pen_vec3 f, struct pen_gate *gate)
 {
@@ -292,11 +305,12 @@ static void cylinder_lines(const struct pen_fan *fan, const struct pen_cylinder 
     gate->line[2].e = fan->depth * fan->depth;
     gate->line[2].u = pen_dot(fan->u, fan->u);
     gate->line[2].v = pen_dot(fan->v, fan->v);
+    gate->line[2].band = fan->to_point ? 1 : INFINITY;
     gate->line[3].e = pen_dot(side, side) - c->round.r * c->round.r;
     gate->line[3].u = pen_dot(side, side) + c->round.r * c->round.r;
     gate->line[4].e = -along;
     gate->line[4].u = c->h - along;
-    gate->line[4].v = fan->to_point ? 1 : INFINITY;
+    gate->line[4].v = c->caps;
 }
 
 static enum pen_gate_say cylinder_gate(const struct pen_fan *fan, const struct pen_cylinder *c,
@@ -305,19 +319,15 @@ static enum pen_gate_say cylinder_gate(const struct pen_fan *fan, const struct p
     struct pen_vec3 axis = pen_scale(c->round.a, 1 / c->round.length);
     struct pen_vec3 f = pen_sub(fan->o, c->round.q);
     double size = c->round.r + c->h, delta = fan->delta + share * (pen_norm1(f) + size);
-    if (gate->prim == fan->leave->prim)
-        return cylinder_is_left(fan, c, axis, f) ? PEN_GATE_NEVER : ask(gate, true);
+    if (gate->own && cylinder_is_left(fan, c, axis, f))
+        return PEN_GATE_NEVER;
     double gap = cylinder_gap(c, axis, f);
     struct pen_vec3 middle = pen_sub(pen_scale(axis, 0.5 * c->h), f);
-    if (gap > delta && cylinder_is_off(fan, c, middle, axis, delta))
+    if (!gate->own && gap > delta && cylinder_is_off(fan, c, middle, axis, delta))
         return PEN_GATE_NEVER;
-    double spread = fan->reach * fan->slope_sin;
-    bool ends_outside =
-        !fan->to_point || cylinder_gap(c, axis, pen_add(f, fan->c)) > spread + delta;
-    if (gap > delta && c->caps && ends_outside)
-        cylinder_lines(fan, c, axis, f, gate);
-    else
-        return ask(gate, gap <= delta);
+    if (!gate->own && fabs(gap) <= delta)
+        return ask(gate, true);
+    cylinder_lines(fan, c, axis, f, gate);
     return PEN_GATE_SOME;
 }
 
@@ -326,8 +336,7 @@ static enum pen_gate_say tube_gate(const struct pen_fan *fan, const struct pen_t
 {
     struct pen_vec3 axis = pen_scale(tube->round.a, 1 / tube->round.length);
     struct pen_vec3 f = pen_sub(fan->o, tube->round.q);
-    if (gate->prim == fan->leave->prim &&
-        all_along(fan, pen_sub(f, pen_scale(axis, pen_dot(f, axis))), pen_norm1(f)))
+    if (gate->own && all_along(fan, pen_sub(f, pen_scale(axis, pen_dot(f, axis))), pen_norm1(f)))
         return PEN_GATE_NEVER;
     return ask(gate, true);
 }
@@ -365,7 +374,7 @@ enum pen_gate_say pen_gate_make(const struct pen_fan *fan, const struct pen_prim
     gate->prim = prim;
     gate->kind = PEN_GATE_LINES;
     gate->lines = 0;
-    gate->near = false;
+    gate->own = gate->near = prim == fan->leave->prim;
     gate->opaque = !(fan->see_through && fan->see_through[prim]);
     switch ((enum pen_prim_kind)ref.kind) {
     case PEN_PRIM_SPHERE:

@@ -89,6 +89,10 @@ static inline bool fan_add(const struct pen_accel *accel, struct pen_fan *fan, u
         *fate = PEN_FAN_SHUT;
         return false;
     }
+    if (!fan->gate[fan->gates].opaque && fan->tints < PEN_FAN_TINTS)
+        fan->tint[fan->tints++] = (uint8_t)fan->gates;
+    else if (!fan->gate[fan->gates].opaque)
+        fan->gate[fan->gates].kind = PEN_GATE_ASK;
     if (++fan->gates < PEN_FAN_GATES)
         return true;
     *fate = PEN_FAN_NONE;

@@ -5,10 +5,12 @@
 #define SHADE_POINTS_H
 
 #include <math.h>
+#include <string.h>
 
 #include "pen/accel/fan.h"
 #include "pen/math/sample.h"
 #include "pen/scene/settings.h"
+#include "points_lanes.h"
 
 struct points {
     uint64_t hash;
@@ -17,6 +19,12 @@ struct points {
     uint32_t next;    /* sobol, random: index; grid: row */
     uint32_t column;  /* grid */
     bool none;        /* grid: no point so far was in the circle */
+};
+
+/* Some of them, as coordinates on the unit disk. */
+struct point_list {
+    double a[PEN_FAN_RAYS], b[PEN_FAN_RAYS];
+    int count;
 };
 
 /* The least m with m^2 >= n. */
@@ -63,58 +71,89 @@ static inline struct points_row points_row(uint32_t edge, uint32_t row)
     return r;
 }
 
-/* The point of a grid's cell, in the square around the unit disk; whether it is in the disk. */
-static inline bool points_cell(const struct points *p, uint32_t row, uint32_t column,
-                               struct pen_point2 *at)
+/* The points of four cells of a row of the grid, in the square around the unit disk. */
+static inline void points_cells(const struct points *p, uint32_t row, uint32_t column, point4 *x,
+                                point4 *y)
 {
-    struct pen_point2 in = pen_grid2(p->hash, p->samples, row * p->samples + column);
-    *at = (struct pen_point2){2 * in.x - 1, 2 * in.y - 1};
-    return at->x * at->x + at->y * at->y <= 1;
+    point4 columns = {column, column + 1., column + 2., column + 3.};
+    points_random(p->hash, row * p->samples + column, x, y);
+    *x = 2 * ((columns + *x) / p->samples) - 1;
+    *y = 2 * ((row + *y) / p->samples) - 1;
 }
 
-static inline int points_fill_grid(struct points *p, double a[PEN_FAN_RAYS], double b[PEN_FAN_RAYS])
+/* Appends the points of four cells of a row that are in the disk, of those before `stop`. */
+static inline int points_add_cells(const struct points *p, uint32_t row, uint32_t column,
+                                   uint32_t stop, struct point_list *list)
 {
-    int n = 0;
+    point4 x, y;
+    points_cells(p, row, column, &x, &y);
+    choice4 in = x * x + y * y <= 1;
+    for (uint32_t i = 0; i < 4 && column + i < stop; i++) {
+        list->a[list->count] = x[i];
+        list->b[list->count] = y[i];
+        list->count += in[i] & 1;
+    }
+    return list->count;
+}
+
+/* Rows are cut where the list is full. */
+static inline void points_fill_grid(struct points *p, struct point_list *list)
+{
     for (; p->next < p->samples; p->next++, p->column = 0) {
         struct points_row row = points_row(p->samples, p->next);
         if (p->column < row.out)
             p->column = row.out;
-        for (; p->column < row.stop; p->column++) {
-            struct pen_point2 at;
-            if (n == PEN_FAN_RAYS)
-                return n;
-            if (!points_cell(p, p->next, p->column, &at))
-                continue;
-            a[n] = at.x;
-            b[n++] = at.y;
-            p->none = false;
+        for (; p->column < row.stop; p->column += 4) {
+            if (list->count > PEN_FAN_RAYS - 4)
+                return;
+            if (points_add_cells(p, p->next, p->column, row.stop, list) > 0)
+                p->none = false;
         }
     }
-    if (n == 0 && p->none) { /* the centre */
+    if (list->count == 0 && p->none) { /* the centre */
         p->none = false;
-        a[0] = b[0] = 0;
-        n = 1;
+        list->a[0] = list->b[0] = 0;
+        list->count = 1;
     }
-    return n;
 }
 
 /* The next points, up to PEN_FAN_RAYS of them; 0 when there are no more. */
-static inline int points_fill(struct points *p, double a[PEN_FAN_RAYS], double b[PEN_FAN_RAYS])
+static inline int points_fill(struct points *p, struct point_list *list)
 {
-    if (p->pattern == PEN_PATTERN_GRID)
-        return points_fill_grid(p, a, b);
-    uint32_t left = p->samples - p->next;
-    int n = left < PEN_FAN_RAYS ? (int)left : PEN_FAN_RAYS;
-    for (int i = 0; i < n; i++) {
-        uint32_t index = p->next + (uint32_t)i;
-        struct pen_point2 at =
-            pen_disk_of_square(p->pattern == PEN_PATTERN_SOBOL ? pen_sobol2(p->hash, index)
-                                                               : pen_random2(p->hash, index));
-        a[i] = at.x;
-        b[i] = at.y;
+    list->count = 0;
+    if (p->pattern == PEN_PATTERN_GRID) {
+        points_fill_grid(p, list);
+        return list->count;
     }
-    p->next += (uint32_t)n;
-    return n;
+    uint32_t left = p->samples - p->next;
+    list->count = left < PEN_FAN_RAYS ? (int)left : PEN_FAN_RAYS;
+    for (int i = 0; i < list->count; i += 4) {
+        point4 x, y;
+        if (p->pattern == PEN_PATTERN_SOBOL)
+            points_sobol(p->hash, p->next + (uint32_t)i, &x, &y);
+        else
+            points_random(p->hash, p->next + (uint32_t)i, &x, &y);
+        points_disk(&x, &y);
+        memcpy(list->a + i, &x, sizeof x);
+        memcpy(list->b + i, &y, sizeof y);
+    }
+    p->next += (uint32_t)list->count;
+    return list->count;
+}
+
+/* How many of the cells [column, stop) of a row have their point in the disk. */
+static inline uint32_t points_count_cells(const struct points *p, uint32_t row, uint32_t column,
+                                          uint32_t stop)
+{
+    uint32_t count = 0;
+    for (; column < stop; column += 4) {
+        point4 x, y;
+        choice4 in, number = {0, 1, 2, 3};
+        points_cells(p, row, column, &x, &y);
+        in = (x * x + y * y <= 1) & (number < (int64_t)(stop - column));
+        count -= (uint32_t)(in[0] + in[1] + in[2] + in[3]);
+    }
+    return count;
 }
 
 /* How many points there are in all. */
@@ -125,12 +164,9 @@ static inline uint32_t points_count(const struct points *p)
         return p->samples;
     for (uint32_t i = 0; i < p->samples; i++) {
         struct points_row row = points_row(p->samples, i);
-        struct pen_point2 at;
-        for (uint32_t column = row.out; column < row.in; column++)
-            count += points_cell(p, i, column, &at);
-        for (uint32_t column = row.in_stop; column < row.stop; column++)
-            count += points_cell(p, i, column, &at);
         count += row.in_stop - row.in;
+        count += points_count_cells(p, i, row.out, row.in);
+        count += points_count_cells(p, i, row.in_stop, row.stop);
     }
     return count > 0 ? count : 1;
 }

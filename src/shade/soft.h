@@ -16,6 +16,7 @@ struct soft {
     struct pen_leave leave; /* of rays that stay above the horizon */
     struct points points;
     struct pen_vec3 sum; /* of transmittances */
+    bool whole;          /* it is a whole number */
     uint32_t count, rays;
 };
 
@@ -57,10 +58,10 @@ static ALWAYS_INLINE void soft_add_singly(const struct pen_kernel_input *input,
                                           struct pen_kernel_scratch *scratch, struct soft *soft,
                                           const unsigned fx)
 {
-    double a[PEN_FAN_RAYS], b[PEN_FAN_RAYS];
-    for (int n; (n = points_fill(&soft->points, a, b)) > 0; soft->count += (uint32_t)n) {
+    struct point_list list;
+    for (int n; (n = points_fill(&soft->points, &list)) > 0; soft->count += (uint32_t)n) {
         for (int i = 0; i < n; i++)
-            soft_add(input, scratch, soft, (struct pen_point2){a[i], b[i]}, fx);
+            soft_add(input, scratch, soft, (struct pen_point2){list.a[i], list.b[i]}, fx);
     }
 }
 
@@ -107,22 +108,85 @@ static ALWAYS_INLINE struct pen_vec3 soft_ask(const struct pen_kernel_input *inp
     return shadow_colour(input, &ray, &soft->leave, query, clear, fx);
 }
 
+/* What arrives of ray i, which crosses bodies no more than twice in all. */
+static ALWAYS_INLINE struct pen_vec3 soft_tint(const struct pen_kernel_input *input,
+                                               const struct pen_fan *fan, int i)
+{
+    struct pen_vec3 t = {1, 1, 1};
+    for (int k = 0; k < fan->tints; k++) {
+        const struct pen_gate *gate = &fan->gate[fan->tint[k]];
+        if ((gate->once | gate->twice) >> i & 1)
+            t = shadow_filter(input->scene, gate->prim, t);
+        if (gate->twice >> i & 1)
+            t = shadow_filter(input->scene, gate->prim, t);
+    }
+    return t;
+}
+
+/* Whether all rays of `open` cross the same bodies. */
+static ALWAYS_INLINE bool soft_uniform(const struct pen_fan *fan, uint64_t open)
+{
+    for (int k = 0; k < fan->tints; k++) {
+        uint64_t once = fan->gate[fan->tint[k]].once & open;
+        uint64_t twice = fan->gate[fan->tint[k]].twice & open;
+        if ((once && once != open) || (twice && twice != open))
+            return false;
+    }
+    return true;
+}
+
+/* Adds rays one after the other, and each asked or coloured by itself. */
+static ALWAYS_INLINE void soft_add_each(const struct pen_kernel_input *input,
+                                        struct pen_kernel_scratch *scratch, struct soft *soft,
+                                        const struct point_list *list, uint64_t open, uint64_t ask,
+                                        const unsigned fx)
+{
+    struct pen_fan *fan = &scratch->fan;
+    for (; open; open &= open - 1) {
+        int i = __builtin_ctzll(open);
+        struct pen_vec3 t;
+        if (ask >> i & 1)
+            t = soft_ask(input, scratch, soft, i, pen_fan_way(fan, list->a[i], list->b[i]), fx);
+        else
+            t = soft_tint(input, fan, i);
+        soft->sum = pen_add(soft->sum, t);
+    }
+}
+
+/* Adds the rays of a list. Sums of ones have no rounding, and need not be made one by one. */
+static ALWAYS_INLINE void soft_add_list(const struct pen_kernel_input *input,
+                                        struct pen_kernel_scratch *scratch, struct soft *soft,
+                                        const struct point_list *list, const unsigned fx)
+{
+    struct pen_fan *fan = &scratch->fan;
+    uint64_t all = list->count < 64 ? (UINT64_C(1) << list->count) - 1 : UINT64_MAX, ask;
+    uint64_t open = all & ~input->trace->fan_look(fan, list->a, list->b, list->count, &ask);
+    if (!open)
+        return;
+    if (ask || !soft_uniform(fan, open)) {
+        soft->whole = false;
+        soft_add_each(input, scratch, soft, list, open, ask, fx);
+        return;
+    }
+    struct pen_vec3 t = soft_tint(input, fan, __builtin_ctzll(open));
+    int rays = __builtin_popcountll(open);
+    soft->whole = soft->whole && t.x == 1 && t.y == 1 && t.z == 1;
+    if (soft->whole)
+        soft->sum = pen_add(soft->sum, pen_vec3(rays, rays, rays));
+    else
+        for (int i = 0; i < rays; i++)
+            soft->sum = pen_add(soft->sum, t);
+}
+
 static ALWAYS_INLINE void soft_add_fan(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, struct soft *soft,
                                        const unsigned fx)
 {
-    double a[PEN_FAN_RAYS] = {0}, b[PEN_FAN_RAYS] = {0};
-    const struct pen_vec3 clear = {1, 1, 1};
-    for (int n; (n = points_fill(&soft->points, a, b)) > 0; soft->count += (uint32_t)n) {
-        uint64_t ask, blocked = input->trace->fan_look(&scratch->fan, a, b, n, &ask);
-        for (int i = 0; i < n; i++) {
-            if (blocked >> i & 1)
-                continue;
-            struct pen_vec3 t = clear;
-            if (ask >> i & 1)
-                t = soft_ask(input, scratch, soft, i, pen_fan_way(&scratch->fan, a[i], b[i]), fx);
-            soft->sum = pen_add(soft->sum, t);
-        }
+    struct point_list list;
+    for (int n; (n = points_fill(&soft->points, &list)) > 0; soft->count += (uint32_t)n) {
+        for (int i = n; i & 3; i++) /* whole groups of four */
+            list.a[i] = list.b[i] = 0;
+        soft_add_list(input, scratch, soft, &list, fx);
     }
     soft->rays = soft->count;
 }
@@ -133,7 +197,7 @@ soft_transmittance(const struct pen_kernel_input *input, struct pen_kernel_scrat
                    const struct surface *s, const struct lit *lit, struct pen_ray_counts *counts,
                    const unsigned fx)
 {
-    struct soft soft = {.s = s, .lit = lit, .leave = surface_leave(s, false)};
+    struct soft soft = {.s = s, .lit = lit, .leave = surface_leave(s, false), .whole = true};
     soft_disk(&scratch->fan, &input->scene->lights[lit->light], lit->to_light);
     scratch->key.light = input->scene->light_index[lit->light];
     soft.points = points_begin(input->settings, pen_sample_hash(&scratch->key));

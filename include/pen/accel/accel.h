@@ -112,9 +112,10 @@ struct pen_trace_ops {
                    const struct pen_leave *leave, struct pen_shadow *query);
     /* The three steps of a fan (pen/accel/fan.h); NULL where rays are counted one by one.
      * fan_begin: what becomes of all its rays. If PEN_FAN_MIXED, fan_look: of n <= PEN_FAN_RAYS of
-     * them, given by (a, b), a bit set for each that is blocked, and in *ask one for each that is
-     * not known to be blocked or to arrive untouched: then fan_ray does for ray i what `shadow`
-     * does, but for last_occluder. */
+     * them, given by (a, b), a bit set for each that is blocked, and in *ask one for each of which
+     * that is not known, or not how often it crosses which bodies: then fan_ray does for ray i what
+     * `shadow` does, but for last_occluder. The other rays cross what the gates named in `tint`
+     * say, no more than twice in all, so that the order does not matter. */
     enum pen_fan_fate (*fan_begin)(const struct pen_accel *accel, struct pen_fan *fan);
     uint64_t (*fan_look)(struct pen_fan *fan, const double a[PEN_FAN_RAYS],
                          const double b[PEN_FAN_RAYS], int n, uint64_t *ask);

@@ -18,7 +18,7 @@
 struct pen_accel;
 struct pen_shadow;
 
-enum { PEN_FAN_RAYS = 64, PEN_FAN_GATES = 48, PEN_FAN_LINES = 8 };
+enum { PEN_FAN_RAYS = 64, PEN_FAN_GATES = 48, PEN_FAN_LINES = 8, PEN_FAN_TINTS = 16 };
 
 /* (e + a u + b v) against +-band: above it surely positive, below it surely negative. */
 struct pen_fan_line {
@@ -27,8 +27,9 @@ struct pen_fan_line {
 
 enum pen_gate_kind {
     PEN_GATE_LINES,    /* met where all lines are positive, missed where one is negative */
-    PEN_GATE_SPHERE,   /* line 0: (centre - o).d; then square of the tangent's length; band */
-    PEN_GATE_CYLINDER, /* see fan.c */
+    PEN_GATE_SPHERE,   /* from outside, and not beyond the disk; lines hold what fan.c says */
+    PEN_GATE_BALL,     /* a sphere anywhere */
+    PEN_GATE_CYLINDER, /* anywhere */
     PEN_GATE_ASK       /* nothing is sure */
 };
 
@@ -38,8 +39,11 @@ struct pen_gate {
     uint8_t kind, lines;
     bool opaque;
     bool near; /* the origin may be on it: the leave rule is asked */
+    bool own;  /* the rays leave it: where they do is no crossing */
     struct pen_fan_line line[PEN_FAN_LINES];
-    uint64_t ask; /* rays of the last pen_trace_ops.fan_look that must be tested alone */
+    /* Of the rays of the last pen_trace_ops.fan_look, those that must be tested alone, and of a
+     * body that lets light pass, those that cross it once, and twice. */
+    uint64_t ask, once, twice;
 };
 
 struct pen_fan {
@@ -55,7 +59,8 @@ struct pen_fan {
     double slope_cos, slope_sin; /* of the cone's half-angle */
     struct pen_vec3 l;           /* c / |c| */
     double reach, delta, grow;   /* >= |d|; what lengths are off by; see fan.c */
-    int gates;
+    int gates, tints;
+    uint8_t tint[PEN_FAN_TINTS]; /* gates of bodies that let light pass, if no more than that */
     struct pen_gate gate[PEN_FAN_GATES];
 };
 
