@@ -25,6 +25,7 @@ static const struct kind {
 } kinds[KINDS] = {
     {"tiny", "", "{\"width\": 64, \"height\": 48}", 1},
     {"batches", "", "{\"width\": 120, \"height\": 90, \"samples_per_pixel\": 289, \"tile\": 8}", 1},
+    {"slices", "", "{\"width\": 420, \"height\": 330}", 1}, /* of stored pixels: three */
     {"views", views, "{\"width\": 48, \"height\": 32, \"samples_per_pixel\": 9}", 3},
     {"both", views, "{\"width\": 64, \"height\": 40, \"samples_per_pixel\": 289, \"tile\": 8}", 3},
 };

@@ -5,7 +5,7 @@
 
 #include "pen/jobs/jobs.h"
 
-enum { KINDS = 4, VIEWS = 3 };
+enum { KINDS = 5, VIEWS = 3 };
 
 /* The submit of a job of a kind; its name is the kind's. */
 void kind_body(int kind, int priority, char *out, size_t bytes);
