@@ -246,6 +246,44 @@ START_TEST(test_file__log_stays_bounded_with_a_long_reader_now_and_then)
 }
 END_TEST
 
+/* Stores one more picture, of that size. */
+static void put_bytes(struct pen_store *store, const char *id, size_t bytes)
+{
+    static int view;
+    struct pen_status st;
+    void *picture = calloc(1, bytes);
+    store_must(pen_store_artefact_put(store, id, view++, "beauty", "pfm", picture, bytes, &st), &st,
+               "put");
+    free(picture);
+}
+
+START_TEST(test_file__settling_can_be_left_to_another_handle)
+{
+    enum { MIB = 1 << 20 };
+    struct store_job job;
+    struct pen_status st;
+    store_bed_open(&bed);
+    struct pen_store *other = store_bed_handle(&bed);
+    store_job_init(&job, 1, 1, 1);
+    store_job_submit(bed.store, &job);
+    pen_store_leave_settling(bed.store);
+    put_bytes(bed.store, job.id, 4 * MIB);
+    ck_assert(!pen_store_unsettled(bed.store));
+    put_bytes(bed.store, job.id, 9 * MIB);
+    ck_assert(pen_store_unsettled(bed.store));
+    ck_assert_int_lt(file_bytes(""), MIB);
+    store_must(pen_store_settle(other, &st), &st, "settle");
+    ck_assert_int_gt(file_bytes(""), 9 * MIB);
+    put_bytes(bed.store, job.id, MIB);
+    ck_assert(!pen_store_unsettled(bed.store)); /* the log begins anew */
+    for (int i = 0; i < 12; i++)                /* nobody settles: commits do so in the end */
+        put_bytes(bed.store, job.id, 8 * MIB);
+    ck_assert_int_lt(file_bytes("-wal"), LOG_LIMIT);
+    pen_store_close(other);
+    store_bed_close(&bed);
+}
+END_TEST
+
 static atomic_bool readers_stop;
 
 static bool read_slowly(void *user, const struct pen_batch_record *batch)
@@ -407,6 +445,7 @@ PEN_SUITE("store file", test_file__what_was_stored_is_there_after_reopening,
           test_file__folder_that_cannot_be_made_is_said,
           test_file__log_stays_bounded_with_a_long_reader_now_and_then,
           test_file__log_stays_bounded_with_readers_all_the_time,
+          test_file__settling_can_be_left_to_another_handle,
           test_file__room_of_deleted_jobs_is_given_back,
           test_file__processes_share_the_work_without_doing_any_twice,
           test_file__many_may_open_a_new_store_at_once)
