@@ -36,16 +36,25 @@ struct supervisor {
     char state[256];  /* as last told to the api */
 };
 
-/* Tells the api what others should know of the worker. */
+/* Says that a process does not live, if so. */
+static void describe_loop(const struct pen_child *child, char *text, size_t size)
+{
+    if (child->failures >= TROUBLE)
+        snprintf(text, size,
+                 "the %s process ended %d times in a row, soon after its start, the last time by "
+                 "%s",
+                 child->role, child->failures, child->last_end);
+}
+
+/* Tells the api what stands in the way of work: a worker that does not live, or the api's own
+ * predecessors, of which only this process knows. */
 static void tell_state(struct supervisor *s, bool anyway)
 {
     char text[sizeof s->state] = "state ";
-    const struct pen_child *worker = &s->worker;
-    if (worker->failures >= TROUBLE)
-        snprintf(text, sizeof text,
-                 "state the worker process ended %d times in a row, soon after its start, the last "
-                 "time by %s",
-                 worker->failures, worker->last_end);
+    char *rest = text + strlen(text);
+    size_t size = sizeof text - strlen(text);
+    describe_loop(&s->api, rest, size);
+    describe_loop(&s->worker, rest, size);
     if (!anyway && strcmp(text, s->state) == 0)
         return;
     memcpy(s->state, text, sizeof text);

@@ -179,6 +179,19 @@ check "the log says so" grep -q "(3 in a row)" "$work/log"
 check "and is forgotten once it lives" within 15 sh -c \
     "[ \"\$(curl -s -o /dev/null -w '%{http_code}' '$url/readyz')\" = 200 ]"
 
+# An api that keeps dying says so once it answers again
+for _ in 1 2 3 4; do
+    within 8 child api
+    api=$(child api)
+    kill -KILL "$api"
+    within 2 gone "$api"
+done
+check "an api that keeps dying is not ready" within 8 sh -c \
+    "[ \"\$(curl -s -o ready.json -w '%{http_code}' '$url/readyz')\" = 503 ]"
+expect_match "and says so itself" "$(jq -r .detail ready.json)" '*api process ended*SIGKILL*'
+check "and forgets it once it lives" within 15 sh -c \
+    "[ \"\$(curl -s -o /dev/null -w '%{http_code}' '$url/readyz')\" = 200 ]"
+
 # One process alone
 daemon_stop
 "$build/penumbrad" --role worker --store "$store" >worker.out 2>>log &
