@@ -120,5 +120,5 @@ double gen_offset(struct random *r)
 
 vec3 gen_offset3(double size)
 {
-    return pen_vec3(size, -.37 * size, .625 * size);
+    return pen_vec3(size, -.37 * size, 1.7 * size);
 }

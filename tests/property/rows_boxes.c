@@ -55,7 +55,7 @@ static void build(enum flavour flavour, double scene, double offset)
 static void draw_scene(struct row_draw *d, struct row_case *c)
 {
     static const double offsets[] = {0, 1e3, 1e6, 1e9};
-    uint64_t scene = d->index / 4096;
+    uint64_t scene = d->index / 256;
     row_fixed(c, (double)scene);
     row_fixed(c, offsets[scene % 4]);
 }

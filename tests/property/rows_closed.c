@@ -323,7 +323,7 @@ static void build_bent(double scene)
 static void draw_bent(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
-    uint64_t scene = d->index / 4096;
+    uint64_t scene = d->index / 512;
     row_fixed(c, (double)scene);
     int i = 1 + (int)random_below(r, BENT - 2), j = 1 + (int)random_below(r, BENT - 2);
     vec3 a = bent_point(scene, i, j), b = bent_point(scene, i + 1, j);

@@ -29,7 +29,7 @@ static const double offsets[] = {0, 1e6, 1e9};
 
 static void draw_scene(struct row_draw *d, struct row_case *c)
 {
-    uint64_t scene = d->index / 4096;
+    uint64_t scene = d->index / 512;
     row_fixed(c, (double)scene);
     row_fixed(c, offsets[scene % 3]);
 }
