@@ -103,13 +103,20 @@ int bodies_crossings(const struct world *w, vec3 o, vec3 d, struct pen_hit *firs
     return count;
 }
 
-void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims)
+void bodies_plant_kind(struct bodies_tree *tree, const struct pen_prims *prims,
+                       enum pen_accelerator kind)
 {
     struct pen_status st;
     if (tree->arena)
         pen_arena_free(tree->arena);
     tree->arena = pen_arena_new(0);
-    tree->accel = pen_accel_build(prims, PEN_ACCEL_AUTO, tree->arena, &st);
+    tree->accel = pen_accel_build(prims, kind, tree->arena, &st);
+    ck_assert(tree->accel != NULL);
+}
+
+void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims)
+{
+    bodies_plant_kind(tree, prims, PEN_ACCEL_AUTO);
 }
 
 struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_ray *ray,
@@ -173,4 +180,17 @@ void bodies_mesh_grid(struct bodies_mesh *mesh, int n, bodies_grid_fn *at, const
             bodies_mesh_add(mesh, v[s], v[s + 2], v[(s + 3) % 4]);
         }
     }
+}
+
+bool bodies_ray(const struct row_case *c, int at, struct pen_ray *ray)
+{
+    vec3 o = row_next3(c, &at);
+    return pen_ray_make(ray, o, row_next3(c, &at));
+}
+
+void bodies_require(struct row_verdict *v, int count, int wanted)
+{
+    if (count != wanted)
+        row_fail(v, "%d crossings, not %d: %s", count, wanted,
+                 count < wanted ? "leak" : "double hit");
 }

@@ -3,6 +3,7 @@
 #ifndef TESTS_PROPERTY_BODIES_H
 #define TESTS_PROPERTY_BODIES_H
 
+#include "property/row.h"
 #include "support/world.h"
 
 /* A closed bumpy sphere of 420 `triangle` objects with vertices at random radii of 1 ... 6 around
@@ -26,8 +27,10 @@ struct bodies_tree {
     const struct pen_accel *accel;
 };
 
-/* Builds; frees what was there before. */
+/* Builds; frees what was there before. The first by the surface-area heuristic. */
 void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims);
+void bodies_plant_kind(struct bodies_tree *tree, const struct pen_prims *prims,
+                       enum pen_accelerator kind);
 
 /* The nearest crossing by the tree; *alike: whether both compiled variants say the same. */
 struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_ray *ray,
@@ -50,5 +53,11 @@ void bodies_mesh_add(struct bodies_mesh *mesh, struct pen_vec3 a, struct pen_vec
 /* n x n squares of a square grid, split one way or the other: point (i, j) is at(i, j). */
 typedef struct pen_vec3 bodies_grid_fn(double i, double j, const void *user);
 void bodies_mesh_grid(struct bodies_mesh *mesh, int n, bodies_grid_fn *at, const void *user);
+
+/* The ray of a case from argument `at` on; false for none. */
+bool bodies_ray(const struct row_case *c, int at, struct pen_ray *ray);
+
+/* Fails unless a count of crossings is what is wanted. */
+void bodies_require(struct row_verdict *v, int count, int wanted);
 
 #endif

@@ -114,9 +114,9 @@ struct pen_row_run {
     struct row_result *result;
 };
 
-/* The table, and how many rows it has. */
-extern const struct row *const row_table[];
-extern const int row_table_count;
+/* Row i of the table; NULL behind the last. */
+const struct row *row_at(int i);
+enum { ROWS_MAX = 256 };
 
 /* The loop that nearly every row is: draws cases first ... first + cases - 1, judges them, makes
  * the failing ones smaller. Replays the corpus before that. */

@@ -5,6 +5,9 @@
 
 #include "property/row.h"
 
+/* The parts of the table, in its order; each ends with a row without an id. */
+extern const struct row row_table_flat[], row_table_space[], row_table_roots[];
+
 /* rows_watertight.c */
 void rows_bumpy(struct pen_row_run *run);
 void rows_sheet(struct pen_row_run *run);
@@ -20,7 +23,7 @@ void rows_cylinder_caps(struct pen_row_run *run);
 void rows_cylinder_grazing(struct pen_row_run *run);
 void rows_oracle(struct pen_row_run *run);
 
-/* rows_closed.c */
+/* rows_closed.c, rows_outlines.c */
 void rows_embree(struct pen_row_run *run);
 void rows_fan(struct pen_row_run *run);
 void rows_tiling(struct pen_row_run *run);
@@ -31,7 +34,7 @@ void rows_circle_area(struct pen_row_run *run);
 void rows_huge_small(struct pen_row_run *run);
 void rows_glass_cube(struct pen_row_run *run);
 
-/* rows_flat.c */
+/* rows_flat.c, rows_degenerate.c */
 void rows_antisymmetry(struct pen_row_run *run);
 void rows_roles(struct pen_row_run *run);
 void rows_triangle(struct pen_row_run *run);
@@ -45,7 +48,7 @@ void rows_pbrt(struct pen_row_run *run);
 void rows_edge_on(struct pen_row_run *run);
 void rows_plane(struct pen_row_run *run);
 
-/* rows_leave.c */
+/* rows_leave.c, rows_coincident.c */
 void rows_leave_round(struct pen_row_run *run);
 void rows_leave_flat(struct pen_row_run *run);
 void rows_way_out(struct pen_row_run *run);
@@ -66,7 +69,7 @@ void rows_copies(struct pen_row_run *run);
 void rows_crowd(struct pen_row_run *run);
 void rows_few(struct pen_row_run *run);
 
-/* rows_scale.c */
+/* rows_scale.c, rows_range.c */
 void rows_scaled(struct pen_row_run *run);
 void rows_moved(struct pen_row_run *run);
 void rows_mirrored(struct pen_row_run *run);

@@ -10,7 +10,7 @@
 #include "property/rows.h"
 
 static struct world world;
-static struct bodies_tree tree;
+static struct bodies_tree tree, other; /* of the other builders one after the other, by scene */
 
 enum { BOXES = 12 };
 static vec3 low[BOXES], high[BOXES];
@@ -50,6 +50,8 @@ static void build(enum flavour flavour, double scene, double offset)
         world_polygon(&world, v, 4);
     }
     bodies_plant(&tree, &world.prims);
+    bodies_plant_kind(&other, &world.prims,
+                      (enum pen_accelerator)(1 + (uint64_t)scene / 4 % (PEN_ACCEL_COUNT - 1)));
 }
 
 static void draw_scene(struct row_draw *d, struct row_case *c)
@@ -121,12 +123,16 @@ static void require_same(struct row_verdict *v, const struct pen_ray *ray, doubl
     bool alike;
     struct pen_span span = {pen_after_start, tmax};
     *first = world_nearest(&world, ray, &pen_leave_nothing, &span);
-    struct pen_hit hit = bodies_nearest(&tree, ray, &pen_leave_nothing, tmax, &alike);
-    row_require(v, alike, "base and avx2 differ");
-    if (!same_hit(hit, *first))
-        row_fail(v, "%s: the tree meets %d, trying all meets %d",
-                 hit.prim == PEN_NO_PRIM ? "false miss" : "another", (int)hit.prim,
-                 (int)first->prim);
+    for (int i = 0; i < 2; i++) {
+        const struct bodies_tree *by = i ? &other : &tree;
+        struct pen_hit hit = bodies_nearest(by, ray, &pen_leave_nothing, tmax, &alike);
+        row_require(v, alike, "base and avx2 differ");
+        if (!same_hit(hit, *first))
+            row_fail(v, "%s: %s meets %d, trying all meets %d",
+                     hit.prim == PEN_NO_PRIM ? "false miss" : "another",
+                     i ? "another builder's structure" : "the tree", (int)hit.prim,
+                     (int)first->prim);
+    }
 }
 
 /* Whether the ray starts outside the box and passes through it by more than 8u of the coordinates,
@@ -235,7 +241,7 @@ static void judge_signed_zeros(const struct row_case *c, struct row_verdict *v)
 {
     int at = 3;
     vec3 o = row_next3(c, &at), d = row_next3(c, &at);
-    struct pen_hit first, other;
+    struct pen_hit first, again;
     struct pen_ray ray;
     judge_boxes(c, v);
     if (v->skipped)
@@ -255,8 +261,8 @@ static void judge_signed_zeros(const struct row_case *c, struct row_verdict *v)
                                         : d.z};
         if (!pen_ray_make(&ray, o, e))
             continue;
-        require_same(v, &ray, INFINITY, &other);
-        row_require(v, same_hit(first, other), "the sign of a zero changes what is met");
+        require_same(v, &ray, INFINITY, &again);
+        row_require(v, same_hit(first, again), "the sign of a zero changes what is met");
     }
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Triangles, polygons and planes one at a time: hit or miss against the exact winding, depth
  * against 113 bits. */
-#include "pen/geom/prims.h"
+#include "property/flat.h"
 #include "property/gen.h"
 #include "property/oracle.h"
 #include "property/rows.h"
@@ -14,40 +14,6 @@ struct flat_names {
 /* Below this cosine of the angle to the normal a ray grazes: t is badly conditioned, and such rays
  * are rows of their own. */
 #define GRAZING 0.1
-
-/* A case: count (fixed), vertices, o, d. */
-static int outline_of(const struct row_case *c, vec3 *v, struct oracle_ray *line)
-{
-    int at = 0, count = (int)row_next(c, &at);
-    if (count < 3 || count > 12)
-        return 0;
-    for (int i = 0; i < count; i++)
-        v[i] = row_next3(c, &at);
-    line->o = row_next3(c, &at);
-    line->d = row_next3(c, &at);
-    return count;
-}
-
-static void draw_outline(struct row_case *c, const vec3 *v, int count, vec3 o, vec3 d)
-{
-    row_fixed(c, count);
-    for (int i = 0; i < count; i++)
-        row_arg3(c, v[i]);
-    row_arg3(c, o);
-    row_arg3(c, d);
-}
-
-static bool crossed(const vec3 *v, int count, const struct pen_ray *ray, double *t, bool *made)
-{
-    struct pen_triangle triangle;
-    struct pen_polygon polygon;
-    if (count == 3) {
-        *made = pen_triangle_make(&triangle, v[0], v[1], v[2]);
-        return *made && pen_triangle_root(&triangle, ray, t);
-    }
-    *made = pen_polygon_make(&polygon, v, (uint32_t)count);
-    return *made && pen_polygon_root(&polygon, ray, t);
-}
 
 /* t against its truth: in u of t where the body is seen from outside its own size, else in u of the
  * farthest vertex, with the bar of round bodies. */
@@ -74,14 +40,14 @@ static void judge_flat(const struct row_case *c, struct row_verdict *v,
     struct oracle_ray line;
     struct pen_ray ray;
     struct truth truth;
-    int count = outline_of(c, p, &line);
+    int count = flat_case(c, p, &line);
     double t = 0;
     bool made = false, unsure;
     if (count == 0 || !pen_ray_make(&ray, line.o, line.d)) {
         row_skip(v);
         return;
     }
-    bool hit = crossed(p, count, &ray, &t, &made);
+    bool hit = flat_cross(p, count, &ray, &t, &made);
     if (!made) {
         row_skip(v);
         return;
@@ -106,7 +72,7 @@ static void shoot_at(struct random *r, const vec3 *p, int count, double away, st
     double s = random_unit(r), t = random_below(r, 4) ? random_unit(r) * (1 - s) : 0;
     vec3 to = pen_along(pen_along(p[0], pen_sub(p[1], p[0]), s), pen_sub(p[2], p[0]), t);
     vec3 o = pen_along(to, random_direction(r), away);
-    draw_outline(c, p, count, o, gen_toward(r, o, gen_nudged(r, to)));
+    flat_put(c, p, count, o, gen_toward(r, o, gen_nudged(r, to)));
 }
 
 static void draw_ordinary(struct row_draw *d, struct row_case *c)
@@ -199,7 +165,7 @@ static void draw_grazed(struct row_draw *d, struct row_case *c)
     vec3 flat = pen_along(pen_scale(x, cos(turn)), y, sin(turn));
     vec3 way = pen_along(pen_scale(flat, cos(.52 * 0.0174532925)), n, sin(.52 * 0.0174532925));
     vec3 o = pen_along(to, way, -gen_power(r, 0, 4));
-    draw_outline(c, p, 3, o, gen_toward(r, o, to));
+    flat_put(c, p, 3, o, gen_toward(r, o, to));
 }
 
 static void judge_grazed(const struct row_case *c, struct row_verdict *v)
@@ -214,27 +180,6 @@ void rows_grazed(struct pen_row_run *run)
     row_each(run, draw_grazed, judge_grazed);
 }
 
-/* A plane whose lattice coordinates i, j give points that are exact: multiples of 1/256. */
-struct lattice {
-    vec3 at, e, f;
-};
-
-static struct lattice draw_lattice(struct random *r)
-{
-    struct lattice l;
-    l.at = gen_dyadic3(r, 4);
-    do {
-        l.e = gen_dyadic3(r, 2);
-        l.f = gen_dyadic3(r, 2);
-    } while (pen_norm1(pen_cross(l.e, l.f)) < .25);
-    return l;
-}
-
-static vec3 lattice_point(const struct lattice *l, double i, double j)
-{
-    return pen_along(pen_along(l->at, l->e, i), l->f, j);
-}
-
 /* H052: a star of five tips, with every outline that such has: tips far out, notches deep. */
 static int draw_star(struct random *r, const struct lattice *l, vec3 *p)
 {
@@ -242,7 +187,7 @@ static int draw_star(struct random *r, const struct lattice *l, vec3 *p)
                                        {-11, 0}, {-13, -9}, {-3, -10}, {5, -15}, {9, -7}};
     for (int i = 0; i < 10; i++) {
         double s = i & 1 ? (double)(2 + random_below(r, 6)) / 128 : 1. / 16;
-        p[i] = lattice_point(l, s * ring[i][0], s * ring[i][1]);
+        p[i] = flat_lattice_point(l, s * ring[i][0], s * ring[i][1]);
     }
     return 10;
 }
@@ -251,7 +196,7 @@ static int draw_star(struct random *r, const struct lattice *l, vec3 *p)
 static void draw_polygon(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
-    struct lattice l = draw_lattice(r);
+    struct lattice l = flat_lattice(r);
     vec3 p[12];
     int count = draw_star(r, &l, p);
     uint32_t i = random_below(r, 10);
@@ -260,11 +205,11 @@ static void draw_polygon(struct row_draw *d, struct row_case *c)
     vec3 to =
         pen_along(a, pen_sub(b, a), random_below(r, 2) ? part[random_below(r, 7)] : random_unit(r));
     if (random_below(r, 3) == 0)
-        to = lattice_point(&l, random_in(r, -1, 1), random_in(r, -1, 1));
+        to = flat_lattice_point(&l, random_in(r, -1, 1), random_in(r, -1, 1));
     vec3 away = random_below(r, 2) ? gen_dyadic3(r, 8)
                                    : pen_scale(random_direction(r), gen_power(r, -1, 4));
     vec3 o = pen_add(to, away);
-    draw_outline(c, p, count, o, gen_toward(r, o, gen_nudged(r, to)));
+    flat_put(c, p, count, o, gen_toward(r, o, gen_nudged(r, to)));
 }
 
 static void judge_polygon(const struct row_case *c, struct row_verdict *v)
@@ -286,18 +231,18 @@ static void judge_roles(const struct row_case *c, struct row_verdict *v)
     vec3 p[12], q[12];
     struct oracle_ray line;
     struct pen_ray ray;
-    int count = outline_of(c, p, &line);
+    int count = flat_case(c, p, &line);
     double t = 0, s = 0;
     bool made = false, again;
     if (count == 0 || !pen_ray_make(&ray, line.o, line.d)) {
         row_skip(v);
         return;
     }
-    bool hit = crossed(p, count, &ray, &t, &made);
+    bool hit = flat_cross(p, count, &ray, &t, &made);
     for (int turn = 0; turn < 2 * count; turn++) {
         for (int i = 0; i < count; i++)
             q[i] = p[turn & 1 ? (turn / 2 + count - i) % count : (turn / 2 + i) % count];
-        bool other = crossed(q, count, &ray, &s, &again);
+        bool other = flat_cross(q, count, &ray, &s, &again);
         row_require(v, again == made && other == hit, "hit or miss depends on the role");
         row_require(v, !hit || t == s, "t depends on the role");
     }
@@ -343,207 +288,4 @@ static void judge_pair(const struct row_case *c, struct row_verdict *v)
 void rows_antisymmetry(struct pen_row_run *run)
 {
     row_each(run, draw_pair, judge_pair);
-}
-
-/* H045: triangles without area are refused, all others made; none ever gives a t that is no number.
- * Exponents down to where products vanish. */
-static void draw_degenerate(struct row_draw *d, struct row_case *c)
-{
-    struct random *r = &d->random;
-    double scale = random_below(r, 2) ? 1 : ldexp(1, (int)random_below(r, 1300) - 650);
-    vec3 p[3] = {random_below(r, 2) ? gen_dyadic3(r, 4) : random_vec(r, 1)}, e = gen_dyadic3(r, 1);
-    for (int i = 1; i < 3; i++)
-        p[i] = pen_along(p[0], e, gen_dyadic(r, 2));
-    switch (random_below(r, 4)) {
-    case 0:
-        p[2] = p[random_below(r, 2)];
-        break;
-    case 1:
-        p[2] = gen_nudged(r, p[2]);
-        break;
-    default:
-        break;
-    }
-    for (int i = 0; i < 3; i++)
-        p[i] = pen_scale(p[i], scale);
-    vec3 o = pen_scale(random_vec(r, 2), scale < 1e100 ? scale : 1);
-    draw_outline(c, p, 3, o, gen_toward(r, o, p[random_below(r, 3)]));
-}
-
-static void judge_degenerate(const struct row_case *c, struct row_verdict *v)
-{
-    vec3 p[12];
-    struct oracle_ray line;
-    struct pen_ray ray;
-    double t = 0;
-    bool made = false;
-    if (outline_of(c, p, &line) == 0) {
-        row_skip(v);
-        return;
-    }
-    double size = fmax(pen_norm1(p[0]), fmax(pen_norm1(p[1]), pen_norm1(p[2])));
-    bool flat = oracle_collinear(p[0], p[1], p[2]), in_range = size < 0x1p200 && size > 0x1p-150;
-    if (!pen_ray_make(&ray, line.o, line.d))
-        ray.inv_dd = 0; /* a direction out of range: only how the body is made can be judged */
-    struct pen_triangle triangle;
-    made = pen_triangle_make(&triangle, p[0], p[1], p[2]);
-    if (in_range)
-        row_require(v, made == !flat, flat ? "no area, but made" : "an area, but refused");
-    else
-        row_require(v, !(flat && made), "no area, but made");
-    row_tally(v, made ? "made" : "refused");
-    if (ray.inv_dd > 0 && made && pen_triangle_root(&triangle, &ray, &t) && in_range)
-        row_require(v, isfinite(t), "t is not finite");
-}
-
-void rows_degenerate(struct pen_row_run *run)
-{
-    row_each(run, draw_degenerate, judge_degenerate);
-}
-
-/* H046: pbrt's bad case, vertices on a line; and with vertices moved by a few ulps, still missed.
- */
-static void draw_pbrt(struct row_draw *d, struct row_case *c)
-{
-    vec3 p[3] = {{-1113.45459, -79.049614, -56.2431908},
-                 {-1113.45459, -87.0922699, -56.2431908},
-                 {-1113.45459, -79.2090149, -56.2431908}};
-    for (int i = 0; i < 3 && d->index > 0; i++)
-        p[i] = gen_nudged(&d->random, p[i]);
-    draw_outline(c, p, 3, pen_vec3(-1081.47925, 99.9999542, 87.7701111),
-                 pen_vec3(-32.1072998, -183.355865, -144.607635));
-}
-
-static void judge_pbrt(const struct row_case *c, struct row_verdict *v)
-{
-    vec3 p[12];
-    struct oracle_ray line;
-    struct pen_ray ray;
-    bool made = false;
-    double t;
-    int count = outline_of(c, p, &line);
-    if (count == 0 || !pen_ray_make(&ray, line.o, line.d)) {
-        row_skip(v);
-        return;
-    }
-    bool unsure, exact = oracle_winding(p, count, line, 0, &unsure) != 0;
-    row_require(v, crossed(p, count, &ray, &t, &made) == exact, "hit");
-    row_require(v, !oracle_collinear(p[0], p[1], p[2]) || !made, "no area, but made");
-}
-
-void rows_pbrt(struct pen_row_run *run)
-{
-    row_each(run, draw_pbrt, judge_pbrt);
-}
-
-/* H048: a ray in the triangle's own plane. Where the shear is exact the area seen is exactly 0 and
- * nothing is hit; elsewhere the ray is off the plane by rounding, and t must still be sane. */
-static void draw_edge_on(struct row_draw *d, struct row_case *c)
-{
-    struct random *r = &d->random;
-    struct lattice l = draw_lattice(r);
-    vec3 p[3];
-    for (int i = 0; i < 3; i++)
-        p[i] = lattice_point(&l, gen_dyadic(r, 1), gen_dyadic(r, 1));
-    vec3 o = lattice_point(&l, gen_dyadic(r, 8), gen_dyadic(r, 8));
-    vec3 way = pen_along(pen_scale(l.e, gen_dyadic(r, 1)), l.f, gen_dyadic(r, 1));
-    row_fixed(c, 3);
-    for (int i = 0; i < 3; i++)
-        row_arg3(c, p[i]);
-    row_arg3(c, o);
-    row_arg3(c, way);
-}
-
-static bool power_of_two(double x)
-{
-    int e;
-    return fabs(frexp(x, &e)) == .5;
-}
-
-static void judge_edge_on(const struct row_case *c, struct row_verdict *v)
-{
-    vec3 p[12];
-    struct oracle_ray line;
-    struct pen_ray ray;
-    bool made = false;
-    double t = 0;
-    int count = outline_of(c, p, &line);
-    if (count == 0 || !pen_ray_make(&ray, line.o, line.d)) {
-        row_skip(v);
-        return;
-    }
-    struct truth truth;
-    if (oracle_plane(p, line, &truth)) {
-        row_skip(v); /* made smaller, it left the plane */
-        return;
-    }
-    bool hit = crossed(p, count, &ray, &t, &made);
-    if (!made) {
-        row_skip(v);
-        return;
-    }
-    if (power_of_two(pen_component(line.d, ray.kz)))
-        row_require(v, !hit, "hit edge-on with an exact shear");
-    if (hit) {
-        row_tally(v, "hit off the plane by rounding");
-        row_require(v, isfinite(t) && oracle_depth_between(p, count, line, t, 8),
-                    "t is outside the vertices' depths");
-    }
-}
-
-void rows_edge_on(struct pen_row_run *run)
-{
-    row_each(run, draw_edge_on, judge_edge_on);
-}
-
-/* Planes, and H087: met at angles down to 1e-300. */
-static void draw_plane(struct row_draw *d, struct row_case *c)
-{
-    struct random *r = &d->random;
-    bool steep = random_below(r, 2);
-    vec3 n = random_below(r, 4) ? random_direction(r) : gen_axial(r), x, y;
-    gen_frame(r, pen_normalize(n), &x, &y);
-    vec3 p = random_below(r, 2) ? random_vec(r, 1) : gen_offset3(gen_offset(r));
-    vec3 to = pen_along(pen_along(p, x, gen_power(r, -3, 3)), y, gen_power(r, -3, 3));
-    vec3 way =
-        steep ? random_direction(r)
-              : pen_along(x, pen_normalize(n), -gen_power(r, random_below(r, 2) ? -300 : -16, 0));
-    row_arg3(c, p);
-    row_arg3(c, pen_scale(n, random_below(r, 2) ? 1 : gen_power(r, -30, 30)));
-    row_arg3(c, pen_along(to, random_direction(r), gen_power(r, -3, 6)));
-    row_arg3(c, way);
-}
-
-static void judge_plane(const struct row_case *c, struct row_verdict *v)
-{
-    int at = 0;
-    vec3 p = row_next3(c, &at), n = row_next3(c, &at), o = row_next3(c, &at);
-    struct pen_plane plane;
-    struct pen_ray ray;
-    struct truth truth;
-    double t = 0;
-    if (!pen_plane_make(&plane, p, n) || !pen_ray_make(&ray, o, row_next3(c, &at))) {
-        row_skip(v);
-        return;
-    }
-    bool hit = pen_plane_root(&plane, &ray, &t);
-    bool exact = oracle_plane_at(p, n, (struct oracle_ray){ray.o, ray.d}, &truth);
-    /* The plane and the ray, moved by a few u: the share of that which the point is off. */
-    double dn = fabs(pen_dot(ray.d, n)) / pen_length(n), d = pen_length(ray.d);
-    bool along = dn <= 8 * 0x1p-53 * d;
-    if (!along)
-        row_require(v, hit == exact, hit ? "false hit" : "false miss");
-    if (hit)
-        row_require(v, t == t, "t is no number");
-    if (!hit || !exact || !isfinite(t) || along)
-        return;
-    double scale = pen_norm1(o) + pen_norm1(p) + fabs(t) * d;
-    row_measure(v, "plane, off it [u]", truth_error(t, truth) * dn / (0x1p-53 * scale), 8);
-    if (pen_norm1(p) < 2)
-        row_measure(v, "plane near the origin, t [ulp]", truth_ulps(t, truth), -1);
-}
-
-void rows_plane(struct pen_row_run *run)
-{
-    row_each(run, draw_plane, judge_plane);
 }

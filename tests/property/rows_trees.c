@@ -2,27 +2,24 @@
 /* Trees over mixed, coincident, unbounded and hardly any primitives. */
 #include <math.h>
 
+#include "pen/scene/settings.h"
 #include "property/bodies.h"
 #include "property/gen.h"
 #include "property/rows.h"
 
 static struct world world;
-static struct bodies_tree tree, list;
+static struct bodies_tree tree, kinds[PEN_ACCEL_COUNT];
 
 static bool same_hit(struct pen_hit a, struct pen_hit b)
 {
     return a.prim == b.prim && (a.prim == PEN_NO_PRIM || (a.t == b.t && a.part == b.part));
 }
 
-/* Builders: the tree, and the list of all primitives that stands for none. */
-static void plant_both(void)
+/* By every builder. */
+static void plant_all(void)
 {
-    struct pen_status st;
-    bodies_plant(&tree, &world.prims);
-    if (list.arena)
-        pen_arena_free(list.arena);
-    list.arena = pen_arena_new(0);
-    list.accel = pen_accel_build(&world.prims, PEN_ACCEL_NONE, list.arena, &st);
+    for (int k = 0; k < PEN_ACCEL_COUNT; k++)
+        bodies_plant_kind(&kinds[k], &world.prims, (enum pen_accelerator)k);
 }
 
 static void build_mixed(double scene)
@@ -39,7 +36,7 @@ static void build_mixed(double scene)
             uint32_t k = random_below(&r, world.prims.kind_count[PEN_PRIM_SPHERE]);
             world_sphere(&world, world.sphere[k].c, world.sphere[k].r);
         }
-    plant_both();
+    plant_all();
 }
 
 /* H095, H096: a path of three rays, each from where the one before it ended. Arguments: scene, o
@@ -60,16 +57,19 @@ static struct pen_hit require_same(struct row_verdict *v, const struct pen_ray *
 {
     struct pen_span span = {pen_after_start, tmax};
     struct pen_hit truth = world_nearest(&world, ray, leave, &span);
-    for (int i = 0; i < 2; i++) {
+    for (int k = 0; k < PEN_ACCEL_COUNT; k++) {
         bool alike;
-        struct pen_hit hit = bodies_nearest(i ? &list : &tree, ray, leave, tmax, &alike);
-        row_require(v, alike, "base and avx2 differ");
-        row_require(v, same_hit(hit, truth),
-                    i ? "the list and trying all differ" : "the tree and trying all differ");
+        const char *name = pen_accelerator_name((enum pen_accelerator)k);
+        struct pen_hit hit = bodies_nearest(&kinds[k], ray, leave, tmax, &alike);
+        if (!alike)
+            row_fail(v, "%s: base and avx2 differ", name);
+        if (!same_hit(hit, truth))
+            row_fail(v, "%s meets %d, trying all meets %d", name, (int)hit.prim, (int)truth.prim);
         struct pen_shadow query = {.tmax = tmax, .last_occluder = PEN_NO_PRIM};
-        const struct pen_trace_ops *ops = pen_trace_ops_get(i ? pen_cpu_isa() : PEN_ISA_BASE);
-        bool dark = ops->shadow(i ? list.accel : tree.accel, ray, leave, &query);
-        row_require(v, dark == (truth.prim != PEN_NO_PRIM && truth.t < tmax), "shadow differs");
+        const struct pen_trace_ops *ops = pen_trace_ops_get(k & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
+        if (ops->shadow(kinds[k].accel, ray, leave, &query) !=
+            (truth.prim != PEN_NO_PRIM && truth.t < tmax))
+            row_fail(v, "%s: shadow differs", name);
     }
     return truth;
 }
@@ -241,7 +241,7 @@ static void judge_few(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    plant_both();
+    plant_all();
     struct pen_hit hit = require_same(v, &ray, &pen_leave_nothing, INFINITY);
     row_require(v, bits != 0 || hit.prim == PEN_NO_PRIM, "met something in an empty scene");
 }

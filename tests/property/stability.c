@@ -33,7 +33,8 @@ struct options {
 struct task {
     int row;
     uint64_t first, cases;
-    pid_t pid; /* 0: not begun or ended */
+    enum { TASK_WAITS, TASK_RUNS, TASK_ENDED } state;
+    pid_t pid; /* while it runs */
 };
 
 struct suite {
@@ -83,8 +84,9 @@ static bool chosen(const struct options *o, const struct row *row)
 /* Cuts the rows into tasks; rows that are asked for fewer cases than a chunk are one task. */
 static void plan(struct suite *s)
 {
-    for (int i = 0; i < row_table_count; i++) {
-        const struct row *row = row_table[i];
+    const struct row *row;
+    for (int i = 0; i < ROWS_MAX && (row = row_at(i)); i++) {
+        s->report.rows++;
         s->report.row[i] = (struct report_row){.row = row, .ran = chosen(&s->options, row)};
         if (!s->report.row[i].ran)
             continue;
@@ -93,20 +95,21 @@ static void plan(struct suite *s)
             cases = s->options.cases;
         for (uint64_t first = 0; first < cases && s->tasks < TASKS_MAX; first += CHUNK) {
             uint64_t left = cases - first;
-            s->task[s->tasks++] = (struct task){i, first, left < CHUNK ? left : CHUNK, 0};
+            s->task[s->tasks++] =
+                (struct task){i, first, left < CHUNK ? left : CHUNK, TASK_WAITS, 0};
         }
     }
-    s->report.rows = row_table_count;
 }
 
 static void begin(struct suite *s, int i)
 {
     struct task *task = &s->task[i];
     fflush(stdout);
+    task->state = TASK_RUNS;
     task->pid = fork();
     if (task->pid != 0)
         return;
-    struct pen_row_run run = {row_table[task->row],
+    struct pen_row_run run = {row_at(task->row),
                               s->options.seed,
                               task->first,
                               task->cases,
@@ -120,9 +123,24 @@ static void begin(struct suite *s, int i)
 static int running(const struct suite *s, pid_t pid)
 {
     for (int i = 0; i < s->tasks; i++)
-        if (s->task[i].pid == pid)
+        if (s->task[i].state == TASK_RUNS && s->task[i].pid == pid)
             return i;
     return -1;
+}
+
+/* Adds up what the tasks of a row found, in their order, once all have ended. */
+static void collect(struct suite *s, int row)
+{
+    struct report_row *r = &s->report.row[row];
+    for (int i = 0; i < s->tasks; i++)
+        if (s->task[i].row == row && s->task[i].state != TASK_ENDED)
+            return;
+    for (int i = 0; i < s->tasks; i++)
+        if (s->task[i].row == row)
+            row_result_add(&r->result, &s->result[i]);
+    printf("%-26s %9llu cases %8llu failures %7.1f s  %s\n", r->row->name,
+           (unsigned long long)r->result.tried, (unsigned long long)r->result.failures,
+           r->result.cpu_s, report_verdict(r));
 }
 
 static void end_one(struct suite *s)
@@ -134,22 +152,9 @@ static void end_one(struct suite *s)
             return;
         i = pid > 0 ? running(s, pid) : -1;
     }
-    s->task[i].pid = 0;
+    s->task[i].state = TASK_ENDED;
     s->result[i].crashed = status != 0;
-}
-
-/* Adds up what the tasks of a row found, in their order. */
-static void collect(struct suite *s)
-{
-    for (int i = 0; i < s->tasks; i++)
-        row_result_add(&s->report.row[s->task[i].row].result, &s->result[i]);
-    for (int i = 0; i < s->report.rows; i++) {
-        const struct report_row *row = &s->report.row[i];
-        if (row->ran)
-            printf("%-34s %9llu cases %9llu failures %7.1f s  %s\n", row->row->name,
-                   (unsigned long long)row->result.tried, (unsigned long long)row->result.failures,
-                   row->result.cpu_s, report_verdict(row));
-    }
+    collect(s, s->task[i].row);
 }
 
 static void run_all(struct suite *s)
@@ -230,9 +235,10 @@ static int replay(int argc, char **argv)
         (strchr(argv[i], 'x') ? row_arg : row_fixed)(&c, strtod(argv[i], NULL));
     c.fixed = c.count; /* as it is */
     corpus_add(&one, argv[2], &c);
-    for (int i = 0; i < row_table_count; i++) {
-        struct pen_row_run run = {row_table[i], 1, 0, 0, &one, &result};
-        if (strcmp(row_table[i]->name, argv[2]) != 0 || row_table[i]->status != ROW_TESTED)
+    const struct row *row;
+    for (int i = 0; (row = row_at(i)); i++) {
+        struct pen_row_run run = {row, 1, 0, 0, &one, &result};
+        if (strcmp(row->name, argv[2]) != 0 || row->status != ROW_TESTED)
             continue;
         row_run(&run);
         for (int k = 0; k < result.series_count; k++)
@@ -252,7 +258,11 @@ static int run_suite(struct suite *s, const char *program)
         return 2;
     }
     plan(s);
-    size_t bytes = sizeof *s->result * (size_t)(s->tasks > 0 ? s->tasks : 1);
+    if (s->tasks == 0) {
+        fprintf(stderr, "stability: no row is called %s\n", s->options.rows);
+        return 2;
+    }
+    size_t bytes = sizeof *s->result * (size_t)s->tasks;
     s->result = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (s->result == MAP_FAILED) {
         fprintf(stderr, "stability: out of memory\n");
@@ -260,7 +270,6 @@ static int run_suite(struct suite *s, const char *program)
     }
     printf("seed %llu\n", (unsigned long long)s->options.seed);
     run_all(s);
-    collect(s);
     if (s->options.price) {
         s->report.prices = price_measure(s->report.price);
         price_count(program, s->report.price, s->report.prices);
@@ -280,7 +289,7 @@ static int run_suite(struct suite *s, const char *program)
 int main(int argc, char **argv)
 {
     static struct suite suite;
-    static struct report_row rows[256];
+    static struct report_row rows[ROWS_MAX];
     suite.options = (struct options){.out = "build/stability", .seed = 1, .jobs = 1, .price = true};
     suite.report.row = rows;
     if (argc == 4 && strcmp(argv[1], "--price-of") == 0)

@@ -17,7 +17,7 @@ static uint64_t cases_of(const struct row *row)
 
 static void run_row(int i)
 {
-    const struct row *row = row_table[i];
+    const struct row *row = row_at(i);
     struct pen_row_run run = {row, random_begin(1).seed, 0, cases_of(row), &corpus, &result};
     char text[2048] = "";
     row_run(&run);
@@ -35,18 +35,19 @@ static void run_row(int i)
 
 int main(void)
 {
-    static char name[256][80];
-    static TTest test[256];
+    static char name[ROWS_MAX][80];
+    static TTest test[ROWS_MAX];
+    const struct row *row;
     Suite *suite = suite_create("property");
     int bad = corpus_read(&corpus, "tests/property/corpus/worst.txt");
     if (bad)
         printf("tests/property/corpus/worst.txt:%d: not a case\n", bad);
-    for (int i = 0; i < row_table_count && i < 256; i++) {
-        if (row_table[i]->status != ROW_TESTED)
+    for (int i = 0; i < ROWS_MAX && (row = row_at(i)); i++) {
+        if (row->status != ROW_TESTED)
             continue;
-        snprintf(name[i], sizeof name[i], "test_property__%s", row_table[i]->name);
+        snprintf(name[i], sizeof name[i], "test_property__%s", row->name);
         test[i] = (TTest){name[i], run_row, __FILE__, __LINE__};
-        TCase *tcase = tcase_create(row_table[i]->name);
+        TCase *tcase = tcase_create(row->name);
         tcase_set_timeout(tcase, 300);
         tcase_add_loop_test(tcase, &test[i], i, i + 1);
         suite_add_tcase(suite, tcase);

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: MIT */
+/* Flat bodies and surfaces made of them: H038 to H058, H087. */
+#include <stddef.h>
+
+#include "property/rows.h"
+
+const struct row row_table_flat[] = {
+    {
+        .id = "H038 H039",
+        .name = "h038_watertight",
+        .what =
+            "a closed surface of 420 triangles is crossed an odd number of times from inside, at "
+            "offsets 0, 1e6 and 1e9",
+        .oracle = "parity",
+        .run = rows_bumpy,
+        .full = 4000000,
+    },
+    {
+        .id = "H040",
+        .name = "h040_embree",
+        .what = "Embree's sphere and square of 200 x 200 squares each at (148376, 1234, -223423): "
+                "no leak, no double hit, at random, corners and edges",
+        .oracle = "count",
+        .run = rows_embree,
+    },
+    {
+        .id = "H041",
+        .name = "h041_antisymmetry",
+        .what = "dop(P, Q) and dop(Q, P) have opposite signs, and the right ones",
+        .oracle = "exact sign by expansions",
+        .run = rows_antisymmetry,
+    },
+    {
+        .id = "H042",
+        .name = "h042_roles",
+        .what = "an outline begun at another vertex or reversed gives the same hit and the same t: "
+                "every vertex plays every role",
+        .oracle = "the body itself, bit for bit",
+        .run = rows_roles,
+    },
+    {
+        .id = "H043",
+        .name = "h043_needle",
+        .what = "triangles of aspect down to 1e-12: hit or miss outside BE(8) right, t within 16 u",
+        .oracle = "exact winding; 113-bit plane",
+        .run = rows_needle,
+    },
+    {
+        .id = "H043",
+        .name = "h043_needle_grazed",
+        .what = "the same for rays within 0.1 rad of the needle's plane",
+        .oracle = "113-bit plane",
+        .run = rows_needle_grazed,
+        .known = "t of rays nearly in the plane",
+    },
+    {
+        .id = "H044",
+        .name = "h044_needle_fan",
+        .what = "1000 triangles of apex angle 1e-7 that share a vertex: a ray at the vertex or a "
+                "shared edge meets one",
+        .oracle = "count = 1",
+        .run = rows_fan,
+        .full = 200000,
+        .check = 3000,
+    },
+    {
+        .id = "H045",
+        .name = "h045_degenerate",
+        .what = "triangles whose vertices lie on one line are refused, all others made, whatever "
+                "their size; t is a number",
+        .oracle = "exact cross product",
+        .run = rows_degenerate,
+    },
+    {
+        .id = "H046",
+        .name = "h046_pbrt",
+        .what = "pbrt's bad case and its neighbours within ulps: no hit",
+        .oracle = "exact winding",
+        .run = rows_pbrt,
+    },
+    {
+        .id = "H047",
+        .name = "h047_grazing_thin",
+        .what = "a thin triangle at 0.52 degrees in random poses: hit or miss outside BE(8) right, "
+                "t among the depths of the vertices",
+        .oracle = "exact winding; 113-bit depths",
+        .run = rows_grazed,
+    },
+    {
+        .id = "H048",
+        .name = "h048_edge_on",
+        .what = "a ray in the triangle's plane: no hit where the shear is exact, else t among the "
+                "depths of the vertices",
+        .oracle = "exact lattice",
+        .run = rows_edge_on,
+    },
+    {
+        .id = "H049",
+        .name = "h049_tiling",
+        .what = "64 x 64 squares split both ways: each lattice point belongs to one triangle",
+        .oracle = "count = 1",
+        .run = rows_tiling,
+    },
+    {
+        .id = "H050 H057",
+        .name = "h050_folded_sheet",
+        .what =
+            "a folded sheet of triangles and concave polygons is crossed exactly once, at offsets "
+            "0, 1e6 and 1e9",
+        .oracle = "count = 1",
+        .run = rows_sheet,
+        .full = 4000000,
+    },
+    {
+        .id = "H051",
+        .name = "h051_t_junction",
+        .what = "a vertex that rests on a long edge",
+        .status = ROW_INAPPLICABLE,
+        .why = "input is never repaired: validate warns of T-junctions (tests/io/test_warnings.c)",
+    },
+    {
+        .id = "H052",
+        .name = "h052_star",
+        .what = "a concave star and the triangles in its notches: one is met, and the right one",
+        .oracle = "count = 1; exact winding",
+        .run = rows_star,
+    },
+    {
+        .id = "H053",
+        .name = "h053_bow_tie",
+        .what = "a self-crossing outline",
+        .status = ROW_INAPPLICABLE,
+        .why = "self-crossing outlines are refused (tests/scene/test_polygon_check.c)",
+    },
+    {
+        .id = "H054",
+        .name = "h054_bent",
+        .what = "a sheet of squares with vertices off their planes by 1e-7 has no cracks",
+        .oracle = "count = 1",
+        .run = rows_bent,
+    },
+    {
+        .id = "H055",
+        .name = "h055_circle",
+        .what = "a circle of 10 000 corners and its complement: one is met at corners and the "
+                "middles of edges",
+        .oracle = "count = 1",
+        .run = rows_circle,
+        .full = 50000,
+        .check = 2000,
+    },
+    {
+        .id = "H055",
+        .name = "h055_circle_area",
+        .what = "the share of random rays that meet the circle of 10 000 corners is its area",
+        .oracle = "closed form, 5 sigma",
+        .run = rows_circle_area,
+        .full = 40,
+        .check = 2,
+    },
+    {
+        .id = "H056",
+        .name = "h056_huge_beside_small",
+        .what = "a tetrahedron with edges of 1e6 and 1e-6: a line through a point inside meets two "
+                "faces",
+        .oracle = "exact inside; count = 2",
+        .run = rows_huge_small,
+    },
+    {
+        .id = "H058",
+        .name = "h058_glass_cube",
+        .what = "a shadow ray from outside at edges and corners of a glass cube of 12 triangles "
+                "passes two of them or none",
+        .oracle = "count",
+        .run = rows_glass_cube,
+    },
+    {
+        .id = "H087 O1 plane",
+        .name = "h087_plane",
+        .what = "planes met at any angle down to 1e-300: the class is exact, t a number, the point "
+                "within 8 u of the plane",
+        .oracle = "113 bits",
+        .run = rows_plane,
+    },
+    {.id = NULL},
+};

@@ -1,0 +1,305 @@
+/* SPDX-License-Identifier: MIT */
+/* Leaving, coincidence, scale, boxes: H059 to H099. */
+#include <stddef.h>
+
+#include "property/rows.h"
+
+const struct row row_table_space[] = {
+    {
+        .id = "H059",
+        .name = "h059_leave_round",
+        .what = "from a hit on a sphere, tube or cylinder of radius 1e-6 to 1e6 at offsets 0 to "
+                "1e9: no crossing outward, exactly one inward",
+        .oracle = "sign of the chord; undecided only within 8u",
+        .run = rows_leave_round,
+        .full = 9000000,
+    },
+    {
+        .id = "H060",
+        .name = "h060_leave_flat",
+        .what =
+            "from a hit on a triangle, a polygon or a plane of size e^-8 to e^8 at offsets 0 to "
+            "1e9: it is not met again",
+        .oracle = "count = 0",
+        .run = rows_leave_flat,
+        .full = 5000000,
+    },
+    {
+        .id = "H061",
+        .name = "h061_way_out",
+        .what = "inward from the surface, t is -2 b / a within 4 ulp; from or to a cap within 32u "
+                "(r + h)",
+        .oracle = "113 bits",
+        .run = rows_way_out,
+        .full = 6000000,
+    },
+    {
+        .id = "H062",
+        .name = "h062_dihedral",
+        .what =
+            "two triangles at 10^-k rad, k up to 12: from one, into the wedge, the other is met",
+        .oracle = "construction",
+        .run = rows_wedge,
+    },
+    {
+        .id = "H063",
+        .name = "h063_thin_shell",
+        .what =
+            "an opaque sphere in a glass one with gaps of 4e-5 to 64u of the coordinates: it is "
+            "always seen, and "
+            "nothing meets itself",
+        .oracle = "order of spheres",
+        .run = rows_shell,
+    },
+    {
+        .id = "H068 H069",
+        .name = "h068_coincident",
+        .what = "of two coincident bodies the first in the document is met, by the tree too; on "
+                "leaving it neither is met at the start",
+        .oracle = "document order",
+        .run = rows_twins,
+    },
+    {
+        .id = "H070",
+        .name = "h070_coplanar_overlap",
+        .what = "coplanar squares that overlap: what is met is there, and is the same by tree and "
+                "by trying all",
+        .oracle = "exact winding; brute force",
+        .run = rows_overlap,
+    },
+    {
+        .id = "H071",
+        .name = "h071_touching_spheres",
+        .what = "spheres that touch: crossings at 1, 3, 3, 5 in document order; the common tangent "
+                "misses both; scaled by 2^-200 to 2^200",
+        .oracle = "closed form",
+        .run = rows_touching,
+        .full = 10000,
+        .check = 600,
+    },
+    {
+        .id = "H072",
+        .name = "h072_stacked_glass",
+        .what = "64 parallel sheets of glass in any document order: the product of their "
+                "transmittances, the same bits with and without a tree",
+        .oracle = "product in order of distance",
+        .run = rows_stack,
+        .full = 20000,
+        .check = 100,
+    },
+    {
+        .id = "H074",
+        .name = "h074_scaled",
+        .what = "every kind of body and a ray times 2^k, k in -200 ... 200, the direction with it "
+                "or not: the same crossings",
+        .oracle = "itself, bit for bit",
+        .run = rows_scaled,
+    },
+    {
+        .id = "H074 H084",
+        .name = "h074_picture",
+        .what = "a random scene times 2^k, k in -200 ... 200, attenuation constant: the same "
+                "picture",
+        .oracle = "itself, bit for bit",
+        .run = rows_picture_scaled,
+        .full = 4000,
+        .check = 60,
+    },
+    {
+        .id = "H075",
+        .name = "h075_picture",
+        .what =
+            "a random scene times 1e-6, 1e-3, 1e3, 1e9: at most one pixel in a thousand differs "
+            "by 1e-3",
+        .oracle = "itself",
+        .run = rows_picture_decimal,
+        .full = 400,
+        .check = 8,
+    },
+    {
+        .id = "H076",
+        .name = "h076_moved",
+        .what = "coordinates that are multiples of 2^-12, moved by 2^20 and 2^30: the same "
+                "crossings",
+        .oracle = "itself, bit for bit",
+        .run = rows_moved,
+    },
+    {
+        .id = "H076",
+        .name = "h076_picture",
+        .what = "a random scene of dyadic coordinates moved by 2^20 and 2^30: the same picture",
+        .oracle = "itself, bit for bit",
+        .run = rows_picture_moved,
+        .full = 4000,
+        .check = 60,
+    },
+    {
+        .id = "H077",
+        .name = "h077_cornell",
+        .what = "a Cornell box of size 1 moved by 1e6 to 1e9: root mean square error at most "
+                "ulp(offset) over a pixel's size, at most 4 pixels of 4096 another body",
+        .oracle = "itself",
+        .run = rows_picture_cornell,
+        .full = 400,
+        .check = 8,
+    },
+    {
+        .id = "H078",
+        .name = "h078_mirrored",
+        .what = "any coordinates negated: the same crossings, off the borders of flat bodies; all "
+                "kinds but triangles",
+        .oracle = "itself, bit for bit",
+        .run = rows_mirrored,
+    },
+    {
+        .id = "H078",
+        .name = "h078_mirrored_triangle",
+        .what = "the same for triangles",
+        .oracle = "itself, bit for bit",
+        .run = rows_mirrored_triangle,
+        .known = "t of a triangle depends on the order of its corners' coordinates",
+    },
+    {
+        .id = "H078",
+        .name = "h078_picture",
+        .what = "a mirrored scene gives the mirrored picture but for 2 pixels",
+        .oracle = "itself, bit for bit",
+        .run = rows_picture_mirrored,
+        .full = 4000,
+        .check = 60,
+    },
+    {
+        .id = "H079",
+        .name = "h079_permuted",
+        .what = "spheres, tubes and polygons with axes permuted: hit or miss the same, t "
+                "within 2 ulp",
+        .oracle = "itself",
+        .run = rows_turned,
+    },
+    {
+        .id = "H079",
+        .name = "h079_permuted_sums",
+        .what = "the same for triangles, cylinders and planes",
+        .oracle = "itself",
+        .run = rows_turned_sums,
+        .known = "t of triangles, caps and planes: sums of three terms, reordered, differ by more",
+    },
+    {
+        .id = "H080",
+        .name = "h080_rotation",
+        .what = "a point in the penumbra of a straight edge under a disk light, in any pose: the "
+                "visible share of the disk",
+        .oracle = "closed form, 5 sigma",
+        .run = rows_pose,
+        .full = 1000,
+        .check = 20,
+    },
+    {
+        .id = "H081",
+        .name = "h081_mixed_scale",
+        .what = "a sphere of 1e-6 that rests on one of 1e9, seen from 1e-5, in a frame at the "
+                "contact: it is seen, and so is its shadow, outside BE(16)",
+        .oracle = "113-bit class",
+        .run = rows_mixed,
+    },
+    {
+        .id = "H082",
+        .name = "h082_far_camera",
+        .what = "a sphere seen from up to 1e8: hit or miss wrong only where |b/r - 1| <= 4u D/r",
+        .oracle = "113-bit class",
+        .run = rows_far_camera,
+    },
+    {
+        .id = "H083",
+        .name = "h083_planet",
+        .what = "the horizon of a planet: rays begin to meet it within an ulp of the direction",
+        .oracle = "113-bit class at d and its neighbours",
+        .run = rows_planet,
+        .known = "grazing rays are decided by a discriminant that keeps few digits",
+    },
+    {
+        .id = "H085",
+        .name = "h085_subnormal",
+        .what = "a subnormal component of the direction changes nothing but t by 4 ulp",
+        .oracle = "itself without it",
+        .run = rows_subnormal,
+    },
+    {
+        .id = "H086",
+        .name = "h086_signed_zeros",
+        .what =
+            "26 directions along axes and diagonals, zeros of either sign, from box faces moved "
+            "by -1, 0, +1 ulp: no false miss, and signs of zeros change nothing",
+        .oracle = "brute force, exact slabs",
+        .run = rows_signed_zeros,
+    },
+    {
+        .id = "H091",
+        .name = "h091_boxes",
+        .what = "rays at and from corners, edges and faces of boxes at offsets 0 to 1e9: no false "
+                "miss",
+        .oracle = "brute force; exact slabs, BE(8)",
+        .run = rows_boxes,
+        .full = 12000000,
+    },
+    {
+        .id = "H092",
+        .name = "h092_flat_boxes",
+        .what = "boxes without thickness around axis-parallel rectangles: hit iff the rectangle is",
+        .oracle = "brute force, bit for bit",
+        .run = rows_flat_boxes,
+    },
+    {
+        .id = "H093",
+        .name = "h093_on_faces",
+        .what = "rays that start on faces, edges and corners of boxes, inward, along and outward",
+        .oracle = "brute force; exact slabs, BE(8)",
+        .run = rows_on_faces,
+    },
+    {
+        .id = "H094",
+        .name = "h094_tmax",
+        .what = "tmax equal to t of a crossing includes it, an ulp less does not, by tree and by "
+                "trying all",
+        .oracle = "brute force, bit for bit",
+        .run = rows_tmax,
+    },
+    {
+        .id = "H095 H096",
+        .name = "h095_trees",
+        .what = "random mixed scenes, paths of three rays: the tree, the list and trying all meet "
+                "the same (t, primitive, part), and say the same of shadows",
+        .oracle = "brute force, bit for bit",
+        .run = rows_paths,
+        .full = 2000000,
+    },
+    {
+        .id = "H097",
+        .name = "h097_copies",
+        .what =
+            "up to 1e5 copies of one triangle: the tree is less than 64 deep, the first is met, "
+            "then each",
+        .oracle = "document order",
+        .run = rows_copies,
+        .full = 2000,
+        .check = 20,
+    },
+    {
+        .id = "H098",
+        .name = "h098_unbounded",
+        .what = "planes and tubes beside 1e5 triangles: the tree meets what trying all meets",
+        .oracle = "brute force, bit for bit",
+        .run = rows_crowd,
+        .full = 3000,
+        .check = 100,
+    },
+    {
+        .id = "H099",
+        .name = "h099_few",
+        .what = "none, one or a few primitives: what trying all says",
+        .oracle = "brute force, bit for bit",
+        .run = rows_few,
+        .full = 200000,
+    },
+    {.id = NULL},
+};
