@@ -61,10 +61,12 @@ START_TEST(test_polygon__h030_inside_outside_and_rim)
     world_polygon(&world, square, 4);
     ck_assert(at(0, 0) == 1 && at(2, 2) == 0 && at(1, 0) == 0 && at(1, 1) == 0);
     const double tmax[] = {5, 2, nextafter(2, 0), .5};
-    struct pen_ray ray = world_ray(pen_vec3(0, 0, -1), pen_vec3(0, 0, 1));
-    for (int i = 0; i < 4; i++)
-        ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, tmax[i], NULL, 0),
-                         i < 2);
+    for (int i = 0; i < 4; i++) {
+        struct pen_ray in = world_ray(pen_vec3(0, 0, -1), pen_vec3(0, 0, 1));
+        struct pen_ray out = world_ray(pen_vec3(2, 2, -1), pen_vec3(0, 0, 1));
+        ck_assert_int_eq(world_crossings(&world, &in, &pen_leave_nothing, tmax[i], NULL, 0), i < 2);
+        ck_assert_int_eq(world_crossings(&world, &out, &pen_leave_nothing, tmax[i], NULL, 0), 0);
+    }
 }
 END_TEST
 

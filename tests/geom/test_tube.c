@@ -128,7 +128,17 @@ START_TEST(test_tube__h023_tmax)
     for (int i = 0; i < 4; i++)
         ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, row[i].tmax, NULL, 0),
                          row[i].count);
-    ck_assert_int_eq(world_count(&world, pen_vec3(2, 2, 0), pen_vec3(1, 0, 0)), 0);
+    ray = world_ray(pen_vec3(2, 2, 0), pen_vec3(1, 0, 0));
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, 10, NULL, 0), 0);
+    /* The same along a unit vector: t is the square root of 2, as it is computed. */
+    struct pen_hit hit;
+    ray = world_ray(pen_vec3(2, 0, -1), pen_normalize(pen_vec3(-1, 0, 1)));
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, 3, &hit, 1), 1);
+    ck_assert(quad_ulps(hit.t, quad_sqrt(2)) <= 2);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, .5, NULL, 0), 0);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, hit.t, NULL, 0), 1);
+    ck_assert_int_eq(
+        world_crossings(&world, &ray, &pen_leave_nothing, nextafter(hit.t, 0), NULL, 0), 0);
 }
 END_TEST
 

@@ -45,7 +45,7 @@ static struct pen_errors notes(int count, bool split)
     return warnings;
 }
 
-START_TEST(test_warnings__every_vertex_inside_an_edge_is_found)
+START_TEST(test_warnings__h051_every_vertex_inside_an_edge_is_found)
 {
     /* Two teeth meet at each vertex inside; a few are on the edge exactly, and are no fault. */
     static const int counts[] = {3, 10, 1000, 6000};
@@ -76,6 +76,6 @@ START_TEST(test_warnings__t_junctions_of_large_scenes_are_not_looked_for)
 }
 END_TEST
 
-PEN_SUITE("io/warnings", test_warnings__every_vertex_inside_an_edge_is_found,
+PEN_SUITE("io/warnings", test_warnings__h051_every_vertex_inside_an_edge_is_found,
           test_warnings__shared_vertices_are_no_t_junctions,
           test_warnings__t_junctions_of_large_scenes_are_not_looked_for)

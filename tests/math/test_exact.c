@@ -37,7 +37,7 @@ static double coordinate(struct random *r)
 }
 
 /* H041 */
-START_TEST(test_exact__dop_is_antisymmetric)
+START_TEST(test_exact__h041_dop_is_antisymmetric)
 {
     struct random r = random_begin(41);
     for (int i = 0; i < N; i++) {
@@ -95,7 +95,7 @@ START_TEST(test_exact__dot2_is_as_if_in_twice_the_precision)
 END_TEST
 
 /* H035: what threw in the classroom is an ordinary value here. */
-START_TEST(test_exact__cross_of_parallels_is_exactly_zero)
+START_TEST(test_exact__h035_cross_of_parallels_is_zero)
 {
     struct random r = random_begin(3);
     struct pen_vec3 zero = pen_vec3(0, 0, 0);
@@ -175,7 +175,7 @@ static void check_roles(struct sheared (*f)(const struct pen_vec3 *, double, dou
     }
 }
 
-START_TEST(test_exact__a_vertex_does_not_depend_on_its_role)
+START_TEST(test_exact__h042_a_vertex_in_every_role)
 {
     check_roles(shear_base);
 #ifdef __x86_64__
@@ -196,8 +196,7 @@ START_TEST(test_exact__plain_products_lose_the_sign)
 }
 END_TEST
 
-PEN_SUITE("exact", test_exact__dop_is_antisymmetric, test_exact__dop_is_within_two_roundings,
+PEN_SUITE("exact", test_exact__h041_dop_is_antisymmetric, test_exact__dop_is_within_two_roundings,
           test_exact__dot2_is_as_if_in_twice_the_precision,
-          test_exact__cross_of_parallels_is_exactly_zero, test_exact__cross_follows_the_right_hand,
-          test_exact__a_vertex_does_not_depend_on_its_role,
-          test_exact__plain_products_lose_the_sign)
+          test_exact__h035_cross_of_parallels_is_zero, test_exact__cross_follows_the_right_hand,
+          test_exact__h042_a_vertex_in_every_role, test_exact__plain_products_lose_the_sign)

@@ -28,7 +28,7 @@ START_TEST(test_vec3__arithmetic)
 END_TEST
 
 /* H035: what threw in the classroom. */
-START_TEST(test_vec3__zero_is_a_vector)
+START_TEST(test_vec3__h035_zero_is_a_vector)
 {
     struct pen_vec3 a = pen_vec3(1, 2, 3), zero = pen_vec3(0, 0, 0);
     ck_assert(is(pen_sub(a, a), 0, 0, 0) && is(pen_add(a, pen_neg(a)), 0, 0, 0));
@@ -93,6 +93,6 @@ START_TEST(test_box__center_does_not_overflow)
 }
 END_TEST
 
-PEN_SUITE("vec3", test_vec3__arithmetic, test_vec3__zero_is_a_vector,
+PEN_SUITE("vec3", test_vec3__arithmetic, test_vec3__h035_zero_is_a_vector,
           test_vec3__normalized_has_unit_length, test_vec3__operations_round_as_written,
           test_box__grows_by_points_and_boxes, test_box__center_does_not_overflow)

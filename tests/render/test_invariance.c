@@ -83,7 +83,7 @@ static void scale_lengths(double s)
     }
 }
 
-START_TEST(test_invariance__scaled_by_powers_of_two)
+START_TEST(test_invariance__h074_scaled_by_powers_of_two)
 {
     static const int exponents[] = {-498, -200, -40, -20, -1, 1, 20, 40, 200, 498};
     kit_medley(&kit);
@@ -101,7 +101,7 @@ START_TEST(test_invariance__scaled_by_powers_of_two)
 }
 END_TEST
 
-START_TEST(test_invariance__moved_by_exact_distances)
+START_TEST(test_invariance__h076_moved_by_exact_distances)
 {
     static const double distances[] = {0x1p20, -0x1p30, 0x1p30 + 1024, 0x1.8p35};
     kit_medley(&kit);
@@ -133,7 +133,7 @@ static void mirror_directions(void)
     }
 }
 
-START_TEST(test_invariance__seen_in_a_mirror)
+START_TEST(test_invariance__h078_seen_in_a_mirror)
 {
     kit_medley(&kit);
     for (uint32_t i = 0; i < kit.desc.light_count; i++) /* points of disks are not mirrored */
@@ -155,5 +155,5 @@ START_TEST(test_invariance__seen_in_a_mirror)
 }
 END_TEST
 
-PEN_SUITE("invariance", test_invariance__scaled_by_powers_of_two,
-          test_invariance__moved_by_exact_distances, test_invariance__seen_in_a_mirror)
+PEN_SUITE("invariance", test_invariance__h074_scaled_by_powers_of_two,
+          test_invariance__h076_moved_by_exact_distances, test_invariance__h078_seen_in_a_mirror)

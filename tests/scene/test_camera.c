@@ -76,7 +76,7 @@ static void assert_refused(const struct pen_camera_desc *camera, const char *at)
     ck_assert_str_eq(st.at, at);
 }
 
-START_TEST(test_camera__refuses_what_gives_no_frame)
+START_TEST(test_camera__h036_refuses_what_gives_no_frame)
 {
     struct pen_camera_desc camera = camera_at(pen_vec3(1, 2, 3), pen_vec3(0, -2, 0));
     assert_refused(&camera, "/up");
@@ -301,7 +301,7 @@ START_TEST(test_camera__frame_stays_orthonormal)
 END_TEST
 
 /* H036: a camera looking along -z with up = -y, so that +x is left; pixels by column and row. */
-START_TEST(test_camera__rays_of_the_classic_view_planes)
+START_TEST(test_camera__h036_classic_view_planes)
 {
     static const struct {
         int pixels;
@@ -371,11 +371,11 @@ START_TEST(test_camera__mirrored_pixels_have_mirrored_rays)
 END_TEST
 
 PEN_SUITE("camera", test_camera__frame_is_right_handed, test_camera__up_is_made_orthogonal,
-          test_camera__refuses_what_gives_no_frame, test_camera__frame_survives_any_length,
+          test_camera__h036_refuses_what_gives_no_frame, test_camera__frame_survives_any_length,
           test_camera__translate_is_in_world_axes, test_camera__rotate_is_about_the_current_axes,
           test_camera__orbit_moves_eye_and_frame, test_camera__rotate_by_any_angle_about_any_axis,
           test_camera__orbit_about_any_axis_and_target,
           test_camera__orbit_keeps_its_target_in_place, test_camera__moves_apply_in_order,
-          test_camera__frame_stays_orthonormal, test_camera__rays_of_the_classic_view_planes,
+          test_camera__frame_stays_orthonormal, test_camera__h036_classic_view_planes,
           test_camera__fov_is_vertical_and_pixels_are_square, test_camera__view_plane_may_stretch,
           test_camera__mirrored_pixels_have_mirrored_rays)

@@ -449,7 +449,7 @@ static int all_crossings(void)
     return n;
 }
 
-START_TEST(test_freeze__crossings_of_a_small_view_plane)
+START_TEST(test_freeze__h037_crossings_of_a_small_view_plane)
 {
     static const struct {
         double z, r;
@@ -487,4 +487,4 @@ PEN_SUITE("freeze", test_freeze__bodies_are_numbered_depth_first,
           test_freeze__memory_cap_is_an_error, test_freeze__every_allocation_may_fail,
           test_freeze__groups_are_the_structure_of_manual,
           test_freeze__manual_without_groups_is_cbr, test_freeze__groups_side_by_side,
-          test_freeze__crossings_of_a_small_view_plane)
+          test_freeze__h037_crossings_of_a_small_view_plane)

@@ -64,7 +64,7 @@ START_TEST(test_polygon_check__refuses_no_area)
 }
 END_TEST
 
-START_TEST(test_polygon_check__planar_within_a_millionth)
+START_TEST(test_polygon_check__h054_planar_within_a_millionth)
 {
     vec3 quad[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 1e-9}, {0, 1, 0}};
     assert_accepted(quad, 4);
@@ -81,7 +81,7 @@ START_TEST(test_polygon_check__planar_within_a_millionth)
 }
 END_TEST
 
-START_TEST(test_polygon_check__refuses_crossings_and_touches)
+START_TEST(test_polygon_check__h053_refuses_crossings_and_touches)
 {
     const vec3 bow_tie[] = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
     assert_refused(bow_tie, 4, "/vertices/2", "meets itself");
@@ -244,8 +244,8 @@ END_TEST
 
 PEN_SUITE("polygon_check", test_polygon_check__accepts_simple_outlines,
           test_polygon_check__refuses_too_few_and_repeated, test_polygon_check__refuses_no_area,
-          test_polygon_check__planar_within_a_millionth,
-          test_polygon_check__refuses_crossings_and_touches, test_polygon_check__one_ulp_decides,
-          test_polygon_check__sides_are_exact, test_polygon_check__tiny_far_from_the_origin,
-          test_polygon_check__agrees_with_all_pairs, test_polygon_check__ten_thousand_vertices,
-          test_polygon_check__long_teeth_in_no_order)
+          test_polygon_check__h054_planar_within_a_millionth,
+          test_polygon_check__h053_refuses_crossings_and_touches,
+          test_polygon_check__one_ulp_decides, test_polygon_check__sides_are_exact,
+          test_polygon_check__tiny_far_from_the_origin, test_polygon_check__agrees_with_all_pairs,
+          test_polygon_check__ten_thousand_vertices, test_polygon_check__long_teeth_in_no_order)

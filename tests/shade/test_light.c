@@ -92,7 +92,7 @@ START_TEST(test_light__spot_with_beam_exponent)
 }
 END_TEST
 
-START_TEST(test_light__nothing_behind_a_spot)
+START_TEST(test_light__h116_nothing_behind_a_spot)
 {
     static const vec3 directions[] = {{0, 0, 1}, {1, 0, 0}, {1, 0, 0.1}};
     for (int i = 0; i < 3; i++) {
@@ -148,7 +148,7 @@ START_TEST(test_light__dark_in_the_plane_of_the_surface)
 }
 END_TEST
 
-START_TEST(test_light__exactly_at_the_point)
+START_TEST(test_light__h117_light_at_the_point)
 {
     struct pen_material m = shiny(0.5, 0.5, 4);
     m.emission = pen_vec3(0.125, 0, 0);
@@ -164,7 +164,7 @@ START_TEST(test_light__exactly_at_the_point)
 }
 END_TEST
 
-START_TEST(test_light__inside_an_opaque_sphere)
+START_TEST(test_light__h117_light_inside_an_opaque_sphere)
 {
     floor_of(kit_matte(1));
     kit_sphere(&kit, pen_vec3(2, 0, 2), 1, -1);
@@ -249,7 +249,7 @@ START_TEST(test_light__powers_never_amplify)
 }
 END_TEST
 
-START_TEST(test_light__overflow_is_dropped_and_counted)
+START_TEST(test_light__h090_overflow_is_dropped_and_counted)
 {
     floor_of(kit_matte(1));
     struct pen_light_desc *light = kit_point(&kit, pen_vec3(0, 0, 1e-9), pen_vec3(1e308, 0, 1));
@@ -271,8 +271,8 @@ END_TEST
 
 PEN_SUITE("light", test_light__directional, test_light__point_with_attenuation,
           test_light__attenuation_is_in_scene_units, test_light__spot_with_beam_exponent,
-          test_light__nothing_behind_a_spot, test_light__only_on_the_viewers_side,
-          test_light__dark_in_the_plane_of_the_surface, test_light__exactly_at_the_point,
-          test_light__inside_an_opaque_sphere, test_light__power_of_zero, test_light__shadows_off,
-          test_light__emission_and_ambient, test_light__very_far, test_light__powers_never_amplify,
-          test_light__overflow_is_dropped_and_counted)
+          test_light__h116_nothing_behind_a_spot, test_light__only_on_the_viewers_side,
+          test_light__dark_in_the_plane_of_the_surface, test_light__h117_light_at_the_point,
+          test_light__h117_light_inside_an_opaque_sphere, test_light__power_of_zero,
+          test_light__shadows_off, test_light__emission_and_ambient, test_light__very_far,
+          test_light__powers_never_amplify, test_light__h090_overflow_is_dropped_and_counted)

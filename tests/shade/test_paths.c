@@ -28,7 +28,7 @@ static const vec3 none = {0, 0, 0};
 
 /* H112: two mirrors face each other; the m-th image is weaker by kr^m, and the depth limit is
  * exact. */
-START_TEST(test_paths__mirror_pair)
+START_TEST(test_paths__h112_mirror_pair)
 {
     for (int depth = 1; depth <= 50; depth += 7) {
         kit_init(&kit);
@@ -113,7 +113,7 @@ START_TEST(test_paths__background_through_glass)
 }
 END_TEST
 
-START_TEST(test_paths__coincident_glass_in_document_order)
+START_TEST(test_paths__h114_coincident_glass_in_document_order)
 {
     kit_init(&kit);
     const vec3 kt[] = {{0.9, 0.7, 0.3}, {0.8, 0.9, 0.1}, {0.7, 0.3, 0.9}};
@@ -131,7 +131,7 @@ START_TEST(test_paths__coincident_glass_in_document_order)
 END_TEST
 
 /* The ray goes on beyond the crossing; it is not begun anew at a point that rounding moved. */
-START_TEST(test_paths__glass_keeps_the_ray)
+START_TEST(test_paths__h110_glass_keeps_the_ray)
 {
     kit_init(&kit);
     kit.settings.max_depth = 100;
@@ -247,9 +247,9 @@ START_TEST(test_paths__depth_one_is_direct_light_only)
 }
 END_TEST
 
-PEN_SUITE("paths", test_paths__mirror_pair, test_paths__mirror_direction,
+PEN_SUITE("paths", test_paths__h112_mirror_pair, test_paths__mirror_direction,
           test_paths__end_below_min_contribution, test_paths__end_at_weight_zero,
-          test_paths__background_through_glass, test_paths__coincident_glass_in_document_order,
-          test_paths__glass_keeps_the_ray, test_paths__tree_of_both_kinds,
+          test_paths__background_through_glass, test_paths__h114_coincident_glass_in_document_order,
+          test_paths__h110_glass_keeps_the_ray, test_paths__tree_of_both_kinds,
           test_paths__deep_trees_fit, test_paths__ambient_is_for_primary_rays,
           test_paths__lights_at_every_surface, test_paths__depth_one_is_direct_light_only)

@@ -139,7 +139,7 @@ START_TEST(test_shadow__more_sheets_and_a_light_on_walls)
 }
 END_TEST
 
-START_TEST(test_shadow__coincident_sheets_in_document_order)
+START_TEST(test_shadow__h114_coincident_sheets_in_document_order)
 {
     floor_and_light();
     const vec3 colour[] = {{0.9, 0.7, 0.3}, {0.8, 0.9, 0.1}, {0.7, 0.3, 0.9}, {0.3, 0.6, 0.7}};
@@ -175,7 +175,7 @@ START_TEST(test_shadow__directional_light_is_infinitely_far)
 END_TEST
 
 /* A body resting on the floor: the shadow begins where it stands. */
-START_TEST(test_shadow__contact)
+START_TEST(test_shadow__h065_shadow_begins_at_the_wall)
 {
     kit_init(&kit);
     kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), kit_material(&kit, kit_matte(1)));
@@ -250,7 +250,8 @@ END_TEST
 PEN_SUITE("shadow", test_shadow__opaque_blocks, test_shadow__only_strictly_between,
           test_shadow__a_light_in_a_glass_sphere, test_shadow__colours_multiply_from_the_point_on,
           test_shadow__more_sheets_than_a_query_holds,
-          test_shadow__coincident_sheets_in_document_order, test_shadow__opaque_among_glass,
-          test_shadow__directional_light_is_infinitely_far, test_shadow__contact,
+          test_shadow__h114_coincident_sheets_in_document_order, test_shadow__opaque_among_glass,
+          test_shadow__directional_light_is_infinitely_far,
+          test_shadow__h065_shadow_begins_at_the_wall,
           test_shadow__more_sheets_and_a_light_on_walls, test_shadow__at_the_foot_of_a_wall,
           test_shadow__corner_seen_from_afar)

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/* The classroom's boundary cases of collections: how many crossings a ray has with several bodies,
+ * in which order, and which is the nearest. Every accelerator and compiled variant is asked. */
+#include "support/suite.h"
+#include "support/world.h"
+
+typedef struct pen_vec3 vec3;
+
+enum { MOST = 8, WAYS = 2 * PEN_ACCEL_COUNT };
+
+static struct world world;
+
+static struct pen_arena *arena;
+static const struct pen_accel *accel[PEN_ACCEL_COUNT];
+
+static void build(void)
+{
+    struct pen_status st;
+    arena = pen_arena_new(0);
+    for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++) {
+        accel[kind] = pen_accel_build(&world.prims, (enum pen_accelerator)kind, arena, &st);
+        ck_assert(accel[kind]);
+    }
+}
+
+/* The crossings from o along z, walked from one to the next. */
+static int walk(int way, vec3 o, vec3 d, struct pen_hit hit[MOST])
+{
+    const struct pen_trace_ops *ops = pen_trace_ops_get(way & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
+    struct pen_ray ray = world_ray(o, d);
+    struct pen_span span = {pen_after_start, INFINITY};
+    int count = 0;
+    while (count < MOST &&
+           ops->nearest(accel[way / 2], &ray, &pen_leave_nothing, &span, &span.after))
+        hit[count++] = span.after;
+    return count;
+}
+
+struct crossing {
+    double t;
+    uint32_t prim;
+};
+
+static void assert_crossings(vec3 o, vec3 d, const struct crossing *want, int wanted)
+{
+    for (int way = 0; way < WAYS; way++) {
+        struct pen_hit hit[MOST];
+        int count = walk(way, o, d, hit);
+        ck_assert_msg(count == wanted, "way %d: %d crossings, not %d", way, count, wanted);
+        for (int i = 0; i < count; i++)
+            ck_assert_msg(hit[i].t == want[i].t && hit[i].prim == want[i].prim,
+                          "way %d, crossing %d: %a of %u", way, i, hit[i].t, hit[i].prim);
+    }
+}
+
+/* A plane, a sphere and a triangle in the way of +z, the first two touching where asked to. */
+static void three_bodies(double plane_z)
+{
+    world_clear(&world);
+    world_plane(&world, pen_vec3(0, 0, plane_z), pen_vec3(0, 0, 1));
+    world_sphere(&world, pen_vec3(0, 0, 2), 1);
+    world_triangle(&world, pen_vec3(0, .5, 4), pen_vec3(.5, -.5, 4), pen_vec3(-.5, -.5, 4));
+    build();
+}
+
+START_TEST(test_collections__h033_crossings_of_several_bodies)
+{
+    const vec3 up = {0, 0, 1}, beside = {5, 5, 0}, rim = {0, .6, 0}, through = {0, 0, 0};
+    const struct crossing one[] = {{.5, 0}}, three[] = {{.5, 0}, {1.2, 1}, {2.8, 1}},
+                          four[] = {{.5, 0}, {1, 1}, {3, 1}, {4, 2}};
+    world_clear(&world);
+    build();
+    assert_crossings(through, up, NULL, 0);
+    pen_arena_free(arena);
+    three_bodies(.5);
+    assert_crossings(through, pen_vec3(1, 0, 0), NULL, 0);
+    assert_crossings(beside, up, one, 1);
+    assert_crossings(rim, up, three, 3);
+    assert_crossings(through, up, four, 4);
+    pen_arena_free(arena);
+}
+END_TEST
+
+/* Equal t: in document order. */
+START_TEST(test_collections__h033_equal_distances)
+{
+    const struct crossing near[] = {{1, 0}, {1, 1}, {3, 1}, {4, 2}},
+                          far[] = {{1, 1}, {3, 0}, {3, 1}, {4, 2}};
+    for (int i = 0; i < 2; i++) {
+        three_bodies(i ? 3 : 1);
+        assert_crossings(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), i ? far : near, 4);
+        pen_arena_free(arena);
+    }
+}
+END_TEST
+
+START_TEST(test_collections__h034_nearest_wherever_it_is_in_the_document)
+{
+    static const int order[6][3] = {{1, 2, 3}, {1, 3, 2}, {2, 1, 3},
+                                    {2, 3, 1}, {3, 1, 2}, {3, 2, 1}};
+    for (int i = 0; i < 6; i++) {
+        struct crossing want[3];
+        world_clear(&world);
+        for (uint32_t k = 0; k < 3; k++) {
+            world_triangle(&world, pen_vec3(0, 1, order[i][k]), pen_vec3(1, -1, order[i][k]),
+                           pen_vec3(-1, -1, order[i][k]));
+            want[order[i][k] - 1] = (struct crossing){order[i][k], k};
+        }
+        build();
+        assert_crossings(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), want, 3);
+        assert_crossings(pen_vec3(0, 0, 0), pen_vec3(0, 0, -1), NULL, 0);
+        pen_arena_free(arena);
+    }
+}
+END_TEST
+
+PEN_SUITE("collections", test_collections__h033_crossings_of_several_bodies,
+          test_collections__h033_equal_distances,
+          test_collections__h034_nearest_wherever_it_is_in_the_document)
