@@ -15,17 +15,6 @@
 #include "pen/base/utf8.h"
 #include "reader.h"
 
-/* What jansson takes for values, as measured of 2.14 and glibc's malloc: a text of `{},{},…` takes
- * 80 times its size. An element's and a member's share holds the growth of tables by doubling. */
-enum {
-    OBJECT_BYTES = 224,
-    MEMBER_BYTES = 112, /* and its key */
-    ARRAY_BYTES = 128,
-    ELEMENT_BYTES = 16,
-    NUMBER_BYTES = 32,
-    STRING_BYTES = 80 /* and its text */
-};
-
 /* The stack that a deeper document could take is not ours to promise. */
 enum { NESTING_MAX = 1000 };
 
@@ -221,7 +210,7 @@ static json_t *parse_number(struct parser *p, size_t end, bool integer)
     size_t start = p->at;
     json_t *number;
     p->at = end;
-    if (!take(p, NUMBER_BYTES))
+    if (!take(p, PEN_JSON_NUMBER_BYTES))
         return NULL;
     if (pen_json_number(p->json.text + start, end - start, integer, &p->scratch, &number))
         return made(p, number);
@@ -271,7 +260,7 @@ static bool next_element(struct parser *p, char closing, const char *expected, b
 static bool parse_element(struct parser *p, const struct pen_place *place, json_t *array)
 {
     struct pen_place at = pen_place_index(place, json_array_size(array));
-    json_t *value = take(p, ELEMENT_BYTES) ? parse_value(p, &at) : NULL;
+    json_t *value = take(p, PEN_JSON_ELEMENT_BYTES) ? parse_value(p, &at) : NULL;
     if (!value)
         return false;
     return json_array_append_new(array, value) == 0 || no_memory(p);
@@ -300,7 +289,7 @@ static void *parse_key(struct parser *p, json_t *object)
         return NULL;
     }
     size_t start = p->at;
-    if (!read_string(p) || !take(p, MEMBER_BYTES + p->scratch.bytes))
+    if (!read_string(p) || !take(p, PEN_JSON_MEMBER_BYTES + p->scratch.bytes))
         return NULL;
     const char *key = (const char *)p->scratch.data;
     if (json_object_get(object, key)) {
@@ -350,7 +339,7 @@ static json_t *parse_container(struct parser *p, const struct pen_place *place, 
         pen_fail_at(p->st, PEN_INVALID, at, "nested deeper than the %d levels allowed", p->nesting);
         return NULL;
     }
-    if (!take(p, object ? OBJECT_BYTES : ARRAY_BYTES))
+    if (!take(p, object ? PEN_JSON_OBJECT_BYTES : PEN_JSON_ARRAY_BYTES))
         return NULL;
     json_t *value = made(p, object ? json_object() : json_array());
     if (!value)
@@ -372,7 +361,7 @@ static json_t *parse_value(struct parser *p, const struct pen_place *place)
         return parse_container(p, place, c == '{');
     if (c != '"')
         return parse_word(p);
-    if (!read_string(p) || !take(p, STRING_BYTES + p->scratch.bytes))
+    if (!read_string(p) || !take(p, PEN_JSON_STRING_BYTES + p->scratch.bytes))
         return NULL;
     return made(p, json_stringn_nocheck((const char *)p->scratch.data, p->scratch.bytes));
 }

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "json_fault.h"
 #include "object.h"
 #include "xml_values.h"
 
@@ -65,7 +66,13 @@ static json_t *read_value(struct pen_xml_builder *b, const struct pen_xml_frame 
                           const struct pen_xml_row *row, const char *text)
 {
     struct pen_xml_value_fault fault;
-    json_t *value = pen_xml_value(row->shape, text, &b->scratch, &fault);
+    if (!pen_xml_take(b, PEN_JSON_MEMBER_BYTES + strlen(row->path)))
+        return NULL;
+    json_t *value = pen_xml_value(row->shape, text, &b->scratch, &b->room, &fault);
+    if (fault.no_room && !pen_xml_take(b, SIZE_MAX)) {
+        json_decref(value);
+        return NULL;
+    }
     if (value || fault.no_memory)
         return pen_xml_made(b, value);
     const struct pen_xml_about about = {frame, row->name, text, fault.offset};

@@ -30,12 +30,16 @@ struct pen_xml_builder {
     uint64_t elements;
     json_t *image; /* the value of <camera image="…">; NULL: none */
     struct pen_buf scratch;
+    size_t room;  /* bytes that further values may take */
     bool stopped; /* for the reason in *st: nothing is made any more */
 };
 
 /* The value; NULL, for want of memory, ends the work. */
 json_t *pen_xml_made(struct pen_xml_builder *b, json_t *value);
 void pen_xml_must(struct pen_xml_builder *b, bool done);
+
+/* Takes what values are about to need; too much ends the work. Returns whether there was room. */
+bool pen_xml_take(struct pen_xml_builder *b, size_t bytes);
 
 /* Adds a fault; the work goes on. */
 void pen_xml_complain(struct pen_xml_builder *b, size_t offset, enum pen_code code,

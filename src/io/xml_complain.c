@@ -25,6 +25,19 @@ json_t *pen_xml_made(struct pen_xml_builder *b, json_t *value)
     return value;
 }
 
+bool pen_xml_take(struct pen_xml_builder *b, size_t bytes)
+{
+    if (bytes > b->room && !b->stopped) {
+        pen_fail(b->st, PEN_TOO_LARGE,
+                 "the document's values take more than %zu bytes of memory, which is what is "
+                 "allowed",
+                 b->limits->parsed_bytes);
+        stop(b);
+    }
+    b->room -= b->stopped ? 0 : bytes;
+    return !b->stopped;
+}
+
 void pen_xml_must(struct pen_xml_builder *b, bool done)
 {
     if (!done)

@@ -10,8 +10,16 @@
 #include <string.h>
 #include <strings.h>
 
+#include "json_fault.h"
 #include "xml_build.h"
 #include "xml_values.h"
+
+/* What an element takes beside its attributes: its object with a type or a key, a list or a
+ * material in it, and the memory of where it was. */
+enum {
+    ELEMENT_COST = 2 * PEN_JSON_OBJECT_BYTES + 2 * PEN_JSON_MEMBER_BYTES + PEN_JSON_STRING_BYTES +
+                   PEN_JSON_ELEMENT_BYTES + 4 * (int)sizeof(struct pen_xml_entry)
+};
 
 /* Elements beside those that are objects. */
 enum { OTHER_ELEMENTS = 100000 };
@@ -40,7 +48,7 @@ static void enter(struct pen_xml_builder *b, const struct pen_xml_element *eleme
     *frame = (struct pen_xml_frame){.element = element, .tag = offset_now(b), .depth = 1};
     if (up)
         frame->depth = up->depth + 1 + (up->element->finish == PEN_XML_GROUP);
-    if (!fits(b, frame))
+    if (!fits(b, frame) || !pen_xml_take(b, ELEMENT_COST))
         return;
     frame->object = up ? NULL : b->document;
     json_t *value = pen_xml_build(b, up, frame, attributes);
@@ -181,7 +189,8 @@ static void parse(struct pen_xml_builder *b)
 json_t *pen_xml_parse(const char *text, size_t bytes, const struct pen_limits *limits,
                       struct pen_xml *xml, struct pen_status *st)
 {
-    struct pen_xml_builder b = {.limits = limits, .xml = xml, .st = st};
+    struct pen_xml_builder b = {
+        .limits = limits, .xml = xml, .st = st, .room = limits->parsed_bytes};
     *xml = (struct pen_xml){.text = text, .bytes = bytes, .image = SIZE_MAX};
     if (bytes > limits->body_bytes || bytes > INT_MAX) {
         pen_fail(st, PEN_TOO_LARGE, "the document has %zu bytes, at most %zu are allowed", bytes,

@@ -10,6 +10,7 @@ struct text {
     const char *s;
     size_t at, bytes;
     struct pen_buf *scratch;
+    size_t *room;
     struct pen_xml_value_fault *fault;
 };
 
@@ -45,6 +46,14 @@ static json_t *no_memory(struct text *t)
     return NULL;
 }
 
+/* Takes what a value is about to need. Returns false if there is less. */
+static bool take(struct text *t, size_t bytes)
+{
+    t->fault->no_room = t->fault->no_room || bytes > *t->room;
+    *t->room -= t->fault->no_room ? 0 : bytes;
+    return !t->fault->no_room;
+}
+
 static json_t *fail(struct text *t, size_t offset, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -67,7 +76,11 @@ static json_t *next_piece(struct text *t)
     while (t->at < t->bytes && !is_space(t->s[t->at]) && t->s[t->at] != ';')
         t->at++;
     json_t *value = NULL;
-    if (!pen_json_is_number(&json, start, t->at, &integer))
+    bool number = pen_json_is_number(&json, start, t->at, &integer);
+    size_t cost = number ? PEN_JSON_NUMBER_BYTES : PEN_JSON_STRING_BYTES + (t->at - start);
+    if (!take(t, cost + PEN_JSON_ELEMENT_BYTES))
+        return NULL;
+    if (!number)
         value = json_stringn(t->s + start, t->at - start);
     else if (!pen_json_number(t->s + start, t->at - start, integer, t->scratch, &value))
         return fail(t, start, "%.*s is too large for a number: they reach to about 1.8e308",
@@ -86,6 +99,8 @@ static bool append(struct text *t, json_t *list, json_t *value)
 /* The pieces up to the end or a semicolon as a list. */
 static json_t *read_pieces(struct text *t)
 {
+    if (!take(t, PEN_JSON_ARRAY_BYTES + PEN_JSON_ELEMENT_BYTES))
+        return NULL;
     json_t *list = json_array();
     if (!list)
         return no_memory(t);
@@ -204,6 +219,8 @@ static json_t *read_points(struct text *t)
 
 static json_t *read_text(struct text *t)
 {
+    if (!take(t, PEN_JSON_STRING_BYTES + t->bytes))
+        return NULL;
     json_t *value = json_stringn(t->s, t->bytes);
     return value ? value : no_memory(t);
 }
@@ -224,9 +241,10 @@ static json_t *read_axis(struct text *t)
 }
 
 json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
-                      struct pen_xml_value_fault *fault)
+                      size_t *room, struct pen_xml_value_fault *fault)
 {
-    struct text t = {.s = text, .bytes = strlen(text), .scratch = scratch, .fault = fault};
+    struct text t = {
+        .s = text, .bytes = strlen(text), .scratch = scratch, .room = room, .fault = fault};
     *fault = (struct pen_xml_value_fault){0};
     switch (shape) {
     case PEN_XML_HIDDEN:

@@ -9,14 +9,16 @@
 struct pen_xml_value_fault {
     size_t offset;       /* into the text */
     bool no_memory;      /* this, and no message */
+    bool no_room;        /* or this */
     struct pen_text msg; /* a sentence that begins with "must" or with the piece */
 };
 
 /* The value. What is no number where one is wanted becomes a string, which the reader refuses with
  * what is allowed; wrong counts are refused here. Owns: the caller json_decref()s. Fails: NULL,
- * after filling *fault. `scratch` is room to work in, kept between calls. */
+ * after filling *fault. `room` is what values may still take of memory; it grows less. `scratch` is
+ * a place to work in, kept between calls. */
 json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
-                      struct pen_xml_value_fault *fault);
+                      size_t *room, struct pen_xml_value_fault *fault);
 
 /* The piece number `index` of the text: a run without white space and semicolons. Returns false if
  * there are fewer. */

@@ -220,8 +220,10 @@ START_TEST(test_xml__size_depth_and_counts_are_bounded)
     refused("<scene ", "a='' ", 3000000, "/>", PEN_SYNTAX, "64 attributes");
     refused("<scene><geometries>", "<triangle/>", 1200000, "</geometries></scene>", PEN_INVALID,
             "missing attribute");
-    refused("<scene><geometries>", "<group/>", 1200000, "</geometries></scene>", PEN_INVALID,
-            "more elements");
+    refused("<scene><geometries>", "<group/>", 1200000, "</geometries></scene>", PEN_TOO_LARGE,
+            "402653184 bytes of memory");
+    refused("<scene><geometries><polygon points='0 0 0", ";0 0 0", 2700000,
+            "'/></geometries></scene>", PEN_TOO_LARGE, "402653184 bytes of memory");
     refused("<scene name='", "x", 16000000, "<'/>", PEN_SYNTAX, "&lt;");
     refused("<scene><geometries>", "<a b='c'/>", 1000000, "</geometries></scene>", PEN_INVALID,
             "unknown element");
