@@ -145,10 +145,14 @@ static bool read_vertices(struct pen_reader *r, const struct pen_place *up, cons
     struct pen_place at = pen_place_key(up, "vertices");
     size_t count = json_array_size(json);
     if (count < 3 || (triangle && count > 3)) {
+        const char *wanted = triangle ? "3" : "at least 3";
+        if (r->xml && json_is_array(json))
+            return pen_reader_fail(r, &at, PEN_INVALID,
+                                   "must be %s points, \"x y z; x y z; …\", found %zu", wanted,
+                                   count);
         struct pen_text found = pen_reader_found(r, &at, json);
-        return pen_reader_fail(r, &at, PEN_INVALID, "must be %s%s points, found %s",
-                               r->xml ? "" : "an array of ", triangle ? "3" : "at least 3",
-                               found.text);
+        return pen_reader_fail(r, &at, PEN_INVALID, "must be an array of %s points, found %s",
+                               wanted, found.text);
     }
     struct pen_vec3 *vertices = pen_reader_alloc(r, count, sizeof *vertices);
     if (!vertices)

@@ -12,6 +12,20 @@
 #include "object.h"
 #include "xml_values.h"
 
+/* What containers take, by the parser of JSON's estimate. */
+enum {
+    OBJECT = PEN_JSON_OBJECT_BYTES,
+    ARRAY = PEN_JSON_ARRAY_BYTES,
+    TRIPLE = ARRAY + 3 * PEN_JSON_ELEMENT_BYTES, /* of values that take more */
+    NUMBERS = TRIPLE + 3 * PEN_JSON_NUMBER_BYTES,
+    CORNERS = TRIPLE + 3 * NUMBERS
+};
+
+static size_t member_bytes(const char *key)
+{
+    return PEN_JSON_MEMBER_BYTES + strlen(key);
+}
+
 /* The container that the steps but the last of *path lead to, made where it is not there; *path is
  * then the last step. NULL if something else is in the way. */
 static json_t *descend(struct pen_xml_builder *b, json_t *object, const char **path)
@@ -21,7 +35,7 @@ static json_t *descend(struct pen_xml_builder *b, json_t *object, const char **p
         snprintf(key, sizeof key, "%.*s", (int)(slash - *path), *path);
         bool list = slash[1] >= '0' && slash[1] <= '9';
         json_t *inner = json_object_get(object, key);
-        if (!inner) {
+        if (!inner && pen_xml_take(b, member_bytes(key) + (list ? TRIPLE : OBJECT))) {
             inner = pen_xml_made(b, list ? json_pack("[n, n, n]") : json_object());
             pen_xml_must(b, inner && json_object_set_new(object, key, inner) == 0);
         }
@@ -49,6 +63,8 @@ static void put(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
     const char *step = row->path;
     json_t *at = descend(b, frame->object, &step);
     bool taken = !at || (json_is_object(at) && json_object_get(at, step));
+    if (!taken && json_is_object(at))
+        pen_xml_take(b, member_bytes(step));
     if (b->stopped || taken)
         json_decref(value);
     if (b->stopped)
@@ -66,13 +82,9 @@ static json_t *read_value(struct pen_xml_builder *b, const struct pen_xml_frame 
                           const struct pen_xml_row *row, const char *text)
 {
     struct pen_xml_value_fault fault;
-    if (!pen_xml_take(b, PEN_JSON_MEMBER_BYTES + strlen(row->path)))
-        return NULL;
     json_t *value = pen_xml_value(row->shape, text, &b->scratch, &b->room, &fault);
-    if (fault.no_room && !pen_xml_take(b, SIZE_MAX)) {
-        json_decref(value);
+    if (fault.no_room && !pen_xml_take(b, SIZE_MAX))
         return NULL;
-    }
     if (value || fault.no_memory)
         return pen_xml_made(b, value);
     const struct pen_xml_about about = {frame, row->name, text, fault.offset};
@@ -187,6 +199,10 @@ static void finish_plane(struct pen_xml_builder *b, const struct pen_xml_frame *
     if (!json_object_get(frame->object, "corners"))
         return;
     bool ok = read_corners(b, frame, attributes, p);
+    if (ok) /* in the corners' place */
+        b->room += member_bytes("corners") + CORNERS;
+    if (!pen_xml_take(b, member_bytes("point") + member_bytes("normal") + 2 * NUMBERS))
+        return;
     json_t *point = ok ? vector(p[0]) : json_null();
     json_t *normal = ok ? vector(pen_corner_normal(p)) : json_null();
     pen_xml_must(b, json_object_set_new(frame->object, "point", point) == 0);
@@ -196,6 +212,8 @@ static void finish_plane(struct pen_xml_builder *b, const struct pen_xml_frame *
 
 static void finish_group(struct pen_xml_builder *b, struct pen_xml_frame *frame)
 {
+    if (!pen_xml_take(b, member_bytes("objects") + ARRAY))
+        return;
     json_t *list = json_array();
     pen_xml_must(b, list && json_object_set_new(frame->object, "objects", list) == 0);
     if (!b->stopped)
@@ -231,6 +249,10 @@ static json_t *add_member(struct pen_xml_builder *b, json_t *object, const char 
                          frame->element->name);
         return NULL;
     }
+    if (value && !pen_xml_take(b, member_bytes(key))) {
+        json_decref(value);
+        return NULL;
+    }
     bool done = value && json_object_set_new(object, key, value) == 0;
     pen_xml_must(b, done);
     return done ? value : NULL;
@@ -239,6 +261,10 @@ static json_t *add_member(struct pen_xml_builder *b, json_t *object, const char 
 /* Adds an item; takes the value. Returns it, or NULL. */
 static json_t *add_item(struct pen_xml_builder *b, json_t *list, json_t *value)
 {
+    if (value && !pen_xml_take(b, PEN_JSON_ELEMENT_BYTES)) {
+        json_decref(value);
+        return NULL;
+    }
     bool done = value && json_array_append_new(list, value) == 0;
     pen_xml_must(b, done);
     return done ? value : NULL;
@@ -256,16 +282,29 @@ static json_t *own_value(struct pen_xml_builder *b, const struct pen_xml_frame *
     return json_null();
 }
 
-static json_t *item(const struct pen_xml_element *element)
+static json_t *new_object(struct pen_xml_builder *b)
 {
-    return element->key ? json_pack("{s:s}", "type", element->key) : json_object();
+    return pen_xml_take(b, OBJECT) ? json_object() : NULL;
+}
+
+static json_t *new_list(struct pen_xml_builder *b)
+{
+    return pen_xml_take(b, ARRAY) ? json_array() : NULL;
+}
+
+static json_t *item(struct pen_xml_builder *b, const char *type)
+{
+    if (!type)
+        return new_object(b);
+    size_t bytes = OBJECT + member_bytes("type") + PEN_JSON_STRING_BYTES + strlen(type);
+    return pen_xml_take(b, bytes) ? json_pack("{s:s}", "type", type) : NULL;
 }
 
 /* The one member of an item; takes the value. */
 static json_t *only_member(struct pen_xml_builder *b, json_t *list, json_t *value,
                            const struct pen_xml_frame *frame)
 {
-    json_t *wrapper = add_item(b, list, json_object());
+    json_t *wrapper = add_item(b, list, new_object(b));
     if (wrapper)
         return add_member(b, wrapper, frame->element->key, value, frame);
     json_decref(value);
@@ -284,7 +323,7 @@ static json_t *named(struct pen_xml_builder *b, const struct pen_xml_frame *up,
         pen_xml_complain_about(b, &about, "must be unique, there is one named %s already",
                                pen_text_quote(name).text);
     else
-        return add_member(b, up->object, name, json_object(), frame);
+        return add_member(b, up->object, name, new_object(b), frame);
     return NULL;
 }
 
@@ -296,15 +335,15 @@ json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
     case PEN_XML_ROOT:
         return frame->object = b->document;
     case PEN_XML_MEMBER_OBJECT:
-        return frame->object = add_member(b, up->object, e->key, json_object(), frame);
+        return frame->object = add_member(b, up->object, e->key, new_object(b), frame);
     case PEN_XML_MEMBER_LIST:
-        return frame->list = add_member(b, up->object, e->key, json_array(), frame);
+        return frame->list = add_member(b, up->object, e->key, new_list(b), frame);
     case PEN_XML_MEMBER_VALUE:
         return add_member(b, up->object, e->key, own_value(b, frame, attributes), frame);
     case PEN_XML_ITEM:
-        return frame->object = add_item(b, up->list, item(e));
+        return frame->object = add_item(b, up->list, item(b, e->key));
     case PEN_XML_ITEM_MEMBER:
-        return frame->object = only_member(b, up->list, json_object(), frame);
+        return frame->object = only_member(b, up->list, new_object(b), frame);
     case PEN_XML_ITEM_VALUE:
         return only_member(b, up->list, own_value(b, frame, attributes), frame);
     case PEN_XML_NAMED:

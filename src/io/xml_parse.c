@@ -3,23 +3,15 @@
  *
  * The text is parsed in one call: expat then reads it where it is, and a long token is scanned
  * once. Memory is bounded by that of the text: nesting, attributes in a tag, elements and faults
- * have limits, and document types are refused at their first bracket, so no entity is ever
- * defined. */
+ * have limits, what values take is counted as for JSON, and document types are refused at their
+ * first bracket, so no entity is ever defined. */
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "json_fault.h"
 #include "xml_build.h"
 #include "xml_values.h"
-
-/* What an element takes beside its attributes: its object with a type or a key, a list or a
- * material in it, and the memory of where it was. */
-enum {
-    ELEMENT_COST = 2 * PEN_JSON_OBJECT_BYTES + 2 * PEN_JSON_MEMBER_BYTES + PEN_JSON_STRING_BYTES +
-                   PEN_JSON_ELEMENT_BYTES + 4 * (int)sizeof(struct pen_xml_entry)
-};
 
 /* Elements beside those that are objects. */
 enum { OTHER_ELEMENTS = 100000 };
@@ -48,7 +40,7 @@ static void enter(struct pen_xml_builder *b, const struct pen_xml_element *eleme
     *frame = (struct pen_xml_frame){.element = element, .tag = offset_now(b), .depth = 1};
     if (up)
         frame->depth = up->depth + 1 + (up->element->finish == PEN_XML_GROUP);
-    if (!fits(b, frame) || !pen_xml_take(b, ELEMENT_COST))
+    if (!fits(b, frame))
         return;
     frame->object = up ? NULL : b->document;
     json_t *value = pen_xml_build(b, up, frame, attributes);

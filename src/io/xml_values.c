@@ -99,7 +99,7 @@ static bool append(struct text *t, json_t *list, json_t *value)
 /* The pieces up to the end or a semicolon as a list. */
 static json_t *read_pieces(struct text *t)
 {
-    if (!take(t, PEN_JSON_ARRAY_BYTES + PEN_JSON_ELEMENT_BYTES))
+    if (!take(t, PEN_JSON_ARRAY_BYTES))
         return NULL;
     json_t *list = json_array();
     if (!list)
@@ -158,6 +158,15 @@ static json_t *read_colour(struct text *t)
     return list;
 }
 
+/* The one item of a list, whose room is given back. */
+static json_t *only_item(struct text *t, json_t *list)
+{
+    json_t *value = json_incref(json_array_get(list, 0));
+    json_decref(list);
+    *t->room += PEN_JSON_ARRAY_BYTES + PEN_JSON_ELEMENT_BYTES;
+    return value;
+}
+
 static json_t *read_one(struct text *t)
 {
     json_t *list = read_pieces(t);
@@ -168,9 +177,7 @@ static json_t *read_one(struct text *t)
         fail(t, 0, "must be one number, found %s", found ? "more" : "none");
         return drop(list);
     }
-    json_t *value = json_incref(json_array_get(list, 0));
-    json_decref(list);
-    return value;
+    return only_item(t, list);
 }
 
 static json_t *read_factor(struct text *t)
@@ -184,16 +191,14 @@ static json_t *read_factor(struct text *t)
              found);
         return drop(list);
     }
-    json_t *value = json_incref(json_array_get(list, 0));
-    json_decref(list);
-    return value;
+    return only_item(t, list);
 }
 
 static json_t *read_point(struct text *t, size_t number)
 {
     skip_space(t);
     size_t start = t->at;
-    json_t *point = read_pieces(t);
+    json_t *point = take(t, PEN_JSON_ELEMENT_BYTES) ? read_pieces(t) : NULL;
     size_t found = json_array_size(point);
     if (!point || found == 3)
         return point;
@@ -205,6 +210,8 @@ static json_t *read_point(struct text *t, size_t number)
 
 static json_t *read_points(struct text *t)
 {
+    if (!take(t, PEN_JSON_ARRAY_BYTES))
+        return NULL;
     json_t *list = json_array();
     if (!list)
         return no_memory(t);
@@ -240,34 +247,43 @@ static json_t *read_axis(struct text *t)
     return read_numbers(t, 3);
 }
 
+static json_t *read_shape(struct text *t, enum pen_xml_shape shape)
+{
+    switch (shape) {
+    case PEN_XML_HIDDEN:
+    case PEN_XML_TEXT:
+        return read_text(t);
+    case PEN_XML_NUMBER:
+        return read_one(t);
+    case PEN_XML_BOOL:
+        return read_bool(t);
+    case PEN_XML_TRIPLE:
+        return read_numbers(t, 3);
+    case PEN_XML_COLOUR:
+        return read_colour(t);
+    case PEN_XML_FACTOR:
+        return read_factor(t);
+    case PEN_XML_MATRIX:
+        return read_numbers(t, 12);
+    case PEN_XML_PAIR:
+        return read_numbers(t, 2);
+    case PEN_XML_POINTS:
+        return read_points(t);
+    case PEN_XML_AXIS:
+        return read_axis(t);
+    }
+    return NULL;
+}
+
 json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
                       size_t *room, struct pen_xml_value_fault *fault)
 {
     struct text t = {
         .s = text, .bytes = strlen(text), .scratch = scratch, .room = room, .fault = fault};
+    size_t before = *room;
     *fault = (struct pen_xml_value_fault){0};
-    switch (shape) {
-    case PEN_XML_HIDDEN:
-    case PEN_XML_TEXT:
-        return read_text(&t);
-    case PEN_XML_NUMBER:
-        return read_one(&t);
-    case PEN_XML_BOOL:
-        return read_bool(&t);
-    case PEN_XML_TRIPLE:
-        return read_numbers(&t, 3);
-    case PEN_XML_COLOUR:
-        return read_colour(&t);
-    case PEN_XML_FACTOR:
-        return read_factor(&t);
-    case PEN_XML_MATRIX:
-        return read_numbers(&t, 12);
-    case PEN_XML_PAIR:
-        return read_numbers(&t, 2);
-    case PEN_XML_POINTS:
-        return read_points(&t);
-    case PEN_XML_AXIS:
-        return read_axis(&t);
-    }
-    return NULL;
+    json_t *value = read_shape(&t, shape);
+    if (!value) /* what was made of it is gone */
+        *room = before;
+    return value;
 }

@@ -15,8 +15,8 @@ struct pen_xml_value_fault {
 
 /* The value. What is no number where one is wanted becomes a string, which the reader refuses with
  * what is allowed; wrong counts are refused here. Owns: the caller json_decref()s. Fails: NULL,
- * after filling *fault. `room` is what values may still take of memory; it grows less. `scratch` is
- * a place to work in, kept between calls. */
+ * after filling *fault. `room` is what values may still take of memory: it grows less by what the
+ * value takes. `scratch` is a place to work in, kept between calls. */
 json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
                       size_t *room, struct pen_xml_value_fault *fault);
 

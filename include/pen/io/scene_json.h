@@ -25,7 +25,7 @@
 /* Limits, scene-format.md; pen_limits_default gives the defaults. */
 struct pen_limits {
     size_t body_bytes;
-    size_t parsed_bytes; /* memory that the values of a JSON document may take, by an estimate */
+    size_t parsed_bytes; /* memory that the values of a document may take, by an estimate */
     int nesting;
     uint64_t objects;
     uint64_t pixels_per_view;
