@@ -6,7 +6,8 @@
 
 /* What is being packed, and how much of each array is filled. */
 struct packer {
-    bool singles; /* a leaf of one primitive holds no block */
+    bool singles; /* a leaf of one primitive holds no block; not in wide shapes, where fans read
+                   * blocks */
     const struct pen_prims *prims;
     const struct pen_ref *ref;
     uint32_t *items;
