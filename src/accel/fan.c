@@ -10,8 +10,11 @@
 
 #include <float.h>
 
-/* Of lengths: far above rounding, far below what can be seen. */
-static const double share = 0x1p-34;
+/* A share of a length: far above its rounding, far below what can be seen. */
+static double share(double length)
+{
+    return 0x1p-34 * length;
+}
 
 static double max2(double a, double b)
 {
@@ -37,7 +40,7 @@ bool pen_fan_prepare(struct pen_fan *fan, double scale)
     fan->l = pen_scale(fan->c, 1 / fan->depth);
     fan->reach = pen_norm1(fan->c) + pen_norm1(fan->u) + pen_norm1(fan->v);
     fan->grow = 0x1p10 * (fan->leave->bound + 8 * PEN_U * scale);
-    fan->delta = 4 * fan->grow + share * (pen_norm1(fan->o) + (fan->to_point ? fan->reach : 0));
+    fan->delta = 4 * fan->grow + share(pen_norm1(fan->o) + (fan->to_point ? fan->reach : 0));
     fan->gates = fan->tints = 0;
     return true;
 }
@@ -89,7 +92,7 @@ static struct pen_fan_line plane_line(const struct pen_fan *fan, struct pen_vec3
     if (fan->to_point)
         line.e -= fabs(h);
     else
-        line.band = share * fan->reach;
+        line.band = share(fan->reach);
     return line;
 }
 
@@ -97,7 +100,7 @@ static enum pen_gate_say plane_gate(const struct pen_fan *fan, const struct pen_
                                     struct pen_gate *gate)
 {
     struct pen_vec3 f = pen_sub(plane->q, fan->o);
-    double h = pen_dot(plane->n, f), delta = fan->delta + share * pen_norm1(f);
+    double h = pen_dot(plane->n, f), delta = fan->delta + share(pen_norm1(f));
     if (fabs(h) <= delta)
         return ask(gate, true);
     if (!gate_add(gate, plane_line(fan, plane->n, h, delta)))
@@ -155,7 +158,7 @@ static enum pen_gate_say coplanar_gate(const struct pen_fan *fan, const struct f
 static enum pen_gate_say flat_gate(const struct pen_fan *fan, const struct flat *flat,
                                    struct pen_gate *gate)
 {
-    double delta = fan->delta + share * farthest(fan, flat);
+    double delta = fan->delta + share(farthest(fan, flat));
     double h = pen_dot(flat->n, pen_sub(flat->v[0], fan->o));
     if (fabs(h) <= delta)
         return coplanar_gate(fan, flat, delta, gate);
@@ -196,7 +199,7 @@ static bool ball_is_off(const struct pen_fan *fan, struct pen_vec3 f, double r, 
 /* Whether all rays have a positive share of n, whose roundings are those of a vector so long. */
 static bool all_along(const struct pen_fan *fan, struct pen_vec3 n, double size)
 {
-    struct pen_fan_line line = line_of(fan, n, share * fan->reach * size);
+    struct pen_fan_line line = line_of(fan, n, share(fan->reach * size));
     return line_say(&line) == LINE_POSITIVE;
 }
 
@@ -221,7 +224,7 @@ static enum pen_gate_say sphere_gate(const struct pen_fan *fan, const struct pen
                                      struct pen_gate *gate)
 {
     struct pen_vec3 g = pen_sub(s->c, fan->o);
-    double distance = pen_length(g), delta = fan->delta + share * (distance + s->r);
+    double distance = pen_length(g), delta = fan->delta + share(distance + s->r);
     if (gate->own && all_along(fan, pen_neg(g), pen_norm1(g)))
         return PEN_GATE_NEVER;
     if (!gate->own && ball_is_off(fan, g, s->r, delta))
@@ -263,7 +266,7 @@ static bool cylinder_is_off(const struct pen_fan *fan, const struct pen_cylinder
     if (aside > 0x1p-10 * pen_norm1(middle) &&
         cylinder_is_beyond(fan, pen_scale(side, 1 / aside), middle, axis, c, delta))
         return true;
-    if (!(wide > 0x1p-10))
+    if (!(1024 * wide > 1)) /* the sine of their angle */
         return false;
     wing = pen_scale(wing, (pen_dot(wing, middle) < 0 ? -1 : 1) / wide);
     return cylinder_is_beyond(fan, wing, middle, axis, c, delta);
@@ -318,7 +321,7 @@ static enum pen_gate_say cylinder_gate(const struct pen_fan *fan, const struct p
 {
     struct pen_vec3 axis = pen_scale(c->round.a, 1 / c->round.length);
     struct pen_vec3 f = pen_sub(fan->o, c->round.q);
-    double size = c->round.r + c->h, delta = fan->delta + share * (pen_norm1(f) + size);
+    double size = c->round.r + c->h, delta = fan->delta + share(pen_norm1(f) + size);
     if (gate->own && cylinder_is_left(fan, c, axis, f))
         return PEN_GATE_NEVER;
     double gap = cylinder_gap(c, axis, f);
@@ -358,7 +361,7 @@ static enum pen_gate_say polygon_gate(const struct pen_fan *fan, const struct pe
     struct flat flat = {p->v, p->count, p->n};
     if (p->tame && p->count < PEN_FAN_LINES)
         return flat_gate(fan, &flat, gate);
-    double delta = fan->delta + share * farthest(fan, &flat);
+    double delta = fan->delta + share(farthest(fan, &flat));
     struct pen_vec3 middle = pen_sub(p->v[0], fan->o);
     return ball_is_off(fan, middle, 2 * p->extent, delta) ? PEN_GATE_NEVER : ask(gate, true);
 }

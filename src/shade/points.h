@@ -52,13 +52,13 @@ struct points_row {
 
 static inline struct points_row points_row(uint32_t edge, uint32_t row)
 {
-    const double slack = 0x1p-30, half = 0.5 * edge;
+    const double half = 0.5 * edge;
     double low = fabs(row - half), high = fabs(row + 1 - half);
     double near = (low < high ? low : high) / half, far = (low < high ? high : low) / half;
     if (2 * row + 1 == edge)
         near = 0;
-    double reach = sqrt(1 - near * near + slack) * half;
-    double inner = far < 1 ? sqrt(1 - far * far) * half - 1 - slack * half : -1;
+    double reach = sqrt(1 + 0x1p-30 - near * near) * half;
+    double inner = far < 1 ? sqrt(1 - far * far) * half - 1 - 0x1p-30 * half : -1;
     struct points_row r = {0, 0, 0, edge};
     if (half - reach > 0)
         r.out = (uint32_t)(half - reach);
