@@ -108,7 +108,7 @@ static enum pen_gate_say plane_gate(const struct pen_fan *fan, const struct pen_
     return all_lines(gate);
 }
 
-/* A triangle or a tame polygon: convex, and flat but for rounding. */
+/* A triangle, or a polygon that is flat but for rounding. */
 struct flat {
     const struct pen_vec3 *v;
     uint32_t count;
@@ -344,6 +344,58 @@ static enum pen_gate_say tube_gate(const struct pen_fan *fan, const struct pen_t
     return ask(gate, true);
 }
 
+/* The line from corner i to corner j, as edge_line. */
+static struct pen_fan_line chord_line(const struct pen_fan *fan, const struct flat *flat,
+                                      uint32_t i, uint32_t j, double delta)
+{
+    const struct pen_vec3 two[2] = {flat->v[i], flat->v[j]};
+    const struct flat chord = {two, 2, flat->n};
+    return edge_line(fan, &chord, 0, delta);
+}
+
+/* Whether all rays are in the outline, or none is; LINE_MIXED if that is not sure. An outline is
+ * the fan of triangles from its first corner: inside is what an odd number of them holds. A
+ * triangle holds what is on one side of its three edges. */
+static enum line_say outline_say(const struct pen_gate *gate, uint32_t corners)
+{
+    bool inside = false;
+    for (uint32_t i = 0; i < 2 * corners - 3; i++)
+        if (line_say(&gate->line[1 + i]) == LINE_MIXED)
+            return LINE_MIXED;
+    for (uint32_t i = 1; i + 1 < corners; i++) {
+        const struct pen_fan_line *line = &gate->line[2 * i - 1];
+        enum line_say from = line_say(&line[0]), edge = line_say(&line[1]);
+        inside ^= from == edge && line_say(&line[2]) != edge;
+    }
+    return inside ? LINE_POSITIVE : LINE_NEGATIVE;
+}
+
+/* Line 0 is the plane's; then, by turns, the chord from the first corner to corner i, and the edge
+ * from there to the next. */
+static enum pen_gate_say outline_gate(const struct pen_fan *fan, const struct flat *flat,
+                                      double delta, struct pen_gate *gate)
+{
+    double h = pen_dot(flat->n, pen_sub(flat->v[0], fan->o));
+    gate->lines = (uint8_t)(2 * flat->count - 2);
+    for (uint32_t i = 1; i < flat->count; i++) {
+        gate->line[2 * i - 1] = chord_line(fan, flat, 0, i, delta);
+        if (i + 1 < flat->count)
+            gate->line[2 * i] = chord_line(fan, flat, i, i + 1, delta);
+    }
+    enum line_say inside = outline_say(gate, flat->count);
+    if (inside == LINE_NEGATIVE)
+        return PEN_GATE_NEVER;
+    if (fabs(h) <= delta)
+        return ask(gate, true);
+    gate->kind = PEN_GATE_OUTLINE;
+    gate->line[0] = plane_line(fan, flat->n, h, delta);
+    enum line_say before = line_say(&gate->line[0]);
+    if (before == LINE_NEGATIVE)
+        return PEN_GATE_NEVER;
+    bool always = gate->opaque && before == LINE_POSITIVE && inside == LINE_POSITIVE;
+    return always ? PEN_GATE_ALWAYS : PEN_GATE_SOME;
+}
+
 static enum pen_gate_say triangle_gate(const struct pen_fan *fan, const struct pen_triangle *tri,
                                        struct pen_gate *gate)
 {
@@ -354,16 +406,32 @@ static enum pen_gate_say triangle_gate(const struct pen_fan *fan, const struct p
     return flat_gate(fan, &flat, gate);
 }
 
-/* A polygon that is not tame is only left out where its plane's outline can not be met. */
+/* An outline of many corners, or one that is not flat: all that is used is its plane, give or take
+ * what it may be off it. */
+static enum pen_gate_say vague_gate(const struct pen_fan *fan, const struct pen_polygon *p,
+                                    double delta, struct pen_gate *gate)
+{
+    double h = pen_dot(p->n, pen_sub(p->v[0], fan->o));
+    if (!p->flat)
+        delta += 0x1p-18 * p->extent;
+    if (fabs(h) <= delta)
+        return ask(gate, true);
+    gate->vague = true;
+    return gate_add(gate, plane_line(fan, p->n, h, delta)) ? PEN_GATE_SOME : PEN_GATE_NEVER;
+}
+
 static enum pen_gate_say polygon_gate(const struct pen_fan *fan, const struct pen_polygon *p,
                                       struct pen_gate *gate)
 {
-    struct flat flat = {p->v, p->count, p->n};
-    if (p->tame && p->count < PEN_FAN_LINES)
+    const struct flat flat = {p->v, p->count, p->n};
+    if (p->flat && p->convex && p->count < PEN_FAN_LINES)
         return flat_gate(fan, &flat, gate);
     double delta = fan->delta + share(farthest(fan, &flat));
-    struct pen_vec3 middle = pen_sub(p->v[0], fan->o);
-    return ball_is_off(fan, middle, 2 * p->extent, delta) ? PEN_GATE_NEVER : ask(gate, true);
+    if (ball_is_off(fan, pen_sub(p->v[0], fan->o), 2 * p->extent, delta))
+        return PEN_GATE_NEVER;
+    if (p->flat && 2 * p->count - 2 <= PEN_FAN_LINES)
+        return outline_gate(fan, &flat, delta, gate);
+    return vague_gate(fan, p, delta, gate);
 }
 
 enum pen_gate_say pen_gate_make(const struct pen_fan *fan, const struct pen_prims *prims,
@@ -377,6 +445,7 @@ enum pen_gate_say pen_gate_make(const struct pen_fan *fan, const struct pen_prim
     gate->prim = prim;
     gate->kind = PEN_GATE_LINES;
     gate->lines = 0;
+    gate->vague = false;
     gate->own = gate->near = prim == fan->leave->prim;
     gate->opaque = !(fan->see_through && fan->see_through[prim]);
     switch ((enum pen_prim_kind)ref.kind) {

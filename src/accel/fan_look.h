@@ -21,7 +21,43 @@ static inline void look_at_lines(const struct pen_gate *gate, const double4 *a, 
         out->hit &= e > line->band;
         out->miss |= e < -line->band;
     }
+    if (gate->vague)
+        out->hit = out->twice;
     out->once = out->hit;
+}
+
+/* On which side of a line a ray surely is. */
+struct sides {
+    mask4 above, below;
+};
+
+static inline void line_sides(const struct pen_fan_line *line, const double4 *a, const double4 *b,
+                              struct sides *out)
+{
+    double4 e = line->e + *a * line->u + *b * line->v;
+    out->above = e > line->band;
+    out->below = e < -line->band;
+}
+
+/* See outline_gate. */
+static inline void look_at_outline(const struct pen_gate *gate, const double4 *a, const double4 *b,
+                                   struct verdict *out)
+{
+    struct sides plane, chord, edge, next;
+    mask4 inside = {0, 0, 0, 0}, sure;
+    line_sides(&gate->line[0], a, b, &plane);
+    line_sides(&gate->line[1], a, b, &chord);
+    sure = chord.above | chord.below;
+    for (int i = 2; i + 1 < gate->lines; i += 2) {
+        line_sides(&gate->line[i], a, b, &edge);
+        line_sides(&gate->line[i + 1], a, b, &next);
+        sure &= (edge.above | edge.below) & (next.above | next.below);
+        inside ^= (chord.above & edge.above & next.below) | (chord.below & edge.below & next.above);
+        chord = next;
+    }
+    out->hit = out->once = plane.above & sure & inside;
+    out->miss = plane.below | (sure & ~inside);
+    out->twice = (mask4){0, 0, 0, 0};
 }
 
 static inline void look_at_sphere(const struct pen_gate *gate, const double4 *a, const double4 *b,
@@ -134,6 +170,8 @@ static inline void fan_look_at(const struct pen_gate *gate, const double *a, con
         struct verdict out;
         if (gate->kind == PEN_GATE_LINES)
             look_at_lines(gate, a4, b4, &out);
+        else if (gate->kind == PEN_GATE_OUTLINE)
+            look_at_outline(gate, a4, b4, &out);
         else if (gate->kind == PEN_GATE_SPHERE)
             look_at_sphere(gate, a4, b4, &out);
         else if (gate->kind == PEN_GATE_BALL)

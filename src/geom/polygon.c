@@ -26,19 +26,20 @@ static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
     return tf_round3(sum);
 }
 
-/* Whether each vertex is in the plane of the first with normal n, and the outline turns to the left
- * at each, up to less than 2^-44 of all lengths. */
-static bool is_tame(const struct pen_polygon *p)
+/* Whether each vertex is in the plane of the first with normal n, and whether the outline turns to
+ * the left at each, up to less than 2^-44 of all lengths. */
+static void judge_outline(struct pen_polygon *p)
 {
+    p->flat = p->convex = true;
     for (uint32_t i = 0; i < p->count; i++) {
         struct pen_vec3 v = p->v[i], next = p->v[(i + 1) % p->count];
         struct pen_vec3 e = pen_sub(next, v), f = pen_sub(p->v[(i + 2) % p->count], next);
         double off = pen_dot(p->n, pen_sub(v, p->v[0])), turn = pen_dot(p->n, pen_cross(e, f));
-        if (!(fabs(off) <= 0x1p-44 * p->extent + 0x1p-50 * pen_norm1(v) &&
-              turn >= -0x1p-46 * p->extent * p->extent))
-            return false;
+        if (!(fabs(off) <= 0x1p-44 * p->extent + 0x1p-50 * pen_norm1(v)))
+            p->flat = false;
+        if (!(turn >= -0x1p-46 * p->extent * p->extent))
+            p->convex = false;
     }
-    return true;
 }
 
 bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count)
@@ -58,6 +59,6 @@ bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
     if (!is_finite3(n) || !(pen_largest3(n) > least))
         return false;
     p->n = pen_unit_of(n);
-    p->tame = is_tame(p);
+    judge_outline(p);
     return true;
 }

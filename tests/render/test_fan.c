@@ -62,9 +62,26 @@ static void add_flat(struct random *r)
     kit_polygon(&kit, v, count, material(r));
 }
 
+/* A comb: flat, with many corners turned inwards. */
+static void add_comb(struct random *r)
+{
+    vec3 v[24], p = point(r, 4), a = pen_scale(direction(r), 4), b = pen_scale(direction(r), 3);
+    uint32_t teeth = 3 + random_below(r, 19);
+    if (pen_norm1(pen_cross(a, b)) < 1)
+        return;
+    v[0] = p;
+    v[1] = pen_add(p, a);
+    for (uint32_t i = 0; i <= teeth; i++)
+        v[2 + i] = pen_along(pen_along(p, a, 1 - (double)i / teeth), b, i % 2 ? 0.25 : 1);
+    kit_polygon(&kit, v, teeth + 3, material(r));
+}
+
 static void add_body(struct random *r)
 {
-    switch (random_below(r, 8)) {
+    switch (random_below(r, 9)) {
+    case 8:
+        add_comb(r);
+        break;
     case 0:
     case 1:
         kit_sphere(&kit, point(r, 4), 0.5 * (1 + random_below(r, 4)), material(r));

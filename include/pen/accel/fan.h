@@ -18,7 +18,7 @@
 struct pen_accel;
 struct pen_shadow;
 
-enum { PEN_FAN_RAYS = 64, PEN_FAN_GATES = 48, PEN_FAN_LINES = 8, PEN_FAN_TINTS = 16 };
+enum { PEN_FAN_RAYS = 64, PEN_FAN_GATES = 48, PEN_FAN_LINES = 32, PEN_FAN_TINTS = 16 };
 
 /* (e + a u + b v) against +-band: above it surely positive, below it surely negative. */
 struct pen_fan_line {
@@ -27,6 +27,7 @@ struct pen_fan_line {
 
 enum pen_gate_kind {
     PEN_GATE_LINES,    /* met where all lines are positive, missed where one is negative */
+    PEN_GATE_OUTLINE,  /* a flat body of any outline */
     PEN_GATE_SPHERE,   /* from outside, and not beyond the disk; lines hold what fan.c says */
     PEN_GATE_BALL,     /* a sphere anywhere */
     PEN_GATE_CYLINDER, /* anywhere */
@@ -38,8 +39,9 @@ struct pen_gate {
     uint32_t prim;
     uint8_t kind, lines;
     bool opaque;
-    bool near; /* the origin may be on it: the leave rule is asked */
-    bool own;  /* the rays leave it: where they do is no crossing */
+    bool near;  /* the origin may be on it: the leave rule is asked */
+    bool vague; /* where all lines are positive nothing is sure */
+    bool own;   /* the rays leave it: where they do is no crossing */
     struct pen_fan_line line[PEN_FAN_LINES];
     /* Of the rays of the last pen_trace_ops.fan_look, those that must be tested alone, and of a
      * body that lets light pass, those that cross it once, and twice. */

@@ -14,7 +14,7 @@ struct pen_polygon {
     uint32_t count;
     struct pen_vec3 n; /* unit */
     double extent;     /* no vertex is farther than this from another, in any axis */
-    bool tame;         /* convex and flat, up to rounding of its vertices */
+    bool flat, convex; /* up to rounding of its vertices; nothing relies on their being false */
 };
 
 /* Fails: returns false if a vertex is not finite, there are fewer than three, or the sum of signed
