@@ -15,8 +15,8 @@
 #include "report.h"
 
 struct values {
-    const char *output, *format, *csv, *baseline;
-    struct pen_option_list set, matrix, view;
+    const char *format, *csv, *baseline;
+    struct pen_option_list output, set, matrix, view;
     int repeats, warmup, threads;
     bool quiet, json;
 };
@@ -65,10 +65,10 @@ static const struct pen_option options[] = {
      .help = "the pool that the setting threads is a share of; 0, the default, is one per core"},
     {.name = "output",
      .letter = 'o',
-     .kind = PEN_OPTION_TEXT,
+     .kind = PEN_OPTION_LIST,
      .offset = offsetof(struct values, output),
      .value = "OUT",
-     .help = "where the report goes; .json, .csv, .md or .html by its ending"},
+     .help = "where the report goes; .json, .csv, .md or .html by its ending; may be repeated"},
     {.name = "format",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, format),
@@ -94,7 +94,6 @@ static const struct pen_option options[] = {
 /* Everything one benchmark holds; released whole, whatever was reached. */
 struct study {
     const struct values *values;
-    const char *form; /* of the output */
     struct pen_source source;
     struct pen_arena *arena;
     struct pen_scene_desc desc; /* in the arena */
@@ -106,18 +105,26 @@ struct study {
     struct pen_progress progress;
 };
 
-static bool check_values(struct study *s, struct pen_status *st)
+static bool check_output(const struct values *v, const char *output, struct pen_status *st)
 {
-    const struct values *v = s->values;
-    if (v->format && !v->output)
-        return pen_fail(st, PEN_USAGE, "--format: needs -o OUT");
-    if (v->output && !(s->form = pen_output_form(v->output, v->format, st)))
+    if (!pen_output_form(output, v->format, st))
         return false;
-    if (v->output && strcmp(v->output, "-") == 0 && v->json)
+    if (strcmp(output, "-") == 0 && v->json)
         return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json uses");
-    if (v->output && v->csv && strcmp(v->output, v->csv) == 0)
+    if (v->csv && strcmp(output, v->csv) == 0)
         return pen_fail(st, PEN_USAGE, "--csv: is the same as -o, \"%s\"", v->csv);
-    return (!v->output || pen_file_check(v->output, st)) && (!v->csv || pen_file_check(v->csv, st));
+    return pen_file_check(output, st);
+}
+
+static bool check_values(const struct values *v, struct pen_status *st)
+{
+    if (v->format && v->output.count != 1)
+        return pen_fail(st, PEN_USAGE, "--format: needs one -o OUT");
+    for (int i = 0; i < v->output.count; i++) {
+        if (!check_output(v, v->output.item[i], st))
+            return false;
+    }
+    return !v->csv || pen_file_check(v->csv, st);
 }
 
 /* Text to description. Errors of the document go to `errors`. */
@@ -247,17 +254,30 @@ static bool write_form(const struct study *s, const char *path, const char *form
 static bool write_reports(const struct study *s, struct pen_status *st)
 {
     const struct values *v = s->values;
-    return (!v->output || write_form(s, v->output, s->form, st)) &&
-           (!v->csv || write_form(s, v->csv, "csv", st));
+    for (int i = 0; i < v->output.count; i++) {
+        const char *output = v->output.item[i];
+        const char *form = pen_output_form(output, v->format, st);
+        if (!form || !write_form(s, output, form, st))
+            return false;
+    }
+    return !v->csv || write_form(s, v->csv, "csv", st);
+}
+
+static bool uses_standard_output(const struct values *v)
+{
+    for (int i = 0; i < v->output.count; i++) {
+        if (strcmp(v->output.item[i], "-") == 0)
+            return true;
+    }
+    return false;
 }
 
 static void print_report(const struct study *s)
 {
-    const struct values *v = s->values;
     struct pen_buf text = {0};
-    if (v->json) {
+    if (s->values->json) {
         pen_report_line(json_incref(s->report));
-    } else if (!v->quiet && !(v->output && strcmp(v->output, "-") == 0)) {
+    } else if (!s->values->quiet && !uses_standard_output(s->values)) {
         pen_study_plain(s->report, &text);
         fputs(text.data ? (const char *)text.data : "", stdout);
         pen_buf_release(&text);
@@ -279,7 +299,7 @@ static int study(struct study *s, const char *name)
     bool json = s->values->json;
     struct pen_errors errors = {0};
     struct pen_status st;
-    if (!check_values(s, &st))
+    if (!check_values(s->values, &st))
         return pen_report_json(NULL, json, &st);
     if (!read_scene(s, name, &errors))
         return pen_report_errors_json(s->source.label, json, &errors);

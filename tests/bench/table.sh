@@ -4,21 +4,23 @@
 #   table.sh [BUILD [FOLDER]]        BUILD/table by default
 # Leaves room.* and room-soft.* there, the reports of two benchmarks as HTML, JSON, CSV and
 # Markdown, and table.md, which puts both beside the figures that the report of a classroom tracer
-# gives for its own room. ROOM, SOFT (sizes), REPEATS and WARMUP may be set.
+# gives for its own room. ROOM, SOFT (sizes), REPEATS and WARMUP may be set; runs of seconds need no
+# warm-up, and with soft shadows and no accelerator a full picture takes more than ten minutes.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}
 folder=${2:-$build/table}
 room=${ROOM:-1000x1400}
-soft=${SOFT:-200x280}
+soft=${SOFT:-150x210}
 repeats=${REPEATS:-3}
-warmup=${WARMUP:-1}
+warmup=${WARMUP:-0}
 mkdir -p "$folder"
 
 measure() { # SCENE SIZE
     "$build/penumbra" bench "$root/scenes/$1.json" --set width="${2%x*}" --set height="${2#*x}" \
         --matrix accelerator=none,cbr,manual,median,auto --matrix threads=1,0 \
-        --repeats "$repeats" --warmup "$warmup" -o "$folder/$1.json" --csv "$folder/$1.csv"
+        --repeats "$repeats" --warmup "$warmup" \
+        -o "$folder/$1.html" -o "$folder/$1.json" -o "$folder/$1.csv" -o "$folder/$1.md"
     echo
 }
 echo "room, $room"

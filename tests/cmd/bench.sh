@@ -25,6 +25,9 @@ expect "JSON names the scene, and the settings of all rows" "$(jq -r '.scene + "
 expect "CSV has columns" "$(head -n 1 r.csv | cut -d, -f 1-4)" "row,tile,threads_worked,median_ms"
 expect "Markdown has a table" "$(grep -c '^| [01] |' r.md)" 4
 expect "HTML has a chart" "$(grep -c '<svg ' r.html)" 1
+ends "several forms at once" 0 "$penumbra" bench builtin:spheres $small -q -o two.md -o two.html
+expect "are written both" "$(head -c 11 two.md) $(head -c 9 two.html)" "# Benchmark <!doctype"
+ends "--format for several" 2 "$penumbra" bench builtin:spheres $small -q -o two.md -o two.html --format md
 ends "--format wins over the ending" 0 "$penumbra" bench builtin:spheres $small -q -o odd.txt --format csv
 expect "and there is a row without a matrix" "$(wc -l <odd.txt)" 2
 ends "JSON to standard output" 0 "$penumbra" bench builtin:spheres $small --json -m threads=1,2 --baseline threads=2
