@@ -115,6 +115,13 @@ static inline unsigned useful_pairs(const struct trace *w, __m256d t0, __m256d t
                               _mm256_and_pd(LESS_EQUAL(t0, end4(w, any)), LESS_EQUAL(after, t1))));
 }
 
+/* The same, where t0 and t1 are only bounds, or NaN where there is none. */
+static inline unsigned overlaps4(const struct trace *w, __m256d t0, __m256d t1, bool any)
+{
+    __m256d out = _mm256_or_pd(LESS(end4(w, any), t0), LESS(t1, all(any ? 0 : w->after.t)));
+    return 15 & ~bits(_mm256_or_pd(LESS(t1, t0), out));
+}
+
 /* Hands lanes to the plain function, but for empty ones. */
 static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
                               bool any)
@@ -127,10 +134,23 @@ static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], u
     return false;
 }
 
-/* Lanes whose nearer crossing the plain functions refine. */
-static inline unsigned near_lanes(__m256d tp, __m256d h)
+/* The same of flat bodies that may have the origin on their border. */
+static inline bool test_borders(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
+                                bool any)
 {
-    return bits(LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(all(PEN_NEAR), h)));
+    for (; lanes; lanes &= lanes - 1) {
+        uint32_t number = prim[__builtin_ctz(lanes)];
+        if (number != PEN_NO_PRIM && test_at_origin(w, number, any))
+            return true;
+    }
+    return false;
+}
+
+/* Lanes whose crossings the plain functions refine. */
+static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256d rr)
+{
+    __m256d near = LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(all(PEN_NEAR), h));
+    return bits(_mm256_or_pd(near, LESS(abs4(disc), _mm256_mul_pd(all(PEN_GRAZING), rr))));
 }
 
 static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
@@ -144,13 +164,14 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
     __m256d rr = _mm256_loadu_pd(b->rr);
     __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
     unsigned own = own_lanes(w, b->prim);
-    if ((bits(LESS(all(0), disc)) | own) == 0)
+    /* Beyond the tangents, and surely so. */
+    if ((bits(LESS(_mm256_mul_pd(all(-PEN_GRAZING), rr), disc)) | own) == 0)
         return false;
     __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv_dd));
     double t[2][PEN_LANES];
     __m256d t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
     __m256d t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
-    unsigned lanes = useful_pairs(w, t0, t1, any) & ~own, refined = near_lanes(tp, h);
+    unsigned lanes = useful_pairs(w, t0, t1, any) & ~own, refined = refined_lanes(tp, h, disc, rr);
     if (refined)
         own |= refined;
     lanes &= ~own;
@@ -226,19 +247,14 @@ static __attribute__((noinline)) unsigned triangle_borders4(const struct trace *
     return bits(_mm256_or_pd(_mm256_or_pd(ab, bc), passes_origin4(w, c, a)));
 }
 
-/* The same of polygons. */
-static __attribute__((noinline)) unsigned polygon_borders4(const struct trace *w,
-                                                           const struct pen_polygons4 *block)
+/* pen_triangle_grazed */
+static inline unsigned grazed4(struct vec4 a, struct vec4 b, struct vec4 c, __m256d area)
 {
-    const struct pen_corner4 *corner = &w->accel->corners[block->first];
-    struct vec4 a = shear4(w, corner[block->count - 1].v);
-    __m256d near = all(0);
-    for (uint32_t i = 0; i < block->count; i++) {
-        struct vec4 b = shear4(w, corner[i].v);
-        near = _mm256_or_pd(near, passes_origin4(w, a, b));
-        a = b;
-    }
-    return bits(near);
+    struct vec4 e = sub3(b, a), f = sub3(c, a);
+    __m256d size =
+        _mm256_add_pd(_mm256_add_pd(_mm256_add_pd(abs4(e.x), abs4(e.y)), abs4(f.x)), abs4(f.y));
+    __m256d spread = _mm256_add_pd(abs4(e.z), abs4(f.z));
+    return bits(LESS(_mm256_mul_pd(all(8), abs4(area)), _mm256_mul_pd(size, spread)));
 }
 
 static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 *block, bool any)
@@ -261,7 +277,7 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
     unsigned lanes = bits(_mm256_xor_pd(up, down));
     if (w->at_origin) {
         unsigned border = triangle_borders4(w, block) & ~own_lanes(w, block->prim);
-        if (border && test_lanes(w, block->prim, border, any))
+        if (border && test_borders(w, block->prim, border, any))
             return true;
         lanes &= ~border;
     }
@@ -270,19 +286,27 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
     __m256d sum = _mm256_add_pd(_mm256_add_pd(_mm256_mul_pd(eu, a.z), _mm256_mul_pd(ev, b.z)),
                                 _mm256_mul_pd(ew, c.z));
     __m256d area = _mm256_add_pd(_mm256_add_pd(eu, ev), ew);
+    unsigned grazed = lanes & grazed4(a, b, c, area);
+    if (grazed) {
+        if (test_lanes(w, block->prim, grazed & ~own_lanes(w, block->prim), any))
+            return true;
+        lanes &= ~grazed;
+    }
     __m256d t = _mm256_div_pd(_mm256_mul_pd(sum, all(w->ray->sz)), area);
     return offer_lanes(w, block->prim, t, lanes, any);
 }
 
-/* A superset of the polygons that wind around the ray, by the crossing rule of pen_polygon_root.
- * Products that round to different numbers are in that order, so only ties are left open. */
-static inline unsigned polygons_met4(const struct trace *w, const struct pen_polygons4 *block)
+/* A superset of the polygons that wind around the ray, by the crossing rule of pen_polygon_root,
+ * and if `border` is not NULL, of those with the origin on their border. Products that round to
+ * different numbers are in that order, so only ties are left open. */
+static inline unsigned polygons_met4(const struct trace *w, const struct pen_polygons4 *block,
+                                     unsigned *border)
 {
     const __m256d zero = all(0);
     const __m256i one = _mm256_set1_epi64x(1);
     const struct pen_corner4 *corner = &w->accel->corners[block->first];
     __m256i winding = _mm256_setzero_si256();
-    __m256d ties = zero;
+    __m256d ties = zero, near = zero;
     struct vec4 a = shear4(w, corner[block->count - 1].v);
     __m256d a_low = LESS_EQUAL(a.y, zero);
     for (uint32_t i = 0; i < block->count; i++) {
@@ -294,18 +318,30 @@ static inline unsigned polygons_met4(const struct trace *w, const struct pen_pol
         __m256d right = _mm256_andnot_pd(_mm256_xor_pd(LESS(q, p), a_low), passes);
         __m256i turn = _mm256_or_si256(_mm256_castpd_si256(a_low), one); /* up: -1, down: 1 */
         winding = _mm256_add_epi64(winding, _mm256_and_si256(_mm256_castpd_si256(right), turn));
+        if (border)
+            near = _mm256_or_pd(near, passes_origin4(w, a, b));
         a = b;
         a_low = b_low;
     }
+    if (border)
+        *border = bits(near);
     __m256i none = _mm256_cmpeq_epi64(winding, _mm256_setzero_si256());
     return (15 & ~bits(_mm256_castsi256_pd(none))) | bits(ties);
 }
 
+static __attribute__((noinline)) bool
+test_polygons_at_origin(struct trace *w, const struct pen_polygons4 *block, bool any)
+{
+    unsigned border, lanes = polygons_met4(w, block, &border), others = ~own_lanes(w, block->prim);
+    return (border & others && test_borders(w, block->prim, border & others, any)) ||
+           test_lanes(w, block->prim, lanes & ~border & others, any);
+}
+
 static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
 {
-    unsigned lanes = polygons_met4(w, block);
     if (w->at_origin)
-        lanes |= polygon_borders4(w, block);
+        return test_polygons_at_origin(w, block, any);
+    unsigned lanes = polygons_met4(w, block, NULL);
     return lanes && test_lanes(w, block->prim, lanes & ~own_lanes(w, block->prim), any);
 }
 
@@ -373,7 +409,8 @@ static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bo
 struct round4 {
     __m256d t0, t1; /* as pen_round_roots */
     __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
-    unsigned near;  /* lanes to be refined */
+    unsigned near;  /* lanes to be refined; t is within [least, most] there */
+    __m256d least, most;
 };
 
 static inline struct round4 round_roots4(const struct trace *w, const struct pen_cylinders4 *b,
@@ -390,13 +427,25 @@ static inline struct round4 round_roots4(const struct trace *w, const struct pen
     __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
     struct vec4 l = along4(n, m, tp);
     __m256d rest = _mm256_mul_pd(neg4(dot4(l, m)), inv);
-    __m256d disc = _mm256_add_pd(_mm256_sub_pd(_mm256_loadu_pd(b->rr), dot4(l, l)),
-                                 _mm256_loadu_pd(b->rr_low));
+    __m256d rr = _mm256_loadu_pd(b->rr);
+    __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
     __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv));
     out.t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
     out.t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
-    out.near = near_lanes(tp, h);
+    out.near = refined_lanes(tp, h, disc, rr);
+    if (out.near) { /* the half chord is at most r / |m| */
+        __m256d reach = _mm256_sqrt_pd(_mm256_mul_pd(_mm256_mul_pd(all(2), rr), inv));
+        out.least = _mm256_sub_pd(tp, reach);
+        out.most = _mm256_add_pd(tp, reach);
+    }
     return out;
+}
+
+/* The sum of the sizes of the products of a dot product. */
+static inline __m256d size4(struct vec4 a, struct vec4 b)
+{
+    __m256d xy = _mm256_add_pd(abs4(_mm256_mul_pd(a.x, b.x)), abs4(_mm256_mul_pd(a.y, b.y)));
+    return _mm256_add_pd(xy, abs4(_mm256_mul_pd(a.z, b.z)));
 }
 
 /* A superset of the lanes that the origin touches, as pen_cylinder_touches: |a| < 2. */
@@ -410,6 +459,19 @@ static inline __m256d cylinder_touches4(const struct trace *w, const struct pen_
     __m256d twice = _mm256_mul_pd(all(2), bound);
     return _mm256_or_pd(LESS_EQUAL(off_side, _mm256_mul_pd(all(16), _mm256_mul_pd(size, bound))),
                         _mm256_or_pd(LESS_EQUAL(abs4(fa), twice), LESS_EQUAL(off_top, twice)));
+}
+
+/* pen_cylinder_slab_loses */
+static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylinders4 *b,
+                                   struct vec4 f, struct vec4 a)
+{
+    const __m256d four = all(4);
+    struct vec4 d = all3(w->ray->d);
+    __m256d top = _mm256_loadu_pd(b->top), fa = dot4(f, a), da = dot4(d, a);
+    __m256d rest = abs4(_mm256_sub_pd(top, fa)), least = _mm256_min_pd(rest, abs4(fa));
+    return bits(_mm256_or_pd(LESS(_mm256_mul_pd(four, least), size4(f, a)),
+                             _mm256_or_pd(LESS(_mm256_mul_pd(four, rest), top),
+                                          LESS(_mm256_mul_pd(four, abs4(da)), size4(d, a)))));
 }
 
 /* Offers the ends of one cylinder's inside. */
@@ -435,10 +497,23 @@ static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 
     __m256d lo = _mm256_blendv_pd(top, base, forward), hi = _mm256_blendv_pd(base, top, forward);
     struct round4 side = round_roots4(w, b, f, a);
     unsigned plain = own_lanes(w, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
-                     bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ)) | side.near;
+                     bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ));
     __m256d t0 = _mm256_max_pd(side.t0, lo), t1 = _mm256_min_pd(side.t1, hi);
     __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
-    unsigned lanes = bits(met) & useful_pairs(w, t0, t1, any);
+    unsigned lanes = bits(met);
+    if (side.near | (lanes & ~plain)) {
+        /* What may be off by rounding, and then some. */
+        __m256d size = _mm256_add_pd(size4(f, a), _mm256_loadu_pd(b->top));
+        __m256d pad = _mm256_mul_pd(_mm256_mul_pd(all(0x1p-40), size), abs4(inv));
+        if (side.near)
+            plain |= side.near & overlaps4(w, _mm256_max_pd(side.least, _mm256_sub_pd(lo, pad)),
+                                           _mm256_min_pd(side.most, _mm256_add_pd(hi, pad)), any);
+        lanes &= ~side.near;
+        if (lanes & ~plain)
+            plain |= lanes & slab_loses4(w, b, f, a) &
+                     overlaps4(w, _mm256_sub_pd(t0, pad), _mm256_add_pd(t1, pad), any);
+    }
+    lanes &= useful_pairs(w, t0, t1, any);
     if (w->at_origin)
         plain |= bits(cylinder_touches4(w, b, side.nn, fa));
     lanes &= ~plain;

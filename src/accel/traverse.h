@@ -199,15 +199,12 @@ static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool 
     return offer_flat(w, prim, t, any);
 }
 
-/* One primitive of any kind, by the functions of its header. Where a flat body may have the origin
- * on its border, to miss it is not the whole answer. */
+/* One primitive of any kind, by the functions of its header. */
 static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
 {
     const struct pen_prims *prims = w->accel->prims;
     const struct pen_prim_ref ref = prims->ref[prim];
     double t;
-    if (w->at_origin && (ref.kind == PEN_PRIM_TRIANGLE || ref.kind == PEN_PRIM_POLYGON))
-        return prim != w->leave->prim && test_at_origin(w, prim, any);
     switch ((enum pen_prim_kind)ref.kind) {
     case PEN_PRIM_SPHERE:
         return test_sphere(w, prim, &prims->sphere[ref.index], any);
@@ -251,14 +248,24 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
     }
 }
 
+/* One primitive of a leaf. Where a flat body may have the origin on its border, that its inside is
+ * missed is not the whole answer. */
+static inline bool test_one(struct trace *w, uint32_t prim, bool any)
+{
+    uint32_t kind = w->accel->prims->ref[prim].kind;
+    if (w->at_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
+        return prim != w->leave->prim && test_at_origin(w, prim, any);
+    return test_prim(w, prim, any);
+}
+
 /* A block's primitives, or a single one, one by one. */
 static inline bool test_each(struct trace *w, uint32_t item, bool any)
 {
     if (PEN_ITEM_KIND(item) == PEN_BLOCK_SINGLE)
-        return test_prim(w, PEN_ITEM_INDEX(item), any);
+        return test_one(w, PEN_ITEM_INDEX(item), any);
     const uint32_t *prim = block_prims(w->accel, item);
     for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
-        if (test_prim(w, prim[lane], any))
+        if (test_one(w, prim[lane], any))
             return true;
     }
     return false;

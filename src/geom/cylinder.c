@@ -11,10 +11,28 @@ bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_
 {
     if (!is_length(h) || !pen_round_make(&c->round, base, axis, r))
         return false;
-    c->top = h * c->round.length;
+    struct twofold3 a = tf_of3(c->round.a);
+    struct twofold top = tf_mul((struct twofold){h, 0}, tf_sqrt(tf_dot(a, a)));
+    c->top = top.hi;
+    c->top_low = top.lo;
     c->h = h;
     c->caps = caps;
     return true;
+}
+
+void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
+                              struct pen_inside *in)
+{
+    struct twofold3 a = tf_of3(c->round.a);
+    struct twofold fa = tf_dot(tf_sub3(ray->o, c->round.q), a);
+    struct twofold rest = tf_add((struct twofold){c->top, c->top_low}, tf_neg(fa));
+    double da = tf_dot(tf_of3(ray->d), a).hi, base = -fa.hi / da, top = rest.hi / da;
+    if (da == 0)
+        return;
+    if (da > 0)
+        *in = (struct pen_inside){base, top, PEN_PART_BASE, PEN_PART_TOP};
+    else
+        *in = (struct pen_inside){top, base, PEN_PART_TOP, PEN_PART_BASE};
 }
 
 /* The interval of the endless side with one end at the origin. */

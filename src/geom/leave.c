@@ -29,13 +29,14 @@ static double farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3
 
 /* How far the side of a round body reaches along unit vector n beyond point p: without end where
  * the axis is not across n, as far as the rounding of both can tell. */
-static double round_reach(const struct pen_round *s, double h, struct pen_vec3 n, struct pen_vec3 p)
+static double round_reach(const struct pen_round *s, struct pen_vec3 q, double h, struct pen_vec3 n,
+                          struct pen_vec3 p)
 {
     double along = pen_dot(n, s->a) / s->length;
     double rim = s->r * pen_length(pen_cross(n, s->a)) / s->length;
     if (h == INFINITY)
         along = fabs(along) <= 16 * PEN_U ? 0 : fabs(along);
-    return pen_dot(n, pen_sub(s->q, p)) + rim + (along > 0 ? along * h : 0);
+    return pen_dot(n, pen_sub(q, p)) + rim + (along > 0 ? along * h : 0);
 }
 
 /* How far primitive q reaches along unit vector n beyond point p. */
@@ -54,9 +55,11 @@ static double reach(const struct pen_prims *prims, uint32_t q, struct pen_vec3 n
     case PEN_PRIM_POLYGON:
         return farthest(prims->polygon[ref.index].v, prims->polygon[ref.index].count, n, p);
     case PEN_PRIM_TUBE:
-        return round_reach(&prims->tube[ref.index].round, INFINITY, n, p);
+        return round_reach(&prims->tube[ref.index].round, prims->tube[ref.index].near, INFINITY, n,
+                           p);
     case PEN_PRIM_CYLINDER:
-        return round_reach(&prims->cylinder[ref.index].round, prims->cylinder[ref.index].h, n, p);
+        return round_reach(&prims->cylinder[ref.index].round, prims->cylinder[ref.index].round.q,
+                           prims->cylinder[ref.index].h, n, p);
     case PEN_PRIM_KIND_COUNT:
         break;
     }

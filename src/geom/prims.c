@@ -141,7 +141,7 @@ double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_v
     case PEN_PRIM_SPHERE:
         return prims->sphere[ref.index].r;
     case PEN_PRIM_TUBE:
-        return prims->tube[ref.index].round.r + pen_norm1(prims->tube[ref.index].round.q);
+        return prims->tube[ref.index].round.r + pen_norm1(prims->tube[ref.index].near);
     case PEN_PRIM_CYLINDER:
         return prims->cylinder[ref.index].round.r + prims->cylinder[ref.index].h;
     case PEN_PRIM_PLANE:

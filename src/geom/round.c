@@ -22,11 +22,10 @@ bool pen_round_make(struct pen_round *s, struct pen_vec3 origin, struct pen_vec3
 
 void pen_round_refine(const struct pen_round *s, const struct pen_ray *ray, double t[2])
 {
-    int far = fabs(t[1]) > fabs(t[0]);
-    struct pen_vec3 m = pen_cross(ray->d, s->a);
-    struct twofold3 n = tf_cross(tf_sub3(ray->o, s->q), tf_of3(s->a));
-    struct twofold c = tf_add(tf_dot(n, n), (struct twofold){-s->rr, -s->rr_low});
-    t[!far] = c.hi / (pen_dot(m, m) * t[far]);
+    struct twofold3 a = tf_of3(s->a), m = tf_cross(tf_of3(ray->d), a);
+    struct twofold3 n = tf_cross(tf_sub3(ray->o, s->q), a);
+    struct twofold minus_rr = {-s->rr, -s->rr_low};
+    tf_roots(tf_dot(m, m), tf_dot(m, n), tf_add(tf_dot(n, n), minus_rr), t);
 }
 
 double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray)

@@ -16,10 +16,9 @@ bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r)
 
 void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, double t[2])
 {
-    int far = fabs(t[1]) > fabs(t[0]);
-    struct twofold3 f = tf_sub3(ray->o, s->c);
-    struct twofold c = tf_add(tf_dot(f, f), (struct twofold){-s->rr, -s->rr_low});
-    t[!far] = c.hi / (pen_dot(ray->d, ray->d) * t[far]);
+    struct twofold3 f = tf_sub3(ray->o, s->c), d = tf_of3(ray->d);
+    struct twofold minus_rr = {-s->rr, -s->rr_low};
+    tf_roots(tf_dot(d, d), tf_dot(f, d), tf_add(tf_dot(f, f), minus_rr), t);
 }
 
 double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray)

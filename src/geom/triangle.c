@@ -52,3 +52,19 @@ double pen_triangle_extent(const struct pen_triangle *tri)
     struct pen_box b = pen_triangle_bounds(tri);
     return pen_largest3(pen_sub(b.hi, b.lo));
 }
+
+void pen_triangle_refine(const struct pen_triangle *tri, const struct pen_ray *ray, double *t)
+{
+    const struct pen_vec3 *v = tri->v;
+    struct twofold3 n = tf_cross(tf_sub3(v[1], v[0]), tf_sub3(v[2], v[0]));
+    double far = tf_dot(n, tf_sub3(v[0], ray->o)).hi, nd = tf_dot(n, tf_of3(ray->d)).hi;
+    double plane = far / nd, least = INFINITY, most = -INFINITY;
+    if (!(fabs(plane) < INFINITY)) /* seen edge-on */
+        return;
+    for (int i = 0; i < 3; i++) {
+        double depth = pen_shear(ray, &v[i]).z * ray->sz;
+        least = depth < least ? depth : least;
+        most = depth > most ? depth : most;
+    }
+    *t = plane < least ? least : plane > most ? most : plane;
+}

@@ -84,6 +84,23 @@ static inline struct twofold3 tf_cross(struct twofold3 a, struct twofold3 b)
                              tf_add(tf_mul(a.x, b.y), tf_neg(tf_mul(a.y, b.x)))};
 }
 
+/* One step of Newton's method from the root of a.hi; a > 0. */
+static inline struct twofold tf_sqrt(struct twofold a)
+{
+    double root = sqrt(a.hi);
+    return two_sum_fast(root, (fma(-root, root, a.hi) + a.lo) / (2 * root));
+}
+
+/* The roots of a t^2 + 2 b t + c, a > 0, t[0] <= t[1]; NaN if there are none. */
+static inline void tf_roots(struct twofold a, struct twofold b, struct twofold c, double t[2])
+{
+    double root = sqrt(tf_add(tf_mul(b, b), tf_neg(tf_mul(a, c))).hi);
+    double q = b.hi < 0 ? root - b.hi : -root - b.hi;
+    double first = q / a.hi, second = c.hi / q;
+    t[0] = b.hi < 0 ? second : first;
+    t[1] = b.hi < 0 ? first : second;
+}
+
 static inline struct pen_vec3 tf_round3(struct twofold3 a)
 {
     return pen_vec3(a.x.hi, a.y.hi, a.z.hi);

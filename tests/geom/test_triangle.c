@@ -132,7 +132,8 @@ START_TEST(test_triangle__h042_roles)
 }
 END_TEST
 
-/* A triangle of that aspect, and a ray at an inner point of it. */
+/* A triangle of that aspect, and a ray at an inner point of it, now and then nearly in its plane.
+ */
 static struct pen_ray aim(struct random *r, double aspect, bool cap, vec3 v[3])
 {
     vec3 e = random_direction(r), w = pen_normalize(pen_cross(e, random_direction(r)));
@@ -142,8 +143,8 @@ static struct pen_ray aim(struct random *r, double aspect, bool cap, vec3 v[3])
     double a = random_in(r, .05, .9), b = random_in(r, .05, 1) * (.95 - a);
     vec3 to = pen_along(pen_along(v[0], pen_sub(v[1], v[0]), a), pen_sub(v[2], v[0]), b);
     vec3 n = pen_cross(e, w), from = random_direction(r);
-    if (fabs(pen_dot(from, n)) < .3)
-        from = pen_normalize(pen_add(from, n));
+    if (random_below(r, 3) == 0)
+        from = pen_along(from, n, pow(10, random_in(r, -6, -1)) - pen_dot(from, n));
     vec3 o = pen_along(to, from, random_in(r, .1, 3));
     return world_ray(o, pen_sub(to, o));
 }
@@ -165,7 +166,9 @@ START_TEST(test_triangle__h043_needles)
         bool hit = pen_triangle_root(&tri, &ray, &t[0]);
         ck_assert(hit || inside <= 0 || aspect[i % 5] < 1e-11);
         ck_assert(pen_polygon_root(&pg, &ray, &t[1]) == hit);
-        for (int k = 0; hit && k < 2; k++) {
+        /* Polygons are held to this where the ray is not nearly in their plane. */
+        double cosine = fabs(pen_dot(tri.n, ray.d)) / pen_length(ray.d);
+        for (int k = 0; hit && inside > 0 && k < (cosine < .3 ? 1 : 2); k++) {
             double error = (double)quad_abs((t[k] - truth) / truth) / PEN_U;
             ck_assert_msg(error <= 16, "%d: aspect %g, way %d: %g u", i, aspect[i % 5], k, error);
         }

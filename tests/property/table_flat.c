@@ -51,7 +51,6 @@ const struct row row_table_flat[] = {
         .what = "the same for rays within 0.1 rad of the needle's plane",
         .oracle = "113-bit plane",
         .run = rows_needle_grazed,
-        .known = "t of rays nearly in the plane",
     },
     {
         .id = "H044",

@@ -31,7 +31,6 @@ const struct row row_table_roots[] = {
         .what = "the same where the ray passes beyond 0.9 r, to tangents within 1e-16",
         .oracle = roots_oracle,
         .run = rows_sphere_grazing,
-        .known = "t of grazing rays: the square root of a discriminant that keeps few digits",
     },
     {
         .id = "O1 tube",
@@ -49,7 +48,6 @@ const struct row row_table_roots[] = {
         .what = "the same where the ray passes beyond 0.9 r",
         .oracle = roots_oracle,
         .run = rows_tube_grazing,
-        .known = "t of grazing rays: the square root of a discriminant that keeps few digits",
     },
     {
         .id = "O1 tube",
@@ -57,7 +55,6 @@ const struct row row_table_roots[] = {
         .what = "the same for thin tubes about 1 from the origin, and others up to 1e9 from it",
         .oracle = roots_oracle,
         .run = rows_tube_far,
-        .known = "the point of the axis near the origin is rounded to double when a tube is made",
     },
     {
         .id = "O1 cylinder",
@@ -74,7 +71,6 @@ const struct row row_table_roots[] = {
         .what = "crossings of the caps: t within 16 ulp from 2 r on, else within 8u (|f| + r)",
         .oracle = roots_oracle,
         .run = rows_cylinder_caps,
-        .known = "t of a cap loses digits where the ray starts near its plane or runs along it",
     },
     {
         .id = "O1 cylinder",
@@ -82,7 +78,6 @@ const struct row row_table_roots[] = {
         .what = "the same where the ray passes the axis beyond 0.9 r",
         .oracle = roots_oracle,
         .run = rows_cylinder_grazing,
-        .known = "t of grazing rays: the square root of a discriminant that keeps few digits",
     },
     {
         .id = "O1 triangle",
@@ -97,7 +92,6 @@ const struct row row_table_roots[] = {
         .what = "the same for rays within 0.1 rad of the triangle's plane",
         .oracle = "113-bit plane",
         .run = rows_triangle_grazed,
-        .known = "t of rays nearly in the plane",
     },
     {
         .id = "O1 polygon",

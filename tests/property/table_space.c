@@ -215,7 +215,6 @@ const struct row row_table_space[] = {
         .what = "the horizon of a planet: rays begin to meet it within an ulp of the direction",
         .oracle = "113-bit class at d and its neighbours",
         .run = rows_planet,
-        .known = "grazing rays are decided by a discriminant that keeps few digits",
     },
     {
         .id = "H085",

@@ -11,7 +11,8 @@
 
 struct pen_cylinder {
     struct pen_round round; /* q is the middle of the base */
-    double top;             /* height times |a|: the caps are at (p - q).a = 0 and = top */
+    double top, top_low;    /* height times |a|, to twice the precision: the caps are at
+                               (p - q).a = 0 and = top */
     double h;               /* height */
     bool caps;
 };
@@ -67,6 +68,23 @@ static inline bool pen_inside_cut(struct pen_inside *in, const double side[2])
     return in->lo < in->hi;
 }
 
+/* Whether the plain slab loses more than two bits: the ray starts near a cap's plane, or runs along
+ * it. */
+static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const struct pen_ray *ray)
+{
+    struct pen_vec3 f = pen_sub(ray->o, c->round.q), a = c->round.a, d = ray->d;
+    double da = pen_dot(d, a), fa = pen_dot(f, a), rest = fabs(c->top - fa);
+    double size = fabs(f.x * a.x) + fabs(f.y * a.y) + fabs(f.z * a.z);
+    double least = rest < fabs(fa) ? rest : fabs(fa);
+    return 4 * least < size || 4 * rest < c->top ||
+           4 * fabs(da) < fabs(d.x * a.x) + fabs(d.y * a.y) + fabs(d.z * a.z);
+}
+
+/* Replaces the ends by those of the slab in twice the precision, unless the ray is parallel to the
+ * caps. */
+void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
+                              struct pen_inside *in);
+
 /* The part of the ray's line inside; false if there is none. Ends at caps of an open cylinder are
  * no crossings: the caller drops them. */
 static inline bool pen_cylinder_inside(const struct pen_cylinder *c, const struct pen_ray *ray,
@@ -76,8 +94,17 @@ static inline bool pen_cylinder_inside(const struct pen_cylinder *c, const struc
     bool parallel;
     if (!pen_cylinder_slab(c, ray, in))
         return false;
-    if (!pen_round_roots(&c->round, ray, side, &parallel))
-        return parallel && pen_round_holds(&c->round, ray->o);
+    if (!pen_round_roots(&c->round, ray, side, &parallel)) {
+        if (!parallel || !pen_round_holds(&c->round, ray->o))
+            return false;
+        side[0] = -INFINITY;
+        side[1] = INFINITY;
+    }
+    if (!pen_inside_cut(in, side))
+        return false;
+    if (!pen_cylinder_slab_loses(c, ray))
+        return true;
+    pen_cylinder_slab_refine(c, ray, in);
     return pen_inside_cut(in, side);
 }
 

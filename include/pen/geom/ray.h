@@ -33,6 +33,10 @@
  * the half chord h: the subtraction would lose more than three bits. */
 #define PEN_NEAR 0.125
 
+/* So are both where the ray passes so near the edge of a quadric that the discriminant is less than
+ * this share of the squared radius: it keeps too few digits. */
+#define PEN_GRAZING 0x1p-5
+
 enum pen_part {
     PEN_PART_SIDE = 0, /* the only part of sphere, tube and flat bodies; a cylinder's side */
     PEN_PART_BASE = 1, /* a cylinder's cap at `base` */

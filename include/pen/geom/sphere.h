@@ -15,8 +15,8 @@ struct pen_sphere {
 /* Fails: returns false if c is not finite or r is not in 2^-400 ... 2^400. */
 bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r);
 
-/* Replaces the crossing nearer the origin by c / (a t_far), with c = |o - c|^2 - r^2 exact to the
- * last bits: for origins near the surface, where the difference of tp and h loses digits. */
+/* The crossings by the textbook's equation in twice the precision: for origins near the surface and
+ * for grazing rays, where the short way of pen_sphere_roots loses digits. NaN for a miss. */
 void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, double t[2]);
 
 /* The two crossings of the ray's line, t[0] < t[1]; false if there are none. A tangent is a miss.
@@ -35,7 +35,7 @@ static inline bool pen_sphere_roots(const struct pen_sphere *s, const struct pen
     double h = sqrt(disc * ray->inv_dd); /* NaN for a miss */
     t[0] = tp + (rest - h);
     t[1] = tp + (rest + h);
-    if (fabs(fabs(tp) - h) < PEN_NEAR * h)
+    if (fabs(fabs(tp) - h) < PEN_NEAR * h || fabs(disc) < PEN_GRAZING * s->rr)
         pen_sphere_refine(s, ray, t);
     return t[0] < t[1];
 }

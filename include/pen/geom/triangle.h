@@ -56,6 +56,20 @@ static inline int pen_edge_counts(struct pen_sheared p, struct pen_sheared q, do
     return (p.y <= 0 && q.y > 0 && s > 0) - (p.y > 0 && q.y <= 0 && s < 0);
 }
 
+/* Whether the depth of a crossing, as a mean of the vertices' depths, loses digits: their spread
+ * along the ray is more than twice the triangle's width across it, area / size. */
+static inline bool pen_triangle_grazed(struct pen_sheared a, struct pen_sheared b,
+                                       struct pen_sheared c, double area)
+{
+    double size = fabs(b.x - a.x) + fabs(b.y - a.y) + fabs(c.x - a.x) + fabs(c.y - a.y);
+    double spread = fabs(b.z - a.z) + fabs(c.z - a.z);
+    return size * spread > 8 * fabs(area);
+}
+
+/* The same crossing as one of the plane, in twice the precision, kept among the vertices' depths.
+ */
+void pen_triangle_refine(const struct pen_triangle *tri, const struct pen_ray *ray, double *t);
+
 /* Where the ray's line crosses the triangle; false if it does not. *t lies among the depths of
  * the vertices. */
 static inline bool pen_triangle_root(const struct pen_triangle *tri, const struct pen_ray *ray,
@@ -68,6 +82,8 @@ static inline bool pen_triangle_root(const struct pen_triangle *tri, const struc
     if (pen_edge_counts(a, b, w) + pen_edge_counts(b, c, u) + pen_edge_counts(c, a, v) == 0)
         return false;
     *t = (u * a.z + v * b.z + w * c.z) * ray->sz / (u + v + w);
+    if (pen_triangle_grazed(a, b, c, u + v + w))
+        pen_triangle_refine(tri, ray, t);
     return true;
 }
 

@@ -19,7 +19,8 @@ struct pen_round {
 };
 
 struct pen_tube {
-    struct pen_round round; /* q is near the origin */
+    struct pen_round round; /* q is the point given, which is exact */
+    struct pen_vec3 near;   /* the point of the axis nearest the origin, rounded */
 };
 
 /* Fails: returns false if an argument is not finite, the axis is zero, or r is not in
@@ -55,7 +56,7 @@ static inline bool pen_round_roots(const struct pen_round *s, const struct pen_r
     double h = sqrt(disc * inv); /* NaN for a miss */
     t[0] = tp + (rest - h);
     t[1] = tp + (rest + h);
-    if (fabs(fabs(tp) - h) < PEN_NEAR * h)
+    if (fabs(fabs(tp) - h) < PEN_NEAR * h || fabs(disc) < PEN_GRAZING * s->rr)
         pen_round_refine(s, ray, t);
     *parallel = mm == 0;
     return t[0] < t[1];
@@ -71,7 +72,7 @@ static inline bool pen_round_touches(const struct pen_round *s, struct pen_vec3 
 /* The tube's own rounding. */
 static inline double pen_tube_rounding(const struct pen_tube *tube)
 {
-    return 8 * PEN_U * (tube->round.r + pen_norm1(tube->round.q));
+    return 8 * PEN_U * (tube->round.r + pen_norm1(tube->near));
 }
 
 /* The other crossing of a ray whose origin is on the side by identity; 0 if parallel. */
