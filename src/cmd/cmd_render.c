@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* `penumbra render`: a scene to a picture in this process, without a daemon; the same reader,
  * renderer and encoders as the daemon's worker, hence the same bytes. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -90,6 +91,8 @@ struct render {
     struct pen_scene_desc desc; /* in the arena */
     struct pen_scene *scene;
     int view;
+    struct pen_scene_precision precision; /* of the view, if `measured` */
+    bool measured;
     struct pen_pool *pool;
     struct pen_film *film;
     struct pen_render_stats stats;
@@ -186,6 +189,17 @@ static bool freeze(struct render *r, struct pen_status *st)
     return find_view(r, st);
 }
 
+/* Says so if the scene asks for more than numbers give. */
+static void measure(struct render *r)
+{
+    const struct pen_settings *s = &r->desc.settings;
+    char text[PEN_MSG_BYTES];
+    r->measured = pen_scene_precision(r->scene, r->view, s->width, s->height, &r->precision);
+    if (r->measured && pen_precision_warning(&r->precision, text, sizeof text))
+        fprintf(stderr, "penumbra: %s: view \"%s\": warning: %s\n", r->source.label,
+                r->scene->views[r->view].name, text);
+}
+
 static void tile_done(void *user, struct pen_rect rect)
 {
     struct render *r = user;
@@ -231,7 +245,8 @@ static json_t *make_stats(const struct render *r)
                                  .encode_ms = r->encode_ms,
                                  .total_ms = r->total_ms,
                                  .render = &r->stats,
-                                 .accel = pen_accel_get_stats(r->scene->accel)};
+                                 .accel = pen_accel_get_stats(r->scene->accel),
+                                 .precision = r->measured ? &r->precision : NULL};
     return pen_stats_json(&in);
 }
 
@@ -275,6 +290,7 @@ static bool show_pixel(struct render *r, struct pen_status *st)
 static bool carry_out(struct render *r, int64_t start_ns, struct pen_status *st)
 {
     const struct values *v = r->values;
+    measure(r);
     if (v->pixel && !show_pixel(r, st))
         return false;
     if (!v->output && !v->stats)

@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 
+#include "pen/scene/precision.h"
 #include "reader.h"
 
 static void warn(struct pen_reader *r, const struct pen_place *at, const char *what)
@@ -71,6 +72,35 @@ static void warn_nothing_seen(struct pen_reader *r, const struct pen_scene_desc 
              "there is no light, ambient light, emission or background: the picture will be black");
 }
 
+static struct pen_place view_place(const struct pen_place up[2], const json_t *document, int view)
+{
+    return json_object_get(document, "views") ? pen_place_index(&up[1], (size_t)view)
+                                              : pen_place_key(&up[0], "camera");
+}
+
+/* The first view that asks for more than doubles give. A scene that cannot be frozen is refused
+ * when it is rendered. */
+static void warn_coarse(struct pen_reader *r, const json_t *document,
+                        const struct pen_scene_desc *desc)
+{
+    struct pen_status st;
+    struct pen_scene_precision precision;
+    char text[PEN_MSG_BYTES];
+    bool warned = false;
+    struct pen_scene *scene = pen_scene_freeze(desc, PEN_ACCEL_NONE, 0, &st);
+    struct pen_place up[2] = {{0}};
+    up[1] = pen_place_key(&up[0], "views");
+    for (int i = 0; scene && i < (int)scene->view_count && !warned; i++) {
+        const struct pen_settings *s = &desc->settings;
+        struct pen_place at = view_place(up, document, i);
+        warned = pen_scene_precision(scene, i, s->width, s->height, &precision) &&
+                 pen_precision_warning(&precision, text, sizeof text);
+        if (warned)
+            warn(r, &at, text);
+    }
+    pen_scene_free(scene);
+}
+
 void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
                         struct pen_errors *warnings)
 {
@@ -78,5 +108,6 @@ void pen_scene_warnings(const json_t *document, const char *at, const struct pen
     warn_nothing_seen(&r, desc);
     warn_unused_materials(&r, document, desc);
     warn_dark_lights(&r, desc);
+    warn_coarse(&r, document, desc);
     pen_tjunction_warnings(desc, at, warnings);
 }

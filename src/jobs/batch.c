@@ -149,14 +149,21 @@ static bool run_task(struct pen_batch_room *room, const struct pen_render_task *
     return pen_batch_looked(room, ok, st);
 }
 
+/* The claim's view in the scene, or -1. */
+static int view_of(const struct pen_batch_room *room, const struct pen_claim *claim,
+                   const struct pen_scene *scene)
+{
+    const char *view = pen_job_plan_view(&room->plan, claim->view);
+    return view ? pen_scene_find_view(scene, view) : -1;
+}
+
 static bool run_tiles(struct pen_batch_room *room, const struct pen_claim *claim,
                       const struct pen_scene *scene, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
     const struct pen_settings *s = &room->plan.settings;
-    const char *view = pen_job_plan_view(&room->plan, claim->view);
     struct pen_render_task task = {.scene = scene,
-                                   .view = view ? pen_scene_find_view(scene, view) : -1,
+                                   .view = view_of(room, claim, scene),
                                    .settings = s,
                                    .first_tile = claim->first_tile,
                                    .tile_count = claim->tile_count,
@@ -181,12 +188,20 @@ static bool take_packed(struct pen_batch_room *room, struct pen_batch_work *work
     return ok;
 }
 
+static bool measure(const struct pen_batch_room *room, const struct pen_claim *claim,
+                    const struct pen_scene *scene, struct pen_scene_precision *precision)
+{
+    const struct pen_settings *s = &room->plan.settings;
+    return pen_scene_precision(scene, view_of(room, claim, scene), s->width, s->height, precision);
+}
+
 static bool render(struct pen_batch_room *room, const struct pen_claim *claim,
                    struct pen_batch_work *work, struct pen_status *st)
 {
     const struct pen_settings *s = &room->plan.settings;
     struct pen_scene_times times;
     struct pen_render_stats stats;
+    struct pen_scene_precision precision;
     const struct pen_scene *scene = pen_scene_cache_get(
         room->scenes, room->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
     if (!scene || !make_room(room, st) || !run_tiles(room, claim, scene, &stats, st))
@@ -196,6 +211,8 @@ static bool render(struct pen_batch_room *room, const struct pen_claim *claim,
                                  .build_ms = times.build_ms,
                                  .render = &stats,
                                  .accel = pen_accel_get_stats(scene->accel)};
+    if (measure(room, claim, scene, &precision))
+        in.precision = &precision;
     bool ok =
         claim->view_batches > 1 ||
         encode(room, (struct pen_film){s->width, s->height, room->image}, work, &in.encode_ms, st);

@@ -22,6 +22,7 @@ struct sum {
     struct pen_weighted *times;
     size_t time_count, time_capacity;
     json_t *accelerator, *kernel, *effects, *host; /* of the last batch that has them; owned */
+    json_t *precision;                             /* of the view that has the least; owned */
     bool no_memory, damaged;
 };
 
@@ -98,6 +99,14 @@ static void keep_last(json_t **kept, const json_t *stats, const char *key)
     *kept = json_incref(value);
 }
 
+static void keep_least_precision(struct sum *sum, const json_t *stats)
+{
+    const json_t *more = json_object_get(stats, "precision");
+    if (more &&
+        (!sum->precision || number(more, "resolution") < number(sum->precision, "resolution")))
+        keep_last(&sum->precision, stats, "precision");
+}
+
 static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
 {
     int threads = (int)count_of(stats, "threads");
@@ -111,6 +120,7 @@ static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
     keep_last(&sum->kernel, stats, "kernel");
     keep_last(&sum->effects, stats, "effects");
     keep_last(&sum->host, stats, "host");
+    keep_least_precision(sum, stats);
 }
 
 static bool take_batch(void *user, const struct pen_batch_stats *batch)
@@ -140,14 +150,14 @@ static json_t *timing_json(const struct sum *sum, const struct pen_job_record *j
 static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
 {
     struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);
-    return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:O?}",
+    return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:O?, s:O*}",
                      "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays),
                      "mrays_per_second", pen_figure_rate(&sum->rays, sum->render_ms), "threads",
                      sum->threads, "tiles", pen_stats_tiles(sum->tile_count, &tiles), "accelerator",
                      sum->accelerator, "kernel", sum->kernel, "effects", sum->effects, "memory",
                      "peak_bytes", (json_int_t)sum->peak_bytes, "dropped_samples",
                      (json_int_t)sum->rays.dropped_samples, "float_resets",
-                     (json_int_t)sum->float_resets, "host", sum->host);
+                     (json_int_t)sum->float_resets, "host", sum->host, "precision", sum->precision);
 }
 
 json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
@@ -165,6 +175,7 @@ json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *j
     json_decref(sum.kernel);
     json_decref(sum.effects);
     json_decref(sum.host);
+    json_decref(sum.precision);
     free(sum.times);
     return stats;
 }

@@ -7,11 +7,11 @@ none=/v1/jobs/01890a5d-ac96-774b-bcce-b302099a8057
 
 # Paths and methods.
 for path in /nowhere /v1 /v1/ /v1/jobs/ //v1/jobs /v1/jobs/x /v1/jobs/$none/image /v1/scenes/nothing \
-    "$none" "$none/events" "$none/image" "$none/preview" "$none/stats" "$none/scene"; do
+    "$none" "$none/events" "$none/image" "$none/preview" "$none/stats" "$none/scene" "$none/report"; do
     call "$path" --path-as-is
     expect_problem "GET $path" 404
 done
-for path in / /v1/plan /metrics "$none/report" /v1/assets/abc; do
+for path in / /v1/plan /metrics /v1/assets/abc; do
     call "$path"
     expect_problem "GET $path" 404 '*not supported yet*'
 done
@@ -153,7 +153,9 @@ attempts /max_attempts {"scene": "builtin:spheres", "max_attempts": 0}
 setting /render/widht {"scene": "builtin:spheres", "render": {"widht": 5}}
 radius /scene/objects/0/radius {"scene": {"format": "penumbra-scene/1", "camera": {"position": [0,0,9], "look_at": [0,0,0]}, "objects": [{"type": "sphere", "center": [0,0,0], "radius": -1}]}}
 bare-radius /objects/0/radius {"format": "penumbra-scene/1", "camera": {"position": [0,0,9], "look_at": [0,0,0]}, "objects": [{"type": "sphere", "center": [0,0,0], "radius": -1}]}
-kind-to-come /kind {"scene": "builtin:spheres", "kind": "benchmark"}
+kind-to-come /kind {"scene": "builtin:spheres", "kind": "accuracy"}
+unknown-kind /kind {"scene": "builtin:spheres", "kind": "benchmrk"}
+setting-to-come /render/precision {"scene": "builtin:spheres", "render": {"precision": "fast"}}
 END
 call /v1/jobs -H 'Content-Type: application/json' --data-binary '{"scene": "builtin:rom"}'
 expect_problem unknown-builtin 404

@@ -52,6 +52,12 @@ static void check_shape(const json_t *stats)
     ck_assert(number(json_object_get(stats, "memory"), "peak_bytes") > 1 << 20);
     ck_assert(number(stats, "dropped_samples") == 0);
     ck_assert(number(stats, "float_resets") == 0);
+    const json_t *precision = json_object_get(stats, "precision");
+    ck_assert(number(precision, "resolution") > 1e9);
+    ck_assert(number(precision, "resolution") ==
+              number(precision, "pixel_footprint") / number(precision, "ulp"));
+    ck_assert(number(precision, "extent") > 0 && number(precision, "coordinate_max") > 0);
+    ck_assert_ptr_null(json_object_get(precision, "warning"));
     const json_t *host = json_object_get(stats, "host");
     ck_assert_str_eq(json_string_value(json_object_get(host, "version")), PEN_VERSION);
     ck_assert(number(host, "cores") >= 1);
@@ -124,6 +130,30 @@ START_TEST(test_stats__wait_for_the_end_and_then_say_what_is_known)
     json_decref(stats);
     ck_assert_ptr_null(pen_jobs_stats(bed.jobs, "nobody", &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* The first of two views is too far away; the job says so, whichever batch came last. */
+START_TEST(test_stats__of_a_job_hold_the_least_resolution)
+{
+    static const char body[] =
+        "{\"scene\": {\"format\": \"penumbra-scene/1\", \"ambient\": [1, 1, 1], "
+        "\"camera\": {\"position\": [0, 0, 9], \"look_at\": [0, 0, 0]}, \"views\": ["
+        "{\"name\": \"far\", \"camera\": {\"position\": [0, 0, 1e16], \"view_plane\": "
+        "{\"distance\": 1e16, \"width\": 4, \"height\": 4}}}, {\"name\": \"near\"}], \"objects\": "
+        "[{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1}]}, "
+        "\"render\": {\"width\": 10, \"height\": 10}}";
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, body, id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    json_t *stats = stats_of_job();
+    const json_t *precision = json_object_get(stats, "precision");
+    ck_assert(number(precision, "coordinate_max") == 1e16 && number(precision, "ulp") == 2);
+    ck_assert(number(precision, "resolution") < 1);
+    ck_assert_ptr_nonnull(json_string_value(json_object_get(precision, "warning")));
+    json_decref(stats);
     jobs_bed_close(&bed);
 }
 END_TEST
@@ -231,5 +261,6 @@ END_TEST
 PEN_SUITE("stats", test_stats__of_a_job_is_the_sum_of_its_batches,
           test_stats__rays_do_not_depend_on_how_the_job_was_cut,
           test_stats__wait_for_the_end_and_then_say_what_is_known,
+          test_stats__of_a_job_hold_the_least_resolution,
           test_stats__known_scene_costs_no_parse_and_no_build, test_stats__views_share_one_build,
           test_stats__percentiles_of_tiles_are_nearest_ranks)

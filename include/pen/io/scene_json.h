@@ -70,8 +70,9 @@ double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_se
 
 /* Notes on a valid scene that a person may want to know: a T-junction (searched among up to 20 000
  * edges), a named material that nothing uses, a light without light, a picture that will be empty
- * or black. Each has code PEN_OK, a JSON Pointer and a sentence. `document` is what *desc was read
- * from, with the same `at`. Without memory there are fewer notes. */
+ * or black, a view that asks for more than doubles give (pen/scene/precision.h). Each has code
+ * PEN_OK, a JSON Pointer and a sentence. `document` is what *desc was read from, with the same
+ * `at`. Without memory there are fewer notes. */
 void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
                         struct pen_errors *warnings);
 

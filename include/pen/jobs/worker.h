@@ -11,6 +11,7 @@
 #include "pen/base/status.h"
 #include "pen/jobs/trace.h"
 #include "pen/render/render.h"
+#include "pen/scene/precision.h"
 #include "pen/scene/scene.h"
 #include "pen/store/store.h"
 
@@ -53,6 +54,7 @@ struct pen_stats_input {
     double queue_ms, parse_ms, build_ms, encode_ms, store_ms, total_ms;
     const struct pen_render_stats *render;
     const struct pen_accel_stats *accel;
+    const struct pen_scene_precision *precision; /* of the view; NULL: not known */
 };
 json_t *pen_stats_json(const struct pen_stats_input *in);
 

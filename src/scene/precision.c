@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* How fine a scene's coordinates are beside its pixels. The bodies are measured in the local frame,
+ * where nothing over- or underflows; only the results are turned into scene units. */
+#include "pen/scene/precision.h"
+
+#include <stdio.h>
+
+#include "pen/math/scale.h"
+#include "unit.h"
+
+/* A body is not taken to be seen nearer than this part of its size. */
+#define NEAREST_PART 0x1p-10
+
+static double gap(double lo, double hi, double x)
+{
+    return x < lo ? lo - x : x > hi ? x - hi : 0;
+}
+
+static double box_distance(struct pen_box box, struct pen_vec3 p)
+{
+    return pen_length(pen_vec3(gap(box.lo.x, box.hi.x, p.x), gap(box.lo.y, box.hi.y, p.y),
+                               gap(box.lo.z, box.hi.z, p.z)));
+}
+
+static double line_distance(const struct pen_round *round, struct pen_vec3 p)
+{
+    struct pen_vec3 axis = unit_of(round->a), from = pen_sub(p, round->q);
+    return pen_length(pen_along(from, axis, -pen_dot(from, axis)));
+}
+
+/* A lower bound of how far the surface of an infinite body is. */
+static double infinite_distance(const struct pen_prims *prims, struct pen_prim_ref ref,
+                                struct pen_vec3 p)
+{
+    if (ref.kind == PEN_PRIM_PLANE) {
+        const struct pen_plane *plane = &prims->plane[ref.index];
+        return fabs(pen_dot(plane->n, pen_sub(p, plane->q)));
+    }
+    const struct pen_round *round = &prims->tube[ref.index].round;
+    return fabs(line_distance(round, p) - round->r);
+}
+
+/* The same of a finite one. */
+static double finite_distance(const struct pen_prims *prims, struct pen_prim_ref ref,
+                              struct pen_box bounds, struct pen_vec3 p)
+{
+    if (ref.kind != PEN_PRIM_SPHERE)
+        return box_distance(bounds, p);
+    const struct pen_sphere *sphere = &prims->sphere[ref.index];
+    return fabs(pen_length(pen_sub(p, sphere->c)) - sphere->r);
+}
+
+static double side(struct pen_box box)
+{
+    return box.lo.x <= box.hi.x ? unit_max(pen_sub(box.hi, box.lo)) : 0;
+}
+
+static struct pen_box all_bounds(const struct pen_prims *prims)
+{
+    struct pen_box all = pen_box_empty();
+    for (uint32_t i = 0; i < prims->count; i++) {
+        if (!pen_prim_infinite(prims->ref[i].kind))
+            all = pen_box_union(all, pen_prim_bounds(prims, i));
+    }
+    return all;
+}
+
+/* From the eye to the nearest body. */
+static double nearest(const struct pen_prims *prims, double extent, struct pen_vec3 eye)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < prims->count; i++) {
+        struct pen_prim_ref ref = prims->ref[i];
+        double size = extent, distance;
+        if (pen_prim_infinite(ref.kind)) {
+            distance = infinite_distance(prims, ref, eye);
+        } else {
+            struct pen_box bounds = pen_prim_bounds(prims, i);
+            size = side(bounds);
+            distance = finite_distance(prims, ref, bounds, eye);
+        }
+        distance = pen_larger(distance, NEAREST_PART * size);
+        least = distance < least ? distance : least;
+    }
+    return least;
+}
+
+static struct pen_vec3 to_scene(const struct pen_scene *scene, struct pen_vec3 local)
+{
+    return pen_add(scene->center, unit_shift(local, -scene->exponent));
+}
+
+/* The width of a pixel at unit distance from the eye. */
+static double pixel_angle(const struct pen_pinhole *pinhole)
+{
+    double dx = pen_length(pinhole->dx), dy = pen_length(pinhole->dy);
+    return (dx < dy ? dx : dy) / pen_length(pinhole->middle);
+}
+
+static bool usable(const struct pen_scene_precision *p)
+{
+    return isfinite(p->extent) && isfinite(p->coordinate_max) && p->coordinate_max > 0 &&
+           p->ulp > 0 && p->pixel_footprint > 0 && isfinite(p->pixel_footprint) &&
+           isfinite(p->resolution);
+}
+
+bool pen_scene_precision(const struct pen_scene *scene, int view, int width, int height,
+                         struct pen_scene_precision *out)
+{
+    struct pen_pinhole pinhole = pen_scene_pinhole(scene, view, width, height);
+    struct pen_box box = all_bounds(&scene->prims);
+    double extent = side(box);
+    double away = nearest(&scene->prims, extent, pinhole.eye);
+    struct pen_vec3 lo = scene->center, hi = scene->center, eye = scene->views[view].frame.eye;
+    if (box.lo.x <= box.hi.x) {
+        lo = to_scene(scene, box.lo);
+        hi = to_scene(scene, box.hi);
+    }
+    out->extent = pen_scale2(extent, scene->exponent);
+    out->coordinate_max = pen_larger(pen_larger(unit_max(lo), unit_max(hi)), unit_max(eye));
+    out->ulp = pen_scale2(1, pen_exponent(out->coordinate_max) - 53);
+    out->pixel_footprint = pen_scale2(away * pixel_angle(&pinhole), scene->exponent);
+    out->resolution = out->pixel_footprint / out->ulp;
+    return scene->prims.count > 0 && usable(out);
+}
+
+bool pen_precision_warning(const struct pen_scene_precision *precision, char *out, size_t bytes)
+{
+    if (!(precision->resolution < PEN_PRECISION_ENOUGH))
+        return false;
+    snprintf(out, bytes,
+             "coordinates reach to %.3g, where numbers are %.2g apart, and a pixel at the nearest "
+             "body is %.2g wide: %.3g of their steps, below %g rounding may show; put the scene "
+             "nearer to the origin, or leave out what is far away",
+             precision->coordinate_max, precision->ulp, precision->pixel_footprint,
+             precision->resolution, PEN_PRECISION_ENOUGH);
+    return true;
+}
