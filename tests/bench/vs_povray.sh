@@ -1,6 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Times Penumbra against POV-Ray on one scene: vs_povray.sh BUILD [SCENE] [RUNS]
+# For soft shadows: soft_room.py > soft_room.json, and that as SCENE.
 # Both run as whole programs with two threads, write a PNG, and take turns, so that what else the
 # machine does falls on both; the ratio is that of the medians. Processor time says less about
 # threads, but more than wall time does on a machine that is busy with something else.
