@@ -121,10 +121,10 @@ static inline struct trace begin(const struct pen_accel *accel, const struct pen
 {
     struct trace w = {.accel = accel, .ray = ray, .leave = leave};
     w.leaving = leave->prim != PEN_NO_PRIM;
-    if (w.leaving) {
-        w.grow = 0x1p10 * (leave->bound + 8 * PEN_U * accel->scale);
+    /* t itself is off by some roundings of the lengths that it was made of. */
+    w.grow = 0x1p10 * (leave->bound + 8 * PEN_U * accel->scale);
+    if (w.leaving)
         w.back_sq = 2 * w.grow * w.grow * ray->inv_dd;
-    }
     return w;
 }
 
