@@ -197,4 +197,52 @@ START_TEST(test_accel__h073_seams)
 }
 END_TEST
 
-PEN_SUITE("same", test_accel__h095_equals_brute_force, test_accel__h073_seams)
+/* A coordinate that is as often as not too small to be told from 0. */
+static double tiny(struct random *r)
+{
+    static const double size[] = {0,      5e-324, 1e-323, 1e-310, 2e-308, 1e-300, 1e-200,
+                                  1e-136, 1e-135, 1e-100, 1e-45,  1e-40,  1e-38,  1e-17};
+    double x = size[random_below(r, 14)] * (1 + random_unit(r));
+    switch (random_below(r, 4)) {
+    case 0:
+        return (double)random_below(r, 9) / 2 - 2;
+    case 1:
+        return random_in(r, -2, 2);
+    default:
+        return random_below(r, 2) ? -x : x;
+    }
+}
+
+static struct pen_vec3 tiny3(struct random *r)
+{
+    double x = tiny(r), y = tiny(r);
+    return pen_vec3(x, y, tiny(r));
+}
+
+/* H085, H093: from a hair beside flat bodies on a lattice, along and through them. */
+START_TEST(test_accel__h085_hairs_beside_surfaces)
+{
+    struct random r = random_begin(85);
+    for (int scene = 0; scene < 60; scene++) {
+        world_clear(&world);
+        for (int i = 0; i < 12; i++) {
+            struct pen_vec3 a = random_vec(&r, 2.5);
+            a = pen_vec3(round(a.x), round(a.y), round(a.z));
+            world_box(&world, a, pen_add(a, pen_vec3(1, 1, .5)));
+            world_triangle(&world, a, pen_add(a, pen_vec3(1, 0, 1)), pen_add(a, pen_vec3(0, 1, 1)));
+        }
+        struct ways ways = build(&world, &r);
+        for (int i = 0; i < 300; i++) {
+            struct pen_vec3 o = tiny3(&r), d = tiny3(&r);
+            struct pen_ray ray;
+            struct pen_span span = {pen_after_start, INFINITY};
+            if (pen_ray_make(&ray, o, d))
+                nearest(&world, &ways, &ray, &pen_leave_nothing, &span);
+        }
+        pen_arena_free(ways.arena);
+    }
+}
+END_TEST
+
+PEN_SUITE("same", test_accel__h085_hairs_beside_surfaces, test_accel__h095_equals_brute_force,
+          test_accel__h073_seams)

@@ -67,6 +67,26 @@ START_TEST(test_shadow__the_interval_is_open)
 }
 END_TEST
 
+/* Rays from free space that start exactly on a body and go away from it: t = 0 is no crossing. */
+START_TEST(test_shadow__a_ray_does_not_cross_where_it_starts)
+{
+    struct pen_shadow query = {.tmax = 2, .last_occluder = PEN_NO_PRIM};
+    for (int kind = 0; kind < 4; kind++) {
+        world_clear(&world);
+        if (kind == 0)
+            world_sphere(&world, pen_vec3(0, 0, -1), 1);
+        else if (kind == 1)
+            world_plane(&world, pen_vec3(5, 5, 0), pen_vec3(0, 0, 1));
+        else if (kind == 2)
+            world_tube(&world, pen_vec3(0, 0, -1), pen_vec3(1, 0, 0), 1);
+        else
+            world_cylinder(&world, pen_vec3(0, 0, -1), pen_vec3(0, 0, 1), 1, 1, true);
+        ck_assert_msg(!ask(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), &pen_leave_nothing, &query),
+                      "kind %d", kind);
+    }
+}
+END_TEST
+
 /* A surface that contains the light is not crossed, whatever rounding says; one before it is. */
 START_TEST(test_shadow__light_on_a_surface)
 {
@@ -174,7 +194,8 @@ START_TEST(test_shadow__last_occluder_is_only_a_hint)
 }
 END_TEST
 
-PEN_SUITE("shadow", test_shadow__the_interval_is_open, test_shadow__light_on_a_surface,
+PEN_SUITE("shadow", test_shadow__the_interval_is_open,
+          test_shadow__a_ray_does_not_cross_where_it_starts, test_shadow__light_on_a_surface,
           test_shadow__light_behind_or_beside_a_surface,
           test_shadow__see_through_crossings_come_in_order, test_shadow__too_many_to_keep,
           test_shadow__last_occluder_is_only_a_hint)

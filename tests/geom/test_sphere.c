@@ -160,6 +160,26 @@ START_TEST(test_sphere__crossings_match_quad)
 }
 END_TEST
 
+/* The bounds hold the sphere, and little more. */
+START_TEST(test_sphere__bounds)
+{
+    struct random r = random_begin(5);
+    for (int i = 0; i < 1000; i++) {
+        vec3 c = random_vec(&r, i % 2 ? 1 : 1e6);
+        struct pen_sphere s;
+        ck_assert(pen_sphere_make(&s, c, pow(10, random_in(&r, -6, 3))));
+        struct pen_box b = pen_sphere_bounds(&s);
+        double spare = 128 * PEN_U * (pen_norm1(c) + s.r);
+        for (int axis = 0; axis < 3; axis++) {
+            quad m = pen_component(c, axis), lo = pen_component(b.lo, axis);
+            quad hi = pen_component(b.hi, axis);
+            ck_assert(lo <= m - s.r && hi >= m + s.r);
+            ck_assert(lo >= m - s.r - spare && hi <= m + s.r + spare);
+        }
+    }
+}
+END_TEST
+
 /* Hit or miss is wrong only where a movement of the inputs by 8u changes it. */
 START_TEST(test_sphere__grazing_decisions_match_quad)
 {
@@ -249,7 +269,7 @@ START_TEST(test_ray__h088_poisoned_rays_are_refused)
 }
 END_TEST
 
-PEN_SUITE("sphere", test_sphere__h008_normal, test_sphere__h009_from_inside,
+PEN_SUITE("sphere", test_sphere__bounds, test_sphere__h008_normal, test_sphere__h009_from_inside,
           test_sphere__h010_missed_or_behind, test_sphere__h011_two_crossings_near_first,
           test_sphere__h012_a_tangent_is_a_miss, test_sphere__h013_start_on_it,
           test_sphere__h014_start_at_the_centre, test_sphere__h015_tmax,

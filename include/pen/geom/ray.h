@@ -53,8 +53,18 @@ struct pen_ray {
     int kx, ky, kz;    /* axes permuted so that kz is d's largest component */
 };
 
-/* Makes a ray. Fails (returns false, *ray undefined) if o or d is not finite, or if the largest
- * component of d lies outside 2^-400 ... 2^400 (zero is): squares must stay in range. */
+/* v with components smaller than `least` made zeros of the same sign. */
+static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
+{
+    return pen_vec3(fabs(v.x) < least ? copysign(0, v.x) : v.x,
+                    fabs(v.y) < least ? copysign(0, v.y) : v.y,
+                    fabs(v.z) < least ? copysign(0, v.z) : v.z);
+}
+
+/* Makes a ray. Components of o below 2^-450, and of d below 2^-450 of its largest, are taken as 0:
+ * products of two of them must stay in range for differences of products to have their sign.
+ * Fails (returns false, *ray undefined) if o or d is not finite, or if the largest component of d
+ * lies outside 2^-400 ... 2^400 (zero is): squares must stay in range. */
 static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d)
 {
     double ax = fabs(d.x), ay = fabs(d.y), az = fabs(d.z);
@@ -63,6 +73,8 @@ static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct p
     double poison = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (ax - ax) + (ay - ay) + (az - az);
     if (!(poison == 0 && largest >= 0x1p-400 && largest <= 0x1p400))
         return false;
+    d = pen_without_less(d, 0x1p-450 * largest);
+    o = pen_without_less(o, 0x1p-450);
     ray->o = o;
     ray->d = d;
     ray->inv_dd = 1.0 / pen_dot(d, d);
