@@ -129,9 +129,10 @@ $(PROPERTY_LIB): $(PROPERTY_OBJ)
 	@rm -f $@
 	$(call say,AR ,$@)
 	$(Q)ar rcs $@ $^
-$(BUILD)/tests/property/test_property: $(PROPERTY_LIB)
-$(BUILD)/tests/property/test_property: TEST_FIRST := $(PROPERTY_LIB)
-$(BUILD)/tests/property/test_property: TEST_LIBS := $(MPFR_LIBS)
+PROPERTY_TEST := $(filter $(BUILD)/tests/property/%,$(TEST_BIN))
+$(PROPERTY_TEST): $(PROPERTY_LIB)
+$(PROPERTY_TEST): TEST_FIRST := $(PROPERTY_LIB)
+$(PROPERTY_TEST): TEST_LIBS := $(MPFR_LIBS)
 $(STABILITY): $(STABILITY_OBJ) $(PROPERTY_LIB) $(TEST_SUPPORT_LIB) $(BUILD)/libpenumbra.a
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS) $(MPFR_LIBS)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "pen/base/cpu.h"
+#include "property/catalogue.h"
 #include "property/oracle.h"
 
 bool report_failed(const struct report_row *row)
@@ -157,5 +158,6 @@ void report_markdown(const struct report *report, FILE *f)
     fputs("\n## Counted\n\n| id | what | cases |\n|---|---|---|\n", f);
     for (int i = 0; i < report->rows; i++)
         markdown_tallies(&report->row[i], f);
+    catalogue_markdown(f);
     markdown_prices(report, f);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "property/catalogue.h"
 #include "property/oracle.h"
 #include "property/report.h"
 
@@ -203,6 +204,7 @@ void report_html(const struct report *report, FILE *f)
     for (int i = 0; i < report->rows; i++)
         for (int k = 0; k < report->row[i].result.series_count; k++)
             put_series(f, &report->row[i], &report->row[i].result.series[k]);
+    catalogue_html(f);
     put_prices(f, report);
     fputs("</html>\n", f);
 }

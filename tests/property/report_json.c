@@ -2,6 +2,7 @@
 /* The report as JSON. Arguments are strings of hex floats: exact. */
 #include <math.h>
 
+#include "property/catalogue.h"
 #include "property/report.h"
 
 static void put_string(FILE *f, const char *key, const char *text, const char *after)
@@ -114,5 +115,7 @@ void report_json(const struct report *report, FILE *f)
         put_number(f, "ns", p->ns, ", ");
         put_number(f, "instructions", p->instructions > 0 ? p->instructions : (double)NAN, "}");
     }
-    fputs("\n ]}\n", f);
+    fputs("\n ]", f);
+    catalogue_json(f);
+    fputs("}\n", f);
 }

@@ -2,7 +2,9 @@
 /* What one light makes of one surface: the equations of the shading model, one by one. The scene
  * is one pixel that looks straight down on the plane z = 0 from z = 10, or straight at what is
  * said. */
+#include <float.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "support/kit.h"
 #include "support/suite.h"
@@ -269,10 +271,63 @@ START_TEST(test_light__h090_overflow_is_dropped_and_counted)
 }
 END_TEST
 
+/* H116: the light goes out where its direction is across the way to the point: nothing on that side
+ * or exactly there, next to nothing an ulp before; and a cosine next to 1 to a large power. */
+START_TEST(test_light__h116_edge_of_a_spot)
+{
+    static const struct {
+        double z, exponent;
+    } rows[] = {{0, 1},       {-0.0, 1},     {5e-324, 1},     {0x1p-53, 1},
+                {0, 1e6},     {5e-324, 0},   {-0x1p-53, 1},   {-0x1p-53, 1e6},
+                {-5e-324, 1}, {-0x1p-53, 0}, {-0x1p-1000, 0}, {-0x1p-1000, 1}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        floor_of(kit_matte(1));
+        kit_spot(&kit, pen_vec3(0, 0, 4), pen_vec3(1, 0, rows[i].z), pen_vec3(1, 1, 1))
+            ->beam_exponent = rows[i].exponent;
+        struct pen_ray_counts rays;
+        double want = rows[i].z < 0 ? pow(-rows[i].z, rows[i].exponent) : 0;
+        assert_near(kit_pixel(&kit, 0, 0, &rays), want, want, want);
+        ck_assert_uint_eq(rays.dropped_samples, 0);
+    }
+    for (int k = 20; k <= 30; k++) { /* 1 / sqrt(1 + s^2) to the power of a million */
+        double s = ldexp(1, -k), n = 1e6, want = exp(-0.5 * n * log1p(s * s));
+        floor_of(kit_matte(1));
+        kit_spot(&kit, pen_vec3(0, 0, 4), pen_vec3(s, 0, -1), pen_vec3(1, 1, 1))->beam_exponent = n;
+        vec3 got = kit_pixel(&kit, 0, 0, NULL); /* the cosine is within an ulp, n times */
+        ck_assert_double_eq_tol(got.x, want, (2 * n + 2) * 0x1p-53);
+    }
+}
+END_TEST
+
+/* H090: the film stays finite, whatever falls off or does not; light that is no number of the film
+ * is counted. 1e-300 is less than what coordinates can say here: the light is at the point. */
+START_TEST(test_light__h090_strongest_light_at_the_least_distance)
+{
+    static const double attenuation[][3] = {{1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}};
+    for (int i = 0; i < 8; i++) {
+        floor_of(kit_matte(1));
+        struct pen_light_desc *light =
+            kit_point(&kit, pen_vec3(0, 0, i < 4 ? 1e-300 : 1e-9), pen_vec3(1e308, 1e308, 1e308));
+        for (int k = 0; k < 3; k++)
+            light->attenuation[k] = attenuation[i % 4][k];
+        struct pen_scene *scene = kit_freeze(&kit);
+        float *film = kit_film(scene, &kit.settings, 1);
+        for (int c = 0; c < 3; c++)
+            ck_assert(film[c] >= 0 && film[c] <= FLT_MAX);
+        free(film);
+        pen_scene_free(scene);
+        struct pen_ray_counts rays;
+        kit_pixel(&kit, 0, 0, &rays);
+        ck_assert_uint_eq(rays.dropped_samples, i < 4 ? 0 : 1);
+    }
+}
+END_TEST
+
 PEN_SUITE("light", test_light__directional, test_light__point_with_attenuation,
           test_light__attenuation_is_in_scene_units, test_light__spot_with_beam_exponent,
           test_light__h116_nothing_behind_a_spot, test_light__only_on_the_viewers_side,
           test_light__dark_in_the_plane_of_the_surface, test_light__h117_light_at_the_point,
           test_light__h117_light_inside_an_opaque_sphere, test_light__power_of_zero,
           test_light__shadows_off, test_light__emission_and_ambient, test_light__very_far,
-          test_light__powers_never_amplify, test_light__h090_overflow_is_dropped_and_counted)
+          test_light__powers_never_amplify, test_light__h090_overflow_is_dropped_and_counted,
+          test_light__h116_edge_of_a_spot, test_light__h090_strongest_light_at_the_least_distance)

@@ -134,7 +134,7 @@ END_TEST
 START_TEST(test_paths__h110_glass_keeps_the_ray)
 {
     kit_init(&kit);
-    kit.settings.max_depth = 100;
+    kit.settings.max_depth = 500;
     kit.settings.min_contribution = 0;
     kit.settings.width = 50;
     kit.view.camera.has_view_plane = true;
@@ -146,8 +146,12 @@ START_TEST(test_paths__h110_glass_keeps_the_ray)
     kit_polygon(&kit, edge, 4, lamp);
     struct pen_scene *bare = kit_freeze(&kit);
     int glass = add_material(none, pen_vec3(1, 1, 1), none);
-    for (int i = 0; i < 20; i++)
+    for (int i = 0; i < 20; i++) {
         kit_sphere(&kit, pen_vec3(0.1, 0, -i), 0.7 + 0.01 * i, glass);
+        kit_cylinder(&kit, pen_vec3(0.1 * i, 0, -i), pen_vec3(1, 0.1 * i, 1), 0.3, 0.5, glass);
+        kit_tube(&kit, pen_vec3(0, 0.1, -i), pen_vec3(0.1 * i - 1, 1, 0), 0.2, glass);
+        kit_sheet(&kit, -0.7 * i, 0.5, glass);
+    }
     struct pen_scene *filled = kit_freeze(&kit);
     float *a = kit_film(bare, &kit.settings, 1), *b = kit_film(filled, &kit.settings, 1);
     float lit = 0;
@@ -247,9 +251,69 @@ START_TEST(test_paths__depth_one_is_direct_light_only)
 }
 END_TEST
 
+/* H113: bodies that lose no light, by transmission or by mirroring, where light is the same
+ * everywhere: nothing is to be seen of them, bit for bit. */
+START_TEST(test_paths__h113_furnace)
+{
+    enum { SIZE = 48 };
+    const vec3 light = {0.3, 0.7, 11}, all = {1, 1, 1};
+    kit_init(&kit);
+    kit.desc.background = light;
+    kit.settings.width = kit.settings.height = SIZE;
+    kit.settings.max_depth = 60;
+    kit.settings.min_contribution = 0;
+    int glass = add_material(none, all, none), mirror = add_material(none, none, all);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 3, glass);
+    kit_sphere(&kit, pen_vec3(0.5, 0, 0), 2, glass);
+    kit_cylinder(&kit, pen_vec3(-2, -1, -1), pen_vec3(1, 1, 0.5), 0.5, 4, glass);
+    kit_tube(&kit, pen_vec3(0, 1, -2), pen_vec3(1, 0.1, 0.3), 0.4, glass);
+    kit_sphere(&kit, pen_vec3(-1, 2, -4), 1.5, mirror);
+    kit_sphere(&kit, pen_vec3(0.5, 0.25, 0), 0.75, mirror); /* inside the glass */
+    struct pen_scene *scene = kit_freeze(&kit);
+    float *film = kit_film(scene, &kit.settings, 1);
+    for (int i = 0; i < SIZE * SIZE; i++)
+        for (int c = 0; c < 3; c++)
+            ck_assert_msg(film[3 * i + c] == (float)pen_component(light, c), "pixel %d: %a", i,
+                          (double)film[3 * i + c]);
+    free(film);
+    pen_scene_free(scene);
+    struct pen_ray_counts rays;
+    kit.settings.width = kit.settings.height = 1; /* and there are bodies in the way */
+    kit_pixel(&kit, 0, 0, &rays);
+    ck_assert_uint_gt(rays.transmission, 1);
+    ck_assert_uint_gt(rays.reflection, 0);
+}
+END_TEST
+
+/* H115: a ray that starts inside a body of glass crosses it once. */
+START_TEST(test_paths__h115_camera_in_glass)
+{
+    const vec3 kt = {0.5, 0.25, 0.75}, outer = {0.9, 0.7, 0.3}, light = {3, 5, 7};
+    for (int i = 0; i < 6; i++) {
+        kit_init(&kit);
+        kit.desc.background = light;
+        int glass = add_material(none, kt, none), around = add_material(none, outer, none);
+        vec3 eye = kit.view.camera.position;
+        if (i % 3 == 0)
+            kit_sphere(&kit, eye, 2, glass);
+        else if (i % 3 == 1)
+            kit_cylinder(&kit, pen_vec3(0, -1, eye.z - 0.5), pen_vec3(0, 1, 0), 1, 2, glass);
+        else
+            kit_tube(&kit, eye, pen_vec3(1, 2, 0), 0.25, glass);
+        if (i >= 3)
+            kit_sphere(&kit, pen_vec3(0, 0, 9), 5, around);
+        struct pen_ray_counts rays;
+        vec3 weight = i < 3 ? kt : pen_mul(kt, outer);
+        assert_exactly(kit_pixel(&kit, 0, 0, &rays), pen_mul(weight, light));
+        ck_assert_uint_eq(rays.transmission, i < 3 ? 1 : 2);
+    }
+}
+END_TEST
+
 PEN_SUITE("paths", test_paths__h112_mirror_pair, test_paths__mirror_direction,
           test_paths__end_below_min_contribution, test_paths__end_at_weight_zero,
           test_paths__background_through_glass, test_paths__h114_coincident_glass_in_document_order,
           test_paths__h110_glass_keeps_the_ray, test_paths__tree_of_both_kinds,
           test_paths__deep_trees_fit, test_paths__ambient_is_for_primary_rays,
-          test_paths__lights_at_every_surface, test_paths__depth_one_is_direct_light_only)
+          test_paths__lights_at_every_surface, test_paths__depth_one_is_direct_light_only,
+          test_paths__h113_furnace, test_paths__h115_camera_in_glass)
