@@ -6,7 +6,7 @@
 #include "property/row.h"
 
 /* The parts of the table, in its order; each ends with a row without an id. */
-extern const struct row row_table_flat[], row_table_space[], row_table_roots[];
+extern const struct row row_table_flat[], row_table_space[], row_table_roots[], row_table_light[];
 
 /* rows_watertight.c */
 void rows_bumpy(struct pen_row_run *run);
@@ -89,5 +89,11 @@ void rows_picture_moved(struct pen_row_run *run);
 void rows_picture_cornell(struct pen_row_run *run);
 void rows_picture_mirrored(struct pen_row_run *run);
 void rows_pose(struct pen_row_run *run);
+
+/* rows_contact.c, rows_light.c */
+void rows_contact(struct pen_row_run *run);
+void rows_resting(struct pen_row_run *run);
+void rows_acne(struct pen_row_run *run);
+void rows_room(struct pen_row_run *run);
 
 #endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/* Rows of light and shadow. */
+#include <stddef.h>
+
+#include "property/rows.h"
+
+const struct row row_table_light[] = {
+    {
+        .id = "H064",
+        .name = "h064_contact_shadow",
+        .what =
+            "a ball of .05 on a floor, scaled by 2^-20 to 2^20, light at 45 degrees and others: "
+            "the area of its shadow, lit and dark on either side of it, none lit at the contact",
+        .oracle = "closed form: an ellipse, 1 percent",
+        .run = rows_contact,
+        .full = 20000,
+        .check = 100,
+    },
+    {
+        .id = "H065",
+        .name = "h065_resting_box",
+        .what = "pictures of the foot of a box on a floor, the light behind the box: no lit pixel",
+        .oracle = "black",
+        .run = rows_resting,
+        .full = 100000,
+        .check = 300,
+    },
+    {
+        .id = "H066",
+        .name = "h066_acne",
+        .what = "a body without concave places alone, lit at 89.999 degrees and down to 1e-12 rad, "
+                "tubes along their axis too, and from inside: the picture without shadows",
+        .oracle = "itself, bit for bit",
+        .run = rows_acne,
+        .full = 200000,
+        .check = 700,
+    },
+    {
+        .id = "H073",
+        .name = "h073_closed_room",
+        .what = "pictures of seams of a closed room of mirrors, quads or triangles, at offsets up "
+                "to 1e6, lights and background outside: black",
+        .oracle = "black",
+        .run = rows_room,
+        .full = 4000,
+        .check = 40,
+        .known = "light comes in at places within rounding of a seam that a mirror's ray met, or "
+                 "from a disk",
+    },
+    {.id = NULL},
+};
