@@ -68,6 +68,8 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             sum = pen_add(sum, pen_mul(path.weight, scene->background));
         } else {
             struct surface s = surface_at(scene, &path.ray, &path.leave, hit);
+            if (!surface_finite(&s))
+                return no_sample();
             if (fx & PEN_FX_SOFT_SHADOWS)
                 scratch->key.node = path.node;
             struct pen_vec3 here = shade_surface(input, scratch, &s, path.depth == 0, counts, fx);
@@ -129,7 +131,7 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
     for (int i = 0; i < samples; i++) {
         struct pen_point2 at = pixel_point(hash, i, samples);
         struct pen_ray ray;
-        struct pen_vec3 c = {INFINITY, INFINITY, INFINITY};
+        struct pen_vec3 c = no_sample();
         counts->primary++;
         if (fx & PEN_FX_SOFT_SHADOWS)
             scratch->key.pixel_sample = (uint32_t)i;

@@ -12,7 +12,9 @@ static ALWAYS_INLINE bool path_worth(const struct pen_kernel_input *input, struc
     return (w.x > 0 && w.x >= least) || (w.y > 0 && w.y >= least) || (w.z > 0 && w.z >= least);
 }
 
-/* Makes the mirrored path, a new ray from p. False if there is nothing to trace. */
+/* Makes the mirrored path, a new ray from p. False if there is nothing to trace. The ray cannot be
+ * refused: p is finite, and so are n and v, of length 1, hence their mirror image is of length 1.
+ */
 static ALWAYS_INLINE bool path_mirror(const struct pen_kernel_input *input, const struct path *path,
                                       const struct surface *s, struct path *mirrored,
                                       const unsigned fx)

@@ -61,7 +61,7 @@ static ALWAYS_INLINE struct pen_vec3 shadow_ray(const struct pen_kernel_input *i
     const struct pen_vec3 none = {0, 0, 0};
     struct pen_ray ray;
     if (!pen_ray_make(&ray, s->p, way->d))
-        return none;
+        return no_sample(); /* the light is farther than rays go */
     struct pen_leave leave = surface_leave(s, way->through);
     struct pen_shadow *query = &scratch->shadow;
     shadow_query(input, query, way->to_point, fx);

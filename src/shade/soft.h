@@ -101,7 +101,7 @@ static ALWAYS_INLINE struct pen_vec3 soft_ask(const struct pen_kernel_input *inp
     struct pen_shadow *query = &scratch->shadow;
     struct pen_ray ray;
     if (!pen_ray_make(&ray, soft->s->p, d))
-        return none;
+        return no_sample();
     shadow_query(input, query, soft->lit->to_point, fx);
     if (input->trace->fan_ray(input->scene->accel, &scratch->fan, &ray, i, query))
         return none;

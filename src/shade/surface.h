@@ -53,6 +53,18 @@ static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s, boo
     };
 }
 
+/* Whether the point, the normal and the direction are finite: the bound contains the point. */
+static ALWAYS_INLINE bool surface_finite(const struct surface *s)
+{
+    return fabs(s->nv - s->bound) < INFINITY;
+}
+
+/* What stands for a sample that is none: the film cannot hold it, so it is left out and counted. */
+static ALWAYS_INLINE struct pen_vec3 no_sample(void)
+{
+    return pen_vec3(INFINITY, INFINITY, INFINITY);
+}
+
 static ALWAYS_INLINE bool is_black(struct pen_vec3 c)
 {
     return c.x == 0 && c.y == 0 && c.z == 0;

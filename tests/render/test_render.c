@@ -368,7 +368,7 @@ static void check_resets(unsigned inherited, unsigned given, int first, int seco
 }
 
 /* H105: each way to leave the default, inherited by both threads or made by one of them. */
-START_TEST(test_render__strange_arithmetic_is_counted_and_reset)
+START_TEST(test_render__h105_strange_arithmetic_is_counted_and_reset)
 {
     static const unsigned states[] = {0x8000, 0x0040, 0x2000, 0x4000, 0x6000, 0x8040};
     kit_medley(&kit);
@@ -381,7 +381,7 @@ START_TEST(test_render__strange_arithmetic_is_counted_and_reset)
 END_TEST
 
 /* H105: whoever starts the threads has subnormals flushed and rounds upwards. */
-START_TEST(test_render__default_arithmetic_in_every_thread)
+START_TEST(test_render__h105_default_arithmetic_in_every_thread)
 {
     kit_medley(&kit);
     assert_pixels_alike();
@@ -407,13 +407,13 @@ START_TEST(test_render__default_arithmetic_in_every_thread)
 }
 END_TEST
 #else
-START_TEST(test_render__strange_arithmetic_is_counted_and_reset)
+START_TEST(test_render__h105_strange_arithmetic_is_counted_and_reset)
 {
     ck_assert(pen_float_is_default());
 }
 END_TEST
 
-START_TEST(test_render__default_arithmetic_in_every_thread)
+START_TEST(test_render__h105_default_arithmetic_in_every_thread)
 {
     ck_assert_int_eq(fegetround(), FE_TONEAREST);
 }
@@ -425,5 +425,5 @@ PEN_SUITE("render", test_render__tiles_cover_the_image_once,
           test_render__tests_are_counted_alike_however_the_work_is_divided,
           test_render__a_pixel_is_what_the_film_holds, test_render__statistics,
           test_render__parts_make_the_whole, test_render__cancel_is_seen_within_a_row,
-          test_render__cancel, test_render__strange_arithmetic_is_counted_and_reset,
-          test_render__default_arithmetic_in_every_thread)
+          test_render__cancel, test_render__h105_strange_arithmetic_is_counted_and_reset,
+          test_render__h105_default_arithmetic_in_every_thread)

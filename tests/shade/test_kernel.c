@@ -258,36 +258,145 @@ START_TEST(test_kernel__samples_beyond_the_film_are_left_out)
 }
 END_TEST
 
-/* H088: rays that are none are refused before anything is traced. */
-START_TEST(test_kernel__rays_that_are_none_are_refused_and_counted)
+/* The queries that kernels ask, counted; and those of `nearest` answered with a fault. */
+struct fault {
+    const struct pen_trace_ops *real;
+    uint64_t nearest, shadow; /* how many were asked */
+    bool strike;
+    double t; /* where a crossing is said to be, if the fault strikes */
+};
+
+static struct fault fault;
+
+static bool faulty_nearest(const struct pen_accel *accel, const struct pen_ray *ray,
+                           const struct pen_leave *leave, const struct pen_span *span,
+                           struct pen_hit *hit)
+{
+    fault.nearest++;
+    bool found = fault.real->nearest(accel, ray, leave, span, hit);
+    if (found && fault.strike)
+        hit->t = fault.t;
+    return found;
+}
+
+static bool faulty_shadow(const struct pen_accel *accel, const struct pen_ray *ray,
+                          const struct pen_leave *leave, struct pen_shadow *query)
+{
+    fault.shadow++;
+    return fault.real->shadow(accel, ray, leave, query);
+}
+
+static enum pen_fan_fate faulty_fan(const struct pen_accel *accel, struct pen_fan *fan)
+{
+    fault.shadow++;
+    return fault.real->fan_begin(accel, fan);
+}
+
+static struct pen_trace_ops faulty_ops(enum pen_isa isa)
+{
+    fault = (struct fault){.real = pen_trace_ops_get(isa)};
+    struct pen_trace_ops ops = *fault.real;
+    ops.nearest = faulty_nearest;
+    ops.shadow = faulty_shadow;
+    ops.fan_begin = ops.fan_begin ? faulty_fan : NULL;
+    return ops;
+}
+
+/* Renders the frame by every instance that covers it, and checks that all of its samples are black,
+ * are counted, and have asked for so many queries each, and for no shadow. */
+static void check_dropped(struct pen_kernel_input *input, enum pen_isa isa, uint64_t queries)
+{
+    const struct pen_settings *s = &kit.settings;
+    uint64_t samples = (uint64_t)(s->width * s->height * s->samples_per_pixel);
+    for (int k = 0; k < instances(); k++) {
+        const struct pen_kernel *kernel = pen_kernel_at(k, isa);
+        struct pen_ray_counts rays;
+        if (input->effects & ~kernel->effects)
+            continue;
+        fault.nearest = fault.shadow = 0;
+        double *rgb = image_by(kernel, input, &rays);
+        for (int i = 0; i < 3 * s->width * s->height; i++)
+            ck_assert_msg(rgb[i] == 0, "%s: %g", kernel->name, rgb[i]);
+        free(rgb);
+        ck_assert_uint_eq(rays.dropped_samples, samples);
+        ck_assert_uint_eq(rays.primary, samples);
+        ck_assert_uint_eq(rays.shadow + rays.reflection + rays.transmission, 0);
+        ck_assert_uint_eq(fault.nearest, queries * samples);
+        ck_assert_uint_eq(fault.shadow, 0);
+    }
+}
+
+/* H088: camera rays that are none are refused before anything is traced, so a frame of them costs
+ * less than any other: no query is asked at all. */
+START_TEST(test_kernel__h088_rays_that_are_none_are_refused_and_counted)
 {
     static const double bad[] = {NAN, INFINITY, -INFINITY, 1e200};
-    half_lit(3);
-    kit.settings.samples_per_pixel = 8;
+    kit_medley(&kit);
+    kit.settings.samples_per_pixel = 2;
+    kit.settings.width = kit.settings.height = 3;
     struct pen_scene *scene = kit_freeze(&kit);
-    struct pen_kernel_input input = {
-        .scene = scene, .settings = &kit.settings, .trace = pen_trace_ops_get(PEN_ISA_BASE)};
-    input.effects = pen_scene_effects(scene, &kit.settings);
-    const struct pen_kernel *kernel = pen_kernel_select(input.effects, PEN_ISA_BASE);
-    struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(&input);
-    for (int i = 0; i < 4 * 6; i++) {
-        struct pen_ray_counts rays = {0};
-        double rgb[3], *place[6];
-        input.pinhole = pen_scene_pinhole(scene, 0, kit.settings.width, kit.settings.height);
-        struct pen_pinhole *p = &input.pinhole;
-        double *all[] = {&p->eye.x, &p->eye.y, &p->eye.z, &p->middle.x, &p->middle.y, &p->middle.z};
-        memcpy(place, all, sizeof all);
-        if (i % 6 < 3 && bad[i / 6] == 1e200)
-            continue; /* far away, but a place */
-        *place[i % 6] = bad[i / 6];
-        kernel->pixel(&input, scratch, 1, 0, rgb, &rays);
-        ck_assert(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
-        ck_assert_uint_eq(rays.dropped_samples, 8);
-        ck_assert_uint_eq(rays.primary, 8);
-        ck_assert_uint_eq(rays.shadow + rays.reflection + rays.transmission, 0);
+    for (int isa = PEN_ISA_BASE; isa <= (int)pen_cpu_isa(); isa++) {
+        struct pen_trace_ops ops = faulty_ops((enum pen_isa)isa);
+        for (int i = 0; i < 4 * 6; i++) {
+            struct pen_kernel_input input = input_of(scene, (enum pen_isa)isa);
+            struct pen_pinhole *p = &input.pinhole;
+            double *all[] = {&p->eye.x,    &p->eye.y,    &p->eye.z,
+                             &p->middle.x, &p->middle.y, &p->middle.z};
+            if (i % 6 < 3 && bad[i / 6] == 1e200)
+                continue; /* far away, but a place */
+            input.trace = &ops;
+            *all[i % 6] = bad[i / 6];
+            check_dropped(&input, (enum pen_isa)isa, 0);
+        }
     }
-    pen_kernel_scratch_free(scratch);
     pen_scene_free(scene);
+}
+END_TEST
+
+/* A mirror, lit by lights of every kind, or by none, that fills the picture; its colour and its
+ * light leave no trace of a point that is none unless somebody looks. */
+static void mirror_hall(bool sphere, bool lights)
+{
+    kit_init(&kit);
+    struct pen_material mirror = kit_matte(lights ? 0.5 : 0);
+    mirror.kr = mirror.kt = pen_vec3(0.5, 0.5, 0.5);
+    int m = kit_material(&kit, mirror);
+    if (sphere)
+        kit_sphere(&kit, pen_vec3(0, 0, -40), 45, m);
+    else
+        kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), m);
+    kit.settings.width = kit.settings.height = 3;
+    if (!lights)
+        return;
+    kit_point(&kit, pen_vec3(3, 4, 20), pen_vec3(1, 1, 1));
+    kit_directional(&kit, pen_vec3(0, -1, -2), pen_vec3(1, 1, 1));
+    kit_point(&kit, pen_vec3(-3, 4, 20), pen_vec3(1, 1, 1))->radius = 1;
+}
+
+/* H088: no ray goes on from a hit that is none, to a light, mirrored or through; the sample is left
+ * out and counted. */
+START_TEST(test_kernel__h088_nothing_goes_on_from_a_point_that_is_none)
+{
+    static const double bad[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3 * 4; i++) {
+        mirror_hall(i & 1, i & 2);
+        struct pen_scene *scene = kit_freeze(&kit);
+        for (int isa = PEN_ISA_BASE; isa <= (int)pen_cpu_isa(); isa++) {
+            struct pen_trace_ops ops = faulty_ops((enum pen_isa)isa);
+            struct pen_kernel_input input = input_of(scene, (enum pen_isa)isa);
+            struct pen_ray_counts rays;
+            input.trace = &ops;
+            const struct pen_kernel *kernel = pen_kernel_select(input.effects, (enum pen_isa)isa);
+            free(image_by(kernel, &input, &rays)); /* without the fault all is in order */
+            ck_assert_uint_eq(rays.dropped_samples, 0);
+            ck_assert_uint_ge(rays.reflection, 9);
+            ck_assert((fault.shadow > 0) == ((i & 2) != 0));
+            fault.strike = true;
+            fault.t = bad[i / 4];
+            check_dropped(&input, (enum pen_isa)isa, 1);
+        }
+        pen_scene_free(scene);
+    }
 }
 END_TEST
 
@@ -296,4 +405,5 @@ PEN_SUITE("kernel", test_kernel__every_instance_gives_the_same_bits,
           test_kernel__effects_need_a_body_that_shows_them,
           test_kernel__samples_are_the_sets_of_the_pixel, test_kernel__one_sample_is_the_centre,
           test_kernel__samples_beyond_the_film_are_left_out,
-          test_kernel__rays_that_are_none_are_refused_and_counted)
+          test_kernel__h088_rays_that_are_none_are_refused_and_counted,
+          test_kernel__h088_nothing_goes_on_from_a_point_that_is_none)
