@@ -23,6 +23,16 @@ cat >scene.json <<'SCENE'
 SCENE
 sed 's/"radius": 2,/"radius": -2,/; s/"kd": 0.6/"kd": 7/; s/"ambient"/"ambiant"/' scene.json >bad.json
 
+# Numbers that are too coarse for the picture
+sed 's/\[0, 0, 10\]/[1e13, 0, 10]/; s/\[0, 0, 0\]/[1e13, 0, 0]/' scene.json >coarse.json
+ends "render far away" 0 "$penumbra" render coarse.json -o far.png --stats far.json
+says "warns" stderr 'coarse.json: view "front": warning: coordinates reach to 1e+13'
+expect "in the statistics, too" "$(jq '.precision | .resolution < 256 and has("warning")' far.json)" true
+ends "validate far away" 0 "$penumbra" validate coarse.json
+says "warns of the view" stderr 'coarse.json: /views/0: warning: coordinates reach to 1e+13'
+ends "the other view of it" 0 "$penumbra" render scene.json --view side -o near.png --stats near.json
+expect "is not warned of" "$(cat stderr)$(jq '.precision | .resolution > 1e9 and (has("warning") | not)' near.json)" true
+
 # Formats and sources
 ends "render to png" 0 "$penumbra" render scene.json -o a.png
 expect "prints nothing" "$(cat stdout stderr)" ""

@@ -345,6 +345,7 @@ static void check_room(const char *xml_path, const char *text, size_t bytes)
     struct pen_document document;
     struct pen_status st;
     ck_assert_msg(pen_document_parse(text, bytes, true, &limits, &document, &st), "%s", st.msg);
+    ck_assert_msg(load(text, bytes), "%s: %s", xml_path, errors.item[0].msg);
     char *json = json_dumps(document.json, JSON_COMPACT);
     size_t xml_room = least_room(text, bytes, true);
     size_t json_room = least_room(json, strlen(json), false);
@@ -358,11 +359,13 @@ START_TEST(test_xml__values_take_what_they_take_in_json)
 {
     static const char *const bodies[] = {
         "<sphere center='0 0 0' radius='1'/>",
-        "<sphere center='0 0 0' radius='1' diffuse='9 9 9' kt='0.5' emission='1 2 3'/>",
+        "<sphere center='0 0 0' radius='1' kd='0.1 0.2 0.3' kt='0.5' emission='1 2 3'/>",
         "<plane p0='0 0 0' p1='1 0 0' p2='0 1 0'/>",
         "<triangle p0='0 0 0' p1='1 0 0' p2='0 1 0' name='a &lt; b'/>",
         "<polygon points='0 0 0; 1 0 0; 1 1 0; 0 1 0'/>",
-        "<group><translate by='1 2 3'/><scale by='2'/></group>"};
+        "<group><transform translate='1 2 3' scale='2'><rotate axis='1 0 0' degrees='9'/>"
+        "</transform></group>",
+        "<group><transform matrix='1 0 0 0 0 1 0 0 0 0 1 0'/></group>"};
     for (size_t i = 0; i < sizeof bodies / sizeof bodies[0]; i++) {
         size_t bytes;
         char *text =

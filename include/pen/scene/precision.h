@@ -7,9 +7,9 @@
 
 #include "pen/scene/scene.h"
 
-/* Fewer steps to a pixel than this show. An edge that moves by half a step in two axes then covers
- * up to sqrt(2)/2 / 256 of a pixel more or less: one level of an 8-bit picture, between black and
- * white, and no more. */
+/* Fewer steps to a pixel than this may show. An edge that moves by half a step in two axes covers
+ * up to sqrt(2)/2 / 256 of a pixel more or less: less than a level of an 8-bit picture between
+ * black and white, though with few samples one of them may flip, and count for more. */
 #define PEN_PRECISION_ENOUGH 256.0
 
 /* Units: those of the scene, but for `resolution`. */
