@@ -95,5 +95,6 @@ void rows_contact(struct pen_row_run *run);
 void rows_resting(struct pen_row_run *run);
 void rows_acne(struct pen_row_run *run);
 void rows_room(struct pen_row_run *run);
+void rows_seam(struct pen_row_run *run);
 
 #endif

@@ -21,11 +21,11 @@ static vec3 toward(double azimuth, double height)
 
 /* ---- H064: the shadow of a ball that touches the floor is an ellipse around the contact ---- */
 
-/* Arguments: radius, floor (0 plane, 1 polygon), x of the contact; azimuth and height of the light,
- * the same of the camera. */
+/* Arguments: radius, floor (0 plane, 1 polygon), x of the contact in radii; azimuth and height of
+ * the light, the same of the camera. */
 static void draw_contact(struct row_draw *d, struct row_case *c)
 {
-    static const double x[] = {0, 1e3, 1e6};
+    static const double x[] = {0, 0x1p14, 0x1p24};
     struct random *r = &d->random;
     row_fixed(c, .05 * exp2((int)random_below(r, 41) - 20));
     row_fixed(c, random_below(r, 2));
@@ -46,7 +46,7 @@ struct contact {
 static struct contact read_contact(const struct row_case *c)
 {
     struct contact k = {
-        c->arg[0], c->arg[2], c->arg[1] > 0, toward(c->arg[3], c->arg[4]), {0, 0, 0}};
+        c->arg[0], c->arg[2] * c->arg[0], c->arg[1] > 0, toward(c->arg[3], c->arg[4]), {0, 0, 0}};
     k.eye = pen_add(pen_vec3(k.x, 0, 0), pen_scale(toward(c->arg[5], c->arg[6]), 20 * k.r));
     return k;
 }

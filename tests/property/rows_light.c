@@ -156,14 +156,24 @@ void rows_acne(struct pen_row_run *run)
 /* ---- H073: a closed room with mirrors for walls, light all around it, and none inside ---- */
 
 /* Arguments: walls of triangles or not, seed of the room, offset, the window, what is looked at. */
-static void draw_room(struct row_draw *d, struct row_case *c)
+static void draw_window(struct row_draw *d, struct row_case *c, double from, double to)
 {
     struct random *r = &d->random;
     row_fixed(c, random_below(r, 2));
     row_fixed(c, (double)(random_bits(r) >> 40));
     row_fixed(c, gen_offset(r) / 1e3);
-    row_fixed(c, gen_power(r, -14, .5));
+    row_fixed(c, gen_power(r, from, to));
     row_fixed(c, random_below(r, 24));
+}
+
+static void draw_room(struct row_draw *d, struct row_case *c)
+{
+    draw_window(d, c, -7, .5);
+}
+
+static void draw_seam(struct row_draw *d, struct row_case *c)
+{
+    draw_window(d, c, -14, -7);
 }
 
 /* The walls; returns a place on an edge, or the corner that ends it. */
@@ -219,4 +229,9 @@ static void judge_room(const struct row_case *c, struct row_verdict *v)
 void rows_room(struct pen_row_run *run)
 {
     row_each(run, draw_room, judge_room);
+}
+
+void rows_seam(struct pen_row_run *run)
+{
+    row_each(run, draw_seam, judge_room);
 }
