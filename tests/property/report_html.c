@@ -60,6 +60,12 @@ static void put_row(FILE *f, const struct report_row *row)
 
 enum { LEFT = 34, RIGHT = 350, TOP = 8, BOTTOM = 124 };
 
+/* The height of a count's logarithm; one case is still seen. */
+static double height(double decades, double top)
+{
+    return (BOTTOM - TOP) * (0.05 + 0.95 * decades / top);
+}
+
 /* The place of a value: the axis runs from the first bin to the last in use. */
 static double place(int bin, int last)
 {
@@ -94,7 +100,7 @@ static void put_axis(FILE *f, int last, double top)
                 place(bin, last), BOTTOM + 14, power);
     }
     for (double decade = 0; decade <= top; decade += top > 4 ? 2 : 1) {
-        double y = BOTTOM - (BOTTOM - TOP) * decade / (top > 0 ? top : 1);
+        double y = BOTTOM - height(decade, top);
         fprintf(f, "<text x=%d y=%.1f text-anchor=end>1e%.0f</text>", LEFT - 4, y + 3, decade);
     }
 }
@@ -112,7 +118,7 @@ static void put_picture(FILE *f, const struct row_series *s)
     for (int i = 0; i <= last; i++) {
         if (s->bin[i] == 0)
             continue;
-        double high = (BOTTOM - TOP) * (0.05 + 0.95 * log10((double)s->bin[i]) / top);
+        double high = height(log10((double)s->bin[i]), top);
         bool over = s->bound >= 0 && row_bin_begin(i) >= s->bound;
         fprintf(f, "<rect%s x=%.1f y=%.1f width=%.1f height=%.1f />", over ? " class=over" : "",
                 place(i, last), BOTTOM - high, place(i + 1, last) - place(i, last) - .5, high);

@@ -266,8 +266,8 @@ const struct row row_table_space[] = {
     {
         .id = "H095 H096",
         .name = "h095_trees",
-        .what = "random mixed scenes, paths of three rays: the tree, the list and trying all meet "
-                "the same (t, primitive, part), and say the same of shadows",
+        .what = "random mixed scenes, paths of three rays: the structures of all builders and "
+                "trying all meet the same (t, primitive, part), and say the same of shadows",
         .oracle = "brute force, bit for bit",
         .run = rows_paths,
         .full = 2000000,

@@ -22,11 +22,14 @@ static void run_row(int i)
     char text[2048] = "";
     row_run(&run);
     ck_assert_msg(result.tried > 0, "%s: no case was judged", row->id);
+    if (result.failures == 0 && row->known)
+        printf("%s holds in %llu cases: is it still true that %s?\n", row->name,
+               (unsigned long long)result.tried, row->known);
     if (result.failures == 0)
         return;
     row_print(text, sizeof text, &result.kept[0].small);
     if (row->known)
-        printf("%s fails as known (%s): %s: %s\n", row->id, row->known, result.kept[0].why, text);
+        printf("%s fails as known (%s): %s: %s\n", row->name, row->known, result.kept[0].why, text);
     else
         ck_abort_msg("%s: %llu of %llu cases failed, the first: %s: %s %s; seed %llu", row->id,
                      (unsigned long long)result.failures, (unsigned long long)result.tried,
