@@ -10,9 +10,9 @@ vec3 gen_nudged(struct random *r, vec3 p)
     static const int step[] = {0, 0, 0, 0, 1, -1, 2, -2, 64, -64};
     if (random_below(r, 2))
         return p;
-    return pen_vec3(random_nudge(p.x, step[random_below(r, 10)]),
-                    random_nudge(p.y, step[random_below(r, 10)]),
-                    random_nudge(p.z, step[random_below(r, 10)]));
+    int i = step[random_below(r, 10)], j = step[random_below(r, 10)], k = step[random_below(r, 10)];
+    return pen_vec3(p.x == 0 ? 0 : random_nudge(p.x, i), p.y == 0 ? 0 : random_nudge(p.y, j),
+                    p.z == 0 ? 0 : random_nudge(p.z, k));
 }
 
 vec3 gen_toward(struct random *r, vec3 o, vec3 to)

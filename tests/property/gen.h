@@ -10,7 +10,8 @@
 
 #include "support/random.h"
 
-/* G1: a point moved by 0, 1, 2 or 64 ulp per axis, often by none. */
+/* G1: a point moved by 0, 1, 2 or 64 ulp per axis, often by none. Zeros stay: beside them are the
+ * subnormals, where products vanish and signs are not exact. */
 struct pen_vec3 gen_nudged(struct random *r, struct pen_vec3 p);
 
 /* G2: from o to a target, as it comes out, of unit length, or scaled by 2^-40 ... 2^40. */

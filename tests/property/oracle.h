@@ -82,7 +82,8 @@ bool oracle_plane(const struct pen_vec3 v[3], struct oracle_ray ray, struct trut
 /* Where the line meets the plane through p across n. */
 bool oracle_plane_at(struct pen_vec3 p, struct pen_vec3 n, struct oracle_ray ray, struct truth *t);
 
-/* How far o + t d is from the plane of three points, as a share of |o - v0| + |t d|, in u. */
+/* How far o + t d is from the plane of three points, in u of the farthest of them from o and of
+ * |t d|: by how much the points must move, relatively, for t to be exact. */
 double oracle_flat_residual(const struct pen_vec3 v[3], struct oracle_ray ray, double t);
 
 /* |cos| of the angle between the ray and the normal of the plane of three points. */

@@ -29,9 +29,12 @@ bool oracle_plane_at(struct pen_vec3 p, struct pen_vec3 n, struct oracle_ray ray
 double oracle_flat_residual(const struct pen_vec3 v[3], struct oracle_ray ray, double t)
 {
     struct quad3 n = normal_of(v), f = q_sub(q3(ray.o), q3(v[0]));
-    quad off = q_abs(q_dot(n, q_along(f, q3(ray.d), t))) / q_length(n);
-    quad scale = q_length(f) + q_abs(t) * q_length(q3(ray.d));
-    return (double)(off / (U * scale));
+    quad off = q_abs(q_dot(n, q_along(f, q3(ray.d), t))) / q_length(n), reach = 0;
+    for (int i = 0; i < 3; i++) {
+        quad length = q_length(q_sub(q3(v[i]), q3(ray.o)));
+        reach = length > reach ? length : reach;
+    }
+    return (double)(off / (U * (reach + q_abs(t) * q_length(q3(ray.d)))));
 }
 
 double oracle_flat_cosine(const struct pen_vec3 v[3], struct oracle_ray ray)

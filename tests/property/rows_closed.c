@@ -247,7 +247,10 @@ static void judge_huge(const struct row_case *c, struct row_verdict *v)
             return;
         }
         count += pen_triangle_root(&t, &ray, &depth);
-        inside += oracle_above(a, b, e, ray.o);
+        /* Inside, and not by less than rounding of the corners seen from there. */
+        const vec3 corner[3] = {a, b, e};
+        if (oracle_flat_residual(corner, (struct oracle_ray){ray.o, ray.d}, 0) > 16)
+            inside += oracle_above(a, b, e, ray.o);
     }
     if (abs(inside) != 4) {
         row_skip(v);

@@ -41,8 +41,11 @@ static void judge_degenerate(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    double size = fmax(pen_norm1(p[0]), fmax(pen_norm1(p[1]), pen_norm1(p[2])));
-    bool flat = oracle_collinear(p[0], p[1], p[2]), in_range = size < 0x1p200 && size > 0x1p-150;
+    bool flat = oracle_collinear(p[0], p[1], p[2]), in_range = true;
+    for (int i = 0; i < 9; i++) { /* where products of differences stay in range */
+        double x = fabs(pen_component(p[i / 3], i % 3));
+        in_range = in_range && (x == 0 || (x < 0x1p200 && x > 0x1p-150));
+    }
     /* With a direction out of range only how the body is made can be judged. */
     bool shot = pen_ray_make(&ray, line.o, line.d);
     struct pen_triangle triangle;

@@ -61,6 +61,9 @@ static void judge_flat(const struct row_case *c, struct row_verdict *v,
         return;
     row_require(v, isfinite(t), "t is not finite");
     row_require(v, oracle_depth_between(p, count, line, t, 8), "t is outside the vertices' depths");
+    for (int i = 3; i < count; i++)
+        if (oracle_above(p[0], p[1], p[2], p[i]) != 0)
+            return; /* changed a little, it has no plane to be judged by */
     if (exact && oracle_plane(p, line, &truth) &&
         (oracle_flat_cosine(p, line) < GRAZING) == grazing)
         compare(v, names, p, count, line, t, truth);

@@ -175,6 +175,7 @@ const struct row row_table_space[] = {
                 "within 2 ulp",
         .oracle = "itself",
         .run = rows_turned,
+        .known = "t of one sphere or tube in 1e5 differs by 3 ulp",
     },
     {
         .id = "H079",
