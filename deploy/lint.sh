@@ -130,7 +130,7 @@ FNR == 1 { comment = 0 }
         if (number + 0 >= 1e-15 && number + 0 <= 1e-3)
             print FILENAME ":" FNR ": absolute epsilon? " number
     }
-    gsub(/(1 [-+] |\* |_set1_p[sd]\()0x[0-9a-fA-F.]+p-[0-9]+/, " ", line)
+    gsub(/(1 [-+] |\* |_set1_p[sd]\(|all\()0x[0-9a-fA-F.]+p-[0-9]+/, " ", line)
     gsub(/0x[0-9a-fA-F.]+p-[0-9]+f? \*/, " ", line)
     for (; match(line, /0x[0-9a-fA-F.]+p-[0-9]+/); line = substr(line, RSTART + RLENGTH)) {
         number = substr(line, RSTART, RLENGTH)
