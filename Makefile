@@ -60,8 +60,9 @@ all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
 libpenumbra: $(BUILD)/libpenumbra.a
 CRASH_TEST := $(BUILD)/tests/crash/crash
 STABILITY := $(BUILD)/tests/property/stability
+FILMS := $(BUILD)/tests/property/films
 FAULTS := $(BUILD)/tests/faults/preload.so
-tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(STABILITY)
+tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(STABILITY) $(FILMS)
 
 have-deps:
 	@pkg-config --exists $(PKGS) || { \
@@ -114,7 +115,7 @@ $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
 
 # The stability suite: rows of properties, their oracles, the program that runs them in parallel and
 # writes the report. The oracles need 128-bit floats, so gcc compiles them in a build with clang.
-PROPERTY_SRC := $(filter-out tests/property/test_%.c %/stability.c %/standalone.c,$(sort $(wildcard tests/property/*.c)))
+PROPERTY_SRC := $(filter-out tests/property/test_%.c %/stability.c %/standalone.c %/main_films.c,$(sort $(wildcard tests/property/*.c)))
 PROPERTY_OBJ := $(PROPERTY_SRC:%.c=$(BUILD)/%.o)
 PROPERTY_LIB := $(BUILD)/tests/libproperty.a
 STABILITY_OBJ := $(BUILD)/tests/property/stability.o $(BUILD)/tests/property/standalone.o
@@ -137,13 +138,32 @@ $(STABILITY): $(STABILITY_OBJ) $(PROPERTY_LIB) $(TEST_SUPPORT_LIB) $(BUILD)/libp
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS) $(MPFR_LIBS)
 
+# The golden films alone, quickly built: for comparing builds.
+$(FILMS): $(FILMS:%/films=%/main_films.o) $(FILMS).o $(BUILD)/libpenumbra.a
+	$(call say,LD ,$@)
+	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
+
 # CASES=N: so many cases per row; ROWS=text: only rows whose name contains it; SEED as for crash.
 CASES ?=
 ROWS ?=
 .PHONY: stability
-stability: $(STABILITY)
+stability: $(STABILITY) $(if $(ROWS),,matrix)
 	nice -n 10 $(STABILITY) --out $(BUILD)/stability --corpus tests/property/corpus/worst.txt --jobs $(JOBS) \
-	    $(if $(SEED),--seed $(SEED)) $(if $(CASES),--cases $(CASES)) $(if $(ROWS),--rows $(ROWS))
+	    $(if $(SEED),--seed $(SEED)) $(if $(CASES),--cases $(CASES)) $(if $(ROWS),--rows $(ROWS)) \
+	    $(if $(ROWS),,$$(ls $(BUILD)/stability/m*.json 2>/dev/null | sed 's/^/--also /'))
+
+# Determinism across builds and processes; MATRIX="ROW…": only these rows.
+MATRIX ?=
+.PHONY: matrix
+matrix:
+	@-nice -n 10 sh tests/property/matrix.sh $(BUILD) $(MATRIX)
+
+# Builds the renderer with one mistake at a time; each must be found by the row that is meant to:
+# some minutes. MUTANTS="NAME…": only these.
+MUTANTS ?=
+.PHONY: mutants
+mutants:
+	@nice -n 10 sh tests/property/mutants.sh $(BUILD) $(MUTANTS)
 
 # Kills the daemon's processes at random: ROUNDS rounds, from SEED if that is given.
 ROUNDS ?= 200
@@ -233,5 +253,5 @@ clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan $(BUILD)-fuzz
 
 -include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) \
-    $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d)
+    $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d) $(BUILD)/tests/property/main_films.d
 -include $(BUILD)/src/cmd/penumbra.d $(BUILD)/src/cmd/penumbrad.d

@@ -74,17 +74,14 @@ git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' | xargs -r clang-format -
 sed -i 's/$/: not formatted (clang-format -i)/' "$work/out"
 count "$work/out"
 
-# 4. Exported symbols begin with pen_; the renderer calls no libm but sqrt, fma and rounding.
+# 4. Exported symbols begin with pen_; the renderer calls no libm but sqrt,
+# fma and rounding (H104).
 make -s all BUILD="$build" >/dev/null
 nm -g --defined-only "$build/libpenumbra.a" "$build/libservice.a" 2>/dev/null |
     awk 'NF == 3 && $3 !~ /^pen_/ && $3 !~ /^_?_?(asan|ubsan|odr_asan)/ { print "exported symbol without pen_: " $3 }' |
     sort -u >"$work/out"
 count "$work/out"
-libm=$(gcc -print-file-name=libm.so.6)
-nm -D --defined-only "$libm" | awk '{ sub(/@.*/, "", $3); print $3 }' |
-    grep -vxE '(sqrt|fma|floor|ceil|trunc|round|rint|nearbyint)f?|fe(get|set)env' | sort -u >"$work/libm"
-[ "$(wc -l <"$work/libm")" -gt 100 ] || bad "cannot read the symbols of $libm"
-nm -u "$build/libpenumbra.a" | awk 'NF == 2 { print $2 }' | sort -u | comm -12 - "$work/libm" >"$work/out"
+sh deploy/libm.sh "$build/libpenumbra.a" >"$work/out"
 sed -i 's/$/: libm symbol in libpenumbra.a/' "$work/out"
 count "$work/out"
 

@@ -33,7 +33,7 @@ for round in 1 2 3; do
         within 5 grep -q "took back [1-9].* of .*:$worker:" "$work/log"
     ends "its job succeeds ($round)" 0 "$penumbra" wait "$id"
     "$penumbra" fetch "$id" -o got.pfm
-    check "with the same bytes" cmp got.pfm wanted.pfm
+    check "H101: with the same bytes" cmp got.pfm wanted.pfm
 done
 expect "a job that survived a killed worker is on its first attempt" \
     "$("$penumbra" wait "$id" --json | jq .attempts)" 1

@@ -221,10 +221,12 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              ROW_TESTED, NULL},
     [103] = {"the same picture from any compiler",
              "test_golden__films_are_those_of_the_table "
-             "test_fn__bits_are_the_same_everywhere",
+             "test_fn__bits_are_the_same_everywhere "
+             "tests/property/matrix.sh",
              ROW_TESTED, NULL},
     [104] = {"no function of libm decides a pixel",
              "deploy/lint.sh "
+             "tests/property/check_same.sh "
              "test_fn__bits_are_the_same_everywhere",
              ROW_TESTED, NULL},
     [105] = {"threads whose arithmetic is not the default",

@@ -35,6 +35,10 @@ struct report_sums {
 };
 struct report_sums report_sum(const struct report *report);
 
+/* Adds the rows of a file that matrix.sh or mutants.sh wrote; `row` has room for ROWS_MAX. Fails:
+ * returns false if it cannot be read. */
+bool report_also(struct report *report, const char *path);
+
 void report_markdown(const struct report *report, FILE *f);
 void report_json(const struct report *report, FILE *f);
 void report_html(const struct report *report, FILE *f);

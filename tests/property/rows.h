@@ -6,7 +6,8 @@
 #include "property/row.h"
 
 /* The parts of the table, in its order; each ends with a row without an id. */
-extern const struct row row_table_flat[], row_table_space[], row_table_roots[], row_table_light[];
+extern const struct row row_table_flat[], row_table_space[], row_table_roots[], row_table_light[],
+    row_table_same[];
 
 /* rows_watertight.c */
 void rows_bumpy(struct pen_row_run *run);
@@ -96,5 +97,17 @@ void rows_resting(struct pen_row_run *run);
 void rows_acne(struct pen_row_run *run);
 void rows_room(struct pen_row_run *run);
 void rows_seam(struct pen_row_run *run);
+
+/* rows_films.c */
+void rows_films_threads(struct pen_row_run *run);
+void rows_films_tiles(struct pen_row_run *run);
+void rows_films_accelerators(struct pen_row_run *run);
+void rows_films_sets(struct pen_row_run *run);
+void rows_films_plain(struct pen_row_run *run);
+void rows_films_states(struct pen_row_run *run);
+
+/* rows_planes.c, rows_span.c */
+void rows_planes(struct pen_row_run *run);
+void rows_span(struct pen_row_run *run);
 
 #endif

@@ -4,7 +4,7 @@
  * wrong command line.
  *
  *   stability [--out DIR] [--corpus FILE] [--jobs N] [--seed N] [--cases N] [--rows PART]
- *             [--no-price]
+ *             [--also FILE]... [--no-price]
  *   stability --replay NAME ARGUMENT...     judges one case, as reports print it
  *   stability --price-of N CALLS            for callgrind */
 #include <errno.h>
@@ -20,12 +20,13 @@
 #include "property/corpus.h"
 #include "property/report.h"
 
-enum { CHUNK = 250000, TASKS_MAX = 1024, JOBS_MAX = 64 };
+enum { CHUNK = 250000, TASKS_MAX = 1024, JOBS_MAX = 64, ALSO_MAX = 4 };
 
 struct options {
     const char *out, *corpus, *rows;
+    const char *also[ALSO_MAX]; /* files of rows that others judged */
     uint64_t seed, cases;
-    int jobs;
+    int jobs, also_count;
     bool price;
 };
 
@@ -63,6 +64,8 @@ static bool parse_options(int argc, char **argv, struct options *o)
             o->corpus = value;
         else if (strcmp(key, "--rows") == 0)
             o->rows = value;
+        else if (strcmp(key, "--also") == 0 && o->also_count < ALSO_MAX)
+            o->also[o->also_count++] = value;
         else if (strcmp(key, "--seed") == 0)
             o->seed = strtoull(value, NULL, 0);
         else if (strcmp(key, "--cases") == 0)
@@ -250,6 +253,17 @@ static int replay(int argc, char **argv)
     return 2;
 }
 
+static bool add_others(struct suite *s)
+{
+    for (int i = 0; i < s->options.also_count; i++) {
+        if (report_also(&s->report, s->options.also[i]))
+            continue;
+        fprintf(stderr, "stability: %s is not a file of rows\n", s->options.also[i]);
+        return false;
+    }
+    return true;
+}
+
 static int run_suite(struct suite *s, const char *program)
 {
     int bad = s->options.corpus ? corpus_read(&s->corpus, s->options.corpus) : 0;
@@ -274,9 +288,9 @@ static int run_suite(struct suite *s, const char *program)
         s->report.prices = price_measure(s->report.price);
         price_count(program, s->report.price, s->report.prices);
     }
-    if (!write_reports(s))
-        return 2;
     update_corpus(s);
+    if (!add_others(s) || !write_reports(s))
+        return 2;
     struct report_sums sums = report_sum(&s->report);
     printf("%d rows, %d failed, %d pending, %d do not apply; %llu cases, %llu failures; %.0f s of "
            "processor time, %.0f s; %s/index.html\n",

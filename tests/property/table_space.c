@@ -243,6 +243,15 @@ const struct row row_table_space[] = {
         .full = 12000000,
     },
     {
+        .id = "H091",
+        .name = "h091_planes",
+        .what = "every box that any of the accelerators stores contains the bodies and boxes in it",
+        .oracle = "extents from the bodies' definitions, 64 bits",
+        .run = rows_planes,
+        .full = 100000,
+        .check = 1000,
+    },
+    {
         .id = "H092",
         .name = "h092_flat_boxes",
         .what = "boxes without thickness around axis-parallel rectangles: hit iff the rectangle is",
@@ -263,6 +272,15 @@ const struct row row_table_space[] = {
                 "trying all",
         .oracle = "brute force, bit for bit",
         .run = rows_tmax,
+    },
+    {
+        .id = "H094",
+        .name = "h094_shadow_span",
+        .what = "a shadow ray that starts or ends exactly on a sphere is not blocked there, one "
+                "that ends an ulp behind it is",
+        .oracle = "exact sign of a product of dyadic vectors",
+        .run = rows_span,
+        .full = 200000,
     },
     {
         .id = "H095 H096",

@@ -1,0 +1,17 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# H104, as `make stability` judges it: films do not depend on glibc's choice for the processor.
+# The other rows of determinism are in test_property; those that need other builds in matrix.sh.
+. "$(dirname "$0")/../e2e/lib.sh"
+cd "$(dirname "$0")/../.." || exit 1
+films=$build/tests/property/films
+"$films" >"$work/plain" 2>&1
+expect "H104: films are those of the table" "$?" 0
+for isa in avx2 base; do
+    PENUMBRA_ISA=$isa GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4 "$films" >"$work/masked" 2>&1
+    expect "H104: with glibc's AVX2 and FMA masked off, by $isa" "$?" 0
+    expect "H104: and so are the values they are rounded from" \
+        "$(diff "$work/plain" "$work/masked" | head -c 600)" ""
+done
+expect "H104: no libm in the renderer" "$(sh deploy/libm.sh "$build/libpenumbra.a")" ""
+finish

@@ -1,0 +1,208 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A suite that cannot fail proves nothing: builds the renderer with one mistake at a time, and each
+# must make the row fail that was written against it. The same row must pass without the mistake.
+#   tests/property/mutants.sh BUILD [NAME…]      only these mutants
+# A mistake is an edit that must change exactly as many lines as the list at the end says. One that
+# does not fit the source any more, or does not compile, is an error, not a kill.
+# Writes BUILD/stability/mutants.json; exit 1 if a mutant survives or could not be judged.
+set -u
+build=$1
+shift
+only=" $* "
+cd "$(dirname "$0")/../.." || exit 2
+dir=$build/mutants
+facts=$dir/facts
+stability=build/tests/property/stability
+films=build/tests/property/films
+make="${MAKE:-make} BUILD=build"
+unset MAKEFLAGS MAKELEVEL
+survived=0 errors=0 killed=0
+mkdir -p "$dir/control" "$build/stability"
+: >"$facts"
+
+# What the renderer and the suite are made of; objects of an earlier run are of use.
+for entry in "$dir"/* "$dir"/control/*; do
+    case $entry in "$dir/control" | "$dir/control/build" | "$facts") ;; *) rm -rf "$entry" ;; esac
+done
+cp -a Makefile src include "$dir/control"
+mkdir "$dir/control/tests"
+cp -a tests/property tests/support tests/golden "$dir/control/tests"
+cp -a scenes api deploy "$dir/control"
+(cd "$dir/control" && $make -s -j"${JOBS:-$(nproc)}" $stability $films) >"$dir/control.log" 2>&1 || {
+    tail -n 20 "$dir/control.log"
+    echo "mutants: the source as it is does not build" >&2
+    exit 2
+}
+
+wrong() { # WHAT
+    echo "ERROR    $name: $1"
+    fact error "$1"
+    errors=$((errors + 1))
+    skip=1
+}
+
+fact() { # OUTCOME FIGURES
+    jq -nc --arg name "$name" --arg what "$what" --arg row "$row" --argjson cases "$cases" \
+        --arg outcome "$1" --arg figures "$2" \
+        '{id: "mutant", name: ("mutant_" + $name), what: $what, row: $row, outcome: $outcome,
+          oracle: "\($row) must fail; \($outcome): \($figures)", cases: 1,
+          failures: (if $outcome == "killed" then 0 else 1 end), why: "\($outcome): \($figures)",
+          row_cases: $cases}' >>"$facts"
+}
+
+# mutant NAME ROW CASES WHAT: a copy of the built tree, to be edited.
+mutant() {
+    name=$1 row=$2 cases=$3 what=$4
+    case $only in "  " | *" $name "*) skip= ;; *) skip=1 ;; esac
+    [ -n "$skip" ] || cp -a "$dir/control" "$dir/$name"
+}
+
+# edit FILE LINES SED-SCRIPT
+edit() {
+    [ -z "$skip" ] || return
+    file=$dir/$name/$1
+    sed -E "$3" "$file" >"$dir/edited"
+    changed=$(diff "$file" "$dir/edited" | grep -c '^>')
+    [ "$changed" -eq "$2" ] || {
+        wrong "the edit of $1 changes $changed lines, not $2"
+        return
+    }
+    cat "$dir/edited" >"$file"
+}
+
+# run_row TREE CASES ROW: what the row found there, as JSON; nothing if it found nothing.
+run_row() {
+    (cd "$dir/$1" && timeout 300 $stability --rows "$3" --cases "$2" --jobs 1 --no-price \
+        --out "build/$3") >"$dir/$1.out" 2>&1
+    jq -c --arg row "$3" '.rows[] | select(.test == $row and .verdict != "not run") |
+        {cases, failures, crashed, why: (.failed[0].why // "")}' "$dir/$1/build/$3/report.json" 2>>"$dir/$1.out"
+}
+
+# Builds what was edited, with the variables of make that are given.
+build_mutant() {
+    [ -z "$skip" ] || return
+    (cd "$dir/$name" && $make -s -j"${JOBS:-$(nproc)}" $stability $films "$@") >"$dir/$name.log" 2>&1 ||
+        wrong "does not compile: $(grep -m1 -E 'error|Error' "$dir/$name.log")"
+}
+
+verdict() { # KILLED FIGURES
+    if [ "$1" = yes ]; then
+        echo "killed   $name by $row: $2"
+        fact killed "$2"
+        killed=$((killed + 1))
+    else
+        echo "SURVIVED $name: $row: $2"
+        fact survived "$2"
+        survived=$((survived + 1))
+    fi
+    rm -rf "${dir:?}/$name"
+}
+
+# judge [VARIABLE=VALUE…]: builds the mutant and runs the row on it and on the control.
+judge() {
+    build_mutant "$@"
+    [ -z "$skip" ] || return
+    control=$(run_row control "$cases" "$row")
+    [ "$(printf '%s' "$control" | jq '.failures + .crashed == 0 and .cases > 0')" = true ] || {
+        wrong "$row does not pass without it: ${control:-no result}"
+        return
+    }
+    found=$(run_row "$name" "$cases" "$row")
+    [ -n "$found" ] || {
+        wrong "$row came to no end: $(tail -n 1 "$dir/$name.out")"
+        return
+    }
+    verdict "$(printf '%s' "$found" | jq -r 'if .failures + .crashed > 0 then "yes" else "no" end')" \
+        "$(printf '%s' "$found" | jq -r '"\(.failures) of \(.cases) cases" +
+            (if .crashed > 0 then ", ended by a signal" else "" end) +
+            (if .why != "" then ": " + .why else "" end)')"
+}
+
+# judge_libm: the accumulators of the golden films, beside the control's and without FMA and AVX2.
+judge_libm() {
+    build_mutant
+    [ -z "$skip" ] || return
+    for tree in control "$name"; do
+        (cd "$dir/$tree" && $films) >"$dir/$tree.plain" 2>/dev/null
+        (cd "$dir/$tree" && GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4 $films) \
+            >"$dir/$tree.masked" 2>/dev/null
+        [ -s "$dir/$tree.plain" ] && [ -s "$dir/$tree.masked" ] || {
+            wrong "the films cannot be rendered"
+            return
+        }
+    done
+    cmp -s "$dir/control.plain" "$dir/control.masked" || {
+        wrong "$row does not pass without it: films depend on glibc's choice"
+        return
+    }
+    count=$(wc -l <"$dir/control.plain")
+    beside=$(diff "$dir/control.plain" "$dir/$name.plain" | grep -c '^>')
+    masked=$(diff "$dir/$name.plain" "$dir/$name.masked" | grep -c '^>')
+    verdict "$([ $((beside + masked)) -gt 0 ] && echo yes || echo no)" \
+        "$masked of $count films have other accumulators with glibc's FMA masked off, $beside than ours"
+}
+
+# The mutants.
+mutant contraction h095_trees 20000 "products and sums are contracted (-ffp-contract=fast)"
+[ -n "$skip" ] || rm -rf "$dir/$name/build/src"
+judge PIXEL_FLAGS="-std=c11 -ffp-contract=fast -fno-math-errno"
+
+mutant strict_edges h038_watertight 20000 "a triangle does not own its edges"
+edit include/pen/geom/triangle.h 1 \
+    's/^    if \(pen_edge_counts\(a, b, w\).* == 0\)$/    if (!((w > 0 \&\& u > 0 \&\& v > 0) || (w < 0 \&\& u < 0 \&\& v < 0)))/'
+edit src/accel/blocks_avx2.h 1 \
+    's/^    unsigned lanes = bits\(_mm256_xor_pd\(up, down\)\);$/& lanes \&= bits(_mm256_and_pd(LESS(zero, ew), _mm256_and_pd(LESS(zero, eu), LESS(zero, ev)))) | bits(_mm256_and_pd(LESS(ew, zero), _mm256_and_pd(LESS(eu, zero), LESS(ev, zero))));/'
+judge
+
+mutant tmin h063_thin_shell 20000 "crossings count from t = 1e-4 on"
+edit src/accel/build.c 1 's/pen_after_start = \{0,/pen_after_start = {1e-4,/'
+edit src/accel/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t > 1e-4 \&\& t < query->tmax))/'
+judge
+
+mutant boxes_to_nearest h091_planes 2000 "boxes are rounded to the nearest float, not outward"
+edit src/accel/plan.c 2 's/pen_float_(down|up)\(/pen_float_near(/g'
+judge
+
+mutant strict_culling h097_copies 40 "a box is entered where its distance is < the best t, not <="
+edit src/accel/boxes_avx2.h 2 's/_CMP_LE_OQ/_CMP_LT_OQ/'
+edit src/accel/boxes_base.h 1 's/return t0 <= t1;/return t0 < t1;/'
+edit src/accel/traverse_walk.h 1 's/near > limit/near >= limit/'
+judge
+
+mutant origin_offset h063_thin_shell 20000 "secondary rays start 1e-4 off the surface, along its normal"
+edit src/geom/prims.c 1 's/^(    struct pen_vec3 p = pen_along\(ray->o, ray->d, hit.t\));$/\1, n = pen_prim_normal(prims, hit, p); p = pen_along(p, n, 1e-4); return p;/'
+judge
+
+mutant tie_epsilon h063_thin_shell 20000 "crossings closer than 1e-9 are one, in document order"
+edit include/pen/geom/ray.h 1 's/if \(a\.t != b\.t\)/if (fabs(a.t - b.t) > 1e-9)/'
+judge
+
+mutant small_box h091_planes 2000 "the box of a sphere is too small by 1e-6 of its radius"
+edit src/geom/sphere.c 1 's/pen_vec3\(s->r, s->r, s->r\)/pen_scale(pen_vec3(s->r, s->r, s->r), 1 - 1e-6)/'
+judge
+
+mutant shadow_at_0 h094_shadow_span 5000 "a crossing at t = 0 is a shadow"
+edit src/accel/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t >= 0 \&\& t < query->tmax))/'
+judge
+
+mutant no_leave h059_leave_round 20000 "a ray does not know what it leaves"
+edit src/geom/leave.c 1 's/^    if \(prim == leave->prim\) \{$/    leave = \&pen_leave_nothing;\n&/'
+judge
+
+mutant plain_determinant h041_antisymmetry 20000 "ab - cd without fma"
+edit include/pen/math/exact.h 1 's/^    return f \+ e;$/    return (void)f, (void)e, a * b - w;/'
+judge
+
+mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point state they inherit"
+edit src/render/pool.c 1 's/^        fesetenv\(FE_DFL_ENV\);$//'
+judge
+
+mutant libm_pow h104_libm 0 "highlights are glibc's pow"
+edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'
+judge_libm
+
+jq -s '{killed: map(select(.outcome == "killed")) | length, total: length, rows: .}' "$facts" \
+    >"$build/stability/mutants.json"
+echo "$killed killed, $survived survived, $errors could not be judged"
+[ $((survived + errors)) -eq 0 ] && [ "$killed" -gt 0 ]

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+/* The same bits, whatever renders them: H096 and H100 to H105. What takes other builds or other
+ * processes (H101's killed worker, H103, H104) is in matrix.sh. */
+#include <stddef.h>
+
+#include "property/rows.h"
+
+static const char golden[] = "tests/golden/hashes.txt, bit for bit";
+
+/* More than there are films and ways; the rest is no case. */
+enum { ALL = 1200 };
+
+const struct row row_table_same[] = {
+    {
+        .id = "H096",
+        .name = "h096_accelerators",
+        .what = "every golden film with every accelerator: auto, none, cbr, manual, median",
+        .oracle = golden,
+        .run = rows_films_accelerators,
+        .full = ALL,
+        .check = 60,
+    },
+    {
+        .id = "H100",
+        .name = "h100_threads",
+        .what = "every golden film with 1, 2, 3, 8 and 64 threads",
+        .oracle = golden,
+        .run = rows_films_threads,
+        .full = ALL,
+        .check = 60,
+    },
+    {
+        .id = "H101",
+        .name = "h101_tiles",
+        .what = "every golden film in tiles of 1, 7, 32 and one for all, in tiles in a random "
+                "order, and cancelled in the middle and gone on with",
+        .oracle = golden,
+        .run = rows_films_tiles,
+        .full = ALL,
+        .check = 60,
+    },
+    {
+        .id = "H102",
+        .name = "h102_instructions",
+        .what = "every golden film with baseline and AVX2 instructions, baseline with every "
+                "accelerator",
+        .oracle = golden,
+        .run = rows_films_sets,
+        .full = ALL,
+        .check = 60,
+    },
+    {
+        .id = "H103",
+        .name = "h103_films",
+        .what = "every golden film, as this build makes it",
+        .oracle = golden,
+        .run = rows_films_plain,
+        .full = ALL,
+        .check = 60,
+    },
+    {
+        .id = "H105",
+        .name = "h105_mxcsr",
+        .what = "every golden film made by a thread that flushes subnormals, takes them for 0, or "
+                "rounds down, up or to zero, and so do the threads that it starts",
+        .oracle = golden,
+        .run = rows_films_states,
+        .full = ALL,
+        .check = 60,
+    },
+    {.id = NULL},
+};
