@@ -57,7 +57,7 @@ agrees() {
 }
 
 rm -f "$out/accumulators"
-$make -s BUILD="$build" "$build/$films" || exit 2
+$make -s BUILD="$build" "$build/$films" >/dev/null || exit 2
 
 if wanted h104_libm; then
     agrees "glibc's choice" "$build/$films"
@@ -96,7 +96,7 @@ fi
 
 if wanted h101_killed; then
     rounds=5
-    $make -s -j"${JOBS:-$(nproc)}" BUILD="$build" all "$build/tests/crash/crash" || exit 2
+    $make -s -j"${JOBS:-$(nproc)}" BUILD="$build" all "$build/tests/crash/crash" >/dev/null || exit 2
     cases=$rounds
     "$build/tests/crash/crash" "$build" $rounds >"$out/said" 2>&1 || wrong "$(tail -n 1 "$out/said")"
     result "H101" h101_killed "jobs of a daemon whose processes are killed, stopped and drained end \
