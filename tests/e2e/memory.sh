@@ -37,7 +37,7 @@ hundred() {
             request $path "data-binary = @$work/$body"
         done
         request $path "data-binary = @$work/large"
-        request $path 'data = <scene/>'
+        request $path 'data = <scene>'
         request $path 'data = {}' 'header = "Content-Type: text/plain"'
         request $path 'data = {}' 'header = "Transfer-Encoding: chunked"'
         request $path 'data = {}' 'header = "Origin: http://evil.com"'

@@ -136,7 +136,7 @@ START_TEST(test_limits__a_million_objects_are_read)
     struct pen_scene_desc desc;
     struct pen_errors errors = {0};
     struct pen_buf text = {0};
-    limits.body_bytes = (size_t)1 << 30;
+    limits.body_bytes = limits.parsed_bytes = (size_t)1 << 30;
     write_groups(&text, 90909);
     ck_assert(load(&text, &limits, &desc, &errors));
     ck_assert_uint_eq(desc.primitive_count, 909090);

@@ -281,7 +281,7 @@ static pid_t fork_worker(void)
 START_TEST(test_study__killed_worker_leaves_no_times_behind)
 {
     static const char some[] = "\"render\": {\"width\": 200, \"height\": 150, \"tile\": 8,"
-                               " \"samples_per_pixel\": 4}, \"repeats\": 4,"
+                               " \"samples_per_pixel\": 36}, \"repeats\": 4,"
                                " \"matrix\": {\"threads\": [1, 2]},";
     struct pen_status st;
     int status, opened;
