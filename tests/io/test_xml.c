@@ -363,8 +363,8 @@ START_TEST(test_xml__values_take_what_they_take_in_json)
         "<plane p0='0 0 0' p1='1 0 0' p2='0 1 0'/>",
         "<triangle p0='0 0 0' p1='1 0 0' p2='0 1 0' name='a &lt; b'/>",
         "<polygon points='0 0 0; 1 0 0; 1 1 0; 0 1 0'/>",
-        "<group><transform translate='1 2 3' scale='2'><rotate axis='1 0 0' degrees='9'/>"
-        "</transform></group>",
+        ("<group><transform translate='1 2 3' scale='2'><rotate axis='1 0 0' degrees='9'/>"
+         "</transform></group>"),
         "<group><transform matrix='1 0 0 0 0 1 0 0 0 0 1 0'/></group>"};
     for (size_t i = 0; i < sizeof bodies / sizeof bodies[0]; i++) {
         size_t bytes;
