@@ -115,16 +115,8 @@ bool pen_source_scene(const struct pen_source *source, const struct pen_limits *
                       struct pen_arena *arena, struct pen_scene_desc *desc,
                       struct pen_errors *errors)
 {
-    struct pen_document document;
-    struct pen_status st;
     const char *text = source->text.data ? (const char *)source->text.data : "";
-    bool ok = pen_document_parse(text, source->text.bytes, source->xml, limits, &document, &st);
-    if (ok)
-        ok = pen_document_read(&document, limits, arena, desc, errors);
-    else
-        pen_errors_add(errors, &st);
-    pen_document_release(&document);
-    return ok;
+    return pen_document_load(text, source->text.bytes, source->xml, limits, arena, desc, errors);
 }
 
 void pen_source_locate(const struct pen_source *source, struct pen_status *st)

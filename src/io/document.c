@@ -90,16 +90,24 @@ void pen_text_locate(const char *text, size_t bytes, const struct pen_limits *li
     pen_document_release(&document);
 }
 
-bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
-                    struct pen_arena *arena, struct pen_scene_desc *desc, struct pen_errors *errors)
+bool pen_document_load(const char *text, size_t bytes, bool xml, const struct pen_limits *limits,
+                       struct pen_arena *arena, struct pen_scene_desc *desc,
+                       struct pen_errors *errors)
 {
     struct pen_document document;
     struct pen_status st;
-    bool ok = pen_document_parse(text, bytes, pen_text_is_xml(text, bytes), limits, &document, &st);
+    bool ok = pen_document_parse(text, bytes, xml, limits, &document, &st);
     if (ok)
         ok = pen_document_read(&document, limits, arena, desc, errors);
     else
         pen_errors_add(errors, &st);
     pen_document_release(&document);
     return ok;
+}
+
+bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
+                    struct pen_arena *arena, struct pen_scene_desc *desc, struct pen_errors *errors)
+{
+    return pen_document_load(text, bytes, pen_text_is_xml(text, bytes), limits, arena, desc,
+                             errors);
 }

@@ -43,18 +43,25 @@ void pen_text_position(const char *text, size_t offset, int *line, int *column)
     }
 }
 
-bool pen_json_fault(const struct pen_json_text *json, size_t offset, struct pen_status *st,
-                    const char *format, ...)
+bool pen_text_fail(struct pen_status *st, enum pen_code code, const char *text, size_t offset,
+                   const char *format, va_list args)
 {
     char message[2 * PEN_MSG_BYTES];
     int line, column;
-    pen_text_position(json->text, offset, &line, &column);
-    va_list args;
-    va_start(args, format);
     if (vsnprintf(message, sizeof message, format, args) < 0)
         message[0] = '\0';
+    pen_text_position(text, offset, &line, &column);
+    return pen_fail_line(st, code, line, column, "%s", message);
+}
+
+bool pen_json_fault(const struct pen_json_text *json, size_t offset, struct pen_status *st,
+                    const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    bool ok = pen_text_fail(st, PEN_SYNTAX, json->text, offset, format, args);
     va_end(args);
-    return pen_fail_line(st, PEN_SYNTAX, line, column, "%s", message);
+    return ok;
 }
 
 /* The piece that begins at `offset` as people should see it. */

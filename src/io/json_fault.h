@@ -5,6 +5,7 @@
 #define PEN_SRC_IO_JSON_FAULT_H
 
 #include <jansson.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -54,6 +55,10 @@ bool pen_json_is_number(const struct pen_json_text *json, size_t offset, size_t 
  * it is too large for a number. */
 bool pen_json_number(const char *text, size_t bytes, bool integer, struct pen_buf *scratch,
                      json_t **out);
+
+/* A message about a text at `offset`, which is given its line and column. Returns false. */
+bool pen_text_fail(struct pen_status *st, enum pen_code code, const char *text, size_t offset,
+                   const char *format, va_list args) __attribute__((format(printf, 5, 0)));
 
 /* Line and column of the byte at `offset`. A byte order mark at the beginning has no width. */
 void pen_text_position(const char *text, size_t offset, int *line, int *column);

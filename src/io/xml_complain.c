@@ -50,15 +50,10 @@ void pen_xml_complain(struct pen_xml_builder *b, size_t offset, enum pen_code co
     struct pen_status st = {.code = code};
     struct pen_errors *faults = &b->xml->faults;
     if (faults->count < PEN_ERRORS_MAX) {
-        char message[2 * PEN_MSG_BYTES];
-        int line, column;
         va_list args;
         va_start(args, format);
-        if (vsnprintf(message, sizeof message, format, args) < 0)
-            message[0] = '\0';
+        pen_text_fail(&st, code, b->xml->text, offset, format, args);
         va_end(args);
-        pen_text_position(b->xml->text, offset, &line, &column);
-        pen_fail_line(&st, code, line, column, "%s", message);
     }
     pen_errors_add(faults, &st);
     if (faults->total == FAULTS_MAX && !b->stopped) /* the document as far as it came is read on */
@@ -68,15 +63,10 @@ void pen_xml_complain(struct pen_xml_builder *b, size_t offset, enum pen_code co
 void pen_xml_end(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
                  ...)
 {
-    char message[2 * PEN_MSG_BYTES];
-    int line, column;
     va_list args;
     va_start(args, format);
-    if (vsnprintf(message, sizeof message, format, args) < 0)
-        message[0] = '\0';
+    pen_text_fail(b->st, code, b->xml->text, offset, format, args);
     va_end(args);
-    pen_text_position(b->xml->text, offset, &line, &column);
-    pen_fail_line(b->st, code, line, column, "%s", message);
     stop(b);
 }
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What is wrong with text that is not well-formed XML, in words, and where. */
 #include <expat.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "json_fault.h"
@@ -13,15 +12,11 @@ static bool fault(const char *text, size_t offset, struct pen_status *st, const 
 
 static bool fault(const char *text, size_t offset, struct pen_status *st, const char *format, ...)
 {
-    char message[2 * PEN_MSG_BYTES];
-    int line, column;
     va_list args;
     va_start(args, format);
-    if (vsnprintf(message, sizeof message, format, args) < 0)
-        message[0] = '\0';
+    bool ok = pen_text_fail(st, PEN_SYNTAX, text, offset, format, args);
     va_end(args);
-    pen_text_position(text, offset, &line, &column);
-    return pen_fail_line(st, PEN_SYNTAX, line, column, "%s", message);
+    return ok;
 }
 
 static bool is_name_end(char c)

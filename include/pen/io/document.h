@@ -38,6 +38,11 @@ bool pen_document_read(const struct pen_document *document, const struct pen_lim
                        struct pen_arena *arena, struct pen_scene_desc *desc,
                        struct pen_errors *errors);
 
+/* Parses and reads in one step. Fails: what pen_document_parse says is added to *errors. */
+bool pen_document_load(const char *text, size_t bytes, bool xml, const struct pen_limits *limits,
+                       struct pen_arena *arena, struct pen_scene_desc *desc,
+                       struct pen_errors *errors);
+
 /* Replaces a JSON Pointer into the document by line and column, if it was XML. */
 void pen_document_locate(const struct pen_document *document, struct pen_status *st);
 
