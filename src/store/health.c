@@ -58,11 +58,14 @@ static bool is_due(const struct pen_store *store)
     return left <= 0 || left > AGAIN_MAX_MS;
 }
 
-static void set_due(const struct pen_store *store, uint32_t begun_ms)
+/* A try that ended for want of memory says nothing of the store: the next need only wait if it was
+ * a costly one. */
+static void set_due(const struct pen_store *store, uint32_t begun_ms, bool no_memory)
 {
     uint32_t now = now_ms(), wait = (now - begun_ms) * AGAIN_TIMES;
     uint32_t least = is_ill(store, PEN_FAULT_DAMAGE) ? AGAIN_DAMAGE_MS : AGAIN_MS;
-    wait = wait > least ? wait : least;
+    if (wait < least)
+        wait = no_memory ? 0 : least;
     atomic_store(word(store, WORD_AGAIN_MS), now + (wait < AGAIN_MAX_MS ? wait : AGAIN_MAX_MS));
 }
 
@@ -180,7 +183,7 @@ static bool mend(struct pen_store *store, enum pen_need need, struct pen_status 
     bool ok = try_to_mend(store, need, st);
     forget_known(store);
     if (!ok)
-        set_due(store, begun_ms);
+        set_due(store, begun_ms, st->code == PEN_NO_MEMORY);
     pen_wake_unlock(lock);
     return ok;
 }

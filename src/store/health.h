@@ -16,8 +16,9 @@
  *
  * Who needs what is refused tries to mend first: one handle at a time (a lock on the file of the
  * page), at once after the fault, then not before half a second, or four times what the last try
- * took, has passed. So nothing has to be restarted, and an ill store of many gigabytes is not read
- * all the time. A worker asks at least once a second, and so recovery needs no other caller.
+ * took, has passed; a try that ended for want of memory, and soon, is not waited for. So nothing
+ * has to be restarted, and an ill store of many gigabytes is not read all the time. A worker asks
+ * at least once a second, and so recovery needs no other caller.
  *
  * What a call that failed has done: nothing; or, where its fsync failed and all processes die
  * before the store is mended, perhaps all (the log may hold it, and a recovery finds it there).

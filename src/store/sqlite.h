@@ -147,7 +147,9 @@ bool pen_sq_is_refused_read(struct pen_sq_store *store, int rc);
 bool pen_sq_damaged(struct pen_sq_store *store, struct pen_status *st, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Prepares what transactions themselves need, so that none is left open for want of memory. */
+/* Prepares what transactions themselves need, so that none is left open, with the lock of all
+ * writers, for want of memory. Comes last: whatever changes the connection or its triggers outdates
+ * statements, and those are compiled anew when they are run. */
 bool pen_sq_prepare(struct pen_sq_store *store, struct pen_status *st);
 
 /* Runs `body` in a write transaction: committed if it returns true, else rolled back. */

@@ -273,15 +273,16 @@ static bool open_database(struct pen_sq_store *store, struct pen_status *st)
 {
     bool ok = check_kind(store->path, st) && connect(store, store->path, st) &&
               check_header(store, st) && configure(store, st) && pen_sq_migrate(store, st) &&
-              pen_sq_guard_states(store, st) && pen_sq_prepare(store, st);
-    if (!ok) {
-        close_database(store);
-        return false;
+              pen_sq_guard_states(store, st);
+    if (ok) {
+        sqlite3_wal_hook(store->db, on_wal, store);
+        sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
+        ok = pen_sq_prepare(store, st);
     }
-    sqlite3_wal_hook(store->db, on_wal, store);
-    sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
-    store->sound = true;
-    return true;
+    store->sound = ok;
+    if (!ok)
+        close_database(store);
+    return ok;
 }
 
 bool pen_sq_open_to_read(struct pen_sq_store *store, struct pen_status *st)

@@ -488,6 +488,7 @@ START_TEST(test_faults__power_cuts)
     enum { SEEDS = 3 };
     pen_log_set_level(PEN_LOG_ERROR + 1);
     faults_install();
+    faults_remember();
     make_template();
     for (int i = 0; i < SCENARIOS; i++) {
         if (scenarios[i].work == work_open)

@@ -31,7 +31,7 @@ static struct {
     sqlite3_vfs vfs;
     sqlite3_vfs *system;
     struct fault_plan plan;
-    bool armed, synced_again;
+    bool armed, synced_again, remembers;
     long count, failed;
     int last_errno;
     struct durable file[FILES_MAX];
@@ -68,7 +68,8 @@ static void remember(struct file *file)
 {
     struct durable *durable = file->durable;
     sqlite3_int64 bytes = 0;
-    if (!durable || file->real->pMethods->xFileSize(file->real, &bytes) != SQLITE_OK)
+    if (!disk.remembers || !durable ||
+        file->real->pMethods->xFileSize(file->real, &bytes) != SQLITE_OK)
         return;
     durable->data = realloc(durable->data, (size_t)bytes + 1);
     ck_assert_ptr_nonnull(durable->data);
@@ -301,6 +302,11 @@ void faults_install(void)
     disk.vfs.xCurrentTimeInt64 = vfs_time;
     disk.vfs.xGetLastError = vfs_error;
     ck_assert_int_eq(sqlite3_vfs_register(&disk.vfs, 1), SQLITE_OK);
+}
+
+void faults_remember(void)
+{
+    disk.remembers = true;
 }
 
 void faults_arm(const struct fault_plan *plan)

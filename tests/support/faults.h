@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A disk that fails on request, below SQLite: a VFS that passes on to the system's. Calls on files
- * are counted by kind; from an armed plan follows which of them fail, and how. It also knows what
- * was synced, so that a test can cut the power: all that was not synced may be lost, in any part.
+ * are counted by kind; from an armed plan follows which of them fail, and how. It can also remember
+ * what was synced, so that a test cuts the power: all that was not synced may be lost, in any part.
  *
  * One plan per process; libcheck runs each test in its own. */
 #ifndef TESTS_SUPPORT_FAULTS_H
@@ -38,6 +38,10 @@ struct fault_plan {
 void faults_install(void);
 
 void faults_arm(const struct fault_plan *plan);
+
+/* From now on what is synced is remembered, for faults_cut_power: each sync costs a copy of its
+ * file. */
+void faults_remember(void);
 
 /* Returns how many calls have failed since. */
 long faults_disarm(void);
