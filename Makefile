@@ -54,7 +54,7 @@ TEST_SUPPORT := $(sort $(wildcard tests/support/*.c))
 TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
 TEST_SUPPORT_LIB := $(BUILD)/tests/libsupport.a
 
-.PHONY: asan-build have-deps all golden tests check run-tests demo lint asan tsan clean install conformance bench
+.PHONY: asan-build have-deps all golden tests check run-tests demo lint asan tsan clean install conformance
 all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
 .PHONY: libpenumbra
 libpenumbra: $(BUILD)/libpenumbra.a
@@ -196,9 +196,9 @@ table: all
 check:
 	@sh deploy/install-deps.sh
 	@$(MAKE) --no-print-directory -j$(JOBS) tests
-	@sh tests/run.sh $(BUILD)
+	@JOBS=$(JOBS) sh tests/run.sh $(BUILD)
 run-tests: tests
-	@sh tests/run.sh $(BUILD)
+	@JOBS=$(JOBS) sh tests/run.sh $(BUILD)
 
 # Writes tests/golden/hashes.txt anew, after a change that is meant to change pictures.
 golden: $(BUILD)/tests/golden/test_golden

@@ -2,59 +2,68 @@
 # SPDX-License-Identifier: MIT
 # Runs every test program and test script of a build and ends with `N passed, N failed`.
 #   tests/run.sh BUILD [NAME-PART]      only those whose path contains NAME-PART
-# A program or script closes with libcheck's line `P%: Checks: N, Failures: F, Errors: E`; one that
-# does not counts as one failure, whatever it printed.
+# JOBS of them run at a time (2, and not more than 4, since they have threads of their own). What
+# each says comes whole, in the order of the list, and the judging is in run_one.sh.
 set -u
 build=${1:-build}
 part=${2:-}
 cd "$(dirname "$0")/.."
-passed=0 failed=0 broken=
-out=$(mktemp)
-trap 'rm -f "$out"' EXIT
+jobs=${JOBS:-2}
+[ "$jobs" -le 4 ] || jobs=4
 
-run_one() { # name command...
-    name=$1
-    shift
-    case $name in *"$part"*) ;; *) return ;; esac
-    start=$(date +%s)
-    "$@" >"$out" 2>&1 </dev/null
-    code=$?
-    line=$(grep -aE '^[0-9]+%: Checks: [0-9]+, Failures: [0-9]+, Errors: [0-9]+' "$out" | tail -n 1)
-    checks=$(printf '%s' "$line" | sed -n 's/.*Checks: \([0-9]*\),.*/\1/p')
-    bad=$(printf '%s' "$line" | sed -n 's/.*Failures: \([0-9]*\), Errors: \([0-9]*\).*/\1 + \2/p')
-    bad=$((${bad:-0}))
-    checks=${checks:-0}
-    if [ "$code" -ne 0 ] && [ "$bad" -eq 0 ]; then
-        bad=1
-        checks=$((checks + 1))
-    elif [ "$checks" -eq 0 ]; then
-        bad=1 checks=1
-        echo "printed no closing line" >>"$out"
-    fi
-    passed=$((passed + checks - bad))
-    failed=$((failed + bad))
-    if [ "$bad" -gt 0 ]; then
-        broken="$broken $name"
-        printf 'FAIL %-44s %4d of %d failed (exit %d)\n' "$name" "$bad" "$checks" "$code"
-        grep -aE '^not ok|:[FE]:' "$out" | head -n 30 | sed 's/^/    /'
-        echo "    … the end of what it printed:"
-        tail -n 25 "$out" | sed 's/^/    /'
-    else
-        printf 'ok   %-44s %4d checks %4d s\n' "$name" "$checks" "$(($(date +%s) - start))"
-    fi
+# Run by themselves, when the others are done, since they hold times against limits or against each
+# other, and so would judge their neighbours:
+#   test_events, events    when news arrive, in milliseconds
+#   test_traffic           how often a worker goes to the store, which depends on how long work takes
+#   test_server            connections that must be closed within seconds, not before and not after
+#   test_bench, bench*     measure, and compare what they measured
+#   quarantine, supervisor deadlines of 2 s for what takes many processes to come about
+alone='tests/http/test_events tests/http/test_server tests/jobs/test_traffic tests/study/test_bench
+tests/cmd/bench tests/cmd/bench_jobs tests/cmd/quarantine tests/cmd/supervisor tests/e2e/events'
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+# Scripts come first: they take longest, and long ones at the end would leave processors idle.
+for file in tests/*/check_*.sh tests/cmd/*.sh tests/e2e/*.sh tests/*/test_*.c; do
+    name=${file%.*}
+    case $file in *'*'* | */lib.sh) continue ;; esac
+    case $name in *"$part"*) ;; *) continue ;; esac
+    case " $(echo $alone) " in
+    *" $name "*) echo "$file" >>"$work/alone" ;;
+    *) echo "$file" >>"$work/together" ;;
+    esac
+done
+touch "$work/alone" "$work/together"
+
+# Reads the names of those that are done, and prints their reports as soon as their turn has come.
+report() {
+    passed=0 failed=0 broken=
+    set -- $(cat "$work/together" "$work/alone")
+    while read -r _; do
+        while [ $# -gt 0 ] && [ -e "$work/$1/report" ]; do
+            count "$1"
+            shift
+        done
+    done
+    for file; do # cannot be, unless somebody kills
+        failed=$((failed + 1)) broken="$broken ${file%.*}"
+    done
+    [ -z "$broken" ] || echo "failed:$broken"
+    echo "$passed passed, $failed failed"
+    [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
 }
 
-for source in tests/*/test_*.c; do
-    [ -e "$source" ] || continue
-    name=${source%.c}
-    run_one "$name" "$build/$name"
-done
-for script in tests/cmd/*.sh tests/e2e/*.sh tests/*/check_*.sh; do
-    [ -e "$script" ] || continue
-    [ "$(basename "$script")" = lib.sh ] && continue
-    run_one "${script%.sh}" sh "$script" "$build"
-done
+count() { # FILE: prints its report and adds it up
+    cat "$work/$1/report"
+    read -r good bad <"$work/$1/counts"
+    passed=$((passed + good)) failed=$((failed + bad))
+    [ "$bad" -eq 0 ] || broken="$broken ${1%.*}"
+}
 
-[ -z "$broken" ] || echo "failed:$broken"
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
+{
+    xargs -r -P "$jobs" -n 1 sh tests/run_one.sh "$work" "$build" <"$work/together"
+    xargs -r -n 1 sh tests/run_one.sh "$work" "$build" <"$work/alone"
+} | report
