@@ -54,6 +54,15 @@ static inline __m256d dop4(__m256d a, __m256d b, __m256d c, __m256d d)
     return _mm256_add_pd(f, e);
 }
 
+/* -pen_dop */
+static inline __m256d minus_dop4(__m256d a, __m256d b, __m256d c, __m256d d)
+{
+    __m256d w = _mm256_mul_pd(c, d);
+    __m256d e = _mm256_fmsub_pd(c, d, w);
+    __m256d f = _mm256_fnmadd_pd(a, b, w);
+    return _mm256_add_pd(f, e);
+}
+
 /* pen_cross */
 static inline struct vec4 cross4(struct vec4 a, struct vec4 b)
 {
@@ -252,9 +261,17 @@ static inline unsigned grazed4(struct vec4 a, struct vec4 b, struct vec4 c, __m2
 {
     struct vec4 e = sub3(b, a), f = sub3(c, a);
     __m256d size =
-        _mm256_add_pd(_mm256_add_pd(_mm256_add_pd(abs4(e.x), abs4(e.y)), abs4(f.x)), abs4(f.y));
+        _mm256_add_pd(_mm256_add_pd(abs4(e.x), abs4(e.y)), _mm256_add_pd(abs4(f.x), abs4(f.y)));
     __m256d spread = _mm256_add_pd(abs4(e.z), abs4(f.z));
     return bits(LESS(_mm256_mul_pd(all(8), abs4(area)), _mm256_mul_pd(size, spread)));
+}
+
+/* pen_edge_even */
+static inline __m256d edge_even4(struct vec4 p, struct vec4 q)
+{
+    __m256d a = _mm256_mul_pd(p.x, q.y), b = _mm256_mul_pd(p.y, q.x);
+    __m256d low = _mm256_sub_pd(_mm256_fmsub_pd(p.x, q.y, a), _mm256_fmsub_pd(p.y, q.x, b));
+    return _mm256_add_pd(_mm256_sub_pd(a, b), low);
 }
 
 static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 *block, bool any)
@@ -262,7 +279,7 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
     const __m256d zero = all(0);
     struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
     __m256d ew = dop4(a.x, b.y, a.y, b.x), eu = dop4(b.x, c.y, b.y, c.x);
-    __m256d ev = dop4(c.x, a.y, c.y, a.x);
+    __m256d ev = minus_dop4(a.x, c.y, a.y, c.x);
     __m256d a_low = LESS_EQUAL(a.y, zero), b_low = LESS_EQUAL(b.y, zero);
     __m256d c_low = LESS_EQUAL(c.y, zero);
     /* At most one edge passes upward and one downward: the winding is their difference. */
@@ -283,9 +300,10 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
     }
     if (lanes == 0)
         return false;
-    __m256d sum = _mm256_add_pd(_mm256_add_pd(_mm256_mul_pd(eu, a.z), _mm256_mul_pd(ev, b.z)),
-                                _mm256_mul_pd(ew, c.z));
-    __m256d area = _mm256_add_pd(_mm256_add_pd(eu, ev), ew);
+    eu = edge_even4(b, c);
+    __m256d sum = _mm256_add_pd(_mm256_mul_pd(eu, a.z),
+                                _mm256_add_pd(_mm256_mul_pd(ev, b.z), _mm256_mul_pd(ew, c.z)));
+    __m256d area = _mm256_add_pd(eu, _mm256_add_pd(ev, ew));
     unsigned grazed = lanes & grazed4(a, b, c, area);
     if (grazed) {
         if (test_lanes(w, block->prim, grazed & ~own_lanes(w, block->prim), any))

@@ -5,19 +5,58 @@
 #include "make.h"
 #include "twofold.h"
 
-/* Whether a comes before b by x, then y, then z. */
-static bool before(struct pen_vec3 a, struct pen_vec3 b)
+/* The lengths along x, y, z of the edge from p to q: the same in any mirror, and for the triangle
+ * moved. */
+static struct pen_vec3 spans_of(struct pen_vec3 p, struct pen_vec3 q)
 {
-    if (a.x != b.x)
-        return a.x < b.x;
-    return a.y != b.y ? a.y < b.y : a.z < b.z;
+    return pen_vec3(fabs(q.x - p.x), fabs(q.y - p.y), fabs(q.z - p.z));
 }
 
-static void order(struct pen_vec3 *a, struct pen_vec3 *b)
+static struct pen_vec3 sorted(struct pen_vec3 s)
 {
-    struct pen_vec3 first = before(*b, *a) ? *b : *a;
-    *b = before(*b, *a) ? *a : *b;
-    *a = first;
+    double high = s.x > s.y ? s.x : s.y, low = s.x > s.y ? s.y : s.x;
+    double most = high > s.z ? high : s.z, rest = high > s.z ? s.z : high;
+    return rest > low ? pen_vec3(most, rest, low) : pen_vec3(most, low, rest);
+}
+
+/* Below, at or above 0 as a comes before b, by x, then y, then z. */
+static int compare(struct pen_vec3 a, struct pen_vec3 b)
+{
+    if (a.x != b.x)
+        return a.x < b.x ? -1 : 1;
+    if (a.y != b.y)
+        return a.y < b.y ? -1 : 1;
+    return (a.z > b.z) - (a.z < b.z);
+}
+
+/* The corner that one of three edges tells from the others: the one between two equal edges, or
+ * across from the greatest. -1 if all are equal. Edge i is across from corner i. */
+static int told_by(const struct pen_vec3 edge[3])
+{
+    int greatest = 0;
+    for (int i = 0; i < 3; i++) {
+        bool equal = compare(edge[(i + 1) % 3], edge[(i + 2) % 3]) == 0;
+        if (equal)
+            return compare(edge[i], edge[(i + 1) % 3]) == 0 ? -1 : i;
+        if (compare(edge[i], edge[greatest]) > 0)
+            greatest = i;
+    }
+    return greatest;
+}
+
+/* Which corner comes first, whatever the order they come in, where the triangle is, in any mirror,
+ * and, unless all edges have the same spans but for the axes' names, with axes permuted. */
+static int first_corner(const struct pen_vec3 v[3])
+{
+    struct pen_vec3 edge[3], turned[3];
+    for (int i = 0; i < 3; i++) {
+        edge[i] = spans_of(v[(i + 1) % 3], v[(i + 2) % 3]);
+        turned[i] = sorted(edge[i]);
+    }
+    int first = told_by(turned);
+    if (first < 0)
+        first = told_by(edge);
+    return first < 0 ? 0 : first; /* three points in one */
 }
 
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
@@ -25,17 +64,17 @@ bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_v
 {
     if (!is_finite3(a) || !is_finite3(b) || !is_finite3(c))
         return false;
-    *tri = (struct pen_triangle){.v = {a, b, c}};
-    struct twofold3 e = tf_sub3(b, a), f = tf_sub3(c, a);
+    const struct pen_vec3 v[3] = {a, b, c};
+    int first = first_corner(v);
+    *tri = (struct pen_triangle){.v = {v[first], v[(first + 1) % 3], v[(first + 2) % 3]}};
+    struct twofold3 e = tf_sub3(tri->v[1], tri->v[0]), f = tf_sub3(tri->v[2], tri->v[0]);
     struct pen_vec3 n = tf_round3(tf_cross(e, f));
-    /* Below this, the cross product may be nothing but its own rounding. */
+    /* Below these, the cross product may be nothing but its own rounding, and products of
+     * coordinates across a ray may vanish. */
     double least = 0x1p-90 * pen_largest3(tf_round3(e)) * pen_largest3(tf_round3(f));
-    if (!is_finite3(n) || !(pen_largest3(n) > least))
+    if (!is_finite3(n) || !(pen_largest3(n) > least && pen_largest3(n) > 0x1p-900))
         return false;
     tri->n = pen_unit_of(n);
-    order(&tri->v[0], &tri->v[1]);
-    order(&tri->v[1], &tri->v[2]);
-    order(&tri->v[0], &tri->v[1]);
     return true;
 }
 

@@ -5,6 +5,10 @@
  * difference of products has an exact sign, so a ray through an edge or a vertex of a closed
  * surface crosses exactly one of the faces that meet there. Outward is the side from which the
  * vertices run counter-clockwise.
+ *
+ * t does not depend on the order that the vertices come in, on where the triangle is if all sums
+ * are exact, nor on the signs of the axes: one vertex is told from the others by the lengths of
+ * the edges along the axes, and the sums treat the other two alike.
  * Source: Woop, Benthin, Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013, with the
  * differences of products of pen/math/exact.h in place of its fallback. */
 #ifndef PEN_GEOM_TRIANGLE_H
@@ -14,11 +18,12 @@
 #include "pen/math/box.h"
 
 struct pen_triangle {
-    struct pen_vec3 v[3]; /* sorted by x, y, z: t does not depend on the order they came in */
-    struct pen_vec3 n;    /* unit; decided by that order */
+    struct pen_vec3 v[3]; /* in the order given, from the one that the edges tell from the others */
+    struct pen_vec3 n;    /* unit */
 };
 
-/* Fails: returns false if a vertex is not finite or the area is zero, decided exactly. */
+/* Fails: returns false if a vertex is not finite or the area is zero, decided exactly, or below
+ * 2^-900. */
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
                        struct pen_vec3 c);
 
@@ -57,11 +62,12 @@ static inline int pen_edge_counts(struct pen_sheared p, struct pen_sheared q, do
 }
 
 /* Whether the depth of a crossing, as a mean of the vertices' depths, loses digits: their spread
- * along the ray is more than twice the triangle's width across it, area / size. */
+ * along the ray is more than twice the triangle's width across it, area / size. The same for a, b,
+ * c as for a, c, b. */
 static inline bool pen_triangle_grazed(struct pen_sheared a, struct pen_sheared b,
                                        struct pen_sheared c, double area)
 {
-    double size = fabs(b.x - a.x) + fabs(b.y - a.y) + fabs(c.x - a.x) + fabs(c.y - a.y);
+    double size = (fabs(b.x - a.x) + fabs(b.y - a.y)) + (fabs(c.x - a.x) + fabs(c.y - a.y));
     double spread = fabs(b.z - a.z) + fabs(c.z - a.z);
     return size * spread > 8 * fabs(area);
 }
@@ -78,11 +84,13 @@ static inline bool pen_triangle_root(const struct pen_triangle *tri, const struc
     struct pen_sheared a = pen_shear(ray, &tri->v[0]);
     struct pen_sheared b = pen_shear(ray, &tri->v[1]);
     struct pen_sheared c = pen_shear(ray, &tri->v[2]);
-    double w = pen_edge(a, b), u = pen_edge(b, c), v = pen_edge(c, a);
+    double w = pen_edge(a, b), u = pen_edge(b, c), v = -pen_edge(a, c);
     if (pen_edge_counts(a, b, w) + pen_edge_counts(b, c, u) + pen_edge_counts(c, a, v) == 0)
         return false;
-    *t = (u * a.z + v * b.z + w * c.z) * ray->sz / (u + v + w);
-    if (pen_triangle_grazed(a, b, c, u + v + w))
+    u = pen_edge_even(b, c); /* so that b and c may change places, and v and w with them */
+    double area = u + (v + w);
+    *t = (u * a.z + (v * b.z + w * c.z)) * ray->sz / area;
+    if (pen_triangle_grazed(a, b, c, area))
         pen_triangle_refine(tri, ray, t);
     return true;
 }
