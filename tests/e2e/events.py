@@ -102,6 +102,7 @@ while descriptors() > files + len(staying) and time.monotonic() < until:
     hear_until(staying, lambda e: False, 0.2)
 check("vanished-are-let-go", None if descriptors() <= files + len(staying) else descriptors())
 
+plain.close()  # idle by now for longer, perhaps, than the daemon waits
 plain.request("POST", job + "/cancel")
 plain.getresponse().read()
 check("all-hear-the-end", None if hear_until(staying, lambda e: e.ended, 30) else "no")
