@@ -244,7 +244,7 @@ static inline __m256d passes_origin4(const struct trace *w, struct vec4 a, struc
 {
     __m256d size = _mm256_add_pd(abs4(_mm256_sub_pd(b.x, a.x)), abs4(_mm256_sub_pd(b.y, a.y)));
     __m256d area = _mm256_sub_pd(_mm256_mul_pd(a.x, b.y), _mm256_mul_pd(a.y, b.x));
-    return LESS(abs4(area), _mm256_mul_pd(all(0x1p-6 * w->grow), size));
+    return LESS(abs4(area), _mm256_mul_pd(all(16 * w->slack), size));
 }
 
 /* A superset of the triangles with the origin on their border. */

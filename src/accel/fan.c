@@ -39,7 +39,7 @@ bool pen_fan_prepare(struct pen_fan *fan, double scale)
     fan->slope_sin = sqrt(uu) * slant;
     fan->l = pen_scale(fan->c, 1 / fan->depth);
     fan->reach = pen_norm1(fan->c) + pen_norm1(fan->u) + pen_norm1(fan->v);
-    fan->grow = 0x1p10 * (fan->leave->bound + 8 * PEN_U * scale);
+    fan->grow = 2 * PEN_NEARBY * (fan->leave->bound + 8 * PEN_U * scale);
     fan->delta = 4 * fan->grow + share(pen_norm1(fan->o) + (fan->to_point ? fan->reach : 0));
     fan->gates = fan->tints = 0;
     return true;

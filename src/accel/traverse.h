@@ -16,8 +16,8 @@
  * largest component of d is in [1, 2): a box's t is the ray's times `scale`. The near plane of an
  * axis is compared with an origin rounded to make the way to it shorter, the far plane with one
  * that makes it longer; reciprocals are off by 2^-22 to the same ends, more than the three
- * roundings of a slab take away. Boxes grow by `grow`, so that what touches the origin within that
- * distance is entered. */
+ * roundings of a slab take away. Boxes grow by `grow`, so that those are entered that hold what may
+ * be met by touching it. */
 #ifndef PEN_SRC_ACCEL_TRAVERSE_H
 #define PEN_SRC_ACCEL_TRAVERSE_H
 
@@ -29,10 +29,11 @@ struct trace {
     const struct pen_accel *accel;
     const struct pen_ray *ray;
     const struct pen_leave *leave;
-    bool leaving;               /* the ray starts on a primitive */
-    bool at_origin;             /* and what is tested now may reach the place where it starts */
-    double grow;                /* then nothing farther from the origin than this touches it */
-    double back_sq;             /* square of the t that is this far */
+    bool leaving;   /* the ray starts on a primitive */
+    bool at_origin; /* and what is tested now may reach the place where it starts */
+    double slack;   /* then what touches it misses it by no more than this, */
+    double grow;    /* and no border farther off than this is met by passing it */
+    double back_sq; /* square of the t at which nothing that touches it is, or farther */
     struct pen_hit after, best; /* nearest: the crossing looked for is between them */
     struct pen_shadow *shadow;
     double light_bound;    /* shadow: by how much the light may miss a surface that contains it */

@@ -121,10 +121,10 @@ static inline struct trace begin(const struct pen_accel *accel, const struct pen
 {
     struct trace w = {.accel = accel, .ray = ray, .leave = leave};
     w.leaving = leave->prim != PEN_NO_PRIM;
-    /* t itself is off by some roundings of the lengths that it was made of. */
-    w.grow = 0x1p10 * (leave->bound + 8 * PEN_U * accel->scale);
+    w.slack = leave->bound + 8 * PEN_U * accel->scale;
+    w.grow = 2 * PEN_NEARBY * w.slack;
     if (w.leaving)
-        w.back_sq = 2 * w.grow * w.grow * ray->inv_dd;
+        w.back_sq = 0x1p21 * w.slack * w.slack * ray->inv_dd;
     return w;
 }
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The crossings of a ray that starts on a surface: the rule stated in pen/geom/prims.h. */
+#include <stddef.h>
+
 #include "kinds.h"
 
 static double max2(double a, double b)
@@ -97,18 +99,37 @@ static double across(const struct contact *c, struct pen_vec3 d)
     return fabs(dn) <= c->share * pen_norm1(d) ? 0 : dn;
 }
 
-/* The side of q that the ray comes from, as the sign of a product with n: where `toward` points.
- * That tells nothing if it points along q, and little after the primitive left was passed: then it
- * is where that primitive lies, if it lies on one side. 0 if it lies on neither: there the two are
- * one surface. */
+/* On which side of q a way to the origin began, as the sign of a product with n; 0 if it began as
+ * near q as it ends. */
+static double side_before(const struct contact *c, struct pen_vec3 toward)
+{
+    double wn = across(c, toward);
+    return fabs(wn) <= 2 * c->slack ? 0 : wn;
+}
+
+/* The side of q that the ray comes from, as the sign of a product with n: where the way to the
+ * origin began, or else the one before it. That tells little after the primitive left was passed,
+ * and nothing if both began at q: then it is where that primitive lies, if it lies on one side. 0
+ * if it lies on neither: there the two are one surface. */
 static double side_of(const struct contact *c)
 {
-    double wn = across(c, c->leave->toward);
+    double wn = side_before(c, c->leave->toward);
+    if (wn == 0)
+        wn = side_before(c, c->leave->before);
     if (!c->leave->through && wn != 0)
         return wn;
-    bool out = reach(c->prims, c->leave->prim, c->n, c->p) > c->slack;
-    bool in = reach(c->prims, c->leave->prim, pen_neg(c->n), c->p) > c->slack;
+    bool out = reach(c->prims, c->leave->prim, c->n, c->p) > 2 * c->slack;
+    bool in = reach(c->prims, c->leave->prim, pen_neg(c->n), c->p) > 2 * c->slack;
     return out && in ? wn : (double)(out - in);
+}
+
+/* Whether q extends beyond the tangent plane of what the ray leaves, where it goes. */
+static bool rises(const struct contact *c, struct pen_vec3 d)
+{
+    struct pen_hit left = {0, c->leave->prim, c->leave->part};
+    struct pen_vec3 m = pen_prim_normal(c->prims, left, c->p);
+    double dm = pen_dot(d, m);
+    return dm == 0 || reach(c->prims, c->q.prim, dm > 0 ? m : pen_neg(m), c->p) > c->slack;
 }
 
 /* Whether a crossing of q at the ray's origin counts. A ray along q does not get by. */
@@ -117,10 +138,7 @@ static bool origin_counts(const struct contact *c, struct pen_vec3 d)
     double side = side_of(c), dn = across(c, d);
     if (side == 0 || (side > 0 && dn > 0) || (side < 0 && dn < 0))
         return false;
-    struct pen_hit left = {0, c->leave->prim, c->leave->part};
-    struct pen_vec3 m = pen_prim_normal(c->prims, left, c->p);
-    double dm = pen_dot(d, m);
-    return dm == 0 || reach(c->prims, c->q.prim, dm > 0 ? m : pen_neg(m), c->p) > c->slack;
+    return rises(c, d);
 }
 
 /* The primitive that the ray leaves: it is left at the leave's part, and can be met once more if
@@ -212,6 +230,22 @@ static void quadric_touching(const struct pen_prims *prims, uint32_t prim,
     }
 }
 
+/* The corners of a triangle or polygon. */
+struct outline {
+    const struct pen_vec3 *v;
+    uint32_t count; /* 0 of other bodies */
+};
+
+static struct outline outline_of(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_prim_ref ref = prims->ref[prim];
+    if (ref.kind == PEN_PRIM_TRIANGLE)
+        return (struct outline){prims->triangle[ref.index].v, 3};
+    if (ref.kind == PEN_PRIM_POLYGON)
+        return (struct outline){prims->polygon[ref.index].v, prims->polygon[ref.index].count};
+    return (struct outline){NULL, 0};
+}
+
 /* Whether p is within b of the segment from a to c. */
 static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p, double b)
 {
@@ -225,22 +259,58 @@ static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p
 static bool on_body(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                     struct pen_vec3 p, double b)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
-    bool three = ref.kind == PEN_PRIM_TRIANGLE;
-    if (!three && ref.kind != PEN_PRIM_POLYGON)
-        return false;
-    const struct pen_vec3 *v = three ? prims->triangle[ref.index].v : prims->polygon[ref.index].v;
-    uint32_t count = three ? 3 : prims->polygon[ref.index].count;
-    for (uint32_t i = 0; i < count; i++) {
-        if (near_segment(v[i], v[i + 1 < count ? i + 1 : 0], p, b))
+    const struct outline line = outline_of(prims, prim);
+    for (uint32_t i = 0; i < line.count; i++) {
+        if (near_segment(line.v[i], line.v[i + 1 < line.count ? i + 1 : 0], p, b))
             return true;
     }
     struct pen_ray across;
     struct pen_crossings c;
-    if (!(fabs(pen_dot(n, pen_sub(v[0], p))) <= 2 * b) || !pen_ray_make(&across, p, n))
+    if (line.count == 0 || !(fabs(pen_dot(n, pen_sub(line.v[0], p))) <= 2 * b) ||
+        !pen_ray_make(&across, p, n))
         return false;
     pen_prim_cross_line(prims, prim, &across, &c);
     return c.count > 0 && fabs(c.t[0]) <= b;
+}
+
+/* A point as seen along the ray, from its origin. */
+static struct pen_vec3 seen_along(const struct pen_ray *ray, struct pen_vec3 v)
+{
+    struct pen_vec3 f = pen_sub(v, ray->o);
+    return pen_along(f, ray->d, -pen_dot(f, ray->d) * ray->inv_dd);
+}
+
+/* Whether the ray meets the plane of a triangle or polygon near its origin, and passes its border
+ * within b: then it is an accident that its line misses the body. */
+static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
+                          const struct pen_ray *ray, double b, double *t)
+{
+    const struct outline line = outline_of(prims, prim);
+    if (line.count == 0)
+        return false;
+    double far = pen_dot(n, pen_sub(line.v[0], ray->o));
+    *t = far / pen_dot(n, ray->d);
+    if (!(fabs(far) > 0.5 * b && *t > 0 &&
+          *t * *t <= PEN_NEARBY * PEN_NEARBY * b * b * ray->inv_dd))
+        return false;
+    struct pen_vec3 from = seen_along(ray, line.v[line.count - 1]);
+    for (uint32_t i = 0; i < line.count; i++) {
+        struct pen_vec3 to = seen_along(ray, line.v[i]);
+        if (near_segment(from, to, pen_vec3(0, 0, 0), b))
+            return true;
+        from = to;
+    }
+    return false;
+}
+
+/* Adds the crossing of a ray that passes a border, unless the border is no higher than what the ray
+ * leaves: over a convex edge the ray is past its neighbour. */
+static void add_border(const struct pen_prims *prims, struct pen_hit q, const struct pen_ray *ray,
+                       const struct pen_leave *leave, struct pen_crossings *out)
+{
+    const struct contact c = contact_at(prims, q, ray, leave);
+    if (rises(&c, ray->d))
+        *out = (struct pen_crossings){1, {q.t}, {q.part}};
 }
 
 /* The crossing of a flat body by a ray that leaves another. A ray that starts on it may miss it:
@@ -252,8 +322,11 @@ static void cross_flat(const struct pen_prims *prims, uint32_t prim, const struc
     struct pen_hit hit = {out->count ? out->t[0] : 0, prim, PEN_PART_SIDE};
     struct pen_vec3 n = pen_prim_normal(prims, hit, ray->o);
     bool touches = out->count && pen_flat_touches(n, scale, ray, hit.t, leave->bound);
-    if (!touches && !(hit.t <= 0 && on_body(prims, prim, n, ray->o, b)))
+    if (!touches && !(hit.t <= 0 && on_body(prims, prim, n, ray->o, b))) {
+        if (out->count == 0 && passes_border(prims, prim, n, ray, b, &hit.t))
+            add_border(prims, hit, ray, leave, out);
         return;
+    }
     out->count = 0;
     if (hit.t <= 0 || pen_flat_near(ray, hit.t, b))
         hit.t = PEN_FIRST_T;

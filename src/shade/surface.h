@@ -15,7 +15,8 @@ struct surface {
     struct pen_vec3 v;      /* unit, from the viewer to p */
     double nv;              /* n.v <= 0 */
     double bound;           /* how far p may be off by rounding */
-    struct pen_vec3 toward; /* where the path came from, as rays that leave p understand it */
+    struct pen_vec3 toward; /* where the path came from, as rays that leave p understand it, */
+    struct pen_vec3 before; /* and where from before that */
 };
 
 /* p = o + t d misses its surface by the rounding of the sum before it is put back, and may miss
@@ -36,7 +37,12 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
         s.n = pen_neg(s.n);
         s.nv = -s.nv;
     }
-    s.toward = hit.t == PEN_FIRST_T ? left->toward : pen_neg(s.v);
+    s.toward = left->toward;
+    s.before = left->before;
+    if (hit.t != PEN_FIRST_T) {
+        s.before = s.toward;
+        s.toward = pen_scale(ray->d, -hit.t);
+    }
     s.bound = pen_prim_rounding(&scene->prims, hit.prim, s.p) + 16 * PEN_U * pen_norm1(ray->o);
     return s;
 }
@@ -49,6 +55,7 @@ static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s, boo
         .part = s->hit.part,
         .through = through,
         .toward = s->toward,
+        .before = s->before,
         .bound = s->bound,
     };
 }

@@ -131,7 +131,7 @@ static void follow_path(struct random *random, const struct ways *ways, const ui
         span.tmax = nextafter(hit.t, 0);
         nearest(&world, ways, &ray, &leave, &span);
         o = pen_prim_point(&world.prims, hit, &ray);
-        leave = world_leave(&world, hit, o, d, false);
+        leave = world_leave(&world, hit, o, pen_scale(d, hit.t), false);
         struct pen_vec3 n = pen_prim_normal(&world.prims, hit, o);
         struct pen_vec3 next = random_direction(random);
         leave.through = (pen_dot(next, n) > 0) != (pen_dot(leave.toward, n) > 0);

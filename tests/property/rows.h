@@ -97,6 +97,7 @@ void rows_resting(struct pen_row_run *run);
 void rows_acne(struct pen_row_run *run);
 void rows_room(struct pen_row_run *run);
 void rows_seam(struct pen_row_run *run);
+void rows_inside(struct pen_row_run *run);
 
 /* rows_films.c */
 void rows_films_threads(struct pen_row_run *run);

@@ -208,15 +208,26 @@ static vec3 make_room(const struct row_case *c, struct random *r)
     return pen_along(from, pen_sub(to, from), share);
 }
 
-static void judge_room(const struct row_case *c, struct row_verdict *v)
+/* A room, and three surfaces of every path in it; returns the place to look at. */
+static vec3 begin_room(const struct row_case *c, struct random *r)
 {
-    struct random r = {(uint64_t)c->arg[1] * 0x9e3779b97f4a7c15u + 73, 0};
     shot_begin(&kit);
     kit.settings.light_samples = 4;
     kit.settings.max_depth = 3;
     kit.settings.min_contribution = 0;
+    return make_room(c, r);
+}
+
+static struct random room_random(const struct row_case *c)
+{
+    return (struct random){(uint64_t)c->arg[1] * 0x9e3779b97f4a7c15u + 73, 0};
+}
+
+static void judge_room(const struct row_case *c, struct row_verdict *v)
+{
+    struct random r = room_random(c);
+    vec3 at = begin_room(c, &r), o = gen_offset3(c->arg[2]);
     kit.desc.background = pen_vec3(1, 1, 1);
-    vec3 at = make_room(c, &r), o = gen_offset3(c->arg[2]);
     kit_directional(&kit, random_direction(&r), pen_vec3(1, 1, 1));
     kit_point(&kit, pen_along(o, random_direction(&r), random_in(&r, 5, 50)), pen_vec3(1, 1, 1));
     kit_point(&kit, pen_along(o, random_direction(&r), 5), pen_vec3(1, 1, 1))->radius = 1;
@@ -234,4 +245,30 @@ void rows_room(struct pen_row_run *run)
 void rows_seam(struct pen_row_run *run)
 {
     row_each(run, draw_seam, judge_room);
+}
+
+/* The other side of it: what rounding decides at a seam must not put out a light in the room. */
+static void judge_inside(const struct row_case *c, struct row_verdict *v)
+{
+    struct random r = room_random(c);
+    vec3 at = begin_room(c, &r), o = gen_offset3(c->arg[2]);
+    for (int i = 0; i < 3; i++) {
+        vec3 where = pen_along(o, random_direction(&r), random_in(&r, 0, .9));
+        kit_point(&kit, where, pen_vec3(1, 1, 1))->radius = i == 2 ? .05 : 0;
+    }
+    shot_look(&kit, pen_along(o, random_direction(&r), .5), at, c->arg[3]);
+    double rays = shot_take(&kit, film);
+    for (int i = 0; i < 3; i++)
+        kit.lights[i].shadows = false;
+    shot_take(&kit, other);
+    int shaded = 0;
+    for (int i = 0; i < SHOT_PIXELS; i++)
+        shaded += film[3 * i] != other[3 * i];
+    row_measure(v, "shaded pixels in an empty room", shaded, 0);
+    row_measure(v, "shadow rays of a case", rays, -1);
+}
+
+void rows_inside(struct pen_row_run *run)
+{
+    row_each(run, draw_seam, judge_inside);
 }

@@ -51,11 +51,17 @@ const struct row row_table_light[] = {
         .what = "the same from 1e-7 to 1e-14 of a seam, where all is within rounding",
         .oracle = "black",
         .run = rows_seam,
+        .full = 20000,
+        .check = 100,
+    },
+    {
+        .id = "H073",
+        .name = "h073_light_inside",
+        .what = "the same rooms at their seams, with lights inside: as without shadows",
+        .oracle = "itself, bit for bit",
+        .run = rows_inside,
         .full = 4000,
         .check = 40,
-        .known = "light that grazes a wall gets by the edge of the next, from places that rounding "
-                 "put behind the wall; so does light at places that a mirror's ray reached "
-                 "without leaving the reach of rounding of the mirror",
     },
     {.id = NULL},
 };

@@ -149,8 +149,11 @@ struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d)
 struct pen_leave world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
                              struct pen_vec3 v, bool through)
 {
-    return (struct pen_leave){hit.prim, hit.part, through, pen_neg(v),
-                              pen_prim_rounding(&w->prims, hit.prim, p)};
+    return (struct pen_leave){.prim = hit.prim,
+                              .part = hit.part,
+                              .through = through,
+                              .toward = pen_neg(v),
+                              .bound = pen_prim_rounding(&w->prims, hit.prim, p)};
 }
 
 struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,

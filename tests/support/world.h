@@ -43,7 +43,7 @@ void world_random(struct world *w, struct random *random, uint32_t count, double
 /* A ray that must be one. */
 struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d);
 
-/* What a ray that starts at hit p of the world, reached along v, leaves. */
+/* What a ray that starts at hit p of the world, reached by the way v, leaves. */
 struct pen_leave world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
                              struct pen_vec3 v, bool through);
 

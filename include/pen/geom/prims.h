@@ -12,14 +12,21 @@
  * rounding has put p is an accident, and so is, at a border, whether the ray's line passes through
  * Q at all. So neither is asked. Q is crossed at p, at PEN_FIRST_T, if the ray does not go back to
  * the side of Q that it comes from, and if Q extends beyond P's tangent plane on the side where
- * the ray goes; else it is not crossed there. The ray comes from w's side; but after it passed
- * `through` P, or where w runs along Q, from the side where P lies, if it lies on one. So
+ * the ray goes; else it is not crossed there. The ray comes from w's side, or where the way w began
+ * within rounding of Q, from the side that the way before it began on (`before`); but after it
+ * passed `through` P, or where neither tells, from the side where P lies, if it lies on one. So
  *  - in a wedge or a corner of walls, a ray into the other wall is stopped by it, and no light
  *    comes in at the seams of a closed room;
  *  - over a convex edge, or a seam between two boxes, no neighbour shades its neighbour;
  *  - coplanar and coincident surfaces neither shade each other nor are entered twice;
  *  - things resting on each other shade each other at the contact.
  * A ray that met a surface at PEN_FIRST_T has not moved: what it leaves next has the same w.
+ *
+ * Passing. A p that rounding has put behind its wall is outside the room, and its ray may go round
+ * the foot of the next wall. So a triangle or polygon that is near p (PEN_NEARBY), but not at it,
+ * is also crossed where the ray's line meets its plane, if the line passes its border within the
+ * same bounds and Q extends beyond P's tangent plane on the side where the ray goes.
+ *
  * A quadric that p touches has its other root at -2 b / a, as if it were left itself, so that
  * coincident quadrics agree bit for bit. Nothing else is dropped, however near it is. */
 #ifndef PEN_GEOM_PRIMS_H

@@ -37,6 +37,11 @@
  * this share of the squared radius: it keeps too few digits. */
 #define PEN_GRAZING 0x1p-5
 
+/* A flat body whose border a ray passes within rounding is met if it is no farther from where the
+ * ray starts than this many rounding bounds. Beyond, only light at 2^-23 to a surface could get by,
+ * which brings it no more than that share of its strength. */
+#define PEN_NEARBY 0x1p23
+
 enum pen_part {
     PEN_PART_SIDE = 0, /* the only part of sphere, tube and flat bodies; a cylinder's side */
     PEN_PART_BASE = 1, /* a cylinder's cap at `base` */
@@ -116,8 +121,9 @@ struct pen_leave {
     uint32_t prim;
     uint8_t part;
     bool through;           /* it goes on at the other side of the surface than it arrived from */
-    struct pen_vec3 toward; /* from the origin back to where the arriving ray came from; if it
-                               arrived at PEN_FIRST_T, to where the one before it came from */
+    struct pen_vec3 toward; /* from the origin to where the arriving ray started; if it arrived at
+                               PEN_FIRST_T, to where the one before it did */
+    struct pen_vec3 before; /* `toward` of what the arriving ray left; zero without one */
     double bound; /* distance by which the origin may miss its surface: pen_prim_rounding */
 };
 
