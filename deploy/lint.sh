@@ -5,6 +5,7 @@
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."
+jobs=$(nproc)
 sh deploy/install-deps.sh --lint
 fails=0
 bad() {
@@ -59,17 +60,21 @@ count "$work/out"
 flags="-std=c11 -D_GNU_SOURCE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Iinclude"
 flags="$flags $(pkg-config --cflags jansson libmicrohttpd)"
 git ls-files 'include/*.h' >"$work/headers"
-while IFS= read -r header; do
-    name=${header#include/}
-    printf '#include "%s"\n#include "%s"\nextern int pen_lint;\nint pen_lint;\n' "$name" "$name" >"$work/alone.c"
-    for compiler in gcc clang; do
-        $compiler $flags -Werror -fsyntax-only "$work/alone.c" 2>"$work/err" ||
-            bad "$header does not compile alone with $compiler: $(grep -m1 error "$work/err")"
-    done
-done <"$work/headers"
+cat >"$work/alone.sh" <<'EOF'
+name=${1#include/}
+source=$(mktemp "$work/XXXXXX.c")
+printf '#include "%s"\n#include "%s"\nextern int pen_lint;\nint pen_lint;\n' "$name" "$name" >"$source"
+for compiler in gcc clang; do
+    $compiler $flags -Werror -fsyntax-only "$source" 2>"$source.err" ||
+        echo "$1 does not compile alone with $compiler: $(grep -m1 error "$source.err")"
+done
+EOF
+export work flags
+xargs -P "$jobs" -n 1 sh "$work/alone.sh" <"$work/headers" | sort >"$work/out"
+count "$work/out"
 
 # 3. Format.
-git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' | xargs -r clang-format --dry-run 2>&1 |
+git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' | xargs -P "$jobs" -n 40 clang-format --dry-run 2>&1 |
     grep 'warning: code should be clang-formatted' | cut -d: -f1 | sort -u >"$work/out" || :
 sed -i 's/$/: not formatted (clang-format -i)/' "$work/out"
 count "$work/out"

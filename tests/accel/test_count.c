@@ -44,7 +44,7 @@ START_TEST(test_count__variants_agree)
 {
     struct random r = random_begin(31);
     uint64_t boxes = 0, primitives = 0;
-    for (int scene = 0; scene < 100; scene++) {
+    for (int scene = 0; scene < random_cases(100); scene++) {
         world_clear(&world);
         world_random(&world, &r, random_below(&r, 200), random_in(&r, 0.02, 0.5));
         for (int k = 0; k < PEN_ACCEL_COUNT; k++) {
@@ -76,7 +76,7 @@ START_TEST(test_count__variants_agree_at_the_faces_of_boxes)
 {
     struct random r = random_begin(33);
     uint64_t boxes = 0;
-    for (int scene = 0; scene < 200; scene++) {
+    for (int scene = 0; scene < random_cases(200); scene++) {
         double far = scene & 1 ? 0 : ldexp(1, (int)random_below(&r, 30));
         world_clear(&world);
         for (int i = 0; i < 60; i++) {

@@ -105,8 +105,8 @@ static struct pen_prims crowd(uint32_t count)
 /* H097: copies of one triangle: the tree ends, and the first copy is met. */
 START_TEST(test_tree__h097_identical_centroids)
 {
-    enum { N = 100000 };
-    struct pen_prims prims = crowd(N);
+    const int N = random_cases(100000);
+    struct pen_prims prims = crowd((uint32_t)N);
     for (int i = 0; i < N; i++)
         ck_assert(
             pen_triangle_make(&many[i], pen_vec3(.1, 0, 0), pen_vec3(1, 0, 0), pen_vec3(0, 1, .3)));
@@ -134,9 +134,9 @@ END_TEST
 /* Sizes and places over sixty powers of two: depth stays bounded. */
 START_TEST(test_tree__geometric_scales)
 {
-    enum { N = 20000 };
+    const int N = random_cases(20000);
     struct random r = random_begin(97);
-    struct pen_prims prims = crowd(N);
+    struct pen_prims prims = crowd((uint32_t)N);
     for (int i = 0; i < N; i++) {
         double s = ldexp(1, -(int)random_below(&r, 60));
         vec3 c = pen_scale(random_direction(&r), s);
@@ -145,11 +145,11 @@ START_TEST(test_tree__geometric_scales)
     }
     struct tree tree = plant(&prims);
     struct pen_leave leave = pen_leave_nothing;
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < random_cases(200); i++) {
         struct pen_ray ray = world_ray(random_vec(&r, 1), random_direction(&r));
         struct pen_span span = {pen_after_start, INFINITY};
         struct pen_hit truth = {INFINITY, PEN_NO_PRIM, 0}, hit = truth;
-        for (uint32_t k = 0; k < N; k++) {
+        for (uint32_t k = 0; k < (uint32_t)N; k++) {
             double t;
             if (pen_triangle_root(&many[k], &ray, &t) && t > 0 && t < truth.t)
                 truth = (struct pen_hit){t, k, 0};
@@ -180,7 +180,7 @@ START_TEST(test_tree__h098_unbounded_mix)
         world_triangle(&world, c, pen_add(c, random_vec(&r, .1)), pen_add(c, random_vec(&r, .1)));
     }
     struct tree tree = plant(&world.prims);
-    for (int i = 0; i < 2000; i++)
+    for (int i = 0; i < random_cases(2000); i++)
         same(&tree, &world, random_vec(&r, 2), random_direction(&r), INFINITY);
     pen_arena_free(tree.arena);
 }
@@ -222,7 +222,7 @@ START_TEST(test_tree__h091_h092_h093_no_false_box_misses)
     static const double far[] = {0, 1e3, 1e6, 1e9};
     struct random r = random_begin(91);
     int hits = 0;
-    for (int scene = 0; scene < 60; scene++) {
+    for (int scene = 0; scene < random_cases(60); scene++) {
         double k = far[_i];
         boxes(&r, pen_vec3(k, -.37 * k, .7 * k), scene & 1);
         struct tree tree = plant(&world.prims);
@@ -244,7 +244,7 @@ START_TEST(test_tree__h091_h092_h093_no_false_box_misses)
         }
         pen_arena_free(tree.arena);
     }
-    ck_assert_int_gt(hits, 2000);
+    ck_assert_int_gt(hits, random_cases(2000));
 }
 END_TEST
 
@@ -254,7 +254,7 @@ START_TEST(test_tree__h094_tmax_equality)
     struct random r = random_begin(94);
     boxes(&r, pen_vec3(0, 0, 0), true);
     struct tree tree = plant(&world.prims);
-    for (int i = 0; i < 2000; i++) {
+    for (int i = 0; i < random_cases(2000); i++) {
         vec3 o = random_vec(&r, 9), d = pen_sub(adversarial_point(&r), o);
         struct pen_ray ray = world_ray(o, d);
         struct pen_span span = {pen_after_start, INFINITY};

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Random numbers for property tests: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). A test prints
- * its seed with its failures, and PEN_SEED in the environment repeats it. */
+ * its seed with its failures, and PEN_SEED in the environment repeats it. PEN_FEWER=10 has heavy
+ * tests try a tenth of their cases: for builds with sanitizers, which look for what is undefined,
+ * and that does not hide in rare numbers. */
 #ifndef TESTS_SUPPORT_RANDOM_H
 #define TESTS_SUPPORT_RANDOM_H
 
@@ -19,6 +21,26 @@ static inline struct random random_begin(uint64_t seed)
     const char *given = getenv("PEN_SEED");
     seed = given ? strtoull(given, NULL, 0) : seed;
     return (struct random){seed, seed};
+}
+
+/* By what the cases of heavy tests are divided: 1 unless the environment says more. */
+static inline int random_fewer(void)
+{
+    const char *given = getenv("PEN_FEWER");
+    int fewer = given ? atoi(given) : 1;
+    return fewer > 1 ? fewer : 1;
+}
+
+/* How many of so many cases are tried. */
+static inline int random_cases(int count)
+{
+    return (count + random_fewer() - 1) / random_fewer();
+}
+
+/* The step from one n to the next where every n would be tried. */
+static inline int random_stride(void)
+{
+    return 1 + (random_fewer() - 1) / 3;
 }
 
 static inline uint64_t random_bits(struct random *r)
