@@ -24,9 +24,11 @@ static inline struct vec4 all3(struct pen_vec3 v)
     return (struct vec4){all(v.x), all(v.y), all(v.z)};
 }
 
-static inline struct vec4 load3(const double v[3][PEN_LANES])
+/* pen_turned */
+static inline struct vec4 turned4(const struct pen_ray *ray, const double v[3][PEN_LANES])
 {
-    return (struct vec4){_mm256_loadu_pd(v[0]), _mm256_loadu_pd(v[1]), _mm256_loadu_pd(v[2])};
+    return (struct vec4){_mm256_loadu_pd(v[ray->kx]), _mm256_loadu_pd(v[ray->ky]),
+                         _mm256_loadu_pd(v[ray->kz])};
 }
 
 static inline struct vec4 sub3(struct vec4 a, struct vec4 b)
@@ -164,7 +166,8 @@ static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256
 
 static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
 {
-    struct vec4 o = all3(w->ray->o), d = all3(w->ray->d), c = load3(b->c), f = sub3(o, c);
+    struct vec4 o = all3(w->ray->turned_o), d = all3(w->ray->turned_d), c = turned4(w->ray, b->c);
+    struct vec4 f = sub3(o, c);
     struct vec4 low = {lost4(o.x, c.x, f.x), lost4(o.y, c.y, f.y), lost4(o.z, c.z, f.z)};
     __m256d inv_dd = all(w->ray->inv_dd);
     __m256d tp = _mm256_mul_pd(neg4(dot4(f, d)), inv_dd);
@@ -208,13 +211,10 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
 static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LANES])
 {
     const struct pen_ray *ray = w->ray;
-    struct vec4 s;
-    s.z = _mm256_sub_pd(_mm256_loadu_pd(v[ray->kz]), all(ray->oz));
-    s.x = _mm256_sub_pd(_mm256_sub_pd(_mm256_loadu_pd(v[ray->kx]), all(ray->ox)),
-                        _mm256_mul_pd(all(ray->sx), s.z));
-    s.y = _mm256_sub_pd(_mm256_sub_pd(_mm256_loadu_pd(v[ray->ky]), all(ray->oy)),
-                        _mm256_mul_pd(all(ray->sy), s.z));
-    return s;
+    struct vec4 f = sub3(turned4(ray, v), all3(ray->turned_o));
+    f.x = _mm256_sub_pd(f.x, _mm256_mul_pd(all(ray->sx), f.z));
+    f.y = _mm256_sub_pd(f.y, _mm256_mul_pd(all(ray->sy), f.z));
+    return f;
 }
 
 /* Offers the lanes of a flat block. */
@@ -390,8 +390,8 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
 
 static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bool any)
 {
-    struct vec4 g = load3(b->g), f = sub3(load3(b->q), all3(w->ray->o));
-    __m256d gd = dot_guarded4(g, all3(w->ray->d));
+    struct vec4 g = turned4(w->ray, b->g), f = sub3(turned4(w->ray, b->q), all3(w->ray->turned_o));
+    __m256d gd = dot_guarded4(g, all3(w->ray->turned_d));
     __m256d t = _mm256_div_pd(dot4(g, f), gd);
     __m256d crossed = _mm256_cmp_pd(gd, all(0), _CMP_NEQ_OQ);
     __m256d after = all(any ? 0 : w->after.t);
@@ -434,12 +434,12 @@ struct round4 {
 static inline struct round4 round_roots4(const struct trace *w, const struct pen_cylinders4 *b,
                                          struct vec4 f, struct vec4 a)
 {
-    struct vec4 o = all3(w->ray->o), q = load3(b->q);
+    struct vec4 o = all3(w->ray->turned_o), q = turned4(w->ray, b->q);
     struct vec4 low = {lost4(o.x, q.x, f.x), lost4(o.y, q.y, f.y), lost4(o.z, q.z, f.z)};
     struct vec4 rest3 = {_mm256_sub_pd(_mm256_mul_pd(low.y, a.z), _mm256_mul_pd(low.z, a.y)),
                          _mm256_sub_pd(_mm256_mul_pd(low.z, a.x), _mm256_mul_pd(low.x, a.z)),
                          _mm256_sub_pd(_mm256_mul_pd(low.x, a.y), _mm256_mul_pd(low.y, a.x))};
-    struct vec4 m = cross4(all3(w->ray->d), a), n = add3(cross4(f, a), rest3);
+    struct vec4 m = cross4(all3(w->ray->turned_d), a), n = add3(cross4(f, a), rest3);
     struct round4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
     __m256d inv = _mm256_div_pd(all(1), out.mm);
     __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
@@ -484,7 +484,7 @@ static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylin
                                    struct vec4 f, struct vec4 a)
 {
     const __m256d four = all(4);
-    struct vec4 d = all3(w->ray->d);
+    struct vec4 d = all3(w->ray->turned_d);
     __m256d top = _mm256_loadu_pd(b->top), fa = dot4(f, a), da = dot4(d, a);
     __m256d rest = abs4(_mm256_sub_pd(top, fa)), least = _mm256_min_pd(rest, abs4(fa));
     return bits(_mm256_or_pd(LESS(_mm256_mul_pd(four, least), size4(f, a)),
@@ -506,8 +506,9 @@ static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b,
 static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 *b, bool any)
 {
     const __m256d zero = all(0);
-    struct vec4 a = load3(b->a), f = sub3(all3(w->ray->o), load3(b->q));
-    __m256d da = dot_guarded4(all3(w->ray->d), a), fa = dot4(f, a);
+    struct vec4 a = turned4(w->ray, b->a), o = all3(w->ray->turned_o);
+    struct vec4 f = sub3(o, turned4(w->ray, b->q));
+    __m256d da = dot_guarded4(all3(w->ray->turned_d), a), fa = dot4(f, a);
     __m256d inv = _mm256_div_pd(all(1), da);
     __m256d base = _mm256_mul_pd(neg4(fa), inv);
     __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);

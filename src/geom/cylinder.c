@@ -50,7 +50,7 @@ bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray
     double side[2];
     bool parallel = false;
     bool slab = pen_cylinder_slab(c, ray, in);
-    double da = pen_dot_guarded(ray->d, c->round.a);
+    double da = pen_cylinder_along(c, ray);
     if (on & (da > 0 ? PEN_ON_BASE : PEN_ON_TOP))
         in->lo = 0;
     if (on & (da > 0 ? PEN_ON_TOP : PEN_ON_BASE))
@@ -66,7 +66,7 @@ bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray
 bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
                          struct pen_inside *in)
 {
-    double side[2] = {0, 0}, da = pen_dot_guarded(ray->d, c->round.a);
+    double side[2] = {0, 0}, da = pen_cylinder_along(c, ray);
     if (part == PEN_PART_SIDE) {
         side[1] = pen_round_chord(&c->round, ray);
         if (!(side[1] > 0))

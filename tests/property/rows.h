@@ -77,6 +77,7 @@ void rows_mirrored(struct pen_row_run *run);
 void rows_mirrored_triangle(struct pen_row_run *run);
 void rows_turned(struct pen_row_run *run);
 void rows_turned_sums(struct pen_row_run *run);
+void rows_turned_tied(struct pen_row_run *run);
 void rows_mixed(struct pen_row_run *run);
 void rows_far_camera(struct pen_row_run *run);
 void rows_planet(struct pen_row_run *run);

@@ -35,12 +35,18 @@ struct pen_inside {
     uint8_t lo_part, hi_part;
 };
 
+/* d.a: 0 if the ray is parallel to the caps, > 0 if it goes from the base to the top. */
+static inline double pen_cylinder_along(const struct pen_cylinder *c, const struct pen_ray *ray)
+{
+    return pen_dot_guarded(ray->turned_d, pen_turned(ray, &c->round.a));
+}
+
 /* The slab between the caps; false if the ray runs beside or along it. */
 static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct pen_ray *ray,
                                      struct pen_inside *in)
 {
-    double da = pen_dot_guarded(ray->d, c->round.a);
-    double fa = pen_dot(pen_sub(ray->o, c->round.q), c->round.a);
+    struct pen_vec3 f = pen_sub(ray->turned_o, pen_turned(ray, &c->round.q));
+    double da = pen_cylinder_along(c, ray), fa = pen_dot(f, pen_turned(ray, &c->round.a));
     if (da == 0) {
         *in = (struct pen_inside){-INFINITY, INFINITY, PEN_PART_BASE, PEN_PART_TOP};
         return fa > 0 && fa < c->top;
@@ -72,7 +78,8 @@ static inline bool pen_inside_cut(struct pen_inside *in, const double side[2])
  * it. */
 static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const struct pen_ray *ray)
 {
-    struct pen_vec3 f = pen_sub(ray->o, c->round.q), a = c->round.a, d = ray->d;
+    struct pen_vec3 q = pen_turned(ray, &c->round.q), a = pen_turned(ray, &c->round.a);
+    struct pen_vec3 f = pen_sub(ray->turned_o, q), d = ray->turned_d;
     double da = pen_dot(d, a), fa = pen_dot(f, a), rest = fabs(c->top - fa);
     double size = fabs(f.x * a.x) + fabs(f.y * a.y) + fabs(f.z * a.z);
     double least = rest < fabs(fa) ? rest : fabs(fa);

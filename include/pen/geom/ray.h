@@ -52,11 +52,20 @@ enum pen_part {
  * Benthin, Wald, JCGT 2(1), 2013, section 3.2) and 1/d.d. d has any length; t is in units of d. */
 struct pen_ray {
     struct pen_vec3 o, d;
-    double inv_dd;     /* 1 / d.d */
-    double sx, sy, sz; /* shear: d[kx]/d[kz], d[ky]/d[kz], 1/d[kz] */
-    double ox, oy, oz; /* o[kx], o[ky], o[kz] */
-    int kx, ky, kz;    /* axes permuted so that kz is d's largest component */
+    double inv_dd;                      /* 1 / d.d */
+    double sx, sy, sz;                  /* shear: d[kx]/d[kz], d[ky]/d[kz], 1/d[kz] */
+    struct pen_vec3 turned_o, turned_d; /* pen_turned of o and d */
+    int kx, ky, kz; /* axes turned round, not swapped, so that kz is d's largest component */
 };
+
+/* v with its axes in the ray's order. All sums over axes that decide t are taken of such vectors,
+ * so that t has the same bits in a scene whose axes are turned round; only where all components of
+ * d are of one size is no axis the ray's own. */
+static inline struct pen_vec3 pen_turned(const struct pen_ray *ray, const struct pen_vec3 *v)
+{
+    const double *c = (const double *)v;
+    return pen_vec3(c[ray->kx], c[ray->ky], c[ray->kz]);
+}
 
 /* v with components smaller than `least` made zeros of the same sign. */
 static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
@@ -73,7 +82,8 @@ static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
 static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d)
 {
     double ax = fabs(d.x), ay = fabs(d.y), az = fabs(d.z);
-    int kz = ax >= ay ? (ax >= az ? 0 : 2) : (ay >= az ? 1 : 2);
+    /* Of two equal ones the first, counting on from the third axis. */
+    int kz = ax >= ay ? (ax > az ? 0 : 2) : (ay >= az ? 1 : 2);
     double largest = kz == 0 ? ax : kz == 1 ? ay : az;
     double poison = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (ax - ax) + (ay - ay) + (az - az);
     if (!(poison == 0 && largest >= 0x1p-400 && largest <= 0x1p400))
@@ -82,17 +92,15 @@ static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct p
     o = pen_without_less(o, 0x1p-450);
     ray->o = o;
     ray->d = d;
-    ray->inv_dd = 1.0 / pen_dot(d, d);
     ray->kz = kz;
     ray->kx = kz == 2 ? 0 : kz + 1;
     ray->ky = 3 - kz - ray->kx;
-    double dz = pen_component(d, kz);
-    ray->sx = pen_component(d, ray->kx) / dz;
-    ray->sy = pen_component(d, ray->ky) / dz;
-    ray->sz = 1.0 / dz;
-    ray->ox = pen_component(o, ray->kx);
-    ray->oy = pen_component(o, ray->ky);
-    ray->oz = pen_component(o, kz);
+    ray->turned_o = pen_turned(ray, &ray->o);
+    ray->turned_d = pen_turned(ray, &ray->d);
+    ray->inv_dd = 1.0 / pen_dot(ray->turned_d, ray->turned_d);
+    ray->sx = ray->turned_d.x / ray->turned_d.z;
+    ray->sy = ray->turned_d.y / ray->turned_d.z;
+    ray->sz = 1.0 / ray->turned_d.z;
     return true;
 }
 

@@ -27,10 +27,11 @@ void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, do
 static inline bool pen_sphere_roots(const struct pen_sphere *s, const struct pen_ray *ray,
                                     double t[2])
 {
-    struct pen_vec3 f = pen_sub(ray->o, s->c), low = pen_lost3(ray->o, s->c, f);
-    double tp = -pen_dot(f, ray->d) * ray->inv_dd;
-    struct pen_vec3 l = pen_add(pen_along_once(f, ray->d, tp), low);
-    double rest = -pen_dot(l, ray->d) * ray->inv_dd;
+    struct pen_vec3 o = ray->turned_o, d = ray->turned_d, c = pen_turned(ray, &s->c);
+    struct pen_vec3 f = pen_sub(o, c), low = pen_lost3(o, c, f);
+    double tp = -pen_dot(f, d) * ray->inv_dd;
+    struct pen_vec3 l = pen_add(pen_along_once(f, d, tp), low);
+    double rest = -pen_dot(l, d) * ray->inv_dd;
     double disc = (s->rr - pen_dot(l, l)) + s->rr_low;
     double h = sqrt(disc * ray->inv_dd); /* NaN for a miss */
     t[0] = tp + (rest - h);

@@ -34,10 +34,8 @@ struct pen_sheared {
 
 static inline struct pen_sheared pen_shear(const struct pen_ray *ray, const struct pen_vec3 *v)
 {
-    const double *c = (const double *)v;
-    double z = c[ray->kz] - ray->oz;
-    return (struct pen_sheared){(c[ray->kx] - ray->ox) - ray->sx * z,
-                                (c[ray->ky] - ray->oy) - ray->sy * z, z};
+    struct pen_vec3 f = pen_sub(pen_turned(ray, v), ray->turned_o);
+    return (struct pen_sheared){f.x - ray->sx * f.z, f.y - ray->sy * f.z, f.z};
 }
 
 /* Twice the area of (ray, P, Q) seen along the ray; its sign is exact. */

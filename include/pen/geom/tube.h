@@ -29,12 +29,18 @@ bool pen_tube_make(struct pen_tube *tube, struct pen_vec3 origin, struct pen_vec
 
 /* (p - q) x a: across the axis, turned by a right angle, times |a|. p - q is taken exactly, so
  * the distance from q along the axis does not matter. */
-static inline struct pen_vec3 pen_round_across(const struct pen_round *s, struct pen_vec3 p)
+static inline struct pen_vec3 pen_axis_across(struct pen_vec3 p, struct pen_vec3 q,
+                                              struct pen_vec3 a)
 {
-    struct pen_vec3 f = pen_sub(p, s->q), low = pen_lost3(p, s->q, f), a = s->a;
+    struct pen_vec3 f = pen_sub(p, q), low = pen_lost3(p, q, f);
     struct pen_vec3 rest =
         pen_vec3(low.y * a.z - low.z * a.y, low.z * a.x - low.x * a.z, low.x * a.y - low.y * a.x);
     return pen_add(pen_cross(f, a), rest);
+}
+
+static inline struct pen_vec3 pen_round_across(const struct pen_round *s, struct pen_vec3 p)
+{
+    return pen_axis_across(p, s->q, s->a);
 }
 
 /* As pen_sphere_refine. */
@@ -46,8 +52,9 @@ void pen_round_refine(const struct pen_round *s, const struct pen_ray *ray, doub
 static inline bool pen_round_roots(const struct pen_round *s, const struct pen_ray *ray,
                                    double t[2], bool *parallel)
 {
-    struct pen_vec3 m = pen_cross(ray->d, s->a);
-    struct pen_vec3 n = pen_round_across(s, ray->o);
+    struct pen_vec3 q = pen_turned(ray, &s->q), a = pen_turned(ray, &s->a);
+    struct pen_vec3 m = pen_cross(ray->turned_d, a);
+    struct pen_vec3 n = pen_axis_across(ray->turned_o, q, a);
     double mm = pen_dot(m, m), inv = 1.0 / mm;
     double tp = -pen_dot(m, n) * inv;
     struct pen_vec3 l = pen_along_once(n, m, tp);
