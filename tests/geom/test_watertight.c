@@ -8,37 +8,7 @@
 
 static struct world world;
 
-enum { STACKS = 16, SLICES = 14 };
-
 static const vec3 offset[3] = {{0, 0, 0}, {1e6, -3.7e5, 1.7e6}, {1e9, -1e9, 1e9}};
-
-static vec3 grid[STACKS + 1][SLICES];
-
-/* A sphere of 16 x 14 patches whose vertices have random radii of 1 ... 6: 392 triangles. */
-static void make_bumpy(struct random *r, vec3 middle)
-{
-    world_clear(&world);
-    for (int i = 0; i <= STACKS; i++) {
-        for (int j = 0; j < SLICES; j++) {
-            double theta = 3.14159265358979 * i / STACKS, phi = 6.28318530717959 * j / SLICES;
-            vec3 d = pen_vec3(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
-            if (i == 0 || i == STACKS)
-                d = pen_vec3(0, 0, i == 0 ? 1 : -1);
-            bool pole = (i == 0 || i == STACKS) && j > 0;
-            grid[i][j] = pole ? grid[i][0] : pen_along(middle, d, random_in(r, 1, 6));
-        }
-    }
-    for (int i = 0; i < STACKS; i++) {
-        for (int j = 0; j < SLICES; j++) {
-            vec3 a = grid[i][j], b = grid[i + 1][j], k = grid[i + 1][(j + 1) % SLICES];
-            vec3 l = grid[i][(j + 1) % SLICES];
-            if (i < STACKS - 1)
-                world_triangle(&world, a, b, k);
-            if (i > 0)
-                world_triangle(&world, a, k, l);
-        }
-    }
-}
 
 /* A point of the surface: in general, a vertex, on an edge, or exactly on an edge if its ends
  * allow (a multiple of 1/8 of the way). */
@@ -58,7 +28,7 @@ START_TEST(test_watertight__h038_h039_bumpy_sphere)
 {
     struct random r = random_begin(38);
     vec3 middle = offset[_i];
-    make_bumpy(&r, middle);
+    world_bumpy(&world, &r, middle);
     for (int i = 0; i < random_cases(10000); i++) {
         vec3 o = pen_along(middle, random_direction(&r), .5);
         vec3 d = pen_sub(target(&r, i % 4), o);

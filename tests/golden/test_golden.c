@@ -10,11 +10,12 @@
 
 #include "pen/io/scene_json.h"
 #include "pen/render/render.h"
+#include "support/golden.h"
 #include "support/suite.h"
 
 #define TABLE "tests/golden/hashes.txt"
 
-enum { LONGEST_EDGE = 96, LINES_MAX = 200, LINE_BYTES = 160 };
+enum { LINES_MAX = 200, LINE_BYTES = 160 };
 
 struct table {
     int count;
@@ -35,34 +36,6 @@ static char *read_file(const char *path, size_t *bytes)
     return text;
 }
 
-/* FNV-1a, 64 bits, over the floats' bytes from the lowest on. */
-static uint64_t film_hash(const float *film, size_t count)
-{
-    uint64_t h = 14695981039346656037u;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &film[i], sizeof bits);
-        for (int byte = 0; byte < 4; byte++)
-            h = (h ^ (bits >> (8 * byte) & 0xFF)) * 1099511628211u;
-    }
-    return h;
-}
-
-/* Shrinks the image, keeping its shape, and takes few of many samples, so that all scenes take
- * seconds. */
-static void shrink(struct pen_settings *s)
-{
-    if (s->light_samples > 32)
-        s->light_samples = 8;
-    int longest = s->width > s->height ? s->width : s->height;
-    if (longest <= LONGEST_EDGE)
-        return;
-    s->width = s->width * LONGEST_EDGE / longest;
-    s->height = s->height * LONGEST_EDGE / longest;
-    s->width += s->width == 0;
-    s->height += s->height == 0;
-}
-
 static uint64_t render_hash(const struct pen_scene *scene, int view, struct pen_settings settings,
                             int threads, int tile)
 {
@@ -76,7 +49,7 @@ static uint64_t render_hash(const struct pen_scene *scene, int view, struct pen_
     struct pen_render_stats stats;
     ck_assert_msg(pen_render_run(pool, &task, &stats, &st), "%s", st.msg);
     pen_pool_free(pool);
-    uint64_t hash = film_hash(film, count);
+    uint64_t hash = golden_hash(film, count);
     free(film);
     return hash;
 }
@@ -93,7 +66,7 @@ static struct pen_scene *freeze(const struct pen_scene_desc *desc, int accelerat
 static void hash_views(const char *path, const struct pen_scene_desc *desc, struct table *table)
 {
     struct pen_settings settings = desc->settings;
-    shrink(&settings);
+    golden_shrink(&settings);
     struct pen_scene *by_kind[PEN_ACCEL_COUNT];
     for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
         by_kind[kind] = freeze(desc, kind);

@@ -10,32 +10,9 @@
 
 #include "pen/io/scene_json.h"
 #include "pen/scene/scene.h"
+#include "support/corrupt.h"
 #include "support/mutate.h"
 #include "support/suite.h"
-
-enum { TEXT_BYTES = 1 << 16 };
-
-struct text {
-    char data[TEXT_BYTES];
-    size_t bytes;
-};
-
-static void read_text(const char *path, struct text *text)
-{
-    FILE *file = fopen(path, "rb");
-    ck_assert_ptr_nonnull(file);
-    text->bytes = fread(text->data, 1, sizeof text->data / 2, file);
-    fclose(file);
-}
-
-static void insert(struct text *text, size_t at, const char *piece, size_t bytes)
-{
-    if (text->bytes + bytes > sizeof text->data)
-        return;
-    memmove(text->data + at + bytes, text->data + at, text->bytes - at);
-    memcpy(text->data + at, piece, bytes);
-    text->bytes += bytes;
-}
 
 static const char *const pieces[] = {"{",
                                      "}",
@@ -68,36 +45,7 @@ static const char *const pieces[] = {"{",
                                      "1e-999",
                                      "\r"};
 
-/* One change of bytes, of the kind that typing, cutting and transmission make. */
-static void corrupt(struct random *random, struct text *text)
-{
-    size_t at = random_below(random, (uint32_t)text->bytes + 1);
-    size_t left = text->bytes - at;
-    const char *piece = pieces[random_below(random, sizeof pieces / sizeof pieces[0])];
-    char byte = (char)random_below(random, 256), copy[32];
-    size_t some = random_below(random, 32);
-    some = some < left ? some : left;
-    switch (random_below(random, 5)) {
-    case 0:
-        insert(text, at, piece, strlen(piece));
-        break;
-    case 1:
-        insert(text, at, &byte, 1);
-        break;
-    case 2:
-        memmove(text->data + at, text->data + at + some, left - some);
-        text->bytes -= some;
-        break;
-    case 3:
-        memcpy(copy, text->data + at, some);
-        insert(text, random_below(random, (uint32_t)text->bytes + 1), copy, some);
-        break;
-    default:
-        if (left > 0)
-            text->data[at] = byte;
-        break;
-    }
-}
+static const struct corrupt_kind kind = {pieces, sizeof pieces / sizeof pieces[0]};
 
 /* Whether a JSON Pointer leads to a value of the document. One that was cut is not followed. */
 static bool leads_somewhere(const json_t *value, const char *pointer)
@@ -180,7 +128,7 @@ static bool equal(const json_t *a, const json_t *b)
 }
 
 /* Parses a copy of exact size; both parsers must agree. Returns the document, if it is one. */
-static json_t *check_parse(const struct text *text, const struct random *random)
+static json_t *check_parse(const struct corrupt_text *text, const struct random *random)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_status st = {.line = -1};
@@ -209,14 +157,14 @@ static const char *some_file(struct random *random, const glob_t *files)
 
 START_TEST(test_property__corrupted_text_is_survived_and_judged_as_jansson_does)
 {
-    static struct text text;
+    static struct corrupt_text text;
     struct random random = random_begin(1);
     glob_t files;
     ck_assert_int_eq(glob("tests/io/corpus/*/*.json", 0, NULL, &files), 0);
     for (int i = 0; i < 40000; i++) {
-        read_text(some_file(&random, &files), &text);
+        corrupt_read(some_file(&random, &files), &text);
         for (uint32_t changes = random_below(&random, 4); changes > 0; changes--)
-            corrupt(&random, &text);
+            corrupt(&random, &text, &kind);
         json_t *document = check_parse(&text, &random);
         if (document)
             check_read(document, &random);
@@ -228,14 +176,14 @@ END_TEST
 
 START_TEST(test_property__errors_point_into_the_document)
 {
-    static struct text text;
+    static struct corrupt_text text;
     struct random random = random_begin(2);
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     glob_t files;
     ck_assert_int_eq(glob("tests/io/corpus/good/*.json", 0, NULL, &files), 0);
     for (int i = 0; i < 20000; i++) {
-        read_text(some_file(&random, &files), &text);
+        corrupt_read(some_file(&random, &files), &text);
         json_t *document = pen_json_parse(text.data, text.bytes, &limits, &st);
         for (uint32_t changes = 1 + random_below(&random, 4); changes > 0; changes--)
             mutate_document(&random, document);

@@ -8,15 +8,8 @@
 #include <string.h>
 
 #include "pen/io/document.h"
-#include "support/random.h"
+#include "support/corrupt.h"
 #include "support/suite.h"
-
-enum { TEXT_BYTES = 1 << 16 };
-
-struct text {
-    char data[TEXT_BYTES];
-    size_t bytes;
-};
 
 static const char *const pieces[] = {"<",
                                      ">",
@@ -55,50 +48,10 @@ static const char *const pieces[] = {"<",
                                      "\x01",
                                      "nan"};
 
-static void insert(struct text *text, size_t at, const char *piece, size_t bytes)
-{
-    if (text->bytes + bytes > sizeof text->data)
-        return;
-    memmove(text->data + at + bytes, text->data + at, text->bytes - at);
-    memcpy(text->data + at, piece, bytes);
-    text->bytes += bytes;
-}
-
-/* One change, of the kind that typing, cutting and pasting make. */
-static void corrupt(struct random *random, struct text *text)
-{
-    size_t at = random_below(random, (uint32_t)text->bytes + 1), left = text->bytes - at;
-    const char *piece = pieces[random_below(random, sizeof pieces / sizeof pieces[0])];
-    size_t some = random_below(random, 64);
-    char copy[64], byte = (char)random_below(random, 256);
-    some = some < left ? some : left;
-    switch (random_below(random, 5)) {
-    case 0:
-        insert(text, at, piece, strlen(piece));
-        break;
-    case 1:
-        memmove(text->data + at, text->data + at + some, left - some);
-        text->bytes -= some;
-        break;
-    case 2:
-        memcpy(copy, text->data + at, some);
-        insert(text, random_below(random, (uint32_t)text->bytes + 1), copy, some);
-        break;
-    case 3: /* a digit for a digit: the text stays XML */
-        while (at < text->bytes && (text->data[at] < '0' || text->data[at] > '9'))
-            at++;
-        if (at < text->bytes)
-            text->data[at] = "0123456789-.e "[random_below(random, 14)];
-        break;
-    default:
-        if (left > 0)
-            text->data[at] = byte;
-        break;
-    }
-}
+static const struct corrupt_kind kind = {pieces, sizeof pieces / sizeof pieces[0]};
 
 /* Whether a place is in the text, its end included. */
-static bool is_inside(const struct text *text, const struct pen_status *st)
+static bool is_inside(const struct corrupt_text *text, const struct pen_status *st)
 {
     int line = 1, column = 1;
     size_t i = text->bytes >= 3 && memcmp(text->data, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
@@ -115,7 +68,7 @@ static bool is_inside(const struct text *text, const struct pen_status *st)
     return false;
 }
 
-static void check_places(const struct text *text, const struct pen_errors *errors,
+static void check_places(const struct corrupt_text *text, const struct pen_errors *errors,
                          const struct random *random)
 {
     for (size_t i = 0; i < errors->count; i++) {
@@ -178,7 +131,7 @@ static void check_round_trip(const struct pen_document *document, const struct p
 }
 
 /* Reads a copy of exact size. Returns whether it is a scene. */
-static bool check(const struct text *text, const struct random *random)
+static bool check(const struct corrupt_text *text, const struct random *random)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_errors errors = {0}, notes = {0};
@@ -208,26 +161,18 @@ static bool check(const struct text *text, const struct random *random)
     return ok;
 }
 
-static void read_text(const char *path, struct text *text)
-{
-    FILE *file = fopen(path, "rb");
-    ck_assert_ptr_nonnull(file);
-    text->bytes = fread(text->data, 1, sizeof text->data / 2, file);
-    fclose(file);
-}
-
 START_TEST(test_xml_property__corrupted_text_is_survived_and_placed)
 {
-    static struct text text;
+    static struct corrupt_text text;
     struct random random = random_begin(1);
     glob_t files;
     int accepted = 0;
     ck_assert_int_eq(glob("tests/io/corpus/xml-*/*.xml", 0, NULL, &files), 0);
     ck_assert_int_eq(glob("tests/golden/xml/*.xml", GLOB_APPEND, NULL, &files), 0);
     for (int i = 0; i < 20000; i++) {
-        read_text(files.gl_pathv[random_below(&random, (uint32_t)files.gl_pathc)], &text);
+        corrupt_read(files.gl_pathv[random_below(&random, (uint32_t)files.gl_pathc)], &text);
         for (uint32_t changes = random_below(&random, 4); changes > 0; changes--)
-            corrupt(&random, &text);
+            corrupt(&random, &text, &kind);
         accepted += check(&text, &random);
     }
     globfree(&files);

@@ -40,6 +40,18 @@ static bool first_error(bool ok, const struct pen_errors *errors, struct pen_sta
     return ok;
 }
 
+static bool submit(const char *body, const char *key, struct pen_status *st)
+{
+    struct pen_submission in = {.body = body, .bytes = strlen(body), .idempotency_key = key};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    bool ok = pen_jobs_submit(bed.jobs, &in, &out, &errors);
+    if (ok)
+        memcpy(id, out.id, sizeof id);
+    pen_buf_release(&out.answer);
+    return first_error(ok, &errors, st);
+}
+
 static bool work_submit(struct pen_status *st)
 {
     static const char body[] =
@@ -48,14 +60,7 @@ static bool work_submit(struct pen_status *st)
         " \"scene\": {\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9],"
         " \"look_at\": [0, 0, 0]}, \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0],"
         " \"radius\": 1}]}, \"render\": {\"width\": 9, \"height\": 9}}";
-    struct pen_submission in = {.body = body, .bytes = sizeof body - 1, .idempotency_key = "k"};
-    struct pen_submitted out;
-    struct pen_errors errors = {0};
-    bool ok = pen_jobs_submit(bed.jobs, &in, &out, &errors);
-    if (ok)
-        memcpy(id, out.id, sizeof id);
-    pen_buf_release(&out.answer);
-    return first_error(ok, &errors, st);
+    return submit(body, "k", st);
 }
 
 static bool work_submit_benchmark(struct pen_status *st)
@@ -67,14 +72,7 @@ static bool work_submit_benchmark(struct pen_status *st)
         " \"scene\": {\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9],"
         " \"look_at\": [0, 0, 0]}, \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0],"
         " \"radius\": 1}]}, \"render\": {\"width\": 9, \"height\": 9}}";
-    struct pen_submission in = {.body = body, .bytes = sizeof body - 1, .idempotency_key = "b"};
-    struct pen_submitted out;
-    struct pen_errors errors = {0};
-    bool ok = pen_jobs_submit(bed.jobs, &in, &out, &errors);
-    if (ok)
-        memcpy(id, out.id, sizeof id);
-    pen_buf_release(&out.answer);
-    return first_error(ok, &errors, st);
+    return submit(body, "b", st);
 }
 
 static const char *form; /* of the report */

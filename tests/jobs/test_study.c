@@ -262,22 +262,6 @@ START_TEST(test_study__worker_that_is_to_end_gives_it_back)
 }
 END_TEST
 
-/* A worker process of its own, to be killed. */
-static pid_t fork_worker(void)
-{
-    pid_t pid = fork();
-    ck_assert_int_ge(pid, 0);
-    if (pid == 0) {
-        struct pen_worker_options options = {
-            .store_url = bed.bed.url, .name = "doomed:1:1", .threads = 2};
-        atomic_bool stop = false;
-        struct pen_status st;
-        pen_worker_run(&options, &stop, &st);
-        _exit(1);
-    }
-    return pid;
-}
-
 START_TEST(test_study__killed_worker_leaves_no_times_behind)
 {
     static const char some[] = "\"render\": {\"width\": 200, \"height\": 150, \"tile\": 8,"
@@ -287,7 +271,7 @@ START_TEST(test_study__killed_worker_leaves_no_times_behind)
     int status, opened;
     char killed[25];
     store_bed_make(&bed.bed);
-    pid_t pid = fork_worker();
+    pid_t pid = jobs_worker_fork(&bed);
     jobs_bed_open(&bed);
     jobs_submit(&bed, benchmark(some), id);
     wait_for_runs(2);

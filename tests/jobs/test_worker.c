@@ -310,28 +310,12 @@ START_TEST(test_worker__stop_leaves_the_rest_to_the_next_worker)
 }
 END_TEST
 
-/* A worker process of its own, to be killed. */
-static pid_t fork_worker(void)
-{
-    pid_t pid = fork();
-    ck_assert_int_ge(pid, 0);
-    if (pid == 0) {
-        struct pen_worker_options options = {
-            .store_url = bed.bed.url, .name = "doomed:1:1", .threads = 2};
-        atomic_bool stop = false;
-        struct pen_status st;
-        pen_worker_run(&options, &stop, &st);
-        _exit(1);
-    }
-    return pid;
-}
-
 START_TEST(test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)
 {
     struct pen_status st;
     int status, opened;
     store_bed_make(&bed.bed);
-    pid_t pid = fork_worker();
+    pid_t pid = jobs_worker_fork(&bed);
     jobs_bed_open(&bed);
     jobs_submit(&bed, jobs_scene(several_batches), id);
     wait_for_progress();

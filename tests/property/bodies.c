@@ -7,34 +7,6 @@
 
 typedef struct pen_vec3 vec3;
 
-enum { STACKS = 16, SLICES = 14 };
-
-static vec3 grid[STACKS + 1][SLICES];
-
-void bodies_bumpy(struct world *w, struct random *r, vec3 at)
-{
-    for (int i = 0; i <= STACKS; i++) {
-        for (int j = 0; j < SLICES; j++) {
-            double theta = 3.14159265358979 * i / STACKS, phi = 6.28318530717959 * j / SLICES;
-            vec3 d = pen_vec3(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
-            if (i == 0 || i == STACKS)
-                d = pen_vec3(0, 0, i == 0 ? 1 : -1);
-            bool pole = (i == 0 || i == STACKS) && j > 0;
-            grid[i][j] = pole ? grid[i][0] : pen_along(at, d, random_in(r, 1, 6));
-        }
-    }
-    world_clear(w);
-    for (int i = 0; i < STACKS; i++) {
-        for (int j = 0; j < SLICES; j++) {
-            vec3 a = grid[i][j], b = grid[i + 1][j], c = grid[i + 1][(j + 1) % SLICES];
-            if (i < STACKS - 1)
-                world_triangle(w, a, b, c);
-            if (i > 0)
-                world_triangle(w, a, c, grid[i][(j + 1) % SLICES]);
-        }
-    }
-}
-
 /* Creases along x = 0, 2, 4 ...; between them flat, and exactly so: coefficients are dyadic. */
 vec3 bodies_sheet_point(double x, double y, vec3 at)
 {

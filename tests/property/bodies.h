@@ -6,10 +6,6 @@
 #include "property/row.h"
 #include "support/world.h"
 
-/* A closed bumpy sphere of 420 `triangle` objects with vertices at random radii of 1 ... 6 around
- * `at`: 16 rings of 14 patches, as in pbrt's test. */
-void bodies_bumpy(struct world *w, struct random *r, struct pen_vec3 at);
-
 /* A folded sheet of triangles, squares, concave Ls and other polygons that share all corners:
  * [0, 12] x [0, 8] as seen from above. bodies_sheet_point is the corner at (x, y), multiples of a
  * half. */

@@ -10,11 +10,12 @@
 
 #include "pen/io/scene_json.h"
 #include "pen/render/render.h"
+#include "support/golden.h"
 #include "support/random.h"
 
 #define TABLE "tests/golden/hashes.txt"
 
-enum { FILMS_MAX = 200, LONGEST_EDGE = 96, SCENE_BYTES = 1 << 24 };
+enum { FILMS_MAX = 200, SCENE_BYTES = 1 << 24 };
 
 struct film {
     uint64_t hash;
@@ -59,20 +60,6 @@ static char *read_scene(const char *path, size_t *bytes)
     return text;
 }
 
-/* As test_golden.c. */
-static void shrink(struct pen_settings *s)
-{
-    if (s->light_samples > 32)
-        s->light_samples = 8;
-    int longest = s->width > s->height ? s->width : s->height;
-    if (longest <= LONGEST_EDGE)
-        return;
-    s->width = s->width * LONGEST_EDGE / longest;
-    s->height = s->height * LONGEST_EDGE / longest;
-    s->width += s->width == 0;
-    s->height += s->height == 0;
-}
-
 static void stage_end(struct stage *s)
 {
     pen_scene_free(s->scene);
@@ -98,7 +85,7 @@ static bool stage_begin(struct stage *s, const struct film *f, int accelerator, 
         s->scene = pen_scene_freeze(&desc, (enum pen_accelerator)accelerator, 0, &st);
     if (s->scene) {
         s->settings = desc.settings;
-        shrink(&s->settings);
+        golden_shrink(&s->settings);
     } else {
         snprintf(why, room, "%s %s cannot be rendered: %s%s", f->path, f->view, errors.item[0].msg,
                  st.msg);
@@ -106,27 +93,6 @@ static bool stage_begin(struct stage *s, const struct film *f, int accelerator, 
     }
     free(text);
     return s->scene != NULL;
-}
-
-/* FNV-1a, 64 bits, over bytes. */
-static uint64_t add_bytes(uint64_t h, uint64_t value, int bytes)
-{
-    for (int i = 0; i < bytes; i++)
-        h = (h ^ (value >> (8 * i) & 0xFF)) * 1099511628211u;
-    return h;
-}
-
-static const uint64_t hash_begin = 14695981039346656037u;
-
-static uint64_t film_hash(const float *rgb, size_t count)
-{
-    uint64_t h = hash_begin;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &rgb[i], sizeof bits);
-        h = add_bytes(h, bits, 4);
-    }
-    return h;
 }
 
 /* What is known of a film's tiles while they are rendered. */
@@ -213,7 +179,7 @@ static bool match(int i, const struct films_way *way, char *why, size_t bytes)
     float *rgb = calloc(count, sizeof *rgb);
     struct pen_pool *pool = pen_pool_new(way->threads, &st);
     bool ok = pool && render(&s, way, pool, rgb);
-    uint64_t hash = film_hash(rgb, count);
+    uint64_t hash = golden_hash(rgb, count);
     if (!ok)
         snprintf(why, bytes, "%s %s was not rendered: %s", film[i].path, film[i].view, st.msg);
     else if (hash != film[i].hash)
@@ -265,7 +231,7 @@ bool films_match(int i, const struct films_way *way, char *why, size_t bytes)
 
 static bool accumulators_hash(const struct stage *s, uint64_t *hash)
 {
-    *hash = hash_begin;
+    *hash = GOLDEN_HASH_BEGIN;
     for (int y = 0; y < s->settings.height; y++)
         for (int x = 0; x < s->settings.width; x++) {
             double rgb[3];
@@ -276,7 +242,7 @@ static bool accumulators_hash(const struct stage *s, uint64_t *hash)
                 return false;
             memcpy(bits, rgb, sizeof bits);
             for (int c = 0; c < 3; c++)
-                *hash = add_bytes(*hash, bits[c], 8);
+                *hash = golden_hash_add(*hash, bits[c], 8);
         }
     return true;
 }

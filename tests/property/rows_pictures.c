@@ -83,78 +83,6 @@ static void make_scene(uint64_t seed)
     kit_spot(&kit, pen_vec3(-4, 5, 4), pen_vec3(4, -5, -5), colour(&r))->radius = .25;
 }
 
-typedef vec3 point_fn(vec3 p, double by);
-
-/* Applies a map to every point. */
-static void map_points(point_fn *map, double by)
-{
-    for (uint32_t i = 0; i < kit.vertex_count; i++)
-        kit.vertices[i] = map(kit.vertices[i], by);
-    for (uint32_t i = 0; i < kit.desc.light_count; i++)
-        kit.lights[i].position = map(kit.lights[i].position, by);
-    kit.view.camera.position = map(kit.view.camera.position, by);
-    for (uint32_t i = 0; i < kit.desc.object_count; i++) {
-        struct pen_object_desc *o = &kit.objects[i];
-        if (o->kind == PEN_OBJECT_SPHERE)
-            o->u.sphere.center = map(o->u.sphere.center, by);
-        else if (o->kind == PEN_OBJECT_PLANE)
-            o->u.plane.point = map(o->u.plane.point, by);
-        else if (o->kind == PEN_OBJECT_TUBE)
-            o->u.tube.origin = map(o->u.tube.origin, by);
-        else if (o->kind == PEN_OBJECT_CYLINDER)
-            o->u.cylinder.base = map(o->u.cylinder.base, by);
-    }
-}
-
-/* Lengths times s; lights do not fall off, so that nothing else depends on lengths. */
-static void map_lengths(double s)
-{
-    for (uint32_t i = 0; i < kit.desc.light_count; i++)
-        kit.lights[i].radius *= s;
-    for (uint32_t i = 0; i < kit.desc.object_count; i++) {
-        struct pen_object_desc *o = &kit.objects[i];
-        if (o->kind == PEN_OBJECT_SPHERE) {
-            o->u.sphere.radius *= s;
-        } else if (o->kind == PEN_OBJECT_TUBE) {
-            o->u.tube.radius *= s;
-        } else if (o->kind == PEN_OBJECT_CYLINDER) {
-            o->u.cylinder.radius *= s;
-            o->u.cylinder.height *= s;
-        }
-    }
-}
-
-static vec3 times(vec3 p, double by)
-{
-    return pen_scale(p, by);
-}
-
-static vec3 moved(vec3 p, double by)
-{
-    return pen_vec3(p.x + by, p.y - 3 * by, p.z + .5 * by);
-}
-
-static vec3 mirrored(vec3 p, double by)
-{
-    return pen_vec3(by * p.x, p.y, p.z);
-}
-
-static void mirror_directions(void)
-{
-    kit.view.camera.direction.x *= -1;
-    for (uint32_t i = 0; i < kit.desc.light_count; i++)
-        kit.lights[i].direction.x *= -1;
-    for (uint32_t i = 0; i < kit.desc.object_count; i++) {
-        struct pen_object_desc *o = &kit.objects[i];
-        if (o->kind == PEN_OBJECT_PLANE)
-            o->u.plane.normal.x *= -1;
-        else if (o->kind == PEN_OBJECT_TUBE)
-            o->u.tube.axis.x *= -1;
-        else if (o->kind == PEN_OBJECT_CYLINDER)
-            o->u.cylinder.axis.x *= -1;
-    }
-}
-
 static float *picture(void)
 {
     struct pen_scene *scene = kit_freeze(&kit);
@@ -208,8 +136,8 @@ static void judge_scaled(const struct row_case *c, struct row_verdict *v)
 {
     make_scene((uint64_t)c->arg[0]);
     float *want = picture();
-    map_points(times, ldexp(1, (int)c->arg[1]));
-    map_lengths(ldexp(1, (int)c->arg[1]));
+    kit_map_points(&kit, kit_times, ldexp(1, (int)c->arg[1]));
+    kit_scale_lengths(&kit, ldexp(1, (int)c->arg[1]));
     float *got = picture();
     int count = differing(want, got, 0);
     if (count)
@@ -233,7 +161,7 @@ static void judge_moved(const struct row_case *c, struct row_verdict *v)
 {
     make_scene((uint64_t)c->arg[0]);
     float *want = picture();
-    map_points(moved, ldexp(1, (int)c->arg[1]));
+    kit_map_points(&kit, kit_moved, ldexp(1, (int)c->arg[1]));
     float *got = picture();
     int count = differing(want, got, 0);
     if (count)
@@ -259,8 +187,8 @@ static void judge_mirrored(const struct row_case *c, struct row_verdict *v)
     make_scene((uint64_t)c->arg[0]);
     kit.lights[2].radius = 0;
     float *want = picture();
-    map_points(mirrored, -1);
-    mirror_directions();
+    kit_map_points(&kit, kit_mirrored, -1);
+    kit_mirror_directions(&kit);
     float *got = picture();
     int count = 0;
     for (int y = 0; y < HEIGHT; y++)
@@ -291,8 +219,8 @@ static void judge_decimal(const struct row_case *c, struct row_verdict *v)
     kit.settings.width = 96;
     kit.settings.height = 72;
     float *want = picture();
-    map_points(times, c->arg[1]);
-    map_lengths(c->arg[1]);
+    kit_map_points(&kit, kit_times, c->arg[1]);
+    kit_scale_lengths(&kit, c->arg[1]);
     float *got = picture();
     row_measure(v, "pixels that differ by 1e-3, of a thousand",
                 1000. * differing(want, got, 1e-3) / (double)pixels(), 1);
@@ -350,7 +278,7 @@ static void judge_cornell(const struct row_case *c, struct row_verdict *v)
     double by = pow(10, c->arg[1]), ulp = nextafter(3 * by, INFINITY) - 3 * by, pixel = 1. / 48;
     make_cornell(&r);
     float *want = picture();
-    map_points(moved, by);
+    kit_map_points(&kit, kit_moved, by);
     float *got = picture();
     int other = differing(want, got, 1e-3);
     row_measure(v, name[power][1], other, 4);

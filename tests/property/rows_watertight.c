@@ -63,7 +63,7 @@ static vec3 surface_point(struct random *r)
 static void draw_bumpy(struct row_draw *d, struct row_case *c)
 {
     draw_scene(d, c);
-    make_once(bodies_bumpy, 38, c->arg[0], c->arg[1]);
+    make_once(world_bumpy, 38, c->arg[0], c->arg[1]);
     vec3 at = gen_offset3(c->arg[1]);
     vec3 o = pen_along(at, random_direction(&d->random), .5);
     row_arg3(c, o);
@@ -92,7 +92,7 @@ static void judge_bumpy(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    make_once(bodies_bumpy, 38, scene, offset);
+    make_once(world_bumpy, 38, scene, offset);
     int count = bodies_crossings(&world, o, d, &first);
     if (count < 0) {
         row_skip(v);

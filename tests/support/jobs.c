@@ -4,6 +4,7 @@
 #include <check.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 void jobs_bed_open(struct jobs_bed *bed)
 {
@@ -50,6 +51,21 @@ void jobs_worker_stop(struct jobs_bed *bed)
     pthread_join(bed->thread, &ok);
     bed->working = false;
     ck_assert_ptr_nonnull(ok);
+}
+
+pid_t jobs_worker_fork(const struct jobs_bed *bed)
+{
+    pid_t pid = fork();
+    ck_assert_int_ge(pid, 0);
+    if (pid == 0) {
+        struct pen_worker_options options = {
+            .store_url = bed->bed.url, .name = "doomed:1:1", .threads = 2};
+        atomic_bool stop = false;
+        struct pen_status st;
+        pen_worker_run(&options, &stop, &st);
+        _exit(1);
+    }
+    return pid;
 }
 
 void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES])

@@ -5,6 +5,7 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <sys/types.h>
 
 #include "pen/jobs/jobs.h"
 #include "pen/jobs/worker.h"
@@ -27,6 +28,10 @@ void jobs_bed_close(struct jobs_bed *bed);
 /* A worker of two threads. */
 void jobs_worker_start(struct jobs_bed *bed);
 void jobs_worker_stop(struct jobs_bed *bed);
+
+/* A worker process of its own, to be killed: "doomed:1:1". Between store_bed_make and
+ * jobs_bed_open, so that it has no handle of this process. */
+pid_t jobs_worker_fork(const struct jobs_bed *bed);
 
 /* Submits; the test fails with the errors if it is refused. Writes the id. */
 void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES]);

@@ -274,3 +274,74 @@ void kit_medley(struct kit *kit)
     kit_directional(kit, pen_vec3(-1, -1, -3), pen_vec3(0.25, 0.25, 0.125))->angular_radius = 4;
     kit->settings.light_samples = 5;
 }
+
+void kit_map_points(struct kit *kit, kit_point_fn *map, double by)
+{
+    for (uint32_t i = 0; i < kit->vertex_count; i++)
+        kit->vertices[i] = map(kit->vertices[i], by);
+    for (uint32_t i = 0; i < kit->desc.light_count; i++)
+        kit->lights[i].position = map(kit->lights[i].position, by);
+    kit->view.camera.position = map(kit->view.camera.position, by);
+    for (uint32_t i = 0; i < kit->desc.object_count; i++) {
+        struct pen_object_desc *o = &kit->objects[i];
+        if (o->kind == PEN_OBJECT_SPHERE)
+            o->u.sphere.center = map(o->u.sphere.center, by);
+        else if (o->kind == PEN_OBJECT_PLANE)
+            o->u.plane.point = map(o->u.plane.point, by);
+        else if (o->kind == PEN_OBJECT_TUBE)
+            o->u.tube.origin = map(o->u.tube.origin, by);
+        else if (o->kind == PEN_OBJECT_CYLINDER)
+            o->u.cylinder.base = map(o->u.cylinder.base, by);
+    }
+}
+
+void kit_scale_lengths(struct kit *kit, double s)
+{
+    for (uint32_t i = 0; i < kit->desc.light_count; i++) {
+        kit->lights[i].attenuation[1] /= s;
+        kit->lights[i].attenuation[2] /= s * s;
+        kit->lights[i].radius *= s;
+    }
+    for (uint32_t i = 0; i < kit->desc.object_count; i++) {
+        struct pen_object_desc *o = &kit->objects[i];
+        if (o->kind == PEN_OBJECT_SPHERE)
+            o->u.sphere.radius *= s;
+        else if (o->kind == PEN_OBJECT_TUBE)
+            o->u.tube.radius *= s;
+        else if (o->kind == PEN_OBJECT_CYLINDER) {
+            o->u.cylinder.radius *= s;
+            o->u.cylinder.height *= s;
+        }
+    }
+}
+
+struct pen_vec3 kit_times(struct pen_vec3 p, double by)
+{
+    return pen_scale(p, by);
+}
+
+struct pen_vec3 kit_moved(struct pen_vec3 p, double by)
+{
+    return pen_vec3(p.x + by, p.y - 3 * by, p.z + 0.5 * by);
+}
+
+struct pen_vec3 kit_mirrored(struct pen_vec3 p, double by)
+{
+    return pen_vec3(by * p.x, p.y, p.z);
+}
+
+void kit_mirror_directions(struct kit *kit)
+{
+    kit->view.camera.direction.x *= -1;
+    for (uint32_t i = 0; i < kit->desc.light_count; i++)
+        kit->lights[i].direction.x *= -1;
+    for (uint32_t i = 0; i < kit->desc.object_count; i++) {
+        struct pen_object_desc *o = &kit->objects[i];
+        if (o->kind == PEN_OBJECT_PLANE)
+            o->u.plane.normal.x *= -1;
+        else if (o->kind == PEN_OBJECT_TUBE)
+            o->u.tube.axis.x *= -1;
+        else if (o->kind == PEN_OBJECT_CYLINDER)
+            o->u.cylinder.axis.x *= -1;
+    }
+}

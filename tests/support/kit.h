@@ -59,6 +59,21 @@ struct pen_light_desc *kit_directional(struct kit *kit, struct pen_vec3 directio
 struct pen_light_desc *kit_spot(struct kit *kit, struct pen_vec3 position,
                                 struct pen_vec3 direction, struct pen_vec3 intensity);
 
+/* Applies a map to every point of the scene; lengths and directions stay. */
+typedef struct pen_vec3 kit_point_fn(struct pen_vec3 p, double by);
+void kit_map_points(struct kit *kit, kit_point_fn *map, double by);
+
+/* Maps: times a number; moved by as much along x and by multiples of it along y and z; x times a
+ * number, -1 in a mirror, whose directions are turned by kit_mirror_directions. */
+struct pen_vec3 kit_times(struct pen_vec3 p, double by);
+struct pen_vec3 kit_moved(struct pen_vec3 p, double by);
+struct pen_vec3 kit_mirrored(struct pen_vec3 p, double by);
+void kit_mirror_directions(struct kit *kit);
+
+/* Lengths times s, with the lights' falling off, so that a scene whose points are scaled as well
+ * looks the same. */
+void kit_scale_lengths(struct kit *kit, double s);
+
 /* Freezes with the accelerator of the settings; the test fails if that fails. */
 struct pen_scene *kit_freeze(struct kit *kit);
 

@@ -191,3 +191,29 @@ int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d)
     struct pen_ray ray = world_ray(o, d);
     return world_crossings(w, &ray, &pen_leave_nothing, INFINITY, NULL, 0);
 }
+
+void world_bumpy(struct world *w, struct random *random, struct pen_vec3 middle)
+{
+    enum { STACKS = 16, SLICES = 14 };
+    static struct pen_vec3 grid[STACKS + 1][SLICES];
+    for (int i = 0; i <= STACKS; i++) {
+        for (int j = 0; j < SLICES; j++) {
+            double theta = 3.14159265358979 * i / STACKS, phi = 6.28318530717959 * j / SLICES;
+            struct pen_vec3 d = pen_vec3(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
+            bool pole = i == 0 || i == STACKS;
+            if (pole)
+                d = pen_vec3(0, 0, i == 0 ? 1 : -1);
+            grid[i][j] = pole && j > 0 ? grid[i][0] : pen_along(middle, d, random_in(random, 1, 6));
+        }
+    }
+    world_clear(w);
+    for (int i = 0; i < STACKS; i++) {
+        for (int j = 0; j < SLICES; j++) {
+            int k = (j + 1) % SLICES;
+            if (i < STACKS - 1)
+                world_triangle(w, grid[i][j], grid[i + 1][j], grid[i + 1][k]);
+            if (i > 0)
+                world_triangle(w, grid[i][j], grid[i + 1][k], grid[i][k]);
+        }
+    }
+}

@@ -34,6 +34,10 @@ uint32_t world_tube(struct world *w, struct pen_vec3 origin, struct pen_vec3 axi
 uint32_t world_cylinder(struct world *w, struct pen_vec3 base, struct pen_vec3 axis, double r,
                         double h, bool caps);
 
+/* A world of its own: a sphere of 16 x 14 patches whose vertices have random radii of 1 ... 6, as
+ * 420 triangles that close, as in pbrt's test. */
+void world_bumpy(struct world *w, struct random *random, struct pen_vec3 middle);
+
 /* Six outward polygons: a box. */
 void world_box(struct world *w, struct pen_vec3 lo, struct pen_vec3 hi);
 

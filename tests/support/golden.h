@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/* What the hashes of tests/golden/hashes.txt are of: shared by all who hold films against them. */
+#ifndef TESTS_SUPPORT_GOLDEN_H
+#define TESTS_SUPPORT_GOLDEN_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "pen/scene/scene.h"
+
+/* FNV-1a, 64 bits: begin with this, and add bytes of a value from the lowest on. */
+#define GOLDEN_HASH_BEGIN UINT64_C(14695981039346656037)
+
+static inline uint64_t golden_hash_add(uint64_t h, uint64_t value, int bytes)
+{
+    for (int i = 0; i < bytes; i++)
+        h = (h ^ (value >> (8 * i) & 0xFF)) * UINT64_C(1099511628211);
+    return h;
+}
+
+/* Of a film's floats. */
+static inline uint64_t golden_hash(const float *film, size_t count)
+{
+    uint64_t h = GOLDEN_HASH_BEGIN;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &film[i], sizeof bits);
+        h = golden_hash_add(h, bits, 4);
+    }
+    return h;
+}
+
+/* Shrinks the image, keeping its shape, and takes few of many samples, so that all scenes take
+ * seconds. */
+static inline void golden_shrink(struct pen_settings *s)
+{
+    enum { LONGEST_EDGE = 96 };
+    if (s->light_samples > 32)
+        s->light_samples = 8;
+    int longest = s->width > s->height ? s->width : s->height;
+    if (longest <= LONGEST_EDGE)
+        return;
+    s->width = s->width * LONGEST_EDGE / longest;
+    s->height = s->height * LONGEST_EDGE / longest;
+    s->width += s->width == 0;
+    s->height += s->height == 0;
+}
+
+#endif
