@@ -109,10 +109,25 @@ static json_t *repeat_json(const struct place *place, const struct pen_job_plan 
     return json;
 }
 
-static void log_failure(const struct pen_claim *claim, const char *why)
+static void log_failure(const struct pen_claim *claim, const char *error)
 {
     struct pen_log_about about = pen_claim_about(claim);
-    pen_log_about(PEN_LOG_WARN, &about, "the job failed: %s", why);
+    json_t *problem = json_loads(error, 0, NULL);
+    const char *detail = json_string_value(json_object_get(problem, "detail"));
+    const char *repeat = json_string_value(json_object_get(problem, "repeat"));
+    pen_log_about(PEN_LOG_WARN, &about, "the job failed: %s", detail ? detail : "no memory");
+    if (repeat)
+        pen_log_about(PEN_LOG_WARN, &about, "to see it again: %s", repeat);
+    json_decref(problem);
+}
+
+bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                       struct pen_status *st)
+{
+    if (!pen_store_fail(store, claim, error, st))
+        return false;
+    log_failure(claim, error);
+    return true;
 }
 
 static void add_place(json_t *problem, const struct place *place, struct pen_store *store)
@@ -134,10 +149,6 @@ static void add_place(json_t *problem, const struct place *place, struct pen_sto
     if (!known)
         return;
     json_object_set_new(problem, "repeat", repeat_json(place, &plan));
-    const char *repeat = json_string_value(json_object_get(problem, "repeat"));
-    struct pen_log_about about = pen_claim_about(claim);
-    if (repeat)
-        pen_log_about(PEN_LOG_WARN, &about, "to see it again: %s", repeat);
     json_decref(plan.request);
 }
 
@@ -166,7 +177,6 @@ char *pen_failure_of_time(struct pen_store *store, const struct pen_claim *claim
     char where[48];
     pen_fail(&why, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g%s",
              (double)claim->timeout_ms / 1000, at_pixel(&place, where, sizeof where));
-    log_failure(claim, why.msg);
     return write_problem(store, &place, pen_problem(&why));
 }
 
@@ -174,7 +184,6 @@ char *pen_failure_of(struct pen_store *store, const struct pen_claim *claim,
                      const struct pen_status *why)
 {
     struct place place = {.claim = claim, .x = -1, .y = -1};
-    log_failure(claim, why->msg);
     return write_problem(store, &place, pen_problem(why));
 }
 
@@ -194,11 +203,13 @@ static json_t *log_json(const struct pen_trace *trace)
 struct death {
     const struct pen_obituary *obituary;
     struct pen_store *store;
+    struct pen_claim claim; /* out: of the job that failed */
+    char *error;            /* out: NULL if none did */
 };
 
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
 {
-    const struct death *death = user;
+    struct death *death = user;
     const struct pen_obituary *obituary = death->obituary;
     struct place place = place_of(claim, obituary->trace);
     struct pen_status why;
@@ -212,7 +223,6 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
              : claim->kind == PEN_BATCH_STUDY  ? "a run of the benchmark"
                                                : "tiles",
              claim->view, at_pixel(&place, where, sizeof where));
-    log_failure(claim, why.msg);
     json_t *problem = pen_problem(&why);
     if (problem && sscanf(obituary->how, "signal %*d (%15[A-Z0-9])", name) == 1)
         json_object_set_new(problem, "signal", json_string(name));
@@ -220,14 +230,22 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
         json_object_set_new(problem, "exit_code", json_integer(number));
     if (problem && obituary->trace)
         json_object_set_new(problem, "log", log_json(obituary->trace));
-    return write_problem(death->store, &place, problem);
+    char *error = write_problem(death->store, &place, problem);
+    free(death->error);
+    death->error = error ? strdup(error) : NULL;
+    death->claim = *claim;
+    return error;
 }
 
 bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_obituary *obituary,
                            int *opened, struct pen_status *st)
 {
-    struct death user = {obituary, store};
+    struct death user = {.obituary = obituary, .store = store};
     struct pen_worker_death death = {
         .worker = obituary->worker, .end = obituary->end, .error = death_error, .user = &user};
-    return pen_store_worker_ended(store, &death, opened, st);
+    bool ok = pen_store_worker_ended(store, &death, opened, st);
+    if (ok && user.error)
+        log_failure(&user.claim, user.error);
+    free(user.error);
+    return ok;
 }

@@ -21,4 +21,9 @@ char *pen_failure_of_time(struct pen_store *store, const struct pen_claim *claim
 char *pen_failure_of(struct pen_store *store, const struct pen_claim *claim,
                      const struct pen_status *why);
 
+/* Ends the claim's job as failed with such an error, and says so in the log: once, however many
+ * come to it. Fails: as pen_store_fail. */
+bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                       struct pen_status *st);
+
 #endif

@@ -55,7 +55,7 @@ static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *c
 {
     struct pen_status st;
     char *error = pen_failure_of_time(heart->store, claim, heart->options->trace);
-    bool ok = error && (pen_store_fail(heart->store, claim, error, &st) || st.code == PEN_STALE);
+    bool ok = error && (pen_failure_store(heart->store, claim, error, &st) || st.code == PEN_STALE);
     free(error);
     return ok;
 }

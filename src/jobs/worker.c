@@ -96,7 +96,7 @@ static bool fail_job(struct worker *w, const struct pen_claim *claim, char *erro
         return pen_fail(st, PEN_NO_MEMORY, "no memory for an error");
     bool ok;
     do {
-        ok = pen_store_fail(w->store, claim, error, st) || st->code == PEN_STALE;
+        ok = pen_failure_store(w->store, claim, error, st) || st->code == PEN_STALE;
     } while (!ok && wait_to_retry(w, "failing a job", st));
     free(error);
     return ok;
