@@ -32,7 +32,8 @@ struct trace {
     bool leaving;   /* the ray starts on a primitive */
     bool at_origin; /* and what is tested now may reach the place where it starts */
     double slack;   /* then what touches it misses it by no more than this, */
-    double grow;    /* and no border farther off than this is met by passing it */
+    double grow;    /* and no border farther off than this is passed */
+    double near_sq; /* square of the t that is as far as grow */
     double back_sq; /* square of the t at which nothing that touches it is, or farther */
     struct pen_hit after, best; /* nearest: the crossing looked for is between them */
     struct pen_shadow *shadow;
@@ -182,6 +183,8 @@ static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any
         return t > 0 && offer(w, prim, t, PEN_PART_SIDE, any);
     if (prim == w->leave->prim)
         return false;
+    if (t * t <= w->near_sq)
+        return test_at_origin(w, prim, any);
     const struct pen_prim_ref ref = w->accel->prims->ref[prim];
     struct pen_vec3 n = *flat_normal(w->accel->prims, ref);
     if (fabs(t * pen_dot(w->ray->d, n)) <=

@@ -280,18 +280,17 @@ static struct pen_vec3 seen_along(const struct pen_ray *ray, struct pen_vec3 v)
     return pen_along(f, ray->d, -pen_dot(f, ray->d) * ray->inv_dd);
 }
 
-/* Whether the ray meets the plane of a triangle or polygon near its origin, and passes its border
- * within b: then it is an accident that its line misses the body. */
+/* Whether the ray meets the plane of a triangle or polygon near its origin, at t, and passes its
+ * border within b: then it is an accident whether its line meets the body. */
 static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                           const struct pen_ray *ray, double b, double *t)
 {
     const struct outline line = outline_of(prims, prim);
     if (line.count == 0)
         return false;
-    double far = pen_dot(n, pen_sub(line.v[0], ray->o));
+    double far = pen_dot(n, pen_sub(line.v[0], ray->o)), nearby = PEN_NEARBY * b;
     *t = far / pen_dot(n, ray->d);
-    if (!(fabs(far) > 0.5 * b && *t > 0 &&
-          *t * *t <= PEN_NEARBY * PEN_NEARBY * b * b * ray->inv_dd))
+    if (!(fabs(far) > 0.5 * b && *t > 0 && *t * *t <= nearby * nearby * ray->inv_dd))
         return false;
     struct pen_vec3 from = seen_along(ray, line.v[line.count - 1]);
     for (uint32_t i = 0; i < line.count; i++) {
@@ -303,13 +302,14 @@ static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct p
     return false;
 }
 
-/* Adds the crossing of a ray that passes a border, unless the border is no higher than what the ray
- * leaves: over a convex edge the ray is past its neighbour. */
-static void add_border(const struct pen_prims *prims, struct pen_hit q, const struct pen_ray *ray,
-                       const struct pen_leave *leave, struct pen_crossings *out)
+/* A body whose border is passed is met if it rises over what the ray leaves. */
+static void cross_border(const struct pen_prims *prims, struct pen_hit q, const struct pen_ray *ray,
+                         const struct pen_leave *leave, struct pen_crossings *out)
 {
     const struct contact c = contact_at(prims, q, ray, leave);
-    if (rises(&c, ray->d))
+    if (!rises(&c, ray->d))
+        out->count = 0;
+    else if (out->count == 0)
         *out = (struct pen_crossings){1, {q.t}, {q.part}};
 }
 
@@ -323,8 +323,8 @@ static void cross_flat(const struct pen_prims *prims, uint32_t prim, const struc
     struct pen_vec3 n = pen_prim_normal(prims, hit, ray->o);
     bool touches = out->count && pen_flat_touches(n, scale, ray, hit.t, leave->bound);
     if (!touches && !(hit.t <= 0 && on_body(prims, prim, n, ray->o, b))) {
-        if (out->count == 0 && passes_border(prims, prim, n, ray, b, &hit.t))
-            add_border(prims, hit, ray, leave, out);
+        if (passes_border(prims, prim, n, ray, b, &hit.t))
+            cross_border(prims, hit, ray, leave, out);
         return;
     }
     out->count = 0;

@@ -162,7 +162,10 @@ static void follow_seam(struct random *r, const struct ways *ways, struct pen_ve
                         const uint8_t *see_through)
 {
     struct pen_leave leave = pen_leave_nothing;
-    struct pen_vec3 d = pen_sub(world_aim(&world, r), o);
+    struct pen_vec3 at = world_aim(&world, r);
+    if (random_below(r, 2)) /* beside it: borders are passed near the start of the next ray */
+        at = pen_along(at, random_direction(r), exp2(random_in(r, -48, -24)));
+    struct pen_vec3 d = pen_sub(at, o);
     for (int bounce = 0; bounce < 3; bounce++) {
         struct pen_ray ray = world_ray(o, d);
         struct pen_span span = {pen_after_start, INFINITY};

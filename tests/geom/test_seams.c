@@ -151,5 +151,51 @@ START_TEST(test_seams__h073_no_way_out_of_a_drum)
 }
 END_TEST
 
+/* A point that is an ulp under a floor, and light that is still under it where the next wall
+ * stands: the wall on the floor is met, a wall that goes down from the floor's edge is not. */
+START_TEST(test_seams__h073_light_round_the_foot_of_a_wall)
+{
+    for (int up = 0; up < 2; up++) {
+        double z = up ? 1 : -1;
+        const vec3 floor[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+        const vec3 wall[4] = {{1, -1, 0}, {1, 1, 0}, {1, 1, z}, {1, -1, z}};
+        world_clear(&world);
+        struct pen_hit hit = {2, world_polygon(&world, floor, 4), PEN_PART_SIDE};
+        world_polygon(&world, wall, 4);
+        for (double far = 0x1p-46; far < 0x1p-25; far *= 2) { /* how far away the wall is */
+            vec3 p = pen_vec3(1 - far, .25, -PEN_U), v = pen_vec3(.5, .25, -.5);
+            struct pen_leave leave = world_leave(&world, hit, p, v, false);
+            struct pen_ray ray = world_ray(p, pen_vec3(1, 0, .5 * PEN_U / far));
+            int met = world_crossings(&world, &ray, &leave, 1, NULL, 0);
+            ck_assert_msg(met == up, "wall at %a, upward %d: %d met", far, up, met);
+        }
+    }
+}
+END_TEST
+
+/* Two ways along the foot of a wall: where neither began beside it, the wall's side is where the
+ * first began. */
+START_TEST(test_seams__h073_the_way_before_tells_the_side)
+{
+    const vec3 floor[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    const vec3 wall[4] = {{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {1, -1, 1}};
+    world_clear(&world);
+    struct pen_hit hit = {1, world_polygon(&world, floor, 4), PEN_PART_SIDE};
+    world_polygon(&world, wall, 4);
+    for (int side = -1; side <= 1; side += 2) {
+        vec3 p = pen_vec3(1, .25, 0), along = pen_vec3(2 * side * PEN_U, .1, -.1);
+        struct pen_leave leave = world_leave(&world, hit, p, along, false);
+        leave.before = pen_vec3(side * .5, 0, .5);
+        for (int to = -1; to <= 1; to += 2) {
+            struct pen_ray ray = world_ray(p, pen_vec3(.5 * to, 0, .5));
+            int met = world_crossings(&world, &ray, &leave, INFINITY, NULL, 0);
+            ck_assert_msg(met == (to != side), "from %d to %d: %d met", side, to, met);
+        }
+    }
+}
+END_TEST
+
 PEN_SUITE("seams", test_seams__h073_no_way_out_of_a_closed_room,
-          test_seams__h073_no_way_out_of_a_drum, test_seams__light_inside_a_convex_room_is_seen)
+          test_seams__h073_no_way_out_of_a_drum, test_seams__light_inside_a_convex_room_is_seen,
+          test_seams__h073_light_round_the_foot_of_a_wall,
+          test_seams__h073_the_way_before_tells_the_side)

@@ -148,6 +148,8 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
     [73] = {"no light in a closed room",
             "test_seams__h073_no_way_out_of_a_closed_room "
             "test_seams__h073_no_way_out_of_a_drum "
+            "test_seams__h073_light_round_the_foot_of_a_wall "
+            "test_seams__h073_the_way_before_tells_the_side "
             "test_accel__h073_seams",
             ROW_TESTED, NULL},
     [74] = {"a scene times a power of two",

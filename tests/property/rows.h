@@ -99,6 +99,7 @@ void rows_acne(struct pen_row_run *run);
 void rows_room(struct pen_row_run *run);
 void rows_seam(struct pen_row_run *run);
 void rows_inside(struct pen_row_run *run);
+void rows_outside(struct pen_row_run *run);
 
 /* rows_films.c */
 void rows_films_threads(struct pen_row_run *run);

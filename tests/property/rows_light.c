@@ -268,6 +268,31 @@ static void judge_inside(const struct row_case *c, struct row_verdict *v)
     row_measure(v, "shadow rays of a case", rays, -1);
 }
 
+/* The room from outside: a convex body shades nothing. */
+static void judge_outside(const struct row_case *c, struct row_verdict *v)
+{
+    struct random r = room_random(c);
+    vec3 at = begin_room(c, &r), o = gen_offset3(c->arg[2]);
+    for (int i = 0; i < 3; i++)
+        kit_directional(&kit, random_direction(&r), pen_vec3(1, 1, 1));
+    vec3 eye = pen_along(pen_along(o, pen_sub(at, o), 4), random_direction(&r), 3);
+    shot_look(&kit, eye, at, c->arg[3]);
+    double rays = shot_take(&kit, film);
+    for (int i = 0; i < 3; i++)
+        kit.lights[i].shadows = false;
+    shot_take(&kit, other);
+    int shaded = 0;
+    for (int i = 0; i < SHOT_PIXELS; i++)
+        shaded += film[3 * i] != other[3 * i];
+    row_measure(v, "shaded pixels of a convex body", shaded, 0);
+    row_measure(v, "shadow rays of a case", rays, -1);
+}
+
+void rows_outside(struct pen_row_run *run)
+{
+    row_each(run, draw_seam, judge_outside);
+}
+
 void rows_inside(struct pen_row_run *run)
 {
     row_each(run, draw_seam, judge_inside);

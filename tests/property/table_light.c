@@ -63,5 +63,14 @@ const struct row row_table_light[] = {
         .full = 4000,
         .check = 40,
     },
+    {
+        .id = "H066",
+        .name = "h066_convex_edges",
+        .what = "the same boxes from outside, from 1e-7 to 1e-14 of an edge: as without shadows",
+        .oracle = "itself, bit for bit",
+        .run = rows_outside,
+        .full = 4000,
+        .check = 40,
+    },
     {.id = NULL},
 };

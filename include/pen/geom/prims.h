@@ -23,9 +23,10 @@
  * A ray that met a surface at PEN_FIRST_T has not moved: what it leaves next has the same w.
  *
  * Passing. A p that rounding has put behind its wall is outside the room, and its ray may go round
- * the foot of the next wall. So a triangle or polygon that is near p (PEN_NEARBY), but not at it,
- * is also crossed where the ray's line meets its plane, if the line passes its border within the
- * same bounds and Q extends beyond P's tangent plane on the side where the ray goes.
+ * the foot of the next wall; over a convex edge it may meet the neighbour from within. So for a
+ * triangle or polygon that is near p (PEN_NEARBY), but not at it, whose border the ray's line
+ * passes within the same bounds, the line is not asked: it is met where the line meets its plane,
+ * if it extends beyond P's tangent plane on the side where the ray goes, and else is not.
  *
  * A quadric that p touches has its other root at -2 b / a, as if it were left itself, so that
  * coincident quadrics agree bit for bit. Nothing else is dropped, however near it is. */

@@ -37,9 +37,10 @@
  * this share of the squared radius: it keeps too few digits. */
 #define PEN_GRAZING 0x1p-5
 
-/* A flat body whose border a ray passes within rounding is met if it is no farther from where the
- * ray starts than this many rounding bounds. Beyond, only light at 2^-23 to a surface could get by,
- * which brings it no more than that share of its strength. */
+/* Of a flat body whose border a ray passes within rounding, no farther from where it starts than
+ * this many rounding bounds, the leave rule says whether it is met. Beyond, that would matter only
+ * to light at less than 2^-23 to the surface, which brings it no more than that share of its
+ * strength. */
 #define PEN_NEARBY 0x1p23
 
 enum pen_part {
