@@ -68,10 +68,12 @@ static struct pen_hit nearest(const struct world *w, const struct ways *ways,
     return truth;
 }
 
-/* Compares one shadow query with a walk over all crossings; true if it is blocked. */
+/* Compares one shadow query with a walk over all crossings; true if it is blocked. What was met
+ * last must not matter: each primitive is tried in turn. */
 static bool shadow(const struct world *w, const struct ways *ways, const struct pen_ray *ray,
                    const struct pen_leave *leave, const uint8_t *see_through)
 {
+    static uint32_t last;
     bool blocked = false;
     int count = 0;
     struct pen_hit kept[PEN_SHADOW_MAX];
@@ -91,7 +93,7 @@ static bool shadow(const struct world *w, const struct ways *ways, const struct 
     }
     for (int i = 0; i < WAYS; i++) {
         struct pen_shadow query = {.tmax = 1, .see_through = see_through};
-        query.last_occluder = i == 1 ? 0 : PEN_NO_PRIM;
+        query.last_occluder = i < 2 && w->prims.count ? last++ % w->prims.count : PEN_NO_PRIM;
         bool b = ways->ops[i & 1]->shadow(ways->accel[i / 2], ray, leave, &query);
         ck_assert_msg(b == blocked, "way %d: blocked %d, not %d", i, b, blocked);
         if (blocked)
@@ -181,6 +183,27 @@ static void follow_seam(struct random *r, const struct ways *ways, struct pen_ve
     }
 }
 
+/* From a point beside a seam, rays that pass it within rounding, seen from inside or outside. */
+static void graze_seam(struct random *r, const struct ways *ways, struct pen_vec3 eye)
+{
+    struct pen_vec3 seam = world_aim(&world, r);
+    struct pen_vec3 at = pen_along(seam, random_direction(r), exp2(random_in(r, -45, -27)));
+    struct pen_ray ray = world_ray(eye, pen_sub(at, eye));
+    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_hit hit = nearest(&world, ways, &ray, &pen_leave_nothing, &span);
+    if (hit.prim == PEN_NO_PRIM)
+        return;
+    struct stand s = world_stand(&world, &ray, &pen_leave_nothing, hit);
+    for (int i = 0; i < 4; i++) {
+        struct pen_vec3 to = pen_along(seam, random_direction(r), exp2(random_in(r, -53, -48)));
+        struct pen_vec3 d = pen_scale(pen_sub(to, s.p), exp2(random_in(r, 0, 48)));
+        if (!pen_ray_make(&ray, s.p, d)) /* it is where it starts */
+            continue;
+        shadow(&world, ways, &ray, &s.leave, NULL);
+        nearest(&world, ways, &ray, &s.leave, &span);
+    }
+}
+
 START_TEST(test_accel__h073_seams)
 {
     struct random r = random_begin(73);
@@ -195,6 +218,8 @@ START_TEST(test_accel__h073_seams)
         struct ways ways = build(&world, &r);
         for (int k = 0; k < 40; k++)
             follow_seam(&r, &ways, eye, see_through);
+        for (int k = 0; k < 40; k++)
+            graze_seam(&r, &ways, k & 1 ? eye : pen_along(eye, random_direction(&r), 4));
         pen_arena_free(ways.arena);
     }
 }
