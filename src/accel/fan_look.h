@@ -253,14 +253,7 @@ static uint64_t fan_look(struct pen_fan *fan, const double a[PEN_FAN_RAYS],
 static bool fan_ray(const struct pen_accel *accel, const struct pen_fan *fan,
                     const struct pen_ray *ray, int i, struct pen_shadow *query)
 {
-    struct trace w = begin(accel, ray, fan->leave);
-    w.shadow = query;
-    if (query->to_point) {
-        w.light_bound = pen_shadow_light_bound(ray);
-        w.light = pen_along(ray->o, ray->d, query->tmax);
-    }
-    query->count = 0;
-    query->overflow = false;
+    struct trace w = begin_shadow(accel, ray, fan->leave, query);
     for (int k = 0; k < fan->gates; k++) {
         const struct pen_gate *gate = &fan->gate[k];
         if (!(gate->ask >> i & 1))

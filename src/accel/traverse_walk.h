@@ -142,8 +142,8 @@ static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
     return true;
 }
 
-static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
-                   const struct pen_leave *leave, struct pen_shadow *query)
+static inline struct trace begin_shadow(const struct pen_accel *accel, const struct pen_ray *ray,
+                                        const struct pen_leave *leave, struct pen_shadow *query)
 {
     struct trace w = begin(accel, ray, leave);
     w.shadow = query;
@@ -153,6 +153,13 @@ static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
     }
     query->count = 0;
     query->overflow = false;
+    return w;
+}
+
+static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
+                   const struct pen_leave *leave, struct pen_shadow *query)
+{
+    struct trace w = begin_shadow(accel, ray, leave, query);
     uint32_t last = query->last_occluder;
     /* What the thread met before must not change what is counted. */
     if (!COUNTING && last < accel->prims->count &&
