@@ -83,8 +83,10 @@ static void draw_ordinary(struct row_draw *d, struct row_case *c)
     struct random *r = &d->random;
     vec3 at = gen_offset3(gen_offset(r)), p[3];
     double size = random_below(r, 2) ? 1 : gen_power(r, -3, 3);
+    bool wide = random_below(r, 8) == 0; /* G6: nothing is of the size of anything else */
     for (int i = 0; i < 3; i++)
-        p[i] = pen_add(at, random_below(r, 2) ? random_vec(r, size) : gen_dyadic3(r, 2));
+        p[i] = wide ? gen_wide3(r, 30)
+                    : pen_add(at, random_below(r, 2) ? random_vec(r, size) : gen_dyadic3(r, 2));
     shoot_at(r, p, 3, size * gen_power(r, -2, 6), c);
 }
 

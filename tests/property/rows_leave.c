@@ -149,6 +149,7 @@ static void judge_departure(const struct row_case *c, struct row_verdict *v)
     }
     int in = goes_in(&x);
     row_tally(v, name[x.kind]);
+    row_tally(v, in > 0 ? "inward" : in < 0 ? "outward" : "along, within rounding of the point");
     if (in == 0)
         row_require(v, x.count <= 1, "met itself along the surface");
     else if (x.count > (in > 0))

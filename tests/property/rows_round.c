@@ -67,11 +67,24 @@ static double passing_of(struct random *r, enum aim aim)
     return b;
 }
 
+/* G6: nothing is of the size of anything else; the ray goes to a point of the body, or near it. */
+static vec3 draw_wide(struct random *r, double *radius, vec3 *o, vec3 *d)
+{
+    vec3 at = gen_wide3(r, 30);
+    *radius = ldexp(1 + random_unit(r), (int)random_below(r, 61) - 30);
+    *o = gen_wide3(r, 30);
+    *d = gen_toward(r, *o, pen_along(at, random_vec(r, 1), *radius));
+    return at;
+}
+
 static void draw_sphere(struct random *r, enum aim aim, struct row_case *c)
 {
     double radius = radius_of(r);
     vec3 at = middle_of(r, SPHERE, aim, radius), o, d;
-    gen_grazing(r, at, radius, distance_of(r), passing_of(r, aim), &o, &d);
+    if (random_below(r, 8) == 0)
+        at = draw_wide(r, &radius, &o, &d);
+    else
+        gen_grazing(r, at, radius, distance_of(r), passing_of(r, aim), &o, &d);
     row_arg3(c, at);
     row_arg(c, radius);
     row_arg3(c, o);
@@ -101,7 +114,10 @@ static void draw_tube(struct random *r, enum aim aim, struct row_case *c)
     double radius = radius_of(r);
     vec3 at = middle_of(r, TUBE, aim, radius), o, d;
     vec3 axis = random_below(r, 4) ? random_direction(r) : gen_axial(r);
-    draw_past_axis(r, at, axis, radius, passing_of(r, aim), &o, &d);
+    if (aim == FAR_OFF && random_below(r, 8) == 0)
+        at = draw_wide(r, &radius, &o, &d);
+    else
+        draw_past_axis(r, at, axis, radius, passing_of(r, aim), &o, &d);
     row_arg3(c, at);
     row_arg3(c, axis);
     row_arg(c, radius);
@@ -117,7 +133,9 @@ static void draw_cylinder(struct random *r, enum aim aim, struct row_case *c)
     vec3 axis = random_below(r, 4) ? random_direction(r) : gen_axial(r);
     vec3 n = pen_normalize(axis);
     gen_frame(r, n, &x, &y);
-    if (aim == GRAZING || random_below(r, 2)) {
+    if (random_below(r, 8) == 0) {
+        at = draw_wide(r, &radius, &o, &d);
+    } else if (aim == GRAZING || random_below(r, 2)) {
         draw_past_axis(r, pen_along(at, n, h * random_unit(r)), axis, radius, passing_of(r, aim),
                        &o, &d);
     } else {
@@ -161,8 +179,8 @@ static double speed(const struct body *body, enum oracle_part part)
 }
 
 /* One crossing against its truth. Nearer than two radii the bar is 8u (|f| + r), across the axis
- * for a side and along it for a cap; where t is so long that `ulps` of its own are more, those
- * count: no double is nearer. */
+ * for a side and along it for a cap. A cap may be many radii away all the same, at the far end of a
+ * long cylinder: where `ulps` of t are more than that, those count, since no double is nearer. */
 static void compare(struct row_verdict *v, const struct bars *bar, const struct body *body,
                     enum oracle_part part, double t, struct truth truth)
 {
@@ -173,7 +191,7 @@ static void compare(struct row_verdict *v, const struct bars *bar, const struct 
     }
     double f = pen_length(pen_sub(body->line.o, body->b.c));
     double share = error / (0x1p-53 * (f + body->b.r)), long_share = ulps * 8 / bar->ulps;
-    row_measure(v, bar->near, share < long_share ? share : long_share, 8);
+    row_measure(v, bar->near, part != ORACLE_SIDE && long_share < share ? long_share : share, 8);
 }
 
 /* Hit or miss: wrong only where BE(8) allows; true if there are roots to compare. */
