@@ -11,4 +11,5 @@ trap 'rm -f "$work"' EXIT
 nm -D --defined-only "$libm" | awk '{ sub(/@.*/, "", $3); print $3 }' |
     grep -vxE "$allowed" | sort -u >"$work"
 [ "$(wc -l <"$work")" -gt 100 ] || echo "cannot read the symbols of $libm"
+[ -r "$1" ] || echo "cannot read $1"
 nm -u "$1" | awk 'NF == 2 { print $2 }' | sort -u | comm -12 - "$work"

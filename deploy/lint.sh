@@ -114,7 +114,7 @@ sed -i 's/$/: no SPDX line/' "$work/out"
 count "$work/out"
 
 # 8. No absolute epsilon where crossings are decided: no literal between 1e-3 and 1e-15 there, but for
-# powers of two that scale something (0x1p-22 in 1 + 0x1p-22, 0x1p-40 * size).
+# powers of two that scale something (0x1p-22 in 1 + 0x1p-22, 0x1p-40 * size, mul_pd(all(0x1p-40), x)).
 git ls-files 'src/geom/*.[ch]' 'src/accel/*.[ch]' 'src/shade/*.[ch]' 'include/pen/geom/*.h' \
     'include/pen/accel/*.h' 'include/pen/shade/*.h' >"$work/files"
 awk '
@@ -132,9 +132,11 @@ FNR == 1 { comment = 0 }
         if (number + 0 >= 1e-15 && number + 0 <= 1e-3)
             print FILENAME ":" FNR ": absolute epsilon? " number
     }
-    gsub(/(1 [-+] |\* |_set1_p[sd]\(|all\()0x[0-9a-fA-F.]+p-[0-9]+/, " ", line)
-    gsub(/0x[0-9a-fA-F.]+p-[0-9]+f? \*/, " ", line)
-    for (; match(line, /0x[0-9a-fA-F.]+p-[0-9]+/); line = substr(line, RSTART + RLENGTH)) {
+    line = tolower(line)
+    gsub(/(mul_p[sd]\(|fmadd_p[sd]\([a-z]+, )(_mm[0-9]*_set1_p[sd]|all)\(0x[0-9a-f.]+p-[0-9]+/, " ", line)
+    gsub(/(1 [-+] |[^0-9. ] \* )0x[0-9a-f.]+p-[0-9]+/, " ", line)
+    gsub(/0x[0-9a-f.]+p-[0-9]+f? \* [^0-9]/, " ", line)
+    for (; match(line, /0x[0-9a-f.]+p-[0-9]+/); line = substr(line, RSTART + RLENGTH)) {
         number = substr(line, RSTART, RLENGTH)
         power = number
         sub(/^.*p-/, "", power)
