@@ -58,7 +58,7 @@ static void make_body(struct random *r, int i)
     world_polygon(&set->world[PEN_PRIM_POLYGON], corner, 4);
     world_sphere(&set->world[PEN_PRIM_SPHERE], c, radius);
     world_tube(&set->world[PEN_PRIM_TUBE], c, a, .2 * radius);
-    world_cylinder(&set->world[PEN_PRIM_CYLINDER], c, a, radius, .5, true);
+    world_cylinder(&set->world[PEN_PRIM_CYLINDER], c, a, radius, PRICE_HEIGHT, true);
     world_plane(&set->world[PEN_PRIM_PLANE], c, a);
 }
 

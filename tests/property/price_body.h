@@ -190,6 +190,52 @@ static double float_tube(const struct price_set *set, const struct pen_ray *ray)
     return (double)best;
 }
 
+/* The side by the textbook, its crossings kept between the ends; then the discs. */
+static double plain_cylinder(const struct price_set *set, const struct pen_ray *ray)
+{
+    double best = INFINITY, dd = pen_dot(ray->d, ray->d);
+    for (int i = 0; i < PRICE_PRIMS; i++) {
+        vec3 f = pen_sub(ray->o, set->center[i]), axis = set->axis[i];
+        double da = pen_dot(ray->d, axis), fa = pen_dot(f, axis), r = set->radius[i];
+        double a = dd - da * da, b = pen_dot(f, ray->d) - da * fa;
+        double c = pen_dot(f, f) - fa * fa - r * r, disc = b * b - a * c;
+        if (!(disc > 0))
+            continue;
+        double h = sqrt(disc), side[2] = {(-b - h) / a, (-b + h) / a};
+        for (int k = 0; k < 2; k++) {
+            double high = fa + side[k] * da, cap = (k * PRICE_HEIGHT - fa) / da;
+            if (high > 0 && high < PRICE_HEIGHT)
+                best = nearer(side[k], best);
+            if (a * cap * cap + 2 * b * cap + c < 0)
+                best = nearer(cap, best);
+        }
+    }
+    return best;
+}
+
+static double float_cylinder(const struct price_set *set, const struct pen_ray *ray)
+{
+    struct plain3 o = f3(ray->o), d = f3(ray->d);
+    float best = INFINITY, dd = dot3(d, d), height = (float)PRICE_HEIGHT;
+    for (int i = 0; i < PRICE_PRIMS; i++) {
+        struct plain3 f = sub3(o, set->center_f[i]), axis = set->axis_f[i];
+        float da = dot3(d, axis), fa = dot3(f, axis), r = set->radius_f[i];
+        float a = dd - da * da, b = dot3(f, d) - da * fa;
+        float c = dot3(f, f) - fa * fa - r * r, disc = b * b - a * c;
+        if (!(disc > 0))
+            continue;
+        float h = sqrtf(disc), side[2] = {(-b - h) / a, (-b + h) / a};
+        for (int k = 0; k < 2; k++) {
+            float high = fa + side[k] * da, cap = ((float)k * height - fa) / da;
+            if (high > 0 && high < height)
+                best = nearer_f(side[k], best);
+            if (a * cap * cap + 2 * b * cap + c < 0)
+                best = nearer_f(cap, best);
+        }
+    }
+    return (double)best;
+}
+
 static double plain_plane(const struct price_set *set, const struct pen_ray *ray)
 {
     double best = INFINITY;
@@ -210,7 +256,7 @@ static double float_plane(const struct price_set *set, const struct pen_ray *ray
     return (double)best;
 }
 
-/* The triangle as an outline: its plane, then crossings of the outline without one coordinate. */
+/* The plane, then crossings of the outline without one coordinate. */
 static double plain_polygon(const struct price_set *set, const struct pen_ray *ray)
 {
     double best = INFINITY;
@@ -249,6 +295,8 @@ static const struct price_method methods[] = {
     {"tube", "plain d.d - (d.a)^2 in double, " PRICE_VARIANT, plain_tube},
     {"tube", "plain d.d - (d.a)^2 in float, " PRICE_VARIANT, float_tube},
     {"cylinder", "robust, capped, " PRICE_VARIANT, robust_cylinder},
+    {"cylinder", "plain side and discs in double, " PRICE_VARIANT, plain_cylinder},
+    {"cylinder", "plain side and discs in float, " PRICE_VARIANT, float_cylinder},
     {"plane", "robust, " PRICE_VARIANT, robust_plane},
     {"plane", "plain in double, " PRICE_VARIANT, plain_plane},
     {"plane", "plain in float, " PRICE_VARIANT, float_plane},

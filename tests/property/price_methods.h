@@ -9,6 +9,8 @@
 
 enum { PRICE_PRIMS = 64, PRICE_RAYS = 64 };
 
+#define PRICE_HEIGHT .5 /* of the cylinders */
+
 /* A plain ray and plain primitives, in float. */
 struct plain3 {
     float x, y, z;

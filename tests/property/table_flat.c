@@ -59,8 +59,6 @@ const struct row row_table_flat[] = {
                 "shared edge meets one",
         .oracle = "count = 1",
         .run = rows_fan,
-        .full = 200000,
-        .check = 3000,
     },
     {
         .id = "H045",
@@ -145,8 +143,6 @@ const struct row row_table_flat[] = {
                 "middles of edges",
         .oracle = "count = 1",
         .run = rows_circle,
-        .full = 50000,
-        .check = 2000,
     },
     {
         .id = "H055",

@@ -257,8 +257,6 @@ const struct row row_table_space[] = {
         .what = "every box that any of the accelerators stores contains the bodies and boxes in it",
         .oracle = "extents from the bodies' definitions, 64 bits",
         .run = rows_planes,
-        .full = 100000,
-        .check = 1000,
     },
     {
         .id = "H092",
@@ -289,7 +287,6 @@ const struct row row_table_space[] = {
                 "that ends an ulp behind it is",
         .oracle = "exact sign of a product of dyadic vectors",
         .run = rows_span,
-        .full = 200000,
     },
     {
         .id = "H095 H096",
@@ -326,7 +323,6 @@ const struct row row_table_space[] = {
         .what = "none, one or a few primitives: what trying all says",
         .oracle = "brute force, bit for bit",
         .run = rows_few,
-        .full = 200000,
     },
     {.id = NULL},
 };
