@@ -32,8 +32,8 @@
  * tests/store/test_damage.c.
  *
  * Not covered: a disk that says it has synced and has not; a file system that loses a name that
- * was synced; bytes that change inside a text, a number or a picture (SQLite has no checksums of
- * pages; scenes and pixels carry one of their own, and are refused when read); SIGBUS from a
+ * was synced; bytes that change inside a text or a number (SQLite has no checksums of pages;
+ * scenes, pixels and pictures carry one of their own, and are refused when read); SIGBUS from a
  * mapped page that the file system cannot provide; a disk that hangs without an error: calls hang
  * with it. */
 #ifndef PEN_STORE_HEALTH_H

@@ -29,6 +29,10 @@ bool pen_packer_pack(struct pen_packer *packer, const void *data, size_t bytes,
 bool pen_unpack(struct pen_packer *packer, const void *data, size_t bytes, struct pen_packed *out,
                 struct pen_status *st);
 
+/* sum.c: of bytes that carry none of their own. Tells damage, not malice: any change within eight
+ * bytes, and of the length, and others but for one in 2^64. Cost: as reading them. */
+int64_t pen_sum_of(const void *data, size_t bytes);
+
 /* pixels.c: what has been added, as it is stored. Valid until more is added. */
 struct pen_packed pen_pixels_packed(const struct pen_pixels *pixels);
 

@@ -42,6 +42,7 @@ static bool add_artefact(struct pen_sq_store *store, const struct commit *commit
     pen_sq_text(&query, result->layer);
     pen_sq_text(&query, result->format);
     pen_sq_blob(&query, result->artefact, result->artefact_bytes);
+    pen_sq_int(&query, pen_sum_of(result->artefact, result->artefact_bytes));
     return pen_sq_run(&query, st);
 }
 

@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "pen/base/log.h"
 #include "sqlite.h"
 
 struct listing {
@@ -194,6 +195,22 @@ static void bind_picture(struct pen_sq_query *query, int64_t number, const struc
     pen_sq_text(query, picture->format);
 }
 
+static bool hand_picture(const struct pen_sq_query *row, const struct picture *picture,
+                         struct pen_status *st)
+{
+    struct pen_packed data = pen_sq_column_blob(row, 0);
+    bool has_sum = sqlite3_column_type(row->stmt, 1) != SQLITE_NULL;
+    if (has_sum && pen_sq_column_int(row, 1) != pen_sum_of(data.data, data.bytes)) {
+        pen_fail(st, PEN_STORAGE,
+                 "the stored %s %s of job %s is damaged: its bytes are not those that were stored",
+                 picture->layer, picture->format, picture->id);
+        pen_log(PEN_LOG_ERROR, "%s", st->msg);
+        return false;
+    }
+    return pen_buf_add(picture->out, data.data, data.bytes) ||
+           pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
+}
+
 static bool read_picture(struct pen_sq_store *store, void *arg, struct pen_status *st)
 {
     const struct picture *picture = arg;
@@ -208,10 +225,9 @@ static bool read_picture(struct pen_sq_store *store, void *arg, struct pen_statu
     if (!row)
         return pen_fail(st, PEN_NOT_FOUND, "job %s has no stored %s %s", picture->id,
                         picture->layer, picture->format);
-    struct pen_packed data = pen_sq_column_blob(&query, 0);
-    bool ok = pen_buf_add(picture->out, data.data, data.bytes);
+    bool ok = hand_picture(&query, picture, st);
     pen_sq_end(&query);
-    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
+    return ok;
 }
 
 bool pen_sq_artefact(struct pen_store *base, const char *id, int view, const char *layer,
@@ -230,6 +246,7 @@ static bool write_picture(struct pen_sq_store *store, void *arg, struct pen_stat
     struct pen_sq_query query = pen_sq_query(store, SQ_ARTEFACT_PUT);
     bind_picture(&query, number, picture);
     pen_sq_blob(&query, picture->data, picture->bytes);
+    pen_sq_int(&query, pen_sum_of(picture->data, picture->bytes));
     return pen_sq_run(&query, st);
 }
 

@@ -5,7 +5,8 @@
  * scene        a document, once per content; gone with the last job that names it
  * job, view, batch   what is to be done and how far it is
  * pixels       what a render batch came to; exactly one row for a batch that is done
- * artefact     encoded pictures; view -1 is for what is made from all views
+ * artefact     encoded pictures; view -1 is for what is made from all views; sum is that of data,
+ *              NULL for what was stored by schemas before there were any
  * idempotency  keys of submits, their bodies' hashes and the answers given; they outlive the job,
  *              since what a client was promised does not end with a delete
  * worker       who works, and when it was last heard of; nothing depends on it
@@ -138,7 +139,10 @@ static const char step_5[] = "";
  * take for batches that assemble a picture. */
 static const char step_6[] = "";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5, step_6};
+/* Sums of artefacts; those from before have none. */
+static const char step_7[] = "ALTER TABLE artefact ADD COLUMN sum INTEGER;";
+
+static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5, step_6, step_7};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,

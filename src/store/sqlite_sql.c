@@ -126,11 +126,11 @@ static const char *const sql_text[SQ_COUNT] = {
                       " worker, suspect FROM batch WHERE job = ? ORDER BY id",
     [SQ_COMMIT_LIST] = "SELECT revision, view, first_tile, tile_count FROM batch"
                        " WHERE job = ? AND revision > ? AND kind = 0 ORDER BY revision",
-    [SQ_ARTEFACT_GET] = "SELECT data FROM artefact"
+    [SQ_ARTEFACT_GET] = "SELECT data, sum FROM artefact"
                         " WHERE job = ? AND view = ? AND layer = ? AND format = ?",
-    [SQ_ARTEFACT_PUT] = "INSERT INTO artefact (job, view, layer, format, data)"
-                        " VALUES (?, ?, ?, ?, ?) ON CONFLICT (job, view, layer, format)"
-                        " DO UPDATE SET data = excluded.data",
+    [SQ_ARTEFACT_PUT] = "INSERT INTO artefact (job, view, layer, format, data, sum)"
+                        " VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (job, view, layer, format)"
+                        " DO UPDATE SET data = excluded.data, sum = excluded.sum",
 
     [SQ_WORKER_SEEN] = "INSERT INTO worker (name, threads, lease_ms, started_ms, seen_ms)"
                        " VALUES (?1, ?2, ?3, ?4, ?4) ON CONFLICT (name) DO UPDATE SET"

@@ -240,7 +240,8 @@ START_TEST(test_deaths__store_of_the_first_schema_goes_on)
         db,
         "DROP TABLE worker; DROP INDEX batch_by_revision; ALTER TABLE batch DROP COLUMN revision;"
         "ALTER TABLE job DROP COLUMN deaths; ALTER TABLE job DROP COLUMN rest_until_ms;"
-        "ALTER TABLE batch DROP COLUMN suspect; PRAGMA user_version = 1");
+        "ALTER TABLE batch DROP COLUMN suspect; ALTER TABLE artefact DROP COLUMN sum; PRAGMA "
+        "user_version = 1");
     sqlite3_close(db);
     bed.store = store_bed_handle(&bed);
     ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 1);

@@ -55,9 +55,11 @@ static void age_template(void)
 {
     sqlite3 *db;
     ck_assert_int_eq(sqlite3_open_v2(disk.template, &db, SQLITE_OPEN_READWRITE, "unix"), SQLITE_OK);
-    ck_assert_int_eq(
-        sqlite3_exec(db, "DROP TABLE worker; PRAGMA user_version = 3", NULL, NULL, NULL),
-        SQLITE_OK);
+    ck_assert_int_eq(sqlite3_exec(db,
+                                  "DROP TABLE worker; ALTER TABLE artefact DROP COLUMN sum;"
+                                  "PRAGMA user_version = 3",
+                                  NULL, NULL, NULL),
+                     SQLITE_OK);
     sqlite3_close(db);
 }
 

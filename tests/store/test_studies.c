@@ -210,7 +210,10 @@ static void make_old(void)
 {
     sqlite3 *db;
     ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
-    ck_assert_int_eq(sqlite3_exec(db, "PRAGMA user_version = 5", NULL, NULL, NULL), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_exec(db,
+                                  "ALTER TABLE artefact DROP COLUMN sum; PRAGMA user_version = 5",
+                                  NULL, NULL, NULL),
+                     SQLITE_OK);
     sqlite3_close(db);
 }
 

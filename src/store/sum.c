@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* A word at a time is mixed in by steps that can be undone, so that two inputs which differ in one
+ * word never meet again. The multiplier is that of Fibonacci hashing (Knuth, TAOCP 3, 6.4). Words
+ * are little-endian: a store can be read on any machine. */
+#include <endian.h>
+#include <string.h>
+
+#include "pack.h"
+
+static uint64_t mix(uint64_t sum, uint64_t word)
+{
+    sum = (sum ^ word) * UINT64_C(0x9E3779B97F4A7C15);
+    return sum ^ sum >> 32;
+}
+
+static uint64_t word_at(const unsigned char *at, size_t bytes)
+{
+    uint64_t word = 0;
+    memcpy(&word, at, bytes);
+    return le64toh(word);
+}
+
+int64_t pen_sum_of(const void *data, size_t bytes)
+{
+    const unsigned char *at = data;
+    uint64_t sum = mix(0, bytes), left = bytes;
+    int64_t out;
+    for (; left >= 8; left -= 8, at += 8)
+        sum = mix(sum, word_at(at, 8));
+    if (left > 0)
+        sum = mix(sum, word_at(at, left));
+    memcpy(&out, &sum, sizeof out);
+    return out;
+}

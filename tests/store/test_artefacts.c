@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+/* Pictures and reports as stored: what is damaged is not given out, wherever the damage is. */
+#include <sqlite3.h>
+#include <string.h>
+
+#include "pen/base/log.h"
+#include "support/store.h"
+#include "support/suite.h"
+
+static struct store_bed bed;
+static struct store_job job;
+
+static void run_sql(const char *sql, const void *blob, size_t bytes)
+{
+    sqlite3 *db;
+    sqlite3_stmt *stmt;
+    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_prepare_v2(db, sql, -1, &stmt, NULL), SQLITE_OK);
+    if (blob)
+        sqlite3_bind_blob(stmt, 1, blob, (int)bytes, SQLITE_STATIC);
+    ck_assert_msg(sqlite3_step(stmt) == SQLITE_DONE, "%s: %s", sql, sqlite3_errmsg(db));
+    sqlite3_finalize(stmt);
+    sqlite3_close(db);
+}
+
+static void put(const void *data, size_t bytes)
+{
+    struct pen_status st;
+    store_bed_open(&bed);
+    store_job_init(&job, 1, 1, 1);
+    store_job_submit(bed.store, &job);
+    store_must(pen_store_artefact_put(bed.store, job.id, 0, "beauty", "pfm", data, bytes, &st), &st,
+               "put");
+}
+
+static bool get(struct pen_buf *out, struct pen_status *st)
+{
+    *out = (struct pen_buf){0};
+    return pen_store_artefact(bed.store, job.id, 0, "beauty", "pfm", out, st);
+}
+
+static void check_got(const void *data, size_t bytes)
+{
+    struct pen_status st;
+    struct pen_buf out;
+    store_must(get(&out, &st), &st, "get");
+    ck_assert_uint_eq(out.bytes, bytes);
+    ck_assert(bytes == 0 || memcmp(out.data, data, bytes) == 0);
+    pen_buf_release(&out);
+}
+
+static void check_refused(const void *damaged, size_t bytes)
+{
+    struct pen_status st;
+    struct pen_buf out;
+    run_sql("UPDATE artefact SET data = ?", damaged, bytes);
+    ck_assert(!get(&out, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE);
+    ck_assert_msg(strstr(st.msg, "damaged") && strstr(st.msg, job.id) && strstr(st.msg, "pfm"),
+                  "%s", st.msg);
+    ck_assert_uint_eq(out.bytes, 0);
+    pen_buf_release(&out);
+}
+
+START_TEST(test_artefacts__every_changed_bit_is_noticed)
+{
+    unsigned char data[43];
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    for (size_t i = 0; i < sizeof data; i++)
+        data[i] = (unsigned char)(i * i);
+    put(data, sizeof data);
+    check_got(data, sizeof data);
+    for (size_t bit = 0; bit < 8 * sizeof data; bit++) {
+        data[bit / 8] ^= (unsigned char)(1 << bit % 8);
+        check_refused(data, sizeof data);
+        data[bit / 8] ^= (unsigned char)(1 << bit % 8);
+    }
+    run_sql("UPDATE artefact SET data = ?", data, sizeof data);
+    check_got(data, sizeof data);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_artefacts__missing_and_added_bytes_are_noticed)
+{
+    static const unsigned char zeros[40];
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    put(zeros, 24);
+    for (size_t bytes = 0; bytes <= sizeof zeros; bytes++) {
+        if (bytes != 24)
+            check_refused(zeros, bytes);
+    }
+    struct pen_status st;
+    store_must(pen_store_artefact_put(bed.store, job.id, 0, "beauty", "pfm", "new", 3, &st), &st,
+               "put again");
+    check_got("new", 3);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* What was stored before there were sums has none, and is given out as it is. */
+START_TEST(test_artefacts__of_a_store_from_before)
+{
+    put("old", 3);
+    pen_store_close(bed.store);
+    run_sql("ALTER TABLE artefact DROP COLUMN sum", NULL, 0);
+    run_sql("PRAGMA user_version = 6", NULL, 0);
+    bed.store = store_bed_handle(&bed);
+    check_got("old", 3);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("store artefacts", test_artefacts__every_changed_bit_is_noticed,
+          test_artefacts__missing_and_added_bytes_are_noticed,
+          test_artefacts__of_a_store_from_before)
