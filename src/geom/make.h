@@ -6,11 +6,24 @@
 
 #include <stdbool.h>
 
+#include "pen/geom/ray.h"
 #include "pen/math/box.h"
 
 static inline bool is_finite3(struct pen_vec3 v)
 {
     return (v.x - v.x) + (v.y - v.y) + (v.z - v.z) == 0;
+}
+
+/* Finite, and 0 or not below PEN_LEAST. */
+static inline bool is_coordinate(double x)
+{
+    return x - x == 0 && (x == 0 || fabs(x) >= PEN_LEAST);
+}
+
+/* Vertices whose coordinates across a ray have products that stay in range. */
+static inline bool is_vertex(struct pen_vec3 v)
+{
+    return is_coordinate(v.x) && is_coordinate(v.y) && is_coordinate(v.z);
 }
 
 /* Lengths whose squares stay in range. */

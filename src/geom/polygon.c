@@ -47,16 +47,16 @@ bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
     if (count < 3)
         return false;
     for (uint32_t i = 0; i < count; i++) {
-        if (!is_finite3(v[i]))
+        if (!is_vertex(v[i]))
             return false;
     }
     *p = (struct pen_polygon){.v = v, .count = count};
     struct pen_box b = pen_polygon_bounds(p);
     p->extent = pen_largest3(pen_sub(b.hi, b.lo));
     struct pen_vec3 n = newell(v, count);
-    /* Below this, the sum may be nothing but its own rounding. */
+    /* Below these, the sum may be nothing but its own rounding, and products may vanish. */
     double least = 0x1p-90 * count * p->extent * p->extent;
-    if (!is_finite3(n) || !(pen_largest3(n) > least))
+    if (!is_finite3(n) || !(pen_largest3(n) > least && pen_largest3(n) > 0x1p-900))
         return false;
     p->n = pen_unit_of(n);
     judge_outline(p);

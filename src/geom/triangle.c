@@ -62,7 +62,7 @@ static int first_corner(const struct pen_vec3 v[3])
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
                        struct pen_vec3 c)
 {
-    if (!is_finite3(a) || !is_finite3(b) || !is_finite3(c))
+    if (!is_vertex(a) || !is_vertex(b) || !is_vertex(c))
         return false;
     const struct pen_vec3 v[3] = {a, b, c};
     int first = first_corner(v);

@@ -40,13 +40,20 @@ static bool alloc_arrays(struct pen_freezer *f, struct filler *a)
     return pen_freeze_no_memory(f);
 }
 
+/* What is lost is far below what the frame's own extent resolves. */
+static struct pen_vec3 local_vertex(const struct pen_freezer *f, const struct pen_placed *body,
+                                    uint32_t i)
+{
+    return pen_without_less(pen_local_point(&f->frame, body->vertices[i]), PEN_LEAST);
+}
+
 static bool fill_polygon(struct pen_freezer *f, struct filler *a, const struct pen_placed *body,
                          struct pen_polygon *polygon)
 {
     struct pen_vec3 *v = a->vertices;
     a->vertices += body->count;
     for (uint32_t i = 0; i < body->count; i++)
-        v[i] = pen_local_point(&f->frame, body->vertices[i]);
+        v[i] = local_vertex(f, body, i);
     return pen_polygon_make(polygon, v, body->count);
 }
 
@@ -54,9 +61,8 @@ static bool fill_triangle(struct pen_freezer *f, const struct pen_placed *body,
                           struct pen_triangle *triangle)
 {
     return body->count == 3 &&
-           pen_triangle_make(triangle, pen_local_point(&f->frame, body->vertices[0]),
-                             pen_local_point(&f->frame, body->vertices[1]),
-                             pen_local_point(&f->frame, body->vertices[2]));
+           pen_triangle_make(triangle, local_vertex(f, body, 0), local_vertex(f, body, 1),
+                             local_vertex(f, body, 2));
 }
 
 /* Makes primitive number `index` of its kind. False if its numbers are beyond what geometry

@@ -63,6 +63,7 @@ void rows_touching(struct pen_row_run *run);
 void rows_signed_zeros(struct pen_row_run *run);
 void rows_boxes(struct pen_row_run *run);
 void rows_flat_boxes(struct pen_row_run *run);
+void rows_vanishing(struct pen_row_run *run);
 void rows_on_faces(struct pen_row_run *run);
 void rows_tmax(struct pen_row_run *run);
 void rows_paths(struct pen_row_run *run);

@@ -259,6 +259,14 @@ const struct row row_table_space[] = {
         .run = rows_planes,
     },
     {
+        .id = "H091",
+        .name = "h091_vanishing",
+        .what = "coordinates of bodies and rays down to the least subnormal, beside ones of unit "
+                "size: the structures of all builders meet what trying all meets",
+        .oracle = "brute force, bit for bit",
+        .run = rows_vanishing,
+    },
+    {
         .id = "H092",
         .name = "h092_flat_boxes",
         .what = "boxes without thickness around axis-parallel rectangles: hit iff the rectangle is",

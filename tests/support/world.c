@@ -44,6 +44,9 @@ uint32_t world_plane(struct world *w, struct pen_vec3 point, struct pen_vec3 nor
 
 uint32_t world_triangle(struct world *w, struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c)
 {
+    a = pen_without_less(a, PEN_LEAST);
+    b = pen_without_less(b, PEN_LEAST);
+    c = pen_without_less(c, PEN_LEAST);
     ck_assert(pen_triangle_make(&w->triangle[add(w, PEN_PRIM_TRIANGLE)], a, b, c));
     return last(w);
 }
@@ -54,7 +57,7 @@ uint32_t world_polygon(struct world *w, const struct pen_vec3 *v, uint32_t count
     w->corners += count;
     ck_assert(w->corners <= 8 * WORLD_MAX);
     for (uint32_t i = 0; i < count; i++)
-        own[i] = v[i];
+        own[i] = pen_without_less(v[i], PEN_LEAST);
     ck_assert(pen_polygon_make(&w->polygon[add(w, PEN_PRIM_POLYGON)], own, count));
     return last(w);
 }

@@ -17,8 +17,9 @@ struct pen_polygon {
     bool flat, convex; /* up to rounding of its vertices; nothing relies on their being false */
 };
 
-/* Fails: returns false if a vertex is not finite, there are fewer than three, or the sum of signed
- * areas is zero. Simplicity and flatness are the reader's business. Owns: borrows v. */
+/* Fails: returns false if a coordinate is not finite, or not 0 and below PEN_LEAST, there are fewer
+ * than three vertices, or the sum of signed areas is zero or below 2^-900. Simplicity and flatness
+ * are the reader's business. Owns: borrows v. */
 bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count);
 
 /* One end of the segment of y = 0 that contains the ray: x = s / h, depth z = w / h. */

@@ -26,6 +26,12 @@
 /* 2^-53, the unit roundoff of binary64. */
 #define PEN_U 0x1p-53
 
+/* Coordinates of vertices and of rays' origins are 0 or at least PEN_LEAST, components of d are 0
+ * or at least PEN_LEAST_TURN of its largest. So coordinates across a ray are multiples of 2^-535:
+ * no part of a product of two of them vanishes, and differences of products have their sign. */
+#define PEN_LEAST 0x1p-300
+#define PEN_LEAST_TURN 0x1p-130
+
 /* The t of a crossing at the ray's origin that counts: behind nothing, before everything. */
 #define PEN_FIRST_T 0x1p-1074
 
@@ -76,8 +82,8 @@ static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
                     fabs(v.z) < least ? copysign(0, v.z) : v.z);
 }
 
-/* Makes a ray. Components of o below 2^-450, and of d below 2^-450 of its largest, are taken as 0:
- * products of two of them must stay in range for differences of products to have their sign.
+/* Makes a ray. Components of o below PEN_LEAST, and of d below PEN_LEAST_TURN of its largest, are
+ * taken as 0.
  * Fails (returns false, *ray undefined) if o or d is not finite, or if the largest component of d
  * lies outside 2^-400 ... 2^400 (zero is): squares must stay in range. */
 static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d)
@@ -89,8 +95,8 @@ static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct p
     double poison = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (ax - ax) + (ay - ay) + (az - az);
     if (!(poison == 0 && largest >= 0x1p-400 && largest <= 0x1p400))
         return false;
-    d = pen_without_less(d, 0x1p-450 * largest);
-    o = pen_without_less(o, 0x1p-450);
+    d = pen_without_less(d, PEN_LEAST_TURN * largest);
+    o = pen_without_less(o, PEN_LEAST);
     ray->o = o;
     ray->d = d;
     ray->kz = kz;

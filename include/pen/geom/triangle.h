@@ -22,8 +22,8 @@ struct pen_triangle {
     struct pen_vec3 n;    /* unit */
 };
 
-/* Fails: returns false if a vertex is not finite or the area is zero, decided exactly, or below
- * 2^-900. */
+/* Fails: returns false if a coordinate is not finite, or not 0 and below PEN_LEAST, or if the area
+ * is zero, decided exactly, or below 2^-900. */
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
                        struct pen_vec3 c);
 
