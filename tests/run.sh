@@ -17,9 +17,11 @@ jobs=${JOBS:-2}
 #   test_traffic           how often a worker goes to the store, which depends on how long work takes
 #   test_server            connections that must be closed within seconds, not before and not after
 #   test_bench, bench*     measure, and compare what they measured
+#   readme                 waits a minute for large pictures, as the README's text does
 #   quarantine, supervisor deadlines of 2 s for what takes many processes to come about
 alone='tests/http/test_events tests/http/test_server tests/jobs/test_traffic tests/study/test_bench
-tests/cmd/bench tests/cmd/bench_jobs tests/cmd/quarantine tests/cmd/supervisor tests/e2e/events'
+tests/cmd/bench tests/cmd/bench_jobs tests/cmd/quarantine tests/cmd/supervisor tests/e2e/events
+tests/e2e/readme'
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

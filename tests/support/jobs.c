@@ -82,7 +82,7 @@ void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES])
 enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)
 {
     uint32_t seen = 0;
-    for (int i = 0; i < 600; i++) {
+    for (int i = 0; i < 2400; i++) {
         enum pen_job_state state = store_job_state(bed->bed.store, id);
         if (pen_job_state_ended(state))
             return state;

@@ -36,7 +36,7 @@ pid_t jobs_worker_fork(const struct jobs_bed *bed);
 /* Submits; the test fails with the errors if it is refused. Writes the id. */
 void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES]);
 
-/* Waits until the job has ended; the test fails after a minute. */
+/* Waits until the job has ended; the test fails after four minutes. */
 enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id);
 
 /* The job as JSON; the caller json_decref()s. */
