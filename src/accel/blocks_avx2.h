@@ -221,10 +221,10 @@ static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LA
 static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], __m256d t,
                                unsigned lanes, bool any)
 {
-    __m256d ahead = LESS(all(0), t);
+    __m256d useful = _mm256_and_pd(LESS(all(0), t), LESS_EQUAL(t, end4(w, any)));
     if (w->leaving)
-        ahead = _mm256_or_pd(ahead, LESS_EQUAL(_mm256_mul_pd(t, t), all(w->back_sq)));
-    lanes &= bits(_mm256_and_pd(ahead, LESS_EQUAL(t, end4(w, any))));
+        useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), all(w->near_sq)));
+    lanes &= bits(useful);
     if (lanes == 0)
         return false;
     double at[PEN_LANES];

@@ -29,12 +29,11 @@ struct trace {
     const struct pen_accel *accel;
     const struct pen_ray *ray;
     const struct pen_leave *leave;
-    bool leaving;   /* the ray starts on a primitive */
-    bool at_origin; /* and what is tested now may reach the place where it starts */
-    double slack;   /* then what touches it misses it by no more than this, */
-    double grow;    /* and no border farther off than this is passed */
-    double near_sq; /* square of the t that is as far as grow */
-    double back_sq; /* square of the t at which nothing that touches it is, or farther */
+    bool leaving;               /* the ray starts on a primitive */
+    bool at_origin;             /* and what is tested now may reach the place where it starts */
+    double slack;               /* then what touches it misses it by no more than this, */
+    double grow;                /* and no border farther off than this is passed */
+    double near_sq;             /* square of the t that is as far as grow */
     struct pen_hit after, best; /* nearest: the crossing looked for is between them */
     struct pen_shadow *shadow;
     double light_bound;    /* shadow: by how much the light may miss a surface that contains it */
@@ -177,14 +176,15 @@ static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pe
 /* A crossing of a flat primitive at t. */
 static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any)
 {
-    if (t > (any ? w->shadow->tmax : w->best.t))
-        return false;
+    bool late = t > (any ? w->shadow->tmax : w->best.t);
     if (!w->leaving)
-        return t > 0 && offer(w, prim, t, PEN_PART_SIDE, any);
+        return t > 0 && !late && offer(w, prim, t, PEN_PART_SIDE, any);
     if (prim == w->leave->prim)
         return false;
     if (t * t <= w->near_sq)
         return test_at_origin(w, prim, any);
+    if (late)
+        return false;
     const struct pen_prim_ref ref = w->accel->prims->ref[prim];
     struct pen_vec3 n = *flat_normal(w->accel->prims, ref);
     if (fabs(t * pen_dot(w->ray->d, n)) <=
@@ -198,7 +198,7 @@ static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any
 /* The same for a finite primitive, most of which are cheaply seen to be well behind. */
 static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool any)
 {
-    if (t < 0 && (!w->leaving || t * t > w->back_sq))
+    if (t < 0 && (!w->leaving || t * t > w->near_sq))
         return false;
     return offer_flat(w, prim, t, any);
 }

@@ -124,8 +124,6 @@ static inline struct trace begin(const struct pen_accel *accel, const struct pen
     w.slack = leave->bound + 8 * PEN_U * accel->scale;
     w.grow = 2 * PEN_NEARBY * w.slack;
     w.near_sq = w.grow * w.grow * ray->inv_dd;
-    if (w.leaving)
-        w.back_sq = 0x1p21 * w.slack * w.slack * ray->inv_dd;
     return w;
 }
 

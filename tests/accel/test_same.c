@@ -218,7 +218,7 @@ START_TEST(test_accel__h073_seams)
         struct ways ways = build(&world, &r);
         for (int k = 0; k < 40; k++)
             follow_seam(&r, &ways, eye, see_through);
-        for (int k = 0; k < 40; k++)
+        for (int k = 0; k < 100; k++)
             graze_seam(&r, &ways, k & 1 ? eye : pen_along(eye, random_direction(&r), 4));
         pen_arena_free(ways.arena);
     }
