@@ -84,6 +84,11 @@ static bool chosen(const struct options *o, const struct row *row)
     return row->status == ROW_TESTED && (!o->rows || strstr(row->name, o->rows));
 }
 
+static uint64_t full_cases(const struct row *row)
+{
+    return row->full ? row->full : 1000000;
+}
+
 /* Cuts the rows into tasks; rows that are asked for fewer cases than a chunk are one task. */
 static void plan(struct suite *s)
 {
@@ -93,7 +98,7 @@ static void plan(struct suite *s)
         s->report.row[i] = (struct report_row){.row = row, .ran = chosen(&s->options, row)};
         if (!s->report.row[i].ran)
             continue;
-        uint64_t full = row->full ? row->full : 1000000, cases = full;
+        uint64_t full = full_cases(row), cases = full;
         if (s->options.cases && s->options.cases < full)
             cases = s->options.cases;
         for (uint64_t first = 0; first < cases && s->tasks < TASKS_MAX; first += CHUNK) {
@@ -177,27 +182,39 @@ static void run_all(struct suite *s)
     s->report.wall_s = (double)(pen_clock_ns() - begun) * 1e-9;
 }
 
-/* What failed and what was worst stays; older cases fill up. */
+/* A row's lines: what failed, what was worst if `worst`, and older cases as far as there is room.
+ */
+static void renew_lines(struct suite *s, const struct corpus *old, const struct report_row *row,
+                        bool worst)
+{
+    const struct row_result *r = &row->result;
+    const char *name = row->row->name;
+    const struct row_case *c;
+    corpus_drop(&s->corpus, name);
+    for (int k = 0; k < r->kept_count; k++)
+        corpus_add(&s->corpus, name, &r->kept[k].small);
+    for (int k = 0; worst && k < r->series_count; k++)
+        corpus_add(&s->corpus, name, &r->series[k].worst);
+    for (int k = 0; (c = corpus_case(old, name, k)); k++)
+        corpus_add(&s->corpus, name, c);
+}
+
+/* Only a row that ran in full says what is worst: it judged the cases of the corpus too, so what is
+ * recorded gives way to nothing but what is worse. A shorter run records new failures alone. */
 static void update_corpus(struct suite *s)
 {
     static struct corpus old;
+    bool renewed = false;
     old = s->corpus;
     for (int i = 0; i < s->report.rows; i++) {
         const struct report_row *row = &s->report.row[i];
-        const struct row_result *r = &row->result;
-        const char *name = row->row->name;
-        const struct row_case *c;
-        if (!row->ran)
+        bool full = !s->options.cases || s->options.cases >= full_cases(row->row);
+        if (!row->ran || !(full || (row->result.failures && !row->row->known)))
             continue;
-        corpus_drop(&s->corpus, name);
-        for (int k = 0; k < r->kept_count; k++)
-            corpus_add(&s->corpus, name, &r->kept[k].small);
-        for (int k = 0; k < r->series_count; k++)
-            corpus_add(&s->corpus, name, &r->series[k].worst);
-        for (int k = 0; (c = corpus_case(&old, name, k)); k++)
-            corpus_add(&s->corpus, name, c);
+        renew_lines(s, &old, row, full);
+        renewed = true;
     }
-    if (s->options.corpus && !corpus_write(&s->corpus, s->options.corpus))
+    if (renewed && s->options.corpus && !corpus_write(&s->corpus, s->options.corpus))
         fprintf(stderr, "stability: cannot write %s\n", s->options.corpus);
 }
 
