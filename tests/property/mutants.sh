@@ -148,6 +148,10 @@ mutant contraction h095_trees 20000 "products and sums are contracted (-ffp-cont
 [ -n "$skip" ] || rm -rf "$dir/$name/build/src"
 judge PIXEL_FLAGS="-std=c11 -ffp-contract=fast -fno-math-errno"
 
+mutant fused h078_mirrored_triangle 20000 "every file has FMA, and products and sums are contracted"
+[ -n "$skip" ] || rm -rf "$dir/$name/build/src"
+judge PIXEL_FLAGS="-std=c11 -mfma -ffp-contract=fast -fno-math-errno"
+
 mutant strict_edges h038_watertight 20000 "a triangle does not own its edges"
 edit include/pen/geom/triangle.h 1 \
     's/^    if \(pen_edge_counts\(a, b, w\).* == 0\)$/    if (!((w > 0 \&\& u > 0 \&\& v > 0) || (w < 0 \&\& u < 0 \&\& v < 0)))/'
@@ -192,6 +196,19 @@ judge
 
 mutant plain_determinant h041_antisymmetry 20000 "ab - cd without fma"
 edit include/pen/math/exact.h 1 's/^    return f \+ e;$/    return (void)f, (void)e, a * b - w;/'
+judge
+
+mutant vanishing h091_vanishing 100000 "coordinates of vertices may be so small that products vanish"
+edit include/pen/geom/ray.h 1 's/^#define PEN_LEAST 0x1p-300/#define PEN_LEAST 0x1p-1074/'
+judge
+
+mutant corner_order h078_mirrored_triangle 20000 "a triangle's corners stay in the order they come in"
+edit src/geom/triangle.c 1 's/^    int first = first_corner\(v\);$/    int first = 0 * first_corner(v);/'
+judge
+
+mutant axis_order h079_permuted 100000 "sums for spheres are taken in the order of the axes' names"
+edit include/pen/geom/sphere.h 1 \
+    's/^    struct pen_vec3 o = ray->turned_o, d = ray->turned_d, c = .*$/    struct pen_vec3 o = ray->o, d = ray->d, c = s->c;/'
 judge
 
 mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point state they inherit"
