@@ -83,12 +83,13 @@ static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q
                                  const struct pen_ray *ray, const struct pen_leave *leave)
 {
     struct contact c = {prims, leave, q, ray->o, {0, 0, 0}, 0, 4 * PEN_U};
-    double scale = pen_prim_scale(prims, q.prim, ray->o);
-    uint32_t kind = prims->ref[q.prim].kind;
+    const struct pen_prim_ref ref = prims->ref[q.prim];
     c.n = pen_prim_normal(prims, q, ray->o);
     c.slack = leave->bound + own_rounding(prims, q.prim, ray->o);
-    if (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON)
-        c.share = max2(c.share, c.slack / scale);
+    if (ref.kind == PEN_PRIM_TRIANGLE)
+        c.share = max2(c.share, c.slack / pen_triangle_extent(&prims->triangle[ref.index]));
+    else if (ref.kind == PEN_PRIM_POLYGON)
+        c.share = max2(c.share, c.slack / prims->polygon[ref.index].extent);
     return c;
 }
 

@@ -27,9 +27,12 @@ static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
 }
 
 /* Whether each vertex is in the plane of the first with normal n, and whether the outline turns to
- * the left at each, up to less than 2^-44 of all lengths. */
+ * the left at each, up to less than 2^-44 of all lengths; and the scale: a crossing is on a surface
+ * between the vertices, its point is put on the plane, so what they are apart counts as rounding.
+ */
 static void judge_outline(struct pen_polygon *p)
 {
+    double most = 0;
     p->flat = p->convex = true;
     for (uint32_t i = 0; i < p->count; i++) {
         struct pen_vec3 v = p->v[i], next = p->v[(i + 1) % p->count];
@@ -39,7 +42,9 @@ static void judge_outline(struct pen_polygon *p)
             p->flat = false;
         if (!(turn >= -0x1p-46 * p->extent * p->extent))
             p->convex = false;
+        most = fabs(off) > most ? fabs(off) : most;
     }
+    p->scale = p->extent + most / (8 * PEN_U);
 }
 
 bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count)

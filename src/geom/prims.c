@@ -149,7 +149,7 @@ double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_v
     case PEN_PRIM_TRIANGLE:
         return pen_triangle_extent(&prims->triangle[ref.index]);
     case PEN_PRIM_POLYGON:
-        return prims->polygon[ref.index].extent;
+        return prims->polygon[ref.index].scale;
     case PEN_PRIM_KIND_COUNT:
         break;
     }

@@ -15,13 +15,9 @@ struct surface {
     struct pen_vec3 v;      /* unit, from the viewer to p */
     double nv;              /* n.v <= 0 */
     double bound;           /* how far p may be off by rounding */
-    struct pen_vec3 toward; /* where the path came from, as rays that leave p understand it, */
-    struct pen_vec3 before; /* and where from before that */
+    struct pen_leave leave; /* what rays leave that go on from p at the viewer's side */
 };
 
-/* p = o + t d misses its surface by the rounding of the sum before it is put back, and may miss
- * others there by as much: 16u covers the products, t and the sum. A ray that met the surface
- * where it started has not moved: it came from where the one before it did. */
 static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
                                                const struct pen_ray *ray,
                                                const struct pen_leave *left, struct pen_hit hit)
@@ -37,27 +33,17 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
         s.n = pen_neg(s.n);
         s.nv = -s.nv;
     }
-    s.toward = left->toward;
-    s.before = left->before;
-    if (hit.t != PEN_FIRST_T) {
-        s.before = s.toward;
-        s.toward = pen_scale(ray->d, -hit.t);
-    }
-    s.bound = pen_prim_rounding(&scene->prims, hit.prim, s.p) + 16 * PEN_U * pen_norm1(ray->o);
+    s.leave = pen_leave_at(&scene->prims, ray, left, hit, s.p);
+    s.bound = s.leave.bound;
     return s;
 }
 
 /* What a ray leaves that goes on from p: at the viewer's side, or `through` the surface. */
 static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s, bool through)
 {
-    return (struct pen_leave){
-        .prim = s->hit.prim,
-        .part = s->hit.part,
-        .through = through,
-        .toward = s->toward,
-        .before = s->before,
-        .bound = s->bound,
-    };
+    struct pen_leave leave = s->leave;
+    leave.through = through;
+    return leave;
 }
 
 /* Whether the point, the normal and the direction are finite: the bound contains the point. */

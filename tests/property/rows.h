@@ -99,6 +99,7 @@ void rows_resting(struct pen_row_run *run);
 void rows_acne(struct pen_row_run *run);
 void rows_room(struct pen_row_run *run);
 void rows_seam(struct pen_row_run *run);
+void rows_crossing(struct pen_row_run *run);
 void rows_inside(struct pen_row_run *run);
 void rows_outside(struct pen_row_run *run);
 

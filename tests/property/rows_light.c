@@ -155,11 +155,15 @@ void rows_acne(struct pen_row_run *run)
 
 /* ---- H073: a closed room with mirrors for walls, light all around it, and none inside ---- */
 
-/* Arguments: walls of triangles or not, seed of the room, offset, the window, what is looked at. */
-static void draw_window(struct row_draw *d, struct row_case *c, double from, double to)
+/* Walls: quads or triangles that share their corners, quads that cross each other, planes. */
+enum walls { WALLS_QUADS, WALLS_TRIANGLES, WALLS_CROSSING, WALLS_PLANES };
+
+/* Arguments: the walls, seed of the room, offset, the window, what is looked at. */
+static void draw_window(struct row_draw *d, struct row_case *c, double from, double to,
+                        enum walls walls)
 {
     struct random *r = &d->random;
-    row_fixed(c, random_below(r, 2));
+    row_fixed(c, (double)(walls + random_below(r, 2)));
     row_fixed(c, (double)(random_bits(r) >> 40));
     row_fixed(c, gen_offset(r) / 1e3);
     row_fixed(c, gen_power(r, from, to));
@@ -168,12 +172,32 @@ static void draw_window(struct row_draw *d, struct row_case *c, double from, dou
 
 static void draw_room(struct row_draw *d, struct row_case *c)
 {
-    draw_window(d, c, -7, .5);
+    draw_window(d, c, -7, .5, WALLS_QUADS);
 }
 
 static void draw_seam(struct row_draw *d, struct row_case *c)
 {
-    draw_window(d, c, -14, -7);
+    draw_window(d, c, -14, -7, WALLS_QUADS);
+}
+
+static void draw_crossing(struct row_draw *d, struct row_case *c)
+{
+    draw_window(d, c, -14, -7, WALLS_CROSSING);
+}
+
+static void add_wall(enum walls walls, const vec3 v[4], int material)
+{
+    vec3 middle = pen_scale(pen_add(v[0], v[2]), .5), far[4];
+    for (int i = 0; i < 4; i++)
+        far[i] = pen_along(v[i], pen_sub(v[i], middle), .5);
+    if (walls == WALLS_TRIANGLES) {
+        kit_triangle(&kit, v[0], v[1], v[2], material);
+        kit_triangle(&kit, v[0], v[2], v[3], material);
+    } else if (walls == WALLS_PLANES) {
+        kit_plane(&kit, v[0], pen_cross(pen_sub(v[1], v[0]), pen_sub(v[3], v[0])), material);
+    } else {
+        kit_polygon(&kit, walls == WALLS_CROSSING ? far : v, 4, material);
+    }
 }
 
 /* The walls; returns a place on an edge, or the corner that ends it. */
@@ -195,12 +219,7 @@ static vec3 make_room(const struct row_case *c, struct random *r)
         vec3 v[4];
         for (int i = 0; i < 4; i++)
             v[i] = corner[wall[w][i]];
-        if (c->arg[0] > 0) {
-            kit_triangle(&kit, v[0], v[1], v[2], mirror);
-            kit_triangle(&kit, v[0], v[2], v[3], mirror);
-        } else {
-            kit_polygon(&kit, v, 4, mirror);
-        }
+        add_wall((enum walls)c->arg[0], v, mirror);
     }
     int seam = (int)c->arg[4];
     vec3 from = corner[wall[seam / 4][seam % 4]], to = corner[wall[seam / 4][(seam + 1) % 4]];
@@ -245,6 +264,11 @@ void rows_room(struct pen_row_run *run)
 void rows_seam(struct pen_row_run *run)
 {
     row_each(run, draw_seam, judge_room);
+}
+
+void rows_crossing(struct pen_row_run *run)
+{
+    row_each(run, draw_crossing, judge_room);
 }
 
 /* The other side of it: what rounding decides at a seam must not put out a light in the room. */

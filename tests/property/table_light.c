@@ -56,6 +56,15 @@ const struct row row_table_light[] = {
     },
     {
         .id = "H073",
+        .name = "h073_crossing_walls",
+        .what = "the same where the walls are planes, or quads that reach through each other",
+        .oracle = "black",
+        .run = rows_crossing,
+        .full = 20000,
+        .check = 100,
+    },
+    {
+        .id = "H073",
         .name = "h073_light_inside",
         .what = "the same rooms at their seams, with lights inside: as without shadows",
         .oracle = "itself, bit for bit",

@@ -161,13 +161,7 @@ struct stand world_stand(const struct world *w, const struct pen_ray *ray,
     s.n = pen_prim_normal(&w->prims, hit, s.p);
     if (pen_dot(s.n, ray->d) > 0)
         s.n = pen_neg(s.n);
-    s.leave = world_leave(w, hit, s.p, pen_scale(ray->d, hit.t), false);
-    s.leave.bound += 16 * PEN_U * pen_norm1(ray->o);
-    s.leave.before = leave->toward;
-    if (hit.t == PEN_FIRST_T) { /* it has not moved */
-        s.leave.toward = leave->toward;
-        s.leave.before = leave->before;
-    }
+    s.leave = pen_leave_at(&w->prims, ray, leave, hit, s.p);
     return s;
 }
 

@@ -14,6 +14,7 @@ struct pen_polygon {
     uint32_t count;
     struct pen_vec3 n; /* unit */
     double extent;     /* no vertex is farther than this from another, in any axis */
+    double scale;      /* pen_prim_scale: extent, and more if rounding put vertices off the plane */
     bool flat, convex; /* up to rounding of its vertices; nothing relies on their being false */
 };
 

@@ -102,6 +102,32 @@ double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_v
 /* The rounding bound for rays that start at p: 16u (|p|_1 + the primitive's own scale). */
 double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
 
+/* What a ray leaves that starts at p, the hit point of a ray that left `left`, and goes on at the
+ * side that the ray came from. Of the ways before, the longest is kept: it tells sides best. p =
+ * o + t d misses its surface by the rounding of the sum before it is put back, and may miss others
+ * there by as much: 16u covers the products, t and the sum. Where the ray has hardly moved, p is
+ * also off by what o was. */
+static inline struct pen_leave pen_leave_at(const struct pen_prims *prims,
+                                            const struct pen_ray *ray, const struct pen_leave *left,
+                                            struct pen_hit hit, struct pen_vec3 p)
+{
+    struct pen_leave leave = {.prim = hit.prim,
+                              .part = hit.part,
+                              .toward = left->toward,
+                              .before = left->before,
+                              .bound = pen_prim_rounding(prims, hit.prim, p)};
+    double nearby = PEN_NEARBY * left->bound;
+    leave.bound += 16 * PEN_U * pen_norm1(ray->o);
+    if (hit.t * hit.t <= nearby * nearby * ray->inv_dd)
+        leave.bound += left->bound;
+    if (hit.t != PEN_FIRST_T) {
+        if (pen_norm1(left->toward) > pen_norm1(left->before))
+            leave.before = left->toward;
+        leave.toward = pen_scale(ray->d, -hit.t);
+    }
+    return leave;
+}
+
 /* Whether a crossing is the ray's point at t_end, up to `bound` and the rounding of the crossing
  * itself: for rays that end in a light, where the light's own surface is not crossed. */
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,

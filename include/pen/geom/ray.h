@@ -138,8 +138,8 @@ struct pen_leave {
     bool through;           /* it goes on at the other side of the surface than it arrived from */
     struct pen_vec3 toward; /* from the origin to where the arriving ray started; if it arrived at
                                PEN_FIRST_T, to where the one before it did */
-    struct pen_vec3 before; /* `toward` of what the arriving ray left; zero without one */
-    double bound; /* distance by which the origin may miss its surface: pen_prim_rounding */
+    struct pen_vec3 before; /* the longest `toward` of what the path left before; or zero */
+    double bound;           /* distance by which the origin may miss its surface: pen_leave_at */
 };
 
 extern const struct pen_leave pen_leave_nothing;
