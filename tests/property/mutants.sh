@@ -194,6 +194,14 @@ mutant no_leave h059_leave_round 20000 "a ray does not know what it leaves"
 edit src/geom/leave.c 1 's/^    if \(prim == leave->prim\) \{$/    leave = \&pen_leave_nothing;\n&/'
 judge
 
+mutant one_way_back h073_crossing_walls 4000 "after a second mirror it is forgotten where the path came from"
+edit include/pen/geom/prims.h 1 's/^            leave\.before = left->toward;$/            leave.before = pen_vec3(0, 0, 0);/'
+judge
+
+mutant line_decides h073_at_seams 1000 "at borders near its start the line of a ray decides what is met"
+edit src/geom/leave.c 1 's/^        if \(passes_border\(/        if (0 \&\& passes_border(/'
+judge
+
 mutant plain_determinant h041_antisymmetry 20000 "ab - cd without fma"
 edit include/pen/math/exact.h 1 's/^    return f \+ e;$/    return (void)f, (void)e, a * b - w;/'
 judge
