@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Determinism across builds and processes, which no row inside one program can judge:
 #   h101_killed     jobs of a daemon whose processes are killed give the same pictures
-#   h103_compilers  gcc and clang, -O1, -O2 and -O3, give the same films and accumulators
+#   h103_compilers  gcc and clang, -O1, -O2 and -O3, and gcc's optimisation at link time, give the
+#                   same films and accumulators
 #   h104_libm       glibc's variants without FMA and AVX2 change nothing; no libm in the library
 #   tests/property/matrix.sh BUILD [ROW…]      only these rows
 # Writes BUILD/stability/matrix.json, of which `stability --also` makes rows of the report. Exit 1
@@ -79,9 +80,14 @@ if wanted h103_compilers; then
             why="$compiler is not installed"
             continue
         }
-        for level in -O1 -O2 -O3; do
-            into=$out/$compiler$level
-            if $make -s -j"${JOBS:-$(nproc)}" BUILD="$into" CC=$compiler OPT=$level "$into/$films" >"$out/said" 2>&1; then
+        for level in -O1 -O2 -O3 -flto; do
+            into=$out/$compiler$level options=$level
+            if [ $level = -flto ]; then
+                [ $compiler = gcc ] || continue # clang needs a linker of its own for it
+                options="-O2 -flto"
+            fi
+            if $make -s -j"${JOBS:-$(nproc)}" BUILD="$into" CC=$compiler OPT="$options" \
+                "$into/$films" >"$out/said" 2>&1; then
                 agrees "$compiler $level" "$into/$films"
                 agrees "$compiler $level baseline" env PENUMBRA_ISA=base "$into/$films"
             else
@@ -91,7 +97,7 @@ if wanted h103_compilers; then
         done
     done
     result "H103" h103_compilers "every golden film, and the values it is rounded from, made by gcc \
-and clang with -O1, -O2 and -O3, by either set of instructions" "golden hashes; the first build"
+and clang with -O1, -O2 and -O3, and by gcc with -O2 -flto, by either set of instructions" "golden hashes; the first build"
 fi
 
 if wanted h101_killed; then

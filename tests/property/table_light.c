@@ -52,7 +52,7 @@ const struct row row_table_light[] = {
         .oracle = "black",
         .run = rows_seam,
         .full = 20000,
-        .check = 100,
+        .check = 300,
     },
     {
         .id = "H073",
@@ -61,7 +61,7 @@ const struct row row_table_light[] = {
         .oracle = "black",
         .run = rows_crossing,
         .full = 20000,
-        .check = 100,
+        .check = 300,
     },
     {
         .id = "H073",
