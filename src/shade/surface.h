@@ -14,8 +14,8 @@ struct surface {
     struct pen_vec3 n;      /* unit, turned towards the viewer */
     struct pen_vec3 v;      /* unit, from the viewer to p */
     double nv;              /* n.v <= 0 */
-    double bound;           /* how far p may be off by rounding */
-    struct pen_leave leave; /* what rays leave that go on from p at the viewer's side */
+    struct pen_leave leave; /* what rays leave that go on from p at the viewer's side; its bound is
+                               how far p may be off by rounding */
 };
 
 static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
@@ -34,7 +34,6 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
         s.nv = -s.nv;
     }
     s.leave = pen_leave_at(&scene->prims, ray, left, hit, s.p);
-    s.bound = s.leave.bound;
     return s;
 }
 
@@ -49,7 +48,7 @@ static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s, boo
 /* Whether the point, the normal and the direction are finite: the bound contains the point. */
 static ALWAYS_INLINE bool surface_finite(const struct surface *s)
 {
-    return fabs(s->nv - s->bound) < INFINITY;
+    return fabs(s->nv - s->leave.bound) < INFINITY;
 }
 
 /* What stands for a sample that is none: the film cannot hold it, so it is left out and counted. */

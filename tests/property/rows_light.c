@@ -11,6 +11,20 @@ static const double pi = 3.14159265358979323846;
 static struct kit kit;
 static float film[3 * SHOT_PIXELS], other[3 * SHOT_PIXELS];
 
+/* Takes the picture, and then the other one, without shadows; returns how many pixels differ.
+ * *rays: how many shadow rays the first has. */
+static int take_both(int lights, double *rays)
+{
+    int shaded = 0;
+    *rays = shot_take(&kit, film);
+    for (int i = 0; i < lights; i++)
+        kit.lights[i].shadows = false;
+    shot_take(&kit, other);
+    for (int i = 0; i < SHOT_PIXELS; i++)
+        shaded += film[3 * i] != other[3 * i];
+    return shaded;
+}
+
 /* ---- H066: a convex body alone does not shade itself ---- */
 
 enum acne {
@@ -138,12 +152,8 @@ static void judge_acne(const struct row_case *c, struct row_verdict *v)
         acne_inside(&a);
     else
         acne_outside(&a);
-    shot_take(&kit, film);
-    kit.lights[0].shadows = false;
-    shot_take(&kit, other);
-    int shaded = 0;
-    for (int i = 0; i < SHOT_PIXELS; i++)
-        shaded += film[3 * i] != other[3 * i];
+    double rays;
+    int shaded = take_both(1, &rays);
     row_measure(v, name[a.body], shaded, 0);
     row_measure(v, "pixels that face the light", shot_lit(other), -1);
 }
@@ -281,13 +291,8 @@ static void judge_inside(const struct row_case *c, struct row_verdict *v)
         kit_point(&kit, where, pen_vec3(1, 1, 1))->radius = i == 2 ? .05 : 0;
     }
     shot_look(&kit, pen_along(o, random_direction(&r), .5), at, c->arg[3]);
-    double rays = shot_take(&kit, film);
-    for (int i = 0; i < 3; i++)
-        kit.lights[i].shadows = false;
-    shot_take(&kit, other);
-    int shaded = 0;
-    for (int i = 0; i < SHOT_PIXELS; i++)
-        shaded += film[3 * i] != other[3 * i];
+    double rays;
+    int shaded = take_both(3, &rays);
     row_measure(v, "shaded pixels in an empty room", shaded, 0);
     row_measure(v, "shadow rays of a case", rays, -1);
 }
@@ -301,13 +306,8 @@ static void judge_outside(const struct row_case *c, struct row_verdict *v)
         kit_directional(&kit, random_direction(&r), pen_vec3(1, 1, 1));
     vec3 eye = pen_along(pen_along(o, pen_sub(at, o), 4), random_direction(&r), 3);
     shot_look(&kit, eye, at, c->arg[3]);
-    double rays = shot_take(&kit, film);
-    for (int i = 0; i < 3; i++)
-        kit.lights[i].shadows = false;
-    shot_take(&kit, other);
-    int shaded = 0;
-    for (int i = 0; i < SHOT_PIXELS; i++)
-        shaded += film[3 * i] != other[3 * i];
+    double rays;
+    int shaded = take_both(3, &rays);
     row_measure(v, "shaded pixels of a convex body", shaded, 0);
     row_measure(v, "shadow rays of a case", rays, -1);
 }
