@@ -1,27 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures and reports as stored: what is damaged is not given out, wherever the damage is. */
-#include <sqlite3.h>
 #include <string.h>
 
 #include "pen/base/log.h"
-#include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
 static struct store_job job;
-
-static void run_sql(const char *sql, const void *blob, size_t bytes)
-{
-    sqlite3 *db;
-    sqlite3_stmt *stmt;
-    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
-    ck_assert_int_eq(sqlite3_prepare_v2(db, sql, -1, &stmt, NULL), SQLITE_OK);
-    if (blob)
-        sqlite3_bind_blob(stmt, 1, blob, (int)bytes, SQLITE_STATIC);
-    ck_assert_msg(sqlite3_step(stmt) == SQLITE_DONE, "%s: %s", sql, sqlite3_errmsg(db));
-    sqlite3_finalize(stmt);
-    sqlite3_close(db);
-}
 
 static void put(const void *data, size_t bytes)
 {
@@ -53,7 +39,7 @@ static void check_refused(const void *damaged, size_t bytes)
 {
     struct pen_status st;
     struct pen_buf out;
-    run_sql("UPDATE artefact SET data = ?", damaged, bytes);
+    store_run_sql(&bed, "UPDATE artefact SET data = ?", damaged, bytes);
     ck_assert(!get(&out, &st));
     ck_assert_int_eq(st.code, PEN_STORAGE);
     ck_assert_msg(strstr(st.msg, "damaged") && strstr(st.msg, job.id) && strstr(st.msg, "pfm"),
@@ -75,7 +61,7 @@ START_TEST(test_artefacts__every_changed_bit_is_noticed)
         check_refused(data, sizeof data);
         data[bit / 8] ^= (unsigned char)(1 << bit % 8);
     }
-    run_sql("UPDATE artefact SET data = ?", data, sizeof data);
+    store_run_sql(&bed, "UPDATE artefact SET data = ?", data, sizeof data);
     check_got(data, sizeof data);
     store_bed_close(&bed);
 }
@@ -103,8 +89,8 @@ START_TEST(test_artefacts__of_a_store_from_before)
 {
     put("old", 3);
     pen_store_close(bed.store);
-    run_sql("ALTER TABLE artefact DROP COLUMN sum", NULL, 0);
-    run_sql("PRAGMA user_version = 6", NULL, 0);
+    store_run_sql(&bed, "ALTER TABLE artefact DROP COLUMN sum", NULL, 0);
+    store_run_sql(&bed, "PRAGMA user_version = 6", NULL, 0);
     bed.store = store_bed_handle(&bed);
     check_got("old", 3);
     store_bed_close(&bed);

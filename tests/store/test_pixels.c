@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Stored pixels come back bit for bit, however they were packed; those that an earlier version
  * stored are read; damage is noticed. */
-#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +8,7 @@
 
 #include "pen/store/pixels.h"
 #include "support/random.h"
-#include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
@@ -138,21 +137,6 @@ START_TEST(test_pixels__packed_in_another_number_are_refused)
 }
 END_TEST
 
-/* Runs SQL on the store's file, behind its back, with a blob for the first parameter. */
-static void run_sql(const char *sql, const void *blob, size_t bytes)
-{
-    sqlite3 *db;
-    sqlite3_stmt *stmt;
-    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
-    ck_assert_int_eq(sqlite3_prepare_v2(db, sql, -1, &stmt, NULL), SQLITE_OK);
-    if (blob)
-        sqlite3_bind_blob(stmt, 1, blob, (int)bytes, SQLITE_STATIC);
-    int rc = sqlite3_step(stmt);
-    ck_assert_msg(rc == SQLITE_DONE || rc == SQLITE_ROW, "%s: %s", sql, sqlite3_errmsg(db));
-    sqlite3_finalize(stmt);
-    sqlite3_close(db);
-}
-
 /* What the version before stored: one frame of three times four planes of bytes, of the zigzag of
  * differences along each channel. Written from its description, with division for shifts. */
 static size_t pack_as_before(int pixels, unsigned char *out, size_t room)
@@ -190,9 +174,9 @@ START_TEST(test_pixels__of_the_version_before_are_read)
     struct pen_result result = {.rgb = black, .pixels = PIXELS};
     ck_assert_int_eq(commit(&claim, &result), PEN_OK);
     pen_store_close(bed.store);
-    run_sql("UPDATE pixels SET data = ?", old, bytes);
-    run_sql("ALTER TABLE artefact DROP COLUMN sum", NULL, 0);
-    run_sql("PRAGMA user_version = 4", NULL, 0);
+    store_run_sql(&bed, "UPDATE pixels SET data = ?", old, bytes);
+    store_run_sql(&bed, "ALTER TABLE artefact DROP COLUMN sum", NULL, 0);
+    store_run_sql(&bed, "PRAGMA user_version = 4", NULL, 0);
     bed.store = store_bed_handle(&bed);
     check_stored(PIXELS);
     store_bed_close(&bed);
@@ -214,7 +198,7 @@ static void expect_damaged(const char *data)
     struct pen_status st = {0};
     char sql[200];
     snprintf(sql, sizeof sql, "UPDATE pixels SET data = CAST(%s AS BLOB) FROM kept", data);
-    run_sql(sql, NULL, 0);
+    store_run_sql(&bed, sql, NULL, 0);
     ck_assert_msg(!pen_store_pixels(bed.store, job.id, 0, ignore, NULL, &st), "%s", data);
     ck_assert_msg(st.code == PEN_STORAGE, "%s: %s", data, st.msg);
 }
@@ -239,12 +223,12 @@ START_TEST(test_pixels__damage_is_noticed)
     struct pen_claim claim = claim_of(1, 1000);
     struct pen_result result = {.rgb = sent, .pixels = 1000};
     ck_assert_int_eq(commit(&claim, &result), PEN_OK);
-    run_sql("CREATE TABLE kept AS SELECT data FROM pixels", NULL, 0);
+    store_run_sql(&bed, "CREATE TABLE kept AS SELECT data FROM pixels", NULL, 0);
     for (int i = 0; i < (int)(sizeof damages / sizeof damages[0]); i++)
         expect_damaged(damages[i]);
-    run_sql("UPDATE pixels SET data = (SELECT data FROM kept)", NULL, 0);
+    store_run_sql(&bed, "UPDATE pixels SET data = (SELECT data FROM kept)", NULL, 0);
     check_stored(1000);
-    run_sql("DROP TABLE kept", NULL, 0);
+    store_run_sql(&bed, "DROP TABLE kept", NULL, 0);
     store_bed_close(&bed);
 }
 END_TEST
