@@ -23,12 +23,13 @@ endif
 VERSION := 0.1.0
 RENDER_ROOMS := base math geom accel scene shade film render io
 SERVICE_ROOMS := study store jobs http
-CMD_COMMON := $(filter-out src/cmd/penumbra.c src/cmd/penumbrad.c,$(wildcard src/cmd/*.c))
+# A room's files: those in its folder and in folders of that.
+room_files = $(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c))
 
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla $(WERROR)
 PIXEL_FLAGS := -std=c11 -ffp-contract=off -fno-math-errno
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
-CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Iinclude $(CPPFLAGS)
+CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc $(CPPFLAGS)
 COMPILE = $(CC) $(CPP) $(OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
 LINK = $(CC) $(SAN) -pthread $(LDFLAGS)
 
@@ -43,11 +44,14 @@ ifneq ($(findstring x86_64,$(MACHINE)),)
 AVX2_FLAGS := -mavx2 -mfma
 endif
 
-LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(sort $(wildcard src/$(r)/*.c)))
-SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(sort $(wildcard src/$(r)/*.c)))
+LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(call room_files,$(r)))
+SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r)))
 LIB_OBJ := $(LIB_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/builtin_scenes.o
 SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o
+CMD_COMMON := $(sort $(wildcard src/cmd/*.c))
 CMD_OBJ := $(CMD_COMMON:%.c=$(BUILD)/%.o)
+CLIENT_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard src/cmd/client/*.c)))
+DAEMON_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard src/cmd/daemon/*.c)))
 TEST_SRC := $(sort $(wildcard tests/*/test_*.c))
 TEST_BIN := $(TEST_SRC:%.c=$(BUILD)/%)
 TEST_SUPPORT := $(sort $(wildcard tests/support/*.c))
@@ -78,7 +82,10 @@ $(BUILD)/libservice.a: $(SVC_OBJ)
 	$(call say,AR ,$@)
 	$(Q)ar rcs $@ $(SVC_OBJ)
 
-$(BUILD)/penumbra $(BUILD)/penumbrad: $(BUILD)/%: $(BUILD)/src/cmd/%.o $(CMD_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+PROGRAM_LIBS := $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+$(BUILD)/penumbra: $(CLIENT_OBJ) $(CMD_OBJ) $(PROGRAM_LIBS)
+$(BUILD)/penumbrad: $(DAEMON_OBJ) $(CMD_OBJ) $(PROGRAM_LIBS)
+$(BUILD)/penumbra $(BUILD)/penumbrad:
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
 
@@ -249,11 +256,10 @@ install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include
 	install $(BUILD)/penumbrad $(BUILD)/penumbra $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(BUILD)/libpenumbra.a $(DESTDIR)$(PREFIX)/lib
-	cp -r include/pen $(DESTDIR)$(PREFIX)/include
 
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan $(BUILD)-fuzz
 
 -include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) \
     $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d) $(BUILD)/tests/property/main_films.d
--include $(BUILD)/src/cmd/penumbra.d $(BUILD)/src/cmd/penumbrad.d
+-include $(CLIENT_OBJ:.o=.d) $(DAEMON_OBJ:.o=.d)

@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Prints a C table of whole files: embed.sh TABLE FILE...
-# The table is an array of struct pen_embedded_file (pen/base/embed.h), ended by a null name.
+# The table is an array of struct pen_embedded_file (base/embed.h), ended by a null name.
 set -eu
 table=$1
 shift
-echo '#include "pen/base/embed.h"'
+echo '#include "base/embed.h"'
 n=0
 for f in "$@"; do
     echo "static const unsigned char file_$n[] = {"

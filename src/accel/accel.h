@@ -1,121 +1,150 @@
 /* SPDX-License-Identifier: MIT */
-/* Inside of the acceleration structure, shared by builders and traversals.
+/* Acceleration structures: a builder makes a frozen structure over the finite primitives; infinite
+ * ones stay in a short list beside it. Every kind gives the same crossings, bit for bit:
+ * boxes are float, rounded outward, and tested so that no crossing is ever missed (Ize, JCGT
+ * 2(2), 2013, and directed rounding of origins); a box is entered when its near distance is
+ * <= the best t; the order of crossings is that of geom/ray.h.
  *
- * A structure has nodes whose children each have a box in binary32 rounded outward, and leaves that
- * are short lists of blocks. A block holds up to four primitives of one kind, lane by lane, as a
- * copy of what their test reads. Primitives without bounds, and all of them for PEN_ACCEL_NONE, are
- * in lists beside the nodes. What a node is depends on the structure's shape:
- *
- *   wide   (auto) up to eight children, entered nearest first;
- *   pairs  (median) two children, entered nearest first; a leaf is a block of triangles, or a
- *          single primitive, read where the scene keeps it;
- *   lists  (cbr, manual) any number of children, eight to a node and nodes in a row, entered in the
- *          document's order; cbr is one list, manual has one for each group. A leaf is a single
- *          primitive.
- *
- * Why boxes never hide a crossing: a crossing's point is a mean of vertices with weights in [0, 1]
- * (flat bodies) or lies within the box's own margin (quadrics), up to errors of a few 2^-53 of t
- * and of the vertices' distance from the box's faces; the box test leaves at least 2^-24 of t. */
-#ifndef PEN_SRC_ACCEL_ACCEL_H
-#define PEN_SRC_ACCEL_ACCEL_H
+ * Threads: a built tree is immutable and may be used by any number of threads. */
+#ifndef PEN_ACCEL_ACCEL_H
+#define PEN_ACCEL_ACCEL_H
 
-#include "pen/accel/accel.h"
+#include "accel/fan.h"
+#include "base/arena.h"
+#include "base/cpu.h"
+#include "base/status.h"
+#include "geom/prims.h"
 
-enum { PEN_WIDE = 8, PEN_LANES = 4, PEN_MAX_DEPTH = 64 };
-
-/* A child is a node, or a leaf's first item with this bit set. */
-#define PEN_CHILD_LEAF 0x80000000u
-/* In a list, the first child of a node has this bit set too if the next node continues it. */
-#define PEN_CHILD_MORE 0x40000000u
-
-/* An item is a block of a kind, or a single primitive; the last of a leaf has the top bit set. */
-enum pen_block_kind {
-    PEN_BLOCK_TRIANGLES,
-    PEN_BLOCK_POLYGONS,
-    PEN_BLOCK_SPHERES,
-    PEN_BLOCK_CYLINDERS,
-    PEN_BLOCK_FINITE_COUNT, /* builders sort the kinds above */
-    PEN_BLOCK_PLANES = PEN_BLOCK_FINITE_COUNT,
-    PEN_BLOCK_TUBES,
-    PEN_BLOCK_NOTHING,
-    PEN_BLOCK_SINGLE, /* the index is the primitive's number */
-    PEN_BLOCK_KIND_COUNT
+enum pen_accelerator {
+    PEN_ACCEL_AUTO,   /* surface-area heuristic: a tree of up to eight children to a node */
+    PEN_ACCEL_NONE,   /* every primitive, in order */
+    PEN_ACCEL_CBR,    /* a box for each primitive, in one list */
+    PEN_ACCEL_MANUAL, /* the same, and a box and a list for each group of the document */
+    PEN_ACCEL_MEDIAN  /* median split: a binary tree of single primitives, or
+                       * of up to four triangles */
 };
-#define PEN_ITEM_LAST 0x80000000u
-#define PEN_ITEM_KIND(item) ((item) >> 28 & 7u)
-#define PEN_ITEM_INDEX(item) ((item)&0x0fffffffu)
+enum { PEN_ACCEL_COUNT = PEN_ACCEL_MEDIAN + 1 };
 
-/* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing:
- * PEN_CHILD_LEAF itself. */
-struct pen_node {
-    float plane[6][PEN_WIDE]; /* the boxes: low ends by axis, then high ends by axis */
-    uint32_t child[PEN_WIDE];
+struct pen_accel; /* lives in the arena it was built in */
+
+struct pen_accel_stats {
+    enum pen_accelerator kind;
+    uint32_t nodes;  /* with children that have boxes; of cbr and manual one for each list */
+    uint32_t leaves; /* each a box's content; none has one, without a box */
+    uint32_t depth;  /* boxes around the innermost primitive */
+    uint64_t bytes;  /* beside the primitives themselves */
+    /* Expected cost of a ray in units of one primitive test, by the surface-area heuristic, the
+     * same for all kinds: the primitives of the leaves it enters, 0.15 for each box of the nodes it
+     * enters, and 1 for each infinite primitive. It enters the first node, and what is in a box
+     * with the probability area(box) / area(box around all finite primitives), those of a random
+     * line through the latter; that a ray begins, ends or is blocked is left out. */
+    double sah_cost;
+    double build_ms;
 };
 
-/* The same for two. */
-struct pen_pair {
-    float plane[6][2];
-    uint32_t child[2];
+/* Builds. Units: local frame. Owns: the structure borrows `prims`, which must outlive it. Cost:
+ * n log n or better for every kind; nothing is deeper than 64 boxes. PEN_ACCEL_MANUAL is built as
+ * if there were no groups. Fails: PEN_NO_MEMORY. */
+struct pen_accel *pen_accel_build(const struct pen_prims *prims, enum pen_accelerator kind,
+                                  struct pen_arena *arena, struct pen_status *st);
+
+/* Groups of primitives: those with numbers from begin to end - 1. A group comes before those inside
+ * it, and two either nest or have nothing in common. */
+struct pen_group_span {
+    uint32_t begin, end;
 };
 
-enum pen_shape { PEN_SHAPE_NONE, PEN_SHAPE_WIDE, PEN_SHAPE_PAIRS, PEN_SHAPE_LISTS };
-
-/* Lanes beyond the last primitive have prim = PEN_NO_PRIM and data that nothing crosses. */
-struct pen_triangles4 {
-    double v[3][3][PEN_LANES]; /* vertex, axis, lane */
-    uint32_t prim[PEN_LANES];
+struct pen_groups {
+    const struct pen_group_span *group;
+    uint32_t count;
 };
 
-struct pen_polygons4 {
-    uint32_t first, count; /* vertices in `corners`; short outlines repeat their last vertex */
-    uint32_t prim[PEN_LANES];
+/* Builds PEN_ACCEL_MANUAL. Owns: nothing of `groups` is kept. Else as pen_accel_build. */
+struct pen_accel *pen_accel_build_manual(const struct pen_prims *prims,
+                                         const struct pen_groups *groups, struct pen_arena *arena,
+                                         struct pen_status *st);
+
+const struct pen_accel_stats *pen_accel_get_stats(const struct pen_accel *accel);
+
+/* Which crossings a query looks for: after `after` in the order of crossings, and t <= tmax.
+ * For a fresh ray `after` is pen_after_start, which means t > 0. */
+struct pen_span {
+    struct pen_hit after;
+    double tmax;
 };
 
-struct pen_corner4 {
-    double v[3][PEN_LANES];
+extern const struct pen_hit pen_after_start;
+
+enum { PEN_SHADOW_MAX = 32 };
+
+/* A shadow query: crossings with 0 < t < tmax (strictly). With `to_point` set the ray ends in a
+ * light at t = 1 = tmax, and a surface that contains the light within rounding is not crossed.
+ * see_through[prim] != 0 marks primitives that let light pass; NULL means none does. */
+struct pen_shadow {
+    double tmax;
+    bool to_point;
+    const uint8_t *see_through;
+    uint32_t last_occluder; /* in and out: tried first; PEN_NO_PRIM at start */
+    /* Results, valid when the query returned false (not blocked): see-through crossings in
+     * order. With more than PEN_SHADOW_MAX, `overflow` is set and the caller walks the ray with
+     * `nearest` instead. */
+    bool overflow;
+    int count;
+    struct pen_hit hit[PEN_SHADOW_MAX];
 };
 
-struct pen_spheres4 {
-    double c[3][PEN_LANES];
-    double r[PEN_LANES], rr[PEN_LANES], rr_low[PEN_LANES];
-    uint32_t prim[PEN_LANES];
+/* How far o + d may be from the light that a shadow ray was aimed at: d = light - o was rounded,
+ * so a far origin counts as much as a far light. */
+static inline double pen_shadow_light_bound(const struct pen_ray *ray)
+{
+    return 16 * PEN_U * (pen_norm1(ray->o) + pen_norm1(ray->d));
+}
+
+/* The traversals, one table per compiled variant; all variants give the same bits. */
+struct pen_trace_ops {
+    const char *name;
+    /* First crossing in the span; false if there is none. */
+    bool (*nearest)(const struct pen_accel *accel, const struct pen_ray *ray,
+                    const struct pen_leave *leave, const struct pen_span *span,
+                    struct pen_hit *hit);
+    /* Whether an opaque surface is crossed. */
+    bool (*shadow)(const struct pen_accel *accel, const struct pen_ray *ray,
+                   const struct pen_leave *leave, struct pen_shadow *query);
+    /* The three steps of a fan (accel/fan.h); NULL where rays are counted one by one.
+     * fan_begin: what becomes of all its rays. If PEN_FAN_MIXED, fan_look: of n <= PEN_FAN_RAYS of
+     * them, given by (a, b), a bit set for each that is blocked, and in *ask one for each of which
+     * that is not known, or not how often it crosses which bodies: then fan_ray does for ray i what
+     * `shadow` does, but for last_occluder. The other rays cross what the gates named in `tint`
+     * say, no more than twice in all, so that the order does not matter. */
+    enum pen_fan_fate (*fan_begin)(const struct pen_accel *accel, struct pen_fan *fan);
+    uint64_t (*fan_look)(struct pen_fan *fan, const double a[PEN_FAN_RAYS],
+                         const double b[PEN_FAN_RAYS], int n, uint64_t *ask);
+    bool (*fan_ray)(const struct pen_accel *accel, const struct pen_fan *fan,
+                    const struct pen_ray *ray, int i, struct pen_shadow *query);
 };
 
-struct pen_planes4 {
-    double q[3][PEN_LANES], g[3][PEN_LANES];
-    uint32_t prim[PEN_LANES];
+/* The table for an instruction set; falls back to the baseline where a build lacks it. */
+const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa);
+
+/* Tests of queries. A box test compares one box with one ray; the boxes of a node that is looked
+ * into count all, since they are tested together. A primitive test looks for the crossings of one
+ * primitive; those of a block (up to four of one kind, side by side in a leaf) count all, whichever
+ * of them ends the query. */
+struct pen_test_counts {
+    uint64_t boxes, primitives;
 };
 
-struct pen_tubes4 { /* rare: tested one by one */
-    uint32_t prim[PEN_LANES];
-};
+/* Counting queries are compiled apart, so that the others cost nothing for it. They give the same
+ * answers, but do not try `last_occluder`, so that what a ray costs does not depend on the rays
+ * before it: counts are a pure function of (accelerator, ray), equal in all variants, and their
+ * sums are the same for any division of the work. They take an accelerator made by
+ * pen_accel_count_new only. */
+const struct pen_trace_ops *pen_trace_count_ops_get(enum pen_isa isa);
 
-struct pen_cylinders4 {
-    double q[3][PEN_LANES], a[3][PEN_LANES];
-    double rr[PEN_LANES], rr_low[PEN_LANES], top[PEN_LANES];
-    double size[PEN_LANES]; /* radius + height */
-    uint32_t prim[PEN_LANES];
-    uint32_t open; /* bit per lane: no caps */
-};
-
-struct pen_accel {
-    const struct pen_prims *prims;
-    enum pen_shape shape;
-    const struct pen_node *nodes; /* wide, lists; the root, or its list, is the first */
-    const struct pen_pair *pairs; /* pairs; the root is the first */
-    uint32_t infinite;            /* first item of the list of primitives without bounds */
-    uint32_t list; /* the same of finite primitives beside the tree; 0 if there are none */
-    const uint32_t *items;
-    const struct pen_triangles4 *triangles;
-    const struct pen_polygons4 *polygons;
-    const struct pen_corner4 *corners;
-    const struct pen_spheres4 *spheres;
-    const struct pen_cylinders4 *cylinders;
-    const struct pen_planes4 *planes;
-    const struct pen_tubes4 *tubes;
-    double scale; /* the largest pen_prim_scale of a finite primitive */
-    struct pen_accel_stats stats;
-    struct pen_test_counts *counts; /* of a view that counts; else NULL */
-};
+/* The same accelerator, as one thread sees it: its queries add to *counts.
+ * Owns: free with pen_accel_count_free; borrows both. Fails: NULL when out of memory. */
+struct pen_accel *pen_accel_count_new(const struct pen_accel *accel,
+                                      struct pen_test_counts *counts);
+void pen_accel_count_free(struct pen_accel *view);
 
 #endif

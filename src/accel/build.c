@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Building: which builder makes which kind of structure, and what it says about itself. */
-#include "pen/base/clock.h"
-#include "plan.h"
+#include "accel/internal/plan.h"
+#include "base/clock.h"
 
 const struct pen_hit pen_after_start = {0, PEN_NO_PRIM, UINT8_MAX};
 

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plan.h"
+#include "accel/internal/plan.h"
 
 enum { DIGITS = 1 << 8 };
 

@@ -9,7 +9,7 @@
 #include <float.h>
 #include <string.h>
 
-#include "plan.h"
+#include "accel/internal/plan.h"
 
 enum { BINS = 16, KINDS = PEN_BLOCK_FINITE_COUNT, BLOCKS_MAX = 4 };
 

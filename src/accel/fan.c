@@ -6,7 +6,7 @@
  * agrees with exact geometry moved by less than delta; so what is farther than delta from the
  * border between a hit and a miss is decided the same by both. A body within delta of the origin is
  * always asked, by the reference itself; one that passes within delta of where a ray ends too. */
-#include "fan.h"
+#include "accel/internal/fan_prepare.h"
 
 #include <float.h>
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Which compiled variant answers queries, and the views that counting queries need: an accelerator
  * is shared by threads, counts are not. */
-#include "ops.h"
+#include "accel/internal/ops.h"
 
 #include <stdlib.h>
 
-#include "accel.h"
+#include "accel/internal/structure.h"
 
 const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa)
 {

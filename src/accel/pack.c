@@ -2,7 +2,7 @@
 /* Packing: from a plan to the frozen structure in an arena. */
 #include <string.h>
 
-#include "plan.h"
+#include "accel/internal/plan.h"
 
 /* What is being packed, and how much of each array is filled. */
 struct packer {

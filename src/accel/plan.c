@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Plans: the list of finite primitives that builders sort, and growing arrays. */
-#include "plan.h"
+#include "accel/internal/plan.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "rounding.h"
+#include "accel/internal/rounding.h"
 
 const struct pen_lane pen_lane_empty = {
     {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, PEN_NO_CHILD};

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Queries with AVX2 and FMA that count their tests. */
-#include "ops.h"
+#include "accel/internal/ops.h"
 
 #ifdef __AVX2__
 
-#include "boxes_avx2.h"
+#include "accel/internal/boxes_avx2.h"
 
 enum { COUNTING = 1 };
 
-#include "traverse_walk.h"
+#include "accel/internal/traverse_walk.h"
 
 static const struct pen_trace_ops avx2 = {"avx2, counting", nearest, shadow, NULL, NULL, NULL};
 

@@ -3,7 +3,7 @@
  * moves on to the next one that holds it, else to a new block at least twice as large as the last,
  * so the number of blocks stays logarithmic. What is counted against the cap is what was asked
  * for, rounded up to the alignment: block headers and unused ends of blocks are not. */
-#include "pen/base/arena.h"
+#include "base/arena.h"
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Growth doubles, so appending is linear overall. The invariant is in the header: once there is
  * data, a zero byte follows it, so the contents can be read as a string. */
-#include "pen/base/buf.h"
+#include "base/buf.h"
 
 #include <stdarg.h>
 #include <stdint.h>

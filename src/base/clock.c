@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The clocks of the system, and one way to write a time stamp. */
-#include "pen/base/clock.h"
+#include "base/clock.h"
 
 #include <stdio.h>
 #include <time.h>

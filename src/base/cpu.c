@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Which compiled variant of the hot files this processor may enter, and what it is called. */
-#include "pen/base/cpu.h"
+#include "base/cpu.h"
 
 #include <sched.h>
 #include <stdbool.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pen/base/utf8.h"
+#include "base/utf8.h"
 
 static bool has_avx2(void)
 {

@@ -2,7 +2,7 @@
 /* One line is one write(), so lines of processes and threads that share standard error do not
  * mix (a pipe keeps writes of up to PIPE_BUF, 4096 bytes, whole: longer lines are cut). Control
  * characters and invalid UTF-8 in a message are escaped: no input can forge a line. */
-#include "pen/base/log.h"
+#include "base/log.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -12,8 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
-#include "pen/base/utf8.h"
+#include "base/clock.h"
+#include "base/utf8.h"
 
 enum { NAME_BYTES = 16, MESSAGE_BYTES = 2048, LINE_BYTES = 4096 };
 

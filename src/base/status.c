@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The table of error codes, and how a status is filled. Names and exit codes are part of the
  * published interface (problem types, scripts): they may be added to, not changed. */
-#include "pen/base/status.h"
+#include "base/status.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/base/utf8.h"
+#include "base/utf8.h"
 
 /* Exit codes, one per thing a script would do next. */
 enum {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What counts as a character is Table 3-7 of the Unicode standard, "Well-Formed UTF-8 Byte
  * Sequences": only the second byte's range depends on the first. */
-#include "pen/base/utf8.h"
+#include "base/utf8.h"
 
 #include <stdbool.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "files.h"
+#include "cmd/files.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "pen/io/builtin.h"
+#include "io/builtin.h"
 
 static bool fail_errno(struct pen_status *st, enum pen_code code, const char *doing,
                        const char *path)

@@ -2,15 +2,15 @@
 /* Bytes in and out of the command line: a document comes from a file, standard input or the
  * built-in scenes; a result is written beside its place and renamed, so that a reader finds the
  * old file or the whole new one and nothing else. */
-#ifndef CMD_FILES_H
-#define CMD_FILES_H
+#ifndef PEN_CMD_FILES_H
+#define PEN_CMD_FILES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "pen/base/buf.h"
-#include "pen/base/status.h"
-#include "pen/io/document.h"
+#include "base/buf.h"
+#include "base/status.h"
+#include "io/document.h"
 
 /* A document and what to call it in messages. */
 struct pen_source {

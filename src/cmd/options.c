@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "options.h"
+#include "cmd/options.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
-#include "report.h"
+#include "cmd/report.h"
+#include "io/scene_json.h"
 
 int pen_option_find(const struct pen_option *options, const char *name)
 {

@@ -5,15 +5,15 @@
  * Accepted: `--name value`, `--name=value`, `-o value`, `-ovalue`, options and arguments in any
  * order, `--` before arguments that begin with a dash; `-` alone is an argument. Names are not
  * abbreviated: a script that works today works with the options of tomorrow. */
-#ifndef CMD_OPTIONS_H
-#define CMD_OPTIONS_H
+#ifndef PEN_CMD_OPTIONS_H
+#define PEN_CMD_OPTIONS_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 
-#include "pen/base/status.h"
+#include "base/status.h"
 
 enum pen_option_kind {
     PEN_OPTION_FLAG,   /* bool */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-#include "output.h"
+#include "cmd/output.h"
 
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/film/encode.h"
-#include "pen/io/scene_json.h"
-#include "pen/study/report.h"
+#include "film/encode.h"
+#include "io/scene_json.h"
+#include "study/report.h"
 
 const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
 const char *const pen_output_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};

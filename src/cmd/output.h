@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures as command lines ask for them: settings, the format that an output takes, and the
  * pixels in it. */
-#ifndef CMD_OUTPUT_H
-#define CMD_OUTPUT_H
+#ifndef PEN_CMD_OUTPUT_H
+#define PEN_CMD_OUTPUT_H
 
 #include <stdbool.h>
 
-#include "pen/base/buf.h"
-#include "pen/base/status.h"
-#include "pen/film/film.h"
-#include "pen/scene/settings.h"
+#include "base/buf.h"
+#include "base/status.h"
+#include "film/film.h"
+#include "scene/settings.h"
 
 /* What --format and --layer take; for struct pen_option. */
 extern const char *const pen_output_formats[];

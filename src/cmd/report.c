@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "report.h"
+#include "cmd/report.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
-#include "pen/jobs/jobs.h"
+#include "io/scene_json.h"
+#include "jobs/jobs.h"
 
 /* A message is at most a pointer, a sentence and a path. */
 enum { LINE_BYTES = PEN_AT_BYTES + PEN_MSG_BYTES + 4096 };

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* What a program says on its way out: errors as one line each on standard error, and as a problem
  * document on standard output where --json asks for it; the exit code is the error's. */
-#ifndef CMD_REPORT_H
-#define CMD_REPORT_H
+#ifndef PEN_CMD_REPORT_H
+#define PEN_CMD_REPORT_H
 
 #include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "pen/base/buf.h"
-#include "pen/base/status.h"
+#include "base/buf.h"
+#include "base/status.h"
 
 /* Prints `PROGRAM: FILE: place: message`; file may be NULL. Returns the exit code. */
 int pen_report(const char *program, const char *file, const struct pen_status *st);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Films and their hash. */
-#include "pen/film/film.h"
+#include "film/film.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Differences of pictures, in one pass over rows. Each row is summed by itself first: the sum of
  * many rows then loses nothing that matters. */
-#include "pen/film/metrics.h"
+#include "film/metrics.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "pen/math/fn.h"
+#include "math/fn.h"
 
 /* Codes of 8 bits that are 2 apart differ by 2/255 only up to rounding. */
 static const double ROUNDING = 1e-12;

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/film/encode.h"
-#include "picture.h"
+#include "film/encode.h"
+#include "film/internal/picture.h"
 
 static void put_little_endian(unsigned char *to, float value)
 {

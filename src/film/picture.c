@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures: which reader a file gets, and rows in either scale whatever the samples are. */
-#include "picture.h"
+#include "film/internal/picture.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/film/encode.h"
+#include "film/encode.h"
 
 static size_t sample_bytes(enum picture_kind kind)
 {

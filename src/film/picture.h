@@ -1,29 +1,35 @@
 /* SPDX-License-Identifier: MIT */
-/* What a picture is inside: the samples as the file had them, so that a large one costs no more
- * memory than its file's own precision. */
-#ifndef PEN_SRC_FILM_PICTURE_H
-#define PEN_SRC_FILM_PICTURE_H
+/* Pictures read back from files, to be compared. A file may come from anywhere: whatever its
+ * bytes, reading ends with a picture or an error. */
+#ifndef PEN_FILM_PICTURE_H
+#define PEN_FILM_PICTURE_H
 
-#include <stdbool.h>
+#include <stddef.h>
 
-#include "pen/film/picture.h"
+#include "base/status.h"
+#include "film/film.h"
 
-enum picture_kind { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
+struct pen_picture;
 
-struct pen_picture {
-    int width, height;
-    enum picture_kind kind;
-    bool linear;         /* else sRGB-encoded; floats are always linear */
-    const void *samples; /* width * height * 3 of unsigned char, uint16_t or float; top row first */
-    void *owned;         /* to be freed with the picture: samples or NULL */
-};
+/* Reads a PNG (any kind; alpha is ignored, grey and palettes become colours) or a PFM file.
+ * Owns: free with pen_picture_free. Fails: PEN_MEDIA_TYPE (neither of these), PEN_SYNTAX
+ * (damaged), PEN_TOO_LARGE (more than PEN_FILM_PIXELS_MAX), PEN_NO_MEMORY. */
+struct pen_picture *pen_image_read(const void *bytes, size_t count, struct pen_status *st);
 
-/* Checks the size and makes a picture with zeroed samples of its own. */
-struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_kind kind,
-                                    struct pen_status *st);
+/* A film as a picture; it borrows the film's pixels. Fails: PEN_NO_MEMORY. */
+struct pen_picture *pen_picture_of_film(const struct pen_film *film, struct pen_status *st);
 
-/* Readers of one format each; what they are given begins with its signature. */
-struct pen_picture *pen_png_read(const unsigned char *bytes, size_t count, struct pen_status *st);
-struct pen_picture *pen_pfm_read(const unsigned char *bytes, size_t count, struct pen_status *st);
+/* NULL is allowed. */
+void pen_picture_free(struct pen_picture *picture);
+
+int pen_picture_width(const struct pen_picture *picture);
+int pen_picture_height(const struct pen_picture *picture);
+
+/* Row y (0 is the top one) as width * 3 values in [0, 1], sRGB-encoded whatever the file's own
+ * transfer was: a PFM and a PNG that says gamma 1 are linear, other PNGs are taken as sRGB. */
+void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *out);
+
+/* The same row in linear values. A PNG's are in [0, 1], a PFM's are as they are. */
+void pen_picture_linear_row(const struct pen_picture *picture, int y, double *out);
 
 #endif

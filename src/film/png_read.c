@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "picture.h"
+#include "film/internal/picture.h"
 
 /* A chunk besides the pixels may take this much, and so many of them are kept. */
 enum { CHUNK_BYTES_MAX = 1 << 20, CHUNKS_MAX = 16 };

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "pen/film/encode.h"
+#include "film/encode.h"
 
 struct writer {
     const struct pen_film *film;

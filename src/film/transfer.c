@@ -4,10 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "pen/film/encode.h"
-#include "pen/math/fn.h"
+#include "film/encode.h"
+#include "math/fn.h"
 
-#include "transfer_tables.h"
+#include "film/internal/transfer_tables.h"
 
 /* At the joint both branches agree to 3e-8, far from a step of 8 or 16 bits. */
 double pen_encode_srgb(double linear)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Cylinders: what is not hot. */
-#include "pen/geom/cylinder.h"
+#include "geom/cylinder.h"
 
-#include "make.h"
-#include "round.h"
-#include "twofold.h"
+#include "geom/internal/make.h"
+#include "geom/internal/round.h"
+#include "geom/internal/twofold.h"
 
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                        double h, bool caps)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The crossings of a ray that starts on a surface: the rule stated in pen/geom/prims.h. */
+/* The crossings of a ray that starts on a surface: the rule stated in geom/prims.h. */
 #include <stddef.h>
 
-#include "kinds.h"
+#include "geom/internal/kinds.h"
 
 static double max2(double a, double b)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* What constructors share. */
-#include "make.h"
+#include "geom/internal/make.h"
 
 #include <stdint.h>
 #include <string.h>
 
-#include "pen/geom/ray.h"
+#include "geom/ray.h"
 
 struct pen_vec3 pen_scale_to_one(struct pen_vec3 v)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Planes: how they are made. */
-#include "pen/geom/plane.h"
+#include "geom/plane.h"
 
-#include "make.h"
-#include "pen/geom/triangle.h"
-#include "twofold.h"
+#include "geom/internal/make.h"
+#include "geom/internal/twofold.h"
+#include "geom/triangle.h"
 
 bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 normal)
 {

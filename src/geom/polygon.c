@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Polygons: how they are made. */
-#include "pen/geom/polygon.h"
+#include "geom/polygon.h"
 
-#include "make.h"
-#include "twofold.h"
+#include "geom/internal/make.h"
+#include "geom/internal/twofold.h"
 
 struct pen_box pen_polygon_bounds(const struct pen_polygon *p)
 {

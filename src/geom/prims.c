@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* One primitive of any kind: its crossings without regard to what the ray leaves, normal,
  * projection, bounds, rounding bound. */
-#include "pen/geom/prims.h"
+#include "geom/prims.h"
 
-#include "kinds.h"
+#include "geom/internal/kinds.h"
 
 const struct pen_leave pen_leave_nothing = {.prim = PEN_NO_PRIM};
 

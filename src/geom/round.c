@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The round side of tubes and cylinders: what is not hot. */
-#include "round.h"
+#include "geom/internal/round.h"
 
-#include "make.h"
-#include "twofold.h"
+#include "geom/internal/make.h"
+#include "geom/internal/twofold.h"
 
 bool pen_round_make(struct pen_round *s, struct pen_vec3 origin, struct pen_vec3 axis, double r)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Spheres: what is not hot. */
-#include "pen/geom/sphere.h"
+#include "geom/sphere.h"
 
-#include "make.h"
-#include "twofold.h"
+#include "geom/internal/make.h"
+#include "geom/internal/twofold.h"
 
 bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Triangles: how they are made. */
-#include "pen/geom/triangle.h"
+#include "geom/triangle.h"
 
-#include "make.h"
-#include "twofold.h"
+#include "geom/internal/make.h"
+#include "geom/internal/twofold.h"
 
 /* The lengths along x, y, z of the edge from p to q: the same in any mirror, and for the triangle
  * moved. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Tubes: how they are made. */
-#include "pen/geom/tube.h"
+#include "geom/tube.h"
 
-#include "make.h"
-#include "round.h"
+#include "geom/internal/make.h"
+#include "geom/internal/round.h"
 
 bool pen_tube_make(struct pen_tube *tube, struct pen_vec3 origin, struct pen_vec3 axis, double r)
 {

@@ -7,14 +7,14 @@
 #include <string.h>
 #include <strings.h>
 
-#include "adapter_internal.h"
-#include "http.h"
-#include "pen/base/clock.h"
-#include "pen/base/log.h"
-#include "pool.h"
-#include "request.h"
-#include "routes.h"
-#include "streams.h"
+#include "base/clock.h"
+#include "base/log.h"
+#include "http/internal/adapter_internal.h"
+#include "http/internal/http.h"
+#include "http/internal/pool.h"
+#include "http/internal/request.h"
+#include "http/internal/routes.h"
+#include "http/internal/streams.h"
 
 enum { STREAM_BYTES = 4096 }; /* sent at once, to clients of HTTP/1.0 */
 

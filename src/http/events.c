@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "events.h"
+#include "http/internal/events.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "pen/http/message.h"
+#include "http/message.h"
 
 bool pen_number_parse(const char *text, long low, long high, long *number)
 {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Opening an event stream: what the client does not know yet is written here, by a store thread;
  * what comes later is the watcher's to tell. */
-#include "handlers.h"
-#include "http.h"
-#include "request.h"
-#include "snapshots.h"
-#include "streams.h"
-#include "watch.h"
+#include "http/internal/handlers.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/internal/snapshots.h"
+#include "http/internal/streams.h"
+#include "http/internal/watch.h"
 
 static void answer_stream(struct request *request)
 {

@@ -3,12 +3,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "handlers.h"
-#include "http.h"
-#include "pen/io/document.h"
-#include "request.h"
-#include "snapshots.h"
-#include "watch.h"
+#include "http/internal/handlers.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/internal/snapshots.h"
+#include "http/internal/watch.h"
+#include "io/document.h"
 
 static enum outcome answer_errors(struct request *request, const struct pen_errors *errors)
 {

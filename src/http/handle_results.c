@@ -2,12 +2,12 @@
 /* What a job has come to: picture, preview, statistics, report, scene. */
 #include <string.h>
 
-#include "handlers.h"
-#include "http.h"
-#include "pen/io/document.h"
-#include "request.h"
-#include "snapshots.h"
-#include "watch.h"
+#include "http/internal/handlers.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/internal/snapshots.h"
+#include "http/internal/watch.h"
+#include "io/document.h"
 
 /* Pictures in memory together, those on their way to slow clients included. */
 enum { PICTURE_BYTES = 1 << 30 };

@@ -3,12 +3,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "handlers.h"
-#include "http.h"
-#include "pen/base/clock.h"
-#include "pen/io/builtin.h"
-#include "request.h"
-#include "statics.h"
+#include "base/clock.h"
+#include "http/internal/handlers.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/internal/statics.h"
+#include "io/builtin.h"
 
 static const int64_t probe_again_ns = INT64_C(1000000000);
 

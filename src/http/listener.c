@@ -18,9 +18,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "adapter_internal.h"
-#include "pen/base/cpu.h"
-#include "pen/base/log.h"
+#include "base/cpu.h"
+#include "base/log.h"
+#include "http/internal/adapter_internal.h"
 
 enum {
     CONNECTIONS = 1024,

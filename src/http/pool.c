@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* One queue per lane, one lock for both: the lock is held for a few instructions only. */
-#include "pool.h"
+#include "http/internal/pool.h"
 
 #include <malloc.h>
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "adapter.h"
-#include "pen/jobs/jobs.h"
-#include "request.h"
+#include "http/internal/adapter.h"
+#include "http/internal/request.h"
+#include "jobs/jobs.h"
 
 enum {
     LANES = LANE_SIDE + 1,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How replies are put together, and what If-None-Match and Range make of them. */
-#include "reply.h"
+#include "http/internal/reply.h"
 
 #include <sodium.h>
 #include <stdarg.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/http/message.h"
+#include "http/message.h"
 
 struct blob *pen_http_blob_take(struct pen_buf *content)
 {

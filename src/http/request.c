@@ -3,7 +3,7 @@
  * body is read. A refused body of allowed size is still read and dropped, so that clients which
  * write before they read get their answer and keep their connection; with `Expect: 100-continue`
  * or a body over the limit the answer goes out at once. */
-#include "request.h"
+#include "http/internal/request.h"
 
 #include <ctype.h>
 #include <inttypes.h>
@@ -12,9 +12,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include "http.h"
-#include "pen/base/clock.h"
-#include "routes.h"
+#include "base/clock.h"
+#include "http/internal/http.h"
+#include "http/internal/routes.h"
 
 /* All bodies in memory together: beyond this, uploads are read, dropped and answered 503. */
 enum { INTAKE_BYTES = 256 << 20 };

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The route table, and what it says about a request. */
-#include "routes.h"
+#include "http/internal/routes.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "handlers.h"
-#include "pen/http/server.h"
-#include "pen/io/scene_json.h"
+#include "http/internal/handlers.h"
+#include "http/server.h"
+#include "io/scene_json.h"
 
 static const char *const states[] = {"queued", "running", "succeeded", "failed", "cancelled", NULL};
 static const char *const kinds[] = {"render", "benchmark", "accuracy", "effects", NULL};

@@ -2,22 +2,22 @@
 /* Start and stop. Stopping goes from the outside in: no new connections, no new work, long polls
  * answered and event streams ended, work in progress finished and sent, threads ended, connections
  * closed. */
-#include "pen/http/server.h"
+#include "http/server.h"
 
 #include <sodium.h>
 #include <stdlib.h>
 #include <time.h>
 
-#include "adapter.h"
-#include "http.h"
-#include "pen/base/clock.h"
-#include "pen/base/utf8.h"
-#include "pen/jobs/jobs.h"
-#include "pool.h"
-#include "snapshots.h"
-#include "statics.h"
-#include "streams.h"
-#include "watch.h"
+#include "base/clock.h"
+#include "base/utf8.h"
+#include "http/internal/adapter.h"
+#include "http/internal/http.h"
+#include "http/internal/pool.h"
+#include "http/internal/snapshots.h"
+#include "http/internal/statics.h"
+#include "http/internal/streams.h"
+#include "http/internal/watch.h"
+#include "jobs/jobs.h"
 
 enum { STORE_THREADS = 4, SIDE_THREADS = 2, IDLE_SECONDS = 30, BEAT_MS = 10000 };
 static const int64_t finish_ns = INT64_C(1500000000);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A table with one place per hash value: a collision costs a read of the store, nothing else. */
-#include "snapshots.h"
+#include "http/internal/snapshots.h"
 
 #include <inttypes.h>
 #include <pthread.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/base/clock.h"
+#include "base/clock.h"
 
 enum { PLACES = 1024 };
 static const int64_t longest_ns = INT64_C(1000000000);

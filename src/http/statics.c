@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* The files and their entity tags are made once, from what the program carries inside itself. */
-#include "statics.h"
+#include "http/internal/statics.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/base/embed.h"
-#include "pen/io/builtin.h"
-#include "pen/jobs/jobs.h"
+#include "base/embed.h"
+#include "io/builtin.h"
+#include "jobs/jobs.h"
 
 struct statics {
     size_t count;

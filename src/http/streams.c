@@ -4,18 +4,18 @@
  * hands them out under it again; a stream that has gone meanwhile is just not found.
  *
  * Order of locks: the streams' lock, then those of pen_http_adapter_wake. */
-#include "streams.h"
+#include "http/internal/streams.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "adapter.h"
-#include "http.h"
-#include "pen/base/clock.h"
-#include "pen/base/log.h"
-#include "request.h"
-#include "watch.h"
+#include "base/clock.h"
+#include "base/log.h"
+#include "http/internal/adapter.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/internal/watch.h"
 
 struct stream {
     struct streams *streams;

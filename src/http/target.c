@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "pen/http/message.h"
+#include "http/message.h"
 
 static int hex_digit(char c)
 {

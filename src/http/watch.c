@@ -6,18 +6,18 @@
  * Why no change is missed: `seen` is raised, under the lock, before the jobs are looked at. An
  * entry that comes with an older counter than `seen` may have missed that look, so its caller has
  * to look again; an entry with the same or a newer one is in the list before the next look. */
-#include "watch.h"
+#include "http/internal/watch.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "adapter.h"
-#include "http.h"
-#include "pen/base/clock.h"
-#include "pen/jobs/jobs.h"
-#include "request.h"
-#include "snapshots.h"
-#include "streams.h"
+#include "base/clock.h"
+#include "http/internal/adapter.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/internal/snapshots.h"
+#include "http/internal/streams.h"
+#include "jobs/jobs.h"
 
 enum {
     TICK_MS = 250, /* how late a deadline may be noticed */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The built-in scenes: the table that the build makes of scenes/, by name without ".json". */
-#include "pen/io/builtin.h"
+#include "io/builtin.h"
 
 #include <string.h>
 
-#include "pen/base/embed.h"
+#include "base/embed.h"
 
 static size_t stem_length(const char *file)
 {

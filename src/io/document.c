@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* One door for both dialects. */
-#include "pen/io/document.h"
+#include "io/document.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "reader.h"
-#include "xml_parse.h"
+#include "io/scene/reader.h"
+#include "io/xml/parse.h"
 
 bool pen_text_is_xml(const char *text, size_t bytes)
 {

@@ -11,10 +11,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "pen/math/box.h"
-#include "pen/math/exact.h"
-#include "reader.h"
-#include "warnings.h"
+#include "io/scene/reader.h"
+#include "io/scene/warnings.h"
+#include "math/box.h"
+#include "math/exact.h"
 
 /* How far from an edge a vertex may be and still be meant to lie on it, in parts of its length. */
 static const double TOLERANCE = 1e-9;

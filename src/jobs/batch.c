@@ -2,14 +2,14 @@
 /* Rendering a batch and assembling a view. Rule R3 of the farm notes: a view of several batches
  * gets its picture from committed pixels alone, one of a single batch from the pixels that are
  * committed with it. */
-#include "batch.h"
+#include "jobs/internal/batch.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/base/clock.h"
-#include "pen/study/figures.h"
-#include "stats.h"
+#include "base/clock.h"
+#include "jobs/internal/stats.h"
+#include "study/figures.h"
 
 static double ms_since(int64_t begin_ns)
 {

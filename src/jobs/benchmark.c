@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Reading the members of a benchmark, and the rows its matrix makes. A value of the matrix is read
  * by the reader of `render` objects, so what is allowed there is allowed here. */
-#include "pen/jobs/benchmark.h"
+#include "jobs/benchmark.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs.h"
-#include "request.h"
+#include "jobs/internal/jobs.h"
+#include "jobs/internal/request.h"
 
 enum { UP_BYTES = PEN_AT_BYTES };
 

@@ -3,8 +3,8 @@
  * run of values whatever the image's width. Here they are brought to rows and back. */
 #include <string.h>
 
-#include "jobs.h"
-#include "pen/render/render.h"
+#include "jobs/internal/jobs.h"
+#include "render/render.h"
 
 /* Pixels of the tiles before tile number `index`. Every row of tiles but the last is full. */
 static int64_t pixels_before(const struct pen_settings *s, int index)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "failure.h"
+#include "jobs/internal/failure.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs.h"
-#include "pen/base/log.h"
+#include "base/log.h"
+#include "jobs/internal/jobs.h"
 
 enum { LOG_LINES = 12, LOG_BYTES = 4096 };
 

@@ -2,16 +2,16 @@
 /* The thread looks five times a second: most looks only read (pen_store_heartbeat), so a cancel
  * is seen at once and the lease costs a write every few seconds. A claim that comes and goes
  * between two looks costs two locks. The thread sleeps for good while there is none. */
-#include "heartbeat.h"
+#include "jobs/internal/heartbeat.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 #include <time.h>
 
-#include "failure.h"
-#include "jobs.h"
-#include "pen/base/clock.h"
-#include "pen/base/log.h"
+#include "base/clock.h"
+#include "base/log.h"
+#include "jobs/internal/failure.h"
+#include "jobs/internal/jobs.h"
 
 enum {
     LOOK_MS = 200,

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "jobs.h"
+#include "jobs/internal/jobs.h"
 
 bool pen_ids_init(struct pen_status *st)
 {

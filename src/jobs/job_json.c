@@ -4,8 +4,8 @@
  * job, so one revision always reads the same. */
 #include <string.h>
 
-#include "jobs.h"
-#include "pen/base/clock.h"
+#include "base/clock.h"
+#include "jobs/internal/jobs.h"
 
 static json_t *time_json(int64_t ms)
 {

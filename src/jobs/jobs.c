@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Jobs as they stand: get, list, cancel, delete, the scene as accepted, and the built-in ones. */
-#include "jobs.h"
+#include "jobs/internal/jobs.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/builtin.h"
+#include "io/builtin.h"
 
 struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *limits,
                                struct pen_status *st)

@@ -1,93 +1,136 @@
 /* SPDX-License-Identifier: MIT */
-/* Inside room jobs: the handle, and what several of its files use. */
-#ifndef PEN_JOBS_INTERNAL_H
-#define PEN_JOBS_INTERNAL_H
+/* The life of a job as the API sees it: submit, look, list, cancel, delete, results. Bytes in,
+ * JSON out; no HTTP here. The api process never renders: it validates, queues and answers.
+ *
+ * Threads: a pen_jobs handle is used by one thread at a time (it owns a store handle). */
+#ifndef PEN_JOBS_JOBS_H
+#define PEN_JOBS_JOBS_H
 
-#include "pen/base/log.h"
-#include "pen/film/encode.h"
-#include "pen/film/film.h"
-#include "pen/jobs/jobs.h"
-#include "pen/scene/settings.h"
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-struct pen_jobs {
-    struct pen_store *store;
-    struct pen_limits limits;
+#include "base/buf.h"
+#include "base/status.h"
+#include "io/scene_json.h"
+#include "store/store.h"
+
+struct pen_jobs;
+
+/* Fails: as pen_store_open. */
+struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *limits,
+                               struct pen_status *st);
+void pen_jobs_close(struct pen_jobs *jobs);
+
+/* The store behind the handle, for pen_store_wait and pen_store_probe. */
+struct pen_store *pen_jobs_store(struct pen_jobs *jobs);
+
+struct pen_submission {
+    const char *body;
+    size_t bytes;
+    bool xml;                    /* a bare scene in XML; else JSON */
+    const char *idempotency_key; /* NULL: none */
 };
 
-/* How JSON is written wherever it is stored: every double reads back as itself. */
-#define PEN_JSON_STORED (JSON_COMPACT | JSON_REAL_PRECISION(17))
-
-/* json.c: a list, if it came to hold `count` values, and an object with one more member. They take
- * their arguments; NULL if one is NULL or memory ran out, so a chain is checked at its end. */
-json_t *pen_json_all(json_t *list, size_t count);
-json_t *pen_json_with(json_t *object, const char *key, json_t *value);
-
-/* ids.c: a new UUIDv7 (RFC 9562) for a time; SHA-256. pen_ids_init must have been called. */
-bool pen_ids_init(struct pen_status *st);
-void pen_id_make(int64_t wall_ms, char out[PEN_ID_BYTES]);
-void pen_sha256(const void *data, size_t bytes, unsigned char out[32]);
-
-/* What a line of the log about a claim names. */
-static inline struct pen_log_about pen_claim_about(const struct pen_claim *claim)
-{
-    return (struct pen_log_about){
-        .job = claim->job_id, .batch = claim->batch, .attempt = claim->attempt};
-}
-
-/* A strong entity tag, quoted: a hash of the bytes. */
-void pen_etag_make(const void *data, size_t bytes, char out[72]);
-
-/* problems.c: {pointer, detail}, or {line, column, detail} where the text has lines. */
-json_t *pen_problem_place(const struct pen_status *st);
-
-/* settings_json.c: settings as a `render` object that pen_settings_read takes back. Owns: the
- * caller json_decref()s. Fails: NULL when out of memory. */
-json_t *pen_settings_json(const struct pen_settings *settings);
-
-/* job_json.c: the job object of http-api.md from a stored job. Fails: PEN_STORAGE (the stored
- * request is no JSON), PEN_NO_MEMORY. */
-json_t *pen_job_json(const struct pen_job_record *job, struct pen_status *st);
-
-/* Where the report of a job is kept, among its artefacts. */
-#define PEN_REPORT_LAYER "report"
-#define PEN_REPORT_FORMAT "json"
-
-/* canvas.c: pixels between the order of tiles, in which they are committed, and that of rows.
- * Copies the tiles of a batch out of an image, or into one. */
-void pen_tiles_gather(const struct pen_settings *settings, int first, int count, const float *image,
-                      float *tiles);
-void pen_tiles_scatter(const struct pen_settings *settings, int first, int count,
-                       const float *tiles, float *image);
-
-/* Pixels of tiles first … first + count - 1. */
-int64_t pen_tiles_pixels(const struct pen_settings *settings, int first, int count);
-
-/* Fills an image with what is committed of a view; sets mask (may be NULL) to 1 where it is.
- * Returns the pixels filled in *filled. */
-bool pen_canvas_load(struct pen_store *store, const char *id, int view,
-                     const struct pen_settings *settings, struct pen_film *film,
-                     unsigned char *mask, int64_t *filled, struct pen_status *st);
-
-/* The transfer function that settings ask for. */
-enum pen_transfer pen_canvas_transfer(const struct pen_settings *settings);
-
-/* Encodes a film in one of the formats png, png16, pfm. */
-bool pen_canvas_encode(const struct pen_film *film, const struct pen_settings *settings,
-                       const char *format, struct pen_buf *out, struct pen_status *st);
-
-/* stats_merge.c: one statistics object out of those of all committed batches. */
-json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
-                         struct pen_status *st);
-
-/* The parts of a stored request (job_json.c made it) that rendering and results need. */
-struct pen_job_plan {
-    json_t *request; /* owns the names below; json_decref() it */
-    struct pen_settings settings;
-    int view_count;
-    bool benchmark;
+struct pen_submitted {
+    char id[PEN_ID_BYTES];
+    struct pen_buf answer; /* the job as JSON; release it */
 };
-bool pen_job_plan_read(const char *request, struct pen_job_plan *plan, struct pen_status *st);
-const char *pen_job_plan_view(const struct pen_job_plan *plan, int view);
-int pen_job_plan_find_view(const struct pen_job_plan *plan, const char *name);
+
+/* Accepts a job (an object with `scene`), or a bare scene (an object with `format`, or XML).
+ * When it returns true the job is on disk. Fails: errors->count > 0; with PEN_INVALID and at ""
+ * for a key reused with another body. */
+bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
+                     struct pen_submitted *out, struct pen_errors *errors);
+
+/* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}.
+ * Needs no store: jobs may be a handle or NULL (then default limits). */
+bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, json_t **answer,
+                       struct pen_errors *errors);
+
+struct pen_job_snapshot {
+    json_t *json; /* the job object of http-api.md; the caller json_decref()s */
+    enum pen_job_state state;
+    int64_t revision;
+};
+
+bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
+                  struct pen_status *st);
+
+struct pen_list_query {
+    int state;          /* enum pen_job_state or -1 */
+    const char *kind;   /* or NULL */
+    int limit;          /* 1…500 */
+    const char *cursor; /* opaque, or NULL. A cursor that is none of ours: PEN_USAGE */
+};
+
+/* {jobs: […], next: cursor | null}. */
+json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
+                      struct pen_status *st);
+
+bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
+                     struct pen_status *st);
+bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, struct pen_status *st);
+
+struct pen_image_query {
+    const char *view;   /* NULL: the first */
+    const char *layer;  /* NULL: beauty */
+    const char *format; /* "png" (also for NULL), "png16", "pfm" */
+};
+
+struct pen_image {
+    struct pen_buf bytes; /* release it */
+    char type[40];        /* media type */
+    char etag[72];        /* quoted, strong: a hash of the bytes */
+};
+
+/* The result. Fails: PEN_CONFLICT (unfinished, failed, cancelled), PEN_NOT_FOUND (view, layer
+ * not requested), PEN_USAGE (format). */
+bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
+                    struct pen_image *out, struct pen_status *st);
+
+/* What is committed so far, RGBA PNG, pixels not committed transparent. */
+bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
+                      struct pen_image *out, struct pen_status *st);
+
+/* A rectangle of a view whose pixels a commit has added. */
+struct pen_job_tile {
+    int64_t revision; /* the one the commit gave the job */
+    int part;         /* 1 … PEN_JOB_TILE_PARTS: its place among those of the same commit */
+    const char *view;
+    int x, y, width, height;
+};
+enum { PEN_JOB_TILE_PARTS = 3 };
+
+/* Calls `each` for what was committed after a revision, in the order of the commits; stops when it
+ * returns false. Fails: PEN_NOT_FOUND, PEN_STORAGE. */
+typedef bool pen_job_tile_fn(void *user, const struct pen_job_tile *tile);
+bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_job_tile_fn *each,
+                    void *user, struct pen_status *st);
+
+/* The statistics object. Fails: PEN_CONFLICT until the job has ended. */
+json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
+
+/* The report of a job that measured, in one of pen_study_forms. Fails: PEN_CONFLICT (unfinished,
+ * failed, cancelled), PEN_NOT_FOUND (no such job, or of a kind without a report). */
+bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
+                     struct pen_status *st);
+
+/* The scene as accepted: the bytes of a bare scene, XML too (pen_text_is_xml tells), or the JSON
+ * of a job's. */
+bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
+                    struct pen_status *st);
+
+/* {"workers": [{name, host, pid, threads, started_at, last_seen_at, batches}]}. */
+json_t *pen_jobs_workers(struct pen_jobs *jobs, struct pen_status *st);
+
+/* {"scenes": [{name, title, …}]}: the built-in scenes. */
+json_t *pen_jobs_scenes(void);
+
+/* A problem document (RFC 9457) for one status or for a list of errors. The same object is the
+ * HTTP body, the stored error of a job and the command line's --json error. */
+json_t *pen_problem(const struct pen_status *st);
+json_t *pen_problem_list(const struct pen_errors *errors);
 
 #endif

@@ -2,15 +2,15 @@
 /* Tiles are done in nearly the order of the batch. The thread packs a run of them, a slice of the
  * store's, as soon as all of the run and all before it are done; what is left when the last tile
  * is done is at most about one slice. It sleeps while there is nothing to pack. */
-#include "packing.h"
+#include "jobs/internal/packing.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#include "jobs.h"
-#include "pen/base/clock.h"
+#include "base/clock.h"
+#include "jobs/internal/jobs.h"
 
 struct pen_packing {
     const struct pen_store_observer *observer;

@@ -3,9 +3,9 @@
  * not exceed. */
 #include <stdlib.h>
 
-#include "jobs.h"
-#include "pen/study/figures.h"
-#include "stats.h"
+#include "jobs/internal/jobs.h"
+#include "jobs/internal/stats.h"
+#include "study/figures.h"
 
 static int by_ms(const void *a, const void *b)
 {

@@ -2,12 +2,12 @@
 /* A batch is what a crash costs at most and what a cancel, a preview and a farm see of a job's
  * progress: about one second of work. Work is known only as an upper bound of primary and shadow
  * rays, and the worker's speed not at all, so a batch is a fixed number of such rays. */
-#include "plan.h"
+#include "jobs/internal/plan.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "pen/render/render.h"
+#include "render/render.h"
 
 /* Two threads do some 4 million rays a second in a scene like the built-in room. */
 static const double batch_rays = 4e6;

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "jobs.h"
+#include "jobs/internal/jobs.h"
 
 static bool about_input(const struct pen_status *st)
 {

@@ -3,8 +3,8 @@
  * they are asked for. */
 #include <string.h>
 
-#include "jobs.h"
-#include "pen/study/report.h"
+#include "jobs/internal/jobs.h"
+#include "study/report.h"
 
 /* Whether a job is of a kind that has a report, and has it. */
 static bool check_job(const struct pen_job_record *job, struct pen_status *st)

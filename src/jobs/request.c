@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* A submission as a whole: what kind of document it is, its scene, its views, its limits. */
-#include "request.h"
+#include "jobs/internal/request.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/io/builtin.h"
+#include "io/builtin.h"
 
 static const char builtin_prefix[] = "builtin:";
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "request.h"
+#include "jobs/internal/request.h"
 
 static const char benchmark[] = "benchmark";
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* A short list, the scene used last in front; scenes at its end go when there are too many or when
  * they take too much memory together. The one in use always stays. */
-#include "scene_cache.h"
+#include "jobs/internal/scene_cache.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/base/clock.h"
-#include "pen/io/document.h"
+#include "base/clock.h"
+#include "io/document.h"
 
 enum { ENTRIES = 16 };
 static const size_t bytes_max = (size_t)512 << 20;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Settings as the `render` object of scene-format.md, complete, in the order of its table. */
-#include "jobs.h"
+#include "jobs/internal/jobs.h"
 
 static const char *pattern_name(int pattern)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The statistics object of http-api.md for one render. What a batch's statistics carry besides,
  * so that those of several batches can be put together, is in stats.h. */
-#include "stats.h"
+#include "jobs/internal/stats.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -10,8 +10,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "jobs.h"
-#include "pen/study/figures.h"
+#include "jobs/internal/jobs.h"
+#include "study/figures.h"
 
 void pen_peak_reset(void)
 {

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs.h"
-#include "pen/study/figures.h"
-#include "stats.h"
+#include "jobs/internal/jobs.h"
+#include "jobs/internal/stats.h"
+#include "study/figures.h"
 
 struct sum {
     double parse_ms, build_ms, render_ms, encode_ms, store_ms, cpu_ms;

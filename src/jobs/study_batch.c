@@ -5,12 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "batch.h"
-#include "pen/base/clock.h"
-#include "pen/jobs/benchmark.h"
-#include "pen/study/report.h"
-#include "scene_cache.h"
-#include "stats.h"
+#include "base/clock.h"
+#include "jobs/benchmark.h"
+#include "jobs/internal/batch.h"
+#include "jobs/internal/scene_cache.h"
+#include "jobs/internal/stats.h"
+#include "study/report.h"
 
 enum { TELL_MS = 250 }; /* at least, between two tellings */
 

@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs.h"
-#include "pen/base/clock.h"
-#include "pen/scene/scene.h"
-#include "pen/study/figures.h"
-#include "plan.h"
-#include "request.h"
+#include "base/clock.h"
+#include "jobs/internal/jobs.h"
+#include "jobs/internal/plan.h"
+#include "jobs/internal/request.h"
+#include "scene/scene.h"
+#include "study/figures.h"
 
 enum { KEY_BYTES_MAX = 255 };
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Where committed pixels lie. A batch is a run of tiles in the order of rows, so it covers at most
  * three rectangles: the end of a row of tiles, whole rows, and the beginning of a row. */
-#include "jobs.h"
-#include "pen/render/render.h"
+#include "jobs/internal/jobs.h"
+#include "render/render.h"
 
 struct telling {
     const struct pen_job_plan *plan;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "pen/jobs/trace.h"
+#include "jobs/trace.h"
 
 #include <pthread.h>
 

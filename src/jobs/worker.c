@@ -10,16 +10,16 @@
  *
  * A result is kept until the store has said that it is stored or not wanted: an unknown outcome is
  * asked again, since a commit may be repeated. */
-#include "pen/jobs/worker.h"
+#include "jobs/worker.h"
 
 #include <stdlib.h>
 #include <time.h>
 
-#include "batch.h"
-#include "failure.h"
-#include "jobs.h"
-#include "pen/base/clock.h"
-#include "pen/base/log.h"
+#include "base/clock.h"
+#include "base/log.h"
+#include "jobs/internal/batch.h"
+#include "jobs/internal/failure.h"
+#include "jobs/internal/jobs.h"
 
 enum {
     LEASE_MS = 15000,

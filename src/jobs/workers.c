@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs.h"
-#include "pen/base/clock.h"
+#include "base/clock.h"
+#include "jobs/internal/jobs.h"
 
 enum { SHOWN_MS = 60000 };
 

@@ -7,13 +7,13 @@
  * Products that must be exact are made so by cutting the factors to 26 bits, not with fma: on
  * the baseline x86-64 that would be a call, and slow. Arguments are reduced by tables (Tang, ACM
  * TOMS 15 and 16, 1989 and 1990) so finely that Taylor polynomials serve. */
-#include "pen/math/fn.h"
+#include "math/fn.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-#include "fn_tables.h"
+#include "math/internal/fn_tables.h"
 
 struct sum {
     double hi, lo; /* hi + lo, |lo| within an ulp or so of hi */

@@ -9,7 +9,7 @@
  * multiplying by an odd number, and so a hash of such steps does it (Laine and Karras, EGSR 2011;
  * Burley, JCGT 9(4), 2020). The sequence of steps and constants used here: Vegdahl, "Building a
  * better LK hash", psychopath.io, 2021. */
-#include "pen/math/sample.h"
+#include "math/sample.h"
 
 #include <math.h>
 

@@ -3,13 +3,13 @@
  * products here is compensated. Before products of three entries are formed, each column of the
  * linear part is divided by a power of two near its size (which is exact), so that no scale of
  * scene over- or underflows. */
-#include "pen/math/transform.h"
+#include "math/transform.h"
 
 #include <stdint.h>
 #include <string.h>
 
-#include "pen/math/exact.h"
-#include "pen/math/fn.h"
+#include "math/exact.h"
+#include "math/fn.h"
 
 /* 2^e for -1022 <= e <= 1023. */
 static double power_of_two(int e)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* A thread that counts has a copy of the scene whose accelerator is a view of its own, and asks by
  * the counting queries. Kernels know nothing of it. */
-#include "counter.h"
+#include "render/internal/counter.h"
 
 #include <stdlib.h>
 
-#include "pen/base/cpu.h"
+#include "base/cpu.h"
 
 struct pen_counter {
     struct pen_test_counts counts;

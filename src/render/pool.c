@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* The pool: threads that sleep until there is a run, and take part in it if their number is among
  * those asked for. What a run writes is seen by whoever called it: its end is under the lock. */
-#include "pool.h"
+#include "render/internal/pool.h"
 
 #include <fenv.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/base/cpu.h"
+#include "base/cpu.h"
 
 struct thread {
     pthread_t id;

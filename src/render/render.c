@@ -2,7 +2,7 @@
 /* Rendering a task: threads draw tiles from one counter, row by row from the top left, and write
  * their pixels where they belong. A pixel is a pure function of its place, so who draws which tile
  * when changes nothing but the time; nothing else is shared but the calls of tile_done. */
-#include "pen/render/render.h"
+#include "render/render.h"
 
 #include <fenv.h>
 #include <pthread.h>
@@ -10,9 +10,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "counter.h"
-#include "pen/base/clock.h"
-#include "pool.h"
+#include "base/clock.h"
+#include "render/internal/counter.h"
+#include "render/internal/pool.h"
 
 /* What one thread did; written by that thread alone, read when all are done. */
 struct part {

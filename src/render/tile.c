@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Tiles: an image cut into squares, row by row from the top left. */
-#include "pen/render/render.h"
+#include "render/render.h"
 
 /* How many tiles cover `pixels` in one direction. */
 static int across(int pixels, int tile)

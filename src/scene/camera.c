@@ -2,11 +2,11 @@
 /* Cameras: from what a document says to a frame, and from a frame to the rays of an image.
  * A frame is made from the keys, then the moves apply in order; after every turn it is made
  * orthonormal again, so any number of moves leaves a camera that does not skew the picture. */
-#include "pen/math/exact.h"
-#include "pen/math/fn.h"
-#include "pen/math/scale.h"
-#include "pen/scene/scene.h"
-#include "unit.h"
+#include "math/exact.h"
+#include "math/fn.h"
+#include "math/scale.h"
+#include "scene/internal/unit.h"
+#include "scene/scene.h"
 
 /* The sine of the smallest angle between view direction and `up` that still says which way is up:
  * below it the difference is rounding of the numbers in the document. */

@@ -2,9 +2,9 @@
 /* Which effects a scene calls for: those that some body, light or setting can make visible. A
  * kernel is picked by this set, so a bit must be set whenever leaving the effect out could change
  * one bit of the picture; only what is written in the document decides, never a threshold. */
-#include "effects.h"
+#include "scene/internal/effects.h"
 
-#include "unit.h"
+#include "scene/internal/unit.h"
 
 const char *pen_effect_name(int bit)
 {

@@ -2,17 +2,17 @@
 /* Freezing: description -> what kernels read. Two walks over the bodies: the first counts them and
  * finds the local frame, the second fills the typed arrays in it. Everything that lasts lives in
  * the scene's arena, whose cap is the job's limit on memory. */
-#include "freeze.h"
+#include "scene/internal/freeze.h"
 
 #include <fenv.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "effects.h"
-#include "pen/base/clock.h"
-#include "pen/math/fn.h"
-#include "pen/math/scale.h"
+#include "base/clock.h"
+#include "math/fn.h"
+#include "math/scale.h"
+#include "scene/internal/effects.h"
 
 /* Primitive numbers must fit into pen_prim_ref. */
 enum { PRIMS_MAX = 1 << 28 };

@@ -4,7 +4,7 @@
  * to each body; groups open and close where the path changes. */
 #include <stdlib.h>
 
-#include "freeze.h"
+#include "scene/internal/freeze.h"
 
 /* A group around the body at hand. */
 struct open_group {

@@ -2,7 +2,7 @@
 /* The typed arrays of a frozen scene: one per kind, filled in document order, in local
  * coordinates, with what kernels ask about a body beside its shape: its material, and whether
  * light passes through it. */
-#include "freeze.h"
+#include "scene/internal/freeze.h"
 
 /* The arrays while they are filled; the scene sees them as constant afterwards. */
 struct filler {

@@ -4,9 +4,9 @@
  * The frame is taken from the points that bodies are anchored at and, apart from those, from their
  * radii and heights: sums of the two would round differently when a scene is moved, and the frame
  * would not move with it. */
-#include "place.h"
+#include "scene/internal/place.h"
 
-#include "unit.h"
+#include "scene/internal/unit.h"
 
 static bool finite_vec(struct pen_vec3 v)
 {

@@ -7,13 +7,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "orient.h"
-#include "pen/math/box.h"
-#include "pen/math/exact.h"
-#include "pen/math/scale.h"
-#include "pen/scene/desc.h"
-#include "sweep.h"
-#include "unit.h"
+#include "math/box.h"
+#include "math/exact.h"
+#include "math/scale.h"
+#include "scene/desc.h"
+#include "scene/internal/orient.h"
+#include "scene/internal/sweep.h"
+#include "scene/internal/unit.h"
 
 /* How far a vertex may be from the plane, in parts of the polygon's extent. */
 static const double PLANARITY = 1e-6;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* How fine a scene's coordinates are beside its pixels. The bodies are measured in the local frame,
  * where nothing over- or underflows; only the results are turned into scene units. */
-#include "pen/scene/precision.h"
+#include "scene/precision.h"
 
 #include <stdio.h>
 
-#include "pen/math/scale.h"
-#include "unit.h"
+#include "math/scale.h"
+#include "scene/internal/unit.h"
 
 /* A body is not taken to be seen nearer than this part of its size. */
 #define NEAREST_PART 0x1p-10

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The defaults of everything a document may leave out: render settings and materials. They are
  * the tables of the scene format, in one place. */
-#include "pen/scene/settings.h"
-#include "pen/scene/desc.h"
+#include "scene/settings.h"
+#include "scene/desc.h"
 
 struct pen_settings pen_settings_default(void)
 {

@@ -9,7 +9,7 @@
  * The sorted edges are a treap (a binary tree ordered by position, a heap by priority) threaded
  * as a list. Priorities are a hash of the edge's number and of all points, so that no input can be
  * made for which the tree is deep. */
-#include "sweep.h"
+#include "scene/internal/sweep.h"
 
 #include <stdlib.h>
 #include <string.h>

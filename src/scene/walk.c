@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The walk over groups: a stack of levels, the innermost group last. Transforms are composed in
  * double, outermost first; where no group has one, nothing is multiplied and nothing rounded. */
-#include "walk.h"
+#include "scene/internal/walk.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 /* Which instance of the kernel renders a scene: the one with the fewest effects among those that
  * cover what the scene calls for. The last instance of the table has every effect, so there always
  * is one. */
-#include "pen/shade/kernel.h"
+#include "shade/kernel.h"
 
-#include "instances.h"
+#include "shade/internal/instances.h"
 
 enum { INSTANCES = 13 };
 

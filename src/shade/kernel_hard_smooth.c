@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The kernel's instance for hard shadows and anti-aliasing. */
-#include "instances.h"
-#include "kernel_body.h"
+#include "shade/internal/instances.h"
+#include "shade/internal/kernel_body.h"
 
 void pen_kernel_hard_smooth(const struct pen_kernel_input *input,
                             struct pen_kernel_scratch *scratch, int x, int y, double rgb[3],

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The kernel's instance for soft shadows, glass and mirrors, compiled for AVX2. */
-#include "instances.h"
-#include "kernel_body.h"
+#include "shade/internal/instances.h"
+#include "shade/internal/kernel_body.h"
 
 void pen_kernel_soft_glass_mirror_avx2(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, int x, int y,

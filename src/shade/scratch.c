@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes and frees the memory of a kernel's thread. */
-#include "scratch.h"
+#include "shade/internal/scratch.h"
 
 #include <stdlib.h>
 

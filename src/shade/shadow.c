@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The rare shadow ray through more sheets than a query returns: crossing by crossing, by the same
  * rules: strictly before the light, and not in it. */
-#include "shadow.h"
+#include "shade/internal/shadow.h"
 
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
                                 const struct pen_leave *leave, const struct pen_shadow *query,

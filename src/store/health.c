@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "health.h"
+#include "store/internal/health.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "pen/base/clock.h"
-#include "pen/base/log.h"
-#include "wake.h"
+#include "base/clock.h"
+#include "base/log.h"
+#include "store/internal/wake.h"
 
 enum {
     AGAIN_MS = 500, /* between tries to mend */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "pack.h"
+#include "store/internal/pack.h"
 
 #include <stdlib.h>
 #include <zstd.h>

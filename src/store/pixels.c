@@ -17,13 +17,13 @@
  * On the built-in room at 1000x1400 zstd's level -1 takes two thirds of the time of level 1 and
  * makes 0.394 of the size instead of 0.392; from -5 on the pixels grow faster than the time for
  * them falls, since every byte is also written twice, into the log and from there into the file. */
-#include "pen/store/pixels.h"
+#include "store/pixels.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "pack.h"
-#include "pen/base/buf.h"
+#include "base/buf.h"
+#include "store/internal/pack.h"
 
 enum { LEVEL = -1, FORM = 0x02, FORM_BEFORE = 0x28, PIXEL_BYTES = 12, HEAD_BYTES = 8 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The tables of states.h as data, and the names of states in the API. */
-#include "pen/store/states.h"
+#include "store/states.h"
 
 #include <string.h>
 

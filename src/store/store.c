@@ -2,16 +2,16 @@
 /* The door: picks the engine by the URL, hands each call to it if the store's health allows, and
  * gives the wake-up hints that the call has earned. Hints are given after the engine is done, so
  * whoever wakes sees the change. */
-#include "pen/store/store.h"
+#include "store/store.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#include "health.h"
-#include "ops.h"
-#include "pen/base/clock.h"
-#include "wake.h"
+#include "base/clock.h"
+#include "store/internal/health.h"
+#include "store/internal/ops.h"
+#include "store/internal/wake.h"
 
 static bool has_prefix(const char *text, const char *prefix)
 {

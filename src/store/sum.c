@@ -5,7 +5,7 @@
 #include <endian.h>
 #include <string.h>
 
-#include "pack.h"
+#include "store/internal/pack.h"
 
 static uint64_t mix(uint64_t sum, uint64_t word)
 {

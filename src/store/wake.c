@@ -3,7 +3,7 @@
  * miss what came after: it either sees another value or the futex wakes it. The file keeps its
  * length for ever (it is extended when short, never truncated), because a mapping of a file that
  * shrinks faults. */
-#include "wake.h"
+#include "store/internal/wake.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -19,7 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
+#include "base/clock.h"
 
 enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, FILE_BYTES = 4096 };
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The order of runs, and the clock around each. Nothing but freezing and rendering happens while a
  * run is timed: pictures are compared, and progress is told, between runs. */
-#include "pen/study/bench.h"
+#include "study/bench.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare.h"
-#include "pen/base/clock.h"
+#include "base/clock.h"
+#include "study/internal/compare.h"
 
 struct state {
     const struct pen_bench *bench;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The report of a benchmark as JSON, from which all other forms are made. */
-#include "pen/base/clock.h"
-#include "pen/base/cpu.h"
-#include "pen/study/bench.h"
-#include "pen/study/figures.h"
+#include "base/clock.h"
+#include "base/cpu.h"
+#include "study/bench.h"
+#include "study/figures.h"
 
 /* A sentence for the reader of a report. Returns false when out of memory. */
 static bool add_note(json_t *notes, json_t *text)

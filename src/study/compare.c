@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Which rows show the same picture follows from the settings that the rows name: whatever is not
  * known to leave the picture alone is taken to change it. */
-#include "compare.h"
+#include "study/internal/compare.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/film/metrics.h"
+#include "film/metrics.h"
 
 struct pen_gallery {
     const struct pen_bench *bench;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "pen/study/figures.h"
+#include "study/figures.h"
 
 #include <math.h>
 
-#include "pen/base/cpu.h"
+#include "base/cpu.h"
 
 json_t *pen_figure(double value)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "grid.h"
+#include "study/internal/grid.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "read.h"
+#include "study/internal/read.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Picks the form; CSV, which is short, is here too. */
-#include "pen/study/report.h"
+#include "study/report.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "read.h"
+#include "study/internal/read.h"
 
 const char *const pen_study_forms[] = {"json", "csv", "md", "html", NULL};
 

@@ -3,9 +3,9 @@
  */
 #include <string.h>
 
-#include "grid.h"
-#include "html.h"
-#include "pen/study/report.h"
+#include "study/internal/grid.h"
+#include "study/internal/html.h"
+#include "study/report.h"
 
 static const char style[] =
     ":root{color-scheme:light dark;--ink:#1b1f24;--soft:#5a6370;--line:#d6dbe1;--paper:#fff;"

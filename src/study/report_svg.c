@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "html.h"
-#include "read.h"
+#include "study/internal/html.h"
+#include "study/internal/read.h"
 
 enum { WIDTH = 960, ROW = 30, BAR = 16, TOP = 30, FIGURES = 190, CHAR = 8, LABEL_MAX = 340 };
 

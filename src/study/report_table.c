@@ -2,8 +2,8 @@
 /* Reports as tables of text: for a terminal, aligned, and as Markdown. */
 #include <string.h>
 
-#include "grid.h"
-#include "pen/study/report.h"
+#include "study/internal/grid.h"
+#include "study/report.h"
 
 /* Characters of a text in UTF-8. */
 static size_t width_of(const char *text)

@@ -3,7 +3,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "pen/base/buf.h"
+#include "base/buf.h"
 #include "support/alloc.h"
 #include "support/random.h"
 #include "support/suite.h"

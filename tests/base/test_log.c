@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pen/base/log.h"
+#include "base/log.h"
 #include "support/suite.h"
 
 static int saved, reading;

@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/base/status.h"
-#include "pen/base/utf8.h"
+#include "base/status.h"
+#include "base/utf8.h"
 #include "support/suite.h"
 
 START_TEST(test_status__codes_map_as_the_service_promises)

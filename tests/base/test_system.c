@@ -4,8 +4,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "pen/base/clock.h"
-#include "pen/base/cpu.h"
+#include "base/clock.h"
+#include "base/cpu.h"
 #include "support/suite.h"
 
 START_TEST(test_clock__durations)

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/accel/accel.h"
-#include "pen/base/clock.h"
+#include "accel/accel.h"
+#include "base/clock.h"
 #include "support/random.h"
 
 /* Growing arrays of primitives, never freed: the program is short. */

@@ -14,9 +14,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
-#include "pen/jobs/jobs.h"
-#include "pen/jobs/worker.h"
+#include "base/clock.h"
+#include "jobs/jobs.h"
+#include "jobs/worker.h"
 
 static const struct {
     const char *title, *body;

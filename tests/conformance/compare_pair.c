@@ -19,7 +19,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "pen/film/picture.h"
+#include "film/picture.h"
 
 static const int TOLERANCE = 2;       /* of 255 */
 static const double SHARE_MIN = 99.7; /* per cent */

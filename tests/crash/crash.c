@@ -19,11 +19,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "client.h"
 #include "daemon.h"
+#include "jobs/jobs.h"
 #include "kinds.h"
-#include "pen/base/clock.h"
-#include "pen/jobs/jobs.h"
 
 enum { LEASE_MS = 600, ROUND_JOBS = 6, KEY_BYTES = 48, PATIENCE_MS = 120000 };
 

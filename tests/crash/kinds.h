@@ -3,7 +3,7 @@
 #ifndef TESTS_CRASH_KINDS_H
 #define TESTS_CRASH_KINDS_H
 
-#include "pen/jobs/jobs.h"
+#include "jobs/jobs.h"
 
 enum { KINDS = 5, VIEWS = 3 };
 

@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "pen/film/encode.h"
-#include "pen/film/picture.h"
+#include "film/encode.h"
+#include "film/picture.h"
 #include "support/alloc.h"
 #include "support/random.h"
 #include "support/suite.h"

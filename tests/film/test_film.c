@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "pen/film/film.h"
+#include "film/film.h"
 #include "support/alloc.h"
 #include "support/random.h"
 #include "support/suite.h"

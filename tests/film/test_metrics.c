@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include <math.h>
 
-#include "pen/film/encode.h"
-#include "pen/film/metrics.h"
+#include "film/encode.h"
+#include "film/metrics.h"
 #include "support/alloc.h"
 #include "support/suite.h"
 

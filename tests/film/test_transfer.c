@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* The sRGB transfer function, and that the table of 8-bit steps is the formula. The table
- * src/film/transfer_tables.h is derived here and held against its derivation; to write it anew:
- * PEN_WRITE_TABLES=1 build/tests/film/test_transfer */
+ * src/film/internal/transfer_tables.h is derived here and held against its derivation; to write it
+ * anew: PEN_WRITE_TABLES=1 build/tests/film/test_transfer */
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/film/encode.h"
+#include "film/encode.h"
 #include "support/random.h"
 #include "support/suite.h"
 
-static const char path[] = "src/film/transfer_tables.h";
+static const char path[] = "src/film/internal/transfer_tables.h";
 
 /* Cells of floats with equal upper bits: 128 in each power of two, so fine that none holds two
  * steps (checked by comparing with the formula at every step). */

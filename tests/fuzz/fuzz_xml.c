@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "pen/io/document.h"
+#include "io/document.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -6,7 +6,7 @@
 
 #include <float.h>
 
-#include "pen/math/vec3.h"
+#include "math/vec3.h"
 
 __extension__ typedef __float128 quad;
 

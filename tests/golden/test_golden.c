@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
-#include "pen/render/render.h"
+#include "io/scene_json.h"
+#include "render/render.h"
 #include "support/golden.h"
 #include "support/suite.h"
 

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
-#include "pen/render/render.h"
-#include "pen/scene/scene.h"
+#include "io/scene_json.h"
+#include "render/render.h"
+#include "scene/scene.h"
 #include "support/oracle.h"
 #include "support/suite.h"
 

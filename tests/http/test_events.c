@@ -10,8 +10,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
-#include "pen/store/store.h"
+#include "base/clock.h"
+#include "store/store.h"
 #include "support/server.h"
 #include "support/store.h"
 #include "support/suite.h"

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "pen/http/message.h"
+#include "http/message.h"
 #include "support/suite.h"
 
 #define COUNT(rows) (sizeof(rows) / sizeof(rows)[0])

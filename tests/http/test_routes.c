@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/base/embed.h"
-#include "pen/http/server.h"
+#include "base/embed.h"
+#include "http/server.h"
 #include "support/suite.h"
 
 enum { OPERATIONS_MAX = 100 };

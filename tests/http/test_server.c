@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
+#include "base/clock.h"
 #include "support/server.h"
 #include "support/suite.h"
 

@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/document.h"
-#include "pen/scene/scene.h"
+#include "io/document.h"
+#include "scene/scene.h"
 #include "support/suite.h"
 
 enum { LINES_MAX = PEN_ERRORS_MAX + 2 };

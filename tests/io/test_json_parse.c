@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
+#include "io/scene_json.h"
 #include "support/suite.h"
 
 static json_t *parse(const char *text, size_t bytes, struct pen_status *st)

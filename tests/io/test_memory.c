@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
+#include "io/scene_json.h"
 #include "support/alloc.h"
 #include "support/suite.h"
 

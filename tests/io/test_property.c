@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
-#include "pen/scene/scene.h"
+#include "io/scene_json.h"
+#include "scene/scene.h"
 #include "support/corrupt.h"
 #include "support/mutate.h"
 #include "support/suite.h"

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pen/io/scene_json.h"
+#include "io/scene_json.h"
 #include "support/mutate.h"
 #include "support/random.h"
 #include "support/suite.h"

@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
+#include "io/scene_json.h"
 #include "support/suite.h"
 
 static struct pen_settings set_all(const char *const *assignments)

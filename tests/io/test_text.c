@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/io/builtin.h"
-#include "pen/io/scene_json.h"
+#include "io/builtin.h"
+#include "io/scene_json.h"
 #include "support/suite.h"
 
 static const char *const keys[] = {"radius", "center", "look_at", "kd", "ks", "shininess", NULL};

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/base/buf.h"
-#include "pen/io/scene_json.h"
+#include "base/buf.h"
+#include "io/scene_json.h"
 #include "support/suite.h"
 
 static const char head[] =

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/document.h"
-#include "pen/scene/scene.h"
+#include "io/document.h"
+#include "scene/scene.h"
 #include "support/suite.h"
 
 static struct pen_scene_desc desc;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/document.h"
+#include "io/document.h"
 #include "support/corrupt.h"
 #include "support/suite.h"
 

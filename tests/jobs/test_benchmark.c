@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/jobs/benchmark.h"
+#include "jobs/benchmark.h"
 #include "support/suite.h"
 
 static struct pen_bench_order order;

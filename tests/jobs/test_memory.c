@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/study/report.h"
+#include "study/report.h"
 #include "support/alloc.h"
 #include "support/jobs.h"
 #include "support/suite.h"

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/film/encode.h"
+#include "film/encode.h"
 #include "support/jobs.h"
 #include "support/suite.h"
 

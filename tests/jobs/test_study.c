@@ -7,7 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
+#include "base/clock.h"
 #include "support/jobs.h"
 #include "support/suite.h"
 

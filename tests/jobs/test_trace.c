@@ -2,7 +2,7 @@
 /* Where the threads of a worker are, and which one crashed. */
 #include <pthread.h>
 
-#include "pen/jobs/trace.h"
+#include "jobs/trace.h"
 #include "support/suite.h"
 
 static struct pen_trace trace;

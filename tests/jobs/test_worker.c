@@ -8,8 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
-#include "pen/film/picture.h"
+#include "base/clock.h"
+#include "film/picture.h"
 #include "support/jobs.h"
 #include "support/suite.h"
 

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "pen/math/exact.h"
+#include "math/exact.h"
 #include "support/random.h"
 #include "support/suite.h"
 

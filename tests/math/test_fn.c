@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/math/fn.h"
+#include "math/fn.h"
 #include "support/random.h"
 #include "support/suite.h"
 

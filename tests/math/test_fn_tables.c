@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* src/math/fn_tables.h is derived here, in __float128 (113 bits), and the file in the tree is held
- * against the derivation. To write it anew: PEN_WRITE_TABLES=1 build/tests/math/test_fn_tables */
+/* src/math/internal/fn_tables.h is derived here, in __float128 (113 bits), and the file in the tree
+ * is held against the derivation. To write it anew: PEN_WRITE_TABLES=1
+ * build/tests/math/test_fn_tables */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/base/buf.h"
+#include "base/buf.h"
 #include "support/suite.h"
 
 __extension__ typedef __float128 quad;
@@ -20,7 +21,7 @@ quad rintq(quad x);
 
 enum { EXP_STEPS = 128, LOG_STEPS = 128 };
 
-static const char path[] = "src/math/fn_tables.h";
+static const char path[] = "src/math/internal/fn_tables.h";
 
 static const char head[] =
     "/* SPDX-License-Identifier: MIT */\n"

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/math/sample.h"
+#include "math/sample.h"
 #include "support/suite.h"
 
 static struct pen_sample_key key(uint32_t n)

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "pen/math/scale.h"
+#include "math/scale.h"
 #include "support/random.h"
 #include "support/suite.h"
 

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "pen/math/transform.h"
+#include "math/transform.h"
 #include "support/random.h"
 #include "support/suite.h"
 

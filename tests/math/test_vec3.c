@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "pen/math/box.h"
-#include "pen/math/vec3.h"
+#include "math/box.h"
+#include "math/vec3.h"
 #include "support/random.h"
 #include "support/suite.h"
 

@@ -3,7 +3,7 @@
 #ifndef TESTS_PROPERTY_FLAT_H
 #define TESTS_PROPERTY_FLAT_H
 
-#include "pen/geom/prims.h"
+#include "geom/prims.h"
 #include "property/oracle.h"
 #include "property/row.h"
 

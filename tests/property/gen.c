@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "property/gen.h"
 
-#include "pen/math/exact.h"
+#include "math/exact.h"
 
 typedef struct pen_vec3 vec3;
 

@@ -153,15 +153,15 @@ mutant fused h078_mirrored_triangle 20000 "every file has FMA, and products and 
 judge PIXEL_FLAGS="-std=c11 -mfma -ffp-contract=fast -fno-math-errno"
 
 mutant strict_edges h038_watertight 20000 "a triangle does not own its edges"
-edit include/pen/geom/triangle.h 1 \
+edit src/geom/triangle.h 1 \
     's/^    if \(pen_edge_counts\(a, b, w\).* == 0\)$/    if (!((w > 0 \&\& u > 0 \&\& v > 0) || (w < 0 \&\& u < 0 \&\& v < 0)))/'
-edit src/accel/blocks_avx2.h 1 \
+edit src/accel/internal/blocks_avx2.h 1 \
     's/^    unsigned lanes = bits\(_mm256_xor_pd\(up, down\)\);$/& lanes \&= bits(_mm256_and_pd(LESS(zero, ew), _mm256_and_pd(LESS(zero, eu), LESS(zero, ev)))) | bits(_mm256_and_pd(LESS(ew, zero), _mm256_and_pd(LESS(eu, zero), LESS(ev, zero))));/'
 judge
 
 mutant tmin h063_thin_shell 20000 "crossings count from t = 1e-4 on"
 edit src/accel/build.c 1 's/pen_after_start = \{0,/pen_after_start = {1e-4,/'
-edit src/accel/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t > 1e-4 \&\& t < query->tmax))/'
+edit src/accel/internal/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t > 1e-4 \&\& t < query->tmax))/'
 judge
 
 mutant boxes_to_nearest h091_planes 2000 "boxes are rounded to the nearest float, not outward"
@@ -169,9 +169,9 @@ edit src/accel/plan.c 2 's/pen_float_(down|up)\(/pen_float_near(/g'
 judge
 
 mutant strict_culling h097_copies 40 "a box is entered where its distance is < the best t, not <="
-edit src/accel/boxes_avx2.h 2 's/_CMP_LE_OQ/_CMP_LT_OQ/'
-edit src/accel/boxes_base.h 1 's/return t0 <= t1;/return t0 < t1;/'
-edit src/accel/traverse_walk.h 1 's/near > limit/near >= limit/'
+edit src/accel/internal/boxes_avx2.h 2 's/_CMP_LE_OQ/_CMP_LT_OQ/'
+edit src/accel/internal/boxes_base.h 1 's/return t0 <= t1;/return t0 < t1;/'
+edit src/accel/internal/traverse_walk.h 1 's/near > limit/near >= limit/'
 judge
 
 mutant origin_offset h063_thin_shell 20000 "secondary rays start 1e-4 off the surface, along its normal"
@@ -179,7 +179,7 @@ edit src/geom/prims.c 1 's/^(    struct pen_vec3 p = pen_along\(ray->o, ray->d, 
 judge
 
 mutant tie_epsilon h063_thin_shell 20000 "crossings closer than 1e-9 are one, in document order"
-edit include/pen/geom/ray.h 1 's/if \(a\.t != b\.t\)/if (fabs(a.t - b.t) > 1e-9)/'
+edit src/geom/ray.h 1 's/if \(a\.t != b\.t\)/if (fabs(a.t - b.t) > 1e-9)/'
 judge
 
 mutant small_box h091_planes 2000 "the box of a sphere is too small by 1e-6 of its radius"
@@ -187,7 +187,7 @@ edit src/geom/sphere.c 1 's/pen_vec3\(s->r, s->r, s->r\)/pen_scale(pen_vec3(s->r
 judge
 
 mutant shadow_at_0 h094_shadow_span 5000 "a crossing at t = 0 is a shadow"
-edit src/accel/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t >= 0 \&\& t < query->tmax))/'
+edit src/accel/internal/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t >= 0 \&\& t < query->tmax))/'
 judge
 
 mutant no_leave h059_leave_round 20000 "a ray does not know what it leaves"
@@ -195,7 +195,7 @@ edit src/geom/leave.c 1 's/^    if \(prim == leave->prim\) \{$/    leave = \&pen
 judge
 
 mutant one_way_back h073_crossing_walls 4000 "after a second mirror it is forgotten where the path came from"
-edit include/pen/geom/prims.h 1 's/^            leave\.before = left->toward;$/            leave.before = pen_vec3(0, 0, 0);/'
+edit src/geom/prims.h 1 's/^            leave\.before = left->toward;$/            leave.before = pen_vec3(0, 0, 0);/'
 judge
 
 mutant line_decides h073_at_seams 1000 "at borders near its start the line of a ray decides what is met"
@@ -203,11 +203,11 @@ edit src/geom/leave.c 1 's/^        if \(passes_border\(/        if (0 \&\& pass
 judge
 
 mutant plain_determinant h041_antisymmetry 20000 "ab - cd without fma"
-edit include/pen/math/exact.h 1 's/^    return f \+ e;$/    return (void)f, (void)e, a * b - w;/'
+edit src/math/exact.h 1 's/^    return f \+ e;$/    return (void)f, (void)e, a * b - w;/'
 judge
 
 mutant vanishing h091_vanishing 100000 "coordinates of vertices may be so small that products vanish"
-edit include/pen/geom/ray.h 1 's/^#define PEN_LEAST 0x1p-300/#define PEN_LEAST 0x1p-1074/'
+edit src/geom/ray.h 1 's/^#define PEN_LEAST 0x1p-300/#define PEN_LEAST 0x1p-1074/'
 judge
 
 mutant corner_order h078_mirrored_triangle 20000 "a triangle's corners stay in the order they come in"
@@ -215,7 +215,7 @@ edit src/geom/triangle.c 1 's/^    int first = first_corner\(v\);$/    int first
 judge
 
 mutant axis_order h079_permuted 100000 "sums for spheres are taken in the order of the axes' names"
-edit include/pen/geom/sphere.h 1 \
+edit src/geom/sphere.h 1 \
     's/^    struct pen_vec3 o = ray->turned_o, d = ray->turned_d, c = .*$/    struct pen_vec3 o = ray->o, d = ray->d, c = s->c;/'
 judge
 

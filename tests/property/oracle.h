@@ -12,7 +12,7 @@
 
 #include <stdbool.h>
 
-#include "pen/math/vec3.h"
+#include "math/vec3.h"
 
 /* A number to 106 bits: hi is it rounded, lo what is left. */
 struct truth {

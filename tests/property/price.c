@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/base/clock.h"
+#include "base/clock.h"
 #include "property/price_methods.h"
 
 enum { ROUNDS = 15 };

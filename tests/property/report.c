@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "pen/base/cpu.h"
+#include "base/cpu.h"
 #include "property/catalogue.h"
 #include "property/oracle.h"
 

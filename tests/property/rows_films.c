@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Determinism: each golden film in each way of rendering that must not matter. A case is a way and
  * a film; the table of golden hashes says what must come out. */
-#include "pen/accel/accel.h"
+#include "accel/accel.h"
 #include "property/films.h"
 #include "property/rows.h"
 

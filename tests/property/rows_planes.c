@@ -3,7 +3,7 @@
  * a box which is a little too small may hide nothing from any ray. */
 #include <math.h>
 
-#include "../../src/accel/accel.h"
+#include "accel/internal/structure.h"
 #include "property/gen.h"
 #include "property/rows.h"
 #include "support/world.h"

@@ -2,7 +2,7 @@
 /* Crossings of spheres, tubes and cylinders against 113 bits: how far t is off, how far the point
  * is off the surface, and whether hit or miss is said wrongly. Rays that pass the body in the outer
  * tenth of its radius are rows of their own: there t is badly conditioned. */
-#include "pen/geom/prims.h"
+#include "geom/prims.h"
 #include "property/gen.h"
 #include "property/oracle.h"
 #include "property/rows.h"

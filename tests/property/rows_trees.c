@@ -2,10 +2,10 @@
 /* Trees over mixed, coincident, unbounded and hardly any primitives. */
 #include <math.h>
 
-#include "pen/scene/settings.h"
 #include "property/bodies.h"
 #include "property/gen.h"
 #include "property/rows.h"
+#include "scene/settings.h"
 
 static struct world world;
 static struct bodies_tree tree, kinds[PEN_ACCEL_COUNT];

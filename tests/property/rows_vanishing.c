@@ -3,10 +3,10 @@
  * still what trying all says. */
 #include <math.h>
 
-#include "pen/scene/settings.h"
 #include "property/bodies.h"
 #include "property/gen.h"
 #include "property/rows.h"
+#include "scene/settings.h"
 
 static struct world world;
 static struct bodies_tree kinds[PEN_ACCEL_COUNT];

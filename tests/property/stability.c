@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
+#include "base/clock.h"
 #include "property/corpus.h"
 #include "property/report.h"
 

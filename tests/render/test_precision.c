@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/io/scene_json.h"
-#include "pen/render/render.h"
-#include "pen/scene/precision.h"
+#include "io/scene_json.h"
+#include "render/render.h"
+#include "scene/precision.h"
 #include "support/suite.h"
 
 enum { SIDE = 60, VALUES = 3 * SIDE * SIDE };

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/scene/scene.h"
+#include "scene/scene.h"
 #include "support/suite.h"
 
 static struct pen_camera_desc camera_at(struct pen_vec3 position, struct pen_vec3 direction)

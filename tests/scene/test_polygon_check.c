@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/scene/desc.h"
+#include "scene/desc.h"
 #include "support/suite.h"
 
 typedef struct pen_vec3 vec3;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/math/frame.h"
+#include "math/frame.h"
 #include "support/kit.h"
 #include "support/random.h"
 #include "support/suite.h"

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/math/sample.h"
+#include "math/sample.h"
 #include "support/kit.h"
 #include "support/suite.h"
 

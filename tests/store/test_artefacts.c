@@ -2,7 +2,7 @@
 /* Pictures and reports as stored: what is damaged is not given out, wherever the damage is. */
 #include <string.h>
 
-#include "pen/base/log.h"
+#include "base/log.h"
 #include "support/store_sql.h"
 #include "support/suite.h"
 

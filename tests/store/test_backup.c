@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "pen/base/log.h"
+#include "base/log.h"
 #include "support/faults.h"
 #include "support/store.h"
 #include "support/suite.h"

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pen/base/log.h"
+#include "base/log.h"
 #include "support/store.h"
 #include "support/suite.h"
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/store/store.h"
+#include "store/store.h"
 #include "support/store.h"
 #include "support/suite.h"
 

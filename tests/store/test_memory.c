@@ -5,8 +5,8 @@
 #include <errno.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
-#include "pen/base/log.h"
+#include "base/clock.h"
+#include "base/log.h"
 #include "support/alloc.h"
 #include "support/faults.h"
 #include "support/random.h"

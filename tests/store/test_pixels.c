@@ -6,7 +6,7 @@
 #include <string.h>
 #include <zstd.h>
 
-#include "pen/store/pixels.h"
+#include "store/pixels.h"
 #include "support/random.h"
 #include "support/store_sql.h"
 #include "support/suite.h"

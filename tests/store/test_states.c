@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "pen/store/states.h"
+#include "store/states.h"
 #include "support/store.h"
 #include "support/suite.h"
 

@@ -4,7 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pen/base/clock.h"
+#include "base/clock.h"
 #include "support/store.h"
 #include "support/suite.h"
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/base/clock.h"
+#include "base/clock.h"
 #include "support/store.h"
 #include "support/suite.h"
 

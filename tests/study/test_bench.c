@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/study/bench.h"
+#include "study/bench.h"
 #include "support/kit.h"
 #include "support/suite.h"
 

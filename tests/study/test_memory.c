@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pen/study/bench.h"
-#include "pen/study/report.h"
+#include "study/bench.h"
+#include "study/report.h"
 #include "support/alloc.h"
 #include "support/kit.h"
 #include "support/suite.h"

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pen/study/report.h"
+#include "study/report.h"
 #include "support/random.h"
 #include "support/suite.h"
 

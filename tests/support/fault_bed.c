@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "pen/base/log.h"
+#include "base/log.h"
 
 const struct fault_plan fault_plans[] = {
     {.calls = FAULT_WRITE, .mode = FAULT_ONCE, .error = ENOSPC},

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "pen/scene/scene.h"
+#include "scene/scene.h"
 
 /* FNV-1a, 64 bits: begin with this, and add bytes of a value from the lowest on. */
 #define GOLDEN_HASH_BEGIN UINT64_C(14695981039346656037)

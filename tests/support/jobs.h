@@ -7,8 +7,8 @@
 #include <stdatomic.h>
 #include <sys/types.h>
 
-#include "pen/jobs/jobs.h"
-#include "pen/jobs/worker.h"
+#include "jobs/jobs.h"
+#include "jobs/worker.h"
 #include "support/store.h"
 
 struct jobs_bed {

@@ -3,8 +3,8 @@
 #ifndef TESTS_SUPPORT_KIT_H
 #define TESTS_SUPPORT_KIT_H
 
-#include "pen/render/render.h"
-#include "pen/scene/scene.h"
+#include "render/render.h"
+#include "scene/scene.h"
 
 enum { KIT_OBJECTS = 256, KIT_MATERIALS = 64, KIT_LIGHTS = 16, KIT_VERTICES = 2048 };
 

@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "pen/math/vec3.h"
+#include "math/vec3.h"
 
 struct random {
     uint64_t state, seed;

@@ -13,9 +13,9 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include "pen/base/log.h"
-#include "pen/jobs/worker.h"
-#include "pen/store/store.h"
+#include "base/log.h"
+#include "jobs/worker.h"
+#include "store/store.h"
 
 static int listen_on_free_port(int *port)
 {

@@ -8,8 +8,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-#include "pen/base/buf.h"
-#include "pen/http/server.h"
+#include "base/buf.h"
+#include "http/server.h"
 
 struct server {
     struct pen_http *http;

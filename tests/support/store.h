@@ -4,7 +4,7 @@
 #ifndef TESTS_SUPPORT_STORE_H
 #define TESTS_SUPPORT_STORE_H
 
-#include "pen/store/store.h"
+#include "store/store.h"
 
 struct store_bed {
     char folder[64], url[96];

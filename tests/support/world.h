@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_WORLD_H
 #define TESTS_SUPPORT_WORLD_H
 
-#include "pen/accel/accel.h"
+#include "accel/accel.h"
 #include "support/random.h"
 
 enum { WORLD_MAX = 2048 };

@@ -1,0 +1,561 @@
+/* SPDX-License-Identifier: MIT */
+/* Blocks of four primitives tested at once, in binary64. Every lane does the operations of the
+ * primitive's header in their order, so t has the same bits; lanes that need anything unusual (the
+ * ray leaves or touches them, or is parallel) are handed to the plain functions. */
+#ifndef PEN_ACCEL_INTERNAL_BLOCKS_AVX2_H
+#define PEN_ACCEL_INTERNAL_BLOCKS_AVX2_H
+
+#include <immintrin.h>
+
+#include "accel/internal/traverse.h"
+
+/* Four vectors. */
+struct vec4 {
+    __m256d x, y, z;
+};
+
+static inline __m256d all(double x)
+{
+    return _mm256_set1_pd(x);
+}
+
+static inline struct vec4 all3(struct pen_vec3 v)
+{
+    return (struct vec4){all(v.x), all(v.y), all(v.z)};
+}
+
+/* pen_turned */
+static inline struct vec4 turned4(const struct pen_ray *ray, const double v[3][PEN_LANES])
+{
+    return (struct vec4){_mm256_loadu_pd(v[ray->kx]), _mm256_loadu_pd(v[ray->ky]),
+                         _mm256_loadu_pd(v[ray->kz])};
+}
+
+static inline struct vec4 sub3(struct vec4 a, struct vec4 b)
+{
+    return (struct vec4){_mm256_sub_pd(a.x, b.x), _mm256_sub_pd(a.y, b.y), _mm256_sub_pd(a.z, b.z)};
+}
+
+static inline struct vec4 add3(struct vec4 a, struct vec4 b)
+{
+    return (struct vec4){_mm256_add_pd(a.x, b.x), _mm256_add_pd(a.y, b.y), _mm256_add_pd(a.z, b.z)};
+}
+
+static inline __m256d dot4(struct vec4 a, struct vec4 b)
+{
+    __m256d xy = _mm256_add_pd(_mm256_mul_pd(a.x, b.x), _mm256_mul_pd(a.y, b.y));
+    return _mm256_add_pd(xy, _mm256_mul_pd(a.z, b.z));
+}
+
+/* pen_dop */
+static inline __m256d dop4(__m256d a, __m256d b, __m256d c, __m256d d)
+{
+    __m256d w = _mm256_mul_pd(c, d);
+    __m256d e = _mm256_fnmadd_pd(c, d, w);
+    __m256d f = _mm256_fmsub_pd(a, b, w);
+    return _mm256_add_pd(f, e);
+}
+
+/* -pen_dop */
+static inline __m256d minus_dop4(__m256d a, __m256d b, __m256d c, __m256d d)
+{
+    __m256d w = _mm256_mul_pd(c, d);
+    __m256d e = _mm256_fmsub_pd(c, d, w);
+    __m256d f = _mm256_fnmadd_pd(a, b, w);
+    return _mm256_add_pd(f, e);
+}
+
+/* pen_cross */
+static inline struct vec4 cross4(struct vec4 a, struct vec4 b)
+{
+    return (struct vec4){dop4(a.y, b.z, a.z, b.y), dop4(a.z, b.x, a.x, b.z),
+                         dop4(a.x, b.y, a.y, b.x)};
+}
+
+/* pen_lost */
+static inline __m256d lost4(__m256d a, __m256d b, __m256d diff)
+{
+    __m256d part = _mm256_sub_pd(diff, a);
+    return _mm256_sub_pd(_mm256_sub_pd(a, _mm256_sub_pd(diff, part)), _mm256_add_pd(b, part));
+}
+
+/* pen_along_once */
+static inline struct vec4 along4(struct vec4 a, struct vec4 d, __m256d t)
+{
+    return (struct vec4){_mm256_fmadd_pd(t, d.x, a.x), _mm256_fmadd_pd(t, d.y, a.y),
+                         _mm256_fmadd_pd(t, d.z, a.z)};
+}
+
+static inline __m256d neg4(__m256d x)
+{
+    return _mm256_xor_pd(x, all(-0.0));
+}
+
+static inline __m256d abs4(__m256d x)
+{
+    return _mm256_andnot_pd(all(-0.0), x);
+}
+
+static inline unsigned bits(__m256d mask)
+{
+    return (unsigned)_mm256_movemask_pd(mask);
+}
+
+#define LESS(a, b) _mm256_cmp_pd(a, b, _CMP_LT_OQ)
+#define LESS_EQUAL(a, b) _mm256_cmp_pd(a, b, _CMP_LE_OQ)
+
+/* The t beyond which crossings are of no use. */
+static inline __m256d end4(const struct trace *w, bool any)
+{
+    return all(any ? w->shadow->tmax : w->best.t);
+}
+
+/* The lanes that the ray leaves. */
+static inline unsigned own_lanes(const struct trace *w, const uint32_t prim[PEN_LANES])
+{
+    __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)prim),
+                                   _mm_set1_epi32((int)w->leave->prim));
+    return w->leaving ? (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) : 0;
+}
+
+/* Lanes whose [t0, t1] reaches into what the query looks for. */
+static inline unsigned useful_pairs(const struct trace *w, __m256d t0, __m256d t1, bool any)
+{
+    __m256d after = all(any ? 0 : w->after.t);
+    return bits(_mm256_and_pd(LESS(t0, t1),
+                              _mm256_and_pd(LESS_EQUAL(t0, end4(w, any)), LESS_EQUAL(after, t1))));
+}
+
+/* The same, where t0 and t1 are only bounds, or NaN where there is none. */
+static inline unsigned overlaps4(const struct trace *w, __m256d t0, __m256d t1, bool any)
+{
+    __m256d out = _mm256_or_pd(LESS(end4(w, any), t0), LESS(t1, all(any ? 0 : w->after.t)));
+    return 15 & ~bits(_mm256_or_pd(LESS(t1, t0), out));
+}
+
+/* Hands lanes to the plain function, but for empty ones. */
+static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
+                              bool any)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        if (prim[__builtin_ctz(lanes)] != PEN_NO_PRIM &&
+            test_prim(w, prim[__builtin_ctz(lanes)], any))
+            return true;
+    }
+    return false;
+}
+
+/* The same of flat bodies that may have the origin on their border. */
+static inline bool test_borders(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
+                                bool any)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        uint32_t number = prim[__builtin_ctz(lanes)];
+        if (number != PEN_NO_PRIM && test_at_origin(w, number, any))
+            return true;
+    }
+    return false;
+}
+
+/* Lanes whose crossings the plain functions refine. */
+static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256d rr)
+{
+    __m256d near = LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(all(PEN_NEAR), h));
+    return bits(_mm256_or_pd(near, LESS(abs4(disc), _mm256_mul_pd(all(PEN_GRAZING), rr))));
+}
+
+static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
+{
+    struct vec4 o = all3(w->ray->turned_o), d = all3(w->ray->turned_d), c = turned4(w->ray, b->c);
+    struct vec4 f = sub3(o, c);
+    struct vec4 low = {lost4(o.x, c.x, f.x), lost4(o.y, c.y, f.y), lost4(o.z, c.z, f.z)};
+    __m256d inv_dd = all(w->ray->inv_dd);
+    __m256d tp = _mm256_mul_pd(neg4(dot4(f, d)), inv_dd);
+    struct vec4 l = add3(along4(f, d, tp), low);
+    __m256d rest = _mm256_mul_pd(neg4(dot4(l, d)), inv_dd);
+    __m256d rr = _mm256_loadu_pd(b->rr);
+    __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
+    unsigned own = own_lanes(w, b->prim);
+    /* Beyond the tangents, and surely so. */
+    if ((bits(LESS(_mm256_mul_pd(all(-PEN_GRAZING), rr), disc)) | own) == 0)
+        return false;
+    __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv_dd));
+    double t[2][PEN_LANES];
+    __m256d t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
+    __m256d t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
+    unsigned lanes = useful_pairs(w, t0, t1, any) & ~own, refined = refined_lanes(tp, h, disc, rr);
+    if (refined)
+        own |= refined;
+    lanes &= ~own;
+    if (w->at_origin) {
+        __m256d r = _mm256_loadu_pd(b->r);
+        __m256d near = _mm256_mul_pd(
+            all(4), _mm256_mul_pd(
+                        r, _mm256_add_pd(all(w->leave->bound), _mm256_mul_pd(all(8 * PEN_U), r))));
+        own |= bits(
+            _mm256_and_pd(LESS_EQUAL(abs4(_mm256_sub_pd(dot4(f, f), rr)), near), LESS(t0, t1)));
+        lanes &= ~own;
+    }
+    _mm256_storeu_pd(t[0], t0);
+    _mm256_storeu_pd(t[1], t1);
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        double pair[2] = {t[0][lane], t[1][lane]};
+        if (offer_pair(w, b->prim[lane], pair, any))
+            return true;
+    }
+    return own && test_lanes(w, b->prim, own, any);
+}
+
+/* pen_sheared */
+static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LANES])
+{
+    const struct pen_ray *ray = w->ray;
+    struct vec4 f = sub3(turned4(ray, v), all3(ray->turned_o));
+    f.x = _mm256_sub_pd(f.x, _mm256_mul_pd(all(ray->sx), f.z));
+    f.y = _mm256_sub_pd(f.y, _mm256_mul_pd(all(ray->sy), f.z));
+    return f;
+}
+
+/* Offers the lanes of a flat block. */
+static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], __m256d t,
+                               unsigned lanes, bool any)
+{
+    __m256d useful = _mm256_and_pd(LESS(all(0), t), LESS_EQUAL(t, end4(w, any)));
+    if (w->leaving)
+        useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), all(w->near_sq)));
+    lanes &= bits(useful);
+    if (lanes == 0)
+        return false;
+    double at[PEN_LANES];
+    _mm256_storeu_pd(at, t);
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        if (offer_flat(w, prim[lane], at[lane], any))
+            return true;
+    }
+    return false;
+}
+
+/* The lanes whose edge from a to b passes the origin within what a border may miss it by, or
+ * little more. In ray space distances across the ray are at most doubled by the shear. An edge that
+ * is a single point there has a neighbour that is not, and passes as near. */
+static inline __m256d passes_origin4(const struct trace *w, struct vec4 a, struct vec4 b)
+{
+    __m256d size = _mm256_add_pd(abs4(_mm256_sub_pd(b.x, a.x)), abs4(_mm256_sub_pd(b.y, a.y)));
+    __m256d area = _mm256_sub_pd(_mm256_mul_pd(a.x, b.y), _mm256_mul_pd(a.y, b.x));
+    return LESS(abs4(area), _mm256_mul_pd(all(16 * w->slack), size));
+}
+
+/* A superset of the triangles with the origin on their border. */
+static __attribute__((noinline)) unsigned triangle_borders4(const struct trace *w,
+                                                            const struct pen_triangles4 *block)
+{
+    struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
+    __m256d ab = passes_origin4(w, a, b), bc = passes_origin4(w, b, c);
+    return bits(_mm256_or_pd(_mm256_or_pd(ab, bc), passes_origin4(w, c, a)));
+}
+
+/* pen_triangle_grazed */
+static inline unsigned grazed4(struct vec4 a, struct vec4 b, struct vec4 c, __m256d area)
+{
+    struct vec4 e = sub3(b, a), f = sub3(c, a);
+    __m256d size =
+        _mm256_add_pd(_mm256_add_pd(abs4(e.x), abs4(e.y)), _mm256_add_pd(abs4(f.x), abs4(f.y)));
+    __m256d spread = _mm256_add_pd(abs4(e.z), abs4(f.z));
+    return bits(LESS(_mm256_mul_pd(all(8), abs4(area)), _mm256_mul_pd(size, spread)));
+}
+
+/* pen_edge_even */
+static inline __m256d edge_even4(struct vec4 p, struct vec4 q)
+{
+    __m256d a = _mm256_mul_pd(p.x, q.y), b = _mm256_mul_pd(p.y, q.x);
+    __m256d low = _mm256_sub_pd(_mm256_fmsub_pd(p.x, q.y, a), _mm256_fmsub_pd(p.y, q.x, b));
+    return _mm256_add_pd(_mm256_sub_pd(a, b), low);
+}
+
+static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 *block, bool any)
+{
+    const __m256d zero = all(0);
+    struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
+    __m256d ew = dop4(a.x, b.y, a.y, b.x), eu = dop4(b.x, c.y, b.y, c.x);
+    __m256d ev = minus_dop4(a.x, c.y, a.y, c.x);
+    __m256d a_low = LESS_EQUAL(a.y, zero), b_low = LESS_EQUAL(b.y, zero);
+    __m256d c_low = LESS_EQUAL(c.y, zero);
+    /* At most one edge passes upward and one downward: the winding is their difference. */
+    __m256d up =
+        _mm256_or_pd(_mm256_or_pd(_mm256_and_pd(_mm256_andnot_pd(b_low, a_low), LESS(zero, ew)),
+                                  _mm256_and_pd(_mm256_andnot_pd(c_low, b_low), LESS(zero, eu))),
+                     _mm256_and_pd(_mm256_andnot_pd(a_low, c_low), LESS(zero, ev)));
+    __m256d down =
+        _mm256_or_pd(_mm256_or_pd(_mm256_and_pd(_mm256_andnot_pd(a_low, b_low), LESS(ew, zero)),
+                                  _mm256_and_pd(_mm256_andnot_pd(b_low, c_low), LESS(eu, zero))),
+                     _mm256_and_pd(_mm256_andnot_pd(c_low, a_low), LESS(ev, zero)));
+    unsigned lanes = bits(_mm256_xor_pd(up, down));
+    if (w->at_origin) {
+        unsigned border = triangle_borders4(w, block) & ~own_lanes(w, block->prim);
+        if (border && test_borders(w, block->prim, border, any))
+            return true;
+        lanes &= ~border;
+    }
+    if (lanes == 0)
+        return false;
+    eu = edge_even4(b, c);
+    __m256d sum = _mm256_add_pd(_mm256_mul_pd(eu, a.z),
+                                _mm256_add_pd(_mm256_mul_pd(ev, b.z), _mm256_mul_pd(ew, c.z)));
+    __m256d area = _mm256_add_pd(eu, _mm256_add_pd(ev, ew));
+    unsigned grazed = lanes & grazed4(a, b, c, area);
+    if (grazed) {
+        if (test_lanes(w, block->prim, grazed & ~own_lanes(w, block->prim), any))
+            return true;
+        lanes &= ~grazed;
+    }
+    __m256d t = _mm256_div_pd(_mm256_mul_pd(sum, all(w->ray->sz)), area);
+    return offer_lanes(w, block->prim, t, lanes, any);
+}
+
+/* A superset of the polygons that wind around the ray, by the crossing rule of pen_polygon_root,
+ * and if `border` is not NULL, of those with the origin on their border. Products that round to
+ * different numbers are in that order, so only ties are left open. */
+static inline unsigned polygons_met4(const struct trace *w, const struct pen_polygons4 *block,
+                                     unsigned *border)
+{
+    const __m256d zero = all(0);
+    const __m256i one = _mm256_set1_epi64x(1);
+    const struct pen_corner4 *corner = &w->accel->corners[block->first];
+    __m256i winding = _mm256_setzero_si256();
+    __m256d ties = zero, near = zero;
+    struct vec4 a = shear4(w, corner[block->count - 1].v);
+    __m256d a_low = LESS_EQUAL(a.y, zero);
+    for (uint32_t i = 0; i < block->count; i++) {
+        struct vec4 b = shear4(w, corner[i].v);
+        __m256d b_low = LESS_EQUAL(b.y, zero), passes = _mm256_xor_pd(a_low, b_low);
+        __m256d p = _mm256_mul_pd(a.x, b.y), q = _mm256_mul_pd(a.y, b.x);
+        ties = _mm256_or_pd(ties, _mm256_and_pd(passes, _mm256_cmp_pd(p, q, _CMP_EQ_OQ)));
+        /* On the right: p > q for an upward edge, p < q for a downward one. */
+        __m256d right = _mm256_andnot_pd(_mm256_xor_pd(LESS(q, p), a_low), passes);
+        __m256i turn = _mm256_or_si256(_mm256_castpd_si256(a_low), one); /* up: -1, down: 1 */
+        winding = _mm256_add_epi64(winding, _mm256_and_si256(_mm256_castpd_si256(right), turn));
+        if (border)
+            near = _mm256_or_pd(near, passes_origin4(w, a, b));
+        a = b;
+        a_low = b_low;
+    }
+    if (border)
+        *border = bits(near);
+    __m256i none = _mm256_cmpeq_epi64(winding, _mm256_setzero_si256());
+    return (15 & ~bits(_mm256_castsi256_pd(none))) | bits(ties);
+}
+
+static __attribute__((noinline)) bool
+test_polygons_at_origin(struct trace *w, const struct pen_polygons4 *block, bool any)
+{
+    unsigned border, lanes = polygons_met4(w, block, &border), others = ~own_lanes(w, block->prim);
+    return (border & others && test_borders(w, block->prim, border & others, any)) ||
+           test_lanes(w, block->prim, lanes & ~border & others, any);
+}
+
+static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
+{
+    if (w->at_origin)
+        return test_polygons_at_origin(w, block, any);
+    unsigned lanes = polygons_met4(w, block, NULL);
+    return lanes && test_lanes(w, block->prim, lanes & ~own_lanes(w, block->prim), any);
+}
+
+/* a + b, and what was lost to rounding (Knuth), as in pen_dot2. */
+static inline __m256d sum4(__m256d a, __m256d b, __m256d *lost)
+{
+    __m256d next = _mm256_add_pd(a, b), part = _mm256_sub_pd(next, a);
+    *lost = _mm256_add_pd(_mm256_sub_pd(a, _mm256_sub_pd(next, part)), _mm256_sub_pd(b, part));
+    return next;
+}
+
+/* pen_dot_guarded */
+static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
+{
+    __m256d x = _mm256_mul_pd(a.x, b.x), y = _mm256_mul_pd(a.y, b.y), z = _mm256_mul_pd(a.z, b.z);
+    __m256d sum = _mm256_add_pd(_mm256_add_pd(x, y), z);
+    __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(x), abs4(y)), abs4(z));
+    __m256d plain = LESS_EQUAL(size, _mm256_mul_pd(abs4(sum), all(8)));
+    if (bits(plain) == 15)
+        return sum;
+    __m256d low = _mm256_fmsub_pd(a.x, b.x, x), lost;
+    __m256d total = sum4(x, y, &lost);
+    low = _mm256_add_pd(low, _mm256_add_pd(lost, _mm256_fmsub_pd(a.y, b.y, y)));
+    total = sum4(total, z, &lost);
+    low = _mm256_add_pd(low, _mm256_add_pd(lost, _mm256_fmsub_pd(a.z, b.z, z)));
+    return _mm256_blendv_pd(_mm256_add_pd(total, low), sum, plain);
+}
+
+static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bool any)
+{
+    struct vec4 g = turned4(w->ray, b->g), f = sub3(turned4(w->ray, b->q), all3(w->ray->turned_o));
+    __m256d gd = dot_guarded4(g, all3(w->ray->turned_d));
+    __m256d t = _mm256_div_pd(dot4(g, f), gd);
+    __m256d crossed = _mm256_cmp_pd(gd, all(0), _CMP_NEQ_OQ);
+    __m256d after = all(any ? 0 : w->after.t);
+    __m256d useful = _mm256_and_pd(LESS_EQUAL(after, t), LESS_EQUAL(t, end4(w, any)));
+    unsigned lanes = bits(_mm256_and_pd(crossed, useful)), near = 0;
+    if (w->leaving) {
+        /* A superset of the lanes that touch the origin: |g| < 2. */
+        __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(f.x), abs4(f.y)), abs4(f.z));
+        __m256d bound = _mm256_fmadd_pd(all(8 * PEN_U), size, all(w->leave->bound));
+        __m256d touches = LESS_EQUAL(abs4(_mm256_mul_pd(t, gd)), _mm256_mul_pd(all(4), bound));
+        unsigned own = own_lanes(w, b->prim);
+        near = bits(_mm256_and_pd(crossed, touches)) & ~own;
+        lanes &= ~(near | own);
+    }
+    if ((lanes | near) == 0)
+        return false;
+    double at[PEN_LANES];
+    _mm256_storeu_pd(at, t);
+    for (; near; near &= near - 1) {
+        int lane = __builtin_ctz(near);
+        if (offer_flat(w, b->prim[lane], at[lane], any))
+            return true;
+    }
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        if (offer(w, b->prim[lane], at[lane], PEN_PART_SIDE, any))
+            return true;
+    }
+    return false;
+}
+
+/* The endless sides of four cylinders against a ray. */
+struct round4 {
+    __m256d t0, t1; /* as pen_round_roots */
+    __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
+    unsigned near;  /* lanes to be refined; t is within [least, most] there */
+    __m256d least, most;
+};
+
+static inline struct round4 round_roots4(const struct trace *w, const struct pen_cylinders4 *b,
+                                         struct vec4 f, struct vec4 a)
+{
+    struct vec4 o = all3(w->ray->turned_o), q = turned4(w->ray, b->q);
+    struct vec4 low = {lost4(o.x, q.x, f.x), lost4(o.y, q.y, f.y), lost4(o.z, q.z, f.z)};
+    struct vec4 rest3 = {_mm256_sub_pd(_mm256_mul_pd(low.y, a.z), _mm256_mul_pd(low.z, a.y)),
+                         _mm256_sub_pd(_mm256_mul_pd(low.z, a.x), _mm256_mul_pd(low.x, a.z)),
+                         _mm256_sub_pd(_mm256_mul_pd(low.x, a.y), _mm256_mul_pd(low.y, a.x))};
+    struct vec4 m = cross4(all3(w->ray->turned_d), a), n = add3(cross4(f, a), rest3);
+    struct round4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
+    __m256d inv = _mm256_div_pd(all(1), out.mm);
+    __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
+    struct vec4 l = along4(n, m, tp);
+    __m256d rest = _mm256_mul_pd(neg4(dot4(l, m)), inv);
+    __m256d rr = _mm256_loadu_pd(b->rr);
+    __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
+    __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv));
+    out.t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
+    out.t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
+    out.near = refined_lanes(tp, h, disc, rr);
+    if (out.near) { /* the half chord is at most r / |m| */
+        __m256d reach = _mm256_sqrt_pd(_mm256_mul_pd(_mm256_mul_pd(all(2), rr), inv));
+        out.least = _mm256_sub_pd(tp, reach);
+        out.most = _mm256_add_pd(tp, reach);
+    }
+    return out;
+}
+
+/* The sum of the sizes of the products of a dot product. */
+static inline __m256d size4(struct vec4 a, struct vec4 b)
+{
+    __m256d xy = _mm256_add_pd(abs4(_mm256_mul_pd(a.x, b.x)), abs4(_mm256_mul_pd(a.y, b.y)));
+    return _mm256_add_pd(xy, abs4(_mm256_mul_pd(a.z, b.z)));
+}
+
+/* A superset of the lanes that the origin touches, as pen_cylinder_touches: |a| < 2. */
+static inline __m256d cylinder_touches4(const struct trace *w, const struct pen_cylinders4 *b,
+                                        __m256d nn, __m256d fa)
+{
+    __m256d size = _mm256_loadu_pd(b->size);
+    __m256d bound = _mm256_add_pd(all(w->leave->bound), _mm256_mul_pd(all(8 * PEN_U), size));
+    __m256d off_side = abs4(_mm256_sub_pd(nn, _mm256_loadu_pd(b->rr)));
+    __m256d off_top = abs4(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa));
+    __m256d twice = _mm256_mul_pd(all(2), bound);
+    return _mm256_or_pd(LESS_EQUAL(off_side, _mm256_mul_pd(all(16), _mm256_mul_pd(size, bound))),
+                        _mm256_or_pd(LESS_EQUAL(abs4(fa), twice), LESS_EQUAL(off_top, twice)));
+}
+
+/* pen_cylinder_slab_loses */
+static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylinders4 *b,
+                                   struct vec4 f, struct vec4 a)
+{
+    const __m256d four = all(4);
+    struct vec4 d = all3(w->ray->turned_d);
+    __m256d top = _mm256_loadu_pd(b->top), fa = dot4(f, a), da = dot4(d, a);
+    __m256d rest = abs4(_mm256_sub_pd(top, fa)), least = _mm256_min_pd(rest, abs4(fa));
+    return bits(_mm256_or_pd(LESS(_mm256_mul_pd(four, least), size4(f, a)),
+                             _mm256_or_pd(LESS(_mm256_mul_pd(four, rest), top),
+                                          LESS(_mm256_mul_pd(four, abs4(da)), size4(d, a)))));
+}
+
+/* Offers the ends of one cylinder's inside. */
+static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b, int lane,
+                                const struct pen_inside *in, bool any)
+{
+    bool caps = !(b->open >> lane & 1);
+    return ((caps || in->lo_part == PEN_PART_SIDE) &&
+            offer(w, b->prim[lane], in->lo, in->lo_part, any)) ||
+           ((caps || in->hi_part == PEN_PART_SIDE) &&
+            offer(w, b->prim[lane], in->hi, in->hi_part, any));
+}
+
+static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 *b, bool any)
+{
+    const __m256d zero = all(0);
+    struct vec4 a = turned4(w->ray, b->a), o = all3(w->ray->turned_o);
+    struct vec4 f = sub3(o, turned4(w->ray, b->q));
+    __m256d da = dot_guarded4(all3(w->ray->turned_d), a), fa = dot4(f, a);
+    __m256d inv = _mm256_div_pd(all(1), da);
+    __m256d base = _mm256_mul_pd(neg4(fa), inv);
+    __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);
+    __m256d forward = LESS(zero, da);
+    __m256d lo = _mm256_blendv_pd(top, base, forward), hi = _mm256_blendv_pd(base, top, forward);
+    struct round4 side = round_roots4(w, b, f, a);
+    unsigned plain = own_lanes(w, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
+                     bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ));
+    __m256d t0 = _mm256_max_pd(side.t0, lo), t1 = _mm256_min_pd(side.t1, hi);
+    __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
+    unsigned lanes = bits(met);
+    if (side.near | (lanes & ~plain)) {
+        /* What may be off by rounding, and then some. */
+        __m256d size = _mm256_add_pd(size4(f, a), _mm256_loadu_pd(b->top));
+        __m256d pad = _mm256_mul_pd(_mm256_mul_pd(all(0x1p-40), size), abs4(inv));
+        if (side.near)
+            plain |= side.near & overlaps4(w, _mm256_max_pd(side.least, _mm256_sub_pd(lo, pad)),
+                                           _mm256_min_pd(side.most, _mm256_add_pd(hi, pad)), any);
+        lanes &= ~side.near;
+        if (lanes & ~plain)
+            plain |= lanes & slab_loses4(w, b, f, a) &
+                     overlaps4(w, _mm256_sub_pd(t0, pad), _mm256_add_pd(t1, pad), any);
+    }
+    lanes &= useful_pairs(w, t0, t1, any);
+    if (w->at_origin)
+        plain |= bits(cylinder_touches4(w, b, side.nn, fa));
+    lanes &= ~plain;
+    if (lanes) {
+        double s0[PEN_LANES], s1[PEN_LANES], l[PEN_LANES], h[PEN_LANES];
+        unsigned up = bits(forward);
+        _mm256_storeu_pd(s0, side.t0);
+        _mm256_storeu_pd(s1, side.t1);
+        _mm256_storeu_pd(l, lo);
+        _mm256_storeu_pd(h, hi);
+        for (; lanes; lanes &= lanes - 1) {
+            int lane = __builtin_ctz(lanes);
+            const double s[2] = {s0[lane], s1[lane]};
+            struct pen_inside in = {l[lane], h[lane], PEN_PART_BASE, PEN_PART_TOP};
+            if (!(up >> lane & 1)) {
+                in.lo_part = PEN_PART_TOP;
+                in.hi_part = PEN_PART_BASE;
+            }
+            if (pen_inside_cut(&in, s) && offer_inside(w, b, lane, &in, any))
+                return true;
+        }
+    }
+    return plain && test_lanes(w, b->prim, plain, any);
+}
+
+#endif

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* What a builder decides: an order of the finite primitives, leaves as ranges of that order, and
+ * nodes over them. Packing turns a plan into the frozen structure. */
+#ifndef PEN_ACCEL_INTERNAL_PLAN_H
+#define PEN_ACCEL_INTERNAL_PLAN_H
+
+#include <stddef.h>
+
+#include "accel/internal/structure.h"
+
+/* A growing array of elements of one size. */
+struct pen_pool {
+    void *data;
+    size_t size; /* of an element, in bytes */
+    uint32_t count, capacity;
+};
+
+/* Room for `more` elements at the end, not zeroed; NULL when out of memory. */
+void *pen_pool_add(struct pen_pool *pool, uint32_t more);
+void pen_pool_release(struct pen_pool *pool);
+
+struct pen_leaf {
+    uint32_t begin, count; /* in order[] */
+};
+
+/* What a builder reads of a primitive. */
+struct pen_ref {
+    float lo[3];
+    uint32_t prim;
+    float hi[3];
+    uint32_t kind; /* enum pen_block_kind */
+};
+
+struct pen_plan {
+    const struct pen_prims *prims;
+    struct pen_ref *ref;    /* first the finite primitives; builders bring them into their order */
+    uint32_t count;         /* of these */
+    uint32_t infinite;      /* count of those without bounds, which come after */
+    enum pen_shape shape;   /* none as long as there are no nodes */
+    struct pen_pool nodes;  /* struct pen_node, or pen_pair where the shape is pairs; leaf children
+                             * hold PEN_CHILD_LEAF | leaf number */
+    struct pen_pool leaves; /* struct pen_leaf; of one primitive where the shape is lists */
+    uint32_t lists;         /* how many, where the shape is lists */
+    uint32_t depth;         /* boxes around the innermost primitive */
+};
+
+/* Lists the primitives in document order, finite ones with boxes rounded outward.
+ * Fails: returns false when out of memory. */
+bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims);
+void pen_plan_release(struct pen_plan *plan);
+
+/* Adds a leaf of a range of ref[]; returns the child, or PEN_NO_CHILD when out of memory. */
+uint32_t pen_plan_leaf(struct pen_plan *plan, uint32_t begin, uint32_t count);
+#define PEN_NO_CHILD UINT32_MAX
+
+/* Nodes in a row whose lanes are all empty; NULL when out of memory. Nodes move when others are
+ * added. */
+struct pen_node *pen_plan_nodes(struct pen_plan *plan, uint32_t count);
+struct pen_pair *pen_plan_pair(struct pen_plan *plan);
+
+/* One child of a node and its box. */
+struct pen_lane {
+    float lo[3], hi[3];
+    uint32_t child; /* without PEN_CHILD_MORE */
+};
+
+extern const struct pen_lane pen_lane_empty;
+
+/* The box of a primitive; no child. */
+struct pen_lane pen_ref_lane(const struct pen_ref *ref);
+
+/* Grows the box of *sum to hold that of *in. */
+void pen_lane_add(struct pen_lane *sum, const struct pen_lane *in);
+
+void pen_node_put(struct pen_node *node, int lane, const struct pen_lane *in);
+void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_lane *in);
+
+/* The lanes that nodes of the plan's shape have. */
+int pen_plan_width(const struct pen_plan *plan);
+
+/* Reads a lane of a node; false if it is empty. */
+bool pen_plan_lane(const struct pen_plan *plan, uint32_t node, int lane, struct pen_lane *out);
+
+/* Whether the node after this one continues its list. */
+bool pen_plan_more(const struct pen_plan *plan, uint32_t node);
+
+/* The expected number of box and block tests for `n` primitives of each kind in one leaf, in units
+ * of one test of four triangles. */
+float pen_leaf_cost(const uint32_t n[PEN_BLOCK_FINITE_COUNT]);
+extern const float pen_node_cost;
+
+/* The cost of one box test in primitive tests, in statistics: pen_node_cost is that of eight, in
+ * tests of four triangles. */
+#define PEN_BOX_TEST_COST 0.15
+
+/* The surface-area heuristic. Fails: returns false when out of memory. */
+bool pen_build_sah(struct pen_plan *plan);
+
+/* Median split. Fails: returns false when out of memory. */
+bool pen_build_median(struct pen_plan *plan);
+
+/* A list for each group, one for all without groups. Fails: returns false when out of memory. */
+bool pen_build_lists(struct pen_plan *plan, const struct pen_groups *groups);
+
+/* The expected cost of a ray, as pen_accel_stats defines it. */
+double pen_plan_cost(const struct pen_plan *plan);
+
+/* Fills in everything of *accel but stats.kind, sah_cost and build_ms. Owns: all in the arena.
+ * Fails: returns false when out of memory. */
+bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_accel *accel);
+
+#endif

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/* Inside of the acceleration structure, shared by builders and traversals.
+ *
+ * A structure has nodes whose children each have a box in binary32 rounded outward, and leaves that
+ * are short lists of blocks. A block holds up to four primitives of one kind, lane by lane, as a
+ * copy of what their test reads. Primitives without bounds, and all of them for PEN_ACCEL_NONE, are
+ * in lists beside the nodes. What a node is depends on the structure's shape:
+ *
+ *   wide   (auto) up to eight children, entered nearest first;
+ *   pairs  (median) two children, entered nearest first; a leaf is a block of triangles, or a
+ *          single primitive, read where the scene keeps it;
+ *   lists  (cbr, manual) any number of children, eight to a node and nodes in a row, entered in the
+ *          document's order; cbr is one list, manual has one for each group. A leaf is a single
+ *          primitive.
+ *
+ * Why boxes never hide a crossing: a crossing's point is a mean of vertices with weights in [0, 1]
+ * (flat bodies) or lies within the box's own margin (quadrics), up to errors of a few 2^-53 of t
+ * and of the vertices' distance from the box's faces; the box test leaves at least 2^-24 of t. */
+#ifndef PEN_ACCEL_INTERNAL_STRUCTURE_H
+#define PEN_ACCEL_INTERNAL_STRUCTURE_H
+
+#include "accel/accel.h"
+
+enum { PEN_WIDE = 8, PEN_LANES = 4, PEN_MAX_DEPTH = 64 };
+
+/* A child is a node, or a leaf's first item with this bit set. */
+#define PEN_CHILD_LEAF 0x80000000u
+/* In a list, the first child of a node has this bit set too if the next node continues it. */
+#define PEN_CHILD_MORE 0x40000000u
+
+/* An item is a block of a kind, or a single primitive; the last of a leaf has the top bit set. */
+enum pen_block_kind {
+    PEN_BLOCK_TRIANGLES,
+    PEN_BLOCK_POLYGONS,
+    PEN_BLOCK_SPHERES,
+    PEN_BLOCK_CYLINDERS,
+    PEN_BLOCK_FINITE_COUNT, /* builders sort the kinds above */
+    PEN_BLOCK_PLANES = PEN_BLOCK_FINITE_COUNT,
+    PEN_BLOCK_TUBES,
+    PEN_BLOCK_NOTHING,
+    PEN_BLOCK_SINGLE, /* the index is the primitive's number */
+    PEN_BLOCK_KIND_COUNT
+};
+#define PEN_ITEM_LAST 0x80000000u
+#define PEN_ITEM_KIND(item) ((item) >> 28 & 7u)
+#define PEN_ITEM_INDEX(item) ((item)&0x0fffffffu)
+
+/* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing:
+ * PEN_CHILD_LEAF itself. */
+struct pen_node {
+    float plane[6][PEN_WIDE]; /* the boxes: low ends by axis, then high ends by axis */
+    uint32_t child[PEN_WIDE];
+};
+
+/* The same for two. */
+struct pen_pair {
+    float plane[6][2];
+    uint32_t child[2];
+};
+
+enum pen_shape { PEN_SHAPE_NONE, PEN_SHAPE_WIDE, PEN_SHAPE_PAIRS, PEN_SHAPE_LISTS };
+
+/* Lanes beyond the last primitive have prim = PEN_NO_PRIM and data that nothing crosses. */
+struct pen_triangles4 {
+    double v[3][3][PEN_LANES]; /* vertex, axis, lane */
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_polygons4 {
+    uint32_t first, count; /* vertices in `corners`; short outlines repeat their last vertex */
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_corner4 {
+    double v[3][PEN_LANES];
+};
+
+struct pen_spheres4 {
+    double c[3][PEN_LANES];
+    double r[PEN_LANES], rr[PEN_LANES], rr_low[PEN_LANES];
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_planes4 {
+    double q[3][PEN_LANES], g[3][PEN_LANES];
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_tubes4 { /* rare: tested one by one */
+    uint32_t prim[PEN_LANES];
+};
+
+struct pen_cylinders4 {
+    double q[3][PEN_LANES], a[3][PEN_LANES];
+    double rr[PEN_LANES], rr_low[PEN_LANES], top[PEN_LANES];
+    double size[PEN_LANES]; /* radius + height */
+    uint32_t prim[PEN_LANES];
+    uint32_t open; /* bit per lane: no caps */
+};
+
+struct pen_accel {
+    const struct pen_prims *prims;
+    enum pen_shape shape;
+    const struct pen_node *nodes; /* wide, lists; the root, or its list, is the first */
+    const struct pen_pair *pairs; /* pairs; the root is the first */
+    uint32_t infinite;            /* first item of the list of primitives without bounds */
+    uint32_t list; /* the same of finite primitives beside the tree; 0 if there are none */
+    const uint32_t *items;
+    const struct pen_triangles4 *triangles;
+    const struct pen_polygons4 *polygons;
+    const struct pen_corner4 *corners;
+    const struct pen_spheres4 *spheres;
+    const struct pen_cylinders4 *cylinders;
+    const struct pen_planes4 *planes;
+    const struct pen_tubes4 *tubes;
+    double scale; /* the largest pen_prim_scale of a finite primitive */
+    struct pen_accel_stats stats;
+    struct pen_test_counts *counts; /* of a view that counts; else NULL */
+};
+
+#endif

@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: MIT */
+/* Queries: the body that every variant compiles. The including file states how boxes and items are
+ * tested, as
+ *     struct box_ray { ...; double scale; };
+ *     static inline void box_ray_make(struct box_ray *, const struct pen_ray *, double tmin,
+ *                                     double grow);
+ *     static inline unsigned enter_node(const struct pen_node *, const struct box_ray *,
+ *                                       float limit, float near[PEN_WIDE]);
+ *     static inline unsigned enter_pair(const struct pen_pair *, const struct box_ray *,
+ *                                       float limit, float near[2]);
+ *     static inline bool test_item(struct trace *, uint32_t item, bool any);
+ * and then includes traverse_walk.h. Whatever a variant does there, it offers the same crossings:
+ * those that pen_prim_cross states.
+ *
+ * A struct box_ray is a ray as boxes see it, in binary32, scaled by a power of two such that the
+ * largest component of d is in [1, 2): a box's t is the ray's times `scale`. The near plane of an
+ * axis is compared with an origin rounded to make the way to it shorter, the far plane with one
+ * that makes it longer; reciprocals are off by 2^-22 to the same ends, more than the three
+ * roundings of a slab take away. Boxes grow by `grow`, so that those are entered that hold what may
+ * be met by touching it. */
+#ifndef PEN_ACCEL_INTERNAL_TRAVERSE_H
+#define PEN_ACCEL_INTERNAL_TRAVERSE_H
+
+#include "accel/internal/rounding.h"
+#include "accel/internal/structure.h"
+
+/* One query under way. */
+struct trace {
+    const struct pen_accel *accel;
+    const struct pen_ray *ray;
+    const struct pen_leave *leave;
+    bool leaving;               /* the ray starts on a primitive */
+    bool at_origin;             /* and what is tested now may reach the place where it starts */
+    double slack;               /* then what touches it misses it by no more than this, */
+    double grow;                /* and no border farther off than this is passed */
+    double near_sq;             /* square of the t that is as far as grow */
+    struct pen_hit after, best; /* nearest: the crossing looked for is between them */
+    struct pen_shadow *shadow;
+    double light_bound;    /* shadow: by how much the light may miss a surface that contains it */
+    struct pen_vec3 light; /* shadow to a point: where the ray ends */
+};
+
+/* The unit normal of a flat body; NULL for round ones. */
+static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
+                                                 struct pen_prim_ref ref)
+{
+    switch (ref.kind) {
+    case PEN_PRIM_PLANE:
+        return &prims->plane[ref.index].n;
+    case PEN_PRIM_TRIANGLE:
+        return &prims->triangle[ref.index].n;
+    case PEN_PRIM_POLYGON:
+        return &prims->polygon[ref.index].n;
+    default:
+        return NULL;
+    }
+}
+
+/* At least pen_prim_scale of a flat body. */
+static inline double flat_scale(const struct trace *w, struct pen_prim_ref ref, struct pen_vec3 p)
+{
+    if (ref.kind != PEN_PRIM_PLANE)
+        return w->accel->scale;
+    return pen_norm1(pen_sub(p, w->accel->prims->plane[ref.index].q));
+}
+
+/* Whether pen_prim_ends_ray may be true: nearly always the light is seen to be off the surface at
+ * less expense. */
+static inline bool may_end_ray(const struct trace *w, struct pen_hit h)
+{
+    const struct pen_prims *prims = w->accel->prims;
+    const struct pen_prim_ref ref = prims->ref[h.prim];
+    const struct pen_vec3 *n = flat_normal(prims, ref);
+    if (n)
+        return fabs((w->shadow->tmax - h.t) * pen_dot(w->ray->d, *n)) <=
+               w->light_bound + 8 * PEN_U * flat_scale(w, ref, w->light);
+    if (ref.kind == PEN_PRIM_SPHERE)
+        return pen_sphere_touches(&prims->sphere[ref.index], w->light, w->light_bound);
+    return ref.kind != PEN_PRIM_CYLINDER ||
+           pen_cylinder_touches(&prims->cylinder[ref.index], w->light, w->light_bound) &
+               1u << h.part;
+}
+
+/* Keeps a see-through crossing in order. */
+static inline void keep_crossing(struct pen_shadow *query, struct pen_hit h)
+{
+    if (query->count == PEN_SHADOW_MAX) {
+        query->overflow = true;
+        return;
+    }
+    int at = query->count++;
+    for (; at > 0 && pen_hit_before(h, query->hit[at - 1]); at--)
+        query->hit[at] = query->hit[at - 1];
+    query->hit[at] = h;
+}
+
+/* Takes note of a crossing; true if it ends the query. */
+static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part, bool any)
+{
+    struct pen_hit h = {t, prim, part};
+    if (!any) {
+        if (pen_hit_before(w->after, h) && pen_hit_before(h, w->best))
+            w->best = h;
+        return false;
+    }
+    struct pen_shadow *query = w->shadow;
+    if (!(t > 0 && t < query->tmax))
+        return false;
+    if (query->to_point && may_end_ray(w, h) &&
+        pen_prim_ends_ray(w->accel->prims, h, w->ray, query->tmax, w->light_bound))
+        return false;
+    if (query->see_through && query->see_through[prim]) {
+        keep_crossing(query, h);
+        return false;
+    }
+    query->last_occluder = prim;
+    return true;
+}
+
+/* The crossings of a primitive that the ray leaves or touches at its origin. */
+static __attribute__((noinline)) bool test_at_origin(struct trace *w, uint32_t prim, bool any)
+{
+    struct pen_crossings c;
+    pen_prim_cross(w->accel->prims, prim, w->ray, w->leave, &c);
+    for (int i = 0; i < c.count; i++) {
+        if (offer(w, prim, c.t[i], c.part[i], any))
+            return true;
+    }
+    return false;
+}
+
+static inline bool offer_pair(struct trace *w, uint32_t prim, const double t[2], bool any)
+{
+    return offer(w, prim, t[0], PEN_PART_SIDE, any) || offer(w, prim, t[1], PEN_PART_SIDE, any);
+}
+
+static inline bool test_sphere(struct trace *w, uint32_t prim, const struct pen_sphere *s, bool any)
+{
+    double t[2];
+    if (prim == w->leave->prim)
+        return !pen_sphere_outward(s, w->ray) && test_at_origin(w, prim, any);
+    if (w->leaving && pen_sphere_touches(s, w->ray->o, w->leave->bound))
+        return test_at_origin(w, prim, any);
+    return pen_sphere_roots(s, w->ray, t) && offer_pair(w, prim, t, any);
+}
+
+static inline bool test_tube(struct trace *w, uint32_t prim, const struct pen_tube *tube, bool any)
+{
+    double t[2];
+    bool parallel;
+    if (prim == w->leave->prim)
+        return test_at_origin(w, prim, any);
+    if (!pen_round_roots(&tube->round, w->ray, t, &parallel))
+        return false;
+    if (w->leaving &&
+        pen_round_touches(&tube->round, w->ray->o, w->leave->bound + pen_tube_rounding(tube)))
+        return test_at_origin(w, prim, any);
+    return offer_pair(w, prim, t, any);
+}
+
+static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pen_cylinder *c,
+                                 bool any)
+{
+    struct pen_inside in;
+    if (prim == w->leave->prim)
+        return !(w->leave->part == PEN_PART_SIDE && pen_round_outward(&c->round, w->ray)) &&
+               test_at_origin(w, prim, any);
+    if (w->leaving && pen_cylinder_touches(c, w->ray->o, w->leave->bound))
+        return test_at_origin(w, prim, any);
+    if (!pen_cylinder_inside(c, w->ray, &in))
+        return false;
+    return ((c->caps || in.lo_part == PEN_PART_SIDE) && offer(w, prim, in.lo, in.lo_part, any)) ||
+           ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(w, prim, in.hi, in.hi_part, any));
+}
+
+/* A crossing of a flat primitive at t. */
+static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any)
+{
+    bool late = t > (any ? w->shadow->tmax : w->best.t);
+    if (!w->leaving)
+        return t > 0 && !late && offer(w, prim, t, PEN_PART_SIDE, any);
+    if (prim == w->leave->prim)
+        return false;
+    if (t * t <= w->near_sq)
+        return test_at_origin(w, prim, any);
+    if (late)
+        return false;
+    const struct pen_prim_ref ref = w->accel->prims->ref[prim];
+    struct pen_vec3 n = *flat_normal(w->accel->prims, ref);
+    if (fabs(t * pen_dot(w->ray->d, n)) <=
+            w->leave->bound + 8 * PEN_U * flat_scale(w, ref, w->ray->o) &&
+        pen_flat_touches(n, pen_prim_scale(w->accel->prims, prim, w->ray->o), w->ray, t,
+                         w->leave->bound))
+        return test_at_origin(w, prim, any);
+    return offer(w, prim, t, PEN_PART_SIDE, any);
+}
+
+/* The same for a finite primitive, most of which are cheaply seen to be well behind. */
+static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool any)
+{
+    if (t < 0 && (!w->leaving || t * t > w->near_sq))
+        return false;
+    return offer_flat(w, prim, t, any);
+}
+
+/* One primitive of any kind, by the functions of its header. */
+static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
+{
+    const struct pen_prims *prims = w->accel->prims;
+    const struct pen_prim_ref ref = prims->ref[prim];
+    double t;
+    switch ((enum pen_prim_kind)ref.kind) {
+    case PEN_PRIM_SPHERE:
+        return test_sphere(w, prim, &prims->sphere[ref.index], any);
+    case PEN_PRIM_TUBE:
+        return test_tube(w, prim, &prims->tube[ref.index], any);
+    case PEN_PRIM_CYLINDER:
+        return test_cylinder(w, prim, &prims->cylinder[ref.index], any);
+    case PEN_PRIM_PLANE:
+        return pen_plane_root(&prims->plane[ref.index], w->ray, &t) && offer_flat(w, prim, t, any);
+    case PEN_PRIM_TRIANGLE:
+        return pen_triangle_root(&prims->triangle[ref.index], w->ray, &t) &&
+               offer_bounded(w, prim, t, any);
+    case PEN_PRIM_POLYGON:
+        return pen_polygon_root(&prims->polygon[ref.index], w->ray, &t) &&
+               offer_bounded(w, prim, t, any);
+    case PEN_PRIM_KIND_COUNT:
+        break;
+    }
+    return false;
+}
+
+/* The primitives of a block, in order. */
+static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_t item)
+{
+    uint32_t index = PEN_ITEM_INDEX(item);
+    switch (PEN_ITEM_KIND(item)) {
+    case PEN_BLOCK_TRIANGLES:
+        return accel->triangles[index].prim;
+    case PEN_BLOCK_POLYGONS:
+        return accel->polygons[index].prim;
+    case PEN_BLOCK_SPHERES:
+        return accel->spheres[index].prim;
+    case PEN_BLOCK_CYLINDERS:
+        return accel->cylinders[index].prim;
+    case PEN_BLOCK_PLANES:
+        return accel->planes[index].prim;
+    case PEN_BLOCK_TUBES:
+        return accel->tubes[index].prim;
+    default:
+        return NULL;
+    }
+}
+
+/* One primitive of a leaf. Where a flat body may have the origin on its border, that its inside is
+ * missed is not the whole answer. */
+static inline bool test_one(struct trace *w, uint32_t prim, bool any)
+{
+    uint32_t kind = w->accel->prims->ref[prim].kind;
+    if (w->at_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
+        return prim != w->leave->prim && test_at_origin(w, prim, any);
+    return test_prim(w, prim, any);
+}
+
+/* A block's primitives, or a single one, one by one. */
+static inline bool test_each(struct trace *w, uint32_t item, bool any)
+{
+    if (PEN_ITEM_KIND(item) == PEN_BLOCK_SINGLE)
+        return test_one(w, PEN_ITEM_INDEX(item), any);
+    const uint32_t *prim = block_prims(w->accel, item);
+    for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
+        if (test_one(w, prim[lane], any))
+            return true;
+    }
+    return false;
+}
+
+/* The power of two that scales a ray's d for boxes. */
+static inline double box_scale(const struct pen_ray *ray)
+{
+    double largest = pen_component(ray->d, ray->kz);
+    uint64_t bits;
+    memcpy(&bits, &largest, sizeof bits);
+    bits &= 0x7ff0000000000000u;
+    memcpy(&largest, &bits, sizeof bits);
+    return largest;
+}
+
+#endif

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/* The walk through lists: every box of a list is tested, and what is in the boxes that the ray
+ * enters is visited in the order of the document, a group with all that is inside it before the
+ * next child. Boxes are tested eight at a time; one that a crossing found meanwhile has put out of
+ * reach is left alone, as if it had been tested just then. */
+#ifndef PEN_ACCEL_INTERNAL_TRAVERSE_LISTS_H
+#define PEN_ACCEL_INTERNAL_TRAVERSE_LISTS_H
+
+#include "accel/internal/traverse_leaf.h"
+
+/* Where the walk stands in a list. */
+struct list_level {
+    uint32_t node;
+    unsigned mask; /* entered children that are still to be visited */
+    float near[PEN_WIDE];
+};
+
+static inline void list_enter(const struct trace *w, const struct box_ray *box, float limit,
+                              uint32_t number, struct list_level *level)
+{
+    const struct pen_node *node = &w->accel->nodes[number];
+    if (COUNTING)
+        count_boxes(w, node->child, PEN_WIDE);
+    level->node = number;
+    level->mask = enter_node(node, box, limit, level->near);
+}
+
+static inline bool walk_lists(struct trace *w, const struct box_ray *box, bool any)
+{
+    struct list_level stack[PEN_MAX_DEPTH];
+    float limit = walk_limit(w, box, any);
+    int top = 0;
+    list_enter(w, box, limit, 0, &stack[0]);
+    while (top >= 0) {
+        struct list_level *level = &stack[top];
+        const struct pen_node *node = &w->accel->nodes[level->node];
+        if (level->mask == 0) {
+            if (node->child[0] & PEN_CHILD_MORE)
+                list_enter(w, box, limit, level->node + 1, level);
+            else
+                top--;
+            continue;
+        }
+        int lane = __builtin_ctz(level->mask);
+        uint32_t child = node->child[lane] & ~PEN_CHILD_MORE;
+        level->mask &= level->mask - 1;
+        if (level->near[lane] > limit)
+            continue;
+        if (!(child & PEN_CHILD_LEAF)) {
+            list_enter(w, box, limit, child, &stack[++top]);
+            continue;
+        }
+        if (test_leaf(w, child & ~PEN_CHILD_LEAF, level->near[lane] <= box->tmin, any))
+            return true;
+        limit = walk_limit(w, box, any);
+    }
+    return false;
+}
+
+#endif

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+/* The subcommands about jobs that a daemon has: wait, fetch, stats, cancel, delete. */
+#include <stdio.h>
+#include <string.h>
+
+#include "cmd/client/commands.h"
+#include "cmd/client/remote.h"
+#include "cmd/files.h"
+#include "cmd/output.h"
+#include "cmd/report.h"
+
+struct values {
+    struct pen_remote remote;
+    const char *output, *format, *view, *layer;
+    bool quiet, json, report;
+};
+
+/* What one of these subcommands does with one job. Returns the exit code, after reporting. */
+typedef int each_fn(struct pen_client *client, const char *id, const struct values *values);
+
+/* Carries `each` out for all arguments; the exit code is that of the first that failed. */
+static int run_each(const struct pen_command *command, int argc, char **argv, each_fn *each)
+{
+    struct values values = {.remote = PEN_REMOTE_DEFAULT};
+    struct pen_parsed parsed;
+    int code = pen_command_begin(command, argc, argv, &values, &parsed);
+    if (code >= 0)
+        return code;
+    struct pen_status st;
+    struct pen_client *client = pen_client_open(&values.remote, &st);
+    if (!client)
+        return pen_report_json(NULL, values.json, &st);
+    code = 0;
+    for (int i = 0; i < parsed.count; i++) {
+        int one = each(client, parsed.args[i], &values);
+        fflush(stdout);
+        code = code ? code : one;
+    }
+    pen_client_close(client);
+    return code;
+}
+
+static void print_state(const json_t *job, const struct values *values)
+{
+    if (values->json)
+        pen_report_line(json_deep_copy(job));
+    else if (!values->quiet)
+        printf("%s %s\n", pen_remote_text(job, "id"), pen_remote_text(job, "state"));
+}
+
+static int wait_one(struct pen_client *client, const char *id, const struct values *values)
+{
+    struct pen_errors errors = {0};
+    json_t *job;
+    bool ok = pen_remote_wait(client, id, values->quiet, &job, &errors);
+    if (job)
+        print_state(job, values);
+    bool told = job != NULL; /* the job's own error is in what was printed */
+    json_decref(job);
+    return ok ? 0 : pen_report_errors_json(NULL, values->json && !told, &errors);
+}
+
+static int fetch_one(struct pen_client *client, const char *id, const struct values *values)
+{
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    struct pen_fetch fetch = {.output = values->output,
+                              .format = values->format,
+                              .view = values->view,
+                              .layer = values->layer,
+                              .report = values->report};
+    if (!values->output) {
+        pen_fail(&st, PEN_USAGE, "missing -o OUT");
+        return pen_report_json(NULL, values->json, &st);
+    }
+    if (pen_remote_fetch(client, id, &fetch, &errors))
+        return 0;
+    return pen_report_errors_json(NULL, values->json, &errors);
+}
+
+static int stats_one(struct pen_client *client, const char *id, const struct values *values)
+{
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    struct pen_buf text = {0};
+    json_t *stats;
+    if (!pen_remote_job(client, "GET", id, "/stats", &stats, &errors))
+        return pen_report_errors_json(NULL, values->json, &errors);
+    int code = 0;
+    if (values->json && !values->output)
+        pen_report_line(json_incref(stats));
+    else if (!pen_report_text(stats, &text, &st) ||
+             !pen_file_write(values->output ? values->output : "-", text.data, text.bytes, &st))
+        code = pen_report_json(NULL, values->json, &st);
+    pen_buf_release(&text);
+    json_decref(stats);
+    return code;
+}
+
+static int cancel_one(struct pen_client *client, const char *id, const struct values *values)
+{
+    struct pen_errors errors = {0};
+    json_t *job;
+    if (!pen_remote_job(client, "POST", id, "/cancel", &job, &errors))
+        return pen_report_errors_json(NULL, values->json, &errors);
+    print_state(job, values);
+    json_decref(job);
+    return 0;
+}
+
+static int delete_one(struct pen_client *client, const char *id, const struct values *values)
+{
+    struct pen_errors errors = {0};
+    json_t *none;
+    bool ok = pen_remote_job(client, "DELETE", id, "", &none, &errors);
+    json_decref(none);
+    if (!ok)
+        return pen_report_errors_json(NULL, values->json, &errors);
+    if (values->json)
+        pen_report_line(json_pack("{s:s, s:b}", "id", id, "deleted", 1));
+    else if (!values->quiet)
+        printf("%s deleted\n", id);
+    return 0;
+}
+
+#define QUIET_OPTION(text)                                                                         \
+    {                                                                                              \
+        .name = "quiet", .letter = 'q', .kind = PEN_OPTION_FLAG,                                   \
+        .offset = offsetof(struct values, quiet), .help = text                                     \
+    }
+#define JSON_OPTION(text)                                                                          \
+    {                                                                                              \
+        .name = "json", .kind = PEN_OPTION_FLAG, .offset = offsetof(struct values, json),          \
+        .help = text                                                                               \
+    }
+
+static const struct pen_option state_options[] = {QUIET_OPTION("no progress bar, no states"),
+                                                  JSON_OPTION("print each job as a line of JSON"),
+                                                  PEN_REMOTE_OPTIONS(struct values),
+                                                  {0}};
+
+static const struct pen_option fetch_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, output),
+     .value = "OUT",
+     .help = "where the picture goes, .png or .pfm by its ending; a report .html, .json, .csv or "
+             ".md"},
+    {.name = "report",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, report),
+     .help = "the report of a benchmark instead of a picture"},
+    {.name = "format",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, format),
+     .value = "png|png16|pfm|json|csv|md|html",
+     .choices = pen_output_all_formats,
+     .help = "whatever the ending of OUT says"},
+    {.name = "view",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, view),
+     .value = "NAME",
+     .help = "which view of the job, the first by default"},
+    {.name = "layer",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, layer),
+     .value = "NAME",
+     .choices = pen_output_layers,
+     .help = "which layer of the job, beauty by default"},
+    JSON_OPTION("print errors as a line of JSON too"),
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
+
+static const struct pen_option stats_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, output),
+     .value = "FILE",
+     .help = "write there instead of standard output"},
+    JSON_OPTION("print on one line"),
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
+
+static int run_wait(int argc, char **argv)
+{
+    return run_each(&pen_command_wait, argc, argv, wait_one);
+}
+
+static int run_fetch(int argc, char **argv)
+{
+    return run_each(&pen_command_fetch, argc, argv, fetch_one);
+}
+
+static int run_stats(int argc, char **argv)
+{
+    return run_each(&pen_command_stats, argc, argv, stats_one);
+}
+
+static int run_cancel(int argc, char **argv)
+{
+    return run_each(&pen_command_cancel, argc, argv, cancel_one);
+}
+
+static int run_delete(int argc, char **argv)
+{
+    return run_each(&pen_command_delete, argc, argv, delete_one);
+}
+
+const struct pen_command pen_command_wait = {
+    .program = "penumbra",
+    .name = "wait",
+    .arguments = "ID…",
+    .summary = "Waits until jobs have ended.",
+    .details = "Prints each job's id and last state. A progress bar is shown on a terminal.",
+    .options = state_options,
+    .min_args = 1,
+    .max_args = -1,
+    .run = run_wait,
+};
+
+const struct pen_command pen_command_fetch = {
+    .program = "penumbra",
+    .name = "fetch",
+    .arguments = "ID -o OUT",
+    .summary = "Fetches the picture of a job, or the report of a benchmark.",
+    .options = fetch_options,
+    .min_args = 1,
+    .max_args = 1,
+    .run = run_fetch,
+};
+
+const struct pen_command pen_command_stats = {
+    .program = "penumbra",
+    .name = "stats",
+    .arguments = "ID",
+    .summary = "Prints the statistics of a job that has ended.",
+    .options = stats_options,
+    .min_args = 1,
+    .max_args = 1,
+    .run = run_stats,
+};
+
+const struct pen_command pen_command_cancel = {
+    .program = "penumbra",
+    .name = "cancel",
+    .arguments = "ID…",
+    .summary = "Cancels jobs; those that have ended stay as they are.",
+    .options = state_options,
+    .min_args = 1,
+    .max_args = -1,
+    .run = run_cancel,
+};
+
+const struct pen_command pen_command_delete = {
+    .program = "penumbra",
+    .name = "delete",
+    .arguments = "ID…",
+    .summary = "Removes jobs that have ended, with their results.",
+    .options = state_options,
+    .min_args = 1,
+    .max_args = -1,
+    .run = run_delete,
+};

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT */
+/* `penumbra list`: the jobs of a daemon as a table, newest first. */
+#include <stdio.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "cmd/client/commands.h"
+#include "cmd/client/progress.h"
+#include "cmd/client/remote.h"
+#include "cmd/report.h"
+
+enum { PAGE = 500 }; /* the most that one answer holds */
+
+static const char *const states[] = {"queued", "running", "succeeded", "failed", "cancelled", NULL};
+
+struct values {
+    struct pen_remote remote;
+    const char *state, *kind;
+    int limit;
+    bool json;
+};
+
+static const struct pen_option options[] = {
+    {.name = "state",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, state),
+     .value = "STATE",
+     .choices = states,
+     .help = "only these: queued, running, succeeded, failed or cancelled"},
+    {.name = "kind",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, kind),
+     .value = "KIND",
+     .help = "only jobs of this kind, such as render"},
+    {.name = "limit",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct values, limit),
+     .value = "N",
+     .min = 1,
+     .max = 1000000,
+     .help = "at most that many, 50 by default"},
+    {.name = "json",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, json),
+     .help = "print {\"jobs\": […]}"},
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
+
+static bool make_path(struct pen_client *client, const struct values *values, int limit,
+                      const char *cursor, struct pen_buf *path)
+{
+    bool ok = pen_buf_printf(path, "/v1/jobs?limit=%d", limit < PAGE ? limit : PAGE);
+    if (values->state)
+        ok = ok && pen_buf_printf(path, "&state=%s", values->state);
+    if (values->kind)
+        ok = ok && pen_buf_puts(path, "&kind=") && pen_client_escape(client, path, values->kind);
+    if (cursor)
+        ok = ok && pen_buf_puts(path, "&cursor=") && pen_client_escape(client, path, cursor);
+    return ok;
+}
+
+/* One page; appends its jobs and gives the cursor of the next, "" if this was the last. */
+static bool get_page(struct pen_client *client, const struct values *values, json_t *jobs,
+                     char cursor[512], struct pen_errors *errors)
+{
+    struct pen_buf path = {0};
+    struct pen_reply reply = {0};
+    json_t *page = NULL;
+    int left = values->limit - (int)json_array_size(jobs);
+    bool ok = make_path(client, values, left, cursor[0] ? cursor : NULL, &path);
+    if (ok) {
+        struct pen_request request = {
+            .method = "GET", .path = (const char *)path.data, .repeatable = true, .timeout_s = 30};
+        ok = pen_client_json(client, &request, &reply, &page, errors);
+    } else {
+        struct pen_status st;
+        pen_fail(&st, PEN_NO_MEMORY, "out of memory");
+        pen_errors_add(errors, &st);
+    }
+    if (ok) {
+        json_array_extend(jobs, json_object_get(page, "jobs"));
+        snprintf(cursor, 512, "%s", pen_remote_text(page, "next"));
+    }
+    json_decref(page);
+    pen_reply_release(&reply);
+    pen_buf_release(&path);
+    return ok;
+}
+
+/* How long the job has been rendering, or took. */
+static void format_time(const json_t *job, char out[16])
+{
+    double from = pen_remote_time(job, "started_at");
+    double to = pen_remote_time(job, "finished_at");
+    if (from >= 0 && to < 0)
+        to = (double)pen_clock_wall_ms() * 1e-3;
+    if (from < 0 || to < from)
+        snprintf(out, 16, "-");
+    else if (to - from < 10)
+        snprintf(out, 16, "%.2f s", to - from);
+    else
+        pen_progress_time(to - from, out);
+}
+
+static void print_row(const json_t *job)
+{
+    char took[16], name[41], created[20];
+    double fraction =
+        json_number_value(json_object_get(json_object_get(job, "progress"), "fraction"));
+    format_time(job, took);
+    pen_remote_label(job, "name", name, sizeof name);
+    snprintf(created, sizeof created, "%.19s", pen_remote_text(job, "created_at"));
+    if (strlen(created) > 10)
+        created[10] = ' ';
+    printf("%-36s  %-9s  %4.0f %%  %-19s  %9s  %s\n", pen_remote_text(job, "id"),
+           pen_remote_text(job, "state"), 100 * fraction, created, took, name);
+}
+
+static void print_table(const json_t *jobs)
+{
+    size_t i;
+    const json_t *job;
+    if (json_array_size(jobs) == 0)
+        return;
+    printf("%-36s  %-9s  %6s  %-19s  %9s  %s\n", "ID", "STATE", "DONE", "CREATED (UTC)", "TIME",
+           "NAME");
+    json_array_foreach(jobs, i, job) print_row(job);
+}
+
+static int run(int argc, char **argv)
+{
+    struct values values = {.remote = PEN_REMOTE_DEFAULT, .limit = 50};
+    struct pen_parsed parsed;
+    int code = pen_command_begin(&pen_command_list, argc, argv, &values, &parsed);
+    if (code >= 0)
+        return code;
+    struct pen_status st;
+    struct pen_errors errors = {0};
+    struct pen_client *client = pen_client_open(&values.remote, &st);
+    if (!client)
+        return pen_report_json(NULL, values.json, &st);
+    json_t *jobs = json_array();
+    char cursor[512] = "";
+    bool ok = true;
+    do
+        ok = get_page(client, &values, jobs, cursor, &errors);
+    while (ok && cursor[0] && (int)json_array_size(jobs) < values.limit);
+    if (!ok)
+        code = pen_report_errors_json(NULL, values.json, &errors);
+    else if (values.json)
+        pen_report_line(json_pack("{s:O}", "jobs", jobs));
+    else
+        print_table(jobs);
+    json_decref(jobs);
+    pen_client_close(client);
+    return ok ? 0 : code;
+}
+
+const struct pen_command pen_command_list = {
+    .program = "penumbra",
+    .name = "list",
+    .arguments = "",
+    .summary = "Lists the jobs of a daemon, newest first.",
+    .options = options,
+    .min_args = 0,
+    .max_args = 0,
+    .run = run,
+};

@@ -1,0 +1,481 @@
+/* SPDX-License-Identifier: MIT */
+/* `penumbra submit`: makes a job of a scene and the command line, and hands it to a daemon.
+ * A bare scene without options goes as it is; with options it is put, byte for byte, inside a job,
+ * so that the daemon keeps the document as written and its errors keep their places. A job holds
+ * JSON only: a scene in XML with options is converted first. */
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+
+#include "cmd/client/commands.h"
+#include "cmd/client/matrix.h"
+#include "cmd/client/remote.h"
+#include "cmd/files.h"
+#include "cmd/output.h"
+#include "cmd/report.h"
+#include "io/document.h"
+#include "jobs/benchmark.h"
+
+struct values {
+    struct pen_remote remote;
+    struct pen_option_list set, view, label, matrix;
+    const char *name, *idempotency_key, *output, *format, *kind, *baseline;
+    int priority, repeats, warmup;
+    bool has_priority, has_repeats, has_warmup;
+    bool wait, quiet, json;
+};
+
+static const char *const kinds[] = {"render", "benchmark", NULL};
+
+static const struct pen_option options[] = {
+    {.name = "set",
+     .kind = PEN_OPTION_LIST,
+     .offset = offsetof(struct values, set),
+     .value = "KEY=VALUE",
+     .help = "a render setting, over what the scene says; may be repeated"},
+    {.name = "view",
+     .kind = PEN_OPTION_LIST,
+     .offset = offsetof(struct values, view),
+     .value = "NAME",
+     .help = "render only this view; may be repeated"},
+    {.name = "kind",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, kind),
+     .value = "render|benchmark",
+     .choices = kinds,
+     .help = "what the job is to do with the scene, render by default"},
+    {.name = "matrix",
+     .letter = 'm',
+     .kind = PEN_OPTION_LIST,
+     .offset = offsetof(struct values, matrix),
+     .value = "KEY=VALUE,…",
+     .help = "of a benchmark: values of a render setting to be compared; may be repeated"},
+    {.name = "repeats",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct values, repeats),
+     .value = "N",
+     .min = 1,
+     .max = PEN_BENCH_REPEATS_MAX,
+     .help = "of a benchmark: runs of each row"},
+    {.name = "warmup",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct values, warmup),
+     .value = "N",
+     .max = PEN_BENCH_WARMUP_MAX,
+     .help = "of a benchmark: runs of each row before those, not counted"},
+    {.name = "baseline",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, baseline),
+     .value = "KEY=VALUE,…",
+     .help = "of a benchmark: the row that speed-ups refer to"},
+    {.name = "name",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, name),
+     .value = "NAME",
+     .help = "what to call the job"},
+    {.name = "label",
+     .kind = PEN_OPTION_LIST,
+     .offset = offsetof(struct values, label),
+     .value = "KEY=VALUE",
+     .help = "a label of the job; may be repeated"},
+    {.name = "priority",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct values, priority),
+     .value = "N",
+     .min = -100,
+     .max = 100,
+     .help = "larger ones first, 0 by default"},
+    {.name = "idempotency-key",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, idempotency_key),
+     .value = "KEY",
+     .help = "the same key and job submitted again within 24 hours is the first job; random by "
+             "default, so that a repeated request makes no second job"},
+    {.name = "wait",
+     .letter = 'w',
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, wait),
+     .help = "wait until the job has ended"},
+    {.name = "output",
+     .letter = 'o',
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, output),
+     .value = "OUT",
+     .help = "wait, then fetch the picture, .png or .pfm by its ending; of a benchmark the report, "
+             ".html, .json, .csv or .md"},
+    {.name = "format",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, format),
+     .value = "png|png16|pfm|json|csv|md|html",
+     .choices = pen_output_all_formats,
+     .help = "whatever the ending of OUT says"},
+    {.name = "quiet",
+     .letter = 'q',
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, quiet),
+     .help = "no progress bar"},
+    {.name = "json",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, json),
+     .help = "print the job as a line of JSON instead of its id"},
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
+
+/* What is sent, and how the places in its errors relate to the file. */
+struct body {
+    struct pen_buf text;
+    bool xml;     /* a bare scene in XML */
+    bool wrapped; /* the document is the job's member "scene", beginning on line 2 */
+};
+
+static bool split(const char *option, const char *assignment, char key[128], const char **value,
+                  struct pen_status *st)
+{
+    const char *equals = strchr(assignment, '=');
+    size_t length = equals ? (size_t)(equals - assignment) : 0;
+    if (length == 0 || length >= 128)
+        return pen_fail(st, PEN_USAGE, "--%s: found \"%s\", allowed is KEY=VALUE", option,
+                        assignment);
+    memcpy(key, assignment, length);
+    key[length] = '\0';
+    *value = equals + 1;
+    return true;
+}
+
+/* The settings of --set as a `render` object; each is checked here already. */
+static bool add_render(json_t *job, const struct pen_option_list *set, struct pen_status *st)
+{
+    struct pen_settings scratch = pen_settings_default();
+    json_t *render = json_object_get(job, "render");
+    if (set->count == 0)
+        return true;
+    if (!json_is_object(render)) {
+        render = json_object();
+        json_object_set_new(job, "render", render);
+    }
+    for (int i = 0; i < set->count; i++) {
+        char key[128];
+        const char *text;
+        if (!pen_output_set(&scratch, set->item[i], st) ||
+            !split("set", set->item[i], key, &text, st))
+            return false;
+        json_t *value = json_loads(text, JSON_DECODE_ANY, NULL);
+        json_object_set_new(render, key, value ? value : json_string(text));
+    }
+    return true;
+}
+
+static bool add_labels(json_t *job, const struct pen_option_list *label, struct pen_status *st)
+{
+    json_t *labels = json_object_get(job, "labels");
+    if (label->count == 0)
+        return true;
+    if (!json_is_object(labels)) {
+        labels = json_object();
+        json_object_set_new(job, "labels", labels);
+    }
+    for (int i = 0; i < label->count; i++) {
+        char key[128];
+        const char *value;
+        if (!split("label", label->item[i], key, &value, st))
+            return false;
+        json_object_set_new(labels, key, json_string(value));
+    }
+    return true;
+}
+
+/* The command line's members of the job, over those that are there. */
+static bool add_options(json_t *job, const struct values *values, struct pen_status *st)
+{
+    if (values->view.count > 0) {
+        json_t *views = json_array();
+        for (int i = 0; i < values->view.count; i++)
+            json_array_append_new(views, json_string(values->view.item[i]));
+        json_object_set_new(job, "views", views);
+    }
+    if (values->name)
+        json_object_set_new(job, "name", json_string(values->name));
+    if (values->has_priority)
+        json_object_set_new(job, "priority", json_integer(values->priority));
+    if (values->kind)
+        json_object_set_new(job, "kind", json_string(values->kind));
+    if (values->has_repeats)
+        json_object_set_new(job, "repeats", json_integer(values->repeats));
+    if (values->has_warmup)
+        json_object_set_new(job, "warmup", json_integer(values->warmup));
+    return pen_matrix_add(job, &values->matrix, values->baseline, st) &&
+           add_render(job, &values->set, st) && add_labels(job, &values->label, st);
+}
+
+static bool dump(const json_t *json, struct pen_buf *out)
+{
+    char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    bool ok = text && pen_buf_puts(out, text);
+    free(text);
+    return ok;
+}
+
+/* {"scene":⏎DOCUMENT⏎,MEMBERS} */
+static bool wrap(const struct pen_source *source, const json_t *document, const json_t *members,
+                 struct pen_buf *out)
+{
+    struct pen_buf tail = {0};
+    bool ok = pen_buf_puts(out, "{\"scene\":\n") &&
+              (source->xml ? dump(document, out)
+                           : pen_buf_add(out, source->text.data, source->text.bytes)) &&
+              dump(members, &tail);
+    if (ok && json_object_size(members) > 0)
+        ok = pen_buf_puts(out, "\n,") && pen_buf_add(out, tail.data + 1, tail.bytes - 1);
+    else
+        ok = ok && pen_buf_puts(out, "\n}");
+    pen_buf_release(&tail);
+    return ok;
+}
+
+/* A document that is a job already, or names a built-in scene: the command line's members go over
+ * its own. Without any, it is sent as it is. */
+static bool compose_job(const struct pen_source *source, json_t *job, const struct values *values,
+                        struct body *body, struct pen_status *st)
+{
+    json_t *before = json_deep_copy(job);
+    bool ok = add_options(job, values, st);
+    if (ok && source->text.bytes > 0 && json_equal(before, job))
+        ok = pen_buf_add(&body->text, source->text.data, source->text.bytes);
+    else if (ok)
+        ok = dump(job, &body->text) || pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    json_decref(before);
+    return ok;
+}
+
+static bool compose_scene(const struct pen_source *source, const json_t *document,
+                          const struct values *values, struct body *body, struct pen_status *st)
+{
+    json_t *members = json_object();
+    bool ok = add_options(members, values, st);
+    body->wrapped = json_object_size(members) > 0;
+    body->xml = source->xml && !body->wrapped;
+    if (ok && body->wrapped)
+        ok = wrap(source, document, members, &body->text) ||
+             pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    else if (ok)
+        ok = pen_buf_add(&body->text, source->text.data, source->text.bytes) ||
+             pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    json_decref(members);
+    return ok;
+}
+
+/* A scene in XML is checked as a whole: as JSON it would no longer tell where it is wrong. */
+static json_t *read_xml(const struct pen_source *source, const struct pen_limits *limits,
+                        struct pen_errors *errors)
+{
+    struct pen_document document = {0};
+    struct pen_scene_desc desc;
+    struct pen_status st;
+    struct pen_arena *arena = pen_arena_new(0);
+    bool ok = arena != NULL || pen_fail(&st, PEN_NO_MEMORY, "out of memory");
+    ok = ok && pen_document_parse((const char *)source->text.data, source->text.bytes, true, limits,
+                                  &document, &st);
+    if (!ok)
+        pen_errors_add(errors, &st);
+    ok = ok && pen_document_read(&document, limits, arena, &desc, errors);
+    json_t *json = ok ? json_incref(document.json) : NULL;
+    pen_document_release(&document);
+    pen_arena_free(arena);
+    return json;
+}
+
+static json_t *read_document(const char *scene, struct pen_source *source,
+                             struct pen_errors *errors)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    source->label = scene;
+    if (strncmp(scene, "builtin:", 8) == 0)
+        return json_pack("{s:s}", "scene", scene); /* the daemon knows its own */
+    bool read = pen_source_read(source, scene, limits.body_bytes, &st);
+    if (read && source->xml)
+        return read_xml(source, &limits, errors);
+    json_t *document =
+        read ? pen_json_parse((const char *)source->text.data, source->text.bytes, &limits, &st)
+             : NULL;
+    if (!document)
+        pen_errors_add(errors, &st);
+    return document;
+}
+
+static bool make_body(const char *scene, struct pen_source *source, const struct values *values,
+                      struct body *body, struct pen_errors *errors)
+{
+    struct pen_status st;
+    json_t *document = read_document(scene, source, errors);
+    if (!document)
+        return false;
+    bool ok = json_object_get(document, "scene")
+                  ? compose_job(source, document, values, body, &st)
+                  : compose_scene(source, document, values, body, &st);
+    json_decref(document);
+    if (!ok)
+        pen_errors_add(errors, &st);
+    return ok;
+}
+
+static bool random_key(char key[40], struct pen_status *st)
+{
+    unsigned char bytes[16];
+    if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
+        return pen_fail(st, PEN_IO, "no random numbers for the idempotency key");
+    for (size_t i = 0; i < sizeof bytes; i++)
+        snprintf(key + 2 * i, 3, "%02x", bytes[i]);
+    return true;
+}
+
+/* Gives errors of a wrapped document back their places in the file. Those of other members are
+ * about the command line: they lose the file's name. */
+static int report(const struct values *values, const struct pen_source *source,
+                  const struct body *body, struct pen_errors *errors)
+{
+    static const char inside[] = "/scene";
+    enum { LENGTH = sizeof inside - 1 };
+    const char *label = source->label;
+    if (!body->wrapped)
+        return pen_report_errors_json(label, values->json, errors);
+    for (size_t i = 0; i < errors->count; i++) {
+        struct pen_status *st = &errors->item[i];
+        if (st->line > 1)
+            st->line--;
+        if (strncmp(st->at, inside, LENGTH) == 0) {
+            memmove(st->at, st->at + LENGTH, sizeof st->at - LENGTH);
+            pen_source_locate(source, st);
+        } else if (st->at[0])
+            label = "the job";
+    }
+    return pen_report_errors_json(label, values->json, errors);
+}
+
+static bool post(struct pen_client *client, const struct body *body, const char *key, json_t **job,
+                 struct pen_errors *errors)
+{
+    struct pen_reply reply = {0};
+    struct pen_request request = {.method = "POST",
+                                  .path = "/v1/jobs",
+                                  .body = (const char *)body->text.data,
+                                  .body_bytes = body->text.bytes,
+                                  .type = body->xml ? "application/xml" : "application/json",
+                                  .idempotency_key = key,
+                                  .repeatable = true, /* by the key */
+                                  .timeout_s = 60};
+    bool ok = pen_client_json(client, &request, &reply, job, errors);
+    pen_reply_release(&reply);
+    if (ok && !*pen_remote_text(*job, "id")) {
+        struct pen_status st;
+        pen_fail(&st, PEN_NETWORK, "the answer names no job: is that a Penumbra daemon?");
+        pen_errors_add(errors, &st);
+        json_decref(*job);
+        ok = false;
+    }
+    return ok;
+}
+
+/* What comes after the submit. */
+static int follow(struct pen_client *client, const struct values *values, json_t *job)
+{
+    struct pen_errors errors = {0};
+    char id[64];
+    snprintf(id, sizeof id, "%s", pen_remote_text(job, "id"));
+    bool waits = values->wait || values->output;
+    if (!values->json)
+        puts(id);
+    else if (!waits)
+        pen_report_line(json_incref(job));
+    fflush(stdout);
+    if (!waits)
+        return 0;
+    bool report = strcmp(pen_remote_text(job, "kind"), "benchmark") == 0;
+    json_t *last;
+    bool ok = pen_remote_wait(client, id, values->quiet, &last, &errors);
+    if (values->json && last)
+        pen_report_line(json_incref(last));
+    json_decref(last);
+    struct pen_fetch fetch = {.output = values->output, .format = values->format, .report = report};
+    if (ok && values->output)
+        ok = pen_remote_fetch(client, id, &fetch, &errors);
+    return ok ? 0 : pen_report_errors("penumbra", NULL, &errors);
+}
+
+static int submit(struct pen_client *client, const struct values *values,
+                  const struct pen_source *source, const struct body *body)
+{
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    char key[40];
+    json_t *job;
+    if (!values->idempotency_key && !random_key(key, &st))
+        return pen_report_json(NULL, values->json, &st);
+    if (!post(client, body, values->idempotency_key ? values->idempotency_key : key, &job, &errors))
+        return report(values, source, body, &errors);
+    int code = follow(client, values, job);
+    json_decref(job);
+    return code;
+}
+
+/* Whether an output's name tells what it is to be: a picture or, where that may be, a report. */
+static bool check_output(const struct values *values, struct pen_status *st)
+{
+    bool benchmark = values->kind && strcmp(values->kind, "benchmark") == 0;
+    if (!values->output)
+        return true;
+    if (!(benchmark ? pen_output_form(values->output, values->format, st)
+                    : pen_output_format(values->output, values->format, st)) &&
+        (values->kind || !pen_output_form(values->output, values->format, st)))
+        return false;
+    return pen_file_check(values->output, st);
+}
+
+static bool given(const struct pen_parsed *parsed, const char *option)
+{
+    return parsed->set >> pen_option_find(options, option) & 1;
+}
+
+static int run(int argc, char **argv)
+{
+    struct values values = {.remote = PEN_REMOTE_DEFAULT};
+    struct pen_parsed parsed;
+    int code = pen_command_begin(&pen_command_submit, argc, argv, &values, &parsed);
+    if (code >= 0)
+        return code;
+    struct pen_status st;
+    struct pen_source source = {0};
+    struct body body = {0};
+    struct pen_errors errors = {0};
+    struct pen_client *client = NULL;
+    values.has_priority = given(&parsed, "priority");
+    values.has_repeats = given(&parsed, "repeats");
+    values.has_warmup = given(&parsed, "warmup");
+    if (!check_output(&values, &st))
+        code = pen_report_json(NULL, values.json, &st);
+    else if (!make_body(parsed.args[0], &source, &values, &body, &errors))
+        code = pen_report_errors_json(errors.item[0].code == PEN_USAGE ? NULL : source.label,
+                                      values.json, &errors);
+    else if (!(client = pen_client_open(&values.remote, &st)))
+        code = pen_report_json(NULL, values.json, &st);
+    else
+        code = submit(client, &values, &source, &body);
+    pen_client_close(client);
+    pen_buf_release(&body.text);
+    pen_source_release(&source);
+    return code;
+}
+
+const struct pen_command pen_command_submit = {
+    .program = "penumbra",
+    .name = "submit",
+    .arguments = "SCENE",
+    .summary = "Submits a scene or a job to a daemon and prints the job's id.",
+    .details = "SCENE is a file, - for standard input, or builtin:NAME; a file may hold a bare "
+               "scene, in JSON or XML, or a whole job. When the id is printed the job is on the "
+               "daemon's disk.",
+    .options = options,
+    .min_args = 1,
+    .max_args = 1,
+    .run = run,
+};

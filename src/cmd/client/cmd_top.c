@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+/* `penumbra top`: workers and running jobs of a daemon, drawn anew every second on a terminal. */
+#include <stdio.h>
+#include <sys/ioctl.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "cmd/client/commands.h"
+#include "cmd/client/progress.h"
+#include "cmd/client/remote.h"
+#include "cmd/report.h"
+
+enum { COLUMNS = 100 }; /* where the width of the terminal is not known */
+
+struct values {
+    struct pen_remote remote;
+    double interval;
+    bool once, json;
+};
+
+static const struct pen_option options[] = {
+    {.name = "interval",
+     .kind = PEN_OPTION_NUMBER,
+     .offset = offsetof(struct values, interval),
+     .value = "SECONDS",
+     .min = 0.1,
+     .max = 3600,
+     .help = "between two looks, 1 by default"},
+    {.name = "once",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, once),
+     .help = "look once; so it does where standard output is not a terminal"},
+    {.name = "json",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, json),
+     .help = "look once and print {\"workers\": […], \"running\": […], \"queued\": […]}"},
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
+
+/* What there is to show. */
+struct state {
+    json_t *workers, *running, *queued;
+    bool more_running, more_queued; /* than fit on a page */
+};
+
+static void state_release(struct state *state)
+{
+    json_decref(state->workers);
+    json_decref(state->running);
+    json_decref(state->queued);
+}
+
+/* The array `key` of an answer; *more if it goes on. */
+static json_t *get(struct pen_client *client, const char *path, const char *key, bool *more,
+                   struct pen_errors *errors)
+{
+    struct pen_request request = {
+        .method = "GET", .path = path, .repeatable = true, .timeout_s = 30};
+    struct pen_reply reply = {0};
+    json_t *answer = NULL, *list = NULL;
+    if (pen_client_json(client, &request, &reply, &answer, errors)) {
+        list = json_object_get(answer, key);
+        list = list ? json_incref(list) : json_array();
+        *more = json_is_string(json_object_get(answer, "next"));
+    }
+    json_decref(answer);
+    pen_reply_release(&reply);
+    return list;
+}
+
+static bool look(struct pen_client *client, struct state *state, struct pen_errors *errors)
+{
+    bool ignored;
+    *state = (struct state){0};
+    state->workers = get(client, "/v1/workers", "workers", &ignored, errors);
+    if (state->workers)
+        state->running =
+            get(client, "/v1/jobs?state=running&limit=20", "jobs", &state->more_running, errors);
+    if (state->running)
+        state->queued =
+            get(client, "/v1/jobs?state=queued&limit=20", "jobs", &state->more_queued, errors);
+    return state->queued != NULL;
+}
+
+static void write_worker(const json_t *worker, struct pen_buf *out)
+{
+    char host[33];
+    double seen = (double)pen_clock_wall_ms() * 1e-3 - pen_remote_time(worker, "last_seen_at");
+    const json_t *batches = json_object_get(worker, "batches"), *batch;
+    size_t i;
+    pen_remote_label(worker, "host", host, sizeof host);
+    pen_buf_printf(out, "%-32s  %8d  %7d  %4.0f s  ", host,
+                   (int)json_integer_value(json_object_get(worker, "pid")),
+                   (int)json_integer_value(json_object_get(worker, "threads")),
+                   seen > 0 ? seen : 0);
+    json_array_foreach(batches, i, batch)
+    {
+        char view[33];
+        pen_remote_label(batch, "view", view, sizeof view);
+        pen_buf_printf(out, "%s%.13s… %s of %s, attempt %d", i ? "; " : "",
+                       pen_remote_text(batch, "job"), pen_remote_text(batch, "kind"), view,
+                       (int)json_integer_value(json_object_get(batch, "attempt")));
+    }
+    pen_buf_puts(out, json_array_size(batches) ? "\n" : "nothing\n");
+}
+
+static void write_job(const json_t *job, int columns, struct pen_buf *out)
+{
+    char name[25], label[64], bar[256];
+    const json_t *progress = json_object_get(job, "progress");
+    const json_t *eta = json_object_get(progress, "eta_seconds");
+    pen_remote_label(job, "name", name, sizeof name);
+    snprintf(label, sizeof label, "%-36s", pen_remote_text(job, "id"));
+    pen_progress_text(label, json_number_value(json_object_get(progress, "fraction")),
+                      json_is_number(eta) ? json_number_value(eta) : -1, columns, bar, sizeof bar);
+    pen_buf_printf(out, "%s  %s\n", bar, name);
+}
+
+static void write_state(const struct state *state, int columns, struct pen_buf *out)
+{
+    char now[25];
+    size_t i;
+    const json_t *item;
+    pen_clock_format(pen_clock_wall_ms(), now);
+    pen_buf_printf(out, "%.19sZ  workers %zu, running %zu%s, queued %zu%s\n", now,
+                   json_array_size(state->workers), json_array_size(state->running),
+                   state->more_running ? " and more" : "", json_array_size(state->queued),
+                   state->more_queued ? " and more" : "");
+    if (json_array_size(state->workers) > 0)
+        pen_buf_printf(out, "\n%-32s  %8s  %7s  %6s  %s\n", "WORKER", "PID", "THREADS", "SEEN",
+                       "WORKS ON");
+    json_array_foreach(state->workers, i, item) write_worker(item, out);
+    if (json_array_size(state->running) > 0)
+        pen_buf_puts(out, "\nRUNNING\n");
+    json_array_foreach(state->running, i, item) write_job(item, columns, out);
+}
+
+/* Over what was there before: each line is cleared behind its end, and then the rest. */
+static void draw(const struct pen_buf *text)
+{
+    fputs("\033[H", stdout);
+    for (const char *c = (const char *)text->data; *c; c++) {
+        if (*c == '\n')
+            fputs("\033[K", stdout);
+        fputc(*c, stdout);
+    }
+    fputs("\033[J", stdout);
+    fflush(stdout);
+}
+
+static void show(const struct state *state, const struct values *values, bool live)
+{
+    struct winsize size;
+    int columns = COLUMNS;
+    struct pen_buf text = {0};
+    if (values->json) {
+        pen_report_line(json_pack("{s:O, s:O, s:O}", "workers", state->workers, "running",
+                                  state->running, "queued", state->queued));
+        return;
+    }
+    if (live && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 30)
+        columns = size.ws_col - 26; /* the name goes behind the bar */
+    write_state(state, columns, &text);
+    if (!text.failed && pen_buf_add(&text, "", 1)) {
+        if (live)
+            draw(&text);
+        else
+            fputs((const char *)text.data, stdout);
+    }
+    pen_buf_release(&text);
+}
+
+static bool watch(struct pen_client *client, const struct values *values, struct pen_errors *errors)
+{
+    bool live = !values->once && !values->json && isatty(STDOUT_FILENO);
+    struct timespec pause = {.tv_sec = (time_t)values->interval};
+    pause.tv_nsec = (long)((values->interval - (double)pause.tv_sec) * 1e9);
+    if (live)
+        fputs("\033[2J", stdout);
+    bool ok;
+    do {
+        struct state state;
+        ok = look(client, &state, errors);
+        if (ok)
+            show(&state, values, live);
+        state_release(&state);
+        if (ok && live)
+            nanosleep(&pause, NULL);
+    } while (ok && live);
+    return ok;
+}
+
+static int run(int argc, char **argv)
+{
+    struct values values = {.remote = PEN_REMOTE_DEFAULT, .interval = 1};
+    struct pen_parsed parsed;
+    int code = pen_command_begin(&pen_command_top, argc, argv, &values, &parsed);
+    if (code >= 0)
+        return code;
+    struct pen_status st;
+    struct pen_errors errors = {0};
+    struct pen_client *client = pen_client_open(&values.remote, &st);
+    if (!client)
+        return pen_report_json(NULL, values.json, &st);
+    code = watch(client, &values, &errors) ? 0 : pen_report_errors_json(NULL, values.json, &errors);
+    pen_client_close(client);
+    return code;
+}
+
+const struct pen_command pen_command_top = {
+    .program = "penumbra",
+    .name = "top",
+    .arguments = "",
+    .summary = "Shows workers and running jobs as they go on.",
+    .options = options,
+    .min_args = 0,
+    .max_args = 0,
+    .run = run,
+};

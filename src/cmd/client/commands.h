@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* The subcommands of `penumbra`, one table row each; every row lives in the file that carries the
+ * subcommand out. */
+#ifndef PEN_CMD_CLIENT_COMMANDS_H
+#define PEN_CMD_CLIENT_COMMANDS_H
+
+#include "cmd/options.h"
+
+extern const struct pen_command pen_command_render;
+extern const struct pen_command pen_command_validate;
+extern const struct pen_command pen_command_compare;
+extern const struct pen_command pen_command_scenes;
+extern const struct pen_command pen_command_bench;
+extern const struct pen_command pen_command_convert;
+extern const struct pen_command pen_command_submit;
+extern const struct pen_command pen_command_wait;
+extern const struct pen_command pen_command_fetch;
+extern const struct pen_command pen_command_list;
+extern const struct pen_command pen_command_top;
+extern const struct pen_command pen_command_stats;
+extern const struct pen_command pen_command_cancel;
+extern const struct pen_command pen_command_delete;
+
+#endif

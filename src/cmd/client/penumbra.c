@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+/* The command line: picks the subcommand, nothing else. */
+#include <stdio.h>
+#include <string.h>
+
+#include "cmd/client/commands.h"
+#include "cmd/report.h"
+#include "io/scene_json.h"
+
+static const struct pen_command *const commands[] = {
+    &pen_command_render,  &pen_command_validate, &pen_command_compare, &pen_command_scenes,
+    &pen_command_convert, &pen_command_bench,    &pen_command_submit,  &pen_command_wait,
+    &pen_command_fetch,   &pen_command_list,     &pen_command_top,     &pen_command_stats,
+    &pen_command_cancel,  &pen_command_delete,
+};
+enum { COMMAND_COUNT = sizeof commands / sizeof commands[0], WITHOUT_DAEMON = 6 };
+
+static void print_commands(FILE *out, int first, int end)
+{
+    for (int i = first; i < end; i++)
+        fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
+}
+
+static void print_help(FILE *out)
+{
+    fputs("Usage: penumbra COMMAND …\n\n"
+          "Renders scenes, here or by a daemon. `penumbra COMMAND --help` tells more.\n\n"
+          "Without a daemon:\n",
+          out);
+    print_commands(out, 0, WITHOUT_DAEMON);
+    fputs("\nWith a daemon (--server URL or PENUMBRA_URL, default http://127.0.0.1:8080):\n", out);
+    print_commands(out, WITHOUT_DAEMON, COMMAND_COUNT);
+    fputs("\n", out);
+    pen_report_exit_codes(out);
+}
+
+static int later_command(const char *word)
+{
+    struct pen_status st;
+    pen_fail(&st, PEN_UNSUPPORTED, "the command \"%s\" is known, not supported yet", word);
+    return pen_report("penumbra", NULL, &st);
+}
+
+static int unknown_command(const char *word)
+{
+    static const char *const later[] = {"plan", "accuracy", "effects"};
+    for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
+        if (strcmp(word, later[i]) == 0)
+            return later_command(word);
+    }
+    const char *names[COMMAND_COUNT + 1];
+    for (int i = 0; i < COMMAND_COUNT; i++)
+        names[i] = commands[i]->name;
+    names[COMMAND_COUNT] = NULL;
+    struct pen_status st;
+    const char *near = pen_nearest_name(word, names);
+    if (near)
+        pen_fail(&st, PEN_USAGE, "unknown command \"%s\", nearest is \"%s\"", word, near);
+    else
+        pen_fail(&st, PEN_USAGE, "unknown command \"%s\", see penumbra --help", word);
+    return pen_report("penumbra", NULL, &st);
+}
+
+static int run(int argc, char **argv)
+{
+    const char *word = argc > 1 ? argv[1] : NULL;
+    if (!word) {
+        print_help(stderr);
+        return pen_code_exit(PEN_USAGE);
+    }
+    for (int i = 0; i < COMMAND_COUNT; i++) {
+        if (strcmp(word, commands[i]->name) == 0)
+            return commands[i]->run(argc - 1, argv + 1);
+    }
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0)
+        print_help(stdout);
+    else if (strcmp(word, "--version") == 0)
+        pen_report_version("penumbra");
+    else
+        return unknown_command(word);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    return pen_report_finish("penumbra", run(argc, argv));
+}

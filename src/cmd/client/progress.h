@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* A progress bar with the time left, on standard error, for people only: nothing is printed
+ * unless standard error is a terminal. One line, redrawn at most ten times a second. */
+#ifndef PEN_CMD_CLIENT_PROGRESS_H
+#define PEN_CMD_CLIENT_PROGRESS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct pen_progress {
+    bool on;
+    int64_t start_ns, drawn_ns; /* of the last redraw; 0: never */
+    char label[64];
+};
+
+/* Begins a bar; on only if standard error is a terminal and not quiet. */
+void pen_progress_begin(struct pen_progress *progress, const char *label, bool quiet);
+
+/* Shows a fraction in 0…1; eta_seconds < 0 lets the bar reckon the time left itself. */
+void pen_progress_show(struct pen_progress *progress, double fraction, double eta_seconds);
+
+/* Shows a note in place of the bar ("queued", "the daemon does not answer, trying again"). */
+void pen_progress_note(struct pen_progress *progress, const char *note);
+
+/* Clears the line. */
+void pen_progress_end(struct pen_progress *progress);
+
+/* "1:05", "2:00:03"; out has 16 bytes. */
+void pen_progress_time(double seconds, char out[16]);
+
+/* The text of a bar of `columns` columns, e.g. "room [#####     ]  50 %  0:10 left". */
+void pen_progress_text(const char *label, double fraction, double eta_seconds, int columns,
+                       char *out, size_t bytes);
+
+#endif

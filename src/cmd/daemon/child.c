@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/daemon/child.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "cmd/daemon/blackbox.h"
+#include "cmd/daemon/cause.h"
+#include "cmd/daemon/oom.h"
+#include "cmd/daemon/roles.h"
+
+/* A process that lived so long was no crash at the start. */
+static const int64_t stable_ns = INT64_C(10) * 1000000000;
+static const int64_t first_pause_ns = INT64_C(100) * 1000000;
+static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
+
+enum { ARGUMENTS_MAX = 40 };
+
+void pen_child_init(struct pen_child *child, const char *role)
+{
+    *child = (struct pen_child){
+        .role = role, .control_fd = -1, .trace_fd = -1, .dead = {.trace_fd = -1}};
+}
+
+static bool is_worker(const struct pen_child *child)
+{
+    return strcmp(child->role, "worker") == 0;
+}
+
+static void close_fd(int *fd)
+{
+    if (*fd >= 0)
+        close(*fd);
+    *fd = -1;
+}
+
+/* The child's command line: everything the supervisor found out, nothing left to look up. */
+struct arguments {
+    int count;
+    char *list[ARGUMENTS_MAX + 1];
+    char threads[16], listen[16], control[16], memory[16], trace[16], dead_trace[16];
+};
+
+static void add(struct arguments *arguments, const char *option, const char *value)
+{
+    if (!value || !*value || arguments->count + 2 > ARGUMENTS_MAX)
+        return;
+    arguments->list[arguments->count++] = (char *)(uintptr_t)option;
+    arguments->list[arguments->count++] = (char *)(uintptr_t)value;
+}
+
+static void add_fd(struct arguments *arguments, const char *option, int fd, char text[16])
+{
+    snprintf(text, 16, "%d", fd);
+    if (fd >= 0)
+        add(arguments, option, text);
+}
+
+static void add_worker(struct arguments *arguments, const struct pen_child *child,
+                       const struct pen_config *config)
+{
+    snprintf(arguments->memory, sizeof arguments->memory, "%d", config->memory_limit);
+    add(arguments, "--memory-limit", arguments->memory);
+    add(arguments, "--internal-worker-name", child->name);
+    add_fd(arguments, "--internal-trace-fd", child->trace_fd, arguments->trace);
+    if (!child->dead.name[0])
+        return;
+    add(arguments, "--internal-dead-worker", child->dead.name);
+    add(arguments, "--internal-dead-how", child->dead.how);
+    add(arguments, "--internal-dead-end",
+        child->dead.end == PEN_WORKER_CRASHED ? "crashed" : "died");
+    add_fd(arguments, "--internal-dead-trace-fd", child->dead.trace_fd, arguments->dead_trace);
+}
+
+static void make_arguments(struct arguments *arguments, const struct pen_child *child,
+                           const struct pen_config *config, int control_fd, int listen_fd)
+{
+    static char program[] = "penumbrad";
+    *arguments = (struct arguments){.count = 1, .list = {program}};
+    snprintf(arguments->threads, sizeof arguments->threads, "%d", config->threads);
+    snprintf(arguments->control, sizeof arguments->control, "%d", control_fd);
+    snprintf(arguments->listen, sizeof arguments->listen, "%d", listen_fd);
+    add(arguments, "--role", child->role);
+    add(arguments, "--store", config->store);
+    add(arguments, "--threads", arguments->threads);
+    add(arguments, "--log-level", config->log_level);
+    add(arguments, "--log-format", config->log_format);
+    add(arguments, "--log-file", config->log_file);
+    add(arguments, "--internal-control-fd", arguments->control);
+    if (listen_fd >= 0)
+        add(arguments, "--internal-listen-fd", arguments->listen);
+    if (is_worker(child))
+        add_worker(arguments, child, config);
+    arguments->list[arguments->count] = NULL;
+}
+
+/* In the new process. Its standard output is not the supervisor's: who reads the first line there
+ * must not wait for a child that lives on. If the supervisor dies while this one is stopped, it is
+ * continued, so that it sees the end of the control channel and ends. */
+static _Noreturn void become(const struct arguments *arguments, const struct pen_child *child,
+                             int control_fd, int listen_fd)
+{
+    const int kept[] = {control_fd, listen_fd, child->trace_fd, child->dead.trace_fd};
+    sigset_t none;
+    sigemptyset(&none);
+    int null = open("/dev/null", O_RDWR);
+    if (null >= 0) {
+        dup2(null, STDIN_FILENO);
+        dup2(null, STDOUT_FILENO);
+    }
+    prctl(PR_SET_PDEATHSIG, SIGCONT);
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++) {
+        if (kept[i] >= 0)
+            fcntl(kept[i], F_SETFD, 0);
+    }
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    execv("/proc/self/exe", arguments->list);
+    _exit(PEN_EXEC_FAILED);
+}
+
+int64_t pen_child_settles_ns(const struct pen_child *child)
+{
+    return child->pid && child->failures > 0 ? child->started_ns + stable_ns : INT64_MAX;
+}
+
+void pen_child_settle(struct pen_child *child)
+{
+    if (pen_clock_ns() >= pen_child_settles_ns(child))
+        child->failures = 0;
+}
+
+/* Sets the next start. Returns the pause until then. */
+static int64_t schedule(struct pen_child *child)
+{
+    int64_t pause = 0;
+    if (child->failures > 0)
+        pause = child->failures > 6 ? longest_pause_ns : first_pause_ns << (child->failures - 1);
+    if (pause > longest_pause_ns)
+        pause = longest_pause_ns;
+    child->failures++;
+    child->start_at_ns = pen_clock_ns() + pause;
+    return pause;
+}
+
+void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd)
+{
+    int pair[2];
+    long long start_ms = (long long)pen_clock_wall_ms();
+    child->started_ns = pen_clock_ns();
+    child->ready = child->stopping = child->killed = false;
+    pid_t pid = -1;
+    close_fd(&child->trace_fd);
+    if (is_worker(child)) {
+        child->trace_fd = pen_blackbox_new();
+        child->oom_kills = pen_oom_kills();
+    }
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) == 0) {
+        pid = fork();
+        if (pid == 0) {
+            struct arguments arguments;
+            if (is_worker(child))
+                pen_worker_name(getpid(), start_ms, child->name, sizeof child->name);
+            make_arguments(&arguments, child, config, pair[1], listen_fd);
+            become(&arguments, child, pair[1], listen_fd);
+        }
+        int cause = errno;
+        close(pair[1]);
+        if (pid < 0)
+            close(pair[0]);
+        errno = cause;
+    }
+    if (pid < 0) {
+        pen_log(PEN_LOG_ERROR, "cannot start the %s process: %s", child->role, strerror(errno));
+        schedule(child);
+        return;
+    }
+    child->pid = pid;
+    child->control_fd = pair[0];
+    if (is_worker(child))
+        pen_worker_name(pid, start_ms, child->name, sizeof child->name);
+    pen_log(PEN_LOG_DEBUG, "started the %s process %d", child->role, (int)pid);
+}
+
+void pen_child_ready(struct pen_child *child)
+{
+    child->ready = true;
+    child->dead.name[0] = '\0';
+    close_fd(&child->dead.trace_fd);
+}
+
+/* Keeps what the next worker has to know of this one. */
+static void remember(struct pen_child *child, int wait_status)
+{
+    bool oom = is_worker(child) && pen_oom_kills() > child->oom_kills;
+    memcpy(child->dead.name, child->name, sizeof child->dead.name);
+    memcpy(child->dead.how, child->last_end, sizeof child->dead.how);
+    child->dead.end = child->killed ? PEN_WORKER_DIED : pen_cause_of_worker(wait_status, oom);
+    close_fd(&child->dead.trace_fd);
+    child->dead.trace_fd = child->trace_fd;
+    child->trace_fd = -1;
+    if (oom)
+        pen_log(PEN_LOG_WARN, "the kernel ran out of memory while the worker lived");
+}
+
+void pen_child_ended(struct pen_child *child, int wait_status)
+{
+    bool expected = child->stopping && WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
+    int64_t lived_ns = pen_clock_ns() - child->started_ns;
+    int pid = (int)child->pid;
+    pen_child_settle(child);
+    pen_cause_describe(wait_status, child->last_end, sizeof child->last_end);
+    if (child->control_fd >= 0)
+        close(child->control_fd);
+    child->control_fd = -1;
+    child->pid = 0;
+    /* One that was never ready held no leases, and has swept none. */
+    if (child->ready && !expected)
+        remember(child, wait_status);
+    child->ready = false;
+    if (child->stopping) {
+        child->failures = 0;
+        child->start_at_ns = pen_clock_ns();
+        pen_log(expected ? PEN_LOG_INFO : PEN_LOG_WARN, "the %s process %d ended: %s", child->role,
+                pid, child->last_end);
+        return;
+    }
+    int64_t pause_ns = schedule(child);
+    pen_log(PEN_LOG_WARN,
+            "the %s process %d ended: %s, after %.1f s; starting it again in %.1f s (%d in a row)",
+            child->role, pid, child->last_end, (double)lived_ns * 1e-9, (double)pause_ns * 1e-9,
+            child->failures);
+}

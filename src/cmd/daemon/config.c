@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/daemon/config.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pwd.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cmd/files.h"
+#include "cmd/report.h"
+#include "io/scene_json.h"
+
+static const char *const roles[] = {"all", "api", "worker", NULL};
+static const char *const log_formats[] = {"text", "json", NULL};
+static const char *const log_levels[] = {"debug", "info", "warn", "error", NULL};
+
+static const struct pen_option options[] = {
+    {.name = "listen",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, listen),
+     .value = "HOST:PORT",
+     .env = "PENUMBRA_LISTEN",
+     .help = "where to serve HTTP, 127.0.0.1:8080 by default; port 0 takes a free one. Loopback "
+             "only, until tokens are supported"},
+    {.name = "store",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, store),
+     .value = "FILE",
+     .env = "PENUMBRA_STORE",
+     .help = "the database of jobs and pictures; $XDG_STATE_HOME/penumbra/penumbra.db by default, "
+             "/var/lib/penumbra/penumbra.db under systemd. Its folder is made"},
+    {.name = "role",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct pen_config, role),
+     .value = "all|api|worker",
+     .choices = roles,
+     .env = "PENUMBRA_ROLE",
+     .help = "all, the default, runs and watches one api and one worker process"},
+    {.name = "threads",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, threads),
+     .value = "N",
+     .max = 1024,
+     .env = "PENUMBRA_THREADS",
+     .help = "render threads of the worker; 0, the default, is one per core"},
+    {.name = "memory-limit",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, memory_limit),
+     .value = "MIB",
+     .max = 1 << 30,
+     .env = "PENUMBRA_MEMORY_LIMIT",
+     .help = "memory the worker may take, in MiB; 0, the default, is three quarters of the "
+             "machine's. A job that needs more fails; one scene may take half of it"},
+    {.name = "tokens",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, tokens),
+     .value = "FILE",
+     .env = "PENUMBRA_TOKENS",
+     .help = "who may do what; not supported yet"},
+    {.name = "log-file",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, log_file),
+     .value = "FILE",
+     .env = "PENUMBRA_LOG_FILE",
+     .help = "log there instead of standard error; opened anew on SIGHUP"},
+    {.name = "log-format",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct pen_config, log_format),
+     .value = "text|json",
+     .choices = log_formats,
+     .env = "PENUMBRA_LOG_FORMAT",
+     .help = "text by default"},
+    {.name = "log-level",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct pen_config, log_level),
+     .value = "LEVEL",
+     .choices = log_levels,
+     .env = "PENUMBRA_LOG_LEVEL",
+     .help = "debug, info (the default), warn or error"},
+    {.name = "config",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, file),
+     .value = "FILE",
+     .env = "PENUMBRA_CONFIG",
+     .help = "a JSON object with these options as keys (log_file for --log-file)"},
+    {.name = "internal-listen-fd",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, listen_fd),
+     .value = "FD",
+     .max = 1 << 20,
+     .hidden = true},
+    {.name = "internal-control-fd",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, control_fd),
+     .value = "FD",
+     .max = 1 << 20,
+     .hidden = true},
+    {.name = "internal-worker-name",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, worker_name),
+     .value = "NAME",
+     .hidden = true},
+    {.name = "internal-trace-fd",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, trace_fd),
+     .value = "FD",
+     .max = 1 << 20,
+     .hidden = true},
+    {.name = "internal-dead-worker",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, dead_worker),
+     .value = "NAME",
+     .hidden = true},
+    {.name = "internal-dead-how",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, dead_how),
+     .value = "TEXT",
+     .hidden = true},
+    {.name = "internal-dead-end",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, dead_end),
+     .value = "crashed|died",
+     .hidden = true},
+    {.name = "internal-dead-trace-fd",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, dead_trace_fd),
+     .value = "FD",
+     .max = 1 << 20,
+     .hidden = true},
+    {0}};
+
+const struct pen_command pen_command_daemon = {
+    .program = "penumbrad",
+    .arguments = "",
+    .summary = "The render daemon: takes scenes over HTTP, queues them durably, renders them.",
+    .details = "The first line on standard output is `listening on http://HOST:PORT`. SIGTERM "
+               "drains and ends within 10 s; SIGHUP reads the configuration again and opens the "
+               "log file anew. Every option is also an environment variable and a key of the "
+               "configuration file; command line wins over environment, environment over file. "
+               "`penumbrad backup FILE` copies the store, also while a daemon uses it; see "
+               "`penumbrad backup --help`.",
+    .options = options,
+    .max_args = 0,
+};
+
+/* The key of an option in the file, or the option of a key: `-` is written `_`. */
+static void translate(const char *name, char from, char to, char *out, size_t bytes)
+{
+    snprintf(out, bytes, "%s", name);
+    for (char *c = out; *c; c++)
+        *c = *c == from ? to : *c;
+}
+
+static bool unknown_key(const char *key, const char *pointer, struct pen_status *st)
+{
+    char name[64], near_key[64];
+    translate(key, '_', '-', name, sizeof name);
+    const char *near = pen_option_nearest(options, name);
+    if (!near || strcmp(near, "help") == 0 || strcmp(near, "version") == 0)
+        return pen_fail_at(st, PEN_USAGE, pointer, "unknown key");
+    translate(near, '-', '_', near_key, sizeof near_key);
+    return pen_fail_at(st, PEN_USAGE, pointer, "unknown key, nearest is \"%s\"", near_key);
+}
+
+/* Text and choices are strings, numbers are numbers. */
+static bool set_from_json(const struct pen_option *option, const json_t *value, void *values)
+{
+    char number[32];
+    const char *text = json_string_value(value);
+    struct pen_status ignored;
+    if (option->kind == PEN_OPTION_INT) {
+        if (!json_is_integer(value))
+            return false;
+        snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+        text = number;
+    }
+    return text && pen_option_set(option, "", text, values, &ignored);
+}
+
+static bool read_key(const char *key, const json_t *value, struct pen_config *config,
+                     struct pen_parsed *parsed, struct pen_status *st)
+{
+    char name[64], pointer[96], allowed[256];
+    struct pen_config scratch = *config;
+    snprintf(pointer, sizeof pointer, "/%.80s", key);
+    translate(key, '_', '-', name, sizeof name);
+    int i = strchr(key, '-') ? -1 : pen_option_find(options, name);
+    if (i < 0 || options[i].hidden || strcmp(name, "config") == 0)
+        return unknown_key(key, pointer, st);
+    bool overridden = parsed->set >> i & 1;
+    if (set_from_json(&options[i], value, overridden ? &scratch : config)) {
+        parsed->set |= (uint64_t)1 << i;
+        return true;
+    }
+    char *found = json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT);
+    pen_option_allowed(&options[i], allowed, sizeof allowed);
+    pen_fail_at(st, PEN_USAGE, pointer, "found %.80s, allowed is %s%s", found ? found : "?",
+                options[i].kind == PEN_OPTION_INT ? "" : "a string: ", allowed);
+    free(found);
+    return false;
+}
+
+/* A wrong configuration is a wrong call: its syntax errors end with the code of one. */
+static bool fail_config(struct pen_errors *errors, struct pen_status *st)
+{
+    st->code = PEN_USAGE;
+    pen_errors_add(errors, st);
+    return false;
+}
+
+static bool read_file(struct pen_config *config, struct pen_parsed *parsed,
+                      struct pen_errors *errors)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_buf text = {0};
+    struct pen_status st;
+    if (pen_file_read(config->file, limits.body_bytes, &text, &st))
+        config->document = pen_json_parse((const char *)text.data, text.bytes, &limits, &st);
+    pen_buf_release(&text);
+    if (!config->document)
+        return fail_config(errors, &st);
+    if (!json_is_object(config->document)) {
+        pen_fail(&st, PEN_USAGE, "not a JSON object");
+        return fail_config(errors, &st);
+    }
+    const char *key;
+    json_t *value;
+    json_object_foreach(config->document, key, value)
+    {
+        if (!read_key(key, value, config, parsed, &st))
+            fail_config(errors, &st);
+    }
+    return errors->count == 0;
+}
+
+/* systemd names the state folder itself, and may name several. */
+static bool make_default_store(struct pen_config *config, struct pen_status *st)
+{
+    const char *systemd = getenv("STATE_DIRECTORY"), *state = getenv("XDG_STATE_HOME");
+    const char *home = getenv("HOME");
+    int made;
+    if (!home || home[0] != '/') {
+        const struct passwd *user = getpwuid(getuid());
+        home = user ? user->pw_dir : "/";
+    }
+    if (systemd && systemd[0] == '/')
+        made = asprintf(&config->default_store, "%.*s/penumbra.db", (int)strcspn(systemd, ":"),
+                        systemd);
+    else if (state && state[0] == '/')
+        made = asprintf(&config->default_store, "%s/penumbra/penumbra.db", state);
+    else
+        made = asprintf(&config->default_store, "%s/.local/state/penumbra/penumbra.db", home);
+    if (made >= 0)
+        config->store = config->default_store;
+    else
+        config->default_store = NULL;
+    return made >= 0 || pen_fail(st, PEN_NO_MEMORY, "out of memory");
+}
+
+static bool check(struct pen_config *config, struct pen_status *st)
+{
+    if (config->tokens)
+        return pen_fail(st, PEN_USAGE, "--tokens: known, not supported yet");
+    if (!pen_address_parse(config->listen, &config->address, st))
+        return false;
+    return (config->store && *config->store) || make_default_store(config, st);
+}
+
+int pen_config_load(struct pen_config *config, int argc, char **argv)
+{
+    static const char program[] = "penumbrad";
+    struct pen_parsed parsed;
+    struct pen_status st;
+    struct pen_errors errors = {0};
+    *config = (struct pen_config){.listen = "127.0.0.1:8080",
+                                  .role = "all",
+                                  .log_format = "text",
+                                  .log_level = "info",
+                                  .listen_fd = -1,
+                                  .control_fd = -1,
+                                  .trace_fd = -1,
+                                  .dead_trace_fd = -1};
+    if (!pen_options_parse(&pen_command_daemon, argc, argv, config, &parsed, &st))
+        return pen_report(program, NULL, &st);
+    if (parsed.help) {
+        pen_options_help(&pen_command_daemon, stdout);
+        return 0;
+    }
+    if (parsed.version) {
+        pen_report_version(program);
+        return 0;
+    }
+    if (config->control_fd < 0) {
+        if (!pen_options_from_env(&pen_command_daemon, config, &parsed, &st))
+            return pen_report(program, NULL, &st);
+        if (config->file && !read_file(config, &parsed, &errors))
+            return pen_report_errors(program, config->file, &errors);
+    }
+    return check(config, &st) ? -1 : pen_report(program, NULL, &st);
+}
+
+void pen_config_release(struct pen_config *config)
+{
+    json_decref(config->document);
+    free(config->default_store);
+    *config = (struct pen_config){.listen_fd = -1, .control_fd = -1};
+}
+
+static bool open_log(const char *path, struct pen_status *st)
+{
+    int fd = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0640);
+    bool ok = fd >= 0 && dup2(fd, STDERR_FILENO) >= 0;
+    if (!ok)
+        pen_fail(st, PEN_IO, "cannot open the log file %s: %s", path, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    return ok;
+}
+
+bool pen_config_log(const struct pen_log_target *target, struct pen_status *st)
+{
+    for (int level = 0; log_levels[level]; level++) {
+        if (strcmp(log_levels[level], target->level) == 0)
+            pen_log_set_level((enum pen_log_level)level);
+    }
+    pen_log_set_json(strcmp(target->format, "json") == 0);
+    return !target->file || !*target->file || open_log(target->file, st);
+}

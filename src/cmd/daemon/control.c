@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/daemon/control.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+void pen_control_send(int fd, const char *text)
+{
+    if (fd >= 0)
+        (void)send(fd, text, strlen(text), MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+bool pen_watch_open(struct pen_watch *watch, int control_fd, struct pen_status *st)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGHUP);
+    sigaddset(&set, SIGINT);
+    signal(SIGPIPE, SIG_IGN);
+    *watch = (struct pen_watch){.control_fd = control_fd, .supervised = control_fd >= 0};
+    watch->signal_fd = -1;
+    watch->end_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (pthread_sigmask(SIG_BLOCK, &set, NULL) == 0)
+        watch->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    if (watch->signal_fd >= 0 && watch->end_fd >= 0)
+        return true;
+    pen_fail(st, PEN_IO, "cannot watch for signals: %s", strerror(errno));
+    pen_watch_close(watch);
+    return false;
+}
+
+static void close_fd(int *fd)
+{
+    if (*fd >= 0)
+        close(*fd);
+    *fd = -1;
+}
+
+void pen_watch_close(struct pen_watch *watch)
+{
+    close_fd(&watch->signal_fd);
+    close_fd(&watch->end_fd);
+    close_fd(&watch->control_fd);
+}
+
+void pen_watch_end(const struct pen_watch *watch)
+{
+    uint64_t one = 1;
+    ssize_t put = write(watch->end_fd, &one, sizeof one);
+    (void)put; /* the counter cannot be full: this is said once */
+}
+
+static bool take_signal(const struct pen_watch *watch, struct pen_event *event)
+{
+    struct signalfd_siginfo info;
+    if (read(watch->signal_fd, &info, sizeof info) != (ssize_t)sizeof info)
+        return false;
+    if (info.ssi_signo == SIGINT && watch->supervised)
+        return false;
+    event->kind = info.ssi_signo == SIGHUP ? PEN_EVENT_LOG : PEN_EVENT_STOP;
+    return true;
+}
+
+/* Splits "WORD REST". */
+static bool take_word(const char *text, const char *word, char rest[PEN_CONTROL_BYTES])
+{
+    size_t length = strlen(word);
+    if (strncmp(text, word, length) != 0 || (text[length] && text[length] != ' '))
+        return false;
+    const char *from = text + length + (text[length] == ' ');
+    memmove(rest, from, strlen(from) + 1);
+    return true;
+}
+
+static bool take_message(struct pen_watch *watch, struct pen_event *event)
+{
+    static const struct {
+        const char *word;
+        enum pen_event_kind kind;
+    } words[] = {{"drain", PEN_EVENT_DRAIN},
+                 {"stop", PEN_EVENT_STOP},
+                 {"log", PEN_EVENT_LOG},
+                 {"state", PEN_EVENT_STATE}};
+    char text[PEN_CONTROL_BYTES];
+    ssize_t got = recv(watch->control_fd, text, sizeof text - 1, MSG_DONTWAIT);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR))
+        return false;
+    if (got <= 0) {
+        close_fd(&watch->control_fd);
+        event->kind = PEN_EVENT_LOST;
+        return true;
+    }
+    text[got] = '\0';
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (take_word(text, words[i].word, event->text)) {
+            event->kind = words[i].kind;
+            return true;
+        }
+    }
+    return false;
+}
+
+void pen_watch_next(struct pen_watch *watch, int timeout_ms, struct pen_event *event)
+{
+    *event = (struct pen_event){.kind = PEN_EVENT_TIMEOUT};
+    struct pollfd fds[] = {{.fd = watch->end_fd, .events = POLLIN},
+                           {.fd = watch->signal_fd, .events = POLLIN},
+                           {.fd = watch->control_fd, .events = POLLIN}};
+    for (;;) {
+        int count = poll(fds, 3, timeout_ms);
+        if (count == 0)
+            return;
+        if (count < 0 && errno == EINTR)
+            continue;
+        if (count < 0) {
+            event->kind = PEN_EVENT_STOP; /* nothing can be waited for any more */
+            return;
+        }
+        if (fds[0].revents) {
+            event->kind = PEN_EVENT_WORK_END;
+            return;
+        }
+        if (fds[1].revents && take_signal(watch, event))
+            return;
+        if (fds[2].revents && take_message(watch, event))
+            return;
+    }
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/* The daemon: reads its configuration and becomes what it says: the supervisor of an api and a
+ * worker process, or one of the two alone. `penumbrad backup` is the one other thing it does. */
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cmd/daemon/cmd_backup.h"
+#include "cmd/daemon/config.h"
+#include "cmd/daemon/roles.h"
+#include "cmd/daemon/supervisor.h"
+#include "cmd/report.h"
+#include "store/store.h"
+
+static const char program[] = "penumbrad";
+
+/* A store that cannot be opened, or is damaged, is said at once and on the terminal, not by
+ * children in a loop; and its folder and tables are made before two processes want them. */
+static bool check_store(const char *url, struct pen_status *st)
+{
+    struct pen_store *store = pen_store_open(url, st);
+    bool ok = store && pen_store_check(store, st);
+    pen_store_close(store);
+    return ok;
+}
+
+static int serve(const struct pen_config *config, int argc, char **argv)
+{
+    struct pen_status st;
+    int port;
+    if (!check_store(config->store, &st))
+        return pen_report(program, config->store, &st);
+    int fd = pen_address_listen(&config->address, &port, &st);
+    if (fd < 0)
+        return pen_report(program, NULL, &st);
+    printf("listening on http://%s:%d\n", config->address.host, port);
+    pen_log(PEN_LOG_INFO, "listening on http://%s:%d, store %s", config->address.host, port,
+            config->store);
+    int code = pen_report_finish(program, 0);
+    if (code == 0)
+        code = strcmp(config->role, "all") == 0 ? pen_supervisor_run(config, argc, argv, fd)
+                                                : pen_role_api(config, fd);
+    close(fd);
+    return code;
+}
+
+static int run(const struct pen_config *config, int argc, char **argv)
+{
+    struct pen_status st;
+    struct pen_log_target target = {config->log_level, config->log_format, config->log_file};
+    pen_log_set_name("supervisor");
+    if (!pen_config_log(&target, &st))
+        return pen_report(program, NULL, &st);
+    if (strcmp(config->role, "worker") == 0) {
+        if (config->control_fd < 0 && !check_store(config->store, &st))
+            return pen_report(program, config->store, &st);
+        return pen_role_worker(config);
+    }
+    if (config->listen_fd >= 0)
+        return pen_role_api(config, config->listen_fd);
+    return serve(config, argc, argv);
+}
+
+int main(int argc, char **argv)
+{
+    struct pen_config config;
+    if (argc > 1 && strcmp(argv[1], "backup") == 0)
+        return pen_report_finish(program, pen_backup_command(argc - 1, argv + 1));
+    int code = pen_config_load(&config, argc, argv);
+    if (code < 0)
+        code = run(&config, argc, argv);
+    pen_config_release(&config);
+    return pen_report_finish(program, code);
+}

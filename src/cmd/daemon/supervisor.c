@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/daemon/supervisor.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "cmd/daemon/child.h"
+#include "cmd/daemon/control.h"
+
+/* A drain in time, counted from the signal: the worker gives up by itself before the first. */
+static const int64_t second_ns = 1000000000;
+enum { KILL_WORKER_S = 7, KILL_API_S = 9, LOOK_MS = 20 };
+/* Ends in a row from which on the daemon is not ready. */
+enum { TROUBLE = 3 };
+/* A process that even SIGKILL does not end hangs in the kernel; it is not waited for. */
+static const int64_t longest_drain_ns = 9700000000;
+
+struct supervisor {
+    const struct pen_config *first; /* as started with */
+    struct pen_config reloaded;     /* owns what `now` borrows after SIGHUP */
+    struct pen_config now;          /* what children are started with */
+    int argc;
+    char **argv;
+    int listen_fd, signal_fd;
+    struct pen_child api, worker;
+    bool draining;
+    int64_t drain_ns; /* when it began */
+    char state[256];  /* as last told to the api */
+};
+
+/* Says that a process does not live, if so. */
+static void describe_loop(const struct pen_child *child, char *text, size_t size)
+{
+    if (child->failures >= TROUBLE)
+        snprintf(text, size,
+                 "the %s process ended %d times in a row, soon after its start, the last time by "
+                 "%s",
+                 child->role, child->failures, child->last_end);
+}
+
+/* Tells the api what stands in the way of work: a worker that does not live, or the api's own
+ * predecessors, of which only this process knows. */
+static void tell_state(struct supervisor *s, bool anyway)
+{
+    char text[sizeof s->state] = "state ";
+    char *rest = text + strlen(text);
+    size_t size = sizeof text - strlen(text);
+    describe_loop(&s->api, rest, size);
+    describe_loop(&s->worker, rest, size);
+    if (!anyway && strcmp(text, s->state) == 0)
+        return;
+    memcpy(s->state, text, sizeof text);
+    pen_control_send(s->api.control_fd, text);
+}
+
+static void start_if_due(struct supervisor *s, struct pen_child *child, int listen_fd)
+{
+    if (child->pid || s->draining || pen_clock_ns() < child->start_at_ns)
+        return;
+    pen_child_start(child, &s->now, listen_fd);
+}
+
+static void stop_child(struct pen_child *child)
+{
+    if (!child->pid || child->stopping)
+        return;
+    child->stopping = true;
+    pen_control_send(child->control_fd, "stop");
+}
+
+static void kill_child(struct pen_child *child)
+{
+    if (!child->pid || child->killed)
+        return;
+    child->killed = true;
+    pen_log(PEN_LOG_WARN, "the %s process %d does not end: killing it", child->role,
+            (int)child->pid);
+    kill(child->pid, SIGKILL);
+}
+
+static void begin_drain(struct supervisor *s)
+{
+    if (s->draining) { /* a second signal: whoever sends it will not wait */
+        kill_child(&s->worker);
+        kill_child(&s->api);
+        return;
+    }
+    pen_log(PEN_LOG_INFO, "draining");
+    s->draining = true;
+    s->drain_ns = pen_clock_ns();
+    pen_control_send(s->api.control_fd, "drain");
+    stop_child(&s->worker);
+}
+
+static void advance_drain(struct supervisor *s)
+{
+    int64_t since = pen_clock_ns() - s->drain_ns;
+    if (since > KILL_WORKER_S * second_ns)
+        kill_child(&s->worker);
+    if (!s->worker.pid || since > KILL_WORKER_S * second_ns)
+        stop_child(&s->api);
+    if (since > KILL_API_S * second_ns)
+        kill_child(&s->api);
+}
+
+/* Reads the configuration again. What it says of the log and of threads holds from now on; a wrong
+ * one changes nothing. */
+static void reload(struct supervisor *s)
+{
+    struct pen_config fresh;
+    struct pen_status st;
+    if (pen_config_load(&fresh, s->argc, s->argv) >= 0) {
+        pen_log(PEN_LOG_ERROR, "the new configuration is wrong, the old one stays");
+        pen_config_release(&fresh);
+        return;
+    }
+    if (strcmp(s->first->listen, fresh.listen) != 0 || strcmp(s->first->store, fresh.store) != 0 ||
+        strcmp(s->first->role, fresh.role) != 0)
+        pen_log(PEN_LOG_WARN, "listen, store and role change with a new start only");
+    bool other_threads = s->now.threads != fresh.threads;
+    pen_config_release(&s->reloaded);
+    s->reloaded = s->now = fresh;
+    s->now.store = s->first->store;
+    struct pen_log_target target = {fresh.log_level, fresh.log_format, fresh.log_file};
+    if (!pen_config_log(&target, &st))
+        pen_log(PEN_LOG_ERROR, "%s", st.msg);
+    char text[PEN_CONTROL_BYTES];
+    snprintf(text, sizeof text, "log %s %s %s", fresh.log_level, fresh.log_format,
+             fresh.log_file ? fresh.log_file : "");
+    pen_control_send(s->api.control_fd, text);
+    pen_control_send(s->worker.control_fd, text);
+    if (other_threads)
+        stop_child(&s->worker);
+    pen_log(PEN_LOG_INFO, "configuration read again");
+}
+
+static void reap(struct supervisor *s)
+{
+    int status;
+    for (pid_t pid; (pid = waitpid(-1, &status, WNOHANG)) > 0;) {
+        if (pid == s->api.pid)
+            pen_child_ended(&s->api, status);
+        else if (pid == s->worker.pid)
+            pen_child_ended(&s->worker, status);
+    }
+}
+
+static void take_signals(struct supervisor *s)
+{
+    struct signalfd_siginfo info;
+    while (read(s->signal_fd, &info, sizeof info) == (ssize_t)sizeof info) {
+        if (info.ssi_signo == SIGTERM || info.ssi_signo == SIGINT)
+            begin_drain(s);
+        else if (info.ssi_signo == SIGHUP && !s->draining)
+            reload(s);
+    }
+}
+
+static void take_message(struct supervisor *s, struct pen_child *child)
+{
+    char text[PEN_CONTROL_BYTES];
+    ssize_t got = recv(child->control_fd, text, sizeof text - 1, MSG_DONTWAIT);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR))
+        return;
+    if (got <= 0) { /* it is ending; SIGCHLD will say how */
+        close(child->control_fd);
+        child->control_fd = -1;
+        return;
+    }
+    text[got] = '\0';
+    if (strcmp(text, "ready") != 0)
+        return;
+    pen_child_ready(child);
+    if (child == &s->api)
+        tell_state(s, true);
+}
+
+/* Until the next start that is due or the next failures to forget; a short while when draining. */
+static int wait_ms(const struct supervisor *s)
+{
+    if (s->draining)
+        return LOOK_MS;
+    const struct pen_child *children[] = {&s->api, &s->worker};
+    int64_t next = INT64_MAX, now = pen_clock_ns();
+    for (int i = 0; i < 2; i++) {
+        const struct pen_child *child = children[i];
+        int64_t at = child->pid ? pen_child_settles_ns(child) : child->start_at_ns;
+        next = at < next ? at : next;
+    }
+    if (next == INT64_MAX)
+        return -1;
+    return next <= now ? 0 : (int)((next - now) / 1000000) + 1;
+}
+
+static void watch(struct supervisor *s)
+{
+    struct pollfd fds[] = {{.fd = s->signal_fd, .events = POLLIN},
+                           {.fd = s->api.control_fd, .events = POLLIN},
+                           {.fd = s->worker.control_fd, .events = POLLIN}};
+    if (poll(fds, 3, wait_ms(s)) <= 0)
+        return;
+    if (fds[1].revents)
+        take_message(s, &s->api);
+    if (fds[2].revents)
+        take_message(s, &s->worker);
+    if (fds[0].revents) {
+        take_signals(s);
+        reap(s);
+    }
+}
+
+static bool open_signals(struct supervisor *s, struct pen_status *st)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGHUP);
+    sigaddset(&set, SIGCHLD);
+    signal(SIGPIPE, SIG_IGN);
+    s->signal_fd = -1;
+    if (sigprocmask(SIG_BLOCK, &set, NULL) == 0)
+        s->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    return s->signal_fd >= 0 ||
+           pen_fail(st, PEN_IO, "cannot watch for signals: %s", strerror(errno));
+}
+
+static void run(struct supervisor *s)
+{
+    for (;;) {
+        start_if_due(s, &s->api, s->listen_fd);
+        start_if_due(s, &s->worker, -1);
+        pen_child_settle(&s->api);
+        pen_child_settle(&s->worker);
+        tell_state(s, false);
+        if (s->draining)
+            advance_drain(s);
+        if (s->draining &&
+            ((!s->api.pid && !s->worker.pid) || pen_clock_ns() - s->drain_ns > longest_drain_ns))
+            return;
+        watch(s);
+    }
+}
+
+int pen_supervisor_run(const struct pen_config *config, int argc, char **argv, int listen_fd)
+{
+    struct supervisor s = {
+        .first = config, .now = *config, .argc = argc, .argv = argv, .listen_fd = listen_fd};
+    struct pen_status st;
+    pen_child_init(&s.api, "api");
+    pen_child_init(&s.worker, "worker");
+    if (!open_signals(&s, &st)) {
+        pen_log(PEN_LOG_ERROR, "%s", st.msg);
+        return pen_code_exit(st.code);
+    }
+    run(&s);
+    close(s.signal_fd);
+    pen_config_release(&s.reloaded);
+    pen_log(PEN_LOG_INFO, "ended");
+    return 0;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* The film: what a render leaves behind. Linear colour in binary32, rounded once from double;
+ * every output is derived from it. 1.0 is display white, larger values are legal. */
+#ifndef PEN_FILM_FILM_H
+#define PEN_FILM_FILM_H
+
+#include <stdint.h>
+
+#include "base/status.h"
+
+enum { PEN_FILM_PIXELS_MAX = 64 * 1024 * 1024 };
+
+/* May also be made around pixels that belong to someone else: {width, height, rgb}. */
+struct pen_film {
+    int width, height; /* pixels */
+    float *rgb;        /* width * height * 3; row 0 is the top one */
+};
+
+/* A black film. Owns: free with pen_film_free. Fails: PEN_INVALID (a side below 1),
+ * PEN_TOO_LARGE (more than PEN_FILM_PIXELS_MAX), PEN_NO_MEMORY. */
+struct pen_film *pen_film_new(int width, int height, struct pen_status *st);
+
+/* NULL is allowed. */
+void pen_film_free(struct pen_film *film);
+
+/* A hash of the size and of every bit of the pixels, the same on every machine. */
+uint64_t pen_film_hash(const struct pen_film *film);
+
+#endif

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* How far two pictures of one size are apart. All figures are of sRGB-encoded values in [0, 1],
+ * not quantised, whatever the files' own transfer was, and of all 3 * width * height values.
+ * Sums run in a fixed order: the same figures on every machine. */
+#ifndef PEN_FILM_METRICS_H
+#define PEN_FILM_METRICS_H
+
+#include <stdint.h>
+
+#include "base/status.h"
+#include "film/picture.h"
+
+struct pen_difference {
+    double rmse;
+    double psnr;       /* dB, peak 1: -20 log10(rmse); infinite for equal pictures */
+    double max_error;  /* the largest difference of one value */
+    int max_x, max_y;  /* the first pixel that has it */
+    int64_t differing; /* pixels that differ at all */
+    double tolerance;
+    int64_t over;       /* pixels with a value that differs by more than the tolerance */
+    double rmse_within; /* of the other pixels; 0 if there are none */
+};
+
+/* Fails: PEN_INVALID (different sizes), PEN_NO_MEMORY. */
+bool pen_picture_compare(const struct pen_picture *a, const struct pen_picture *b, double tolerance,
+                         struct pen_difference *out, struct pen_status *st);
+
+#endif

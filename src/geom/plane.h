@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/* Infinite planes. Outward is along the normal. */
+#ifndef PEN_GEOM_PLANE_H
+#define PEN_GEOM_PLANE_H
+
+#include "geom/ray.h"
+
+struct pen_plane {
+    struct pen_vec3 q; /* a point of it near the origin */
+    struct pen_vec3 g; /* its normal as given, times a power of two: no rounding */
+    struct pen_vec3 n; /* its unit normal */
+};
+
+/* Fails: returns false if an argument is not finite or the normal is zero. */
+bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 normal);
+
+/* The plane through three points, outward where they run counter-clockwise.
+ * Fails: returns false if they are not finite or lie on one line. */
+bool pen_plane_through(struct pen_plane *p, struct pen_vec3 a, struct pen_vec3 b,
+                       struct pen_vec3 c);
+
+/* a.b, compensated where more than three bits cancel. */
+static inline double pen_dot_guarded(struct pen_vec3 a, struct pen_vec3 b)
+{
+    double x = a.x * b.x, y = a.y * b.y, z = a.z * b.z;
+    double sum = x + y + z;
+    if (fabs(sum) * 8 >= fabs(x) + fabs(y) + fabs(z))
+        return sum;
+    return pen_dot2(a, b);
+}
+
+/* Where the ray's line crosses the plane; false if it is parallel. */
+static inline bool pen_plane_root(const struct pen_plane *p, const struct pen_ray *ray, double *t)
+{
+    struct pen_vec3 g = pen_turned(ray, &p->g);
+    double gd = pen_dot_guarded(g, ray->turned_d);
+    *t = pen_dot(g, pen_sub(pen_turned(ray, &p->q), ray->turned_o)) / gd;
+    return gd != 0;
+}
+
+static inline struct pen_vec3 pen_plane_project(const struct pen_plane *pl, struct pen_vec3 p)
+{
+    return pen_along(p, pl->n, pen_dot(pl->n, pen_sub(pl->q, p)));
+}
+
+#endif

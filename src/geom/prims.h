@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+/* The primitives of a frozen scene: one typed array per kind, in the local frame (coordinates
+ * about 1). A primitive's number is its place in the document, depth first, and decides ties.
+ *
+ * One header per kind holds its struct, how it is made, and its hot functions, static inline:
+ * where a ray's line crosses it, projection of a computed hit on the surface, bounds. Outward is
+ * as scene-format.md says.
+ *
+ * Leaving (pen_leave). Let a ray start at p on primitive P, arrived from the direction w
+ * (`toward`), and let Q be another primitive that contains p within rounding, inside or on its
+ * border: p misses Q by no more than the bounds of p and of Q's own test. On which side of Q
+ * rounding has put p is an accident, and so is, at a border, whether the ray's line passes through
+ * Q at all. So neither is asked. Q is crossed at p, at PEN_FIRST_T, if the ray does not go back to
+ * the side of Q that it comes from, and if Q extends beyond P's tangent plane on the side where
+ * the ray goes; else it is not crossed there. The ray comes from w's side, or where the way w began
+ * within rounding of Q, from the side that the way before it began on (`before`); but after it
+ * passed `through` P, or where neither tells, from the side where P lies, if it lies on one. So
+ *  - in a wedge or a corner of walls, a ray into the other wall is stopped by it, and no light
+ *    comes in at the seams of a closed room;
+ *  - over a convex edge, or a seam between two boxes, no neighbour shades its neighbour;
+ *  - coplanar and coincident surfaces neither shade each other nor are entered twice;
+ *  - things resting on each other shade each other at the contact.
+ * A ray that met a surface at PEN_FIRST_T has not moved: what it leaves next has the same w.
+ *
+ * Passing. A p that rounding has put behind its wall is outside the room, and its ray may go round
+ * the foot of the next wall; over a convex edge it may meet the neighbour from within. So for a
+ * triangle or polygon that is near p (PEN_NEARBY), but not at it, whose border the ray's line
+ * passes within the same bounds, the line is not asked: it is met where the line meets its plane,
+ * if it extends beyond P's tangent plane on the side where the ray goes, and else is not.
+ *
+ * A quadric that p touches has its other root at -2 b / a, as if it were left itself, so that
+ * coincident quadrics agree bit for bit. Nothing else is dropped, however near it is. */
+#ifndef PEN_GEOM_PRIMS_H
+#define PEN_GEOM_PRIMS_H
+
+#include <stdint.h>
+
+#include "geom/cylinder.h"
+#include "geom/plane.h"
+#include "geom/polygon.h"
+#include "geom/ray.h"
+#include "geom/sphere.h"
+#include "geom/triangle.h"
+#include "geom/tube.h"
+#include "math/box.h"
+
+enum pen_prim_kind {
+    PEN_PRIM_SPHERE,
+    PEN_PRIM_PLANE,
+    PEN_PRIM_TRIANGLE,
+    PEN_PRIM_POLYGON,
+    PEN_PRIM_TUBE,
+    PEN_PRIM_CYLINDER,
+    PEN_PRIM_KIND_COUNT
+};
+
+/* Where primitive number i lives. */
+struct pen_prim_ref {
+    uint32_t kind : 4; /* enum pen_prim_kind */
+    uint32_t index : 28;
+};
+
+/* Owns nothing: the arrays belong to the scene's arena. */
+struct pen_prims {
+    uint32_t count;
+    const struct pen_prim_ref *ref; /* by primitive number */
+    const struct pen_sphere *sphere;
+    const struct pen_plane *plane;
+    const struct pen_triangle *triangle;
+    const struct pen_polygon *polygon;
+    const struct pen_tube *tube;
+    const struct pen_cylinder *cylinder;
+    uint32_t kind_count[PEN_PRIM_KIND_COUNT];
+};
+
+/* Whether the kind has no bounds. */
+static inline bool pen_prim_infinite(uint32_t kind)
+{
+    return kind == PEN_PRIM_PLANE || kind == PEN_PRIM_TUBE;
+}
+
+/* All crossings of the ray with primitive `prim`, those that the leave rule drops left out.
+ * The reference that every accelerator must agree with, bit for bit. */
+void pen_prim_cross(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                    const struct pen_leave *leave, struct pen_crossings *out);
+
+/* Outward unit normal at a point of the surface. */
+struct pen_vec3 pen_prim_normal(const struct pen_prims *prims, struct pen_hit hit,
+                                struct pen_vec3 p);
+
+/* The hit point: o + t d, put back on the surface. */
+struct pen_vec3 pen_prim_point(const struct pen_prims *prims, struct pen_hit hit,
+                               const struct pen_ray *ray);
+
+/* Bounds in double precision, such that for every ray that has a crossing at t, o + t d lies
+ * inside to within a relative error of 2^-24 of t. Only for finite kinds. */
+struct pen_box pen_prim_bounds(const struct pen_prims *prims, uint32_t prim);
+
+/* The length that the primitive's own rounding near p is proportional to. */
+double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
+
+/* The rounding bound for rays that start at p: 16u (|p|_1 + the primitive's own scale). */
+double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
+
+/* What a ray leaves that starts at p, the hit point of a ray that left `left`, and goes on at the
+ * side that the ray came from. Of the ways before, the longest is kept: it tells sides best. p =
+ * o + t d misses its surface by the rounding of the sum before it is put back, and may miss others
+ * there by as much: 16u covers the products, t and the sum. Where the ray has hardly moved, p is
+ * also off by what o was. */
+static inline struct pen_leave pen_leave_at(const struct pen_prims *prims,
+                                            const struct pen_ray *ray, const struct pen_leave *left,
+                                            struct pen_hit hit, struct pen_vec3 p)
+{
+    struct pen_leave leave = {.prim = hit.prim,
+                              .part = hit.part,
+                              .toward = left->toward,
+                              .before = left->before,
+                              .bound = pen_prim_rounding(prims, hit.prim, p)};
+    double nearby = PEN_NEARBY * left->bound;
+    leave.bound += 16 * PEN_U * pen_norm1(ray->o);
+    if (hit.t * hit.t <= nearby * nearby * ray->inv_dd)
+        leave.bound += left->bound;
+    if (hit.t != PEN_FIRST_T) {
+        if (pen_norm1(left->toward) > pen_norm1(left->before))
+            leave.before = left->toward;
+        leave.toward = pen_scale(ray->d, -hit.t);
+    }
+    return leave;
+}
+
+/* Whether a crossing is the ray's point at t_end, up to `bound` and the rounding of the crossing
+ * itself: for rays that end in a light, where the light's own surface is not crossed. */
+bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
+                       double t_end, double bound);
+
+#endif

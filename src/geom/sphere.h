@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/* Spheres. Outward is away from the centre. */
+#ifndef PEN_GEOM_SPHERE_H
+#define PEN_GEOM_SPHERE_H
+
+#include "geom/ray.h"
+#include "math/box.h"
+
+struct pen_sphere {
+    struct pen_vec3 c;
+    double r;
+    double rr, rr_low; /* r^2 = rr + rr_low exactly */
+};
+
+/* Fails: returns false if c is not finite or r is not in 2^-400 ... 2^400. */
+bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r);
+
+/* The crossings by the textbook's equation in twice the precision: for origins near the surface and
+ * for grazing rays, where the short way of pen_sphere_roots loses digits. NaN for a miss. */
+void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, double t[2]);
+
+/* The two crossings of the ray's line, t[0] < t[1]; false if there are none. A tangent is a miss.
+ * The discriminant is taken at the point l of the line nearest the centre (Haines, Guenther,
+ * Akenine-Moeller, Ray Tracing Gems, 2019, chapter 7). l is found to a unit roundoff of itself,
+ * whatever the distance: o - c is kept exactly, o - c + tp d rounds once, and what is left of it
+ * along d corrects tp. */
+static inline bool pen_sphere_roots(const struct pen_sphere *s, const struct pen_ray *ray,
+                                    double t[2])
+{
+    struct pen_vec3 o = ray->turned_o, d = ray->turned_d, c = pen_turned(ray, &s->c);
+    struct pen_vec3 f = pen_sub(o, c), low = pen_lost3(o, c, f);
+    double tp = -pen_dot(f, d) * ray->inv_dd;
+    struct pen_vec3 l = pen_add(pen_along_once(f, d, tp), low);
+    double rest = -pen_dot(l, d) * ray->inv_dd;
+    double disc = (s->rr - pen_dot(l, l)) + s->rr_low;
+    double h = sqrt(disc * ray->inv_dd); /* NaN for a miss */
+    t[0] = tp + (rest - h);
+    t[1] = tp + (rest + h);
+    if (fabs(fabs(tp) - h) < PEN_NEAR * h || fabs(disc) < PEN_GRAZING * s->rr)
+        pen_sphere_refine(s, ray, t);
+    return t[0] < t[1];
+}
+
+/* Whether p is on the sphere, up to `bound` and the sphere's own rounding. */
+static inline bool pen_sphere_touches(const struct pen_sphere *s, struct pen_vec3 p, double bound)
+{
+    struct pen_vec3 f = pen_sub(p, s->c);
+    return fabs(pen_dot(f, f) - s->rr) <= 2 * s->r * (bound + 8 * PEN_U * s->r);
+}
+
+/* The other crossing of a ray whose origin is on the sphere by identity: -2 b / a, with b exact
+ * to the last bits. Its sign says inward (> 0) or outward. */
+double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray);
+
+/* Whether pen_sphere_chord is certainly not positive, for less than it costs. */
+static inline bool pen_sphere_outward(const struct pen_sphere *s, const struct pen_ray *ray)
+{
+    struct pen_vec3 f = pen_sub(ray->o, s->c);
+    return pen_dot(f, ray->d) > 0x1p-40 * (pen_norm1(f) * pen_norm1(ray->d));
+}
+
+static inline struct pen_vec3 pen_sphere_normal(const struct pen_sphere *s, struct pen_vec3 p)
+{
+    return pen_normalize(pen_sub(p, s->c));
+}
+
+static inline struct pen_vec3 pen_sphere_project(const struct pen_sphere *s, struct pen_vec3 p)
+{
+    return pen_along(s->c, pen_sphere_normal(s, p), s->r);
+}
+
+struct pen_box pen_sphere_bounds(const struct pen_sphere *s);
+
+#endif

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/* What the routes do, one function each. */
+#ifndef PEN_HTTP_INTERNAL_HANDLERS_H
+#define PEN_HTTP_INTERNAL_HANDLERS_H
+
+#include "http/internal/routes.h"
+
+route_handler pen_http_handle_submit, pen_http_handle_list, pen_http_handle_job,
+    pen_http_handle_cancel, pen_http_handle_delete;
+route_handler pen_http_handle_image, pen_http_handle_preview, pen_http_handle_stats,
+    pen_http_handle_scene, pen_http_handle_report;
+route_handler pen_http_handle_events;
+route_handler pen_http_handle_validate, pen_http_handle_scenes, pen_http_handle_builtin,
+    pen_http_handle_api_file, pen_http_handle_workers;
+route_handler pen_http_handle_healthz, pen_http_handle_readyz;
+route_quick pen_http_quick_job;
+
+#endif

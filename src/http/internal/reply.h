@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/* A reply before libmicrohttpd has it: status, fields and a body that may be shared.
+ *
+ * Invariant: once `failed` is set (out of memory) the other members do not matter; the adapter
+ * then answers a bare 503. */
+#ifndef PEN_HTTP_INTERNAL_REPLY_H
+#define PEN_HTTP_INTERNAL_REPLY_H
+
+#include <jansson.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buf.h"
+#include "base/status.h"
+
+/* Bytes with several owners: a body in the cache may be on its way to many clients. */
+struct blob {
+    atomic_int refs; /* atomic: acquire-release on the last unref, so the freer sees all reads */
+    struct pen_buf content;
+    atomic_size_t *total; /* counts the bytes while the blob lives, or NULL */
+};
+
+/* Takes the contents of a buffer, which is empty afterwards, also on failure.
+ * Fails: NULL when out of memory, or if the buffer has failed. */
+struct blob *pen_http_blob_take(struct pen_buf *content);
+
+/* Adds the blob's bytes to *total as long as it lives. NULL is allowed as blob. */
+void pen_http_blob_count(struct blob *blob, atomic_size_t *total);
+struct blob *pen_http_blob_ref(struct blob *blob);
+void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
+
+/* A JSON text with a line end. Fails: NULL when out of memory. */
+struct blob *pen_http_blob_json(const json_t *json);
+
+/* A strong entity tag, quoted: a hash of the bytes. */
+enum { ETAG_BYTES = 40 };
+void pen_http_blob_etag(const struct blob *blob, char etag[ETAG_BYTES]);
+
+enum { REPLY_FIELDS = 10 };
+
+struct reply {
+    int status;          /* 0: there is none yet */
+    struct blob *body;   /* NULL: none */
+    size_t first, bytes; /* the part of the body that is sent */
+    struct reply_field {
+        const char *name;
+        char *value;
+    } field[REPLY_FIELDS];
+    int field_count;
+    bool endless; /* an event stream, or the head of one: no body here, its length is not known */
+    bool failed;
+};
+
+void pen_http_reply_release(struct reply *reply);
+
+void pen_http_reply_field(struct reply *reply, const char *name, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Sets status and body; takes the blob. A NULL blob is an allocation that failed. */
+void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type);
+
+/* As pen_http_reply_body; takes the reference to json. NULL is an allocation that failed. */
+void pen_http_reply_json(struct reply *reply, int status, json_t *json);
+
+/* A problem document, with the request's id in it, and Retry-After where trying again helps.
+ * Takes the reference to the problem. */
+void pen_http_reply_problem(struct reply *reply, json_t *problem, const char *request_id);
+
+/* What a conditional or partial GET needs to know of the request; NULL: not sent. */
+struct reply_conditions {
+    const char *if_none_match, *range, *if_range;
+};
+
+/* Answers 200, 304 or 206 with a representation; takes the blob. False if it has nothing in the
+ * range asked for; the reply is then untouched. */
+bool pen_http_reply_content(struct reply *reply, struct blob *blob, const char *type,
+                            const char *etag, const struct reply_conditions *conditions);
+
+#endif

@@ -1,0 +1,424 @@
+/* SPDX-License-Identifier: MIT */
+/* Text to a JSON document, by RFC 8259 and nothing beyond it. The values are jansson's; the
+ * parser is not, because jansson 2.14's ends the process by an assertion when its token buffer
+ * cannot grow, places errors where a token ends, and reads long integers as reals either nowhere
+ * or everywhere. One pass, one recursion per level of nesting, and what is cheap to check is
+ * checked before: length, then nesting. */
+#include <errno.h>
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/buf.h"
+#include "base/utf8.h"
+#include "io/json/fault.h"
+#include "io/scene/reader.h"
+
+/* The stack that a deeper document could take is not ours to promise. */
+enum { NESTING_MAX = 1000 };
+
+struct parser {
+    struct pen_json_text json;
+    size_t at;
+    int depth, nesting;
+    size_t room, limit;     /* bytes that further values may take, and all of them */
+    struct pen_buf scratch; /* the string or number being read */
+    struct pen_status *st;
+};
+
+static json_t *parse_value(struct parser *p, const struct pen_place *place);
+
+static bool no_memory(struct parser *p)
+{
+    return pen_fail(p->st, PEN_NO_MEMORY, "the document does not fit into memory");
+}
+
+/* Takes what a value is about to need. Returns false if that is too much. */
+static bool take(struct parser *p, size_t bytes)
+{
+    if (bytes > p->room)
+        return pen_fail(p->st, PEN_TOO_LARGE,
+                        "the document's values take more than %zu bytes of memory, which is what "
+                        "is allowed",
+                        p->limit);
+    p->room -= bytes;
+    return true;
+}
+
+/* The value; if it is NULL, for want of memory, that is the error. */
+static json_t *made(struct parser *p, json_t *value)
+{
+    if (!value)
+        no_memory(p);
+    return value;
+}
+
+/* The next character that is no white space; '\0' at the end, where `at` is then. */
+static char skip_space(struct parser *p)
+{
+    for (; p->at < p->json.bytes; p->at++) {
+        char c = p->json.text[p->at];
+        if (c != ' ' && c != '\t' && c != '\n' && c != '\r')
+            return c;
+    }
+    return '\0';
+}
+
+/* Four hexadecimal digits after "\u" at `offset`, or -1. */
+static int hex4(const struct parser *p, size_t offset)
+{
+    int code = 0;
+    for (size_t i = offset + 2; i < offset + 6; i++) {
+        char c = i < p->json.bytes ? p->json.text[i] : '\0';
+        int digit = c >= '0' && c <= '9'   ? c - '0'
+                    : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                    : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                           : -1;
+        if (digit < 0)
+            return -1;
+        code = code * 16 + digit;
+    }
+    return code;
+}
+
+static void add_character(struct parser *p, int code)
+{
+    unsigned char utf8[4];
+    size_t length = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
+    static const unsigned char lead[] = {0, 0, 0xC0, 0xE0, 0xF0};
+    for (size_t i = length; i-- > 1; code >>= 6)
+        utf8[i] = (unsigned char)(0x80 | (code & 0x3F));
+    utf8[0] = (unsigned char)(lead[length] | code);
+    pen_buf_add(&p->scratch, utf8, length);
+}
+
+/* "\uXXXX" at `at`, or two of them that make one character. */
+static bool read_unicode(struct parser *p)
+{
+    size_t start = p->at;
+    int code = hex4(p, start);
+    p->at += 6;
+    if (code < 0)
+        return pen_json_fault(&p->json, start, p->st, "\\u must be followed by 4 hex digits");
+    if (code == 0)
+        return pen_json_fault(&p->json, start, p->st,
+                              "a string must not hold the character U+0000");
+    if (code >= 0xD800 && code < 0xDC00) {
+        bool escape = p->at + 1 < p->json.bytes && p->json.text[p->at] == '\\' &&
+                      p->json.text[p->at + 1] == 'u';
+        int low = escape ? hex4(p, p->at) : -1;
+        if (low < 0xDC00 || low > 0xDFFF)
+            return pen_json_fault(&p->json, start, p->st,
+                                  "half a character: surrogates come in pairs");
+        code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
+        p->at += 6;
+    } else if (code >= 0xDC00 && code < 0xE000) {
+        return pen_json_fault(&p->json, start, p->st, "half a character: surrogates come in pairs");
+    }
+    add_character(p, code);
+    return true;
+}
+
+static bool read_escape(struct parser *p)
+{
+    static const char names[] = "\"\\/bfnrt", values[] = "\"\\/\b\f\n\r\t";
+    char c = p->at + 1 < p->json.bytes ? p->json.text[p->at + 1] : '\0';
+    const char *name = c ? strchr(names, c) : NULL;
+    if (c == 'u')
+        return read_unicode(p);
+    if (!name)
+        return pen_json_fault(&p->json, p->at, p->st,
+                              "a backslash must be followed by one of \" \\ / b f n r t u");
+    pen_buf_add(&p->scratch, &values[name - names], 1);
+    p->at += 2;
+    return true;
+}
+
+/* One character, escaped or not, of a string. */
+static bool read_character(struct parser *p)
+{
+    const char *s = p->json.text + p->at;
+    size_t length = pen_utf8_char(s, p->json.bytes - p->at);
+    if (*s == '\\')
+        return read_escape(p);
+    if (length == 0)
+        return pen_json_fault(&p->json, p->at, p->st, "byte 0x%02x is not UTF-8",
+                              (unsigned char)*s);
+    if (*s == '\n')
+        return pen_json_fault(&p->json, p->at, p->st,
+                              "a string must end on the line where it begins");
+    if ((unsigned char)*s < 0x20)
+        return pen_json_fault(&p->json, p->at, p->st,
+                              "a string must not hold a control character: write \\t, \\n or "
+                              "\\u00XX");
+    pen_buf_add(&p->scratch, s, length);
+    p->at += length;
+    return true;
+}
+
+/* Reads the string that opens at `at` into the scratch buffer. */
+static bool read_string(struct parser *p)
+{
+    size_t start = p->at++;
+    p->scratch.bytes = 0;
+    while (p->at < p->json.bytes && p->json.text[p->at] != '"') {
+        if (!read_character(p))
+            return false;
+    }
+    if (p->at >= p->json.bytes)
+        return pen_json_fault(&p->json, start, p->st, "the string that begins here does not end");
+    p->at++;
+    pen_buf_add(&p->scratch, "", 0); /* an empty string has a place, too */
+    if (p->scratch.failed)
+        no_memory(p);
+    return !p->scratch.failed;
+}
+
+/* strtod reads the decimal point of the host program's locale. */
+static double to_real(struct pen_buf *text)
+{
+    char point = localeconv()->decimal_point[0];
+    char *dot = strchr((char *)text->data, '.');
+    if (dot)
+        *dot = point;
+    return strtod((char *)text->data, NULL);
+}
+
+bool pen_json_number(const char *text, size_t bytes, bool integer, struct pen_buf *scratch,
+                     json_t **out)
+{
+    *out = NULL;
+    scratch->bytes = 0;
+    if (!pen_buf_add(scratch, text, bytes))
+        return true;
+    errno = 0;
+    long long whole = integer ? strtoll((char *)scratch->data, NULL, 10) : 0;
+    if (integer && errno == 0) {
+        *out = json_integer(whole);
+        return true;
+    }
+    double value = to_real(scratch);
+    if (!isfinite(value))
+        return false;
+    *out = json_real(value);
+    return true;
+}
+
+static json_t *parse_number(struct parser *p, size_t end, bool integer)
+{
+    size_t start = p->at;
+    json_t *number;
+    p->at = end;
+    if (!take(p, PEN_JSON_NUMBER_BYTES))
+        return NULL;
+    if (pen_json_number(p->json.text + start, end - start, integer, &p->scratch, &number))
+        return made(p, number);
+    pen_json_fault_piece(&p->json, start, p->st,
+                         "is too large for a number: they reach to about 1.8e308");
+    return NULL;
+}
+
+static json_t *parse_word(struct parser *p)
+{
+    const char *word = p->json.text + p->at;
+    size_t end = pen_json_word_end(&p->json, p->at), bytes = end - p->at;
+    bool integer;
+    if (pen_json_is_number(&p->json, p->at, end, &integer))
+        return parse_number(p, end, integer);
+    json_t *literal = bytes == 4 && memcmp(word, "true", 4) == 0    ? json_true()
+                      : bytes == 5 && memcmp(word, "false", 5) == 0 ? json_false()
+                      : bytes == 4 && memcmp(word, "null", 4) == 0  ? json_null()
+                                                                    : NULL;
+    if (literal)
+        p->at = end;
+    else
+        pen_json_fault_found(&p->json, p->at, p->st, "a value must stand here");
+    return literal;
+}
+
+/* After an element: true to go on with the next one. *closed: at the closing bracket. */
+static bool next_element(struct parser *p, char closing, const char *expected, bool *closed)
+{
+    char c = skip_space(p);
+    size_t comma = p->at;
+    *closed = c == closing && p->at < p->json.bytes;
+    if (*closed) {
+        p->at++;
+        return false;
+    }
+    if (c != ',')
+        return pen_json_fault_found(&p->json, p->at, p->st, expected);
+    p->at++;
+    c = skip_space(p);
+    if (c == ']' || c == '}')
+        return pen_json_fault(&p->json, comma, p->st,
+                              "a comma must be followed by something, found a closing bracket");
+    return true;
+}
+
+static bool parse_element(struct parser *p, const struct pen_place *place, json_t *array)
+{
+    struct pen_place at = pen_place_index(place, json_array_size(array));
+    json_t *value = take(p, PEN_JSON_ELEMENT_BYTES) ? parse_value(p, &at) : NULL;
+    if (!value)
+        return false;
+    return json_array_append_new(array, value) == 0 || no_memory(p);
+}
+
+static bool parse_elements(struct parser *p, const struct pen_place *place, json_t *array)
+{
+    bool closed = false;
+    if (skip_space(p) == ']') {
+        p->at++;
+        return true;
+    }
+    do {
+        if (!parse_element(p, place, array))
+            return false;
+    } while (next_element(p, ']', "a comma or ] must follow an element of an array", &closed));
+    return closed;
+}
+
+/* Reads the key, and the colon after it. The member is made at once, with a value to be replaced:
+ * it keeps the key while the value is read. Returns it, or NULL. */
+static void *parse_key(struct parser *p, json_t *object)
+{
+    if (skip_space(p) != '"') {
+        pen_json_fault_found(&p->json, p->at, p->st, "a key in double quotes must stand here");
+        return NULL;
+    }
+    size_t start = p->at;
+    if (!read_string(p) || !take(p, PEN_JSON_MEMBER_BYTES + p->scratch.bytes))
+        return NULL;
+    const char *key = (const char *)p->scratch.data;
+    if (json_object_get(object, key)) {
+        pen_json_fault(&p->json, start, p->st, "duplicate key %s: this object has it already",
+                       pen_text_quote(key).text);
+        return NULL;
+    }
+    if (skip_space(p) != ':') {
+        pen_json_fault_found(&p->json, p->at, p->st, "a colon must follow a key");
+        return NULL;
+    }
+    p->at++;
+    if (json_object_set_new_nocheck(object, key, json_null()) != 0)
+        no_memory(p);
+    return json_object_iter_at(object, key);
+}
+
+static bool parse_member(struct parser *p, const struct pen_place *place, json_t *object)
+{
+    void *member = parse_key(p, object);
+    if (!member)
+        return false;
+    struct pen_place at = pen_place_key(place, json_object_iter_key(member));
+    json_t *value = parse_value(p, &at);
+    return value && json_object_iter_set_new(object, member, value) == 0;
+}
+
+static bool parse_members(struct parser *p, const struct pen_place *place, json_t *object)
+{
+    bool closed = false;
+    if (skip_space(p) == '}') {
+        p->at++;
+        return true;
+    }
+    do {
+        if (!parse_member(p, place, object))
+            return false;
+    } while (next_element(p, '}', "a comma or } must follow a member of an object", &closed));
+    return closed;
+}
+
+static json_t *parse_container(struct parser *p, const struct pen_place *place, bool object)
+{
+    if (p->depth >= p->nesting) {
+        char at[2 * PEN_AT_BYTES];
+        pen_place_text(place, "", at, sizeof at);
+        pen_fail_at(p->st, PEN_INVALID, at, "nested deeper than the %d levels allowed", p->nesting);
+        return NULL;
+    }
+    if (!take(p, object ? PEN_JSON_OBJECT_BYTES : PEN_JSON_ARRAY_BYTES))
+        return NULL;
+    json_t *value = made(p, object ? json_object() : json_array());
+    if (!value)
+        return NULL;
+    p->at++;
+    p->depth++;
+    if (object ? parse_members(p, place, value) : parse_elements(p, place, value)) {
+        p->depth--;
+        return value;
+    }
+    json_decref(value);
+    return NULL;
+}
+
+static json_t *parse_value(struct parser *p, const struct pen_place *place)
+{
+    char c = skip_space(p);
+    if (c == '{' || c == '[')
+        return parse_container(p, place, c == '{');
+    if (c != '"')
+        return parse_word(p);
+    if (!read_string(p) || !take(p, PEN_JSON_STRING_BYTES + p->scratch.bytes))
+        return NULL;
+    return made(p, json_stringn_nocheck((const char *)p->scratch.data, p->scratch.bytes));
+}
+
+static json_t *parse_document(struct parser *p)
+{
+    const struct pen_place root = {0};
+    skip_space(p);
+    if (p->at == p->json.bytes) {
+        pen_json_fault(&p->json, 0, p->st, "the document is empty");
+        return NULL;
+    }
+    json_t *document = parse_value(p, &root);
+    skip_space(p);
+    if (!document || p->at == p->json.bytes)
+        return document;
+    pen_json_fault_found(&p->json, p->at, p->st, "nothing may follow the end of the document");
+    json_decref(document);
+    return NULL;
+}
+
+/* Whether brackets, whatever else there is, open deeper than allowed. */
+static bool is_too_deep(const struct parser *p)
+{
+    int depth = 0;
+    for (size_t i = 0; i < p->json.bytes; i++) {
+        char c = p->json.text[i];
+        if (c == '"')
+            i = pen_json_string_end(&p->json, i) - 1;
+        else if (c == '[' || c == '{')
+            depth++;
+        else if ((c == ']' || c == '}') && depth > 0)
+            depth--;
+        if (depth > p->nesting)
+            return true;
+    }
+    return false;
+}
+
+json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *limits,
+                       struct pen_status *st)
+{
+    int nesting = limits->nesting < NESTING_MAX ? limits->nesting : NESTING_MAX;
+    struct parser p = {.json = {text, bytes},
+                       .nesting = nesting,
+                       .room = limits->parsed_bytes,
+                       .limit = limits->parsed_bytes,
+                       .st = st};
+    if (bytes > limits->body_bytes) {
+        pen_fail(st, PEN_TOO_LARGE, "the document has %zu bytes, at most %zu are allowed", bytes,
+                 limits->body_bytes);
+        return NULL;
+    }
+    bool deep = is_too_deep(&p);
+    json_t *document = parse_document(&p);
+    if (deep && !document && st->code == PEN_SYNTAX) /* there is no path to where it is */
+        pen_fail(st, PEN_INVALID, "nested deeper than the %d levels allowed", nesting);
+    pen_buf_release(&p.scratch);
+    return document;
+}

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+/* Objects and groups. */
+#include "io/scene/object.h"
+#include "io/scene/tables.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "math/exact.h"
+#include "math/scale.h"
+
+/* Kinds that the format knows and this version does not. */
+enum { KIND_LATER = -1 };
+
+static const struct pen_word kinds[] = {{"sphere", PEN_OBJECT_SPHERE, NULL},
+                                        {"plane", PEN_OBJECT_PLANE, NULL},
+                                        {"triangle", PEN_OBJECT_TRIANGLE, NULL},
+                                        {"polygon", PEN_OBJECT_POLYGON, NULL},
+                                        {"tube", PEN_OBJECT_TUBE, NULL},
+                                        {"cylinder", PEN_OBJECT_CYLINDER, NULL},
+                                        {"group", PEN_OBJECT_GROUP, NULL},
+                                        {"mesh", KIND_LATER, "the object type \"mesh\""},
+                                        {"instance", KIND_LATER, "the object type \"instance\""},
+                                        {0}};
+
+#define MEMBER(path) offsetof(struct pen_object_desc, path)
+
+const struct pen_field pen_sphere_fields[] = {
+    {"type", .type = PEN_FIELD_OTHER},
+    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+    {"material", .type = PEN_FIELD_OTHER},
+    {"center", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.sphere.center)},
+    {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.sphere.radius),
+     .range = &pen_range_positive},
+    {0}};
+
+const struct pen_field pen_plane_fields[] = {
+    {"type", .type = PEN_FIELD_OTHER},
+    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+    {"material", .type = PEN_FIELD_OTHER},
+    {"point", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.plane.point)},
+    {"normal", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.plane.normal)},
+    {0}};
+
+const struct pen_field pen_polygon_fields[] = {{"type", .type = PEN_FIELD_OTHER},
+                                               {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+                                               {"material", .type = PEN_FIELD_OTHER},
+                                               {"vertices", PEN_FIELD_OTHER, .required = true},
+                                               {0}};
+
+const struct pen_field pen_tube_fields[] = {
+    {"type", .type = PEN_FIELD_OTHER},
+    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+    {"material", .type = PEN_FIELD_OTHER},
+    {"origin", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.tube.origin)},
+    {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.tube.axis)},
+    {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.tube.radius),
+     .range = &pen_range_positive},
+    {0}};
+
+const struct pen_field pen_cylinder_fields[] = {
+    {"type", .type = PEN_FIELD_OTHER},
+    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+    {"material", .type = PEN_FIELD_OTHER},
+    {"base", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.cylinder.base)},
+    {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.cylinder.axis)},
+    {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.cylinder.radius),
+     .range = &pen_range_positive},
+    {"height", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.cylinder.height),
+     .range = &pen_range_positive},
+    {"caps", PEN_FIELD_BOOL, .offset = MEMBER(u.cylinder.caps)},
+    {0}};
+
+const struct pen_field pen_group_fields[] = {{"type", .type = PEN_FIELD_OTHER},
+                                             {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+                                             {"objects", PEN_FIELD_OTHER, .required = true},
+                                             {"transform", .type = PEN_FIELD_OTHER},
+                                             {0}};
+
+static const struct {
+    const char *name;
+    const struct pen_field *fields;
+    bool quadric;
+} by_kind[] = {
+    [PEN_OBJECT_SPHERE] = {"sphere", pen_sphere_fields, true},
+    [PEN_OBJECT_PLANE] = {"plane", pen_plane_fields, false},
+    [PEN_OBJECT_TRIANGLE] = {"triangle", pen_polygon_fields, false},
+    [PEN_OBJECT_POLYGON] = {"polygon", pen_polygon_fields, false},
+    [PEN_OBJECT_TUBE] = {"tube", pen_tube_fields, true},
+    [PEN_OBJECT_CYLINDER] = {"cylinder", pen_cylinder_fields, true},
+    [PEN_OBJECT_GROUP] = {"group", pen_group_fields, false},
+};
+
+static double largest(struct pen_vec3 v)
+{
+    double x = fabs(v.x), y = fabs(v.y), z = fabs(v.z);
+    double most = x > y ? x : y;
+    return most > z ? most : z;
+}
+
+/* Whether the corner's sides point the same way, or opposite ways, within what the rounding of
+ * their differences can hide. Scaled first, so that products neither over- nor underflow. */
+bool pen_corner_has_area(const struct pen_vec3 v[3])
+{
+    const double hidden = 0x1p-49;
+    struct pen_vec3 a = pen_sub(v[1], v[0]), b = pen_sub(v[2], v[0]);
+    double la = largest(a), lb = largest(b);
+    if (la == 0 || lb == 0)
+        return false;
+    a = pen_vec3(a.x / la, a.y / la, a.z / la);
+    b = pen_vec3(b.x / lb, b.y / lb, b.z / lb);
+    return pen_length(pen_cross(a, b)) > hidden * pen_length(a) * pen_length(b);
+}
+
+struct pen_vec3 pen_corner_normal(const struct pen_vec3 v[3])
+{
+    struct pen_vec3 a = pen_sub(v[1], v[0]), b = pen_sub(v[2], v[0]);
+    int ea = pen_exponent(largest(a)), eb = pen_exponent(largest(b));
+    a = pen_vec3(pen_scale2(a.x, -ea), pen_scale2(a.y, -ea), pen_scale2(a.z, -ea));
+    b = pen_vec3(pen_scale2(b.x, -eb), pen_scale2(b.y, -eb), pen_scale2(b.z, -eb));
+    return pen_cross(a, b);
+}
+
+static bool check_loop(struct pen_reader *r, const struct pen_place *at, bool triangle,
+                       const struct pen_object_desc *object)
+{
+    const struct pen_vec3 *v = object->u.polygon.vertices;
+    if (triangle)
+        return pen_corner_has_area(v) ||
+               pen_reader_fail(r, at, PEN_INVALID,
+                               "must be three points that are not on one line, found a triangle "
+                               "of zero area");
+    struct pen_status st;
+    size_t i;
+    if (pen_polygon_check(v, object->u.polygon.count, &st))
+        return true;
+    bool indexed = sscanf(st.at, "/vertices/%zu", &i) == 1;
+    struct pen_place place = pen_place_index(at, indexed ? i : 0);
+    return pen_reader_fail(r, indexed ? &place : at, st.code, "%s", st.msg);
+}
+
+static bool read_vertices(struct pen_reader *r, const struct pen_place *up, const json_t *json,
+                          bool triangle, struct pen_object_desc *object)
+{
+    struct pen_place at = pen_place_key(up, "vertices");
+    size_t count = json_array_size(json);
+    if (count < 3 || (triangle && count > 3)) {
+        const char *wanted = triangle ? "3" : "at least 3";
+        if (r->xml && json_is_array(json))
+            return pen_reader_fail(r, &at, PEN_INVALID,
+                                   "must be %s points, \"x y z; x y z; …\", found %zu", wanted,
+                                   count);
+        struct pen_text found = pen_reader_found(r, &at, json);
+        return pen_reader_fail(r, &at, PEN_INVALID, "must be an array of %s points, found %s",
+                               wanted, found.text);
+    }
+    struct pen_vec3 *vertices = pen_reader_alloc(r, count, sizeof *vertices);
+    if (!vertices)
+        return false;
+    bool ok = true;
+    for (size_t i = 0; i < count; i++) {
+        struct pen_place place = pen_place_index(&at, i);
+        ok &= pen_read_triple(r, &place, json_array_get(json, i), &pen_range_any, &vertices[i]);
+    }
+    object->u.polygon.vertices = vertices;
+    object->u.polygon.count = (uint32_t)count;
+    return ok && check_loop(r, &at, triangle, object);
+}
+
+struct list {
+    uint32_t count;
+    struct pen_object_desc *objects;
+};
+
+static bool read_list(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                      const struct pen_chain *chain, struct list *out);
+
+static bool read_group(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                       const struct pen_chain *outer, struct pen_object_desc *object)
+{
+    const json_t *transform = json_object_get(json, "transform");
+    const json_t *members = json_object_get(json, "objects");
+    struct pen_place transform_at = pen_place_key(at, "transform");
+    struct pen_place members_at = pen_place_key(at, "objects");
+    struct pen_chain chain = *outer;
+    bool ok = true;
+    if (transform) {
+        struct pen_transform *f = &object->u.group.transform;
+        object->u.group.has_transform = true;
+        ok = pen_group_transform_read(r, &transform_at, transform, f);
+        if (ok && !chain.broken)
+            ok = pen_chain_add(r, &transform_at, f, &chain);
+        chain.broken |= !ok;
+    }
+    if (members) {
+        struct list list = {0};
+        ok &= read_list(r, &members_at, members, &chain, &list);
+        object->u.group.count = list.count;
+        object->u.group.objects = list.objects;
+    }
+    return ok;
+}
+
+static bool read_object(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                        const struct pen_chain *chain, struct pen_object_desc *object)
+{
+    int kind;
+    object->material = -1;
+    if (!pen_read_type(r, at, json, kinds, &kind))
+        return false;
+    object->kind = (enum pen_object_kind)kind;
+    if (kind == PEN_OBJECT_CYLINDER)
+        object->u.cylinder.caps = true;
+    const struct pen_field *fields = by_kind[kind].fields;
+    bool ok = pen_fields_read_whole(r, at, json, fields, object);
+    if (kind == PEN_OBJECT_GROUP)
+        return read_group(r, at, json, chain, object) && ok;
+    r->primitive_count++;
+    const json_t *material = json_object_get(json, "material");
+    const json_t *vertices = json_object_get(json, "vertices");
+    struct pen_place material_at = pen_place_key(at, "material");
+    if (material)
+        ok &= pen_material_of(r, &material_at, material, &object->material);
+    if (vertices && fields == pen_polygon_fields)
+        ok &= read_vertices(r, at, vertices, kind == PEN_OBJECT_TRIANGLE, object);
+    if (ok && by_kind[kind].quadric && !chain->broken)
+        ok = pen_chain_takes_quadric(r, at, by_kind[kind].name, chain);
+    return ok;
+}
+
+static bool read_list(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                      const struct pen_chain *chain, struct list *out)
+{
+    if (!pen_read_array(r, at, json, "objects"))
+        return false;
+    size_t count = json_array_size(json);
+    r->object_count += count;
+    if (r->object_count > r->limits->objects)
+        return pen_reader_fail(r, at, PEN_INVALID,
+                               "with these %zu the scene holds more than %llu objects, the most "
+                               "allowed",
+                               count, (unsigned long long)r->limits->objects);
+    out->objects = pen_reader_alloc(r, count, sizeof *out->objects);
+    if (!out->objects)
+        return false;
+    out->count = (uint32_t)count;
+    bool ok = true;
+    for (size_t i = 0; i < count && !r->no_memory; i++) {
+        struct pen_place place = pen_place_index(at, i);
+        ok &= read_object(r, &place, json_array_get(json, i), chain, &out->objects[i]);
+    }
+    return ok;
+}
+
+bool pen_objects_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                      struct pen_scene_desc *desc)
+{
+    struct pen_chain chain = {.f = pen_transform_identity(), .similar = true};
+    struct list list = {0};
+    bool ok = read_list(r, at, json, &chain, &list);
+    desc->objects = list.objects;
+    desc->object_count = list.count;
+    desc->primitive_count = r->primitive_count;
+    return ok;
+}

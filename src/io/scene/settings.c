@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+/* Render settings, from a `render` object or from `key=value` of a command line. */
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "io/scene/reader.h"
+#include "io/scene/tables.h"
+
+/* Caps that keep a tile's and a path's memory in bounds; everything else that is too much is
+ * caught by the limits on pixels and work. */
+static const struct pen_range edge_range = {1, 65536, false, false};
+static const struct pen_range depth_range = {1, 65536, false, false};
+static const struct pen_range threads_range = {0, INT_MAX, false, false};
+
+static const struct pen_word patterns[] = {{"sobol", PEN_PATTERN_SOBOL, NULL},
+                                           {"grid", PEN_PATTERN_GRID, NULL},
+                                           {"random", PEN_PATTERN_RANDOM, NULL},
+                                           {0}};
+
+static const struct pen_word precisions[] = {
+    {"robust", PEN_PRECISION_ROBUST, NULL},
+    {"fast", PEN_PRECISION_FAST, "the precision \"fast\"; only \"robust\" is accepted so far"},
+    {0}};
+
+static const struct pen_word accelerators[] = {
+    {"auto", PEN_ACCEL_AUTO, NULL},     {"none", PEN_ACCEL_NONE, NULL},
+    {"cbr", PEN_ACCEL_CBR, NULL},       {"manual", PEN_ACCEL_MANUAL, NULL},
+    {"median", PEN_ACCEL_MEDIAN, NULL}, {0}};
+
+static const struct pen_word transfers[] = {
+    {"srgb", PEN_SETTING_SRGB, NULL}, {"linear", PEN_SETTING_LINEAR, NULL}, {0}};
+
+static const char presets[] = "quality presets; leave the key out";
+
+static const struct pen_word qualities[] = {{"draft", 0, presets},
+                                            {"good", 1, presets},
+                                            {"final", 2, presets},
+                                            {"reference", 3, presets},
+                                            {0}};
+
+/* The settings and what is read but not kept. */
+struct target {
+    struct pen_settings settings;
+    int quality;
+};
+
+#define MEMBER(name) offsetof(struct target, settings.name)
+
+const struct pen_field pen_settings_fields[] = {
+    {"width", PEN_FIELD_INTEGER, .offset = MEMBER(width), .range = &pen_range_count},
+    {"height", PEN_FIELD_INTEGER, .offset = MEMBER(height), .range = &pen_range_count},
+    {"samples_per_pixel", PEN_FIELD_INTEGER, .offset = MEMBER(samples_per_pixel),
+     .range = &pen_range_count},
+    {"light_samples", PEN_FIELD_INTEGER, .offset = MEMBER(light_samples),
+     .range = &pen_range_count},
+    {"light_pattern", PEN_FIELD_WORD, .offset = MEMBER(light_pattern), .words = patterns},
+    {"blur_samples", PEN_FIELD_INTEGER, .offset = MEMBER(blur_samples), .range = &pen_range_count},
+    {"lens_samples", PEN_FIELD_INTEGER, .offset = MEMBER(lens_samples), .range = &pen_range_count},
+    {"max_depth", PEN_FIELD_INTEGER, .offset = MEMBER(max_depth), .range = &depth_range},
+    {"min_contribution", PEN_FIELD_NUMBER, .offset = MEMBER(min_contribution),
+     .range = &pen_range_unit},
+    {"target_error", PEN_FIELD_NUMBER, .offset = MEMBER(target_error),
+     .range = &pen_range_not_negative, .later = "adaptive sampling to a target error"},
+    {"max_samples", PEN_FIELD_INTEGER, .offset = MEMBER(max_samples), .range = &pen_range_count},
+    {"precision", PEN_FIELD_WORD, .offset = MEMBER(precision), .words = precisions},
+    {"accelerator", PEN_FIELD_WORD, .offset = MEMBER(accelerator), .words = accelerators},
+    {"transfer", PEN_FIELD_WORD, .offset = MEMBER(transfer), .words = transfers},
+    {"quality", PEN_FIELD_WORD, .offset = offsetof(struct target, quality), .words = qualities},
+    {"seed", PEN_FIELD_SEED, .offset = MEMBER(seed)},
+    {"tile", PEN_FIELD_INTEGER, .offset = MEMBER(tile), .range = &edge_range},
+    {"threads", PEN_FIELD_INTEGER, .offset = MEMBER(threads), .range = &threads_range},
+    {0}};
+
+bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                              struct pen_settings *settings)
+{
+    struct target target = {.settings = *settings};
+    bool ok = pen_fields_read(r, at, json, pen_settings_fields, &target);
+    if (ok)
+        *settings = target.settings;
+    return ok;
+}
+
+bool pen_settings_read(const json_t *render, const char *at, struct pen_settings *settings,
+                       struct pen_errors *errors)
+{
+    const struct pen_place root = {0};
+    struct pen_reader r = {.errors = errors, .prefix = at};
+    return pen_settings_fields_read(&r, &root, render, settings);
+}
+
+/* A value as JSON if it is JSON, else as a word: `--set accelerator=none` needs no quotes. */
+static json_t *parse_value(const char *text)
+{
+    const struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    json_t *value = pen_json_parse(text, strlen(text), &limits, &st);
+    return value ? value : json_string(text);
+}
+
+bool pen_settings_set(struct pen_settings *settings, const char *assignment, struct pen_status *st)
+{
+    const char *equals = strchr(assignment, '=');
+    struct pen_text quoted = pen_text_quote(assignment);
+    if (!equals || equals == assignment)
+        return pen_fail(st, PEN_USAGE, "%s is no setting: write key=value", quoted.text);
+    json_t *value = parse_value(equals + 1);
+    json_t *object = json_object();
+    struct pen_errors errors = {0};
+    if (!value || json_object_setn(object, assignment, (size_t)(equals - assignment), value) != 0)
+        pen_fail(&errors.item[errors.count++], value ? PEN_USAGE : PEN_NO_MEMORY,
+                 "%s is no setting: it must be text in UTF-8", quoted.text);
+    else
+        pen_settings_read(object, "", settings, &errors);
+    json_decref(object);
+    json_decref(value);
+    if (errors.count == 0)
+        return true;
+    const struct pen_status *e = &errors.item[0];
+    /* The key is the pointer, but for an unknown one the message names it. */
+    bool unknown = strncmp(e->msg, "unknown key", 11) == 0 || !e->at[0];
+    return pen_fail(st, e->code == PEN_INVALID ? PEN_USAGE : e->code, "%s%s%s",
+                    unknown ? "" : e->at + 1, unknown ? "" : " ", e->msg);
+}

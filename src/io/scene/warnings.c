@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/* What a valid scene holds that its author probably did not mean. */
+#include "io/scene/warnings.h"
+
+#include <stdlib.h>
+
+#include "io/scene/reader.h"
+#include "scene/precision.h"
+
+static void warn(struct pen_reader *r, const struct pen_place *at, const char *what)
+{
+    pen_reader_fail(r, at, PEN_OK, "%s", what);
+}
+
+static void mark_used(const struct pen_object_desc *objects, uint32_t count, bool *used)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (objects[i].kind == PEN_OBJECT_GROUP)
+            mark_used(objects[i].u.group.objects, objects[i].u.group.count, used);
+        else if (objects[i].material >= 0)
+            used[objects[i].material] = true;
+    }
+}
+
+/* Named materials come first in the description, in the document's order. */
+static void warn_unused_materials(struct pen_reader *r, const json_t *document,
+                                  const struct pen_scene_desc *desc)
+{
+    const struct pen_place root = {0}, materials = pen_place_key(&root, "materials");
+    json_t *named = json_object_get(document, "materials");
+    bool *used = calloc((size_t)desc->material_count + 1, sizeof *used);
+    if (!used)
+        return;
+    mark_used(desc->objects, desc->object_count, used);
+    uint32_t i = 0;
+    for (void *m = json_object_iter(named); m; m = json_object_iter_next(named, m)) {
+        struct pen_place at = pen_place_key(&materials, json_object_iter_key(m));
+        if (!used[i++])
+            warn(r, &at, "no object uses this material");
+    }
+    free(used);
+}
+
+static bool is_black(struct pen_vec3 colour)
+{
+    return colour.x == 0 && colour.y == 0 && colour.z == 0;
+}
+
+static void warn_dark_lights(struct pen_reader *r, const struct pen_scene_desc *desc)
+{
+    const struct pen_place root = {0}, lights = pen_place_key(&root, "lights");
+    for (uint32_t i = 0; i < desc->light_count; i++) {
+        struct pen_place light = pen_place_index(&lights, i);
+        struct pen_place at = pen_place_key(&light, "intensity");
+        if (is_black(desc->lights[i].intensity))
+            warn(r, &at, "this light gives no light");
+    }
+}
+
+static void warn_nothing_seen(struct pen_reader *r, const struct pen_scene_desc *desc)
+{
+    const struct pen_place root = {0};
+    bool lit = !is_black(desc->ambient) || !is_black(desc->background);
+    for (uint32_t i = 0; i < desc->light_count; i++)
+        lit |= !is_black(desc->lights[i].intensity);
+    for (uint32_t i = 0; i < desc->material_count; i++)
+        lit |= !is_black(desc->materials[i].emission);
+    if (desc->primitive_count == 0)
+        warn(r, &root, "there are no objects: the picture will show the background alone");
+    else if (!lit)
+        warn(r, &root,
+             "there is no light, ambient light, emission or background: the picture will be black");
+}
+
+static struct pen_place view_place(const struct pen_place up[2], const json_t *document, int view)
+{
+    return json_object_get(document, "views") ? pen_place_index(&up[1], (size_t)view)
+                                              : pen_place_key(&up[0], "camera");
+}
+
+/* The first view that asks for more than doubles give. A scene that cannot be frozen is refused
+ * when it is rendered. */
+static void warn_coarse(struct pen_reader *r, const json_t *document,
+                        const struct pen_scene_desc *desc)
+{
+    struct pen_status st;
+    struct pen_scene_precision precision;
+    char text[PEN_MSG_BYTES];
+    bool warned = false;
+    struct pen_scene *scene = pen_scene_freeze(desc, PEN_ACCEL_NONE, 0, &st);
+    struct pen_place up[2] = {{0}};
+    up[1] = pen_place_key(&up[0], "views");
+    for (int i = 0; scene && i < (int)scene->view_count && !warned; i++) {
+        const struct pen_settings *s = &desc->settings;
+        struct pen_place at = view_place(up, document, i);
+        warned = pen_scene_precision(scene, i, s->width, s->height, &precision) &&
+                 pen_precision_warning(&precision, text, sizeof text);
+        if (warned)
+            warn(r, &at, text);
+    }
+    pen_scene_free(scene);
+}
+
+void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
+                        struct pen_errors *warnings)
+{
+    struct pen_reader r = {.errors = warnings, .prefix = at};
+    warn_nothing_seen(&r, desc);
+    warn_unused_materials(&r, document, desc);
+    warn_dark_lights(&r, desc);
+    warn_coarse(&r, document, desc);
+    pen_tjunction_warnings(desc, at, warnings);
+}

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads `penumbra-scene/1` and the render settings of jobs: bytes in memory -> pen_scene_desc,
+ * with every error located. Nothing is repaired silently.
+ *
+ * Syntax errors (malformed JSON, duplicate keys, NaN, overflowing numbers) are reported alone,
+ * as PEN_SYNTAX with line and column: both count from 1, a column is a character, and the place is
+ * where the offending piece begins. Everything else is collected, up to PEN_ERRORS_MAX, each with
+ * a JSON Pointer: PEN_INVALID, PEN_UNSUPPORTED for what the format knows and this version does
+ * not, and PEN_NO_MEMORY for a full arena. Messages say what is allowed and what was found.
+ *
+ * Beyond what scene-format.md says, no number is larger than 1e100 in magnitude, no angle turns
+ * farther than 1e6 degrees, and `tile` and `max_depth` are at most 65536. api/scene.schema.json
+ * says all that a schema can. */
+#ifndef PEN_IO_SCENE_JSON_H
+#define PEN_IO_SCENE_JSON_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/arena.h"
+#include "base/status.h"
+#include "scene/desc.h"
+
+/* Limits, scene-format.md; pen_limits_default gives the defaults. */
+struct pen_limits {
+    size_t body_bytes;
+    size_t parsed_bytes; /* memory that the values of a document may take, by an estimate */
+    int nesting;
+    uint64_t objects;
+    uint64_t pixels_per_view;
+    uint32_t views;
+    double work; /* upper bound of primary and shadow rays */
+};
+
+struct pen_limits pen_limits_default(void);
+
+/* Parses JSON strictly: bytes and nesting are checked before parsing, the memory that the values
+ * take while parsing, duplicate keys refused.
+ * Integers that fit into 64 bits are jansson's integers, longer ones are reals.
+ * Owns: the caller json_decref()s. Fails: PEN_TOO_LARGE, PEN_SYNTAX, PEN_INVALID (nesting,
+ * with at), PEN_NO_MEMORY. */
+json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *limits,
+                       struct pen_status *st);
+
+/* Reads a scene from a parsed document. `at` is prefixed to every pointer ("" for a bare scene,
+ * "/scene" inside a job). Owns: everything in *desc lives in `arena`.
+ * Fails: returns false with errors->count > 0; *desc is then not to be used. */
+bool pen_scene_read(const json_t *document, const char *at, const struct pen_limits *limits,
+                    struct pen_arena *arena, struct pen_scene_desc *desc,
+                    struct pen_errors *errors);
+
+/* Applies a `render` object on top of *settings, which an error leaves as they were. Errors as
+ * pen_scene_read. */
+bool pen_settings_read(const json_t *render, const char *at, struct pen_settings *settings,
+                       struct pen_errors *errors);
+
+/* Applies one `key=value` of the command line (`--set`), the value as JSON or a bare word.
+ * Fails: PEN_USAGE, PEN_UNSUPPORTED, PEN_NO_MEMORY; the message names the key, *settings stay. */
+bool pen_settings_set(struct pen_settings *settings, const char *assignment, struct pen_status *st);
+
+/* Checks the limits that depend on settings and on the number of views to be rendered: pixels per
+ * view, work. `at` points at the document. Fails: PEN_TOO_LARGE. */
+bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_desc *desc,
+                      const struct pen_settings *settings, uint32_t views, const char *at,
+                      struct pen_status *st);
+
+/* Upper bound of primary and shadow rays of one pixel, from counts alone. */
+double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_settings *settings);
+
+/* Notes on a valid scene that a person may want to know: a T-junction (searched among up to 20 000
+ * edges), a named material that nothing uses, a light without light, a picture that will be empty
+ * or black, a view that asks for more than doubles give (scene/precision.h). Each has code
+ * PEN_OK, a JSON Pointer and a sentence. `document` is what *desc was read from, with the same
+ * `at`. Without memory there are fewer notes. */
+void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
+                        struct pen_errors *warnings);
+
+/* Parses and reads a whole bare scene in one go: the path of `penumbra render FILE`. Text that
+ * begins with `<` is XML, see document.h; errors are then placed by line and column. */
+bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
+                    struct pen_arena *arena, struct pen_scene_desc *desc,
+                    struct pen_errors *errors);
+
+/* The member of names[] (NULL-terminated) nearest to `word`, the first of several, or NULL if none
+ * is near: edit distance with transpositions <= 2 and less than half the word. Letters of either
+ * case are alike, and so are - and _. */
+const char *pen_nearest_name(const char *word, const char *const *names);
+
+/* What a message says was found: `the string "x"`, `an array of 3`, `2.5`. Cut to fit. */
+void pen_value_describe(const json_t *value, char *out, size_t bytes);
+
+/* One line for an error, for the command line: "FILE:LINE:COLUMN: message", "FILE: at POINTER:
+ * message" or "FILE: message". `file` may be NULL or empty; a line that does not fit is cut. */
+void pen_status_describe(const struct pen_status *st, const char *file, char *out, size_t bytes);
+
+#endif

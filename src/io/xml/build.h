@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+/* The making of a document out of elements, as they open: xml_parse.c has the order of things,
+ * xml_build.c what each becomes, xml_complain.c what is said. */
+#ifndef PEN_IO_XML_BUILD_H
+#define PEN_IO_XML_BUILD_H
+
+#include <expat.h>
+
+#include "base/buf.h"
+#include "io/xml/parse.h"
+
+/* An open element. */
+struct pen_xml_frame {
+    const struct pen_xml_element *element;
+    size_t tag;            /* offset of its tag */
+    json_t *object, *list; /* where members and items go; NULL: there are none. Borrowed. */
+    int depth;             /* of the object in the document */
+    bool said;             /* that text is not allowed */
+};
+
+struct pen_xml_builder {
+    XML_Parser parser;
+    const struct pen_limits *limits;
+    struct pen_xml *xml;
+    struct pen_status *st;
+    json_t *document;
+    struct pen_xml_frame frame[PEN_XML_DEPTH_MAX];
+    int count, skipped;       /* frames, and open elements above them that are ignored */
+    struct pen_xml_open open; /* both together */
+    uint64_t elements;
+    json_t *image; /* the value of <camera image="…">; NULL: none */
+    struct pen_buf scratch;
+    size_t room;  /* bytes that further values may take */
+    bool stopped; /* for the reason in *st: nothing is made any more */
+};
+
+/* The value; NULL, for want of memory, ends the work. */
+json_t *pen_xml_made(struct pen_xml_builder *b, json_t *value);
+void pen_xml_must(struct pen_xml_builder *b, bool done);
+
+/* Takes what values are about to need; too much ends the work. Returns whether there was room. */
+bool pen_xml_take(struct pen_xml_builder *b, size_t bytes);
+
+/* Adds a fault; the work goes on. */
+void pen_xml_complain(struct pen_xml_builder *b, size_t offset, enum pen_code code,
+                      const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* Ends the work. */
+void pen_xml_end(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
+                 ...) __attribute__((format(printf, 4, 5)));
+
+/* A fault of the attribute `name`, placed at it, or `offset` bytes into its value if that is not
+ * 0; "attribute NAME of <ELEMENT>: message". */
+struct pen_xml_about {
+    const struct pen_xml_frame *frame;
+    const char *name;
+    const char *value; /* as expat gave it; NULL with offset 0 */
+    size_t offset;
+};
+void pen_xml_complain_about(struct pen_xml_builder *b, const struct pen_xml_about *about,
+                            const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+void pen_xml_missing(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                     const char *name);
+void pen_xml_unknown_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                               const char *name);
+void pen_xml_unknown_element(struct pen_xml_builder *b, const struct pen_xml_frame *up,
+                             const char *name, size_t tag);
+
+/* Makes what the element of *frame becomes, inside that of *up. Returns it, borrowed, or NULL if
+ * it is to be ignored with all that is in it. Attributes are names and values in turn. */
+json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
+                      struct pen_xml_frame *frame, const char *const *attributes);
+
+/* Puts an attribute into what was made. */
+void pen_xml_attribute_read(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                            const char *name, const char *text);
+
+/* After the attributes. */
+void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
+                    const char *const *attributes);
+
+/* After the last element: what the dialect says where the document is silent, and the parts of the
+ * scene in the order in which the format describes them. */
+void pen_xml_complete(struct pen_xml_builder *b);
+
+#endif

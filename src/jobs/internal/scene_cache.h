@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/* Frozen scenes of a worker, by the content of their document and the accelerator: a scene that is
+ * rendered again, from another view or in another batch, is neither parsed nor built again. */
+#ifndef PEN_JOBS_INTERNAL_SCENE_CACHE_H
+#define PEN_JOBS_INTERNAL_SCENE_CACHE_H
+
+#include "scene/scene.h"
+#include "store/store.h"
+
+struct pen_scene_cache;
+
+/* What getting a scene took; 0 when it was there. */
+struct pen_scene_times {
+    double parse_ms, build_ms;
+};
+
+/* cap_bytes: of one scene's arena, 0: none. Owns: free with pen_scene_cache_free. Fails: NULL when
+ * out of memory. */
+struct pen_scene_cache *pen_scene_cache_new(size_t cap_bytes);
+void pen_scene_cache_free(struct pen_scene_cache *cache);
+
+size_t pen_scene_cache_cap(const struct pen_scene_cache *cache);
+
+/* Lets all scenes go. */
+void pen_scene_cache_empty(struct pen_scene_cache *cache);
+
+/* The scene of a claim. Owns: the cache keeps it; it is there until the next call. Fails: as
+ * pen_store_scene, pen_scene_load and pen_scene_freeze. */
+const struct pen_scene *pen_scene_cache_get(struct pen_scene_cache *cache, struct pen_store *store,
+                                            const struct pen_claim *claim,
+                                            enum pen_accelerator accelerator,
+                                            struct pen_scene_times *times, struct pen_status *st);
+
+/* The scene's document as a description, in an arena of the caller's. Fails: as pen_store_scene and
+ * pen_scene_load. */
+bool pen_scene_describe(struct pen_store *store, const char *job_id, struct pen_arena *arena,
+                        struct pen_scene_desc *desc, struct pen_status *st);
+
+#endif

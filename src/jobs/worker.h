@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+/* The worker: claims batches, renders them on one pool of threads, commits pixels. It holds no
+ * state that matters: killed anywhere, it costs at most the batches in flight. */
+#ifndef PEN_JOBS_WORKER_H
+#define PEN_JOBS_WORKER_H
+
+#include <jansson.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+
+#include "base/status.h"
+#include "jobs/trace.h"
+#include "render/render.h"
+#include "scene/precision.h"
+#include "scene/scene.h"
+#include "store/store.h"
+
+/* For tests: a renderer that fails. `wanted` is asked once per batch with the job's name (NULL:
+ * none); if it says so, `pixel` is called before each pixel and returns false when it has run out
+ * of memory. */
+struct pen_worker_fault {
+    bool (*wanted)(void *user, const char *job_name);
+    bool (*pixel)(void *user, int x, int y);
+    void *user;
+};
+
+struct pen_worker_options {
+    const char *store_url;
+    const char *name;        /* unique among running workers: host:pid:start */
+    int threads;             /* 0: one per processor */
+    size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
+    int64_t lease_ms;        /* 0: 15 s */
+    struct pen_trace *trace; /* where to say what it is at; may be NULL */
+    /* Called when render threads do not come back though their batch is not wanted any more: it
+     * has been settled with the store, and only the end of the process can end them. Must not
+     * return; NULL: they are waited for. */
+    void (*stuck)(void *user);
+    void *stuck_user;
+    const struct pen_worker_fault *fault; /* NULL: none */
+    /* Told of the worker's calls on the store, also from the heartbeat's thread, and of packing
+     * ("pack", once per batch, from a third); NULL: none. */
+    const struct pen_store_observer *observer;
+};
+
+/* Works until *stop becomes true: then the batch in flight is finished, a benchmark given back.
+ * Wake the store's PEN_SIGNAL_WORK after setting *stop. Fails: the store cannot be opened or broke.
+ */
+bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
+                    struct pen_status *st);
+
+/* The timing and rays of one render, as both the worker and `penumbra render --stats` report
+ * them: the statistics object of http-api.md. */
+struct pen_stats_input {
+    double queue_ms, parse_ms, build_ms, encode_ms, store_ms, total_ms;
+    const struct pen_render_stats *render;
+    const struct pen_accel_stats *accel;
+    const struct pen_scene_precision *precision; /* of the view; NULL: not known */
+};
+json_t *pen_stats_json(const struct pen_stats_input *in);
+
+#endif

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: MIT */
+/* A scene as its document says it: scene units, degrees, nothing transformed. Readers (pen/io)
+ * fill it after checking everything that scene-format.md says is refused; pen_scene_freeze turns
+ * it into what kernels use. All memory belongs to one arena, given by the reader. */
+#ifndef PEN_SCENE_DESC_H
+#define PEN_SCENE_DESC_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/arena.h"
+#include "base/status.h"
+#include "math/transform.h"
+#include "scene/settings.h"
+
+struct pen_material {
+    struct pen_vec3 emission, ka, kd, ks, kt, kr; /* RGB */
+    double shininess, ior;
+    double reflection_blur, transmission_blur; /* degrees */
+};
+
+/* emission 0, ka 1, kd ks kt kr 0, shininess 1, ior 1, no blur: black without ambient light. */
+struct pen_material pen_material_default(void);
+
+enum pen_light_kind { PEN_LIGHT_DIRECTIONAL, PEN_LIGHT_POINT, PEN_LIGHT_SPOT };
+
+struct pen_light_desc {
+    enum pen_light_kind kind;
+    bool shadows;
+    struct pen_vec3 intensity, position;
+    struct pen_vec3 direction; /* the way the light travels; any length */
+    double attenuation[3];     /* kc, kl, kq */
+    double beam_exponent;
+    double radius;         /* scene units; 0: hard shadows */
+    double angular_radius; /* degrees */
+};
+
+/* Whether the light has a disk, so that shadows it casts are soft. */
+static inline bool pen_light_desc_soft(const struct pen_light_desc *light)
+{
+    return (light->kind == PEN_LIGHT_DIRECTIONAL ? light->angular_radius : light->radius) > 0;
+}
+
+enum pen_object_kind {
+    PEN_OBJECT_SPHERE,
+    PEN_OBJECT_PLANE,
+    PEN_OBJECT_TRIANGLE,
+    PEN_OBJECT_POLYGON,
+    PEN_OBJECT_TUBE,
+    PEN_OBJECT_CYLINDER,
+    PEN_OBJECT_GROUP
+};
+
+struct pen_object_desc {
+    enum pen_object_kind kind;
+    const char *name; /* NULL if it has none */
+    int material;     /* index, -1: default */
+    union {
+        struct {
+            struct pen_vec3 center;
+            double radius;
+        } sphere;
+        struct {
+            struct pen_vec3 point, normal;
+        } plane;
+        struct {
+            uint32_t count; /* 3 for a triangle */
+            struct pen_vec3 *vertices;
+        } polygon; /* also for a triangle */
+        struct {
+            struct pen_vec3 origin, axis;
+            double radius;
+        } tube;
+        struct {
+            struct pen_vec3 base, axis;
+            double radius, height;
+            bool caps;
+        } cylinder;
+        struct {
+            uint32_t count;
+            struct pen_object_desc *objects;
+            bool has_transform;
+            struct pen_transform transform;
+        } group;
+    } u;
+};
+
+enum pen_move_kind { PEN_MOVE_TRANSLATE, PEN_MOVE_ROTATE, PEN_MOVE_ORBIT };
+enum pen_move_axis { PEN_AXIS_VECTOR, PEN_AXIS_FORWARD, PEN_AXIS_RIGHT, PEN_AXIS_UP };
+
+struct pen_camera_move {
+    enum pen_move_kind kind;
+    enum pen_move_axis axis_kind; /* rotate: which axis; PEN_AXIS_VECTOR: `axis` */
+    struct pen_vec3 axis;
+    struct pen_vec3 vector; /* translate: by; orbit: target */
+    double degrees;
+};
+
+struct pen_camera_desc {
+    struct pen_vec3 position, up;
+    bool has_look_at; /* else `direction` */
+    struct pen_vec3 look_at, direction;
+    bool has_view_plane; /* else `fov_degrees` */
+    double plane_distance, plane_width, plane_height;
+    double fov_degrees;
+    double aperture_radius, focus_distance;
+    uint32_t move_count;
+    const struct pen_camera_move *moves;
+};
+
+struct pen_view_desc {
+    const char *name;
+    struct pen_camera_desc camera;
+};
+
+struct pen_scene_desc {
+    const char *name; /* "" if it has none */
+    struct pen_vec3 background, ambient;
+    uint32_t view_count; /* at least 1; without "views" the one view is "main" */
+    struct pen_view_desc *views;
+    uint32_t material_count;
+    struct pen_material *materials; /* named ones first, then inline ones */
+    uint32_t light_count;
+    struct pen_light_desc *lights;
+    uint32_t object_count; /* top level */
+    struct pen_object_desc *objects;
+    uint64_t primitive_count;     /* all, groups entered, groups themselves not counted */
+    struct pen_settings settings; /* defaults and the scene's own `render` */
+};
+
+/* The frame of a camera, its moves applied. right = forward x up; all unit and orthogonal. */
+struct pen_camera_frame {
+    struct pen_vec3 eye, right, up, forward;
+};
+
+/* Fails: PEN_INVALID with at = "/up" (parallel to the view direction), "/look_at" (equal to the
+ * position) – relative to the camera object. */
+bool pen_camera_frame_make(const struct pen_camera_desc *camera, struct pen_camera_frame *frame,
+                           struct pen_status *st);
+
+/* Checks of a vertex loop that the reader applies; `at` is relative to the object, such as
+ * "/vertices/3". Refused: fewer than three, repeated, non-planar (beyond 1e-6 of the extent),
+ * self-intersecting, zero area. Cost: O(n log n) or, at worst, O(n^2) with small constants; a
+ * loop of 10 000 vertices takes well under a second. */
+bool pen_polygon_check(const struct pen_vec3 *vertices, uint32_t count, struct pen_status *st);
+
+#endif

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/* What the steps of freezing share: the scene while it is being filled. */
+#ifndef PEN_SCENE_INTERNAL_FREEZE_H
+#define PEN_SCENE_INTERNAL_FREEZE_H
+
+#include "scene/internal/place.h"
+#include "scene/internal/unit.h"
+#include "scene/scene.h"
+
+/* The largest local coordinate. Beyond it squares overflow; no picture shows what is there. */
+#define FREEZE_LOCAL_MAX 0x1p400
+
+struct pen_freezer {
+    const struct pen_scene_desc *desc;
+    struct pen_scene *scene;
+    struct pen_status *st;
+    struct pen_survey survey;
+    struct pen_local_frame frame;
+    struct pen_camera_frame *cameras; /* by view, scene units */
+    struct pen_vec3 *buffer;          /* of malloc: the vertices of the body at hand, moved */
+    uint32_t buffer_capacity;
+};
+
+static inline bool pen_freeze_no_memory(struct pen_freezer *f)
+{
+    return pen_fail(f->st, PEN_NO_MEMORY, "the scene does not fit into its memory limit");
+}
+
+static inline bool pen_freeze_in_range(struct pen_vec3 local)
+{
+    return fabs(local.x) <= FREEZE_LOCAL_MAX && fabs(local.y) <= FREEZE_LOCAL_MAX &&
+           fabs(local.z) <= FREEZE_LOCAL_MAX;
+}
+
+/* Calls fn for every body, placed, in document order. An error gets the body's place. */
+typedef bool pen_freeze_body(struct pen_freezer *f, const struct pen_placed *body, void *user);
+bool pen_freeze_each(struct pen_freezer *f, pen_freeze_body *fn, void *user);
+
+/* The typed arrays of the bodies; needs the survey and the local frame. */
+bool pen_freeze_prims(struct pen_freezer *f);
+
+/* The accelerator `manual`; needs the typed arrays. NULL, and the status, as pen_accel_build. */
+struct pen_accel *pen_freeze_manual(struct pen_freezer *f);
+
+#endif

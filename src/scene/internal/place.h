@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/* Bodies placed in the scene: the transforms of their groups applied, once, in double. */
+#ifndef PEN_SCENE_INTERNAL_PLACE_H
+#define PEN_SCENE_INTERNAL_PLACE_H
+
+#include "geom/prims.h"
+#include "math/box.h"
+#include "scene/internal/walk.h"
+
+struct pen_placed {
+    enum pen_prim_kind kind;
+    int material;
+    struct pen_vec3 point;     /* centre, point of a plane, origin of a tube, base of a cylinder */
+    struct pen_vec3 direction; /* normal or axis; any length but zero */
+    double radius, height;
+    bool caps;
+    uint32_t count; /* of vertices; those are the caller's buffer, or the document's own */
+    const struct pen_vec3 *vertices;
+};
+
+/* Places a body. `buffer` has room for its vertices. Mirrors keep the outside: a quadric's by
+ * itself, a plane's normal by the inverse transpose, a loop by running the other way round.
+ * Fails: PEN_INVALID, without a pointer (a quadric under something else than a similarity, or a
+ * transform that leaves the range of doubles). */
+bool pen_place_body(const struct pen_walk_body *body, struct pen_vec3 *buffer,
+                    struct pen_placed *placed, struct pen_status *st);
+
+/* What the local frame is made from, gathered body by body in scene units. */
+struct pen_survey {
+    struct pen_box finite, infinite; /* of the points that bodies are anchored at */
+    double finite_reach;             /* how far a finite body reaches from its anchor, at most */
+    double infinite_reach;
+    uint32_t kind_count[PEN_PRIM_KIND_COUNT];
+    uint64_t polygon_vertices;
+    uint64_t total;
+};
+
+struct pen_survey pen_survey_empty(void);
+void pen_survey_add(struct pen_survey *survey, const struct pen_placed *placed);
+
+/* p_local = (p - center) * 2^-exponent */
+struct pen_local_frame {
+    struct pen_vec3 center;
+    int exponent;
+};
+
+/* The local frame of the bodies; where all are infinite, of their anchors and the eyes of the
+ * views. Returns false if the scene is larger than a double can say. */
+bool pen_local_frame_make(const struct pen_survey *survey, const struct pen_camera_frame *cameras,
+                          uint32_t camera_count, struct pen_local_frame *frame);
+
+struct pen_vec3 pen_local_point(const struct pen_local_frame *frame, struct pen_vec3 p);
+double pen_local_length(const struct pen_local_frame *frame, double length);
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/* The bodies of a description in the order of the document, depth first, each with the composed
+ * transform of the groups around it. The walk keeps its own stack: a document cannot make it
+ * overflow the thread's. */
+#ifndef PEN_SCENE_INTERNAL_WALK_H
+#define PEN_SCENE_INTERNAL_WALK_H
+
+#include "scene/desc.h"
+
+struct pen_walk_level {
+    const struct pen_object_desc *objects;
+    uint32_t count, next;
+    bool moved; /* `transform` is not the identity */
+    struct pen_transform transform;
+    bool similar; /* the transform may place quadrics, and scales them by `scale` */
+    double scale;
+};
+
+struct pen_walk {
+    struct pen_walk_level *levels;
+    uint32_t depth, capacity;
+};
+
+/* What the walk stands at. */
+struct pen_walk_body {
+    const struct pen_object_desc *object; /* never a group */
+    bool moved;
+    const struct pen_transform *transform; /* to scene units; valid until the next step */
+    bool similar;                          /* it may place quadrics, and scales them by `scale` */
+    double scale;
+};
+
+/* Owns: release with pen_walk_release, also after a failure. Fails: PEN_NO_MEMORY. */
+bool pen_walk_init(struct pen_walk *walk, const struct pen_scene_desc *desc, struct pen_status *st);
+void pen_walk_release(struct pen_walk *walk);
+
+enum pen_walk_step { PEN_WALK_BODY, PEN_WALK_END, PEN_WALK_FAILED };
+
+/* Goes to the next body. Fails: PEN_NO_MEMORY. */
+enum pen_walk_step pen_walk_next(struct pen_walk *walk, struct pen_walk_body *body,
+                                 struct pen_status *st);
+
+/* The JSON Pointer of the body the walk stands at: "/objects/3/objects/0". Cut if too long. */
+void pen_walk_pointer(const struct pen_walk *walk, char *out, size_t bytes);
+
+#endif

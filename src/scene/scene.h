@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/* The frozen scene: what kernels read. Typed arrays in the local frame, materials, lights,
+ * cameras, the acceleration structure, and the set of effects that the scene calls for.
+ * Immutable after pen_scene_freeze; any number of threads may use it.
+ *
+ * Local frame: p_local = (p - center) * 2^-exponent. center is a multiple of 2^exponent near the
+ * middle of the finite bodies, 2^exponent is near their extent: scaling a scene by a power of
+ * two, or moving it by a multiple of 2^exponent, leaves the local coordinates equal bit for bit.
+ * Attenuation factors are rescaled to local lengths exactly. */
+#ifndef PEN_SCENE_SCENE_H
+#define PEN_SCENE_SCENE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "accel/accel.h"
+#include "scene/desc.h"
+
+/* Effects: what a kernel may be asked to simulate. A bit is set if the scene, seen with these
+ * settings, calls for it; see http-api.md for the names. */
+enum pen_effect {
+    PEN_FX_AMBIENT = 1 << 0,
+    PEN_FX_HARD_SHADOWS = 1 << 1,
+    PEN_FX_SOFT_SHADOWS = 1 << 2,
+    PEN_FX_SHADOW_TRANSMITTANCE = 1 << 3,
+    PEN_FX_MIRROR = 1 << 4,
+    PEN_FX_TRANSMISSION = 1 << 5,
+    PEN_FX_ANTI_ALIASING = 1 << 6,
+    PEN_FX_SPECULAR = 1 << 7
+};
+enum { PEN_FX_COUNT = 8 };
+
+/* The effect's name in the API ("hard_shadows") by bit number. */
+const char *pen_effect_name(int bit);
+
+struct pen_light {
+    enum pen_light_kind kind;
+    bool shadows;
+    bool soft; /* it casts shadows and has a radius above 0 */
+    struct pen_vec3 intensity;
+    struct pen_vec3 position;  /* local frame */
+    struct pen_vec3 direction; /* unit */
+    double kc, kl, kq;         /* for local distances */
+    double beam_exponent;
+    double radius; /* of its disk, local frame; directional: at unit distance */
+};
+
+/* A pinhole: the ray through the image point (px, py), in pixels from the top left corner, has
+ * direction middle + (px - half_width) dx + (py - half_height) dy (not normalised). Measured from
+ * the middle, so that mirrored pixels have exactly mirrored rays. */
+struct pen_pinhole {
+    struct pen_vec3 eye; /* local frame */
+    struct pen_vec3 middle, dx, dy;
+    double half_width, half_height;
+};
+
+struct pen_scene_view {
+    const char *name;
+    struct pen_camera_frame frame; /* scene units */
+    struct pen_camera_desc camera;
+};
+
+struct pen_scene {
+    struct pen_arena *arena;
+    struct pen_vec3 center; /* of the local frame, scene units */
+    int exponent;
+    struct pen_vec3 background, ambient;
+    struct pen_prims prims;
+    const uint32_t *prim_material; /* by primitive number, index into materials */
+    const uint8_t *see_through;    /* by primitive number: kt > 0 in some channel */
+    bool any_see_through;
+    const struct pen_material *materials;
+    uint32_t material_count;
+    const struct pen_light *lights; /* those with intensity > 0 in some channel, in order */
+    const uint32_t *light_index;    /* their places in the document: part of the sample key */
+    uint32_t light_count;
+    const struct pen_scene_view *views;
+    uint32_t view_count;
+    const struct pen_accel *accel;
+    unsigned effects; /* PEN_FX_* the scene itself calls for, whatever the settings */
+    double freeze_ms; /* without the tree */
+};
+
+/* Freezes: transforms primitives once, in double, makes the local frame, builds the tree.
+ * Owns: the scene has its own arena (cap_bytes, 0: none) and keeps nothing of `desc`.
+ * Fails: PEN_NO_MEMORY, PEN_UNSUPPORTED, PEN_INVALID (a scene that overflows the local frame). */
+struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
+                                   enum pen_accelerator accelerator, size_t cap_bytes,
+                                   struct pen_status *st);
+
+void pen_scene_free(struct pen_scene *scene);
+
+/* The view's number, or -1. */
+int pen_scene_find_view(const struct pen_scene *scene, const char *name);
+
+/* The pinhole of a view for an image size. */
+struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, int width,
+                                     int height);
+
+/* The effects that a render with these settings really simulates. */
+unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_settings *settings);
+
+/* The same of a scene that is not frozen: equal to what pen_scene_effects says once it is. */
+unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings);
+
+#endif

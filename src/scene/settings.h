@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/* Render settings: the `render` object of a scene or a job. Names, defaults and ranges are those
+ * of scene-format.md; precedence is applied by the reader (pen/io). */
+#ifndef PEN_SCENE_SETTINGS_H
+#define PEN_SCENE_SETTINGS_H
+
+#include <stdint.h>
+
+#include "accel/accel.h"
+
+enum pen_transfer_name { PEN_SETTING_SRGB, PEN_SETTING_LINEAR };
+enum pen_light_pattern { PEN_PATTERN_SOBOL, PEN_PATTERN_GRID, PEN_PATTERN_RANDOM };
+enum pen_precision { PEN_PRECISION_ROBUST, PEN_PRECISION_FAST };
+
+struct pen_settings {
+    int width, height;     /* pixels */
+    int samples_per_pixel; /* 1: the pixel's centre */
+    int light_samples;     /* shadow rays per soft light and point */
+    int light_pattern;     /* enum pen_light_pattern */
+    int blur_samples, lens_samples, max_samples;
+    int max_depth;           /* surfaces a path shades at most */
+    double min_contribution; /* weight below which a secondary ray is not traced */
+    double target_error;     /* 0: fixed sample counts */
+    int precision;           /* enum pen_precision */
+    int accelerator;         /* enum pen_accelerator */
+    int transfer;            /* enum pen_transfer_name */
+    uint64_t seed;
+    int tile;    /* tile edge, pixels */
+    int threads; /* 0: the whole pool */
+};
+
+/* The defaults of scene-format.md. */
+struct pen_settings pen_settings_default(void);
+
+/* "auto", "none", … */
+const char *pen_accelerator_name(enum pen_accelerator kind);
+
+#endif

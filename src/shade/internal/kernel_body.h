@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: MIT */
+/* The kernel: one body for all effects. `fx` is a constant in every instance (kernel_*.c), so an
+ * instance holds only the effects of its mask, without a test at run time.
+ *
+ * The tree of paths under a camera ray is walked without recursion: at a surface the mirrored path
+ * is put aside and the transmitted one goes on; when a path ends, the one put aside last is taken
+ * up. A path puts at most one other aside per surface it shades, and paths put aside later are
+ * deeper, so max_depth places are enough.
+ *
+ * Every instance sums in this order, so that all give the same bits: the surfaces of a pixel
+ * sample in the order of the walk; at each, emission, ambient, then the lights in document order,
+ * times the path's weight. What a mask leaves out is a term that would be 0, and adding 0 to a sum
+ * that began with 0 changes no bit of it. */
+#ifndef PEN_SHADE_INTERNAL_KERNEL_BODY_H
+#define PEN_SHADE_INTERNAL_KERNEL_BODY_H
+
+#include <float.h>
+
+#include "shade/internal/secondary.h"
+#include "shade/internal/soft.h"
+
+/* Emission, ambient (only seen directly) and lights, as the path's viewer sees them at s. */
+static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input *input,
+                                                   struct pen_kernel_scratch *scratch,
+                                                   const struct surface *s, bool primary,
+                                                   struct pen_ray_counts *counts, const unsigned fx)
+{
+    const struct pen_scene *scene = input->scene;
+    struct pen_vec3 sum = s->material->emission;
+    if ((fx & PEN_FX_AMBIENT) && primary)
+        sum = pen_add(sum, pen_mul(scene->ambient, s->material->ka));
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        struct lit lit = light_unshadowed(&scene->lights[i], s, fx);
+        if (is_black(lit.term))
+            continue;
+        lit.light = i;
+        if ((fx & PEN_FX_HARD_SHADOWS) && scene->lights[i].shadows) {
+            struct pen_vec3 t;
+            if ((fx & PEN_FX_SOFT_SHADOWS) && scene->lights[i].soft) {
+                t = soft_transmittance(input, scratch, s, &lit, counts, fx);
+            } else {
+                counts->shadow++;
+                t = hard_transmittance(input, scratch, s, &lit, fx);
+            }
+            if (is_black(t))
+                continue;
+            lit.term = pen_mul(lit.term, t);
+        }
+        sum = pen_add(sum, lit.term);
+    }
+    return sum;
+}
+
+/* The light that comes back along a camera ray. */
+static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
+                                                 struct pen_kernel_scratch *scratch,
+                                                 const struct pen_ray *camera_ray,
+                                                 struct pen_ray_counts *counts, const unsigned fx)
+{
+    const struct pen_scene *scene = input->scene;
+    struct pen_vec3 sum = {0, 0, 0};
+    struct path path = {*camera_ray, pen_leave_nothing, pen_after_start, {1, 1, 1}, 0, 1};
+    for (int waiting = 0;;) {
+        const struct pen_span span = {path.after, INFINITY};
+        struct pen_hit hit;
+        bool goes_on = false;
+        if (!input->trace->nearest(scene->accel, &path.ray, &path.leave, &span, &hit)) {
+            sum = pen_add(sum, pen_mul(path.weight, scene->background));
+        } else {
+            struct surface s = surface_at(scene, &path.ray, &path.leave, hit);
+            if (!surface_finite(&s))
+                return no_sample();
+            if (fx & PEN_FX_SOFT_SHADOWS)
+                scratch->key.node = path.node;
+            struct pen_vec3 here = shade_surface(input, scratch, &s, path.depth == 0, counts, fx);
+            sum = pen_add(sum, pen_mul(path.weight, here));
+            bool deeper = path.depth + 1 < input->settings->max_depth;
+            if ((fx & PEN_FX_MIRROR) && deeper &&
+                path_mirror(input, &path, &s, &scratch->waiting[waiting], fx)) {
+                counts->reflection++;
+                waiting++;
+            }
+            goes_on = (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, fx);
+            counts->transmission += goes_on;
+        }
+        if (goes_on)
+            continue;
+        if (waiting == 0)
+            return sum;
+        path = scratch->waiting[--waiting];
+    }
+}
+
+/* The camera ray through the image point (px, py). */
+static ALWAYS_INLINE bool camera_ray(const struct pen_pinhole *pinhole, double px, double py,
+                                     struct pen_ray *ray)
+{
+    struct pen_vec3 d = pen_along(pinhole->middle, pinhole->dx, px - pinhole->half_width);
+    return pen_ray_make(ray, pinhole->eye, pen_along(d, pinhole->dy, py - pinhole->half_height));
+}
+
+static ALWAYS_INLINE bool fits_film(struct pen_vec3 c)
+{
+    return fabs(c.x) <= FLT_MAX && fabs(c.y) <= FLT_MAX && fabs(c.z) <= FLT_MAX;
+}
+
+/* Point i of a pixel's samples: the centre if it has one sample only. */
+static ALWAYS_INLINE struct pen_point2 pixel_point(uint64_t hash, int i, int samples)
+{
+    return samples > 1 ? pen_sobol2(hash, (uint32_t)i) : (struct pen_point2){0.5, 0.5};
+}
+
+/* The mean of a pixel's samples; those that the film cannot hold are left out and counted. */
+static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
+                                       struct pen_kernel_scratch *scratch, int x, int y,
+                                       double rgb[3], struct pen_ray_counts *counts,
+                                       const unsigned fx)
+{
+    int samples = fx & PEN_FX_ANTI_ALIASING ? input->settings->samples_per_pixel : 1;
+    const struct pen_sample_key key = {.seed = input->settings->seed,
+                                       .x = (uint32_t)x,
+                                       .y = (uint32_t)y,
+                                       .purpose = PEN_PURPOSE_PIXEL};
+    uint64_t hash = samples > 1 ? pen_sample_hash(&key) : 0;
+    if (fx & PEN_FX_SOFT_SHADOWS) {
+        scratch->key = key;
+        scratch->key.purpose = PEN_PURPOSE_LIGHT;
+    }
+    struct pen_vec3 sum = {0, 0, 0};
+    int kept = 0;
+    for (int i = 0; i < samples; i++) {
+        struct pen_point2 at = pixel_point(hash, i, samples);
+        struct pen_ray ray;
+        struct pen_vec3 c = no_sample();
+        counts->primary++;
+        if (fx & PEN_FX_SOFT_SHADOWS)
+            scratch->key.pixel_sample = (uint32_t)i;
+        if (camera_ray(&input->pinhole, x + at.x, y + at.y, &ray))
+            c = trace_paths(input, scratch, &ray, counts, fx);
+        if (!fits_film(c)) {
+            counts->dropped_samples++;
+            continue;
+        }
+        sum = pen_add(sum, c);
+        kept++;
+    }
+    rgb[0] = kept ? sum.x / kept : 0;
+    rgb[1] = kept ? sum.y / kept : 0;
+    rgb[2] = kept ? sum.z / kept : 0;
+}
+
+#endif

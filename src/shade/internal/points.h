@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: MIT */
+/* The points of a light's disk that are sampled from one shaded point, by the setting
+ * light_pattern, some at a time. Which they are is said at struct pen_sample_key. */
+#ifndef PEN_SHADE_INTERNAL_POINTS_H
+#define PEN_SHADE_INTERNAL_POINTS_H
+
+#include <math.h>
+#include <string.h>
+
+#include "accel/fan.h"
+#include "math/sample.h"
+#include "scene/settings.h"
+#include "shade/internal/points_lanes.h"
+
+struct points {
+    uint64_t hash;
+    int pattern;
+    uint32_t samples; /* sobol, random: how many; grid: cells along an edge */
+    uint32_t next;    /* sobol, random: index; grid: row */
+    uint32_t column;  /* grid */
+    bool none;        /* grid: no point so far was in the circle */
+};
+
+/* Some of them, as coordinates on the unit disk. */
+struct point_list {
+    double a[PEN_FAN_RAYS], b[PEN_FAN_RAYS];
+    int count;
+};
+
+/* The least m with m^2 >= n. */
+static inline uint32_t points_edge(uint32_t n)
+{
+    uint32_t m = (uint32_t)sqrt(n);
+    return m * m < n ? m + 1 : m;
+}
+
+static inline struct points points_begin(const struct pen_settings *settings, uint64_t hash)
+{
+    uint32_t samples = (uint32_t)settings->light_samples;
+    bool grid = settings->light_pattern == PEN_PATTERN_GRID;
+    return (struct points){.hash = hash,
+                           .pattern = settings->light_pattern,
+                           .samples = grid ? points_edge(samples) : samples,
+                           .none = grid};
+}
+
+/* Cells of a row of the grid: those in [out, stop) may have their point in the circle, those in
+ * [in, in_stop) surely have. Symmetric, and cut with more than rounding to spare. */
+struct points_row {
+    uint32_t out, in, in_stop, stop;
+};
+
+static inline struct points_row points_row(uint32_t edge, uint32_t row)
+{
+    const double half = 0.5 * edge;
+    double low = fabs(row - half), high = fabs(row + 1 - half);
+    double near = (low < high ? low : high) / half, far = (low < high ? high : low) / half;
+    if (2 * row + 1 == edge)
+        near = 0;
+    double reach = sqrt(1 + 0x1p-30 - near * near) * half;
+    double inner = far < 1 ? sqrt(1 - far * far) * half - 1 - 0x1p-30 * half : -1;
+    struct points_row r = {0, 0, 0, edge};
+    if (half - reach > 0)
+        r.out = (uint32_t)(half - reach);
+    r.stop = edge - r.out;
+    r.in = r.in_stop = r.stop;
+    if (inner >= 0.5) {
+        r.in = (uint32_t)(half - inner);
+        r.in_stop = edge - r.in;
+    }
+    return r;
+}
+
+/* The points of four cells of a row of the grid, in the square around the unit disk. */
+static inline void points_cells(const struct points *p, uint32_t row, uint32_t column, point4 *x,
+                                point4 *y)
+{
+    point4 columns = {column, column + 1., column + 2., column + 3.};
+    points_random(p->hash, row * p->samples + column, x, y);
+    *x = 2 * ((columns + *x) / p->samples) - 1;
+    *y = 2 * ((row + *y) / p->samples) - 1;
+}
+
+/* Appends the points of four cells of a row that are in the disk, of those before `stop`. */
+static inline int points_add_cells(const struct points *p, uint32_t row, uint32_t column,
+                                   uint32_t stop, struct point_list *list)
+{
+    point4 x, y;
+    points_cells(p, row, column, &x, &y);
+    choice4 in = x * x + y * y <= 1;
+    for (uint32_t i = 0; i < 4 && column + i < stop; i++) {
+        list->a[list->count] = x[i];
+        list->b[list->count] = y[i];
+        list->count += in[i] & 1;
+    }
+    return list->count;
+}
+
+/* Rows are cut where the list is full. */
+static inline void points_fill_grid(struct points *p, struct point_list *list)
+{
+    for (; p->next < p->samples; p->next++, p->column = 0) {
+        struct points_row row = points_row(p->samples, p->next);
+        if (p->column < row.out)
+            p->column = row.out;
+        for (; p->column < row.stop; p->column += 4) {
+            if (list->count > PEN_FAN_RAYS - 4)
+                return;
+            if (points_add_cells(p, p->next, p->column, row.stop, list) > 0)
+                p->none = false;
+        }
+    }
+    if (list->count == 0 && p->none) { /* the centre */
+        p->none = false;
+        list->a[0] = list->b[0] = 0;
+        list->count = 1;
+    }
+}
+
+/* The next points, up to PEN_FAN_RAYS of them; 0 when there are no more. */
+static inline int points_fill(struct points *p, struct point_list *list)
+{
+    list->count = 0;
+    if (p->pattern == PEN_PATTERN_GRID) {
+        points_fill_grid(p, list);
+        return list->count;
+    }
+    uint32_t left = p->samples - p->next;
+    list->count = left < PEN_FAN_RAYS ? (int)left : PEN_FAN_RAYS;
+    for (int i = 0; i < list->count; i += 4) {
+        point4 x, y;
+        if (p->pattern == PEN_PATTERN_SOBOL)
+            points_sobol(p->hash, p->next + (uint32_t)i, &x, &y);
+        else
+            points_random(p->hash, p->next + (uint32_t)i, &x, &y);
+        points_disk(&x, &y);
+        memcpy(list->a + i, &x, sizeof x);
+        memcpy(list->b + i, &y, sizeof y);
+    }
+    p->next += (uint32_t)list->count;
+    return list->count;
+}
+
+/* How many of the cells [column, stop) of a row have their point in the disk. */
+static inline uint32_t points_count_cells(const struct points *p, uint32_t row, uint32_t column,
+                                          uint32_t stop)
+{
+    uint32_t count = 0;
+    for (; column < stop; column += 4) {
+        point4 x, y;
+        choice4 in, number = {0, 1, 2, 3};
+        points_cells(p, row, column, &x, &y);
+        in = (x * x + y * y <= 1) & (number < (int64_t)(stop - column));
+        count -= (uint32_t)(in[0] + in[1] + in[2] + in[3]);
+    }
+    return count;
+}
+
+/* How many points there are in all. */
+static inline uint32_t points_count(const struct points *p)
+{
+    uint32_t count = 0;
+    if (p->pattern != PEN_PATTERN_GRID)
+        return p->samples;
+    for (uint32_t i = 0; i < p->samples; i++) {
+        struct points_row row = points_row(p->samples, i);
+        count += row.in_stop - row.in;
+        count += points_count_cells(p, i, row.out, row.in);
+        count += points_count_cells(p, i, row.in_stop, row.stop);
+    }
+    return count > 0 ? count : 1;
+}
+
+#endif

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+/* The point that a ray hit, with all that shading asks about it. */
+#ifndef PEN_SHADE_INTERNAL_SURFACE_H
+#define PEN_SHADE_INTERNAL_SURFACE_H
+
+#include "shade/internal/scratch.h"
+
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
+struct surface {
+    struct pen_hit hit;
+    const struct pen_material *material;
+    struct pen_vec3 p;      /* on the surface */
+    struct pen_vec3 n;      /* unit, turned towards the viewer */
+    struct pen_vec3 v;      /* unit, from the viewer to p */
+    double nv;              /* n.v <= 0 */
+    struct pen_leave leave; /* what rays leave that go on from p at the viewer's side; its bound is
+                               how far p may be off by rounding */
+};
+
+static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
+                                               const struct pen_ray *ray,
+                                               const struct pen_leave *left, struct pen_hit hit)
+{
+    struct surface s;
+    s.hit = hit;
+    s.material = &scene->materials[scene->prim_material[hit.prim]];
+    s.p = pen_prim_point(&scene->prims, hit, ray);
+    s.n = pen_prim_normal(&scene->prims, hit, s.p);
+    s.v = pen_normalize(ray->d);
+    s.nv = pen_dot(s.n, s.v);
+    if (s.nv > 0) {
+        s.n = pen_neg(s.n);
+        s.nv = -s.nv;
+    }
+    s.leave = pen_leave_at(&scene->prims, ray, left, hit, s.p);
+    return s;
+}
+
+/* What a ray leaves that goes on from p: at the viewer's side, or `through` the surface. */
+static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s, bool through)
+{
+    struct pen_leave leave = s->leave;
+    leave.through = through;
+    return leave;
+}
+
+/* Whether the point, the normal and the direction are finite: the bound contains the point. */
+static ALWAYS_INLINE bool surface_finite(const struct surface *s)
+{
+    return fabs(s->nv - s->leave.bound) < INFINITY;
+}
+
+/* What stands for a sample that is none: the film cannot hold it, so it is left out and counted. */
+static ALWAYS_INLINE struct pen_vec3 no_sample(void)
+{
+    return pen_vec3(INFINITY, INFINITY, INFINITY);
+}
+
+static ALWAYS_INLINE bool is_black(struct pen_vec3 c)
+{
+    return c.x == 0 && c.y == 0 && c.z == 0;
+}
+
+#endif

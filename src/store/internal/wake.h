@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* Wake-up hints between processes that share a store on one host: two counters in a small file
+ * mapped by all of them, and futexes to wait on. Nothing depends on a hint: where the file cannot
+ * be made or mapped, waiting is just sleeping. The same page has words by which the processes tell
+ * each other of faults of the store (health.h); without the file every handle has its own. */
+#ifndef PEN_STORE_INTERNAL_WAKE_H
+#define PEN_STORE_INTERNAL_WAKE_H
+
+#include <stdatomic.h>
+#include <stdint.h>
+
+#include "store/store.h"
+
+struct pen_wake;
+
+/* Opens the counters in `path`, making the file. Owns: free with pen_wake_close.
+ * Fails: NULL when out of memory; a file that cannot be used is not a failure. */
+struct pen_wake *pen_wake_open(const char *path);
+void pen_wake_close(struct pen_wake *wake);
+
+/* As pen_store_wait and pen_store_wake. */
+void pen_wake_wait(struct pen_wake *wake, enum pen_signal signal, uint32_t *seen, int timeout_ms);
+void pen_wake_all(struct pen_wake *wake, enum pen_signal signal);
+
+/* The words of health.h, zero in a new file. */
+enum { PEN_WAKE_WORDS = 16 };
+_Atomic uint32_t *pen_wake_words(struct pen_wake *wake);
+
+/* Takes the lock on the file, unless somebody has it. *lock is for pen_wake_unlock. A file that
+ * cannot be opened has nobody to keep away: true. */
+bool pen_wake_try_lock(struct pen_wake *wake, int *lock);
+void pen_wake_unlock(int lock);
+
+#endif

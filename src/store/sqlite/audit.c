@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT */
+/* The audit: one query per rule, each selecting what breaks it. State numbers are those of
+ * store.h: jobs 0 queued, 1 running, 2 succeeded, 3 failed, 4 cancelled; batches 0 open, 1 leased,
+ * 2 done, 3 ended; kinds 0 render, 1 assemble, 2 study. */
+#include <stdio.h>
+
+#include "store/sqlite/sqlite.h"
+
+struct rule {
+    const char *finding; /* what a row means; the row's first column is shown after it */
+    const char *sql;
+};
+
+static const struct rule rules[] = {
+    {"a row whose owner is missing, in table", "SELECT \"table\" FROM pragma_foreign_key_check"},
+    {"a queued job that has begun",
+     "SELECT id FROM job WHERE state = 0 AND (started_ms <> 0 OR done_pixels <> 0 OR EXISTS"
+     " (SELECT 1 FROM batch WHERE job = number AND (state <> 0 OR attempt <> 0)))"},
+    {"a running or succeeded job that has never begun",
+     "SELECT id FROM job WHERE state IN (1, 2) AND started_ms = 0"},
+    {"a running job with nothing left to do",
+     "SELECT id FROM job WHERE state = 1 AND NOT EXISTS"
+     " (SELECT 1 FROM batch WHERE job = number AND state IN (0, 1))"},
+    {"a job with a time of end that has not ended, or the other way round",
+     "SELECT id FROM job WHERE (state >= 2) <> (finished_ms <> 0)"},
+    {"a job with an error that has not failed, or the other way round",
+     "SELECT id FROM job WHERE (state = 3) <> (error IS NOT NULL)"},
+    {"a succeeded job with unfinished batches",
+     "SELECT id FROM job WHERE state = 2 AND EXISTS"
+     " (SELECT 1 FROM batch WHERE job = number AND state <> 2)"},
+    {"a succeeded job without a view's picture, or without its report",
+     "SELECT j.id FROM job j JOIN view v ON v.job = j.number WHERE j.state = 2 AND NOT EXISTS"
+     " (SELECT 1 FROM artefact a WHERE a.job = v.job AND a.view = v.view"
+     " AND a.format = CASE WHEN a.layer = 'report' THEN 'json' ELSE 'png' END"
+     " AND a.layer = CASE WHEN EXISTS (SELECT 1 FROM batch WHERE job = j.number AND kind = 2)"
+     " THEN 'report' ELSE 'beauty' END)"},
+    {"a failed or cancelled job whose batches may still be worked on",
+     "SELECT id FROM job WHERE state IN (3, 4) AND EXISTS"
+     " (SELECT 1 FROM batch WHERE job = number AND state IN (0, 1))"},
+    {"an ended batch of a job that did not fail and was not cancelled",
+     "SELECT b.id FROM batch b JOIN job j ON j.number = b.job"
+     " WHERE b.state = 3 AND j.state NOT IN (3, 4)"},
+    {"a job whose progress is not the sum of its batches",
+     "SELECT id FROM job WHERE total_pixels <> (SELECT coalesce(sum(pixels), 0) FROM batch"
+     " WHERE job = number AND kind <> 1) OR done_pixels <> (SELECT coalesce(sum(pixels), 0)"
+     " FROM batch WHERE job = number AND kind <> 1 AND state = 2) AND NOT EXISTS"
+     " (SELECT 1 FROM batch WHERE job = number AND kind = 2 AND state <> 2)"},
+    {"a job whose views' pixels are not those of its batches",
+     "SELECT id FROM job WHERE total_pixels <>"
+     " (SELECT sum(width * height) FROM view WHERE job = number)"
+     " AND NOT EXISTS (SELECT 1 FROM batch WHERE job = number AND kind = 2)"},
+    {"a study that is not the only batch of its job",
+     "SELECT id FROM batch s WHERE kind = 2 AND EXISTS"
+     " (SELECT 1 FROM batch b WHERE b.job = s.job AND b.id <> s.id)"},
+    {"a view whose count of open batches is wrong, of job",
+     "SELECT v.job FROM view v WHERE v.batches <> (SELECT count(*) FROM batch b"
+     " WHERE b.job = v.job AND b.view = v.view AND b.kind <> 1) OR v.open_batches <>"
+     " (SELECT count(*) FROM batch b WHERE b.job = v.job AND b.view = v.view AND b.kind <> 1"
+     " AND b.state <> 2)"},
+    {"a view with too many or too few assemble batches, of job",
+     "SELECT v.job FROM view v WHERE (v.batches > 1 AND v.open_batches = 0) <>"
+     " (SELECT count(*) FROM batch b WHERE b.job = v.job AND b.view = v.view AND b.kind = 1)"},
+    {"a job whose count of open views is wrong",
+     "SELECT id FROM job WHERE open_views <> (SELECT count(*) FROM view v WHERE v.job = number"
+     " AND (v.open_batches > 0 OR EXISTS (SELECT 1 FROM batch b WHERE b.job = v.job"
+     " AND b.view = v.view AND b.kind = 1 AND b.state <> 2)))"},
+    {"a finished render batch without pixels",
+     "SELECT id FROM batch WHERE kind = 0 AND state = 2 AND id NOT IN (SELECT batch FROM pixels)"},
+    {"pixels of a batch that is not a finished render batch",
+     "SELECT p.batch FROM pixels p JOIN batch b ON b.id = p.batch"
+     " WHERE b.kind <> 0 OR b.state <> 2"},
+    {"statistics of an unfinished batch, or a finished batch without any",
+     "SELECT id FROM batch WHERE (state = 2) <> (stats IS NOT NULL)"},
+    {"a finished batch without the revision of its commit, or the other way round",
+     "SELECT id FROM batch WHERE (state = 2) <> (revision IS NOT NULL)"},
+    {"a job of which two batches were committed at one revision, or beyond its own",
+     "SELECT j.id FROM job j JOIN batch b ON b.job = j.number WHERE b.revision IS NOT NULL"
+     " GROUP BY j.number HAVING count(*) <> count(DISTINCT b.revision)"
+     " OR max(b.revision) > j.revision"},
+    {"a claimed batch that was never attempted",
+     "SELECT id FROM batch WHERE state IN (1, 2) AND attempt = 0"},
+    {"a batch whose priority is not its job's",
+     "SELECT b.id FROM batch b JOIN job j ON j.number = b.job WHERE b.priority <> j.priority"},
+    {"a job charged without a death, or more than it allows",
+     "SELECT id FROM job WHERE charges NOT BETWEEN 0 AND min(deaths, max_attempts)"},
+    {"a job that has used up its attempts and goes on",
+     "SELECT id FROM job WHERE charges >= max_attempts AND state IN (0, 1)"},
+    {"a job that lets others go first though no worker was lost over it",
+     "SELECT id FROM job WHERE deaths < 2 AND rest_until_ms <> 0"},
+    {"a suspect batch that was never attempted, or has come to its end",
+     "SELECT id FROM batch WHERE suspect = 1 AND (attempt = 0 OR state IN (2, 3))"},
+    {"a worker that holds more than a suspect batch, or than a study",
+     "SELECT a.worker FROM batch a WHERE a.state = 1 AND (a.suspect = 1 OR a.kind = 2)"
+     " AND EXISTS (SELECT 1"
+     " FROM batch b WHERE b.state = 1 AND b.worker = a.worker AND b.id <> a.id)"},
+    {"a scene document that no job names",
+     "SELECT id FROM scene WHERE id NOT IN (SELECT scene FROM job)"},
+};
+
+struct audit {
+    pen_audit_fn *each;
+    void *user;
+    int found;
+};
+
+static bool apply_rule(struct pen_sq_store *store, const struct rule *rule, struct audit *audit,
+                       struct pen_status *st)
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(store->db, rule->sql, -1, &stmt, NULL);
+    while (rc == SQLITE_OK || rc == SQLITE_ROW) {
+        rc = sqlite3_step(stmt);
+        if (rc != SQLITE_ROW)
+            break;
+        char finding[256];
+        const char *what = (const char *)sqlite3_column_text(stmt, 0);
+        snprintf(finding, sizeof finding, "%s: %s", rule->finding, what ? what : "?");
+        audit->found++;
+        if (audit->each)
+            audit->each(audit->user, finding);
+    }
+    sqlite3_finalize(stmt);
+    return rc == SQLITE_DONE || pen_sq_error(store, rc, st);
+}
+
+static bool read_audit(struct pen_sq_store *store, void *arg, struct pen_status *st)
+{
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+        if (!apply_rule(store, &rules[i], arg, st))
+            return false;
+    }
+    return true;
+}
+
+bool pen_sq_audit(struct pen_store *base, pen_audit_fn *each, void *user, int *found,
+                  struct pen_status *st)
+{
+    struct audit audit = {.each = each, .user = user};
+    if (!pen_sq_snapshot(pen_sq_of(base), read_audit, &audit, st))
+        return false;
+    *found = audit.found;
+    return true;
+}

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT */
+/* A copy of a store, taken while others read and write it: all pages as one reader sees them at
+ * one moment (SQLite's backup in one step, which writers do not start over). The copy is made
+ * beside its name, checked, synced and then named, so under that name there is always a whole
+ * backup or what was there before. It keeps no log: it is one file, to be copied as such. The
+ * store itself is only read; one of an older schema is copied as it is. */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "store/sqlite/sqlite.h"
+
+enum { PATH_BYTES = 4096 };
+
+struct copy {
+    struct pen_sq_store from, to;
+    char path[PATH_BYTES + 16]; /* of the unfinished copy */
+    const char *name;           /* that it is to have */
+    bool replace;
+};
+
+static bool cannot_write(const char *path, int error, struct pen_status *st)
+{
+    return pen_fail(st, error == ENOSPC || error == EDQUOT ? PEN_STORAGE_FULL : PEN_IO,
+                    "cannot write the backup %s: %s", path, strerror(error));
+}
+
+/* Whether both names are of one file. */
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
+static bool check_name(const char *url, const char *name, bool replace, struct pen_status *st)
+{
+    static const char *const ends[] = {"", "-wal", "-shm", "-wake"};
+    char path[PATH_BYTES + 8];
+    struct stat info;
+    if (strlen(name) >= PATH_BYTES || strlen(url) >= PATH_BYTES)
+        return pen_fail(st, PEN_USAGE, "the path of the backup is too long");
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        snprintf(path, sizeof path, "%s%s", url, ends[i]);
+        if (is_same_file(path, name) || strcmp(path, name) == 0)
+            return pen_fail(st, PEN_USAGE, "%s is the store itself; a backup needs another name",
+                            name);
+    }
+    if (lstat(name, &info) != 0)
+        return errno == ENOENT || cannot_write(name, errno, st);
+    if (S_ISDIR(info.st_mode))
+        return pen_fail(st, PEN_USAGE, "%s is a folder; give the backup a name in it", name);
+    return replace || pen_fail(st, PEN_CONFLICT,
+                               "%s is there already; nothing was written. --replace replaces it "
+                               "once the new backup is whole",
+                               name);
+}
+
+static bool open_copy(struct copy *copy, struct pen_status *st)
+{
+    snprintf(copy->path, sizeof copy->path, "%s.part-XXXXXX", copy->name);
+    int fd = mkostemp(copy->path, O_CLOEXEC); /* 0600, as the store */
+    if (fd < 0) {
+        bool ok = cannot_write(copy->name, errno, st);
+        copy->path[0] = '\0';
+        return ok;
+    }
+    close(fd);
+    copy->to.path = copy->path;
+    int rc = sqlite3_open_v2(copy->path, &copy->to.db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX,
+                             NULL);
+    if (!copy->to.db)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the backup");
+    sqlite3_extended_result_codes(copy->to.db, 1);
+    return rc == SQLITE_OK || cannot_write(copy->path, sqlite3_system_errno(copy->to.db), st);
+}
+
+/* SQLite says what failed, not on which side: the store is only read, and the copy is read only
+ * after it was written. */
+static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
+{
+    int error = sqlite3_system_errno(copy->to.db);
+    switch (rc) {
+    case SQLITE_FULL:
+        return cannot_write(copy->name, ENOSPC, st);
+    case SQLITE_IOERR_WRITE:
+    case SQLITE_IOERR_FSYNC:
+    case SQLITE_IOERR_TRUNCATE:
+        return cannot_write(copy->name, error ? error : EIO, st);
+    default:
+        return pen_sq_error(&copy->from, rc, st);
+    }
+}
+
+/* The copy is not kept if the power fails meanwhile, so it needs no journal. */
+static bool copy_pages(struct copy *copy, struct pen_status *st)
+{
+    if (!pen_sq_exec(&copy->to, "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF", st))
+        return false;
+    sqlite3_backup *backup = sqlite3_backup_init(copy->to.db, "main", copy->from.db, "main");
+    if (!backup)
+        return copy_failed(copy, sqlite3_errcode(copy->to.db), st);
+    int rc = sqlite3_backup_step(backup, -1);
+    sqlite3_backup_finish(backup);
+    if (rc != SQLITE_DONE)
+        return copy_failed(copy, rc, st);
+    rc = sqlite3_exec(copy->to.db, "PRAGMA journal_mode = DELETE", NULL, NULL, NULL);
+    return rc == SQLITE_OK || copy_failed(copy, rc, st);
+}
+
+static bool count_jobs(struct copy *copy, int64_t *jobs, struct pen_status *st)
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(copy->to.db, "SELECT count(*) FROM job", -1, &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    if (rc == SQLITE_ROW)
+        *jobs = sqlite3_column_int64(stmt, 0);
+    sqlite3_finalize(stmt);
+    return rc == SQLITE_ROW || pen_sq_error(&copy->to, rc, st);
+}
+
+static bool check_copy(struct copy *copy, int64_t *jobs, struct pen_status *st)
+{
+    struct pen_status why;
+    if (pen_sq_check_pages(&copy->to, &why) && count_jobs(copy, jobs, &why))
+        return true;
+    return pen_fail(st, why.code, "no backup was made, its check failed: %s", why.msg);
+}
+
+static bool sync_file(const char *path, int64_t *bytes, struct pen_status *st)
+{
+    struct stat info;
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    bool ok = fd >= 0 && fsync(fd) == 0 && fstat(fd, &info) == 0;
+    int error = errno;
+    if (fd >= 0)
+        close(fd);
+    if (!ok)
+        return cannot_write(path, error, st);
+    *bytes = info.st_size;
+    return true;
+}
+
+static bool name_copy(struct copy *copy, struct pen_status *st)
+{
+    bool ok = copy->replace ? rename(copy->path, copy->name) == 0
+                            : pen_sq_name_new_file(copy->path, copy->name);
+    if (ok) {
+        copy->path[0] = '\0';
+        return pen_sq_sync_folder(copy->name) || cannot_write(copy->name, errno, st);
+    }
+    if (errno == EEXIST)
+        return pen_fail(st, PEN_CONFLICT, "%s has come to be there meanwhile; it was left",
+                        copy->name);
+    return cannot_write(copy->name, errno, st);
+}
+
+static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_status *st)
+{
+    if (!pen_sq_open_to_read(&copy->from, st) || !open_copy(copy, st) || !copy_pages(copy, st) ||
+        !check_copy(copy, &out->jobs, st))
+        return false;
+    if (sqlite3_close(copy->to.db) == SQLITE_OK)
+        copy->to.db = NULL;
+    return sync_file(copy->path, &out->bytes, st) && name_copy(copy, st);
+}
+
+/* What a backup that failed has made. */
+static void remove_part(struct copy *copy)
+{
+    char journal[sizeof copy->path + 8];
+    if (!copy->path[0])
+        return;
+    snprintf(journal, sizeof journal, "%s-journal", copy->path);
+    unlink(copy->path);
+    unlink(journal);
+}
+
+bool pen_sqlite_backup(const char *url, const char *name, bool replace, struct pen_backup *out,
+                       struct pen_status *st)
+{
+    if (!check_name(url, name, replace, st))
+        return false;
+    struct copy *copy = calloc(1, sizeof *copy);
+    char *path = strdup(url);
+    bool ok = copy && path;
+    if (ok) {
+        copy->from.path = path;
+        copy->from.patience_ms = 5000;
+        copy->name = name;
+        copy->replace = replace;
+        ok = make_backup(copy, out, st);
+        sqlite3_close(copy->to.db);
+        pen_sq_close_unwritten(&copy->from);
+        remove_part(copy);
+    } else {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the backup");
+    }
+    free(path);
+    free(copy);
+    return ok;
+}

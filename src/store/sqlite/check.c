@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/* Whether a store is whole. SQLite's own check reads every page of every table and index, and that
+ * each index has what its table has. It knows nothing of a log that was overwritten, which it
+ * would silently take for an empty one: sqlite_wal.c looks at that first. */
+#include <stdio.h>
+#include <string.h>
+
+#include "store/sqlite/sqlite.h"
+
+enum { NAME_BYTES = 64 };
+
+/* The table or index of a tree, or "". */
+static void name_tree(struct pen_sq_store *store, int root, char name[NAME_BYTES])
+{
+    sqlite3_stmt *stmt = NULL;
+    name[0] = '\0';
+    if (sqlite3_prepare_v2(store->db,
+                           "SELECT type || ' ' || name FROM sqlite_schema WHERE rootpage = ?", -1,
+                           &stmt, NULL) == SQLITE_OK &&
+        sqlite3_bind_int(stmt, 1, root) == SQLITE_OK && sqlite3_step(stmt) == SQLITE_ROW)
+        snprintf(name, NAME_BYTES, "%s", (const char *)sqlite3_column_text(stmt, 0));
+    sqlite3_finalize(stmt);
+}
+
+/* A verdict may begin with a line that names the database. */
+static bool report(struct pen_sq_store *store, const char *verdict, struct pen_status *st)
+{
+    char what[200], name[NAME_BYTES] = "";
+    int root;
+    const char *line = strncmp(verdict, "***", 3) == 0 ? strchr(verdict, '\n') : NULL;
+    snprintf(what, sizeof what, "%s", line ? line + 1 : verdict);
+    what[strcspn(what, "\n")] = '\0';
+    if (sscanf(what, "%*[^T]Tree %d", &root) == 1 || sscanf(what, "Tree %d", &root) == 1)
+        name_tree(store, root, name);
+    return pen_sq_damaged(store, st, "the store %s is damaged (%s%s%s)", store->path, name,
+                          name[0] ? ": " : "", what);
+}
+
+bool pen_sq_check_pages(struct pen_sq_store *store, struct pen_status *st)
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(store->db, "PRAGMA integrity_check(1)", -1, &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    bool ok = rc == SQLITE_ROW || pen_sq_error(store, rc, st);
+    const char *verdict = ok ? (const char *)sqlite3_column_text(stmt, 0) : NULL;
+    if (ok && (!verdict || strcmp(verdict, "ok") != 0))
+        ok = pen_sq_is_refused_read(store, SQLITE_CORRUPT)
+                 ? pen_sq_error(store, SQLITE_CORRUPT, st)
+                 : report(store, verdict ? verdict : "no verdict", st);
+    sqlite3_finalize(stmt);
+    return ok;
+}
+
+bool pen_sq_check_file(struct pen_sq_store *store, struct pen_status *st)
+{
+    return pen_sq_check_log(store, st) && pen_sq_check_pages(store, st);
+}
+
+/* A schema that is not the one of its version shows in statements that do not fit it. */
+static bool check_schema(struct pen_sq_store *store, struct pen_status *st)
+{
+    for (int sql = 0; sql < SQ_COUNT; sql++) {
+        struct pen_sq_query query = pen_sq_query(store, (enum pen_sq_sql)sql);
+        if (query.rc == SQLITE_ERROR)
+            return pen_sq_damaged(store, st,
+                                  "the store %s is damaged (its schema is not of the version that "
+                                  "it says: %s)",
+                                  store->path, sqlite3_errmsg(store->db));
+        if (query.rc != SQLITE_OK)
+            return pen_sq_error(store, query.rc, st);
+    }
+    return true;
+}
+
+bool pen_sq_check(struct pen_store *base, struct pen_status *st)
+{
+    struct pen_sq_store *store = pen_sq_of(base);
+    return pen_sq_check_file(store, st) && check_schema(store, st);
+}

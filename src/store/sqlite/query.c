@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: MIT */
+/* Statements, transactions and errors of the SQLite engine. Also here: how the write-ahead log is
+ * kept short. SQLite's own rule (a passive checkpoint every so many pages) lets the log grow for
+ * as long as readers overlap; beyond a second mark the log is wound back with a short wait for
+ * readers instead. */
+#include "store/sqlite/sqlite.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+
+enum {
+    WAL_CHECKPOINT_PAGES = 2000, /* 8 MiB: copied into the database as far as readers allow */
+    WAL_TRUNCATE_PAGES = 6000,   /* 24 MiB: wound back, waiting for readers */
+    WAL_PATIENCE_MS = 20         /* for readers to leave; writers wait meanwhile */
+};
+
+struct pen_sq_query pen_sq_query(struct pen_sq_store *store, enum pen_sq_sql sql)
+{
+    struct pen_sq_query query = {.store = store, .stmt = store->stmt[sql]};
+    if (!query.stmt) {
+        query.rc = sqlite3_prepare_v3(store->db, pen_sq_sql_text(sql), -1,
+                                      SQLITE_PREPARE_PERSISTENT, &query.stmt, NULL);
+        store->stmt[sql] = query.stmt;
+    }
+    return query;
+}
+
+void pen_sq_int(struct pen_sq_query *query, int64_t value)
+{
+    if (query->rc == SQLITE_OK)
+        query->rc = sqlite3_bind_int64(query->stmt, ++query->bound, value);
+}
+
+void pen_sq_text(struct pen_sq_query *query, const char *text)
+{
+    if (query->rc == SQLITE_OK)
+        query->rc = sqlite3_bind_text(query->stmt, ++query->bound, text, -1, SQLITE_STATIC);
+}
+
+void pen_sq_blob(struct pen_sq_query *query, const void *data, size_t bytes)
+{
+    if (query->rc == SQLITE_OK)
+        query->rc = sqlite3_bind_blob64(query->stmt, ++query->bound, bytes ? data : "", bytes,
+                                        SQLITE_STATIC);
+}
+
+void pen_sq_end(struct pen_sq_query *query)
+{
+    if (query->stmt) {
+        sqlite3_reset(query->stmt);
+        sqlite3_clear_bindings(query->stmt);
+    }
+}
+
+bool pen_sq_next(struct pen_sq_query *query, bool *row, struct pen_status *st)
+{
+    int rc = query->rc;
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(query->stmt);
+    *row = rc == SQLITE_ROW;
+    if (*row)
+        return true;
+    bool ok = rc == SQLITE_DONE || pen_sq_error(query->store, rc, st);
+    pen_sq_end(query);
+    return ok;
+}
+
+bool pen_sq_run(struct pen_sq_query *query, struct pen_status *st)
+{
+    bool row = true;
+    while (row) {
+        if (!pen_sq_next(query, &row, st))
+            return false;
+    }
+    return true;
+}
+
+int pen_sq_changes(const struct pen_sq_store *store)
+{
+    return sqlite3_changes(store->db);
+}
+
+int64_t pen_sq_column_int(const struct pen_sq_query *query, int column)
+{
+    return sqlite3_column_int64(query->stmt, column);
+}
+
+const char *pen_sq_column_text(const struct pen_sq_query *query, int column)
+{
+    return (const char *)sqlite3_column_text(query->stmt, column);
+}
+
+struct pen_packed pen_sq_column_blob(const struct pen_sq_query *query, int column)
+{
+    const void *data = sqlite3_column_blob(query->stmt, column);
+    return (struct pen_packed){data, data ? (size_t)sqlite3_column_bytes(query->stmt, column) : 0};
+}
+
+char *pen_sq_column_dup(const struct pen_sq_query *query, int column, bool *ok)
+{
+    if (sqlite3_column_type(query->stmt, column) == SQLITE_NULL)
+        return NULL;
+    const char *text = pen_sq_column_text(query, column);
+    char *copy = text ? strdup(text) : NULL;
+    if (!copy)
+        *ok = false;
+    return copy;
+}
+
+static void note_fault(struct pen_sq_store *store, enum pen_fault fault, int error)
+{
+    store->base.faults |= 1u << fault;
+    store->base.fault_errno = error;
+    if (fault != PEN_FAULT_FULL)
+        store->sound = false;
+}
+
+bool pen_sq_damaged(struct pen_sq_store *store, struct pen_status *st, const char *format, ...)
+{
+    char what[PEN_MSG_BYTES];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    note_fault(store, PEN_FAULT_DAMAGE, 0);
+    return pen_fail(st, PEN_STORAGE,
+                    "%s; nothing was changed: stop Penumbra and restore a backup, or move the file "
+                    "away to begin anew",
+                    what);
+}
+
+static const char *what_failed(int rc)
+{
+    switch (rc) {
+    case SQLITE_IOERR_READ:
+    case SQLITE_IOERR_CORRUPTFS:
+    case SQLITE_IOERR_SHORT_READ:
+        return "be read";
+    case SQLITE_IOERR_WRITE:
+    case SQLITE_IOERR_TRUNCATE:
+        return "be written";
+    case SQLITE_IOERR_FSYNC:
+    case SQLITE_IOERR_DIR_FSYNC:
+    case SQLITE_IOERR_CLOSE:
+        return "be synced to the disk";
+    case SQLITE_IOERR_SHMOPEN:
+    case SQLITE_IOERR_SHMSIZE:
+    case SQLITE_IOERR_SHMMAP:
+        return "make its shared memory, the file ending in -shm";
+    default:
+        break;
+    }
+    return (rc & 0xff) == SQLITE_CANTOPEN ? "be opened" : "be used";
+}
+
+bool pen_sq_io_error(struct pen_sq_store *store, int rc, int error, struct pen_status *st)
+{
+    bool full = (rc & 0xff) == SQLITE_FULL || error == ENOSPC || error == EDQUOT;
+    bool sync = rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC;
+    note_fault(store, full && !sync ? PEN_FAULT_FULL : PEN_FAULT_IO, error);
+    if (full && !sync)
+        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no room left", store->path);
+    return pen_fail(st, full ? PEN_STORAGE_FULL : PEN_STORAGE, "the store %s could not %s: %s",
+                    store->path, what_failed(rc), error ? strerror(error) : sqlite3_errstr(rc));
+}
+
+/* Of a process that has run out of something: says nothing of the store. */
+static bool is_own_want(int rc, int error)
+{
+    return rc == SQLITE_NOMEM || rc == SQLITE_IOERR_NOMEM ||
+           (rc != SQLITE_FULL && (error == ENOMEM || error == EMFILE || error == ENFILE));
+}
+
+/* What the files say of their last failure; 0: none. */
+static int errno_of_files(struct pen_sq_store *store)
+{
+    static const int files[] = {SQLITE_FCNTL_JOURNAL_POINTER, SQLITE_FCNTL_FILE_POINTER};
+    int error = 0;
+    for (size_t i = 0; i < 2 && !error; i++) {
+        sqlite3_file *file = NULL;
+        if (sqlite3_file_control(store->db, "main", files[i], &file) == SQLITE_OK && file &&
+            file->pMethods)
+            file->pMethods->xFileControl(file, SQLITE_FCNTL_LAST_ERRNO, &error);
+    }
+    return error;
+}
+
+/* SQLite passes on the errno of most failures; of those in a commit, only the files know it. */
+static int errno_of(struct pen_sq_store *store)
+{
+    int error = sqlite3_system_errno(store->db);
+    return error ? error : errno_of_files(store);
+}
+
+bool pen_sq_is_refused_read(struct pen_sq_store *store, int rc)
+{
+    int error = (rc & 0xff) == SQLITE_CORRUPT ? errno_of_files(store) : 0;
+    return error == EIO || error == ENXIO;
+}
+
+bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st)
+{
+    if (pen_sq_is_refused_read(store, rc))
+        return pen_sq_io_error(store, SQLITE_IOERR_READ, EIO, st);
+    int kind = rc & 0xff;
+    bool system = kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN;
+    int error = system ? errno_of(store) : 0;
+    if (is_own_want(rc, error))
+        return error == EMFILE || error == ENFILE
+                   ? pen_fail(st, PEN_UNAVAILABLE, "the store %s cannot be opened: %s", store->path,
+                              strerror(error))
+                   : pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    switch (kind) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_PROTOCOL:
+        return pen_fail(st, PEN_UNAVAILABLE, "the store %s is busy", store->path);
+    case SQLITE_TOOBIG:
+        return pen_fail(st, PEN_TOO_LARGE, "too large to be stored in one piece");
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+        return pen_sq_damaged(store, st, "the store %s is damaged (%s)", store->path,
+                              sqlite3_errmsg(store->db));
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+        return pen_sq_io_error(store, rc, error, st);
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+        return pen_sq_io_error(store, rc, 0, st);
+    default:
+        return pen_fail(st, PEN_INTERNAL, "the store %s failed: %s", store->path,
+                        sqlite3_errmsg(store->db));
+    }
+}
+
+bool pen_sq_exec(struct pen_sq_store *store, const char *sql, struct pen_status *st)
+{
+    int rc = sqlite3_exec(store->db, sql, NULL, NULL, NULL);
+    return rc == SQLITE_OK || pen_sq_error(store, rc, st);
+}
+
+/* A checkpoint that does not get through is no failure of its caller: the next one does. Where it
+ * met a fault, that is noted. */
+static void checkpoint(struct pen_sq_store *store, int mode)
+{
+    struct pen_status ignored;
+    int64_t patience = store->patience_ms;
+    store->patience_ms = WAL_PATIENCE_MS;
+    int rc = sqlite3_wal_checkpoint_v2(store->db, "main", mode, NULL, NULL);
+    store->patience_ms = patience;
+    store->wal_pages = 0;
+    if (rc != SQLITE_OK)
+        pen_sq_error(store, rc, &ignored);
+}
+
+void pen_sq_wind_back_log(struct pen_sq_store *store)
+{
+    checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
+}
+
+bool pen_sq_settle(struct pen_store *base, struct pen_status *st)
+{
+    struct pen_sq_store *store = pen_sq_of(base);
+    int rc = sqlite3_wal_checkpoint_v2(store->db, "main", SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
+    return rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY || pen_sq_error(store, rc, st);
+}
+
+static void keep_log_short(struct pen_sq_store *store)
+{
+    store->base.unsettled = store->wal_pages >= WAL_CHECKPOINT_PAGES;
+    if (store->wal_pages >= WAL_TRUNCATE_PAGES)
+        checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
+    else if (store->base.unsettled && !store->base.others_settle)
+        checkpoint(store, SQLITE_CHECKPOINT_PASSIVE);
+}
+
+bool pen_sq_prepare(struct pen_sq_store *store, struct pen_status *st)
+{
+    static const enum pen_sq_sql always[] = {SQ_BEGIN_READ, SQ_BEGIN_WRITE, SQ_COMMIT, SQ_ROLLBACK};
+    for (size_t i = 0; i < sizeof always / sizeof always[0]; i++) {
+        struct pen_sq_query query = pen_sq_query(store, always[i]);
+        if (query.rc != SQLITE_OK)
+            return pen_sq_error(store, query.rc, st);
+    }
+    return true;
+}
+
+static bool run_plain(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_status *st)
+{
+    struct pen_sq_query query = pen_sq_query(store, sql);
+    return pen_sq_run(&query, st);
+}
+
+/* Some failures have ended the transaction already. One that cannot be ended, as for want of
+ * memory, ends with the handle. */
+static void roll_back(struct pen_sq_store *store)
+{
+    struct pen_status ignored;
+    if (!sqlite3_get_autocommit(store->db))
+        run_plain(store, SQ_ROLLBACK, &ignored);
+    if (!sqlite3_get_autocommit(store->db))
+        store->base.closed = true;
+}
+
+/* Within another transaction it fails, and leaves that one as it is. */
+static bool begin(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_status *st)
+{
+    bool outermost = sqlite3_get_autocommit(store->db);
+    if (run_plain(store, sql, st))
+        return true;
+    if (outermost)
+        roll_back(store);
+    return false;
+}
+
+/* A file that lost its name goes with the process, and what was written to it. */
+static bool has_name(struct pen_sq_store *store, struct pen_status *st)
+{
+    int moved = 0;
+    sqlite3_file_control(store->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    if (!moved)
+        return true;
+    note_fault(store, PEN_FAULT_IO, ENOENT);
+    return pen_fail(st, PEN_STORAGE,
+                    "the store %s was moved or removed while it was in use; put it back, or stop "
+                    "Penumbra",
+                    store->path);
+}
+
+bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg,
+                        struct pen_status *st)
+{
+    if (!has_name(store, st) || !begin(store, SQ_BEGIN_WRITE, st))
+        return false;
+    if (!body(store, arg, st) || !run_plain(store, SQ_COMMIT, st)) {
+        roll_back(store);
+        store->base.work = store->base.news = false;
+        return false;
+    }
+    store->base.transactions++;
+    keep_log_short(store);
+    return true;
+}
+
+bool pen_sq_snapshot(struct pen_sq_store *store, pen_sq_body *body, void *arg,
+                     struct pen_status *st)
+{
+    if (!begin(store, SQ_BEGIN_READ, st))
+        return false;
+    bool ok = body(store, arg, st);
+    roll_back(store);
+    return ok;
+}
+
+bool pen_sq_job_number(struct pen_sq_store *store, const char *id, int64_t *number,
+                       struct pen_status *st)
+{
+    struct pen_sq_query query = pen_sq_query(store, SQ_JOB_NUMBER);
+    pen_sq_text(&query, id);
+    bool row;
+    if (!pen_sq_next(&query, &row, st))
+        return false;
+    if (!row)
+        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
+    *number = pen_sq_column_int(&query, 0);
+    pen_sq_end(&query);
+    return true;
+}

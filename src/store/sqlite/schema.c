@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT */
+/* The schema and its migrations. A store's schema version (PRAGMA user_version) is the number of
+ * steps it has been through; a step once released is never edited, a change is a new step.
+ *
+ * scene        a document, once per content; gone with the last job that names it
+ * job, view, batch   what is to be done and how far it is
+ * pixels       what a render batch came to; exactly one row for a batch that is done
+ * artefact     encoded pictures; view -1 is for what is made from all views; sum is that of data,
+ *              NULL for what was stored by schemas before there were any
+ * idempotency  keys of submits, their bodies' hashes and the answers given; they outlive the job,
+ *              since what a client was promised does not end with a delete
+ * worker       who works, and when it was last heard of; nothing depends on it
+ *
+ * Numbers of jobs and batches are never used twice (AUTOINCREMENT): a claim names a batch by
+ * number and attempt, and must not fit another batch after a delete. view.open_batches and
+ * job.open_views are counted down by commits, so that a commit costs the same in a job of many
+ * batches as in one of few. job.deaths counts the times that workers were lost over a job since
+ * its last commit, job.charges those that are its own fault; until job.rest_until_ms other jobs go
+ * first. batch.suspect: a worker was lost over it. batch.revision is the revision that its
+ * commit gave the job, so that whoever knows an older one can be told what was committed since. */
+#include "store/sqlite/sqlite.h"
+
+#include <stdio.h>
+
+#include "store/states.h"
+
+static const char step_1[] =
+    "CREATE TABLE scene ("
+    " id INTEGER PRIMARY KEY,"
+    " sha256 BLOB NOT NULL UNIQUE CHECK (length(sha256) = 32),"
+    " document BLOB NOT NULL"
+    ") STRICT;"
+    "CREATE TABLE job ("
+    " number INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " id TEXT NOT NULL UNIQUE,"
+    " state INTEGER NOT NULL DEFAULT 0 CHECK (state BETWEEN 0 AND 4),"
+    " revision INTEGER NOT NULL DEFAULT 1,"
+    " kind TEXT NOT NULL,"
+    " scene INTEGER NOT NULL REFERENCES scene(id),"
+    " priority INTEGER NOT NULL,"
+    " max_attempts INTEGER NOT NULL,"
+    " charges INTEGER NOT NULL DEFAULT 0,"
+    " timeout_ms INTEGER NOT NULL,"
+    " created_ms INTEGER NOT NULL,"
+    " started_ms INTEGER NOT NULL DEFAULT 0,"
+    " finished_ms INTEGER NOT NULL DEFAULT 0,"
+    " updated_ms INTEGER NOT NULL,"
+    " done_pixels INTEGER NOT NULL DEFAULT 0 CHECK (done_pixels <= total_pixels),"
+    " total_pixels INTEGER NOT NULL,"
+    " open_views INTEGER NOT NULL CHECK (open_views >= 0),"
+    " request TEXT NOT NULL,"
+    " error TEXT"
+    ") STRICT;"
+    "CREATE INDEX job_by_state ON job(state, number);"
+    "CREATE INDEX job_by_scene ON job(scene);"
+    "CREATE TABLE view ("
+    " job INTEGER NOT NULL REFERENCES job(number) ON DELETE CASCADE,"
+    " view INTEGER NOT NULL,"
+    " name TEXT NOT NULL,"
+    " width INTEGER NOT NULL,"
+    " height INTEGER NOT NULL,"
+    " batches INTEGER NOT NULL,"
+    " open_batches INTEGER NOT NULL CHECK (open_batches BETWEEN 0 AND batches),"
+    " PRIMARY KEY (job, view)"
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE TABLE batch ("
+    " id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " job INTEGER NOT NULL,"
+    " view INTEGER NOT NULL,"
+    " kind INTEGER NOT NULL,"
+    " first_tile INTEGER NOT NULL,"
+    " tile_count INTEGER NOT NULL,"
+    " pixels INTEGER NOT NULL,"
+    " priority INTEGER NOT NULL,"
+    " state INTEGER NOT NULL DEFAULT 0 CHECK (state BETWEEN 0 AND 3),"
+    " attempt INTEGER NOT NULL DEFAULT 0,"
+    " worker TEXT,"
+    " lease_until_ms INTEGER,"
+    " done_ms INTEGER,"
+    " stats TEXT,"
+    " FOREIGN KEY (job, view) REFERENCES view(job, view) ON DELETE CASCADE,"
+    " CHECK ((state = 1) = (worker IS NOT NULL)),"
+    " CHECK ((state = 1) = (lease_until_ms IS NOT NULL)),"
+    " CHECK ((state = 2) = (done_ms IS NOT NULL))"
+    ") STRICT;"
+    "CREATE INDEX batch_by_job ON batch(job, view);"
+    "CREATE INDEX batch_open ON batch(priority DESC, job, id) WHERE state = 0;"
+    "CREATE INDEX batch_leased ON batch(lease_until_ms) WHERE state = 1;"
+    "CREATE TABLE pixels ("
+    " batch INTEGER PRIMARY KEY REFERENCES batch(id) ON DELETE CASCADE,"
+    " data BLOB NOT NULL"
+    ") STRICT;"
+    "CREATE TABLE artefact ("
+    " id INTEGER PRIMARY KEY,"
+    " job INTEGER NOT NULL REFERENCES job(number) ON DELETE CASCADE,"
+    " view INTEGER NOT NULL,"
+    " layer TEXT NOT NULL,"
+    " format TEXT NOT NULL,"
+    " data BLOB NOT NULL,"
+    " UNIQUE (job, view, layer, format)"
+    ") STRICT;"
+    "CREATE TABLE idempotency ("
+    " key TEXT PRIMARY KEY,"
+    " body_sha256 BLOB NOT NULL CHECK (length(body_sha256) = 32),"
+    " answer TEXT NOT NULL,"
+    " created_ms INTEGER NOT NULL"
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE INDEX idempotency_by_age ON idempotency(created_ms);";
+
+/* What is known of deaths of workers: batches they held, and what that means for the jobs. */
+static const char step_2[] =
+    "ALTER TABLE job ADD COLUMN deaths INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN rest_until_ms INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE batch ADD COLUMN suspect INTEGER NOT NULL DEFAULT 0 CHECK (suspect IN (0, 1));";
+
+/* Which revision of its job a batch was committed at. Jobs from before were submitted at 1 and
+ * begun at 2, and each commit counted one on. */
+static const char step_3[] =
+    "ALTER TABLE batch ADD COLUMN revision INTEGER;"
+    "UPDATE batch SET revision = past.revision FROM (SELECT id, 2 + row_number()"
+    " OVER (PARTITION BY job ORDER BY done_ms, id) AS revision FROM batch WHERE state = 2) AS past"
+    " WHERE batch.id = past.id;"
+    "CREATE INDEX batch_by_revision ON batch(job, revision) WHERE revision IS NOT NULL;";
+
+/* Who works, see sqlite_workers.c. */
+static const char step_4[] = "CREATE TABLE worker ("
+                             " name TEXT PRIMARY KEY,"
+                             " threads INTEGER NOT NULL,"
+                             " lease_ms INTEGER NOT NULL,"
+                             " started_ms INTEGER NOT NULL,"
+                             " seen_ms INTEGER NOT NULL"
+                             ") STRICT, WITHOUT ROWID;";
+
+/* No change of tables: from here on pixels may be of the form 0x02, see pixels.c, which a build of
+ * the schema before cannot read. */
+static const char step_5[] = "";
+
+/* From here on there may be batches of kind 2, studies, which builds of the schemas before would
+ * take for batches that assemble a picture. */
+static const char step_6[] = "";
+
+/* Sums of artefacts; those from before have none. */
+static const char step_7[] = "ALTER TABLE artefact ADD COLUMN sum INTEGER;";
+
+static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5, step_6, step_7};
+enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
+
+static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,
+                        struct pen_status *st)
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(store->db, sql, -1, &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    if (rc == SQLITE_ROW)
+        *value = sqlite3_column_int64(stmt, 0);
+    bool ok = rc == SQLITE_ROW || pen_sq_error(store, rc, st);
+    sqlite3_finalize(stmt);
+    return ok;
+}
+
+/* The schema's version, from inside. The header of the file can be older than its log. */
+static bool read_version(struct pen_sq_store *store, int64_t *version, struct pen_status *st)
+{
+    int64_t application = 0;
+    if (!read_pragma(store, "PRAGMA application_id", &application, st) ||
+        !read_pragma(store, "PRAGMA user_version", version, st))
+        return false;
+    if (application != SQ_APPLICATION_ID)
+        return pen_fail(st, PEN_STORAGE,
+                        "%s is a database of another program; give another path for the store",
+                        store->path);
+    if (*version > STEP_COUNT)
+        return pen_fail(st, PEN_STORAGE,
+                        "the store %s was written by a newer Penumbra (schema %d, this one knows "
+                        "%d); use that version, or another store",
+                        store->path, (int)*version, (int)STEP_COUNT);
+    if (*version < 1)
+        return pen_sq_damaged(store, st, "the store %s is damaged (its schema has version %d)",
+                              store->path, (int)*version);
+    return true;
+}
+
+/* All missing steps in one transaction: after a crash the store is of the old schema or the new. */
+static bool take_steps(struct pen_sq_store *store, int version, struct pen_status *st)
+{
+    char mark[96];
+    snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d",
+             (int)SQ_APPLICATION_ID, (int)STEP_COUNT);
+    bool ok = pen_sq_exec(store, "BEGIN IMMEDIATE", st);
+    for (int i = version; ok && i < STEP_COUNT; i++)
+        ok = pen_sq_exec(store, steps[i], st);
+    ok = ok && pen_sq_exec(store, mark, st) && pen_sq_exec(store, "COMMIT", st);
+    if (!ok && !sqlite3_get_autocommit(store->db))
+        sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
+    return ok;
+}
+
+bool pen_sq_make_schema(struct pen_sq_store *store, struct pen_status *st)
+{
+    return pen_sq_exec(store, "PRAGMA auto_vacuum = INCREMENTAL", st) && take_steps(store, 0, st);
+}
+
+/* Steps are taken only from a store without fault, and only if it has the schema it says. */
+static bool upgrade(struct pen_sq_store *store, int version, struct pen_status *st)
+{
+    if (!pen_sq_check_file(store, st))
+        return false;
+    if (take_steps(store, version, st))
+        return true;
+    if (st->code != PEN_INTERNAL)
+        return false;
+    return pen_sq_damaged(store, st, "the store %s is damaged (it is not of schema %d as it says)",
+                          store->path, version);
+}
+
+bool pen_sq_migrate(struct pen_sq_store *store, struct pen_status *st)
+{
+    int64_t version = 0;
+    return read_version(store, &version, st) &&
+           (version == STEP_COUNT || upgrade(store, (int)version, st)) &&
+           pen_sq_exec(store, "PRAGMA journal_mode = WAL", st);
+}
+
+/* A trigger that refuses every change of state that has no arrow. */
+static bool guard(struct pen_sq_store *store, const char *table, const struct pen_arrow *arrows,
+                  int count, struct pen_status *st)
+{
+    struct pen_buf sql = {0};
+    pen_buf_printf(&sql,
+                   "CREATE TEMP TRIGGER %s_arrow BEFORE UPDATE OF state ON main.%s"
+                   " WHEN NEW.state <> OLD.state AND NOT (0",
+                   table, table);
+    for (int i = 0; i < count; i++)
+        pen_buf_printf(&sql, " OR (OLD.state = %d AND NEW.state = %d)", arrows[i].from,
+                       arrows[i].to);
+    pen_buf_printf(&sql, ") BEGIN SELECT RAISE(ABORT, 'illegal change of state of a %s'); END",
+                   table);
+    bool ok = sql.failed ? pen_fail(st, PEN_NO_MEMORY, "no memory for the store")
+                         : pen_sq_exec(store, (const char *)sql.data, st);
+    pen_buf_release(&sql);
+    return ok;
+}
+
+bool pen_sq_guard_states(struct pen_sq_store *store, struct pen_status *st)
+{
+    int count;
+    const struct pen_arrow *arrows = pen_job_arrows(&count);
+    if (!guard(store, "job", arrows, count, st))
+        return false;
+    arrows = pen_batch_arrows(&count);
+    return guard(store, "batch", arrows, count, st);
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/* Figures as all reports and statistics write them. Each returns NULL when out of memory. */
+#ifndef PEN_STUDY_FIGURES_H
+#define PEN_STUDY_FIGURES_H
+
+#include <jansson.h>
+
+#include "render/render.h"
+
+/* Rounded to thousandths: milliseconds to the microsecond. */
+json_t *pen_figure(double value);
+
+/* The sum of all kinds. */
+uint64_t pen_figure_ray_sum(const struct pen_ray_counts *rays);
+
+/* {primary, shadow, reflection, transmission, total}. */
+json_t *pen_figure_rays(const struct pen_ray_counts *rays);
+
+/* Millions of rays a second. */
+json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms);
+
+/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}, and box_tests_per_ray and
+ * primitive_tests_per_ray where they were counted. */
+json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
+                               const struct pen_render_stats *stats);
+
+/* The names of effects. */
+json_t *pen_figure_effects(unsigned effects);
+
+/* {cpu, isa, cores, version}. */
+json_t *pen_figure_host(void);
+
+#endif
