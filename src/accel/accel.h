@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Acceleration structures: a builder makes a frozen structure over the finite primitives; infinite
- * ones stay in a short list beside it. Every kind gives the same crossings, bit for bit:
- * boxes are float, rounded outward, and tested so that no crossing is ever missed (Ize, JCGT
+ * ones stay in a short list beside it. Every kind gives the same intersections, bit for bit:
+ * boxes are float, rounded outward, and tested so that no intersection is ever missed (Ize, JCGT
  * 2(2), 2013, and directed rounding of origins); a box is entered when its near distance is
- * <= the best t; the order of crossings is that of geom/ray.h.
+ * <= the best t; the order of intersections is that of geom/ray.h.
  *
  * Threads: a built tree is immutable and may be used by any number of threads. */
 #ifndef PEN_ACCEL_ACCEL_H
 #define PEN_ACCEL_ACCEL_H
 
-#include "accel/fan.h"
+#include "accel/shadow_packet.h"
 #include "base/arena.h"
 #include "base/cpu.h"
 #include "base/status.h"
@@ -50,12 +50,12 @@ struct pen_accel *pen_accel_build(const struct pen_prims *prims, enum pen_accele
 
 /* Groups of primitives: those with numbers from begin to end - 1. A group comes before those inside
  * it, and two either nest or have nothing in common. */
-struct pen_group_span {
+struct pen_group_range {
     uint32_t begin, end;
 };
 
 struct pen_groups {
-    const struct pen_group_span *group;
+    const struct pen_group_range *group;
     uint32_t count;
 };
 
@@ -66,9 +66,9 @@ struct pen_accel *pen_accel_build_manual(const struct pen_prims *prims,
 
 const struct pen_accel_stats *pen_accel_get_stats(const struct pen_accel *accel);
 
-/* Which crossings a query looks for: after `after` in the order of crossings, and t <= tmax.
- * For a fresh ray `after` is pen_after_start, which means t > 0. */
-struct pen_span {
+/* Which intersections a query looks for: after `after` in the order of intersections, and t <=
+ * tmax. For a fresh ray `after` is pen_after_start, which means t > 0. */
+struct pen_t_interval {
     struct pen_hit after;
     double tmax;
 };
@@ -77,7 +77,7 @@ extern const struct pen_hit pen_after_start;
 
 enum { PEN_SHADOW_MAX = 32 };
 
-/* A shadow query: crossings with 0 < t < tmax (strictly). With `to_point` set the ray ends in a
+/* A shadow query: intersections with 0 < t < tmax (strictly). With `to_point` set the ray ends in a
  * light at t = 1 = tmax, and a surface that contains the light within rounding is not crossed.
  * see_through[prim] != 0 marks primitives that let light pass; NULL means none does. */
 struct pen_shadow {
@@ -85,7 +85,7 @@ struct pen_shadow {
     bool to_point;
     const uint8_t *see_through;
     uint32_t last_occluder; /* in and out: tried first; PEN_NO_PRIM at start */
-    /* Results, valid when the query returned false (not blocked): see-through crossings in
+    /* Results, valid when the query returned false (not blocked): see-through intersections in
      * order. With more than PEN_SHADOW_MAX, `overflow` is set and the caller walks the ray with
      * `nearest` instead. */
     bool overflow;
@@ -103,33 +103,35 @@ static inline double pen_shadow_light_bound(const struct pen_ray *ray)
 /* The traversals, one table per compiled variant; all variants give the same bits. */
 struct pen_trace_ops {
     const char *name;
-    /* First crossing in the span; false if there is none. */
+    /* First intersection in the span; false if there is none. */
     bool (*nearest)(const struct pen_accel *accel, const struct pen_ray *ray,
-                    const struct pen_leave *leave, const struct pen_span *span,
+                    const struct pen_origin_surface *origin, const struct pen_t_interval *interval,
                     struct pen_hit *hit);
     /* Whether an opaque surface is crossed. */
     bool (*shadow)(const struct pen_accel *accel, const struct pen_ray *ray,
-                   const struct pen_leave *leave, struct pen_shadow *query);
-    /* The three steps of a fan (accel/fan.h); NULL where rays are counted one by one.
-     * fan_begin: what becomes of all its rays. If PEN_FAN_MIXED, fan_look: of n <= PEN_FAN_RAYS of
-     * them, given by (a, b), a bit set for each that is blocked, and in *ask one for each of which
-     * that is not known, or not how often it crosses which bodies: then fan_ray does for ray i what
-     * `shadow` does, but for last_occluder. The other rays cross what the gates named in `tint`
-     * say, no more than twice in all, so that the order does not matter. */
-    enum pen_fan_fate (*fan_begin)(const struct pen_accel *accel, struct pen_fan *fan);
-    uint64_t (*fan_look)(struct pen_fan *fan, const double a[PEN_FAN_RAYS],
-                         const double b[PEN_FAN_RAYS], int n, uint64_t *ask);
-    bool (*fan_ray)(const struct pen_accel *accel, const struct pen_fan *fan,
-                    const struct pen_ray *ray, int i, struct pen_shadow *query);
+                   const struct pen_origin_surface *origin, struct pen_shadow *query);
+    /* The three steps of a packet (accel/packet.h); NULL where rays are counted one by one.
+     * packet_begin: what becomes of all its rays. If PEN_PACKET_MIXED, packet_test: of n <=
+     * PEN_PACKET_RAYS of them, given by (a, b), a bit set for each that is blocked, and in *ask one
+     * for each of which that is not known, or not how often it crosses which primitives: then
+     * packet_ray does for ray i what `shadow` does, but for last_occluder. The other rays cross
+     * what the candidates named in `tint` say, no more than twice in all, so that the order does
+     * not matter. */
+    enum pen_packet_visibility (*packet_begin)(const struct pen_accel *accel,
+                                               struct pen_shadow_packet *packet);
+    uint64_t (*packet_test)(struct pen_shadow_packet *packet, const double a[PEN_PACKET_RAYS],
+                            const double b[PEN_PACKET_RAYS], int n, uint64_t *ask);
+    bool (*packet_ray)(const struct pen_accel *accel, const struct pen_shadow_packet *packet,
+                       const struct pen_ray *ray, int i, struct pen_shadow *query);
 };
 
 /* The table for an instruction set; falls back to the baseline where a build lacks it. */
 const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa);
 
 /* Tests of queries. A box test compares one box with one ray; the boxes of a node that is looked
- * into count all, since they are tested together. A primitive test looks for the crossings of one
- * primitive; those of a block (up to four of one kind, side by side in a leaf) count all, whichever
- * of them ends the query. */
+ * into count all, since they are tested together. A primitive test looks for the intersections of
+ * one primitive; those of a block (up to four of one kind, side by side in a leaf) count all,
+ * whichever of them ends the query. */
 struct pen_test_counts {
     uint64_t boxes, primitives;
 };

@@ -10,13 +10,13 @@
 #include "accel/internal/plan.h"
 
 /* A group, as a range of ref[], and the first group after it that is not inside. */
-struct span {
+struct interval {
     uint32_t begin, end, after;
 };
 
 struct lists {
     struct pen_plan *plan;
-    struct span *span;
+    struct interval *interval;
     uint32_t count;
 };
 
@@ -37,20 +37,20 @@ static uint32_t find_ref(const struct pen_plan *plan, uint32_t prim)
 static bool make_spans(struct lists *l, const struct pen_groups *groups)
 {
     uint32_t given = groups ? groups->count : 0;
-    l->span = malloc(((size_t)given + 1) * sizeof *l->span);
-    if (!l->span)
+    l->interval = malloc(((size_t)given + 1) * sizeof *l->interval);
+    if (!l->interval)
         return false;
     for (uint32_t i = 0; i < given; i++) {
-        struct span s = {find_ref(l->plan, groups->group[i].begin),
-                         find_ref(l->plan, groups->group[i].end), 0};
+        struct interval s = {find_ref(l->plan, groups->group[i].begin),
+                             find_ref(l->plan, groups->group[i].end), 0};
         if (s.begin < s.end)
-            l->span[l->count++] = s;
+            l->interval[l->count++] = s;
     }
     for (uint32_t i = l->count; i-- > 0;) {
         uint32_t after = i + 1;
-        while (after < l->count && l->span[after].begin < l->span[i].end)
-            after = l->span[after].after;
-        l->span[i].after = after;
+        while (after < l->count && l->interval[after].begin < l->interval[i].end)
+            after = l->interval[after].after;
+        l->interval[i].after = after;
     }
     return true;
 }
@@ -70,10 +70,10 @@ static bool next_child(const struct lists *l, struct children *c, bool flat, uin
     *group = l->count;
     if (c->at == c->end)
         return false;
-    if (!flat && c->group < l->count && l->span[c->group].begin == c->at) {
+    if (!flat && c->group < l->count && l->interval[c->group].begin == c->at) {
         *group = c->group;
-        c->at = l->span[c->group].end;
-        c->group = l->span[c->group].after;
+        c->at = l->interval[c->group].end;
+        c->group = l->interval[c->group].after;
     } else {
         c->at++;
     }
@@ -111,7 +111,7 @@ static bool build_list(struct lists *l, struct children c, uint32_t depth, struc
         struct pen_lane child;
         bool ok = group == l->count
                       ? build_leaf(l, ref, depth + 1, &child)
-                      : build_list(l, (struct children){ref, l->span[group].end, group + 1},
+                      : build_list(l, (struct children){ref, l->interval[group].end, group + 1},
                                    depth + 1, &child);
         if (!ok)
             return false;
@@ -133,6 +133,6 @@ bool pen_build_lists(struct pen_plan *plan, const struct pen_groups *groups)
     struct pen_lane top;
     bool ok =
         make_spans(&l, groups) && build_list(&l, (struct children){0, plan->count, 0}, 0, &top);
-    free(l.span);
+    free(l.interval);
     return ok;
 }

@@ -6,8 +6,8 @@
 
 /* What is being packed, and how much of each array is filled. */
 struct packer {
-    bool singles; /* a leaf of one primitive holds no block; not in wide shapes, where fans read
-                   * blocks */
+    bool singles; /* a leaf of one primitive holds no block; not in wide shapes, where shadow-ray
+                   * packets read blocks */
     const struct pen_prims *prims;
     const struct pen_ref *ref;
     uint32_t *items;
@@ -17,7 +17,7 @@ struct packer {
     struct pen_spheres4 *spheres;
     struct pen_cylinders4 *cylinders;
     struct pen_planes4 *planes;
-    struct pen_tubes4 *tubes;
+    struct pen_infinite_cylinders4 *tubes;
     uint32_t item_count, corner_count, block_count[PEN_BLOCK_KIND_COUNT];
 };
 
@@ -207,7 +207,7 @@ static bool allocate(struct packer *p, const struct packer *counted, struct pen_
     p->spheres = pen_arena_alloc(arena, n[PEN_BLOCK_SPHERES], sizeof *p->spheres);
     p->cylinders = pen_arena_alloc(arena, n[PEN_BLOCK_CYLINDERS], sizeof *p->cylinders);
     p->planes = pen_arena_alloc(arena, n[PEN_BLOCK_PLANES], sizeof *p->planes);
-    p->tubes = pen_arena_alloc(arena, n[PEN_BLOCK_TUBES], sizeof *p->tubes);
+    p->tubes = pen_arena_alloc(arena, n[PEN_BLOCK_INFINITE_CYLINDERS], sizeof *p->tubes);
     return p->items && p->triangles && p->polygons && p->corners && p->spheres && p->cylinders &&
            p->planes && p->tubes;
 }
@@ -268,15 +268,15 @@ bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_a
     struct packer p = counted;
     accel->prims = plan->prims;
     pack_leaves(&counted, plan, NULL);
-    struct pen_pool first = {.size = sizeof(uint32_t)};
-    bool ok = pen_pool_add(&first, plan->leaves.count + 1) && allocate(&p, &counted, arena);
+    struct pen_array first = {.size = sizeof(uint32_t)};
+    bool ok = pen_array_add(&first, plan->leaves.count + 1) && allocate(&p, &counted, arena);
     if (ok) {
         pack_leaves(&p, plan, first.data);
         ok = pack_nodes(plan, first.data, arena, accel);
         accel->list =
             plan->shape == PEN_SHAPE_NONE && plan->leaves.count > 0 ? *(uint32_t *)first.data : 0;
     }
-    pen_pool_release(&first);
+    pen_array_release(&first);
     accel->items = p.items;
     accel->triangles = p.triangles;
     accel->polygons = p.polygons;

@@ -10,7 +10,7 @@
 const struct pen_lane pen_lane_empty = {
     {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, PEN_NO_CHILD};
 
-void *pen_pool_add(struct pen_pool *pool, uint32_t more)
+void *pen_array_add(struct pen_array *pool, uint32_t more)
 {
     if (pool->count > UINT32_MAX / 2 - more)
         return NULL;
@@ -29,10 +29,10 @@ void *pen_pool_add(struct pen_pool *pool, uint32_t more)
     return place;
 }
 
-void pen_pool_release(struct pen_pool *pool)
+void pen_array_release(struct pen_array *pool)
 {
     free(pool->data);
-    *pool = (struct pen_pool){.size = pool->size};
+    *pool = (struct pen_array){.size = pool->size};
 }
 
 static uint32_t block_kind(uint32_t kind)
@@ -48,8 +48,8 @@ static uint32_t block_kind(uint32_t kind)
         return PEN_BLOCK_CYLINDERS;
     case PEN_PRIM_PLANE:
         return PEN_BLOCK_PLANES;
-    case PEN_PRIM_TUBE:
-        return PEN_BLOCK_TUBES;
+    case PEN_PRIM_INFINITE_CYLINDER:
+        return PEN_BLOCK_INFINITE_CYLINDERS;
     case PEN_PRIM_KIND_COUNT:
         break;
     }
@@ -89,13 +89,13 @@ bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims)
 void pen_plan_release(struct pen_plan *plan)
 {
     free(plan->ref);
-    pen_pool_release(&plan->nodes);
-    pen_pool_release(&plan->leaves);
+    pen_array_release(&plan->nodes);
+    pen_array_release(&plan->leaves);
 }
 
 uint32_t pen_plan_leaf(struct pen_plan *plan, uint32_t begin, uint32_t count)
 {
-    struct pen_leaf *leaf = pen_pool_add(&plan->leaves, 1);
+    struct pen_leaf *leaf = pen_array_add(&plan->leaves, 1);
     if (!leaf)
         return PEN_NO_CHILD;
     *leaf = (struct pen_leaf){begin, count};
@@ -104,7 +104,7 @@ uint32_t pen_plan_leaf(struct pen_plan *plan, uint32_t begin, uint32_t count)
 
 struct pen_node *pen_plan_nodes(struct pen_plan *plan, uint32_t count)
 {
-    struct pen_node *nodes = pen_pool_add(&plan->nodes, count);
+    struct pen_node *nodes = pen_array_add(&plan->nodes, count);
     if (!nodes)
         return NULL;
     for (uint32_t i = 0; i < count; i++) {
@@ -116,7 +116,7 @@ struct pen_node *pen_plan_nodes(struct pen_plan *plan, uint32_t count)
 
 struct pen_pair *pen_plan_pair(struct pen_plan *plan)
 {
-    struct pen_pair *pair = pen_pool_add(&plan->nodes, 1);
+    struct pen_pair *pair = pen_array_add(&plan->nodes, 1);
     if (!pair)
         return NULL;
     pen_pair_put(pair, 0, &pen_lane_empty);

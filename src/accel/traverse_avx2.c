@@ -11,9 +11,10 @@ enum { COUNTING = 0 };
 
 #include "accel/internal/traverse_walk.h"
 
-#include "accel/internal/fan_look.h"
+#include "accel/internal/packet_test.h"
 
-static const struct pen_trace_ops avx2 = {"avx2", nearest, shadow, fan_begin, fan_look, fan_ray};
+static const struct pen_trace_ops avx2 = {"avx2",       nearest,     shadow,
+                                          packet_begin, packet_test, packet_ray};
 
 const struct pen_trace_ops *pen_trace_avx2(void)
 {

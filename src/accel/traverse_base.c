@@ -8,6 +8,7 @@ enum { COUNTING = 0 };
 
 #include "accel/internal/traverse_walk.h"
 
-#include "accel/internal/fan_look.h"
+#include "accel/internal/packet_test.h"
 
-const struct pen_trace_ops pen_trace_base = {"base", nearest, shadow, fan_begin, fan_look, fan_ray};
+const struct pen_trace_ops pen_trace_base = {"base",       nearest,     shadow,
+                                             packet_begin, packet_test, packet_ray};

@@ -2,14 +2,14 @@
 /* Cylinders: what is not hot. */
 #include "geom/cylinder.h"
 
+#include "geom/internal/cylinder_side.h"
+#include "geom/internal/double_double.h"
 #include "geom/internal/make.h"
-#include "geom/internal/round.h"
-#include "geom/internal/twofold.h"
 
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                        double h, bool caps)
 {
-    if (!is_length(h) || !pen_round_make(&c->round, base, axis, r))
+    if (!is_length(h) || !pen_cylinder_side_make(&c->round, base, axis, r))
         return false;
     struct twofold3 a = tf_of3(c->round.a);
     struct twofold top = tf_mul((struct twofold){h, 0}, tf_sqrt(tf_dot(a, a)));
@@ -21,7 +21,7 @@ bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_
 }
 
 void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
-                              struct pen_inside *in)
+                              struct pen_interval *in)
 {
     struct twofold3 a = tf_of3(c->round.a);
     struct twofold fa = tf_dot(tf_sub3(ray->o, c->round.q), a);
@@ -30,22 +30,22 @@ void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray
     if (da == 0)
         return;
     if (da > 0)
-        *in = (struct pen_inside){base, top, PEN_PART_BASE, PEN_PART_TOP};
+        *in = (struct pen_interval){base, top, PEN_PART_BASE, PEN_PART_TOP};
     else
-        *in = (struct pen_inside){top, base, PEN_PART_TOP, PEN_PART_BASE};
+        *in = (struct pen_interval){top, base, PEN_PART_TOP, PEN_PART_BASE};
 }
 
 /* The interval of the endless side with one end at the origin. */
-static bool side_from(const struct pen_round *s, const struct pen_ray *ray, double side[2])
+static bool side_from(const struct pen_cylinder_side *s, const struct pen_ray *ray, double side[2])
 {
-    double chord = pen_round_chord(s, ray);
+    double chord = pen_cylinder_side_chord(s, ray);
     side[0] = chord < 0 ? chord : 0;
     side[1] = chord < 0 ? 0 : chord;
     return chord != 0;
 }
 
-bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
-                              struct pen_inside *in)
+bool pen_cylinder_interval_from(const struct pen_cylinder *c, const struct pen_ray *ray,
+                                unsigned on, struct pen_interval *in)
 {
     double side[2];
     bool parallel = false;
@@ -58,17 +58,17 @@ bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray
     if (!slab || (da == 0 && (on & (PEN_ON_BASE | PEN_ON_TOP))))
         return false;
     if (!(on & PEN_ON_SIDE ? side_from(&c->round, ray, side)
-                           : pen_round_roots(&c->round, ray, side, &parallel)))
-        return parallel && pen_round_holds(&c->round, ray->o) && in->lo < in->hi;
-    return pen_inside_cut(in, side);
+                           : pen_cylinder_side_roots(&c->round, ray, side, &parallel)))
+        return parallel && pen_cylinder_side_contains(&c->round, ray->o) && in->lo < in->hi;
+    return pen_interval_cut(in, side);
 }
 
 bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
-                         struct pen_inside *in)
+                         struct pen_interval *in)
 {
     double side[2] = {0, 0}, da = pen_cylinder_along(c, ray);
     if (part == PEN_PART_SIDE) {
-        side[1] = pen_round_chord(&c->round, ray);
+        side[1] = pen_cylinder_side_chord(&c->round, ray);
         if (!(side[1] > 0))
             return false;
         pen_cylinder_slab(c, ray, in);
@@ -77,10 +77,10 @@ bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray
             return false;
         pen_cylinder_slab(c, ray, in);
         bool parallel;
-        if (!pen_round_roots(&c->round, ray, side, &parallel))
-            side[1] = parallel && pen_round_holds(&c->round, ray->o) ? INFINITY : 0;
+        if (!pen_cylinder_side_roots(&c->round, ray, side, &parallel))
+            side[1] = parallel && pen_cylinder_side_contains(&c->round, ray->o) ? INFINITY : 0;
     }
-    pen_inside_cut(in, side);
+    pen_interval_cut(in, side);
     return true;
 }
 
@@ -94,14 +94,14 @@ static struct pen_vec3 axis_unit(const struct pen_cylinder *c)
 struct pen_vec3 pen_cylinder_normal(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p)
 {
     if (part == PEN_PART_SIDE)
-        return pen_round_normal(&c->round, p);
+        return pen_cylinder_side_normal(&c->round, p);
     return part == PEN_PART_TOP ? axis_unit(c) : pen_neg(axis_unit(c));
 }
 
 struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p)
 {
     if (part == PEN_PART_SIDE)
-        return pen_round_project(&c->round, p);
+        return pen_cylinder_side_project(&c->round, p);
     struct pen_vec3 n = axis_unit(c);
     double height = pen_dot2(n, pen_sub(p, c->round.q));
     return pen_along(p, n, (part == PEN_PART_TOP ? c->h : 0) - height);
@@ -109,7 +109,7 @@ struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part,
 
 struct pen_box pen_cylinder_bounds(const struct pen_cylinder *c)
 {
-    const struct pen_round *s = &c->round;
+    const struct pen_cylinder_side *s = &c->round;
     struct pen_vec3 a = s->a;
     double k = s->r / s->length;
     struct pen_vec3 reach =

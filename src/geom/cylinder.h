@@ -6,14 +6,14 @@
 #ifndef PEN_GEOM_CYLINDER_H
 #define PEN_GEOM_CYLINDER_H
 
+#include "geom/infinite_cylinder.h"
 #include "geom/plane.h"
-#include "geom/tube.h"
 
 struct pen_cylinder {
-    struct pen_round round; /* q is the middle of the base */
-    double top, top_low;    /* height times |a|, to twice the precision: the caps are at
-                               (p - q).a = 0 and = top */
-    double h;               /* height */
+    struct pen_cylinder_side round; /* q is the middle of the base */
+    double top, top_low;            /* height times |a|, to twice the precision: the caps are at
+                                       (p - q).a = 0 and = top */
+    double h;                       /* height */
     bool caps;
 };
 
@@ -29,8 +29,8 @@ enum {
     PEN_ON_TOP = 1 << PEN_PART_TOP
 };
 
-/* A part of the ray's line inside a body, and the part of the surface at each end. */
-struct pen_inside {
+/* A part of the ray's line inside a primitive, and the part of the surface at each end. */
+struct pen_interval {
     double lo, hi;
     uint8_t lo_part, hi_part;
 };
@@ -38,30 +38,30 @@ struct pen_inside {
 /* d.a: 0 if the ray is parallel to the caps, > 0 if it goes from the base to the top. */
 static inline double pen_cylinder_along(const struct pen_cylinder *c, const struct pen_ray *ray)
 {
-    return pen_dot_guarded(ray->turned_d, pen_turned(ray, &c->round.a));
+    return pen_dot_guarded(ray->permuted_d, pen_permuted(ray, &c->round.a));
 }
 
 /* The slab between the caps; false if the ray runs beside or along it. */
 static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct pen_ray *ray,
-                                     struct pen_inside *in)
+                                     struct pen_interval *in)
 {
-    struct pen_vec3 f = pen_sub(ray->turned_o, pen_turned(ray, &c->round.q));
-    double da = pen_cylinder_along(c, ray), fa = pen_dot(f, pen_turned(ray, &c->round.a));
+    struct pen_vec3 f = pen_sub(ray->permuted_o, pen_permuted(ray, &c->round.q));
+    double da = pen_cylinder_along(c, ray), fa = pen_dot(f, pen_permuted(ray, &c->round.a));
     if (da == 0) {
-        *in = (struct pen_inside){-INFINITY, INFINITY, PEN_PART_BASE, PEN_PART_TOP};
+        *in = (struct pen_interval){-INFINITY, INFINITY, PEN_PART_BASE, PEN_PART_TOP};
         return fa > 0 && fa < c->top;
     }
     double inv = 1.0 / da, base = -fa * inv, top = (c->top - fa) * inv;
     if (da > 0)
-        *in = (struct pen_inside){base, top, PEN_PART_BASE, PEN_PART_TOP};
+        *in = (struct pen_interval){base, top, PEN_PART_BASE, PEN_PART_TOP};
     else
-        *in = (struct pen_inside){top, base, PEN_PART_TOP, PEN_PART_BASE};
+        *in = (struct pen_interval){top, base, PEN_PART_TOP, PEN_PART_BASE};
     return true;
 }
 
 /* Cuts the slab's interval down to the side's: the later entry and the earlier exit, the cap
  * where they are equal. False if nothing is left. */
-static inline bool pen_inside_cut(struct pen_inside *in, const double side[2])
+static inline bool pen_interval_cut(struct pen_interval *in, const double side[2])
 {
     if (side[0] > in->lo) {
         in->lo = side[0];
@@ -78,8 +78,8 @@ static inline bool pen_inside_cut(struct pen_inside *in, const double side[2])
  * it. */
 static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const struct pen_ray *ray)
 {
-    struct pen_vec3 q = pen_turned(ray, &c->round.q), a = pen_turned(ray, &c->round.a);
-    struct pen_vec3 f = pen_sub(ray->turned_o, q), d = ray->turned_d;
+    struct pen_vec3 q = pen_permuted(ray, &c->round.q), a = pen_permuted(ray, &c->round.a);
+    struct pen_vec3 f = pen_sub(ray->permuted_o, q), d = ray->permuted_d;
     double da = pen_dot(d, a), fa = pen_dot(f, a), rest = fabs(c->top - fa);
     double size = fabs(f.x * a.x) + fabs(f.y * a.y) + fabs(f.z * a.z);
     double least = rest < fabs(fa) ? rest : fabs(fa);
@@ -90,38 +90,38 @@ static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const s
 /* Replaces the ends by those of the slab in twice the precision, unless the ray is parallel to the
  * caps. */
 void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
-                              struct pen_inside *in);
+                              struct pen_interval *in);
 
 /* The part of the ray's line inside; false if there is none. Ends at caps of an open cylinder are
- * no crossings: the caller drops them. */
-static inline bool pen_cylinder_inside(const struct pen_cylinder *c, const struct pen_ray *ray,
-                                       struct pen_inside *in)
+ * no intersections: the caller drops them. */
+static inline bool pen_cylinder_interval(const struct pen_cylinder *c, const struct pen_ray *ray,
+                                         struct pen_interval *in)
 {
     double side[2];
     bool parallel;
     if (!pen_cylinder_slab(c, ray, in))
         return false;
-    if (!pen_round_roots(&c->round, ray, side, &parallel)) {
-        if (!parallel || !pen_round_holds(&c->round, ray->o))
+    if (!pen_cylinder_side_roots(&c->round, ray, side, &parallel)) {
+        if (!parallel || !pen_cylinder_side_contains(&c->round, ray->o))
             return false;
         side[0] = -INFINITY;
         side[1] = INFINITY;
     }
-    if (!pen_inside_cut(in, side))
+    if (!pen_interval_cut(in, side))
         return false;
     if (!pen_cylinder_slab_loses(c, ray))
         return true;
     pen_cylinder_slab_refine(c, ray, in);
-    return pen_inside_cut(in, side);
+    return pen_interval_cut(in, side);
 }
 
-/* The parts that p lies on, up to `bound` and the body's own rounding. */
+/* The parts that p lies on, up to `bound` and the primitive's own rounding. */
 static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct pen_vec3 p,
                                             double bound)
 {
     double b = bound + 8 * PEN_U * (c->round.r + c->h), length = c->round.length;
     double fa = pen_dot(pen_sub(p, c->round.q), c->round.a);
-    struct pen_vec3 n = pen_round_across(&c->round, p);
+    struct pen_vec3 n = pen_cylinder_side_across(&c->round, p);
     double off = pen_dot(n, n) - c->round.rr, side = 2 * c->round.r * b * (length * length);
     if (!(-b * length <= fa && fa <= c->top + b * length && off <= side))
         return 0;
@@ -133,14 +133,14 @@ static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct
     return on;
 }
 
-/* As pen_cylinder_inside for a ray whose origin lies on the parts `on`. */
-bool pen_cylinder_inside_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
-                              struct pen_inside *in);
+/* As pen_cylinder_interval for a ray whose origin lies on the parts `on`. */
+bool pen_cylinder_interval_from(const struct pen_cylinder *c, const struct pen_ray *ray,
+                                unsigned on, struct pen_interval *in);
 
 /* Whether a ray that leaves the cylinder at `part` goes inward; then in->hi, in->hi_part say where
  * it comes out again (hi <= 0: at once). */
 bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
-                         struct pen_inside *in);
+                         struct pen_interval *in);
 
 struct pen_vec3 pen_cylinder_normal(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
 

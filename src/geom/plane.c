@@ -2,8 +2,8 @@
 /* Planes: how they are made. */
 #include "geom/plane.h"
 
+#include "geom/internal/double_double.h"
 #include "geom/internal/make.h"
-#include "geom/internal/twofold.h"
 #include "geom/triangle.h"
 
 bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 normal)

@@ -32,9 +32,9 @@ static inline double pen_dot_guarded(struct pen_vec3 a, struct pen_vec3 b)
 /* Where the ray's line crosses the plane; false if it is parallel. */
 static inline bool pen_plane_root(const struct pen_plane *p, const struct pen_ray *ray, double *t)
 {
-    struct pen_vec3 g = pen_turned(ray, &p->g);
-    double gd = pen_dot_guarded(g, ray->turned_d);
-    *t = pen_dot(g, pen_sub(pen_turned(ray, &p->q), ray->turned_o)) / gd;
+    struct pen_vec3 g = pen_permuted(ray, &p->g);
+    double gd = pen_dot_guarded(g, ray->permuted_d);
+    *t = pen_dot(g, pen_sub(pen_permuted(ray, &p->q), ray->permuted_o)) / gd;
     return gd != 0;
 }
 

@@ -2,8 +2,8 @@
 /* Polygons: how they are made. */
 #include "geom/polygon.h"
 
+#include "geom/internal/double_double.h"
 #include "geom/internal/make.h"
-#include "geom/internal/twofold.h"
 
 struct pen_box pen_polygon_bounds(const struct pen_polygon *p)
 {
@@ -27,8 +27,9 @@ static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
 }
 
 /* Whether each vertex is in the plane of the first with normal n, and whether the outline turns to
- * the left at each, up to less than 2^-44 of all lengths; and the scale: a crossing is on a surface
- * between the vertices, its point is put on the plane, so what they are apart counts as rounding.
+ * the left at each, up to less than 2^-44 of all lengths; and the scale: an intersection is on a
+ * surface between the vertices, its point is put on the plane, so what they are apart counts as
+ * rounding.
  */
 static void judge_outline(struct pen_polygon *p)
 {

@@ -6,7 +6,7 @@
  * where a ray's line crosses it, projection of a computed hit on the surface, bounds. Outward is
  * as scene-format.md says.
  *
- * Leaving (pen_leave). Let a ray start at p on primitive P, arrived from the direction w
+ * Leaving (pen_origin_surface). Let a ray start at p on primitive P, arrived from the direction w
  * (`toward`), and let Q be another primitive that contains p within rounding, inside or on its
  * border: p misses Q by no more than the bounds of p and of Q's own test. On which side of Q
  * rounding has put p is an accident, and so is, at a border, whether the ray's line passes through
@@ -36,12 +36,12 @@
 #include <stdint.h>
 
 #include "geom/cylinder.h"
+#include "geom/infinite_cylinder.h"
 #include "geom/plane.h"
 #include "geom/polygon.h"
 #include "geom/ray.h"
 #include "geom/sphere.h"
 #include "geom/triangle.h"
-#include "geom/tube.h"
 #include "math/box.h"
 
 enum pen_prim_kind {
@@ -49,7 +49,7 @@ enum pen_prim_kind {
     PEN_PRIM_PLANE,
     PEN_PRIM_TRIANGLE,
     PEN_PRIM_POLYGON,
-    PEN_PRIM_TUBE,
+    PEN_PRIM_INFINITE_CYLINDER,
     PEN_PRIM_CYLINDER,
     PEN_PRIM_KIND_COUNT
 };
@@ -68,7 +68,7 @@ struct pen_prims {
     const struct pen_plane *plane;
     const struct pen_triangle *triangle;
     const struct pen_polygon *polygon;
-    const struct pen_tube *tube;
+    const struct pen_infinite_cylinder *infinite_cylinder;
     const struct pen_cylinder *cylinder;
     uint32_t kind_count[PEN_PRIM_KIND_COUNT];
 };
@@ -76,13 +76,13 @@ struct pen_prims {
 /* Whether the kind has no bounds. */
 static inline bool pen_prim_infinite(uint32_t kind)
 {
-    return kind == PEN_PRIM_PLANE || kind == PEN_PRIM_TUBE;
+    return kind == PEN_PRIM_PLANE || kind == PEN_PRIM_INFINITE_CYLINDER;
 }
 
-/* All crossings of the ray with primitive `prim`, those that the leave rule drops left out.
- * The reference that every accelerator must agree with, bit for bit. */
-void pen_prim_cross(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
-                    const struct pen_leave *leave, struct pen_crossings *out);
+/* All intersections of the ray with primitive `prim`, those that the self-intersection rule drops
+ * left out. The reference that every accelerator must agree with, bit for bit. */
+void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                        const struct pen_origin_surface *origin, struct pen_intersections *out);
 
 /* Outward unit normal at a point of the surface. */
 struct pen_vec3 pen_prim_normal(const struct pen_prims *prims, struct pen_hit hit,
@@ -92,7 +92,7 @@ struct pen_vec3 pen_prim_normal(const struct pen_prims *prims, struct pen_hit hi
 struct pen_vec3 pen_prim_point(const struct pen_prims *prims, struct pen_hit hit,
                                const struct pen_ray *ray);
 
-/* Bounds in double precision, such that for every ray that has a crossing at t, o + t d lies
+/* Bounds in double precision, such that for every ray that has an intersection at t, o + t d lies
  * inside to within a relative error of 2^-24 of t. Only for finite kinds. */
 struct pen_box pen_prim_bounds(const struct pen_prims *prims, uint32_t prim);
 
@@ -107,29 +107,30 @@ double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pe
  * o + t d misses its surface by the rounding of the sum before it is put back, and may miss others
  * there by as much: 16u covers the products, t and the sum. Where the ray has hardly moved, p is
  * also off by what o was. */
-static inline struct pen_leave pen_leave_at(const struct pen_prims *prims,
-                                            const struct pen_ray *ray, const struct pen_leave *left,
-                                            struct pen_hit hit, struct pen_vec3 p)
+static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *prims,
+                                                      const struct pen_ray *ray,
+                                                      const struct pen_origin_surface *left,
+                                                      struct pen_hit hit, struct pen_vec3 p)
 {
-    struct pen_leave leave = {.prim = hit.prim,
-                              .part = hit.part,
-                              .toward = left->toward,
-                              .before = left->before,
-                              .bound = pen_prim_rounding(prims, hit.prim, p)};
+    struct pen_origin_surface origin = {.prim = hit.prim,
+                                        .part = hit.part,
+                                        .toward = left->toward,
+                                        .before = left->before,
+                                        .bound = pen_prim_rounding(prims, hit.prim, p)};
     double nearby = PEN_NEARBY * left->bound;
-    leave.bound += 16 * PEN_U * pen_norm1(ray->o);
+    origin.bound += 16 * PEN_U * pen_norm1(ray->o);
     if (hit.t * hit.t <= nearby * nearby * ray->inv_dd)
-        leave.bound += left->bound;
+        origin.bound += left->bound;
     if (hit.t != PEN_FIRST_T) {
         if (pen_norm1(left->toward) > pen_norm1(left->before))
-            leave.before = left->toward;
-        leave.toward = pen_scale(ray->d, -hit.t);
+            origin.before = left->toward;
+        origin.toward = pen_scale(ray->d, -hit.t);
     }
-    return leave;
+    return origin;
 }
 
-/* Whether a crossing is the ray's point at t_end, up to `bound` and the rounding of the crossing
- * itself: for rays that end in a light, where the light's own surface is not crossed. */
+/* Whether an intersection is the ray's point at t_end, up to `bound` and the rounding of the
+ * crossing itself: for rays that end in a light, where the light's own surface is not crossed. */
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
                        double t_end, double bound);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays, crossings, and what a ray starts on. The words of every primitive file.
+/* Rays, intersections, and what a ray starts on. The words of every primitive file.
  *
- * A crossing is a point where a ray passes through a surface. Crossings of one ray are ordered by
- * (t, primitive number, part); at equal t the primitive that comes first in the document comes
+ * A intersection is a point where a ray passes through a surface. Crossings of one ray are ordered
+ * by (t, primitive number, part); at equal t the primitive that comes first in the document comes
  * first. t is a pure function of (ray, what it leaves, primitive), so no tree, thread or SIMD
- * width can change which crossing is nearest.
+ * width can change which intersection is nearest.
  *
  * Leaving a surface is decided by identity, never by an epsilon in scene units:
  *  - a flat primitive is not crossed again by a ray that starts on it;
@@ -27,15 +27,16 @@
 #define PEN_U 0x1p-53
 
 /* Coordinates of vertices and of rays' origins are 0 or at least PEN_LEAST, components of d are 0
- * or at least PEN_LEAST_TURN of its largest. So coordinates across a ray are multiples of 2^-535:
- * no part of a product of two of them vanishes, and differences of products have their sign. */
+ * or at least PEN_LEAST_DIRECTION of its largest. So coordinates across a ray are multiples of
+ * 2^-535: no part of a product of two of them vanishes, and differences of products have their
+ * sign. */
 #define PEN_LEAST 0x1p-300
-#define PEN_LEAST_TURN 0x1p-130
+#define PEN_LEAST_DIRECTION 0x1p-130
 
-/* The t of a crossing at the ray's origin that counts: behind nothing, before everything. */
+/* The t of an intersection at the ray's origin that counts: behind nothing, before everything. */
 #define PEN_FIRST_T 0x1p-1074
 
-/* A crossing of a quadric at tp - h is refined where it is nearer the origin than this share of
+/* A intersection of a quadric at tp - h is refined where it is nearer the origin than this share of
  * the half chord h: the subtraction would lose more than three bits. */
 #define PEN_NEAR 0.125
 
@@ -43,14 +44,15 @@
  * this share of the squared radius: it keeps too few digits. */
 #define PEN_GRAZING 0x1p-5
 
-/* Of a flat body whose border a ray passes within rounding, no farther from where it starts than
- * this many rounding bounds, the leave rule says whether it is met. Beyond, that would matter only
- * to light at less than 2^-23 to the surface, which brings it no more than that share of its
- * strength. */
+/* Of a flat primitive whose border a ray passes within rounding, no farther from where it starts
+ * than this many rounding bounds, the self-intersection rule says whether it is met. Beyond, that
+ * would matter only to light at less than 2^-23 to the surface, which brings it no more than that
+ * share of its strength. */
 #define PEN_NEARBY 0x1p23
 
 enum pen_part {
-    PEN_PART_SIDE = 0, /* the only part of sphere, tube and flat bodies; a cylinder's side */
+    PEN_PART_SIDE =
+        0, /* the only part of sphere, infinite cylinder and flat primitives; a cylinder's side */
     PEN_PART_BASE = 1, /* a cylinder's cap at `base` */
     PEN_PART_TOP = 2   /* the other cap */
 };
@@ -59,16 +61,16 @@ enum pen_part {
  * Benthin, Wald, JCGT 2(1), 2013, section 3.2) and 1/d.d. d has any length; t is in units of d. */
 struct pen_ray {
     struct pen_vec3 o, d;
-    double inv_dd;                      /* 1 / d.d */
-    double sx, sy, sz;                  /* shear: d[kx]/d[kz], d[ky]/d[kz], 1/d[kz] */
-    struct pen_vec3 turned_o, turned_d; /* pen_turned of o and d */
+    double inv_dd;                          /* 1 / d.d */
+    double sx, sy, sz;                      /* shear: d[kx]/d[kz], d[ky]/d[kz], 1/d[kz] */
+    struct pen_vec3 permuted_o, permuted_d; /* pen_permuted of o and d */
     int kx, ky, kz; /* axes turned round, not swapped, so that kz is d's largest component */
 };
 
 /* v with its axes in the ray's order. All sums over axes that decide t are taken of such vectors,
  * so that t has the same bits in a scene whose axes are turned round; only where all components of
  * d are of one size is no axis the ray's own. */
-static inline struct pen_vec3 pen_turned(const struct pen_ray *ray, const struct pen_vec3 *v)
+static inline struct pen_vec3 pen_permuted(const struct pen_ray *ray, const struct pen_vec3 *v)
 {
     const double *c = (const double *)v;
     return pen_vec3(c[ray->kx], c[ray->ky], c[ray->kz]);
@@ -82,10 +84,9 @@ static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
                     fabs(v.z) < least ? copysign(0, v.z) : v.z);
 }
 
-/* Makes a ray. Components of o below PEN_LEAST, and of d below PEN_LEAST_TURN of its largest, are
- * taken as 0.
- * Fails (returns false, *ray undefined) if o or d is not finite, or if the largest component of d
- * lies outside 2^-400 ... 2^400 (zero is): squares must stay in range. */
+/* Makes a ray. Components of o below PEN_LEAST, and of d below PEN_LEAST_DIRECTION of its largest,
+ * are taken as 0. Fails (returns false, *ray undefined) if o or d is not finite, or if the largest
+ * component of d lies outside 2^-400 ... 2^400 (zero is): squares must stay in range. */
 static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d)
 {
     double ax = fabs(d.x), ay = fabs(d.y), az = fabs(d.z);
@@ -95,34 +96,35 @@ static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct p
     double poison = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (ax - ax) + (ay - ay) + (az - az);
     if (!(poison == 0 && largest >= 0x1p-400 && largest <= 0x1p400))
         return false;
-    d = pen_without_less(d, PEN_LEAST_TURN * largest);
+    d = pen_without_less(d, PEN_LEAST_DIRECTION * largest);
     o = pen_without_less(o, PEN_LEAST);
     ray->o = o;
     ray->d = d;
     ray->kz = kz;
     ray->kx = kz == 2 ? 0 : kz + 1;
     ray->ky = 3 - kz - ray->kx;
-    ray->turned_o = pen_turned(ray, &ray->o);
-    ray->turned_d = pen_turned(ray, &ray->d);
-    ray->inv_dd = 1.0 / pen_dot(ray->turned_d, ray->turned_d);
-    ray->sx = ray->turned_d.x / ray->turned_d.z;
-    ray->sy = ray->turned_d.y / ray->turned_d.z;
-    ray->sz = 1.0 / ray->turned_d.z;
+    ray->permuted_o = pen_permuted(ray, &ray->o);
+    ray->permuted_d = pen_permuted(ray, &ray->d);
+    ray->inv_dd = 1.0 / pen_dot(ray->permuted_d, ray->permuted_d);
+    ray->sx = ray->permuted_d.x / ray->permuted_d.z;
+    ray->sy = ray->permuted_d.y / ray->permuted_d.z;
+    ray->sz = 1.0 / ray->permuted_d.z;
     return true;
 }
 
 /* What was lost to rounding in diff = a - b, exactly (Knuth). */
-static inline double pen_lost(double a, double b, double diff)
+static inline double pen_difference_error(double a, double b, double diff)
 {
     double part = diff - a;
     return (a - (diff - part)) - (b + part);
 }
 
 /* The same for vectors. */
-static inline struct pen_vec3 pen_lost3(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 diff)
+static inline struct pen_vec3 pen_difference_error3(struct pen_vec3 a, struct pen_vec3 b,
+                                                    struct pen_vec3 diff)
 {
-    return pen_vec3(pen_lost(a.x, b.x, diff.x), pen_lost(a.y, b.y, diff.y),
-                    pen_lost(a.z, b.z, diff.z));
+    return pen_vec3(pen_difference_error(a.x, b.x, diff.x), pen_difference_error(a.y, b.y, diff.y),
+                    pen_difference_error(a.z, b.z, diff.z));
 }
 
 /* a + t d, each component rounded once. */
@@ -132,17 +134,17 @@ static inline struct pen_vec3 pen_along_once(struct pen_vec3 a, struct pen_vec3 
 }
 
 /* What a ray starts on. prim is PEN_NO_PRIM for rays that start in free space. */
-struct pen_leave {
+struct pen_origin_surface {
     uint32_t prim;
     uint8_t part;
     bool through;           /* it goes on at the other side of the surface than it arrived from */
     struct pen_vec3 toward; /* from the origin to where the arriving ray started; if it arrived at
                                PEN_FIRST_T, to where the one before it did */
     struct pen_vec3 before; /* the longest `toward` of what the path left before; or zero */
-    double bound;           /* distance by which the origin may miss its surface: pen_leave_at */
+    double bound;           /* distance by which the origin may miss its surface: pen_origin_at */
 };
 
-extern const struct pen_leave pen_leave_nothing;
+extern const struct pen_origin_surface pen_origin_none;
 
 struct pen_hit {
     double t;
@@ -150,7 +152,7 @@ struct pen_hit {
     uint8_t part;
 };
 
-/* Whether crossing a is before crossing b. */
+/* Whether intersection a is before crossing b. */
 static inline bool pen_hit_before(struct pen_hit a, struct pen_hit b)
 {
     if (a.t != b.t)
@@ -160,8 +162,8 @@ static inline bool pen_hit_before(struct pen_hit a, struct pen_hit b)
     return a.part < b.part;
 }
 
-/* All crossings of one ray with one primitive: at most two, t[0] < t[1] if two; any sign. */
-struct pen_crossings {
+/* All intersections of one ray with one primitive: at most two, t[0] < t[1] if two; any sign. */
+struct pen_intersections {
     int count;
     double t[2];
     uint8_t part[2];

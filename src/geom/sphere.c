@@ -2,8 +2,8 @@
 /* Spheres: what is not hot. */
 #include "geom/sphere.h"
 
+#include "geom/internal/double_double.h"
 #include "geom/internal/make.h"
-#include "geom/internal/twofold.h"
 
 bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r)
 {

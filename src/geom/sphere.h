@@ -15,20 +15,20 @@ struct pen_sphere {
 /* Fails: returns false if c is not finite or r is not in 2^-400 ... 2^400. */
 bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r);
 
-/* The crossings by the textbook's equation in twice the precision: for origins near the surface and
- * for grazing rays, where the short way of pen_sphere_roots loses digits. NaN for a miss. */
+/* The intersections by the textbook's equation in twice the precision: for origins near the surface
+ * and for grazing rays, where the short way of pen_sphere_roots loses digits. NaN for a miss. */
 void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, double t[2]);
 
-/* The two crossings of the ray's line, t[0] < t[1]; false if there are none. A tangent is a miss.
- * The discriminant is taken at the point l of the line nearest the centre (Haines, Guenther,
+/* The two intersections of the ray's line, t[0] < t[1]; false if there are none. A tangent is a
+ * miss. The discriminant is taken at the point l of the line nearest the centre (Haines, Guenther,
  * Akenine-Moeller, Ray Tracing Gems, 2019, chapter 7). l is found to a unit roundoff of itself,
  * whatever the distance: o - c is kept exactly, o - c + tp d rounds once, and what is left of it
  * along d corrects tp. */
 static inline bool pen_sphere_roots(const struct pen_sphere *s, const struct pen_ray *ray,
                                     double t[2])
 {
-    struct pen_vec3 o = ray->turned_o, d = ray->turned_d, c = pen_turned(ray, &s->c);
-    struct pen_vec3 f = pen_sub(o, c), low = pen_lost3(o, c, f);
+    struct pen_vec3 o = ray->permuted_o, d = ray->permuted_d, c = pen_permuted(ray, &s->c);
+    struct pen_vec3 f = pen_sub(o, c), low = pen_difference_error3(o, c, f);
     double tp = -pen_dot(f, d) * ray->inv_dd;
     struct pen_vec3 l = pen_add(pen_along_once(f, d, tp), low);
     double rest = -pen_dot(l, d) * ray->inv_dd;
@@ -48,7 +48,7 @@ static inline bool pen_sphere_touches(const struct pen_sphere *s, struct pen_vec
     return fabs(pen_dot(f, f) - s->rr) <= 2 * s->r * (bound + 8 * PEN_U * s->r);
 }
 
-/* The other crossing of a ray whose origin is on the sphere by identity: -2 b / a, with b exact
+/* The other intersection of a ray whose origin is on the sphere by identity: -2 b / a, with b exact
  * to the last bits. Its sign says inward (> 0) or outward. */
 double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray);
 

@@ -2,8 +2,8 @@
 /* Triangles: how they are made. */
 #include "geom/triangle.h"
 
+#include "geom/internal/double_double.h"
 #include "geom/internal/make.h"
-#include "geom/internal/twofold.h"
 
 /* The lengths along x, y, z of the edge from p to q: the same in any mirror, and for the triangle
  * moved. */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Triangles, and the rule by which every flat body owns its border: half-open winding in sheared
- * ray space. Seen along the ray, an edge counts if it passes from y <= 0 to y > 0 (or back) on
- * the right of the ray; an edge shared by two bodies takes the same decision in both, because the
- * difference of products has an exact sign, so a ray through an edge or a vertex of a closed
- * surface crosses exactly one of the faces that meet there. Outward is the side from which the
- * vertices run counter-clockwise.
+/* Triangles, and the rule by which every flat primitive owns its border: half-open winding in
+ * sheared ray space. Seen along the ray, an edge counts if it passes from y <= 0 to y > 0 (or back)
+ * on the right of the ray; an edge shared by two primitives takes the same decision in both,
+ * because the difference of products has an exact sign, so a ray through an edge or a vertex of a
+ * closed surface crosses exactly one of the faces that meet there. Outward is the side from which
+ * the vertices run counter-clockwise.
  *
  * t does not depend on the order that the vertices come in, on where the triangle is if all sums
  * are exact, nor on the signs of the axes: one vertex is told from the others by the lengths of
@@ -34,7 +34,7 @@ struct pen_sheared {
 
 static inline struct pen_sheared pen_shear(const struct pen_ray *ray, const struct pen_vec3 *v)
 {
-    struct pen_vec3 f = pen_sub(pen_turned(ray, v), ray->turned_o);
+    struct pen_vec3 f = pen_sub(pen_permuted(ray, v), ray->permuted_o);
     return (struct pen_sheared){f.x - ray->sx * f.z, f.y - ray->sy * f.z, f.z};
 }
 
@@ -105,9 +105,9 @@ static inline bool pen_flat_near(const struct pen_ray *ray, double t, double b)
     return t * t <= (0x1p20 * b * b) * ray->inv_dd;
 }
 
-/* Whether a crossing at t of a flat body with unit normal n is the ray's origin itself, up to
- * `bound` and the body's own rounding, which is proportional to `scale`. What lies behind the
- * origin must be within 2^10 bounds of it: farther away it is merely seen edge-on. */
+/* Whether an intersection at t of a flat primitive with unit normal n is the ray's origin itself,
+ * up to `bound` and the primitive's own rounding, which is proportional to `scale`. What lies
+ * behind the origin must be within 2^10 bounds of it: farther away it is merely seen edge-on. */
 static inline bool pen_flat_touches(struct pen_vec3 n, double scale, const struct pen_ray *ray,
                                     double t, double bound)
 {

@@ -47,7 +47,7 @@ static bool open_stream(struct request *request, struct pen_jobs *jobs,
         ok = request->stream || pen_fail(st, PEN_NO_MEMORY, "no memory for a stream of events");
     }
     if (!ok)
-        pen_http_watch_leave(request->http->watch);
+        pen_http_watch_remove(request->http->watch);
     pen_buf_release(&text);
     return ok;
 }
@@ -57,7 +57,7 @@ enum outcome pen_http_handle_events(struct request *request, struct pen_jobs *jo
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status st;
-    uint32_t news = pen_http_watch_news(http->watch);
+    uint32_t news = pen_http_watch_notify(http->watch);
     if (!pen_http_snapshots_read(http->snapshots, news, jobs, request->job_id, &snapshot, &st)) {
         pen_http_request_fail(request, &st);
         return OUTCOME_ANSWERED;

@@ -76,8 +76,8 @@ bool pen_http_quick_job(struct request *request)
 {
     struct snapshot snapshot;
     struct pen_http *http = request->http;
-    if (!pen_http_snapshots_peek(http->snapshots, pen_http_watch_news(http->watch), request->job_id,
-                                 &snapshot))
+    if (!pen_http_snapshots_peek(http->snapshots, pen_http_watch_notify(http->watch),
+                                 request->job_id, &snapshot))
         return false;
     bool due = pen_http_request_number(request, "wait", 0) == 0 ||
                pen_http_snapshot_is_due(&snapshot, request);
@@ -94,7 +94,7 @@ static enum outcome look_at_job(struct request *request, struct pen_jobs *jobs, 
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status st;
-    uint32_t news = pen_http_watch_news(http->watch);
+    uint32_t news = pen_http_watch_notify(http->watch);
     *again = false;
     if (!pen_http_snapshots_read(http->snapshots, news, jobs, request->job_id, &snapshot, &st))
         return answer_status(request, &st);

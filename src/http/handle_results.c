@@ -24,7 +24,7 @@ static enum outcome answer_status(struct request *request, struct pen_jobs *jobs
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status ignored;
-    if (!pen_http_snapshots_read(http->snapshots, pen_http_watch_news(http->watch), jobs,
+    if (!pen_http_snapshots_read(http->snapshots, pen_http_watch_notify(http->watch), jobs,
                                  request->job_id, &snapshot, &ignored))
         return OUTCOME_ANSWERED;
     if (!pen_job_state_ended(snapshot.state))

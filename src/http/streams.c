@@ -164,7 +164,7 @@ uint64_t pen_http_stream_close(struct stream *stream)
     uint64_t total = stream->total + stream->sent;
     pen_http_blob_unref(stream->text);
     free(stream);
-    pen_http_watch_leave(streams->http->watch);
+    pen_http_watch_remove(streams->http->watch);
     return total;
 }
 

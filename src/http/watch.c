@@ -40,10 +40,10 @@ struct watch {
     bool closed;          /* guarded by lock */
 };
 
-uint32_t pen_http_watch_news(struct watch *watch)
+uint32_t pen_http_watch_notify(struct watch *watch)
 {
     uint32_t news = 0;
-    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_NEWS, &news, 0);
+    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &news, 0);
     return news;
 }
 
@@ -121,7 +121,7 @@ static void sleep_until_due(struct watch *watch, struct turn *turn)
     turn->news = watch->seen;
     bool closed = watch->closed;
     pthread_mutex_unlock(&watch->lock);
-    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_NEWS, &turn->news,
+    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &turn->news,
                    closed       ? 0
                    : turn->owed ? PACE_MS
                                 : TICK_MS);
@@ -182,7 +182,7 @@ struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
     *watch = (struct watch){.http = http, .jobs = jobs};
     pthread_mutex_init(&watch->lock, NULL);
     pthread_cond_init(&watch->filled, NULL);
-    watch->seen = pen_http_watch_news(watch);
+    watch->seen = pen_http_watch_notify(watch);
     if (pthread_create(&watch->thread, NULL, run, watch) == 0)
         return watch;
     pen_http_watch_free(watch);
@@ -245,7 +245,7 @@ enum watch_answer pen_http_watch_enter(struct watch *watch)
     return given;
 }
 
-void pen_http_watch_leave(struct watch *watch)
+void pen_http_watch_remove(struct watch *watch)
 {
     pthread_mutex_lock(&watch->lock);
     watch->places--;
@@ -263,5 +263,5 @@ void pen_http_watch_joined(struct watch *watch, uint32_t news)
 
 void pen_http_watch_hurry(struct watch *watch)
 {
-    pen_store_wake(pen_jobs_store(watch->jobs), PEN_SIGNAL_NEWS);
+    pen_store_wake(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES);
 }

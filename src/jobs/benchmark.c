@@ -77,7 +77,7 @@ static bool check_list(const char *key, const json_t *list, struct pen_errors *e
 }
 
 /* Checks the matrix and counts its rows. */
-static bool check_matrix(struct pen_bench_order *order, struct pen_errors *errors)
+static bool check_matrix(struct pen_bench_spec *order, struct pen_errors *errors)
 {
     const char *key;
     json_t *list;
@@ -105,7 +105,7 @@ static bool check_matrix(struct pen_bench_order *order, struct pen_errors *error
 }
 
 /* Fills row number `number`: what it chooses from each list, and its settings. */
-static bool fill_row(const struct pen_bench_order *order, const struct pen_settings *base,
+static bool fill_row(const struct pen_bench_spec *order, const struct pen_settings *base,
                      int number, struct pen_bench_row *row)
 {
     const char *key;
@@ -123,7 +123,7 @@ static bool fill_row(const struct pen_bench_order *order, const struct pen_setti
     return chosen && pen_settings_read(chosen, "", &row->settings, &none);
 }
 
-static bool make_rows(struct pen_bench_order *order, const struct pen_settings *base,
+static bool make_rows(struct pen_bench_spec *order, const struct pen_settings *base,
                       struct pen_errors *errors)
 {
     order->rows = calloc((size_t)order->row_count, sizeof *order->rows);
@@ -164,7 +164,7 @@ static bool is_listed(const json_t *list, const json_t *value)
     return false;
 }
 
-static bool check_baseline(const struct pen_bench_order *order, const json_t *baseline,
+static bool check_baseline(const struct pen_bench_spec *order, const json_t *baseline,
                            struct pen_errors *errors)
 {
     const char *key;
@@ -197,7 +197,7 @@ static bool row_has(const struct pen_bench_row *row, const json_t *wanted)
 }
 
 /* The first row that has all the values that the baseline names. */
-static bool read_baseline(struct pen_bench_order *order, const json_t *baseline,
+static bool read_baseline(struct pen_bench_spec *order, const json_t *baseline,
                           struct pen_errors *errors)
 {
     if (!baseline || json_is_null(baseline))
@@ -215,11 +215,11 @@ static bool read_baseline(struct pen_bench_order *order, const json_t *baseline,
     return true;
 }
 
-bool pen_bench_order_read(const json_t *members, const struct pen_settings *base,
-                          struct pen_bench_order *order, struct pen_errors *errors)
+bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
+                         struct pen_bench_spec *order, struct pen_errors *errors)
 {
     json_t *matrix = json_object_get(members, "matrix");
-    *order = (struct pen_bench_order){.repeats = 3, .warmup = 1};
+    *order = (struct pen_bench_spec){.repeats = 3, .warmup = 1};
     order->matrix = matrix ? json_incref(matrix) : json_object();
     if (!order->matrix) {
         pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for a matrix");
@@ -232,16 +232,16 @@ bool pen_bench_order_read(const json_t *members, const struct pen_settings *base
     return read_baseline(order, json_object_get(members, "baseline"), errors) && ok;
 }
 
-void pen_bench_order_release(struct pen_bench_order *order)
+void pen_bench_spec_release(struct pen_bench_spec *order)
 {
     for (int i = 0; order->rows && i < order->row_count; i++)
         json_decref((json_t *)(uintptr_t)order->rows[i].chosen);
     free(order->rows);
     json_decref(order->matrix);
-    *order = (struct pen_bench_order){0};
+    *order = (struct pen_bench_spec){0};
 }
 
-struct pen_bench pen_bench_of_order(const struct pen_bench_order *order)
+struct pen_bench pen_bench_of_spec(const struct pen_bench_spec *order)
 {
     return (struct pen_bench){.rows = order->rows,
                               .row_count = order->row_count,
@@ -251,7 +251,7 @@ struct pen_bench pen_bench_of_order(const struct pen_bench_order *order)
 }
 
 /* One run more than those that are timed: the one that counts tests. */
-static double work_of(const struct pen_bench_order *order, const struct pen_scene_desc *desc,
+static double work_of(const struct pen_bench_spec *order, const struct pen_scene_desc *desc,
                       int views)
 {
     double work = 0;
@@ -262,10 +262,10 @@ static double work_of(const struct pen_bench_order *order, const struct pen_scen
     return work * views * (order->repeats + order->warmup + 1);
 }
 
-bool pen_bench_order_check(const struct pen_bench_order *order, const struct pen_limits *limits,
-                           const struct pen_scene_desc *desc, int views, struct pen_status *st)
+bool pen_bench_spec_check(const struct pen_bench_spec *order, const struct pen_limits *limits,
+                          const struct pen_scene_desc *desc, int views, struct pen_status *st)
 {
-    struct pen_bench bench = pen_bench_of_order(order);
+    struct pen_bench bench = pen_bench_of_spec(order);
     bench.view_count = views;
     for (int i = 0; i < order->row_count; i++) {
         if (!pen_limits_check(limits, desc, &order->rows[i].settings, (uint32_t)views, matrix_at,
@@ -287,7 +287,7 @@ bool pen_bench_order_check(const struct pen_bench_order *order, const struct pen
 }
 
 /* The settings without those that the matrix varies. */
-static json_t *shared_settings(const struct pen_bench_order *order, const struct pen_settings *base)
+static json_t *shared_settings(const struct pen_bench_spec *order, const struct pen_settings *base)
 {
     json_t *render = pen_settings_json(base);
     const char *key;
@@ -299,8 +299,8 @@ static json_t *shared_settings(const struct pen_bench_order *order, const struct
     return render;
 }
 
-json_t *pen_bench_order_head(const struct pen_bench_order *order, const struct pen_bench *bench,
-                             const struct pen_settings *base)
+json_t *pen_bench_spec_head(const struct pen_bench_spec *order, const struct pen_bench *bench,
+                            const struct pen_settings *base)
 {
     const char *name = bench->desc->name;
     json_t *views = json_array();

@@ -12,7 +12,7 @@
 
 enum { PEN_BENCH_ROWS_MAX = 256, PEN_BENCH_REPEATS_MAX = 100, PEN_BENCH_WARMUP_MAX = 10 };
 
-struct pen_bench_order {
+struct pen_bench_spec {
     json_t *matrix; /* {} if there is none */
     int repeats, warmup;
     int baseline; /* a row; by default the first */
@@ -23,22 +23,22 @@ struct pen_bench_order {
 /* Reads the four members of an object, which may have others. `base` are the settings that the
  * matrix's go on top of. Every error has its place, such as /matrix/accelerator/2; all are
  * collected. Owns: release *order in any case. Fails: errors->count grows. */
-bool pen_bench_order_read(const json_t *members, const struct pen_settings *base,
-                          struct pen_bench_order *order, struct pen_errors *errors);
-void pen_bench_order_release(struct pen_bench_order *order);
+bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
+                         struct pen_bench_spec *order, struct pen_errors *errors);
+void pen_bench_spec_release(struct pen_bench_spec *order);
 
 /* Checks what the rows ask for, all runs together, as pen_limits_check does for one render; and the
  * pictures that have to be kept. Fails: PEN_TOO_LARGE, at /matrix. */
-bool pen_bench_order_check(const struct pen_bench_order *order, const struct pen_limits *limits,
-                           const struct pen_scene_desc *desc, int views, struct pen_status *st);
+bool pen_bench_spec_check(const struct pen_bench_spec *order, const struct pen_limits *limits,
+                          const struct pen_scene_desc *desc, int views, struct pen_status *st);
 
 /* The benchmark of an order: rows, repeats, warmup and baseline are filled in, what they point at
  * is the order's. */
-struct pen_bench pen_bench_of_order(const struct pen_bench_order *order);
+struct pen_bench pen_bench_of_spec(const struct pen_bench_spec *order);
 
 /* The beginning of its report: kind, scene, views, matrix and the settings that all rows share.
  * Fails: NULL when out of memory. */
-json_t *pen_bench_order_head(const struct pen_bench_order *order, const struct pen_bench *bench,
-                             const struct pen_settings *base);
+json_t *pen_bench_spec_head(const struct pen_bench_spec *order, const struct pen_bench *bench,
+                            const struct pen_settings *base);
 
 #endif

@@ -201,7 +201,7 @@ static json_t *log_json(const struct pen_trace *trace)
 }
 
 struct death {
-    const struct pen_obituary *obituary;
+    const struct pen_worker_report *obituary;
     struct pen_store *store;
     struct pen_claim claim; /* out: of the job that failed */
     char *error;            /* out: NULL if none did */
@@ -210,7 +210,7 @@ struct death {
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
 {
     struct death *death = user;
-    const struct pen_obituary *obituary = death->obituary;
+    const struct pen_worker_report *obituary = death->obituary;
     struct place place = place_of(claim, obituary->trace);
     struct pen_status why;
     char where[48], name[16] = "";
@@ -237,7 +237,7 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
     return error;
 }
 
-bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_obituary *obituary,
+bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_worker_report *obituary,
                            int *opened, struct pen_status *st)
 {
     struct death user = {.obituary = obituary, .store = store};

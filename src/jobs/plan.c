@@ -28,7 +28,7 @@ static int batches_of_view(const struct pen_request *request, int tiles)
 
 static struct pen_batch_new study_of(const struct pen_request *request)
 {
-    struct pen_bench bench = pen_bench_of_order(&request->order);
+    struct pen_bench bench = pen_bench_of_spec(&request->order);
     return (struct pen_batch_new){.kind = PEN_BATCH_STUDY, .pixels = pen_bench_runs(&bench)};
 }
 

@@ -151,8 +151,8 @@ static void check_limits(struct pen_request *request, const struct pen_limits *l
     char at[16];
     struct pen_status st;
     limits_place(request, at, sizeof at);
-    bool ok = request->benchmark ? pen_bench_order_check(&request->order, limits, &request->desc,
-                                                         request->view_count, &st)
+    bool ok = request->benchmark ? pen_bench_spec_check(&request->order, limits, &request->desc,
+                                                        request->view_count, &st)
                                  : pen_limits_check(limits, &request->desc, &request->settings,
                                                     (uint32_t)request->view_count, at, &st);
     if (ok)
@@ -173,7 +173,7 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
     if (render)
         pen_settings_read(render, "/render", &request->settings, errors);
     if (request->benchmark)
-        pen_bench_order_read(request->body, &request->settings, &request->order, errors);
+        pen_bench_spec_read(request->body, &request->settings, &request->order, errors);
     if (ok && choose_views(request, errors) && errors->count == 0)
         check_limits(request, limits, errors);
 }
@@ -204,7 +204,7 @@ void pen_request_release(struct pen_request *request)
 {
     pen_arena_free(request->arena);
     pen_document_release(&request->document);
-    pen_bench_order_release(&request->order);
+    pen_bench_spec_release(&request->order);
     json_decref(request->builtin);
     *request = (struct pen_request){0};
 }

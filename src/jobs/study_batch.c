@@ -19,7 +19,7 @@ struct study {
     const struct pen_claim *claim;
     struct pen_arena *arena; /* of desc */
     struct pen_scene_desc desc;
-    struct pen_bench_order order;
+    struct pen_bench_spec order;
     struct pen_bench bench;
     struct pen_bench_result result;
     int *views;
@@ -77,11 +77,11 @@ static bool read_order(struct study *study, struct pen_status *st)
 {
     const struct pen_job_plan *plan = &study->room->plan;
     struct pen_errors errors = {0};
-    if (!pen_bench_order_read(plan->request, &plan->settings, &study->order, &errors)) {
+    if (!pen_bench_spec_read(plan->request, &plan->settings, &study->order, &errors)) {
         *st = errors.item[0];
         return false;
     }
-    study->bench = pen_bench_of_order(&study->order);
+    study->bench = pen_bench_of_spec(&study->order);
     study->bench.desc = &study->desc;
     study->bench.views = study->views;
     study->bench.view_count = plan->view_count;
@@ -105,7 +105,7 @@ static bool write_report(struct study *study, struct pen_batch_work *work, struc
 {
     json_t *report = pen_bench_report(
         &study->bench, &study->result,
-        pen_bench_order_head(&study->order, &study->bench, &study->room->plan.settings));
+        pen_bench_spec_head(&study->order, &study->bench, &study->room->plan.settings));
     bool ok = report ? pen_study_write(report, "json", &work->artefact, st)
                      : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
     json_decref(report);
@@ -138,7 +138,7 @@ bool pen_batch_study(struct pen_batch_room *room, const struct pen_claim *claim,
     bool ok = read_scene(&study, st) && find_views(&study, st) && read_order(&study, st) &&
               run(&study, st) && write_report(&study, work, st) && write_stats(&study, work, st);
     pen_bench_result_release(&study.bench, &study.result);
-    pen_bench_order_release(&study.order);
+    pen_bench_spec_release(&study.order);
     free(study.views);
     pen_arena_free(study.arena);
     return ok;

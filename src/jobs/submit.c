@@ -41,7 +41,7 @@ static json_t *common_json(const struct pen_request *request)
 }
 
 /* What a benchmark adds to that. */
-static json_t *order_json(const struct pen_bench_order *order)
+static json_t *order_json(const struct pen_bench_spec *order)
 {
     return json_pack("{s:O, s:i, s:i, s:O}", "matrix", order->matrix, "repeats", order->repeats,
                      "warmup", order->warmup, "baseline", order->rows[order->baseline].chosen);

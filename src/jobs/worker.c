@@ -225,8 +225,8 @@ static void show_up(struct worker *w, int64_t now_ns)
     if (w->seen_ns && now_ns - w->seen_ns < (int64_t)SEEN_MS * 1000000)
         return;
     w->seen_ns = now_ns;
-    pen_store_worker_seen(w->store, w->options->name, pen_pool_threads(w->room.pool), w->lease_ms,
-                          &ignored);
+    pen_store_worker_seen(w->store, w->options->name, pen_thread_pool_size(w->room.pool),
+                          w->lease_ms, &ignored);
 }
 
 static bool sweep_and_tidy(struct worker *w, struct pen_status *st)
@@ -236,14 +236,14 @@ static bool sweep_and_tidy(struct worker *w, struct pen_status *st)
     show_up(w, now_ns);
     if (now_ns - w->swept_ns >= (int64_t)SWEEP_MS * 1000000) {
         w->swept_ns = now_ns;
-        if (!pen_store_sweep(w->store, NULL, &opened, st))
+        if (!pen_store_expire_leases(w->store, NULL, &opened, st))
             return is_passing(st);
         if (opened > 0)
             pen_log(PEN_LOG_WARN, "%d batches were opened again: their leases ran out", opened);
     }
     if (now_ns - w->tidied_ns >= (int64_t)TIDY_MS * 1000000) {
         w->tidied_ns = now_ns;
-        if (!pen_store_tidy(w->store, KEY_AGE_MS, st))
+        if (!pen_store_purge(w->store, KEY_AGE_MS, st))
             return is_passing(st);
     }
     return true;
@@ -287,11 +287,11 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->room.trace = o->trace;
     w->room.fault = o->fault;
     w->store = w->room.store = pen_store_open(o->store_url, st);
-    if (!w->store || !(w->room.pool = pen_pool_new(o->threads, st)) ||
+    if (!w->store || !(w->room.pool = pen_thread_pool_new(o->threads, st)) ||
         !(w->room.heart = pen_heartbeat_new(o, w->lease_ms, st)))
         return false;
     pen_store_observe(w->store, o->observer);
-    pen_store_leave_settling(w->store);
+    pen_store_delegate_settling(w->store);
     if (!(w->room.packing = pen_packing_new(o->observer, st)))
         return false;
     w->room.scenes = pen_scene_cache_new(o->scene_cap_bytes);
@@ -302,7 +302,7 @@ static void tear_down(struct worker *w)
 {
     pen_heartbeat_free(w->room.heart);
     pen_packing_free(w->room.packing);
-    pen_pool_free(w->room.pool);
+    pen_thread_pool_free(w->room.pool);
     pen_scene_cache_free(w->room.scenes);
     pen_batch_room_release(&w->room);
     pen_store_close(w->store);

@@ -11,8 +11,8 @@
 #include <time.h>
 
 #include "base/clock.h"
+#include "base/thread_pool.h"
 #include "render/internal/counter.h"
-#include "render/internal/pool.h"
 
 /* What one thread did; written by that thread alone, read when all are done. */
 struct part {
@@ -182,7 +182,7 @@ static void free_parts(struct run *run)
     free(run->parts);
 }
 
-static bool run_tiles(struct pen_pool *pool, struct run *run, struct pen_render_stats *stats,
+static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
     int wanted = run->last_tile - run->task->first_tile;
@@ -193,7 +193,7 @@ static bool run_tiles(struct pen_pool *pool, struct run *run, struct pen_render_
     }
     if (!make_parts(run, st))
         return false;
-    stats->float_resets = pen_pool_run(pool, run->threads, render_part, run);
+    stats->float_resets = pen_thread_pool_run(pool, run->threads, render_part, run);
     stats->tile_count = (uint32_t)gather(run, stats);
     if (stats->tile_count < (uint32_t)wanted)
         return pen_fail(st, PEN_CANCELLED, "cancelled after %u of %d tiles", stats->tile_count,
@@ -204,9 +204,9 @@ static bool run_tiles(struct pen_pool *pool, struct run *run, struct pen_render_
 
 /* How many threads work on a task: what the settings ask for, if the pool has them, and no more
  * than there are tiles. */
-static int threads_for(const struct pen_pool *pool, int asked, int tiles)
+static int threads_for(const struct pen_thread_pool *pool, int asked, int tiles)
 {
-    int threads = pen_pool_threads(pool);
+    int threads = pen_thread_pool_size(pool);
     if (asked > 0 && asked < threads)
         threads = asked;
     if (tiles < threads)
@@ -214,7 +214,7 @@ static int threads_for(const struct pen_pool *pool, int asked, int tiles)
     return threads > 1 ? threads : 1;
 }
 
-bool pen_render_run(struct pen_pool *pool, const struct pen_render_task *task,
+bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *task,
                     struct pen_render_stats *stats, struct pen_status *st)
 {
     const struct pen_settings *settings = task->settings;

@@ -10,16 +10,9 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "base/thread_pool.h"
 #include "scene/scene.h"
 #include "shade/kernel.h"
-
-struct pen_pool;
-
-/* Starts exactly `threads` render threads (0: one per processor), kept for the pool's lifetime.
- * Owns: free with pen_pool_free. */
-struct pen_pool *pen_pool_new(int threads, struct pen_status *st);
-void pen_pool_free(struct pen_pool *pool);
-int pen_pool_threads(const struct pen_pool *pool);
 
 struct pen_rect {
     int x, y, width, height; /* pixels */
@@ -71,7 +64,7 @@ struct pen_render_task {
  * waits. Fails: PEN_CANCELLED (pixels of the tiles that tile_done was called for are valid, and
  * *stats covers what was done), PEN_NO_MEMORY, PEN_INTERNAL (tiles that the image does not have).
  */
-bool pen_render_run(struct pen_pool *pool, const struct pen_render_task *task,
+bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *task,
                     struct pen_render_stats *stats, struct pen_status *st);
 
 /* One pixel, for looking closely, on the calling thread: the values that the film is rounded

@@ -46,7 +46,7 @@ enum pen_object_kind {
     PEN_OBJECT_PLANE,
     PEN_OBJECT_TRIANGLE,
     PEN_OBJECT_POLYGON,
-    PEN_OBJECT_TUBE,
+    PEN_OBJECT_INFINITE_CYLINDER,
     PEN_OBJECT_CYLINDER,
     PEN_OBJECT_GROUP
 };
@@ -70,7 +70,7 @@ struct pen_object_desc {
         struct {
             struct pen_vec3 origin, axis;
             double radius;
-        } tube;
+        } infinite_cylinder;
         struct {
             struct pen_vec3 base, axis;
             double radius, height;

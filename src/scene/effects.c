@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which effects a scene calls for: those that some body, light or setting can make visible. A
+/* Which effects a scene calls for: those that some primitive, light or setting can make visible. A
  * kernel is picked by this set, so a bit must be set whenever leaving the effect out could change
  * one bit of the picture; only what is written in the document decides, never a threshold. */
 #include "scene/internal/effects.h"
@@ -15,11 +15,11 @@ const char *pen_effect_name(int bit)
     return bit >= 0 && bit < PEN_FX_COUNT ? names[bit] : "unknown";
 }
 
-/* What is known of a scene while its bodies are looked through. */
+/* What is known of a scene while its primitives are looked through. */
 struct survey {
     bool ambient_light, lights; /* lights: lit ones */
     unsigned shadows;           /* the kinds of shadows that lit ones cast */
-    bool see_through;           /* a body lets light pass */
+    bool see_through;           /* a primitive lets light pass */
     unsigned effects;
 };
 
@@ -28,7 +28,7 @@ static unsigned shadow_kind(bool shadows, bool soft)
     return !shadows ? 0u : soft ? PEN_FX_SOFT_SHADOWS : PEN_FX_HARD_SHADOWS;
 }
 
-/* Adds what one body's material calls for; materials that no body has do not count. */
+/* Adds what one primitive's material calls for; materials that no primitive has do not count. */
 static void add_material(struct survey *survey, const struct pen_material *m)
 {
     if (survey->ambient_light && unit_lit(m->ka))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Freezing: description -> what kernels read. Two walks over the bodies: the first counts them and
- * finds the local frame, the second fills the typed arrays in it. Everything that lasts lives in
- * the scene's arena, whose cap is the job's limit on memory. */
+/* Freezing: description -> what kernels read. Two walks over the primitives: the first counts them
+ * and finds the local frame, the second fills the typed arrays in it. Everything that lasts lives
+ * in the scene's arena, whose cap is the job's limit on memory. */
 #include "scene/internal/freeze.h"
 
 #include <fenv.h>
@@ -17,7 +17,7 @@
 /* Primitive numbers must fit into pen_prim_ref. */
 enum { PRIMS_MAX = 1 << 28 };
 
-static bool reserve_buffer(struct pen_freezer *f, const struct pen_walk_body *at)
+static bool reserve_buffer(struct pen_freezer *f, const struct pen_walk_primitive *at)
 {
     enum pen_object_kind kind = at->object->kind;
     bool loop = kind == PEN_OBJECT_TRIANGLE || kind == PEN_OBJECT_POLYGON;
@@ -32,18 +32,18 @@ static bool reserve_buffer(struct pen_freezer *f, const struct pen_walk_body *at
     return true;
 }
 
-bool pen_freeze_each(struct pen_freezer *f, pen_freeze_body *fn, void *user)
+bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user)
 {
     struct pen_walk walk;
     if (!pen_walk_init(&walk, f->desc, f->st))
         return false;
-    struct pen_walk_body at;
+    struct pen_walk_primitive at;
     struct pen_placed body;
     enum pen_walk_step step;
     while ((step = pen_walk_next(&walk, &at, f->st)) == PEN_WALK_BODY) {
         if (!reserve_buffer(f, &at))
             break;
-        if (!pen_place_body(&at, f->buffer, &body, f->st) || !fn(f, &body, user)) {
+        if (!pen_place_primitive(&at, f->buffer, &body, f->st) || !fn(f, &body, user)) {
             pen_walk_pointer(&walk, f->st->at, sizeof f->st->at);
             break;
         }
@@ -103,7 +103,7 @@ static bool freeze_frame(struct pen_freezer *f)
     return true;
 }
 
-/* Copies the materials; behind them comes the one of bodies without any. */
+/* Copies the materials; behind them comes the one of primitives without any. */
 static bool freeze_materials(struct pen_freezer *f)
 {
     uint32_t count = f->desc->material_count;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* The groups of a document as ranges of primitive numbers. Bodies are numbered depth first, so a
- * group is a range, and one that holds no body is none. The walk that numbers them shows the path
- * to each body; groups open and close where the path changes. */
+/* The groups of a document as ranges of primitive numbers. Primitives are numbered depth first, so
+ * a group is a range, and one that holds no primitive is none. The walk that numbers them shows the
+ * path to each primitive; groups open and close where the path changes. */
 #include <stdlib.h>
 
 #include "scene/internal/freeze.h"
 
-/* A group around the body at hand. */
+/* A group around the primitive at hand. */
 struct open_group {
     uint32_t place; /* in the group around it: what the walk's level there says is next */
     uint32_t span;
 };
 
 struct gatherer {
-    struct pen_group_span *span; /* in the order in which groups open */
+    struct pen_group_range *span; /* in the order in which groups open */
     uint32_t count, capacity;
     struct open_group *open; /* the outermost first */
     uint32_t depth, depth_capacity;
@@ -23,7 +23,7 @@ static bool open_group(struct gatherer *g, uint32_t place, uint32_t prim)
 {
     if (g->count == g->capacity) {
         uint32_t capacity = g->capacity ? 2 * g->capacity : 64;
-        struct pen_group_span *span = realloc(g->span, capacity * sizeof *span);
+        struct pen_group_range *span = realloc(g->span, capacity * sizeof *span);
         if (!span)
             return false;
         g->span = span;
@@ -48,7 +48,8 @@ static void close_groups(struct gatherer *g, uint32_t depth, uint32_t prim)
         g->span[g->open[--g->depth].span].end = prim;
 }
 
-/* Closes the groups that body number `prim` is not in, and opens those that it is the first of. */
+/* Closes the groups that primitive number `prim` is not in, and opens those that it is the first
+ * of. */
 static bool follow(struct gatherer *g, const struct pen_walk *walk, uint32_t prim)
 {
     uint32_t same = 0;
@@ -66,7 +67,7 @@ static bool follow(struct gatherer *g, const struct pen_walk *walk, uint32_t pri
 static bool gather(struct pen_freezer *f, struct gatherer *g)
 {
     struct pen_walk walk;
-    struct pen_walk_body at;
+    struct pen_walk_primitive at;
     enum pen_walk_step step;
     uint32_t prim = 0;
     if (!pen_walk_init(&walk, f->desc, f->st))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The typed arrays of a frozen scene: one per kind, filled in document order, in local
- * coordinates, with what kernels ask about a body beside its shape: its material, and whether
+ * coordinates, with what kernels ask about a primitive beside its shape: its material, and whether
  * light passes through it. */
 #include "scene/internal/freeze.h"
 
@@ -11,7 +11,7 @@ struct filler {
     struct pen_plane *plane;
     struct pen_triangle *triangle;
     struct pen_polygon *polygon;
-    struct pen_tube *tube;
+    struct pen_infinite_cylinder *infinite_cylinder;
     struct pen_cylinder *cylinder;
     struct pen_vec3 *vertices; /* of polygons: the next free one */
     uint32_t *material;
@@ -31,11 +31,12 @@ static bool alloc_arrays(struct pen_freezer *f, struct filler *a)
     a->plane = pen_arena_alloc(arena, n[PEN_PRIM_PLANE], sizeof *a->plane);
     a->triangle = pen_arena_alloc(arena, n[PEN_PRIM_TRIANGLE], sizeof *a->triangle);
     a->polygon = pen_arena_alloc(arena, n[PEN_PRIM_POLYGON], sizeof *a->polygon);
-    a->tube = pen_arena_alloc(arena, n[PEN_PRIM_TUBE], sizeof *a->tube);
+    a->infinite_cylinder =
+        pen_arena_alloc(arena, n[PEN_PRIM_INFINITE_CYLINDER], sizeof *a->infinite_cylinder);
     a->cylinder = pen_arena_alloc(arena, n[PEN_PRIM_CYLINDER], sizeof *a->cylinder);
     a->vertices = pen_arena_alloc(arena, f->survey.polygon_vertices, sizeof *a->vertices);
     if (a->ref && a->material && a->see_through && a->sphere && a->plane && a->triangle &&
-        a->polygon && a->tube && a->cylinder && a->vertices)
+        a->polygon && a->infinite_cylinder && a->cylinder && a->vertices)
         return true;
     return pen_freeze_no_memory(f);
 }
@@ -84,8 +85,8 @@ static bool fill_shape(struct pen_freezer *f, struct filler *a, const struct pen
         return fill_triangle(f, body, &a->triangle[index]);
     case PEN_PRIM_POLYGON:
         return fill_polygon(f, a, body, &a->polygon[index]);
-    case PEN_PRIM_TUBE:
-        return pen_tube_make(&a->tube[index], p, body->direction, r);
+    case PEN_PRIM_INFINITE_CYLINDER:
+        return pen_infinite_cylinder_make(&a->infinite_cylinder[index], p, body->direction, r);
     case PEN_PRIM_CYLINDER:
         return pen_cylinder_make(&a->cylinder[index], p, body->direction, r, h, body->caps);
     case PEN_PRIM_KIND_COUNT:
@@ -120,7 +121,7 @@ bool pen_freeze_prims(struct pen_freezer *f)
     f->scene->prims.plane = a.plane;
     f->scene->prims.triangle = a.triangle;
     f->scene->prims.polygon = a.polygon;
-    f->scene->prims.tube = a.tube;
+    f->scene->prims.infinite_cylinder = a.infinite_cylinder;
     f->scene->prims.cylinder = a.cylinder;
     f->scene->prim_material = a.material;
     f->scene->see_through = a.see_through;

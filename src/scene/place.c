@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Placing bodies, and the local frame around them.
+/* Placing primitives, and the local frame around them.
  *
- * The frame is taken from the points that bodies are anchored at and, apart from those, from their
- * radii and heights: sums of the two would round differently when a scene is moved, and the frame
- * would not move with it. */
+ * The frame is taken from the points that primitives are anchored at and, apart from those, from
+ * their radii and heights: sums of the two would round differently when a scene is moved, and the
+ * frame would not move with it. */
 #include "scene/internal/place.h"
 
 #include "scene/internal/unit.h"
@@ -29,10 +29,10 @@ static void place_plane(const struct pen_object_desc *o, struct pen_placed *p)
 
 static void place_tube(const struct pen_object_desc *o, struct pen_placed *p)
 {
-    p->kind = PEN_PRIM_TUBE;
-    p->point = o->u.tube.origin;
-    p->direction = o->u.tube.axis;
-    p->radius = o->u.tube.radius;
+    p->kind = PEN_PRIM_INFINITE_CYLINDER;
+    p->point = o->u.infinite_cylinder.origin;
+    p->direction = o->u.infinite_cylinder.axis;
+    p->radius = o->u.infinite_cylinder.radius;
 }
 
 static void place_cylinder(const struct pen_object_desc *o, struct pen_placed *p)
@@ -62,7 +62,7 @@ static void place_as_written(const struct pen_object_desc *o, struct pen_placed 
     case PEN_OBJECT_PLANE:
         place_plane(o, p);
         break;
-    case PEN_OBJECT_TUBE:
+    case PEN_OBJECT_INFINITE_CYLINDER:
         place_tube(o, p);
         break;
     case PEN_OBJECT_CYLINDER:
@@ -108,8 +108,8 @@ static bool move_quadric(const struct pen_transform *f, double scale, struct pen
     return ok && finite_vec(p->direction) && unit_max(p->direction) > 0;
 }
 
-bool pen_place_body(const struct pen_walk_body *body, struct pen_vec3 *buffer,
-                    struct pen_placed *placed, struct pen_status *st)
+bool pen_place_primitive(const struct pen_walk_primitive *body, struct pen_vec3 *buffer,
+                         struct pen_placed *placed, struct pen_status *st)
 {
     place_as_written(body->object, placed);
     if (!body->moved)

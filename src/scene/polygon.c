@@ -12,7 +12,7 @@
 #include "math/scale.h"
 #include "scene/desc.h"
 #include "scene/internal/orient.h"
-#include "scene/internal/sweep.h"
+#include "scene/internal/simple_loop.h"
 #include "scene/internal/unit.h"
 
 /* How far a vertex may be from the plane, in parts of the polygon's extent. */
@@ -161,8 +161,8 @@ static bool check_simple(struct loop *loop, struct pen_vec3 normal, struct pen_s
         return false;
     for (uint32_t i = 0; i < loop->count; i++)
         loop->order[i] = loop->sorted[i].vertex;
-    struct pen_sweep_result result;
-    if (!pen_sweep_loop(loop->flat, loop->order, loop->count, &result))
+    struct pen_simple_loop_result result;
+    if (!pen_check_simple_loop(loop->flat, loop->order, loop->count, &result))
         return pen_fail(st, PEN_NO_MEMORY, "out of memory while checking a polygon");
     if (result.simple)
         return true;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How fine a scene's coordinates are beside its pixels. The bodies are measured in the local frame,
- * where nothing over- or underflows; only the results are turned into scene units. */
+/* How fine a scene's coordinates are beside its pixels. The primitives are measured in the local
+ * frame, where nothing over- or underflows; only the results are turned into scene units. */
 #include "scene/precision.h"
 
 #include <stdio.h>
@@ -8,7 +8,7 @@
 #include "math/scale.h"
 #include "scene/internal/unit.h"
 
-/* A body is not taken to be seen nearer than this part of its size. */
+/* A primitive is not taken to be seen nearer than this part of its size. */
 #define NEAREST_PART 0x1p-10
 
 static double gap(double lo, double hi, double x)
@@ -22,13 +22,13 @@ static double box_distance(struct pen_box box, struct pen_vec3 p)
                                gap(box.lo.z, box.hi.z, p.z)));
 }
 
-static double line_distance(const struct pen_round *round, struct pen_vec3 p)
+static double line_distance(const struct pen_cylinder_side *round, struct pen_vec3 p)
 {
     struct pen_vec3 axis = unit_of(round->a), from = pen_sub(p, round->q);
     return pen_length(pen_along(from, axis, -pen_dot(from, axis)));
 }
 
-/* A lower bound of how far the surface of an infinite body is. */
+/* A lower bound of how far the surface of an infinite primitive is. */
 static double infinite_distance(const struct pen_prims *prims, struct pen_prim_ref ref,
                                 struct pen_vec3 p)
 {
@@ -36,7 +36,7 @@ static double infinite_distance(const struct pen_prims *prims, struct pen_prim_r
         const struct pen_plane *plane = &prims->plane[ref.index];
         return fabs(pen_dot(plane->n, pen_sub(p, plane->q)));
     }
-    const struct pen_round *round = &prims->tube[ref.index].round;
+    const struct pen_cylinder_side *round = &prims->infinite_cylinder[ref.index].round;
     return fabs(line_distance(round, p) - round->r);
 }
 
@@ -65,7 +65,7 @@ static struct pen_box all_bounds(const struct pen_prims *prims)
     return all;
 }
 
-/* From the eye to the nearest body. */
+/* From the eye to the nearest primitive. */
 static double nearest(const struct pen_prims *prims, double extent, struct pen_vec3 eye)
 {
     double least = INFINITY;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a scene asks of doubles: how many of their steps, at its largest coordinates, one pixel
- * covers where the nearest body may be seen. Coordinates, and what is computed from them, are off
- * by about a step (numerics: an offset of 1e12 leaves steps of 1.2e-4). */
+ * covers where the nearest primitive may be seen. Coordinates, and what is computed from them, are
+ * off by about a step (numerics: an offset of 1e12 leaves steps of 1.2e-4). */
 #ifndef PEN_SCENE_PRECISION_H
 #define PEN_SCENE_PRECISION_H
 
@@ -14,18 +14,19 @@
 
 /* Units: those of the scene, but for `resolution`. */
 struct pen_scene_precision {
-    double extent;          /* the longest side of the box around the finite bodies */
+    double extent;          /* the longest side of the box around the finite primitives */
     double coordinate_max;  /* the largest |x|, |y|, |z| of that box and of the eye */
     double ulp;             /* the distance of neighbouring doubles at coordinate_max */
-    double pixel_footprint; /* width or height of a pixel, whichever is less, at the nearest body */
+    double pixel_footprint; /* width or height of a pixel, whichever is less, at the nearest
+                               primitive */
     double resolution;      /* pixel_footprint / ulp */
 };
 
-/* Measures a view for a picture size. The distance of a body from the eye is that of its surface
- * (sphere, plane, tube) or of its bounding box, but at least 1/1024 of its size: an eye may touch a
- * floor, or be inside a bounding box, and see nothing that near.
- * Fails: returns false if there are no bodies, or if a figure is no finite number above 0.
- * Cost: O(bodies), some nanoseconds each; nothing per ray. */
+/* Measures a view for a picture size. The distance of a primitive from the eye is that of its
+ * surface (sphere, plane, infinite cylinder) or of its bounding box, but at least 1/1024 of its
+ * size: an eye may touch a floor, or be inside a bounding box, and see nothing that near. Fails:
+ * returns false if there are no primitives, or if a figure is no finite number above 0. Cost:
+ * O(primitives), some nanoseconds each; nothing per ray. */
 bool pen_scene_precision(const struct pen_scene *scene, int view, int width, int height,
                          struct pen_scene_precision *out);
 

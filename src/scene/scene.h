@@ -4,7 +4,7 @@
  * Immutable after pen_scene_freeze; any number of threads may use it.
  *
  * Local frame: p_local = (p - center) * 2^-exponent. center is a multiple of 2^exponent near the
- * middle of the finite bodies, 2^exponent is near their extent: scaling a scene by a power of
+ * middle of the finite primitives, 2^exponent is near their extent: scaling a scene by a power of
  * two, or moving it by a multiple of 2^exponent, leaves the local coordinates equal bit for bit.
  * Attenuation factors are rescaled to local lengths exactly. */
 #ifndef PEN_SCENE_SCENE_H

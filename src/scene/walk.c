@@ -54,7 +54,7 @@ static struct pen_walk_level enter(const struct pen_walk_level *outer,
     return inner;
 }
 
-enum pen_walk_step pen_walk_next(struct pen_walk *walk, struct pen_walk_body *body,
+enum pen_walk_step pen_walk_next(struct pen_walk *walk, struct pen_walk_primitive *body,
                                  struct pen_status *st)
 {
     while (walk->depth > 0) {
@@ -70,8 +70,8 @@ enum pen_walk_step pen_walk_next(struct pen_walk *walk, struct pen_walk_body *bo
                 return PEN_WALK_FAILED;
             continue;
         }
-        *body = (struct pen_walk_body){object, level->moved, &level->transform, level->similar,
-                                       level->scale};
+        *body = (struct pen_walk_primitive){object, level->moved, &level->transform, level->similar,
+                                            level->scale};
         return PEN_WALK_BODY;
     }
     return PEN_WALK_END;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* The rare shadow ray through more sheets than a query returns: crossing by crossing, by the same
- * rules: strictly before the light, and not in it. */
+/* The rare shadow ray through more sheets than a query returns: intersection by crossing, by the
+ * same rules: strictly before the light, and not in it. */
 #include "shade/internal/shadow.h"
 
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
-                                const struct pen_leave *leave, const struct pen_shadow *query,
-                                struct pen_vec3 in)
+                                const struct pen_origin_surface *origin,
+                                const struct pen_shadow *query, struct pen_vec3 in)
 {
     const struct pen_scene *scene = input->scene;
     struct pen_vec3 t = in;
-    struct pen_span span = {pen_after_start, query->tmax};
+    struct pen_t_interval interval = {pen_after_start, query->tmax};
     struct pen_hit hit;
     double light = pen_shadow_light_bound(ray);
-    while (!is_black(t) && input->trace->nearest(scene->accel, ray, leave, &span, &hit)) {
-        span.after = hit;
+    while (!is_black(t) && input->trace->nearest(scene->accel, ray, origin, &interval, &hit)) {
+        interval.after = hit;
         if (query->to_point && pen_prim_ends_ray(&scene->prims, hit, ray, query->tmax, light))
             continue;
         t = shadow_filter(scene, hit.prim, t);

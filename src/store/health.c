@@ -214,7 +214,7 @@ bool pen_health_enter(struct pen_store *store, enum pen_need need, struct pen_st
     return true;
 }
 
-bool pen_health_leave(struct pen_store *store)
+bool pen_health_exit(struct pen_store *store)
 {
     if (--store->depth > 0)
         return false;

@@ -92,7 +92,7 @@ static void give_hints(struct pen_store *store)
     if (store->work)
         pen_wake_all(store->wake, PEN_SIGNAL_WORK);
     if (store->news)
-        pen_wake_all(store->wake, PEN_SIGNAL_NEWS);
+        pen_wake_all(store->wake, PEN_SIGNAL_CHANGES);
     store->work = store->news = false;
 }
 
@@ -100,7 +100,7 @@ static void give_hints(struct pen_store *store)
  * call there are no hints yet: its transaction may still go on. */
 static bool leave(struct pen_store *store, const struct span *span, bool ok)
 {
-    if (pen_health_leave(store))
+    if (pen_health_exit(store))
         give_hints(store);
     return span ? end(store, span, ok) : ok;
 }
@@ -236,8 +236,8 @@ bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim,
            leave(store, &span, store->ops->heartbeat(store, claim, lease_ms, held, st));
 }
 
-bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *opened,
-                     struct pen_status *st)
+bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
+                             struct pen_status *st)
 {
     struct span span = begin(store, "sweep");
     return enter(store, PEN_NEED_WRITE, st) &&
@@ -319,7 +319,7 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
                  store->ops->artefact_put(store, id, view, layer, format, data, bytes, st));
 }
 
-void pen_store_leave_settling(struct pen_store *store)
+void pen_store_delegate_settling(struct pen_store *store)
 {
     store->others_settle = true;
 }
@@ -335,7 +335,7 @@ bool pen_store_settle(struct pen_store *store, struct pen_status *st)
     return enter(store, PEN_NEED_WRITE, st) && leave(store, &span, store->ops->settle(store, st));
 }
 
-bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
+bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
 {
     struct span span = begin(store, "tidy");
     return enter(store, PEN_NEED_WRITE, st) &&

@@ -272,8 +272,8 @@ bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim,
 /* Opens batches whose lease has run out, and those of a worker that is known to be gone (NULL:
  * none), as suspects, see pen_store_worker_ended. Nothing is charged: how the worker went is not
  * known. *opened is their number. */
-bool pen_store_sweep(struct pen_store *store, const char *dead_worker, int *opened,
-                     struct pen_status *st);
+bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
+                             struct pen_status *st);
 
 enum pen_worker_end {
     PEN_WORKER_LEFT,   /* told to, and leaves its work to others */
@@ -331,14 +331,14 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
 
 /* Housekeeping: idempotency keys and workers older than key_age_ms go, unused scene documents go,
  * room no longer needed is given back to the file system. */
-bool pen_store_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
 
 /* An engine first writes changes to a log and later brings them to their place. A commit does that
  * itself now and then, and takes the longer for it; a handle can leave it to another one, whose
  * caller has the time: pen_store_unsettled says after a commit that it is due, and the other calls
  * pen_store_settle, which keeps nobody from reading or writing. Where that does not happen, a
  * commit does it in the end. Fails: PEN_STORAGE, PEN_STORAGE_FULL; nothing is lost. */
-void pen_store_leave_settling(struct pen_store *store);
+void pen_store_delegate_settling(struct pen_store *store);
 bool pen_store_unsettled(const struct pen_store *store);
 bool pen_store_settle(struct pen_store *store, struct pen_status *st);
 
@@ -407,7 +407,7 @@ bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, in
 
 /* Wake-up hints across processes: two counters that only grow. WORK grows when a batch may be
  * claimed, NEWS when any job changed. A hint may be lost; polling is the safety net. */
-enum pen_signal { PEN_SIGNAL_WORK, PEN_SIGNAL_NEWS };
+enum pen_signal { PEN_SIGNAL_WORK, PEN_SIGNAL_CHANGES };
 
 /* Waits until the counter differs from *seen or the time is up; *seen becomes its value.
  * Threads: may be called while another thread uses the same handle. */

@@ -59,7 +59,7 @@ struct pen_bench {
     int row_count, baseline;
     int repeats, warmup; /* at least 1; at least 0 */
     size_t scene_cap_bytes;
-    struct pen_pool *pool;
+    struct pen_thread_pool *pool;
     const atomic_bool *cancel; /* polled between runs and before each pixel; may be NULL */
     /* Called between runs, first of all with done = 0; may be NULL. */
     void (*progress)(void *user, int done, int total);

@@ -15,7 +15,7 @@ static bool add_note(json_t *notes, json_t *text)
 static bool note_threads(const struct pen_bench *bench, const struct pen_bench_result *result,
                          int row, json_t *notes)
 {
-    int asked = bench->rows[row].settings.threads, pool = pen_pool_threads(bench->pool);
+    int asked = bench->rows[row].settings.threads, pool = pen_thread_pool_size(bench->pool);
     int worked = result->rows[row].stats.threads;
     int granted = asked > 0 && asked < pool ? asked : pool;
     if (asked > pool && !add_note(notes, json_sprintf("row %d asks for %d threads; the pool has %d",
@@ -114,13 +114,13 @@ static json_t *load_json(double load)
 json_t *pen_bench_report(const struct pen_bench *bench, const struct pen_bench_result *result,
                          json_t *head)
 {
-    json_t *rest =
-        json_pack("{s:i, s:i, s:i, s:o, s:o, s:o, s:i, s:{s:o, s:o}, s:o, s:o}", "repeats",
-                  bench->repeats, "warmup", bench->warmup, "baseline", bench->baseline, "rows",
-                  rows_json(bench, result), "notes", notes_json(bench, result), "host",
-                  pen_figure_host(), "pool_threads", pen_pool_threads(bench->pool), "load_average",
-                  "before", load_json(result->load_before), "after", load_json(result->load_after),
-                  "began_at", time_json(result->began_ms), "ended_at", time_json(result->ended_ms));
+    json_t *rest = json_pack(
+        "{s:i, s:i, s:i, s:o, s:o, s:o, s:i, s:{s:o, s:o}, s:o, s:o}", "repeats", bench->repeats,
+        "warmup", bench->warmup, "baseline", bench->baseline, "rows", rows_json(bench, result),
+        "notes", notes_json(bench, result), "host", pen_figure_host(), "pool_threads",
+        pen_thread_pool_size(bench->pool), "load_average", "before", load_json(result->load_before),
+        "after", load_json(result->load_after), "began_at", time_json(result->began_ms), "ended_at",
+        time_json(result->ended_ms));
     if (head && rest && json_object_update(head, rest) == 0) {
         json_decref(rest);
         return head;

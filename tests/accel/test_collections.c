@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The classroom's boundary cases of collections: how many crossings a ray has with several bodies,
- * in which order, and which is the nearest. Every accelerator and compiled variant is asked. */
+/* The classroom's boundary cases of collections: how many intersections a ray has with several
+ * primitives, in which order, and which is the nearest. Every accelerator and compiled variant is
+ * asked. */
 #include "support/suite.h"
 #include "support/world.h"
 
@@ -23,16 +24,17 @@ static void build(void)
     }
 }
 
-/* The crossings from o along z, walked from one to the next. */
-static int walk(int way, vec3 o, vec3 d, struct pen_hit hit[MOST])
+/* The intersections from o along z, walked from one to the next. */
+static int walk(int direction, vec3 o, vec3 d, struct pen_hit hit[MOST])
 {
-    const struct pen_trace_ops *ops = pen_trace_ops_get(way & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
+    const struct pen_trace_ops *ops =
+        pen_trace_ops_get(direction & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
     struct pen_ray ray = world_ray(o, d);
-    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
     int count = 0;
     while (count < MOST &&
-           ops->nearest(accel[way / 2], &ray, &pen_leave_nothing, &span, &span.after))
-        hit[count++] = span.after;
+           ops->nearest(accel[direction / 2], &ray, &pen_origin_none, &interval, &interval.after))
+        hit[count++] = interval.after;
     return count;
 }
 
@@ -43,13 +45,13 @@ struct crossing {
 
 static void assert_crossings(vec3 o, vec3 d, const struct crossing *want, int wanted)
 {
-    for (int way = 0; way < WAYS; way++) {
+    for (int direction = 0; direction < WAYS; direction++) {
         struct pen_hit hit[MOST];
-        int count = walk(way, o, d, hit);
-        ck_assert_msg(count == wanted, "way %d: %d crossings, not %d", way, count, wanted);
+        int count = walk(direction, o, d, hit);
+        ck_assert_msg(count == wanted, "way %d: %d crossings, not %d", direction, count, wanted);
         for (int i = 0; i < count; i++)
             ck_assert_msg(hit[i].t == want[i].t && hit[i].prim == want[i].prim,
-                          "way %d, crossing %d: %a of %u", way, i, hit[i].t, hit[i].prim);
+                          "way %d, crossing %d: %a of %u", direction, i, hit[i].t, hit[i].prim);
     }
 }
 

@@ -21,18 +21,18 @@ static struct pen_test_counts ask(const struct pen_accel *accel, enum pen_isa is
     struct pen_test_counts counts = {0};
     struct pen_accel *view = pen_accel_count_new(accel, &counts);
     const struct pen_trace_ops *ops = pen_trace_ops_get(isa), *count = pen_trace_count_ops_get(isa);
-    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
     struct pen_hit hit = {0, PEN_NO_PRIM, 0}, counted = hit;
-    bool found = ops->nearest(accel, ray, &pen_leave_nothing, &span, &hit);
-    ck_assert(count->nearest(view, ray, &pen_leave_nothing, &span, &counted) == found);
+    bool found = ops->nearest(accel, ray, &pen_origin_none, &interval, &hit);
+    ck_assert(count->nearest(view, ray, &pen_origin_none, &interval, &counted) == found);
     ck_assert(hit.prim == counted.prim && hit.t == counted.t && hit.part == counted.part);
     struct pen_shadow query = {.tmax = 1, .last_occluder = PEN_NO_PRIM}, again = query;
-    bool blocked = ops->shadow(accel, ray, &pen_leave_nothing, &query);
+    bool blocked = ops->shadow(accel, ray, &pen_origin_none, &query);
     struct pen_test_counts before = counts;
-    ck_assert(count->shadow(view, ray, &pen_leave_nothing, &again) == blocked);
+    ck_assert(count->shadow(view, ray, &pen_origin_none, &again) == blocked);
     struct pen_test_counts between = counts;
     again.last_occluder = query.last_occluder; /* the hint changes no count */
-    ck_assert(count->shadow(view, ray, &pen_leave_nothing, &again) == blocked);
+    ck_assert(count->shadow(view, ray, &pen_origin_none, &again) == blocked);
     ck_assert_uint_eq(counts.boxes - between.boxes, between.boxes - before.boxes);
     ck_assert_uint_eq(counts.primitives - between.primitives,
                       between.primitives - before.primitives);
@@ -114,12 +114,12 @@ START_TEST(test_count__without_boxes_every_primitive_is_tested)
     struct pen_arena *arena = pen_arena_new(0);
     struct pen_test_counts counts = {0};
     struct pen_accel *view = pen_accel_count_new(build(arena, PEN_ACCEL_NONE), &counts);
-    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
     struct pen_hit hit;
     for (unsigned n = 1; n <= 20; n++) { /* counts add up */
         struct pen_ray ray = world_ray(random_vec(&r, 2), random_direction(&r));
         pen_trace_count_ops_get(pen_cpu_isa())
-            ->nearest(view, &ray, &pen_leave_nothing, &span, &hit);
+            ->nearest(view, &ray, &pen_origin_none, &interval, &hit);
         ck_assert_uint_eq(counts.boxes, 0);
         ck_assert_uint_eq(counts.primitives, (uint64_t)n * world.prims.count);
     }
@@ -138,10 +138,10 @@ START_TEST(test_count__a_ray_past_a_tree_tests_only_the_boxes_at_its_root)
     struct pen_test_counts counts = {0};
     struct pen_accel *view = pen_accel_count_new(accel, &counts);
     struct pen_ray ray = world_ray(pen_vec3(-9, -9, 9), pen_vec3(1, 1, 0));
-    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
     struct pen_hit hit;
     ck_assert(!pen_trace_count_ops_get(pen_cpu_isa())
-                   ->nearest(view, &ray, &pen_leave_nothing, &span, &hit));
+                   ->nearest(view, &ray, &pen_origin_none, &interval, &hit));
     ck_assert_uint_eq(counts.boxes, 8);
     ck_assert_uint_eq(counts.primitives, 0);
     pen_accel_count_free(view);

@@ -28,10 +28,10 @@ static const struct pen_accel *build(enum pen_accelerator kind)
     return accel;
 }
 
-static const struct pen_accel *build_groups(const struct pen_group_span *span, uint32_t count)
+static const struct pen_accel *build_groups(const struct pen_group_range *interval, uint32_t count)
 {
     struct pen_status st;
-    struct pen_groups groups = {span, count};
+    struct pen_groups groups = {interval, count};
     struct pen_accel *accel = pen_accel_build_manual(&world.prims, &groups, arena, &st);
     ck_assert(accel);
     return accel;
@@ -53,9 +53,9 @@ static struct pen_test_counts tests(const struct pen_accel *accel, vec3 o, vec3 
     struct pen_test_counts counts = {0};
     struct pen_accel *view = pen_accel_count_new(accel, &counts);
     struct pen_ray ray = world_ray(o, d);
-    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
     struct pen_hit h = {0, PEN_NO_PRIM, 0};
-    pen_trace_count_ops_get(pen_cpu_isa())->nearest(view, &ray, &pen_leave_nothing, &span, &h);
+    pen_trace_count_ops_get(pen_cpu_isa())->nearest(view, &ray, &pen_origin_none, &interval, &h);
     pen_accel_count_free(view);
     *hit = h.prim;
     return counts;
@@ -125,8 +125,8 @@ START_TEST(test_kinds__manual_looks_into_the_groups_it_meets)
 {
     for (int i = 0; i < 64; i++)
         world_sphere(&world, pen_vec3(i & 15, 10 * (i >> 4), 0), .25);
-    const struct pen_group_span span[] = {{0, 32}, {0, 16}, {16, 32}, {32, 48}, {48, 64}};
-    const struct pen_accel *accel = build_groups(span, 5);
+    const struct pen_group_range interval[] = {{0, 32}, {0, 16}, {16, 32}, {32, 48}, {48, 64}};
+    const struct pen_accel *accel = build_groups(interval, 5);
     check_stats(accel, 6, 64, 3);
     vec3 down = pen_vec3(0, 0, -1);
     check_tests(accel, pen_vec3(5, 5, 9), down, PEN_NO_PRIM, 3 + 2, 0); /* between two rows */
@@ -145,9 +145,9 @@ START_TEST(test_kinds__groups_of_nothing_and_of_infinite_bodies_have_no_box)
     world_plane(&world, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0));
     world_tube(&world, pen_vec3(0, 9, 0), pen_vec3(0, 0, 1), .1);
     world_sphere(&world, pen_vec3(8, 0, 0), 1);
-    const struct pen_group_span span[] = {{0, 0}, {1, 5}, {1, 1}, {3, 5}, {3, 4}, {6, 6}};
-    check_stats(build_groups(span, 6), 2, 4, 2);
-    const struct pen_group_span infinite[] = {{3, 5}};
+    const struct pen_group_range interval[] = {{0, 0}, {1, 5}, {1, 1}, {3, 5}, {3, 4}, {6, 6}};
+    check_stats(build_groups(interval, 6), 2, 4, 2);
+    const struct pen_group_range infinite[] = {{3, 5}};
     check_stats(build_groups(infinite, 1), 1, 4, 1);
 }
 END_TEST
@@ -156,11 +156,11 @@ END_TEST
 START_TEST(test_kinds__groups_nested_without_end)
 {
     enum { DEEP = 1000, N = 20 };
-    static struct pen_group_span span[DEEP];
+    static struct pen_group_range interval[DEEP];
     row(0, N, 7);
     for (uint32_t i = 0; i < DEEP; i++)
-        span[i] = (struct pen_group_span){i < N ? i : N - 1, N};
-    const struct pen_accel *accel = build_groups(span, DEEP);
+        interval[i] = (struct pen_group_range){i < N ? i : N - 1, N};
+    const struct pen_accel *accel = build_groups(interval, DEEP);
     ck_assert_uint_eq(pen_accel_get_stats(accel)->depth, 64);
     ck_assert_uint_eq(pen_accel_get_stats(accel)->leaves, N);
     for (uint32_t i = 0; i < N; i++) {
@@ -252,8 +252,8 @@ START_TEST(test_kinds__cost_is_that_of_its_definition)
     world_plane(&world, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0));
     check_cost(PEN_ACCEL_NONE, 19);
     check_cost(PEN_ACCEL_CBR, 1 + .15 * 18 + 18 / 11.);
-    const struct pen_group_span span[] = {{0, 6}, {6, 12}, {12, 18}};
-    double manual = pen_accel_get_stats(build_groups(span, 3))->sah_cost;
+    const struct pen_group_range interval[] = {{0, 6}, {6, 12}, {12, 18}};
+    double manual = pen_accel_get_stats(build_groups(interval, 3))->sah_cost;
     double want = 1 + .15 * 3 + 3 * (3 / 11.) * .15 * 6 + 18 / 11.;
     ck_assert_msg(fabs(manual - want) < 1e-6, "%.9g, not %.9g", manual, want);
 }

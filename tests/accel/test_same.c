@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Every accelerator and every compiled variant gives the same crossings as trying all primitives,
- * bit for bit. */
+/* Every accelerator and every compiled variant gives the same intersections as trying all
+ * primitives, bit for bit. */
 #include "support/rooms.h"
 #include "support/suite.h"
 
@@ -18,7 +18,7 @@ struct ways {
 
 /* Random groups of the world's primitives, in order, nested; some are empty, some equal. */
 static void random_groups(struct random *random, uint32_t begin, uint32_t end, int depth,
-                          struct pen_group_span *group, uint32_t *count)
+                          struct pen_group_range *group, uint32_t *count)
 {
     while (begin < end && *count < WORLD_MAX) {
         uint32_t inner = begin + random_below(random, end - begin + 1);
@@ -26,7 +26,7 @@ static void random_groups(struct random *random, uint32_t begin, uint32_t end, i
             begin += 1 + random_below(random, 5);
             continue;
         }
-        group[(*count)++] = (struct pen_group_span){begin, inner};
+        group[(*count)++] = (struct pen_group_range){begin, inner};
         random_groups(random, begin, inner, depth - 1, group, count);
         begin = inner + random_below(random, 2);
     }
@@ -34,7 +34,7 @@ static void random_groups(struct random *random, uint32_t begin, uint32_t end, i
 
 static struct ways build(const struct world *w, struct random *random)
 {
-    static struct pen_group_span group[WORLD_MAX];
+    static struct pen_group_range group[WORLD_MAX];
     struct pen_status st;
     struct ways ways = {.arena = pen_arena_new(0)};
     struct pen_groups groups = {group, 0};
@@ -51,13 +51,13 @@ static struct ways build(const struct world *w, struct random *random)
 
 /* Compares one nearest query; returns the hit. */
 static struct pen_hit nearest(const struct world *w, const struct ways *ways,
-                              const struct pen_ray *ray, const struct pen_leave *leave,
-                              const struct pen_span *span)
+                              const struct pen_ray *ray, const struct pen_origin_surface *origin,
+                              const struct pen_t_interval *interval)
 {
-    struct pen_hit truth = world_nearest(w, ray, leave, span);
+    struct pen_hit truth = world_nearest(w, ray, origin, interval);
     for (int i = 0; i < WAYS; i++) {
         struct pen_hit hit = {0, PEN_NO_PRIM, 0};
-        bool found = ways->ops[i & 1]->nearest(ways->accel[i / 2], ray, leave, span, &hit);
+        bool found = ways->ops[i & 1]->nearest(ways->accel[i / 2], ray, origin, interval, &hit);
         ck_assert_msg(
             found == (truth.prim != PEN_NO_PRIM) &&
                 (!found || (hit.t == truth.t && hit.prim == truth.prim && hit.part == truth.part)),
@@ -68,18 +68,18 @@ static struct pen_hit nearest(const struct world *w, const struct ways *ways,
     return truth;
 }
 
-/* Compares one shadow query with a walk over all crossings; true if it is blocked. What was met
+/* Compares one shadow query with a walk over all intersections; true if it is blocked. What was met
  * last must not matter: each primitive is tried in turn. */
 static bool shadow(const struct world *w, const struct ways *ways, const struct pen_ray *ray,
-                   const struct pen_leave *leave, const uint8_t *see_through)
+                   const struct pen_origin_surface *origin, const uint8_t *see_through)
 {
     static uint32_t last;
     bool blocked = false;
     int count = 0;
     struct pen_hit kept[PEN_SHADOW_MAX];
-    struct pen_span span = {pen_after_start, nextafter(1, 0)};
+    struct pen_t_interval interval = {pen_after_start, nextafter(1, 0)};
     for (;;) {
-        struct pen_hit h = world_nearest(w, ray, leave, &span);
+        struct pen_hit h = world_nearest(w, ray, origin, &interval);
         if (h.prim == PEN_NO_PRIM)
             break;
         if (!see_through || !see_through[h.prim]) {
@@ -89,12 +89,12 @@ static bool shadow(const struct world *w, const struct ways *ways, const struct 
         if (count < PEN_SHADOW_MAX)
             kept[count] = h;
         count++;
-        span.after = h;
+        interval.after = h;
     }
     for (int i = 0; i < WAYS; i++) {
         struct pen_shadow query = {.tmax = 1, .see_through = see_through};
         query.last_occluder = i < 2 && w->prims.count ? last++ % w->prims.count : PEN_NO_PRIM;
-        bool b = ways->ops[i & 1]->shadow(ways->accel[i / 2], ray, leave, &query);
+        bool b = ways->ops[i & 1]->shadow(ways->accel[i / 2], ray, origin, &query);
         ck_assert_msg(b == blocked, "way %d: blocked %d, not %d", i, b, blocked);
         if (blocked)
             continue;
@@ -112,7 +112,7 @@ static bool shadow(const struct world *w, const struct ways *ways, const struct 
 /* A path of a few bounces through the world, comparing everything asked on the way. */
 static void follow_path(struct random *random, const struct ways *ways, const uint8_t *see_through)
 {
-    struct pen_leave leave = pen_leave_nothing;
+    struct pen_origin_surface origin = pen_origin_none;
     struct pen_vec3 o = random_vec(random, 2), d = random_direction(random);
     if (random_below(random, 4) == 0)
         o = pen_vec3(round(4 * o.x) / 4, round(4 * o.y) / 4, round(4 * o.z) / 4);
@@ -120,23 +120,23 @@ static void follow_path(struct random *random, const struct ways *ways, const ui
         d = pen_vec3(round(d.x), round(d.y), round(d.z) == 0 ? 1 : round(d.z));
     for (int bounce = 0; bounce < 4; bounce++) {
         struct pen_ray ray = world_ray(o, d);
-        struct pen_span span = {pen_after_start, random_below(random, 3) ? INFINITY : 1};
-        shadow(&world, ways, &ray, &leave, see_through);
-        shadow(&world, ways, &ray, &leave, NULL);
-        struct pen_hit hit = nearest(&world, ways, &ray, &leave, &span);
+        struct pen_t_interval interval = {pen_after_start, random_below(random, 3) ? INFINITY : 1};
+        shadow(&world, ways, &ray, &origin, see_through);
+        shadow(&world, ways, &ray, &origin, NULL);
+        struct pen_hit hit = nearest(&world, ways, &ray, &origin, &interval);
         if (hit.prim == PEN_NO_PRIM)
             return;
-        span.after = hit;
-        nearest(&world, ways, &ray, &leave, &span);
-        span = (struct pen_span){pen_after_start, hit.t}; /* H094: tmax is inclusive */
-        nearest(&world, ways, &ray, &leave, &span);
-        span.tmax = nextafter(hit.t, 0);
-        nearest(&world, ways, &ray, &leave, &span);
+        interval.after = hit;
+        nearest(&world, ways, &ray, &origin, &interval);
+        interval = (struct pen_t_interval){pen_after_start, hit.t}; /* H094: tmax is inclusive */
+        nearest(&world, ways, &ray, &origin, &interval);
+        interval.tmax = nextafter(hit.t, 0);
+        nearest(&world, ways, &ray, &origin, &interval);
         o = pen_prim_point(&world.prims, hit, &ray);
-        leave = world_leave(&world, hit, o, pen_scale(d, hit.t), false);
+        origin = world_leave(&world, hit, o, pen_scale(d, hit.t), false);
         struct pen_vec3 n = pen_prim_normal(&world.prims, hit, o);
         struct pen_vec3 next = random_direction(random);
-        leave.through = (pen_dot(next, n) > 0) != (pen_dot(leave.toward, n) > 0);
+        origin.through = (pen_dot(next, n) > 0) != (pen_dot(origin.toward, n) > 0);
         d = next;
     }
 }
@@ -163,22 +163,22 @@ END_TEST
 static void follow_seam(struct random *r, const struct ways *ways, struct pen_vec3 o, bool convex,
                         const uint8_t *see_through)
 {
-    struct pen_leave leave = pen_leave_nothing;
+    struct pen_origin_surface origin = pen_origin_none;
     struct pen_vec3 at = world_aim(&world, r);
     if (convex && random_below(r, 2)) /* beside it: borders are passed near where the next starts */
         at = pen_along(at, random_direction(r), exp2(random_in(r, -48, -24)));
     struct pen_vec3 d = pen_sub(at, o);
     for (int bounce = 0; bounce < 3; bounce++) {
         struct pen_ray ray = world_ray(o, d);
-        struct pen_span span = {pen_after_start, INFINITY};
-        struct pen_hit hit = nearest(&world, ways, &ray, &leave, &span);
+        struct pen_t_interval interval = {pen_after_start, INFINITY};
+        struct pen_hit hit = nearest(&world, ways, &ray, &origin, &interval);
         ck_assert_msg(hit.prim != PEN_NO_PRIM, "no way out; seed %llu",
                       (unsigned long long)r->seed);
-        struct stand s = world_stand(&world, &ray, &leave, hit);
-        d = stand_turn(&s, r, see_through[hit.prim], &leave);
+        struct stand s = world_stand(&world, &ray, &origin, hit);
+        d = stand_turn(&s, r, see_through[hit.prim], &origin);
         o = s.p;
         ray = world_ray(o, pen_scale(d, 9));
-        ck_assert_msg(shadow(&world, ways, &ray, &leave, see_through), "no light in; seed %llu",
+        ck_assert_msg(shadow(&world, ways, &ray, &origin, see_through), "no light in; seed %llu",
                       (unsigned long long)r->seed);
     }
 }
@@ -189,18 +189,18 @@ static void graze_seam(struct random *r, const struct ways *ways, struct pen_vec
     struct pen_vec3 seam = world_aim(&world, r);
     struct pen_vec3 at = pen_along(seam, random_direction(r), exp2(random_in(r, -45, -27)));
     struct pen_ray ray = world_ray(eye, pen_sub(at, eye));
-    struct pen_span span = {pen_after_start, INFINITY};
-    struct pen_hit hit = nearest(&world, ways, &ray, &pen_leave_nothing, &span);
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
+    struct pen_hit hit = nearest(&world, ways, &ray, &pen_origin_none, &interval);
     if (hit.prim == PEN_NO_PRIM)
         return;
-    struct stand s = world_stand(&world, &ray, &pen_leave_nothing, hit);
+    struct stand s = world_stand(&world, &ray, &pen_origin_none, hit);
     for (int i = 0; i < 4; i++) {
         struct pen_vec3 to = pen_along(seam, random_direction(r), exp2(random_in(r, -53, -48)));
         struct pen_vec3 d = pen_scale(pen_sub(to, s.p), exp2(random_in(r, 0, 48)));
         if (!pen_ray_make(&ray, s.p, d)) /* it is where it starts */
             continue;
-        shadow(&world, ways, &ray, &s.leave, NULL);
-        nearest(&world, ways, &ray, &s.leave, &span);
+        shadow(&world, ways, &ray, &s.origin, NULL);
+        nearest(&world, ways, &ray, &s.origin, &interval);
     }
 }
 
@@ -247,7 +247,7 @@ static struct pen_vec3 tiny3(struct random *r)
     return pen_vec3(x, y, tiny(r));
 }
 
-/* H085, H093: from a hair beside flat bodies on a lattice, along and through them. */
+/* H085, H093: from a hair beside flat primitives on a lattice, along and through them. */
 START_TEST(test_accel__h085_hairs_beside_surfaces)
 {
     struct random r = random_begin(85);
@@ -263,9 +263,9 @@ START_TEST(test_accel__h085_hairs_beside_surfaces)
         for (int i = 0; i < 300; i++) {
             struct pen_vec3 o = tiny3(&r), d = tiny3(&r);
             struct pen_ray ray;
-            struct pen_span span = {pen_after_start, INFINITY};
+            struct pen_t_interval interval = {pen_after_start, INFINITY};
             if (pen_ray_make(&ray, o, d))
-                nearest(&world, &ways, &ray, &pen_leave_nothing, &span);
+                nearest(&world, &ways, &ray, &pen_origin_none, &interval);
         }
         pen_arena_free(ways.arena);
     }

@@ -19,23 +19,23 @@ struct tree {
 
 /* Halves of halves as groups, down to single primitives. */
 static void halve(uint32_t begin, uint32_t end, struct pen_groups *groups,
-                  struct pen_group_span *span, uint32_t room)
+                  struct pen_group_range *interval, uint32_t room)
 {
     if (end - begin < 2 || groups->count == room)
         return;
-    span[groups->count++] = (struct pen_group_span){begin, end};
-    halve(begin, begin + (end - begin) / 2, groups, span, room);
-    halve(begin + (end - begin) / 2, end, groups, span, room);
+    interval[groups->count++] = (struct pen_group_range){begin, end};
+    halve(begin, begin + (end - begin) / 2, groups, interval, room);
+    halve(begin + (end - begin) / 2, end, groups, interval, room);
 }
 
 static struct tree plant(const struct pen_prims *prims)
 {
     enum { GROUPS = 5000 };
-    static struct pen_group_span span[GROUPS];
-    struct pen_groups groups = {span, 0};
+    static struct pen_group_range interval[GROUPS];
+    struct pen_groups groups = {interval, 0};
     struct pen_status st;
     struct tree tree = {.arena = pen_arena_new(0)};
-    halve(0, prims->count, &groups, span, GROUPS);
+    halve(0, prims->count, &groups, interval, GROUPS);
     for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
         tree.accel[kind] = pen_accel_build(prims, (enum pen_accelerator)kind, tree.arena, &st);
     tree.accel[PEN_ACCEL_COUNT] = pen_accel_build_manual(prims, &groups, tree.arena, &st);
@@ -50,12 +50,12 @@ static struct tree plant(const struct pen_prims *prims)
 static uint32_t same(const struct tree *tree, const struct world *w, vec3 o, vec3 d, double tmax)
 {
     struct pen_ray ray = world_ray(o, d);
-    struct pen_span span = {pen_after_start, tmax};
-    struct pen_hit truth = world_nearest(w, &ray, &pen_leave_nothing, &span);
+    struct pen_t_interval interval = {pen_after_start, tmax};
+    struct pen_hit truth = world_nearest(w, &ray, &pen_origin_none, &interval);
     for (int i = 0; i < 2 * TREES; i++) {
         const struct pen_trace_ops *ops = pen_trace_ops_get(i & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
         struct pen_hit hit = {0, PEN_NO_PRIM, 0};
-        ops->nearest(tree->accel[i / 2], &ray, &pen_leave_nothing, &span, &hit);
+        ops->nearest(tree->accel[i / 2], &ray, &pen_origin_none, &interval, &hit);
         ck_assert_msg(hit.prim == truth.prim && (hit.prim == PEN_NO_PRIM || hit.t == truth.t),
                       "%d, %s: o %a %a %a d %a %a %a: %u, not %u", i / 2, ops->name, o.x, o.y, o.z,
                       d.x, d.y, d.z, hit.prim, truth.prim);
@@ -115,13 +115,13 @@ START_TEST(test_tree__h097_identical_centroids)
         const struct pen_trace_ops *ops = pen_trace_ops_get(i & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
         const struct pen_accel *accel = tree.accel[i / 2];
         struct pen_ray ray = world_ray(pen_vec3(.4, .3, 2), pen_vec3(0, 0, -1));
-        struct pen_span span = {pen_after_start, INFINITY};
+        struct pen_t_interval interval = {pen_after_start, INFINITY};
         struct pen_hit hit;
-        ck_assert(ops->nearest(accel, &ray, &pen_leave_nothing, &span, &hit));
+        ck_assert(ops->nearest(accel, &ray, &pen_origin_none, &interval, &hit));
         ck_assert_uint_eq(hit.prim, 0);
         for (uint32_t k = 1; k < 20; k++) { /* and then each of the others, in order */
-            span.after = hit;
-            ck_assert(ops->nearest(accel, &ray, &pen_leave_nothing, &span, &hit));
+            interval.after = hit;
+            ck_assert(ops->nearest(accel, &ray, &pen_origin_none, &interval, &hit));
             ck_assert_uint_eq(hit.prim, k);
         }
     }
@@ -144,10 +144,10 @@ START_TEST(test_tree__geometric_scales)
                                     pen_along(c, random_direction(&r), .1 * s)));
     }
     struct tree tree = plant(&prims);
-    struct pen_leave leave = pen_leave_nothing;
+    struct pen_origin_surface origin = pen_origin_none;
     for (int i = 0; i < random_cases(200); i++) {
         struct pen_ray ray = world_ray(random_vec(&r, 1), random_direction(&r));
-        struct pen_span span = {pen_after_start, INFINITY};
+        struct pen_t_interval interval = {pen_after_start, INFINITY};
         struct pen_hit truth = {INFINITY, PEN_NO_PRIM, 0}, hit = truth;
         for (uint32_t k = 0; k < (uint32_t)N; k++) {
             double t;
@@ -156,7 +156,8 @@ START_TEST(test_tree__geometric_scales)
         }
         for (int k = 0; k < TREES; k++) {
             hit = (struct pen_hit){INFINITY, PEN_NO_PRIM, 0};
-            pen_trace_ops_get(pen_cpu_isa())->nearest(tree.accel[k], &ray, &leave, &span, &hit);
+            pen_trace_ops_get(pen_cpu_isa())
+                ->nearest(tree.accel[k], &ray, &origin, &interval, &hit);
             ck_assert(hit.prim == truth.prim);
         }
     }
@@ -166,7 +167,7 @@ START_TEST(test_tree__geometric_scales)
 }
 END_TEST
 
-/* H098: planes and tubes beside a tree. */
+/* H098: planes and infinite cylinders beside a tree. */
 START_TEST(test_tree__h098_unbounded_mix)
 {
     struct random r = random_begin(98);
@@ -248,7 +249,7 @@ START_TEST(test_tree__h091_h092_h093_no_false_box_misses)
 }
 END_TEST
 
-/* H094: t of a crossing on a face of a box is within tmax, one ulp less is not. */
+/* H094: t of an intersection on a face of a box is within tmax, one ulp less is not. */
 START_TEST(test_tree__h094_tmax_equality)
 {
     struct random r = random_begin(94);
@@ -257,8 +258,8 @@ START_TEST(test_tree__h094_tmax_equality)
     for (int i = 0; i < random_cases(2000); i++) {
         vec3 o = random_vec(&r, 9), d = pen_sub(adversarial_point(&r), o);
         struct pen_ray ray = world_ray(o, d);
-        struct pen_span span = {pen_after_start, INFINITY};
-        struct pen_hit hit = world_nearest(&world, &ray, &pen_leave_nothing, &span);
+        struct pen_t_interval interval = {pen_after_start, INFINITY};
+        struct pen_hit hit = world_nearest(&world, &ray, &pen_origin_none, &interval);
         if (hit.prim == PEN_NO_PRIM)
             continue;
         ck_assert_uint_eq(same(&tree, &world, o, d, hit.t), hit.prim);

@@ -74,7 +74,7 @@ static void add_box(struct bench *b, struct pen_vec3 lo, struct pen_vec3 hi)
     }
 }
 
-/* About a hundred bodies of all kinds between a floor, a ceiling and walls. */
+/* About a hundred primitives of all kinds between a floor, a ceiling and walls. */
 static struct bench *room(void)
 {
     struct bench *b = bench_new(4096);
@@ -162,7 +162,7 @@ static struct bench *soup(void)
 
 struct job {
     struct pen_vec3 o, d;
-    struct pen_leave leave;
+    struct pen_origin_surface origin;
 };
 
 /* Rays of one kind; returns how many million per second. `sum` keeps the work alive. */
@@ -180,12 +180,12 @@ static double shoot(const struct pen_accel *accel, const struct pen_trace_ops *o
             query.to_point = true;
             query.see_through = NULL;
             query.last_occluder = last;
-            *sum += ops->shadow(accel, &ray, &job[i].leave, &query);
+            *sum += ops->shadow(accel, &ray, &job[i].origin, &query);
             last = query.last_occluder;
         } else {
-            struct pen_span span = {pen_after_start, INFINITY};
+            struct pen_t_interval interval = {pen_after_start, INFINITY};
             struct pen_hit hit;
-            *sum += ops->nearest(accel, &ray, &job[i].leave, &span, &hit) ? hit.prim : 0;
+            *sum += ops->nearest(accel, &ray, &job[i].origin, &interval, &hit) ? hit.prim : 0;
         }
     }
     return (double)count / (double)(pen_clock_cpu_ns() - start) * 1e3;
@@ -204,21 +204,21 @@ static size_t make_jobs(const struct bench *b, const struct pen_accel *accel, si
         double x = (2.0 * (double)(i % side) + 1) / (double)side - 1;
         double y = (2.0 * (double)(i / side) + 1) / (double)side - 1;
         struct pen_vec3 d = pen_along(pen_along(f, right, b->spread * x), up, -b->spread * y);
-        primary[i] = (struct job){b->eye, d, pen_leave_nothing};
+        primary[i] = (struct job){b->eye, d, pen_origin_none};
         struct pen_ray ray;
-        struct pen_span span = {pen_after_start, INFINITY};
+        struct pen_t_interval interval = {pen_after_start, INFINITY};
         struct pen_hit hit;
         pen_ray_make(&ray, b->eye, d);
-        if (!ops->nearest(accel, &ray, &pen_leave_nothing, &span, &hit))
+        if (!ops->nearest(accel, &ray, &pen_origin_none, &interval, &hit))
             continue;
         struct pen_vec3 p = pen_prim_point(&b->prims, hit, &ray);
         struct pen_vec3 n = pen_prim_normal(&b->prims, hit, p), any = random_direction(&r);
-        struct pen_leave leave = {hit.prim, hit.part, false, pen_neg(d),
-                                  pen_prim_rounding(&b->prims, hit.prim, p)};
+        struct pen_origin_surface origin = {hit.prim, hit.part, false, pen_neg(d),
+                                            pen_prim_rounding(&b->prims, hit.prim, p)};
         if (pen_dot(n, d) > 0)
             n = pen_neg(n);
-        shadow[hits] = (struct job){p, pen_sub(b->light, p), leave};
-        bounce[hits++] = (struct job){p, pen_dot(any, n) > 0 ? any : pen_neg(any), leave};
+        shadow[hits] = (struct job){p, pen_sub(b->light, p), origin};
+        bounce[hits++] = (struct job){p, pen_dot(any, n) > 0 ? any : pen_neg(any), origin};
     }
     return hits;
 }

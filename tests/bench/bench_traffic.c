@@ -19,7 +19,7 @@
 #include "jobs/worker.h"
 
 static const struct {
-    const char *title, *body;
+    const char *title, *prim;
 } jobs_of[] = {
     {"room 1000x1400", "{\"scene\": \"builtin:room\"}"},
     {"room 1000x1400, 4 samples",
@@ -109,7 +109,7 @@ static void wait_until_ended(struct pen_store *store, const char *id)
         state = job.state;
         pen_job_record_release(&job);
         if (!pen_job_state_ended(state))
-            pen_store_wait(store, PEN_SIGNAL_NEWS, &seen, 100);
+            pen_store_wait(store, PEN_SIGNAL_CHANGES, &seen, 100);
     }
     usleep(20000); /* the last call's tally comes after its news */
 }
@@ -127,9 +127,9 @@ static void read_times(struct pen_jobs *jobs, const char *id, struct run *run)
     json_decref(stats);
 }
 
-static struct run run_job(struct pen_jobs *jobs, const char *body)
+static struct run run_job(struct pen_jobs *jobs, const char *prim)
 {
-    struct pen_submission in = {.body = body, .bytes = strlen(body)};
+    struct pen_submission in = {.prim = prim, .bytes = strlen(prim)};
     struct pen_submitted out;
     struct pen_errors errors = {0};
     pthread_mutex_lock(&watch.lock);
@@ -227,7 +227,7 @@ static void print_job(const char *title, const struct run *runs, int count)
 static void time_heartbeats(struct pen_jobs *jobs, const char *url)
 {
     enum { BEATS = 1000, EXTENSIONS = 50, LEASE_MS = 60000 };
-    struct pen_submission in = {.body = jobs_of[2].body, .bytes = strlen(jobs_of[2].body)};
+    struct pen_submission in = {.prim = jobs_of[2].prim, .bytes = strlen(jobs_of[2].prim)};
     struct pen_submitted out;
     struct pen_errors errors = {0};
     struct pen_claim claim;
@@ -283,7 +283,7 @@ int main(int argc, char **argv)
         die("cannot begin", &st);
     for (int i = -WARM_UP; i < count; i++) {
         for (int j = 0; j < JOBS; j++)
-            runs[j][i < 0 ? 0 : i] = run_job(jobs, jobs_of[j].body);
+            runs[j][i < 0 ? 0 : i] = run_job(jobs, jobs_of[j].prim);
     }
     atomic_store(&stop, true);
     pen_store_wake(pen_jobs_store(jobs), PEN_SIGNAL_WORK);

@@ -67,7 +67,7 @@ static inline double quad_ulps(double t, quad truth)
     return (double)quad_abs(t - truth) / (nextafter(size, INFINITY) - size);
 }
 
-/* A sphere's crossings. */
+/* A sphere's intersections. */
 static inline quad quad_sphere(struct pen_vec3 c, double r, struct pen_vec3 o, struct pen_vec3 d,
                                quad t[2])
 {
@@ -75,7 +75,7 @@ static inline quad quad_sphere(struct pen_vec3 c, double r, struct pen_vec3 o, s
     return quad_roots(quad_dot(dd, dd), quad_dot(f, dd), quad_dot(f, f) - (quad)r * r, t);
 }
 
-/* A tube's crossings: axis through q along a, of any length. */
+/* A infinite cylinder's intersections: axis through q along a, of any length. */
 static inline quad quad_tube(struct pen_vec3 q, struct pen_vec3 a, double r, struct pen_vec3 o,
                              struct pen_vec3 d, quad t[2])
 {

@@ -17,7 +17,7 @@ struct row {
     vec3 point[2];
 };
 
-/* The end of a row without crossings, or with one. */
+/* The end of a row without intersections, or with one. */
 #define NONE                                                                                       \
     0,                                                                                             \
     {                                                                                              \
@@ -35,14 +35,14 @@ struct row {
         }                                                                                          \
     }
 
-/* Checks one ray: the number of crossings, unless it is said to be unsure, and the last points,
+/* Checks one ray: the number of intersections, unless it is said to be unsure, and the last points,
  * whose components may be off by `ulps` ulps of 4. */
-static inline void row_check(const struct world *w, const struct pen_leave *leave,
+static inline void row_check(const struct world *w, const struct pen_origin_surface *origin,
                              const struct row *row, int number, double ulps)
 {
     struct pen_hit hit[2];
     struct pen_ray ray = world_ray(row->o, row->d);
-    int count = world_crossings(w, &ray, leave, INFINITY, hit, 2);
+    int count = world_crossings(w, &ray, origin, INFINITY, hit, 2);
     ck_assert_msg(count == row->count, "row %d: %d crossings, not %d", number, count, row->count);
     for (int k = 0; k < count; k++) {
         vec3 p = pen_along(ray.o, ray.d, hit[k].t), off = pen_sub(p, row->point[k]);
@@ -55,7 +55,7 @@ static inline void row_check(const struct world *w, const struct pen_leave *leav
 static inline void rows_check(const struct world *w, const struct row *row, int rows, double ulps)
 {
     for (int i = 0; i < rows; i++)
-        row_check(w, &pen_leave_nothing, &row[i], i, ulps);
+        row_check(w, &pen_origin_none, &row[i], i, ulps);
 }
 
 /* The same for rays that start on the side of primitive 0, reached from outside. */
@@ -66,8 +66,8 @@ static inline void rows_check_leaving(const struct world *w, const struct row *r
         struct pen_hit on = {0, 0, PEN_PART_SIDE};
         vec3 n = pen_prim_normal(&w->prims, on, row[i].o);
         bool through = pen_dot(n, row[i].d) < 0;
-        struct pen_leave leave = world_leave(w, on, row[i].o, pen_neg(n), through);
-        row_check(w, &leave, &row[i], i, ulps);
+        struct pen_origin_surface origin = world_leave(w, on, row[i].o, pen_neg(n), through);
+        row_check(w, &origin, &row[i], i, ulps);
     }
 }
 

@@ -39,7 +39,7 @@ START_TEST(test_cylinder__h025_at_a_rim_the_cap_wins)
     for (int i = 0; i < 3; i++) {
         struct pen_hit hit[2];
         struct pen_ray ray = world_ray(o[i], d[i]);
-        int count = world_crossings(&world, &ray, &pen_leave_nothing, INFINITY, hit, 2);
+        int count = world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 2);
         ck_assert_int_eq(count, i == 1 ? 0 : 2); /* (2,0,1)+(-1,0,1) only touches the rim */
         if (count > 0)
             ck_assert_int_eq(hit[0].part, PEN_PART_TOP);
@@ -58,9 +58,9 @@ START_TEST(test_cylinder__h026_tmax)
     struct pen_ray ray = world_ray(pen_vec3(1.5, 0, -2), pen_vec3(0, 0, 1));
     struct pen_hit hit[2];
     for (int i = 0; i < 7; i++)
-        ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, row[i].tmax, hit, 2),
+        ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, row[i].tmax, hit, 2),
                          row[i].count);
-    world_crossings(&world, &ray, &pen_leave_nothing, 10, hit, 2);
+    world_crossings(&world, &ray, &pen_origin_none, 10, hit, 2);
     ck_assert(hit[0].t == 1 && hit[1].t == 3);
 }
 END_TEST
@@ -70,7 +70,9 @@ START_TEST(test_cylinder__caps_are_met_along_the_axis)
     const struct row rows[] = {
         {{0, 0, -1}, {0, 0, 1}, 2, {{0, 0, 0}, {0, 0, 2}}},
         {{.5, .25, 5}, {0, 0, -2}, 2, {{.5, .25, 2}, {.5, .25, 0}}},
-        {{0, 0, 0}, {0, 0, 1}, ONE(0, 0, 2)}, /* the base centre is no crossing of its own (D6) */
+        {{0, 0, 0},
+         {0, 0, 1},
+         ONE(0, 0, 2)}, /* the base centre is no intersection of its own (D6) */
         {{0, 0, 1}, {0, 0, -1}, ONE(0, 0, 0)},
         {{1, 0, -1}, {0, 0, 1}, NONE}, /* in the side */
         {{2, 0, -1}, {0, 0, 1}, NONE}, /* beside it */
@@ -181,13 +183,13 @@ START_TEST(test_cylinder__crossings_match_quad)
         vec3 o = pen_along(c.round.q, random_direction(&r), far);
         vec3 to = pen_add(c.round.q, random_vec(&r, 1));
         struct pen_ray ray = world_ray(o, pen_sub(to, o));
-        struct pen_inside in;
+        struct pen_interval in;
         quad truth[2];
         uint8_t part[2];
         bool met;
         if (!inside_quad(&c, &ray, truth, part, &met))
             continue;
-        ck_assert_msg(pen_cylinder_inside(&c, &ray, &in) == met, "%d", i);
+        ck_assert_msg(pen_cylinder_interval(&c, &ray, &in) == met, "%d", i);
         if (!met)
             continue;
         met_count++;

@@ -8,14 +8,15 @@ typedef struct pen_vec3 vec3;
 
 static struct world world;
 
-/* How many crossings the ray has with the plane z = height, up to tmax; the first goes to *t. */
+/* How many intersections the ray has with the plane z = height, up to tmax; the first goes to *t.
+ */
 static int cross_z(double height, vec3 o, vec3 d, double tmax, double *t)
 {
     struct pen_hit hit = {0, 0, 0};
     struct pen_ray ray = world_ray(o, d);
     world_clear(&world);
     world_plane(&world, pen_vec3(0, 0, height), pen_vec3(0, 0, 1));
-    int count = world_crossings(&world, &ray, &pen_leave_nothing, tmax, &hit, 1);
+    int count = world_crossings(&world, &ray, &pen_origin_none, tmax, &hit, 1);
     *t = hit.t;
     return count;
 }
@@ -115,7 +116,8 @@ START_TEST(test_plane__h087_grazing_rays_have_finite_crossings_or_none)
     ck_assert(quad_ulps(t, 1 / (quad)1e-15) <= 1);
     ck_assert_int_eq(cross_z(1, o, pen_vec3(1, 0, 0x1p-129), INFINITY, &t), 1);
     ck_assert(t > 0 && t <= DBL_MAX);
-    /* A ray takes what is below PEN_LEAST_TURN of its direction as 0: it runs along the plane. */
+    /* A ray takes what is below PEN_LEAST_DIRECTION of its direction as 0: it runs along the plane.
+     */
     ck_assert_int_eq(cross_z(1, o, pen_vec3(1, 0, 1e-300), INFINITY, &t), 0);
 }
 END_TEST

@@ -15,11 +15,11 @@ static const double offsets[] = {0, 1e3, 1e6};
 enum { WAYS_ON = 6 };
 
 /* Whether something opaque is met: anything but a pane. */
-static bool stopped(enum world_room room, const struct pen_ray *ray, const struct pen_leave *leave,
-                    double tmax)
+static bool stopped(enum world_room room, const struct pen_ray *ray,
+                    const struct pen_origin_surface *origin, double tmax)
 {
     struct pen_hit hit[WAYS_ON];
-    int count = world_crossings(&world, ray, leave, tmax, hit, WAYS_ON);
+    int count = world_crossings(&world, ray, origin, tmax, hit, WAYS_ON);
     for (int i = 0; i < count && i < WAYS_ON; i++) {
         if (room != ROOM_PANE || hit[i].prim < world.prims.count - 1)
             return true;
@@ -30,13 +30,13 @@ static bool stopped(enum world_room room, const struct pen_ray *ray, const struc
 /* Goes on from s in a random direction to what is met next; false if nothing is. */
 static bool bounce(struct random *r, struct stand *s)
 {
-    struct pen_leave leave;
-    struct pen_ray ray = world_ray(s->p, stand_turn(s, r, false, &leave));
-    struct pen_span span = {pen_after_start, INFINITY};
-    struct pen_hit hit = world_nearest(&world, &ray, &leave, &span);
+    struct pen_origin_surface origin;
+    struct pen_ray ray = world_ray(s->p, stand_turn(s, r, false, &origin));
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
+    struct pen_hit hit = world_nearest(&world, &ray, &origin, &interval);
     if (hit.prim == PEN_NO_PRIM)
         return false;
-    *s = world_stand(&world, &ray, &leave, hit);
+    *s = world_stand(&world, &ray, &origin, hit);
     return true;
 }
 
@@ -44,10 +44,10 @@ static bool bounce(struct random *r, struct stand *s)
 static struct stand look(struct random *r, vec3 eye)
 {
     struct pen_ray ray = world_ray(eye, pen_sub(world_aim(&world, r), eye));
-    struct pen_span span = {pen_after_start, INFINITY};
-    struct pen_hit hit = world_nearest(&world, &ray, &pen_leave_nothing, &span);
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
+    struct pen_hit hit = world_nearest(&world, &ray, &pen_origin_none, &interval);
     ck_assert_uint_ne(hit.prim, PEN_NO_PRIM);
-    return world_stand(&world, &ray, &pen_leave_nothing, hit);
+    return world_stand(&world, &ray, &pen_origin_none, hit);
 }
 
 /* d turned into the plane of some wall, as far as rounding allows. */
@@ -69,14 +69,14 @@ START_TEST(test_seams__h073_no_way_out_of_a_closed_room)
             struct stand s = look(&r, inside);
             for (int b = 0; b < 3; b++) {
                 for (int j = 0; j < 3; j++, rays++) { /* lights outside */
-                    struct pen_leave leave;
+                    struct pen_origin_surface origin;
                     bool pane = room == ROOM_PANE && s.hit.prim == world.prims.count - 1;
-                    vec3 d = stand_turn(&s, &r, pane && j == 0, &leave);
+                    vec3 d = stand_turn(&s, &r, pane && j == 0, &origin);
                     vec3 flat = along_wall(&r, d);
                     if (j == 1 && pen_dot(flat, s.n) > .1)
                         d = pen_normalize(flat);
                     struct pen_ray ray = world_ray(s.p, pen_scale(d, random_in(&r, 4, 9)));
-                    leaks += !stopped(room, &ray, &leave, 1);
+                    leaks += !stopped(room, &ray, &origin, 1);
                 }
                 if (!bounce(&r, &s)) {
                     leaks++;
@@ -101,7 +101,7 @@ START_TEST(test_seams__light_inside_a_convex_room_is_seen)
             struct stand s = look(&r, inside);
             vec3 light = pen_along(inside, random_direction(&r), .1);
             struct pen_ray ray = world_ray(s.p, pen_sub(light, s.p));
-            ck_assert_msg(!stopped(room, &ray, &s.leave, 1), "room %d, ray %d; seed %llu", room, k,
+            ck_assert_msg(!stopped(room, &ray, &s.origin, 1), "room %d, ray %d; seed %llu", room, k,
                           (unsigned long long)r.seed);
         }
     }
@@ -132,16 +132,16 @@ START_TEST(test_seams__h073_no_way_out_of_a_drum)
             vec3 rim = pen_along(pen_along(at, e, radius * cos(phi)), g, radius * sin(phi));
             rim = pen_along(rim, a, k & 1 ? h : 0);
             struct pen_ray ray = world_ray(inside, pen_sub(rim, inside));
-            struct pen_span span = {pen_after_start, INFINITY};
-            struct pen_hit hit = world_nearest(&world, &ray, &pen_leave_nothing, &span);
+            struct pen_t_interval interval = {pen_after_start, INFINITY};
+            struct pen_hit hit = world_nearest(&world, &ray, &pen_origin_none, &interval);
             if (hit.prim == PEN_NO_PRIM || hit.t > 1.01) /* not quite the rim: a gap of some ulps */
                 continue;
-            struct stand s = world_stand(&world, &ray, &pen_leave_nothing, hit);
+            struct stand s = world_stand(&world, &ray, &pen_origin_none, hit);
             for (int j = 0; j < 4; j++, rays++) {
-                struct pen_leave leave;
-                vec3 d = stand_turn(&s, &r, false, &leave);
+                struct pen_origin_surface origin;
+                vec3 d = stand_turn(&s, &r, false, &origin);
                 ray = world_ray(s.p, pen_scale(d, random_in(&r, 6, 9)));
-                leaks += !stopped(ROOM_BOX, &ray, &leave, 1);
+                leaks += !stopped(ROOM_BOX, &ray, &origin, 1);
             }
         }
     }
@@ -164,9 +164,9 @@ START_TEST(test_seams__h073_light_round_the_foot_of_a_wall)
         world_polygon(&world, wall, 4);
         for (double far = 0x1p-46; far < 0x1p-25; far *= 2) { /* how far away the wall is */
             vec3 p = pen_vec3(1 - far, .25, -PEN_U), v = pen_vec3(.5, .25, -.5);
-            struct pen_leave leave = world_leave(&world, hit, p, v, false);
+            struct pen_origin_surface origin = world_leave(&world, hit, p, v, false);
             struct pen_ray ray = world_ray(p, pen_vec3(1, 0, .5 * PEN_U / far));
-            int met = world_crossings(&world, &ray, &leave, 1, NULL, 0);
+            int met = world_crossings(&world, &ray, &origin, 1, NULL, 0);
             ck_assert_msg(met == up, "wall at %a, upward %d: %d met", far, up, met);
         }
     }
@@ -184,11 +184,11 @@ START_TEST(test_seams__h073_the_way_before_tells_the_side)
     world_polygon(&world, wall, 4);
     for (int side = -1; side <= 1; side += 2) {
         vec3 p = pen_vec3(1, .25, 0), along = pen_vec3(2 * side * PEN_U, .1, -.1);
-        struct pen_leave leave = world_leave(&world, hit, p, along, false);
-        leave.before = pen_vec3(side * .5, 0, .5);
+        struct pen_origin_surface origin = world_leave(&world, hit, p, along, false);
+        origin.before = pen_vec3(side * .5, 0, .5);
         for (int to = -1; to <= 1; to += 2) {
             struct pen_ray ray = world_ray(p, pen_vec3(.5 * to, 0, .5));
-            int met = world_crossings(&world, &ray, &leave, INFINITY, NULL, 0);
+            int met = world_crossings(&world, &ray, &origin, INFINITY, NULL, 0);
             ck_assert_msg(met == (to != side), "from %d to %d: %d met", side, to, met);
         }
     }

@@ -83,9 +83,9 @@ START_TEST(test_sphere__h014_start_at_the_centre)
     struct pen_ray ray = world_ray(pen_vec3(0, 0, 1), pen_vec3(0, 1, 0));
     world_clear(&world);
     world_sphere(&world, pen_vec3(0, 0, 1), 1);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, INFINITY, &hit, 1), 1);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, INFINITY, &hit, 1), 1);
     ck_assert(hit.t == 1);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, .5, &hit, 1), 0);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, .5, &hit, 1), 0);
 }
 END_TEST
 
@@ -101,7 +101,7 @@ START_TEST(test_sphere__h015_tmax)
     world_sphere(&world, pen_vec3(0, 0, 0), 1);
     for (int i = 0; i < 6; i++) {
         struct pen_ray ray = world_ray(row[i].o, pen_vec3(1, 0, 0));
-        ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, row[i].tmax, NULL, 0),
+        ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, row[i].tmax, NULL, 0),
                          row[i].count);
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Surfaces that close have no leaks and no double crossings: rays aimed at vertices, edges and
+/* Surfaces that close have no leaks and no double intersections: rays aimed at vertices, edges and
  * points of edges that are exact in binary, from near and far of the coordinate origin. */
 #include <check.h>
 
@@ -93,11 +93,11 @@ START_TEST(test_watertight__h049_coplanar_tiling)
         world_triangle(&world, v[s], v[s + 2], v[(s + 3) % 4]);
     }
     static const vec3 d[] = {{0, 0, 1}, {.5, .25, 1}, {1, -1, 1}, {-.25, .125, -.5}, {1, 2, .5}};
-    for (int way = 0; way < 5; way++) {
+    for (int direction = 0; direction < 5; direction++) {
         for (int i = 2; i < 4 * N - 2; i++) {
-            for (int j = 2; j < 4 * N - 2; j += way ? 7 : 1) {
-                vec3 o = pen_along(pen_vec3(i / 4., j / 4., 0), d[way], -4);
-                ck_assert_int_eq(world_count(&world, o, d[way]), 1);
+            for (int j = 2; j < 4 * N - 2; j += direction ? 7 : 1) {
+                vec3 o = pen_along(pen_vec3(i / 4., j / 4., 0), d[direction], -4);
+                ck_assert_int_eq(world_count(&world, o, d[direction]), 1);
             }
         }
     }

@@ -43,12 +43,12 @@ static uint64_t render_hash(const struct pen_scene *scene, int view, struct pen_
     settings.tile = tile;
     size_t count = 3 * (size_t)settings.width * (size_t)settings.height;
     float *film = calloc(count, sizeof *film);
-    struct pen_pool *pool = pen_pool_new(threads, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(threads, &st);
     struct pen_render_task task = {
         .scene = scene, .view = view, .settings = &settings, .tile_count = -1, .rgb = film};
     struct pen_render_stats stats;
     ck_assert_msg(pen_render_run(pool, &task, &stats, &st), "%s", st.msg);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     uint64_t hash = golden_hash(film, count);
     free(film);
     return hash;

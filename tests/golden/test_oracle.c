@@ -54,7 +54,7 @@ static struct picture rendered(const char *path, const char *view, int width)
     ck_assert_msg(scene != NULL, "%s: %s", path, st.msg);
     struct picture p = {width, settings.height, NULL};
     p.rgb = calloc((size_t)p.width * (size_t)p.height * 3, sizeof *p.rgb);
-    struct pen_pool *pool = pen_pool_new(2, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
     ck_assert(p.rgb && pool);
     struct pen_render_task task = {.scene = scene, .settings = &settings, .tile_count = -1};
     struct pen_render_stats stats;
@@ -62,7 +62,7 @@ static struct picture rendered(const char *path, const char *view, int width)
     task.rgb = p.rgb;
     ck_assert_int_ge(task.view, 0);
     ck_assert(pen_render_run(pool, &task, &stats, &st));
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     pen_scene_free(scene);
     pen_arena_free(arena);
     free(text);
@@ -123,7 +123,7 @@ START_TEST(test_oracle__agrees_on_bodies)
 END_TEST
 
 /* Where two sheets overlap in one plane, which of them a ray meets first is rounding's choice;
- * elsewhere, and where bodies are the same, nothing is. */
+ * elsewhere, and where primitives are the same, nothing is. */
 START_TEST(test_oracle__agrees_on_ties_but_for_overlapping_sheets)
 {
     int different = differences("tests/golden/scenes/ties", NULL, 128);

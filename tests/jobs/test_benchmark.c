@@ -6,7 +6,7 @@
 #include "jobs/benchmark.h"
 #include "support/suite.h"
 
-static struct pen_bench_order order;
+static struct pen_bench_spec order;
 static struct pen_errors errors;
 
 static bool read_text(const char *text)
@@ -16,7 +16,7 @@ static bool read_text(const char *text)
     json_t *members = json_loads(text, 0, &error);
     ck_assert_msg(members != NULL, "%s: %s", error.text, text);
     errors = (struct pen_errors){0};
-    bool ok = pen_bench_order_read(members, &base, &order, &errors);
+    bool ok = pen_bench_spec_read(members, &base, &order, &errors);
     json_decref(members);
     ck_assert_msg(ok == (errors.count == 0), "%s", text);
     return ok;
@@ -71,7 +71,7 @@ START_TEST(test_benchmark__what_is_wrong_is_named_with_its_place)
         ck_assert_msg(st->code == bad->code, "%s: %s", bad->text, pen_code_name(st->code));
         ck_assert_msg(strcmp(st->at, bad->at) == 0, "%s: at %s", bad->text, st->at);
         ck_assert_msg(strstr(st->msg, bad->words) != NULL, "%s: %s", bad->text, st->msg);
-        pen_bench_order_release(&order);
+        pen_bench_spec_release(&order);
     }
 }
 END_TEST
@@ -81,7 +81,7 @@ START_TEST(test_benchmark__all_errors_come_together)
     ck_assert(!read_text("{\"matrix\": {\"threads\": [1, \"x\", -1], \"tile\": [0]},"
                          " \"repeats\": 0, \"warmup\": 99}"));
     ck_assert_uint_eq(errors.count, 5);
-    pen_bench_order_release(&order);
+    pen_bench_spec_release(&order);
 }
 END_TEST
 
@@ -92,7 +92,7 @@ START_TEST(test_benchmark__defaults_are_one_row_three_times_after_one)
     ck_assert_int_eq(order.repeats, 3);
     ck_assert_int_eq(order.warmup, 1);
     ck_assert_int_eq(order.baseline, 0);
-    pen_bench_order_release(&order);
+    pen_bench_spec_release(&order);
 }
 END_TEST
 
@@ -115,7 +115,7 @@ START_TEST(test_benchmark__rows_come_in_the_order_of_the_document)
     char *chosen = json_dumps(order.rows[5].chosen, 0);
     ck_assert_str_eq(chosen, "{\"tile\": 32, \"threads\": 1, \"accelerator\": \"auto\"}");
     free(chosen);
-    pen_bench_order_release(&order);
+    pen_bench_spec_release(&order);
 }
 END_TEST
 
@@ -124,11 +124,11 @@ START_TEST(test_benchmark__baseline_is_the_first_row_that_fits)
     read_good("{\"matrix\": {\"accelerator\": [\"none\", \"auto\"], \"threads\": [1, 0]},"
               " \"baseline\": {\"accelerator\": \"auto\"}}");
     ck_assert_int_eq(order.baseline, 2);
-    pen_bench_order_release(&order);
+    pen_bench_spec_release(&order);
     read_good("{\"matrix\": {\"accelerator\": [\"none\", \"auto\"], \"threads\": [1, 0]},"
               " \"baseline\": {\"threads\": 0, \"accelerator\": \"auto\"}}");
     ck_assert_int_eq(order.baseline, 3);
-    pen_bench_order_release(&order);
+    pen_bench_spec_release(&order);
 }
 END_TEST
 
@@ -149,11 +149,11 @@ START_TEST(test_benchmark__rows_are_capped)
 {
     read_good(many_seeds(PEN_BENCH_ROWS_MAX / 2));
     ck_assert_int_eq(order.row_count, PEN_BENCH_ROWS_MAX);
-    pen_bench_order_release(&order);
+    pen_bench_spec_release(&order);
     ck_assert(!read_text(many_seeds(PEN_BENCH_ROWS_MAX / 2 + 1)));
     ck_assert_str_eq(errors.item[0].at, "/matrix");
     ck_assert_ptr_nonnull(strstr(errors.item[0].msg, "makes 258 rows, at most 256"));
-    pen_bench_order_release(&order);
+    pen_bench_spec_release(&order);
 }
 END_TEST
 
@@ -163,8 +163,8 @@ static bool check(const char *text, const struct pen_limits *limits, struct pen_
     struct pen_view_desc view = {.name = "main"};
     struct pen_scene_desc desc = {.view_count = 1, .views = &view};
     read_good(text);
-    bool ok = pen_bench_order_check(&order, limits, &desc, 1, st);
-    pen_bench_order_release(&order);
+    bool ok = pen_bench_spec_check(&order, limits, &desc, 1, st);
+    pen_bench_spec_release(&order);
     return ok;
 }
 

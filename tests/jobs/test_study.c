@@ -252,7 +252,7 @@ START_TEST(test_study__worker_that_is_to_end_gives_it_back)
     ck_assert_msg(took_ms < 10000, "it took %lld ms", (long long)took_ms);
     struct pen_status st;
     int opened = -1;
-    store_must(pen_store_sweep(bed.bed.store, "test:1:1", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.bed.store, "test:1:1", &opened, &st), &st, "sweep");
     ck_assert_int_eq(opened, 0);
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     ck_assert_int_eq(job.state, PEN_JOB_RUNNING);
@@ -278,7 +278,7 @@ START_TEST(test_study__killed_worker_leaves_no_times_behind)
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     pen_clock_format(pen_clock_wall_ms(), killed);
-    store_must(pen_store_sweep(bed.bed.store, "doomed:1:1", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st, "sweep");
     ck_assert_int_eq(opened, 1);
     jobs_worker_start(&bed);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);

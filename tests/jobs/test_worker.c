@@ -33,12 +33,12 @@ static struct pen_film *render_directly(const char *text)
     struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_AUTO, 0, &st);
     store_must(scene != NULL, &st, "freeze");
     struct pen_film *film = pen_film_new(desc.settings.width, desc.settings.height, &st);
-    struct pen_pool *pool = pen_pool_new(2, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
     struct pen_render_task task = {
         .scene = scene, .settings = &desc.settings, .tile_count = -1, .rgb = film->rgb};
     struct pen_render_stats stats;
     store_must(pen_render_run(pool, &task, &stats, &st), &st, "render");
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     pen_scene_free(scene);
     pen_arena_free(arena);
     return film;
@@ -301,7 +301,7 @@ START_TEST(test_worker__stop_leaves_the_rest_to_the_next_worker)
     wait_for_progress();
     jobs_worker_stop(&bed);
     int opened = -1;
-    store_must(pen_store_sweep(bed.bed.store, "test:1:1", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.bed.store, "test:1:1", &opened, &st), &st, "sweep");
     ck_assert_int_eq(opened, 0);
     ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_RUNNING);
     jobs_worker_start(&bed);
@@ -322,7 +322,7 @@ START_TEST(test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     ck_assert(WIFSIGNALED(status));
-    store_must(pen_store_sweep(bed.bed.store, "doomed:1:1", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st, "sweep");
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     ck_assert_int_eq(job.state, PEN_JOB_RUNNING);
     ck_assert_int_gt(job.done_pixels, 0);

@@ -123,7 +123,7 @@ static void shuffle(int *order, int count, uint64_t seed)
 }
 
 /* The tiles that are not done, one by one. */
-static bool render_rest(struct pen_pool *pool, struct pen_render_task task,
+static bool render_rest(struct pen_thread_pool *pool, struct pen_render_task task,
                         const struct progress *p, int count, uint64_t seed)
 {
     struct pen_render_stats stats;
@@ -142,8 +142,8 @@ static bool render_rest(struct pen_pool *pool, struct pen_render_task task,
     return ok;
 }
 
-static bool render(const struct stage *s, const struct films_way *way, struct pen_pool *pool,
-                   float *rgb)
+static bool render(const struct stage *s, const struct films_way *direction,
+                   struct pen_thread_pool *pool, float *rgb)
 {
     struct pen_status st;
     struct pen_render_stats stats;
@@ -151,7 +151,7 @@ static bool render(const struct stage *s, const struct films_way *way, struct pe
     int count = pen_tile_count(set->width, set->height, set->tile);
     struct progress p = {.columns = (set->width + set->tile - 1) / set->tile,
                          .tile = set->tile,
-                         .left = way->cut ? (count + 1) / 2 : -1,
+                         .left = direction->cut ? (count + 1) / 2 : -1,
                          .done = calloc((size_t)count, sizeof *p.done)};
     struct pen_render_task task = {.scene = s->scene,
                                    .view = s->view,
@@ -161,31 +161,31 @@ static bool render(const struct stage *s, const struct films_way *way, struct pe
                                    .cancel = &p.cancel,
                                    .tile_done = tile_done,
                                    .user = &p};
-    bool whole = way->order == FILMS_AT_ONCE && pen_render_run(pool, &task, &stats, &st);
-    bool ok = whole || ((way->cut || way->order == FILMS_SHUFFLED) &&
-                        render_rest(pool, task, &p, count, way->seed));
+    bool whole = direction->order == FILMS_AT_ONCE && pen_render_run(pool, &task, &stats, &st);
+    bool ok = whole || ((direction->cut || direction->order == FILMS_SHUFFLED) &&
+                        render_rest(pool, task, &p, count, direction->seed));
     free(p.done);
     return ok;
 }
 
-static bool match(int i, const struct films_way *way, char *why, size_t bytes)
+static bool match(int i, const struct films_way *direction, char *why, size_t bytes)
 {
     struct stage s;
     struct pen_status st = {0};
-    if (!stage_begin(&s, &film[i], way->accelerator, why, bytes))
+    if (!stage_begin(&s, &film[i], direction->accelerator, why, bytes))
         return false;
-    s.settings.tile = way->tile ? way->tile : 4096;
+    s.settings.tile = direction->tile ? direction->tile : 4096;
     size_t count = 3 * (size_t)s.settings.width * (size_t)s.settings.height;
     float *rgb = calloc(count, sizeof *rgb);
-    struct pen_pool *pool = pen_pool_new(way->threads, &st);
-    bool ok = pool && render(&s, way, pool, rgb);
+    struct pen_thread_pool *pool = pen_thread_pool_new(direction->threads, &st);
+    bool ok = pool && render(&s, direction, pool, rgb);
     uint64_t hash = golden_hash(rgb, count);
     if (!ok)
         snprintf(why, bytes, "%s %s was not rendered: %s", film[i].path, film[i].view, st.msg);
     else if (hash != film[i].hash)
         snprintf(why, bytes, "%s %s: hash %016llx, not that of " TABLE, film[i].path, film[i].view,
                  (unsigned long long)hash);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     free(rgb);
     stage_end(&s);
     return ok && hash == film[i].hash;
@@ -211,16 +211,16 @@ static void restore_state(unsigned state)
 #endif
 }
 
-bool films_match(int i, const struct films_way *way, char *why, size_t bytes)
+bool films_match(int i, const struct films_way *direction, char *why, size_t bytes)
 {
     const char *isa = getenv("PENUMBRA_ISA");
     char was[40] = "";
     if (isa)
         snprintf(was, sizeof was, "%s", isa);
-    if (way->base)
+    if (direction->base)
         setenv("PENUMBRA_ISA", "base", 1);
-    unsigned before = change_state(way->strange);
-    bool ok = match(i, way, why, bytes);
+    unsigned before = change_state(direction->strange);
+    bool ok = match(i, direction, why, bytes);
     restore_state(before);
     if (!isa)
         unsetenv("PENUMBRA_ISA");

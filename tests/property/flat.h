@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Cases of one flat body and one ray. */
+/* Cases of one flat primitive and one ray. */
 #ifndef TESTS_PROPERTY_FLAT_H
 #define TESTS_PROPERTY_FLAT_H
 
@@ -12,7 +12,7 @@ int flat_case(const struct row_case *c, vec3 *v, struct oracle_ray *line);
 void flat_put(struct row_case *c, const vec3 *v, int count, vec3 o, vec3 d);
 
 /* Whether the ray's line crosses the triangle or polygon of these corners; *made: whether there is
- * such a body. */
+ * such a primitive. */
 bool flat_cross(const vec3 *v, int count, const struct pen_ray *ray, double *t, bool *made);
 
 /* A plane whose lattice coordinates i, j give points that are exact: multiples of 1/256. */

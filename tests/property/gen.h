@@ -3,8 +3,8 @@
  * test that leaks on the edges that G1 and G5 aim at leaks nowhere else.
  *
  * Every number drawn is kept in the case, and a case is made smaller by the frame, so generators
- * need no shrinking of their own. G7 (rays that start on a body, from a hit before) is what rows of
- * leaving do; G10 (mutations of stored cases) is the frame's. */
+ * need no shrinking of their own. G7 (rays that start on a primitive, from a hit before) is what
+ * rows of leaving do; G10 (mutations of stored cases) is the frame's. */
 #ifndef TESTS_PROPERTY_GEN_H
 #define TESTS_PROPERTY_GEN_H
 
@@ -17,7 +17,7 @@ struct pen_vec3 gen_nudged(struct random *r, struct pen_vec3 p);
 /* G2: from o to a target, as it comes out, of unit length, or scaled by 2^-40 ... 2^40. */
 struct pen_vec3 gen_toward(struct random *r, struct pen_vec3 o, struct pen_vec3 to);
 
-/* G3: how a ray passes a body: closest approach over radius 1 +- 10^-k, k = 1 ... 16, or
+/* G3: how a ray passes a primitive: closest approach over radius 1 +- 10^-k, k = 1 ... 16, or
  * anything from 0 to 1.1. */
 double gen_passing(struct random *r);
 

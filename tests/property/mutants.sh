@@ -25,7 +25,8 @@ mkdir -p "$dir/control" "$build/stability"
 for entry in "$dir"/* "$dir"/control/*; do
     case $entry in "$dir/control" | "$dir/control/build" | "$facts") ;; *) rm -rf "$entry" ;; esac
 done
-cp -a Makefile src include "$dir/control"
+cp -a Makefile src "$dir/control"
+[ ! -d include ] || cp -a include "$dir/control"
 mkdir "$dir/control/tests"
 cp -a tests/property tests/support tests/golden "$dir/control/tests"
 cp -a scenes api deploy "$dir/control"
@@ -191,15 +192,15 @@ edit src/accel/internal/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if 
 judge
 
 mutant no_leave h059_leave_round 20000 "a ray does not know what it leaves"
-edit src/geom/leave.c 1 's/^    if \(prim == leave->prim\) \{$/    leave = \&pen_leave_nothing;\n&/'
+edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim\) \{$/    origin = \&pen_origin_none;\n&/'
 judge
 
 mutant one_way_back h073_crossing_walls 4000 "after a second mirror it is forgotten where the path came from"
-edit src/geom/prims.h 1 's/^            leave\.before = left->toward;$/            leave.before = pen_vec3(0, 0, 0);/'
+edit src/geom/prims.h 1 's/^            origin\.before = left->toward;$/            origin.before = pen_vec3(0, 0, 0);/'
 judge
 
 mutant line_decides h073_at_seams 1000 "at borders near its start the line of a ray decides what is met"
-edit src/geom/leave.c 1 's/^        if \(passes_border\(/        if (0 \&\& passes_border(/'
+edit src/geom/self_intersection.c 1 's/^        if \(passes_border\(/        if (0 \&\& passes_border(/'
 judge
 
 mutant plain_determinant h041_antisymmetry 20000 "ab - cd without fma"

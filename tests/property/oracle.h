@@ -6,7 +6,7 @@
  *
  * Classes. A decision (hit or miss) may differ from the exact one only if moving the inputs by
  * k units u = 2^-53 of their own size makes it the other one: BE(k). Here that is decided by
- * growing and shrinking the body by k u (size of body + distance to it). */
+ * growing and shrinking the primitive by k u (size of primitive + distance to it). */
 #ifndef TESTS_PROPERTY_ORACLE_H
 #define TESTS_PROPERTY_ORACLE_H
 
@@ -26,7 +26,7 @@ double truth_units(double x, struct truth t);
 
 enum oracle_part { ORACLE_SIDE, ORACLE_BASE, ORACLE_TOP };
 
-/* Where the line o + t d crosses a body, t[0] < t[1]. */
+/* Where the line o + t d crosses a primitive, t[0] < t[1]. */
 struct oracle_roots {
     int count;
     struct truth t[2];
@@ -37,7 +37,7 @@ struct oracle_ray {
     struct pen_vec3 o, d;
 };
 
-struct oracle_round { /* a sphere has a = 0; a tube has h = 0 */
+struct oracle_round { /* a sphere has a = 0; an infinite cylinder has h = 0 */
     struct pen_vec3 c, a;
     double r, h;
 };
@@ -45,7 +45,8 @@ struct oracle_round { /* a sphere has a = 0; a tube has h = 0 */
 /* The name of the arithmetic behind it, for the report. */
 const char *oracle_arithmetic(void);
 
-/* Crossings of a sphere, a tube through c along a, a capped cylinder from c along a. */
+/* Crossings of a sphere, an infinite cylinder through c along a, a capped cylinder from c along a.
+ */
 void oracle_sphere(const struct oracle_round *b, struct oracle_ray ray, struct oracle_roots *out);
 void oracle_tube(const struct oracle_round *b, struct oracle_ray ray, struct oracle_roots *out);
 void oracle_cylinder(const struct oracle_round *b, struct oracle_ray ray, struct oracle_roots *out);
@@ -55,16 +56,17 @@ int oracle_sphere_class(const struct oracle_round *b, struct oracle_ray ray, dou
 int oracle_tube_class(const struct oracle_round *b, struct oracle_ray ray, double k);
 int oracle_cylinder_class(const struct oracle_round *b, struct oracle_ray ray, double k);
 
-/* The distance between the ray's line and the sphere's centre or the tube's axis, over r; the
- * distance from o to the centre or axis, over r. */
+/* The distance between the ray's line and the sphere's centre or the infinite cylinder's axis, over
+ * r; the distance from o to the centre or axis, over r. */
 double oracle_passing(const struct oracle_round *b, struct oracle_ray ray);
 double oracle_distance(const struct oracle_round *b, struct oracle_ray ray);
 
-/* How far o + t d is from the sphere's or the tube's surface, in u (|f| + r + |t d|), f = o - c. */
+/* How far o + t d is from the sphere's or the infinite cylinder's surface, in u (|f| + r + |t d|),
+ * f = o - c. */
 double oracle_round_residual(const struct oracle_round *b, struct oracle_ray ray, double t);
 
-/* The other crossing of a ray that starts on the body by decree: -2 b / a for a sphere or a tube.
- * Positive: inward. */
+/* The other intersection of a ray that starts on the primitive by decree: -2 b / a for a sphere or
+ * an infinite cylinder. Positive: inward. */
 struct truth oracle_chord(const struct oracle_round *b, struct oracle_ray ray);
 
 /* The way out of a capped cylinder for a ray that starts on `part` by decree; false if it goes

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Round bodies in 400 bits, by the textbook: the roots of a t^2 + 2 b t + c. Slow, and another
+/* Round primitives in 400 bits, by the textbook: the roots of a t^2 + 2 b t + c. Slow, and another
  * formula than oracle_quad.c's: it checks that one. */
 #include "property/oracle.h"
 
@@ -80,14 +80,14 @@ bool oracle_mpfr_roots(const struct oracle_round *b, struct oracle_ray ray,
 {
     struct registers m;
     const struct pen_vec3 zero = {0, 0, 0};
-    bool tube = b->a.x != 0 || b->a.y != 0 || b->a.z != 0;
+    bool infinite_cylinder = b->a.x != 0 || b->a.y != 0 || b->a.z != 0;
     for (int i = 0; i < REGISTERS; i++)
         mpfr_init2(m.r[i], BITS);
     load(&m, 0, ray.o, b->c);
     load(&m, 3, ray.d, zero);
     mpfr_set_d(m.r[8], b->r, MPFR_RNDN);
     mpfr_mul(m.r[8], m.r[8], m.r[8], MPFR_RNDN);
-    if (tube) {
+    if (infinite_cylinder) {
         mpfr_set(m.r[14], m.r[8], MPFR_RNDN);
         load(&m, 6, b->a, zero); /* r[6..8] */
         cross_with(&m, 0, 6);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Round bodies in 113 bits. A line crosses a sphere or a tube where its distance from the centre
- * or the axis is r; the distance comes from a cross product (Lagrange's identity), so that no
- * difference of large squares is taken. */
+/* Round primitives in 113 bits. A line crosses a sphere or an infinite cylinder where its distance
+ * from the centre or the axis is r; the distance comes from a cross product (Lagrange's identity),
+ * so that no difference of large squares is taken. */
 #include "property/oracle_quad.h"
 
 const char *oracle_arithmetic(void)
@@ -141,15 +141,15 @@ void oracle_cylinder(const struct oracle_round *b, struct oracle_ray ray, struct
         out->part[i] = in.part[i];
 }
 
-/* u (size of the body + distance + the way to the closest approach). */
+/* u (size of the primitive + distance + the way to the closest approach). */
 static quad looseness(const struct oracle_round *b, struct oracle_ray ray)
 {
     struct planar p = planar_of(b, ray);
     struct quad3 f = q_sub(q3(ray.o), q3(b->c));
-    quad a = q_dot(p.d, p.d), way = 0;
+    quad a = q_dot(p.d, p.d), direction = 0;
     if (a > 0)
-        way = q_abs(q_dot(p.f, p.d)) / a * q_length(q3(ray.d));
-    return U * (b->r + b->h + q_length(f) + (is_tube(b) ? way : 0));
+        direction = q_abs(q_dot(p.f, p.d)) / a * q_length(q3(ray.d));
+    return U * (b->r + b->h + q_length(f) + (is_tube(b) ? direction : 0));
 }
 
 static int class_of(bool grown, bool shrunk)

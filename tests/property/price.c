@@ -34,7 +34,7 @@ static void make_columns(int i)
     }
 }
 
-/* Bodies of about a tenth of the unit cube, so that a ray meets a few of 64. */
+/* Primitives of about a tenth of the unit cube, so that a ray meets a few of 64. */
 static void make_body(struct random *r, int i)
 {
     struct pen_vec3 c = random_vec(r, 1), a = random_direction(r),
@@ -57,7 +57,7 @@ static void make_body(struct random *r, int i)
     world_triangle(&set->world[PEN_PRIM_TRIANGLE], corner[0], corner[1], corner[2]);
     world_polygon(&set->world[PEN_PRIM_POLYGON], corner, 4);
     world_sphere(&set->world[PEN_PRIM_SPHERE], c, radius);
-    world_tube(&set->world[PEN_PRIM_TUBE], c, a, .2 * radius);
+    world_tube(&set->world[PEN_PRIM_INFINITE_CYLINDER], c, a, .2 * radius);
     world_cylinder(&set->world[PEN_PRIM_CYLINDER], c, a, radius, PRICE_HEIGHT, true);
     world_plane(&set->world[PEN_PRIM_PLANE], c, a);
 }
@@ -88,9 +88,9 @@ static void make_set(void)
 
 static double through_list(enum pen_prim_kind kind, const struct pen_ray *ray)
 {
-    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
     struct pen_hit hit = {INFINITY, PEN_NO_PRIM, 0};
-    pen_trace_ops_get(list_isa)->nearest(list[kind], ray, &pen_leave_nothing, &span, &hit);
+    pen_trace_ops_get(list_isa)->nearest(list[kind], ray, &pen_origin_none, &interval, &hit);
     return hit.t;
 }
 

@@ -8,7 +8,7 @@
 #include <immintrin.h>
 
 #define PRICE_VARIANT "fma"
-#include "property/price_body.h"
+#include "property/price_kernel.h"
 
 typedef float float8 __attribute__((vector_size(32)));
 typedef int int8 __attribute__((vector_size(32)));

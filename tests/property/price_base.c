@@ -2,7 +2,7 @@
 #include <stddef.h>
 
 #define PRICE_VARIANT "base"
-#include "property/price_body.h"
+#include "property/price_kernel.h"
 
 const struct price_method *price_method_base(int i)
 {

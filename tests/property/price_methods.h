@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The methods whose price is measured: each tests one ray against the same few primitives of a kind
- * and keeps the nearest. The file with the bodies is compiled twice: for the baseline and, as
+ * and keeps the nearest. The file with the primitives is compiled twice: for the baseline and, as
  * price_avx2.c, with AVX2 and FMA. */
 #ifndef TESTS_PROPERTY_PRICE_METHODS_H
 #define TESTS_PROPERTY_PRICE_METHODS_H
@@ -16,7 +16,7 @@ struct plain3 {
     float x, y, z;
 };
 
-/* What is shot at: the same bodies for the robust tests, in double and in float. */
+/* What is shot at: the same primitives for the robust tests, in double and in float. */
 struct price_set {
     struct world world[PEN_PRIM_KIND_COUNT];
     struct pen_vec3 triangle[PRICE_PRIMS][3], center[PRICE_PRIMS], axis[PRICE_PRIMS];

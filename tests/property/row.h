@@ -26,8 +26,8 @@ enum {
     ROW_WHY = 240
 };
 
-/* The arguments of one case. The first `fixed` are choices (which body, which scene) that make no
- * sense when changed a little. count 0: nothing could be drawn. */
+/* The arguments of one case. The first `fixed` are choices (which primitive, which scene) that make
+ * no sense when changed a little. count 0: nothing could be drawn. */
 struct row_case {
     int count, fixed;
     double arg[ROW_ARGS];

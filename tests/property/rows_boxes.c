@@ -4,9 +4,9 @@
  * be found. */
 #include <math.h>
 
-#include "property/bodies.h"
 #include "property/gen.h"
 #include "property/oracle.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 
 static struct world world;
@@ -74,7 +74,7 @@ static vec3 box_point(struct random *r, int i)
     return gen_nudged(r, pen_vec3(x[0], x[1], x[2]));
 }
 
-static vec3 direction(struct random *r, vec3 o, vec3 to)
+static vec3 ray_direction(struct random *r, vec3 o, vec3 to)
 {
     vec3 d = random_below(r, 3) ? gen_toward(r, o, to) : gen_axial(r);
     if (random_below(r, 20) == 0)
@@ -94,11 +94,11 @@ static void draw_aimed(struct row_draw *d, struct row_case *c, enum flavour flav
     vec3 o = random_below(r, 2) ? box_point(r, (int)random_below(r, BOXES))
                                 : pen_add(to, random_vec(r, 6));
     row_fixed(c, i);
-    vec3 way = direction(r, o, to);
+    vec3 direction = ray_direction(r, o, to);
     if (random_below(r, 3) == 0) /* so that an axial ray still meets the point */
-        o = pen_sub(to, pen_scale(way, pen_norm1(way) < 10 ? random_in(r, 0, 3) : 0));
+        o = pen_sub(to, pen_scale(direction, pen_norm1(direction) < 10 ? random_in(r, 0, 3) : 0));
     row_arg3(c, o);
-    row_arg3(c, way);
+    row_arg3(c, direction);
 }
 
 static void draw_boxes(struct row_draw *d, struct row_case *c)
@@ -121,11 +121,11 @@ static void require_same(struct row_verdict *v, const struct pen_ray *ray, doubl
                          struct pen_hit *first)
 {
     bool alike;
-    struct pen_span span = {pen_after_start, tmax};
-    *first = world_nearest(&world, ray, &pen_leave_nothing, &span);
+    struct pen_t_interval interval = {pen_after_start, tmax};
+    *first = world_nearest(&world, ray, &pen_origin_none, &interval);
     for (int i = 0; i < 2; i++) {
         const struct bodies_tree *by = i ? &other : &tree;
-        struct pen_hit hit = bodies_nearest(by, ray, &pen_leave_nothing, tmax, &alike);
+        struct pen_hit hit = bodies_nearest(by, ray, &pen_origin_none, tmax, &alike);
         row_require(v, alike, "base and avx2 differ");
         if (!same_hit(hit, *first))
             row_fail(v, "%s: %s meets %d, trying all meets %d",
@@ -220,12 +220,12 @@ static void draw_signed_zeros(struct row_draw *d, struct row_case *c)
     struct random *r = &d->random;
     draw_scene(d, c);
     build(SOLID, c->arg[0], c->arg[1]);
-    int i = (int)random_below(r, BOXES), way = (int)random_below(r, 26);
-    way += way >= 13;
+    int i = (int)random_below(r, BOXES), direction = (int)random_below(r, 26);
+    direction += direction >= 13;
     double x[3], u[3];
-    for (int k = 0; k < 3; k++, way /= 3) {
+    for (int k = 0; k < 3; k++, direction /= 3) {
         double a = pen_component(low[i], k), b = pen_component(high[i], k);
-        u[k] = way % 3 - 1;
+        u[k] = direction % 3 - 1;
         x[k] = random_below(r, 2)
                    ? random_nudge(random_below(r, 2) ? a : b, (int)random_below(r, 3) - 1)
                    : a + (b - a) * random_unit(r);
@@ -271,7 +271,7 @@ void rows_signed_zeros(struct pen_row_run *run)
     row_each(run, draw_signed_zeros, judge_signed_zeros);
 }
 
-/* H094: tmax equal to t of a crossing on a box's face includes it, an ulp less does not. */
+/* H094: tmax equal to t of an intersection on a box's face includes it, an ulp less does not. */
 static void judge_tmax(const struct row_case *c, struct row_verdict *v)
 {
     int at = 3;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* More surfaces that close or tile: the meshes, fans, stars and circles of the catalogue. What must
- * hold is a count. */
+/* More surfaces that close or tile: the meshes, shadow-ray packets, stars and circles of the
+ * catalogue. What must hold is a count. */
 #include <stdlib.h>
 
-#include "property/bodies.h"
 #include "property/gen.h"
 #include "property/oracle.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 
 static struct world world;
@@ -83,7 +83,7 @@ static void judge_embree(const struct row_case *c, struct row_verdict *v)
         int count = bodies_walk(&tree, &ray, 8); /* the sphere, and perhaps the square */
         struct pen_hit hit;
         bool alike;
-        hit = bodies_nearest(&tree, &ray, &pen_leave_nothing, INFINITY, &alike);
+        hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
         row_require(v, alike, "base and avx2 differ");
         row_require(v, count >= 1 && hit.prim < 2u * EMBREE * EMBREE, "leak");
         row_require(v, count <= 2, "double hit");
@@ -171,12 +171,12 @@ static vec3 on_tiling(double i, double j, const void *user)
 static void draw_tiling(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
-    static const vec3 way[] = {{0, 0, 1},   {.5, .25, 1},    {1, -1, 1},     {-.25, .125, -.5},
-                               {1, 2, .5},  {0, 0, -1},      {.75, .375, 1}, {-1, 1, 2},
-                               {.1, .2, 1}, {-1. / 3, .7, 1}};
+    static const vec3 direction[] = {
+        {0, 0, 1},  {.5, .25, 1},   {1, -1, 1}, {-.25, .125, -.5}, {1, 2, .5},
+        {0, 0, -1}, {.75, .375, 1}, {-1, 1, 2}, {.1, .2, 1},       {-1. / 3, .7, 1}};
     vec3 to = pen_vec3(1 + random_below(r, 4 * (TILES - 2)) / 4.,
                        1 + random_below(r, 4 * (TILES - 2)) / 4., 0);
-    vec3 u = way[random_below(r, 10)];
+    vec3 u = direction[random_below(r, 10)];
     vec3 o = pen_along(to, u, -4);
     row_arg3(c, o);
     row_arg3(c, random_below(r, 2) ? u : gen_toward(r, o, to));
@@ -321,7 +321,7 @@ static void judge_cube(const struct row_case *c, struct row_verdict *v)
         struct pen_shadow query = {
             .tmax = INFINITY, .see_through = clear, .last_occluder = PEN_NO_PRIM};
         const struct pen_trace_ops *ops = pen_trace_ops_get(i ? pen_cpu_isa() : PEN_ISA_BASE);
-        row_require(v, !ops->shadow(tree.accel, &ray, &pen_leave_nothing, &query), "blocked");
+        row_require(v, !ops->shadow(tree.accel, &ray, &pen_origin_none, &query), "blocked");
         if (query.count != 0 && query.count != 2)
             row_fail(v, "%d surfaces, not 0 or 2", query.count);
         row_tally(v, query.count ? "through the cube" : "past the cube");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Bodies without area, bodies seen edge-on, and planes at any angle. */
+/* Primitives without area, primitives seen edge-on, and planes at any angle. */
 #include "property/flat.h"
 #include "property/gen.h"
 #include "property/oracle.h"
@@ -47,7 +47,7 @@ static void judge_degenerate(const struct row_case *c, struct row_verdict *v)
         in_range = in_range && (x == 0 || (x < 0x1p200 && x > 0x1p-150));
         huge = huge || x >= 0x1p200;
     }
-    /* With a direction out of range only how the body is made can be judged. */
+    /* With a direction out of range only how the primitive is made can be judged. */
     bool shot = pen_ray_make(&ray, line.o, line.d);
     struct pen_triangle triangle;
     made = pen_triangle_make(&triangle, p[0], p[1], p[2]);
@@ -110,12 +110,12 @@ static void draw_edge_on(struct row_draw *d, struct row_case *c)
     for (int i = 0; i < 3; i++)
         p[i] = flat_lattice_point(&l, gen_dyadic(r, 1), gen_dyadic(r, 1));
     vec3 o = flat_lattice_point(&l, gen_dyadic(r, 8), gen_dyadic(r, 8));
-    vec3 way = pen_along(pen_scale(l.e, gen_dyadic(r, 1)), l.f, gen_dyadic(r, 1));
+    vec3 direction = pen_along(pen_scale(l.e, gen_dyadic(r, 1)), l.f, gen_dyadic(r, 1));
     row_fixed(c, 3);
     for (int i = 0; i < 3; i++)
         row_arg3(c, p[i]);
     row_arg3(c, o);
-    row_arg3(c, way);
+    row_arg3(c, direction);
 }
 
 static bool power_of_two(double x)
@@ -169,13 +169,13 @@ static void draw_plane(struct row_draw *d, struct row_case *c)
     gen_frame(r, pen_normalize(n), &x, &y);
     vec3 p = random_below(r, 2) ? random_vec(r, 1) : gen_offset3(gen_offset(r));
     vec3 to = pen_along(pen_along(p, x, gen_power(r, -3, 3)), y, gen_power(r, -3, 3));
-    vec3 way =
+    vec3 direction =
         steep ? random_direction(r)
               : pen_along(x, pen_normalize(n), -gen_power(r, random_below(r, 2) ? -300 : -16, 0));
     row_arg3(c, p);
     row_arg3(c, pen_scale(n, random_below(r, 2) ? 1 : gen_power(r, -30, 30)));
     row_arg3(c, pen_along(to, random_direction(r), gen_power(r, -3, 6)));
-    row_arg3(c, way);
+    row_arg3(c, direction);
 }
 
 static void judge_plane(const struct row_case *c, struct row_verdict *v)

@@ -46,7 +46,7 @@ static const struct films_way states[] = {
 };
 
 /* The list that the row under way is about. */
-static const struct films_way *way;
+static const struct films_way *direction;
 static size_t ways;
 
 /* All ways of one film before the next; neighbours in the list of films are alike, so few cases
@@ -71,7 +71,7 @@ static void judge(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    struct films_way chosen = way[(size_t)which];
+    struct films_way chosen = direction[(size_t)which];
     chosen.seed = (uint64_t)seed;
     if (!films_match((int)film, &chosen, why, sizeof why))
         row_fail(v, "%s", why);
@@ -79,7 +79,7 @@ static void judge(const struct row_case *c, struct row_verdict *v)
 
 static void each(struct pen_row_run *run, const struct films_way *list, size_t count)
 {
-    way = list;
+    direction = list;
     ways = count;
     row_each(run, draw, judge);
 }

@@ -15,8 +15,8 @@ struct flat_names {
  * are rows of their own. */
 #define GRAZING 0.1
 
-/* t against its truth: in u of t where the body is seen from outside its own size, else in u of the
- * farthest vertex, with the bar of round bodies. */
+/* t against its truth: in u of t where the primitive is seen from outside its own size, else in u
+ * of the farthest vertex, with the bar of round primitives. */
 static void compare(struct row_verdict *v, const struct flat_names *names, const vec3 *p, int count,
                     struct oracle_ray line, double t, struct truth truth)
 {
@@ -168,8 +168,9 @@ static void draw_grazed(struct row_draw *d, struct row_case *c)
     double s = random_unit(r), t = random_unit(r) * (1 - s), turn = random_in(r, 0, 6.2831853);
     vec3 to = pen_along(pen_along(at, pen_sub(p[1], p[0]), s), pen_sub(p[2], p[0]), t);
     vec3 flat = pen_along(pen_scale(x, cos(turn)), y, sin(turn));
-    vec3 way = pen_along(pen_scale(flat, cos(.52 * 0.0174532925)), n, sin(.52 * 0.0174532925));
-    vec3 o = pen_along(to, way, -gen_power(r, 0, 4));
+    vec3 direction =
+        pen_along(pen_scale(flat, cos(.52 * 0.0174532925)), n, sin(.52 * 0.0174532925));
+    vec3 o = pen_along(to, direction, -gen_power(r, 0, 4));
     flat_put(c, p, 3, o, gen_toward(r, o, to));
 }
 
@@ -229,8 +230,8 @@ void rows_polygon(struct pen_row_run *run)
     row_each(run, draw_polygon, judge_polygon);
 }
 
-/* H042: an outline begun at another vertex, or run through the other way round, is the same body:
- * every vertex plays every role. */
+/* H042: an outline begun at another vertex, or run through the other way round, is the same
+ * primitive: every vertex plays every role. */
 static void judge_roles(const struct row_case *c, struct row_verdict *v)
 {
     vec3 p[12], q[12];

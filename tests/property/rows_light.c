@@ -25,7 +25,7 @@ static int take_both(int lights, double *rays)
     return shaded;
 }
 
-/* ---- H066: a convex body alone does not shade itself ---- */
+/* ---- H066: a convex primitive alone does not shade itself ---- */
 
 enum acne {
     ACNE_PLANE,
@@ -38,9 +38,9 @@ enum acne {
     ACNE_COUNT
 };
 
-/* Arguments: body, size, offset, how far the light is from grazing, the camera's distance, its
- * height over the surface, the window, how far inside along a tube; then unit vectors: the normal
- * where the camera looks, the axis across it, and a place inside. */
+/* Arguments: primitive, size, offset, how far the light is from grazing, the camera's distance, its
+ * height over the surface, the window, how far inside along an infinite cylinder; then unit
+ * vectors: the normal where the camera looks, the axis across it, and a place inside. */
 static void draw_acne(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
@@ -62,7 +62,7 @@ static void draw_acne(struct row_draw *d, struct row_case *c)
 }
 
 struct acne_case {
-    int body;
+    int prim;
     double size, offset, grazing, far, height, window, along, turn;
     vec3 n, x, y, any, p, c;
 };
@@ -70,7 +70,7 @@ struct acne_case {
 static bool read_acne(const struct row_case *c, struct acne_case *a)
 {
     int at = 0;
-    a->body = (int)row_next(c, &at);
+    a->prim = (int)row_next(c, &at);
     a->size = row_next(c, &at);
     a->offset = row_next(c, &at);
     a->grazing = row_next(c, &at);
@@ -90,7 +90,7 @@ static bool read_acne(const struct row_case *c, struct acne_case *a)
            fabs(a->turn) < 4;
 }
 
-/* The body, which has p on it and n as normal there. */
+/* The primitive, which has p on it and n as normal there. */
 static void acne_body(const struct acne_case *a)
 {
     int matte = kit_material(&kit, kit_matte(1));
@@ -98,20 +98,20 @@ static void acne_body(const struct acne_case *a)
     for (int i = 0; i < 4; i++)
         corner[i] = pen_along(pen_along(a->p, a->x, (i == 1 || i == 2 ? 30 : -30) * a->size), a->y,
                               (i < 2 ? -30 : 30) * a->size);
-    if (a->body == ACNE_PLANE)
+    if (a->prim == ACNE_PLANE)
         kit_plane(&kit, a->p, a->n, matte);
-    else if (a->body == ACNE_POLYGON)
+    else if (a->prim == ACNE_POLYGON)
         kit_polygon(&kit, corner, 4, matte);
-    else if (a->body == ACNE_SPHERE || a->body == ACNE_INSIDE_SPHERE)
+    else if (a->prim == ACNE_SPHERE || a->prim == ACNE_INSIDE_SPHERE)
         kit_sphere(&kit, a->c, a->size, matte);
-    else if (a->body == ACNE_CYLINDER)
+    else if (a->prim == ACNE_CYLINDER)
         kit_cylinder(&kit, pen_along(a->c, a->x, -a->size), a->x, a->size, 2 * a->size, matte);
     else
         kit_tube(&kit, a->c, a->x, a->size, matte);
 }
 
-/* From outside: the light barely over the surface at p, along the axis of tubes or at any angle to
- * it. */
+/* From outside: the light barely over the surface at p, along the axis of infinite cylinders or at
+ * any angle to it. */
 static void acne_outside(const struct acne_case *a)
 {
     vec3 flat = pen_along(pen_scale(a->x, cos(a->turn)), a->y, sin(a->turn));
@@ -123,10 +123,10 @@ static void acne_outside(const struct acne_case *a)
     shot_look(&kit, eye, a->p, a->window * a->size * a->height);
 }
 
-/* From inside: of a tube, a light far along it, and a place between. */
+/* From inside: of an infinite cylinder, a light far along it, and a place between. */
 static void acne_inside(const struct acne_case *a)
 {
-    double along = a->body == ACNE_INSIDE_TUBE ? a->along : 0;
+    double along = a->prim == ACNE_INSIDE_TUBE ? a->along : 0;
     vec3 light = pen_along(pen_along(a->c, a->any, .4 * a->size), a->x, along * a->size);
     kit_point(&kit, light, pen_vec3(1, 1, 1));
     shot_look(&kit, pen_along(a->c, a->any, -.3 * a->size),
@@ -148,13 +148,13 @@ static void judge_acne(const struct row_case *c, struct row_verdict *v)
     }
     shot_begin(&kit);
     acne_body(&a);
-    if (a.body >= ACNE_INSIDE_SPHERE)
+    if (a.prim >= ACNE_INSIDE_SPHERE)
         acne_inside(&a);
     else
         acne_outside(&a);
     double rays;
     int shaded = take_both(1, &rays);
-    row_measure(v, name[a.body], shaded, 0);
+    row_measure(v, name[a.prim], shaded, 0);
     row_measure(v, "pixels that face the light", shot_lit(other), -1);
 }
 
@@ -297,7 +297,7 @@ static void judge_inside(const struct row_case *c, struct row_verdict *v)
     row_measure(v, "shadow rays of a case", rays, -1);
 }
 
-/* The room from outside: a convex body shades nothing. */
+/* The room from outside: a convex primitive shades nothing. */
 static void judge_outside(const struct row_case *c, struct row_verdict *v)
 {
     struct random r = room_random(c);

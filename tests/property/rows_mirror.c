@@ -32,7 +32,7 @@ static void draw_corners(struct random *r, struct shape *s)
     s->d = gen_toward(r, s->o, triangle_target(r, s));
 }
 
-/* Lets the ray pass through the body along d, times something. */
+/* Lets the ray pass through the primitive along d, times something. */
 static void aim_along(struct random *r, struct shape *s)
 {
     vec3 to = s->kind == SHAPE_TRIANGLE || s->kind == SHAPE_POLYGON
@@ -91,8 +91,8 @@ static bool reorder(struct shape *s, int order)
     return odd;
 }
 
-/* Where the crossings are, and the normals there, are each other's image. A flat body's outline
- * runs the other way round in a mirror. */
+/* Where the intersections are, and the normals there, are each other's image. A flat primitive's
+ * outline runs the other way round in a mirror. */
 static void require_images(struct row_verdict *v, const struct shape_map *m, bool other_side,
                            vec3 a[2][2], vec3 b[2][2], int count)
 {
@@ -110,7 +110,7 @@ static void judge_mirrored(const struct row_case *c, struct row_verdict *v)
     int at = 0, bits = (int)row_next(c, &at) & 63;
     struct shape_map m = shape_map_identity;
     struct shape s, t;
-    struct pen_crossings a, b;
+    struct pen_intersections a, b;
     vec3 there[2][2], here[2][2]; /* point and normal of each crossing */
     m.sign = pen_vec3(bits & 1 ? -1 : 1, bits & 2 ? -1 : 1, bits & 4 ? -1 : 1);
     if (!shape_get(c, &at, &s) || !shape_cross(&s, &a) || shape_on_border(&s)) {
@@ -208,7 +208,7 @@ static void judge_turned_or_tied(const struct row_case *c, struct row_verdict *v
     int at = 0;
     struct shape_map m = shape_map_identity;
     struct shape s, t;
-    struct pen_crossings a, b;
+    struct pen_intersections a, b;
     m.turn = (int)row_next(c, &at);
     if (!shape_get(c, &at, &s) || !shape_cross(&s, &a) || is_tied(&s) != tied ||
         (tied && (shape_on_border(&s) || !well_conditioned(&s)))) {

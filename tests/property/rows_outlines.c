@@ -3,9 +3,9 @@
  * two exactly one is met. */
 #include <stdlib.h>
 
-#include "property/bodies.h"
 #include "property/gen.h"
 #include "property/oracle.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 
 static struct world world;

@@ -12,7 +12,7 @@ static struct world world;
 
 enum { BODIES = 24 };
 
-/* The extent of a body along an axis, from its definition. */
+/* The extent of a primitive along an axis, from its definition. */
 struct extent {
     long double lo, hi;
 };
@@ -31,7 +31,7 @@ static struct extent extent_of_points(const vec3 *v, uint32_t count, int axis)
 /* Both discs reach r sqrt(1 - a^2) along the axis; what rounding may add to that is taken off. */
 static struct extent extent_of_cylinder(const struct pen_cylinder *c, int axis)
 {
-    const struct pen_round *s = &c->round;
+    const struct pen_cylinder_side *s = &c->round;
     long double aa = 0;
     for (int k = 0; k < 3; k++)
         aa += (long double)pen_component(s->a, k) * pen_component(s->a, k);
@@ -159,7 +159,7 @@ static int judge_child(struct row_verdict *v, const struct pen_accel *a, struct 
     return judge_node(v, a, child);
 }
 
-/* Arguments: what the bodies are drawn from, how far they are from the origin. */
+/* Arguments: what the primitives are drawn from, how far they are from the origin. */
 static void draw_planes(struct row_draw *d, struct row_case *c)
 {
     static const double offsets[] = {0, 1, 1e3, 1e6};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The ends of the range: far cameras, planets, small things on huge ones. */
-#include "property/bodies.h"
 #include "property/gen.h"
 #include "property/oracle.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 
 static struct world world;
@@ -13,13 +13,13 @@ static void draw_far(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
     static const double away[] = {1e4, 1e6, 1e8};
-    vec3 o, way;
+    vec3 o, direction;
     double far = random_below(r, 2) ? away[random_below(r, 3)] : gen_power(r, 1, 8);
     double off = far * 0x1p-53 * random_in(r, -64, 64);
     gen_grazing(r, pen_vec3(0, 0, 0), 1, far, random_below(r, 2) ? 1 + off : gen_passing(r), &o,
-                &way);
+                &direction);
     row_arg3(c, o);
-    row_arg3(c, way);
+    row_arg3(c, direction);
 }
 
 static void judge_far(const struct row_case *c, struct row_verdict *v)
@@ -149,7 +149,7 @@ static void judge_mixed(const struct row_case *c, struct row_verdict *v)
     if (!pen_ray_make(&ray, o, d))
         return;
     vec3 p = pen_prim_point(&world.prims, first, &ray), light = {0, 1e-4, 0};
-    struct pen_leave on = world_leave(&world, first, p, d, false);
+    struct pen_origin_surface on = world_leave(&world, first, p, d, false);
     vec3 up = pen_sub(light, p);
     if (!pen_ray_make(&ray, p, up))
         return;

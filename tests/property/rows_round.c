@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Crossings of spheres, tubes and cylinders against 113 bits: how far t is off, how far the point
- * is off the surface, and whether hit or miss is said wrongly. Rays that pass the body in the outer
- * tenth of its radius are rows of their own: there t is badly conditioned. */
+/* Crossings of spheres, infinite cylinders and cylinders against 113 bits: how far t is off, how
+ * far the point is off the surface, and whether hit or miss is said wrongly. Rays that pass the
+ * primitive in the outer tenth of its radius are rows of their own: there t is badly conditioned.
+ */
 #include "geom/prims.h"
 #include "property/gen.h"
 #include "property/oracle.h"
 #include "property/rows.h"
 
-/* A case: c, axis (tube, cylinder), r, h (cylinder), o, d. */
-struct body {
+/* A case: c, axis (infinite cylinder, cylinder), r, h (cylinder), o, d. */
+struct prim {
     struct oracle_round b;
     struct oracle_ray line;
     struct pen_ray ray;
@@ -19,7 +20,7 @@ enum kind { SPHERE, TUBE, CYLINDER };
 /* Which rays a row is about. */
 enum aim { WITHIN, GRAZING, FAR_OFF };
 
-static bool body_of(const struct row_case *c, enum kind kind, struct body *body)
+static bool body_of(const struct row_case *c, enum kind kind, struct prim *prim)
 {
     int at = 0;
     struct oracle_round b = {.c = row_next3(c, &at)};
@@ -28,12 +29,12 @@ static bool body_of(const struct row_case *c, enum kind kind, struct body *body)
     b.r = fabs(row_next(c, &at));
     if (kind == CYLINDER)
         b.h = fabs(row_next(c, &at));
-    body->b = b;
-    body->line.o = row_next3(c, &at);
-    body->line.d = row_next3(c, &at);
+    prim->b = b;
+    prim->line.o = row_next3(c, &at);
+    prim->line.d = row_next3(c, &at);
     if (kind != SPHERE && pen_norm1(b.a) == 0)
         return false;
-    return pen_ray_make(&body->ray, body->line.o, body->line.d);
+    return pen_ray_make(&prim->ray, prim->line.o, prim->line.d);
 }
 
 static double distance_of(struct random *r)
@@ -67,7 +68,8 @@ static double passing_of(struct random *r, enum aim aim)
     return b;
 }
 
-/* G6: nothing is of the size of anything else; the ray goes to a point of the body, or near it. */
+/* G6: nothing is of the size of anything else; the ray goes to a point of the primitive, or near
+ * it. */
 static vec3 draw_wide(struct random *r, double *radius, vec3 *o, vec3 *d)
 {
     vec3 at = gen_wide3(r, 30);
@@ -168,9 +170,9 @@ static const struct bars bars[] = {
 
 /* How fast the ray comes nearer to the part, per t: its speed in the plane across the axis, or
  * along the axis. */
-static double speed(const struct body *body, enum oracle_part part)
+static double speed(const struct prim *prim, enum oracle_part part)
 {
-    vec3 a = body->b.a, d = body->line.d;
+    vec3 a = prim->b.a, d = prim->line.d;
     if (pen_norm1(a) == 0)
         return pen_length(d);
     if (part != ORACLE_SIDE)
@@ -181,16 +183,16 @@ static double speed(const struct body *body, enum oracle_part part)
 /* One crossing against its truth. Nearer than two radii the bar is 8u (|f| + r), across the axis
  * for a side and along it for a cap. A cap may be many radii away all the same, at the far end of a
  * long cylinder: where `ulps` of t are more than that, those count, since no double is nearer. */
-static void compare(struct row_verdict *v, const struct bars *bar, const struct body *body,
+static void compare(struct row_verdict *v, const struct bars *bar, const struct prim *prim,
                     enum oracle_part part, double t, struct truth truth)
 {
-    double ulps = truth_ulps(t, truth), error = truth_error(t, truth) * speed(body, part);
-    if (oracle_distance(&body->b, body->line) >= 2) {
+    double ulps = truth_ulps(t, truth), error = truth_error(t, truth) * speed(prim, part);
+    if (oracle_distance(&prim->b, prim->line) >= 2) {
         row_measure(v, bar->far, ulps, bar->ulps);
         return;
     }
-    double f = pen_length(pen_sub(body->line.o, body->b.c));
-    double share = error / (0x1p-53 * (f + body->b.r)), long_share = ulps * 8 / bar->ulps;
+    double f = pen_length(pen_sub(prim->line.o, prim->b.c));
+    double share = error / (0x1p-53 * (f + prim->b.r)), long_share = ulps * 8 / bar->ulps;
     row_measure(v, bar->near, part != ORACLE_SIDE && long_share < share ? long_share : share, 8);
 }
 
@@ -204,75 +206,77 @@ static bool decided(struct row_verdict *v, bool hit, int class, bool exact)
     return hit && exact;
 }
 
-static void judge_pair(struct row_verdict *v, enum kind kind, const struct body *body, bool hit,
+static void judge_pair(struct row_verdict *v, enum kind kind, const struct prim *prim, bool hit,
                        const double t[2])
 {
     struct oracle_roots truth;
-    oracle_sphere(&body->b, body->line, &truth);
-    if (!decided(v, hit, oracle_sphere_class(&body->b, body->line, 8), truth.count == 2))
+    oracle_sphere(&prim->b, prim->line, &truth);
+    if (!decided(v, hit, oracle_sphere_class(&prim->b, prim->line, 8), truth.count == 2))
         return;
     for (int i = 0; i < 2; i++) {
-        compare(v, &bars[kind], body, ORACLE_SIDE, t[i], truth.t[i]);
-        row_measure(v, bars[kind].residual, oracle_round_residual(&body->b, body->line, t[i]), 8);
+        compare(v, &bars[kind], prim, ORACLE_SIDE, t[i], truth.t[i]);
+        row_measure(v, bars[kind].residual, oracle_round_residual(&prim->b, prim->line, t[i]), 8);
     }
 }
 
 static void judge_sphere(const struct row_case *c, struct row_verdict *v)
 {
-    struct body body;
+    struct prim prim;
     struct pen_sphere s;
     double t[2];
-    if (!body_of(c, SPHERE, &body) || !pen_sphere_make(&s, body.b.c, body.b.r))
+    if (!body_of(c, SPHERE, &prim) || !pen_sphere_make(&s, prim.b.c, prim.b.r))
         row_skip(v);
     else
-        judge_pair(v, SPHERE, &body, pen_sphere_roots(&s, &body.ray, t), t);
+        judge_pair(v, SPHERE, &prim, pen_sphere_roots(&s, &prim.ray, t), t);
 }
 
 static void judge_tube(const struct row_case *c, struct row_verdict *v)
 {
-    struct body body;
-    struct pen_tube tube;
+    struct prim prim;
+    struct pen_infinite_cylinder infinite_cylinder;
     double t[2];
     bool parallel;
-    if (!body_of(c, TUBE, &body) || !pen_tube_make(&tube, body.b.c, body.b.a, body.b.r)) {
+    if (!body_of(c, TUBE, &prim) ||
+        !pen_infinite_cylinder_make(&infinite_cylinder, prim.b.c, prim.b.a, prim.b.r)) {
         row_skip(v);
         return;
     }
-    judge_pair(v, TUBE, &body, pen_round_roots(&tube.round, &body.ray, t, &parallel), t);
+    judge_pair(v, TUBE, &prim,
+               pen_cylinder_side_roots(&infinite_cylinder.round, &prim.ray, t, &parallel), t);
 }
 
-/* Which crossings of a cylinder a row measures. */
+/* Which intersections of a cylinder a row measures. */
 enum measured { SIDES_WITHIN, SIDES_GRAZING, CAPS };
 
-static bool measures(enum measured what, const struct body *body, enum oracle_part part)
+static bool measures(enum measured what, const struct prim *prim, enum oracle_part part)
 {
     if (part != ORACLE_SIDE || what == CAPS)
         return part != ORACLE_SIDE && what == CAPS;
-    return (oracle_passing(&body->b, body->line) >= .9) == (what == SIDES_GRAZING);
+    return (oracle_passing(&prim->b, prim->line) >= .9) == (what == SIDES_GRAZING);
 }
 
 static void judge_cylinder_parts(const struct row_case *c, struct row_verdict *v,
                                  enum measured what)
 {
-    struct body body;
+    struct prim prim;
     struct pen_cylinder cylinder;
-    struct pen_inside in;
+    struct pen_interval in;
     struct oracle_roots truth;
-    if (!body_of(c, CYLINDER, &body) ||
-        !pen_cylinder_make(&cylinder, body.b.c, body.b.a, body.b.r, body.b.h, true)) {
+    if (!body_of(c, CYLINDER, &prim) ||
+        !pen_cylinder_make(&cylinder, prim.b.c, prim.b.a, prim.b.r, prim.b.h, true)) {
         row_skip(v);
         return;
     }
-    bool hit = pen_cylinder_inside(&cylinder, &body.ray, &in);
-    oracle_cylinder(&body.b, body.line, &truth);
-    if (!decided(v, hit, oracle_cylinder_class(&body.b, body.line, 8), truth.count == 2))
+    bool hit = pen_cylinder_interval(&cylinder, &prim.ray, &in);
+    oracle_cylinder(&prim.b, prim.line, &truth);
+    if (!decided(v, hit, oracle_cylinder_class(&prim.b, prim.line, 8), truth.count == 2))
         return;
     for (int i = 0; i < 2; i++) {
         /* Where either says that it is a cap, it is one: at the rim both are right. */
         uint8_t said = i ? in.hi_part : in.lo_part;
         enum oracle_part part = said == PEN_PART_SIDE ? truth.part[i] : (enum oracle_part)said;
-        if (measures(what, &body, part))
-            compare(v, &bars[what == CAPS ? 3 : 2], &body, part, i ? in.hi : in.lo, truth.t[i]);
+        if (measures(what, &prim, part))
+            compare(v, &bars[what == CAPS ? 3 : 2], &prim, part, i ? in.hi : in.lo, truth.t[i]);
     }
 }
 
@@ -382,19 +386,19 @@ static void judge_oracle(const struct row_case *c, struct row_verdict *v)
 {
     struct row_case rest = {.count = c->count - 1};
     struct oracle_roots quad, mpfr;
-    struct body body;
+    struct prim prim;
     for (int i = 0; i < rest.count; i++)
         rest.arg[i] = c->arg[i + 1];
-    if (!body_of(&rest, c->arg[0] != 0 ? TUBE : SPHERE, &body) || !(body.b.r > 0)) {
+    if (!body_of(&rest, c->arg[0] != 0 ? TUBE : SPHERE, &prim) || !(prim.b.r > 0)) {
         row_skip(v);
         return;
     }
-    if (!oracle_mpfr_roots(&body.b, body.line, &mpfr)) {
+    if (!oracle_mpfr_roots(&prim.b, prim.line, &mpfr)) {
         row_tally(v, "not compared: built without MPFR");
         return;
     }
-    oracle_sphere(&body.b, body.line, &quad);
-    if (oracle_sphere_class(&body.b, body.line, 0x1p-40) == 0)
+    oracle_sphere(&prim.b, prim.line, &quad);
+    if (oracle_sphere_class(&prim.b, prim.line, 0x1p-40) == 0)
         return; /* a tangent, to 2^-93 */
     row_require(v, quad.count == mpfr.count, "hit or miss");
     for (int i = 0; i < quad.count && i < mpfr.count; i++) {

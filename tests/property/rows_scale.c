@@ -20,7 +20,7 @@ static void judge_scaled(const struct row_case *c, struct row_verdict *v)
     bool with = row_next(c, &at) != 0;
     struct shape_map m = shape_map_identity;
     struct shape s, t;
-    struct pen_crossings a, b;
+    struct pen_intersections a, b;
     if (!shape_get(c, &at, &s) || !shape_cross(&s, &a)) {
         row_skip(v);
         return;
@@ -38,8 +38,8 @@ void rows_scaled(struct pen_row_run *run)
     row_each(run, draw_scaled, judge_scaled);
 }
 
-/* H076: multiples of 2^-12, moved by 2^20 or 2^30: every sum is exact. Planes and tubes are made
- * anew near the origin: they are a row of pictures. */
+/* H076: multiples of 2^-12, moved by 2^20 or 2^30: every sum is exact. Planes and infinite
+ * cylinders are made anew near the origin: they are a row of pictures. */
 static void draw_moved(struct row_draw *d, struct row_case *c)
 {
     static const enum shape_kind kinds[] = {SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_TRIANGLE,
@@ -62,7 +62,7 @@ static void judge_moved(const struct row_case *c, struct row_verdict *v)
     int at = 0, power = (int)row_next(c, &at);
     struct shape_map m = shape_map_identity;
     struct shape s, t;
-    struct pen_crossings a, b;
+    struct pen_intersections a, b;
     if (!shape_get(c, &at, &s) || s.kind == SHAPE_TUBE || s.kind == SHAPE_PLANE ||
         !is_snapped(&s) || !shape_cross(&s, &a)) {
         row_skip(v);
@@ -105,7 +105,7 @@ static void judge_subnormal(const struct row_case *c, struct row_verdict *v)
 {
     int at = 0;
     struct shape s, t;
-    struct pen_crossings a, b;
+    struct pen_intersections a, b;
     if (!shape_get(c, &at, &s) || !shape_cross(&s, &a)) {
         row_skip(v);
         return;

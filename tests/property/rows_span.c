@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Shadow rays that start and end exactly on a surface: a crossing counts if 0 < t < tmax, strictly
- * at both ends. */
+/* Shadow rays that start and end exactly on a surface: an intersection counts if 0 < t < tmax,
+ * strictly at both ends. */
 #include <math.h>
 
-#include "property/bodies.h"
 #include "property/gen.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 
 static struct world world;
@@ -36,7 +36,7 @@ static bool dark(const struct pen_ray *ray, double tmax, struct row_verdict *v)
     for (int i = 0; i < 2; i++) {
         struct pen_shadow query = {.tmax = tmax, .last_occluder = PEN_NO_PRIM};
         const struct pen_trace_ops *ops = pen_trace_ops_get(i ? pen_cpu_isa() : PEN_ISA_BASE);
-        answer[i] = ops->shadow(tree.accel, ray, &pen_leave_nothing, &query);
+        answer[i] = ops->shadow(tree.accel, ray, &pen_origin_none, &query);
     }
     row_require(v, answer[0] == answer[1], "base and avx2 differ");
     return answer[0];
@@ -67,7 +67,7 @@ static void judge_span(const struct row_case *c, struct row_verdict *v)
         row_require(v, !dark(&ray, 1e4, v), "the surface at the start shades");
         return;
     }
-    hit = bodies_nearest(&tree, &ray, &pen_leave_nothing, INFINITY, &alike);
+    hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     if (!row_require(v, alike && hit.prim == 0 && hit.t > 0, "the far side is not met"))
         return;
     row_require(v, !dark(&ray, hit.t, v), "the surface at the end shades");

@@ -2,8 +2,8 @@
 /* Trees over mixed, coincident, unbounded and hardly any primitives. */
 #include <math.h>
 
-#include "property/bodies.h"
 #include "property/gen.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 #include "scene/settings.h"
 
@@ -53,21 +53,21 @@ static void draw_path(struct row_draw *d, struct row_case *c)
 }
 
 static struct pen_hit require_same(struct row_verdict *v, const struct pen_ray *ray,
-                                   const struct pen_leave *leave, double tmax)
+                                   const struct pen_origin_surface *origin, double tmax)
 {
-    struct pen_span span = {pen_after_start, tmax};
-    struct pen_hit truth = world_nearest(&world, ray, leave, &span);
+    struct pen_t_interval interval = {pen_after_start, tmax};
+    struct pen_hit truth = world_nearest(&world, ray, origin, &interval);
     for (int k = 0; k < PEN_ACCEL_COUNT; k++) {
         bool alike;
         const char *name = pen_accelerator_name((enum pen_accelerator)k);
-        struct pen_hit hit = bodies_nearest(&kinds[k], ray, leave, tmax, &alike);
+        struct pen_hit hit = bodies_nearest(&kinds[k], ray, origin, tmax, &alike);
         if (!alike)
             row_fail(v, "%s: base and avx2 differ", name);
         if (!same_hit(hit, truth))
             row_fail(v, "%s meets %d, trying all meets %d", name, (int)hit.prim, (int)truth.prim);
         struct pen_shadow query = {.tmax = tmax, .last_occluder = PEN_NO_PRIM};
         const struct pen_trace_ops *ops = pen_trace_ops_get(k & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
-        if (ops->shadow(kinds[k].accel, ray, leave, &query) !=
+        if (ops->shadow(kinds[k].accel, ray, origin, &query) !=
             (truth.prim != PEN_NO_PRIM && truth.t < tmax))
             row_fail(v, "%s: shadow differs", name);
     }
@@ -79,21 +79,21 @@ static void judge_path(const struct row_case *c, struct row_verdict *v)
     int at = 0;
     double scene = row_next(c, &at);
     vec3 o = row_next3(c, &at);
-    struct pen_leave leave = pen_leave_nothing;
+    struct pen_origin_surface origin = pen_origin_none;
     build_mixed(scene);
     for (int i = 0; i < 3; i++) {
         vec3 d = row_next3(c, &at), next = pen_vec3(c->arg[at], c->arg[at + 1], c->arg[at + 2]);
         struct pen_ray ray;
         if (!pen_ray_make(&ray, o, d))
             return;
-        struct pen_hit hit = require_same(v, &ray, &leave, INFINITY);
+        struct pen_hit hit = require_same(v, &ray, &origin, INFINITY);
         if (hit.prim == PEN_NO_PRIM || v->failed || i == 2)
             return;
-        require_same(v, &ray, &leave, hit.t);
-        require_same(v, &ray, &leave, nextafter(hit.t, 0));
+        require_same(v, &ray, &origin, hit.t);
+        require_same(v, &ray, &origin, nextafter(hit.t, 0));
         o = pen_prim_point(&world.prims, hit, &ray);
         vec3 n = pen_prim_normal(&world.prims, hit, o);
-        leave = world_leave(&world, hit, o, d, (pen_dot(n, next) > 0) == (pen_dot(n, d) > 0));
+        origin = world_leave(&world, hit, o, d, (pen_dot(n, next) > 0) == (pen_dot(n, d) > 0));
         row_tally(v, "went on from a hit");
     }
 }
@@ -131,7 +131,7 @@ static void judge_copies(const struct row_case *c, struct row_verdict *v)
     }
     bodies_plant(&tree, &mesh.prims);
     row_require(v, pen_accel_get_stats(tree.accel)->depth < 64, "the tree is 64 deep or more");
-    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_leave_nothing, INFINITY, &alike);
+    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     row_require(v, alike && hit.prim == 0, "not the first copy");
     int walked = bodies_walk(&tree, &ray, 40);
     row_require(v, walked == (count < 40 ? (int)count : 40), "not every copy is met");
@@ -143,7 +143,7 @@ void rows_copies(struct pen_row_run *run)
     row_each(run, draw_copies, judge_copies);
 }
 
-/* H098: planes and tubes beside a tree of 1e5 triangles, against trying all. */
+/* H098: planes and infinite cylinders beside a tree of 1e5 triangles, against trying all. */
 enum { CROWD = 100000 };
 
 static void build_crowd(struct bodies_mesh *mesh)
@@ -165,8 +165,8 @@ static void build_crowd(struct bodies_mesh *mesh)
         mesh->ref[mesh->prims.count + i] = world.ref[i];
     mesh->prims.count += 6;
     mesh->prims.plane = world.plane;
-    mesh->prims.tube = world.tube;
-    mesh->prims.kind_count[PEN_PRIM_PLANE] = mesh->prims.kind_count[PEN_PRIM_TUBE] = 3;
+    mesh->prims.infinite_cylinder = world.infinite_cylinder;
+    mesh->prims.kind_count[PEN_PRIM_PLANE] = mesh->prims.kind_count[PEN_PRIM_INFINITE_CYLINDER] = 3;
     bodies_plant(&tree, &mesh->prims);
 }
 
@@ -182,7 +182,7 @@ static void judge_crowd(const struct row_case *c, struct row_verdict *v)
     int at = 0;
     vec3 o = row_next3(c, &at);
     struct pen_ray ray;
-    struct pen_crossings x;
+    struct pen_intersections x;
     struct pen_hit truth = {INFINITY, PEN_NO_PRIM, 0};
     bool alike;
     build_crowd(&mesh);
@@ -191,14 +191,14 @@ static void judge_crowd(const struct row_case *c, struct row_verdict *v)
         return;
     }
     for (uint32_t prim = 0; prim < mesh.prims.count; prim++) {
-        pen_prim_cross(&mesh.prims, prim, &ray, &pen_leave_nothing, &x);
+        pen_prim_intersect(&mesh.prims, prim, &ray, &pen_origin_none, &x);
         for (int i = 0; i < x.count; i++) {
             struct pen_hit h = {x.t[i], prim, x.part[i]};
             if (h.t > 0 && pen_hit_before(h, truth))
                 truth = h;
         }
     }
-    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_leave_nothing, INFINITY, &alike);
+    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     row_require(v, alike && same_hit(hit, truth), "the tree and trying all differ");
     row_tally(v, truth.prim >= mesh.prims.count - 6 ? "met without bounds or nothing"
                                                     : "met a triangle");
@@ -242,7 +242,7 @@ static void judge_few(const struct row_case *c, struct row_verdict *v)
         return;
     }
     plant_all();
-    struct pen_hit hit = require_same(v, &ray, &pen_leave_nothing, INFINITY);
+    struct pen_hit hit = require_same(v, &ray, &pen_origin_none, INFINITY);
     row_require(v, bits != 0 || hit.prim == PEN_NO_PRIM, "met something in an empty scene");
 }
 

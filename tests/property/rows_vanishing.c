@@ -3,8 +3,8 @@
  * still what trying all says. */
 #include <math.h>
 
-#include "property/bodies.h"
 #include "property/gen.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 #include "scene/settings.h"
 
@@ -119,12 +119,12 @@ static void judge_vanishing(const struct row_case *c, struct row_verdict *v)
         return;
     }
     build(scene);
-    struct pen_span span = {pen_after_start, INFINITY};
-    struct pen_hit truth = world_nearest(&world, &ray, &pen_leave_nothing, &span);
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
+    struct pen_hit truth = world_nearest(&world, &ray, &pen_origin_none, &interval);
     for (int k = 0; k < PEN_ACCEL_COUNT; k++) {
         bool alike;
         const char *name = pen_accelerator_name((enum pen_accelerator)k);
-        struct pen_hit hit = bodies_nearest(&kinds[k], &ray, &pen_leave_nothing, INFINITY, &alike);
+        struct pen_hit hit = bodies_nearest(&kinds[k], &ray, &pen_origin_none, INFINITY, &alike);
         if (!alike)
             row_fail(v, "%s: base and avx2 differ", name);
         if (hit.prim != truth.prim ||

@@ -2,8 +2,8 @@
 /* Surfaces that close: rays aimed at vertices, edges and points of edges that are exact in binary.
  * From inside a closed surface a ray crosses it an odd number of times, and a sheet seen from above
  * once; nothing but the surface itself is needed to judge that. */
-#include "property/bodies.h"
 #include "property/gen.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 
 static struct world world;
@@ -76,7 +76,7 @@ static void require_tree_agrees(struct row_verdict *v, vec3 o, vec3 d, struct pe
     bool alike;
     if (!pen_ray_make(&ray, o, d))
         return;
-    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_leave_nothing, INFINITY, &alike);
+    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     if (!alike || hit.prim != first.prim || (hit.prim != PEN_NO_PRIM && hit.t != first.t))
         row_fail(v, "the tree meets %u, trying all meets %u", hit.prim, first.prim);
 }

@@ -12,9 +12,9 @@ static struct pen_ray shot;
 const char *const shape_kind_name[SHAPE_KINDS] = {"sphere",   "tube",    "cylinder",
                                                   "triangle", "polygon", "plane"};
 
-static const enum pen_prim_kind prim_kind[SHAPE_KINDS] = {PEN_PRIM_SPHERE,   PEN_PRIM_TUBE,
-                                                          PEN_PRIM_CYLINDER, PEN_PRIM_TRIANGLE,
-                                                          PEN_PRIM_POLYGON,  PEN_PRIM_PLANE};
+static const enum pen_prim_kind prim_kind[SHAPE_KINDS] = {
+    PEN_PRIM_SPHERE,   PEN_PRIM_INFINITE_CYLINDER, PEN_PRIM_CYLINDER,
+    PEN_PRIM_TRIANGLE, PEN_PRIM_POLYGON,           PEN_PRIM_PLANE};
 
 int shape_points(enum shape_kind kind)
 {
@@ -105,7 +105,7 @@ struct shape shape_mapped(const struct shape_map *m, const struct shape *s)
     return t;
 }
 
-bool shape_cross(const struct shape *s, struct pen_crossings *out)
+bool shape_cross(const struct shape *s, struct pen_intersections *out)
 {
     bool made;
     world_clear(&world);
@@ -117,7 +117,7 @@ bool shape_cross(const struct shape *s, struct pen_crossings *out)
         made = pen_sphere_make(&world.sphere[0], s->p[0], s->r);
         break;
     case SHAPE_TUBE:
-        made = pen_tube_make(&world.tube[0], s->p[0], s->a, s->r);
+        made = pen_infinite_cylinder_make(&world.infinite_cylinder[0], s->p[0], s->a, s->r);
         break;
     case SHAPE_CYLINDER:
         made = pen_cylinder_make(&world.cylinder[0], s->p[0], s->a, s->r, s->h, true);
@@ -134,19 +134,20 @@ bool shape_cross(const struct shape *s, struct pen_crossings *out)
     }
     if (!made || !pen_ray_make(&shot, s->o, s->d))
         return false;
-    pen_prim_cross(&world.prims, 0, &shot, &pen_leave_nothing, out);
+    pen_prim_intersect(&world.prims, 0, &shot, &pen_origin_none, out);
     return true;
 }
 
-void shape_at(const struct pen_crossings *x, int i, vec3 *point, vec3 *normal)
+void shape_at(const struct pen_intersections *x, int i, vec3 *point, vec3 *normal)
 {
     struct pen_hit hit = {x->t[i], 0, x->part[i]};
     *point = pen_prim_point(&world.prims, hit, &shot);
     *normal = pen_prim_normal(&world.prims, hit, *point);
 }
 
-void shape_require_equal(struct row_verdict *v, enum shape_kind kind, const struct pen_crossings *a,
-                         const struct pen_crossings *b, double factor)
+void shape_require_equal(struct row_verdict *v, enum shape_kind kind,
+                         const struct pen_intersections *a, const struct pen_intersections *b,
+                         double factor)
 {
     if (a->count != b->count) {
         row_fail(v, "%s: %d crossings became %d", shape_kind_name[kind], a->count, b->count);

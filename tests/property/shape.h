@@ -16,7 +16,8 @@ enum shape_kind {
     SHAPE_KINDS
 };
 
-/* A body: points (centre, base, a point of the plane, corners), a direction, lengths; and a ray. */
+/* A primitive: points (centre, base, a point of the plane, corners), a direction, lengths; and a
+ * ray. */
 struct shape {
     enum shape_kind kind;
     vec3 p[4], a;
@@ -33,8 +34,8 @@ int shape_points(enum shape_kind kind);
 void shape_put(struct row_case *c, const struct shape *s);
 bool shape_get(const struct row_case *c, int *at, struct shape *s);
 
-/* A body of about unit size within 3 of the origin, and a ray that is aimed at it. All coordinates
- * but the direction's are multiples of 2^-12 if `snapped`. */
+/* A primitive of about unit size within 3 of the origin, and a ray that is aimed at it. All
+ * coordinates but the direction's are multiples of 2^-12 if `snapped`. */
 struct shape shape_draw(struct random *r, enum shape_kind kind, bool snapped);
 vec3 shape_snap(vec3 p, bool snapped);
 
@@ -51,15 +52,16 @@ vec3 shape_map_way(const struct shape_map *m, vec3 v);
 vec3 shape_map_point(const struct shape_map *m, vec3 p);
 struct shape shape_mapped(const struct shape_map *m, const struct shape *s);
 
-/* The crossings of the shape's own ray; false if the body or the ray can not be made. */
-bool shape_cross(const struct shape *s, struct pen_crossings *out);
+/* The intersections of the shape's own ray; false if the primitive or the ray can not be made. */
+bool shape_cross(const struct shape *s, struct pen_intersections *out);
 
 /* Where crossing i of what shape_cross was last asked about is, and the normal there. */
-void shape_at(const struct pen_crossings *x, int i, vec3 *point, vec3 *normal);
+void shape_at(const struct pen_intersections *x, int i, vec3 *point, vec3 *normal);
 
-/* The same crossings, t multiplied by `factor`, bit for bit. */
-void shape_require_equal(struct row_verdict *v, enum shape_kind kind, const struct pen_crossings *a,
-                         const struct pen_crossings *b, double factor);
+/* The same intersections, t multiplied by `factor`, bit for bit. */
+void shape_require_equal(struct row_verdict *v, enum shape_kind kind,
+                         const struct pen_intersections *a, const struct pen_intersections *b,
+                         double factor);
 
 /* Whether the outline passes the ray so near that either answer may be given. */
 bool shape_on_border(const struct shape *s);

@@ -26,12 +26,12 @@ void shot_look(struct kit *kit, struct pen_vec3 eye, struct pen_vec3 at, double 
 
 double shot_take(struct kit *kit, float rgb[3 * SHOT_PIXELS])
 {
-    static struct pen_pool *pool;
+    static struct pen_thread_pool *pool;
     struct pen_status st;
     struct pen_render_stats stats = {.threads = 0};
     struct pen_scene *scene = kit_freeze(kit);
     if (!pool)
-        pool = pen_pool_new(1, &st);
+        pool = pen_thread_pool_new(1, &st);
     memset(rgb, 0, 3 * SHOT_PIXELS * sizeof *rgb);
     struct pen_render_task task = {
         .scene = scene, .settings = &kit->settings, .tile_count = -1, .rgb = rgb};

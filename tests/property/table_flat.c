@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Flat bodies and surfaces made of them: H038 to H058, H087. */
+/* Flat primitives and surfaces made of them: H038 to H058, H087. */
 #include <stddef.h>
 
 #include "property/rows.h"

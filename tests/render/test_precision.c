@@ -203,12 +203,12 @@ static void render(float *rgb)
 {
     struct pen_status st;
     struct pen_render_stats stats;
-    struct pen_pool *pool = pen_pool_new(2, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
     const struct pen_render_task task = {
         .scene = scene, .settings = &settings, .tile_count = -1, .rgb = rgb};
     ck_assert_int_eq(settings.width * settings.height * 3, VALUES);
     ck_assert_msg(pen_render_run(pool, &task, &stats, &st), "%s", st.msg);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
 }
 
 struct difference {

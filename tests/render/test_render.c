@@ -69,7 +69,7 @@ END_TEST
 static struct pen_render_stats counted(const struct pen_scene *scene, int threads, float *film)
 {
     struct pen_status st;
-    struct pen_pool *pool = pen_pool_new(threads, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(threads, &st);
     struct pen_render_task task = {.scene = scene,
                                    .settings = &kit.settings,
                                    .tile_count = -1,
@@ -78,7 +78,7 @@ static struct pen_render_stats counted(const struct pen_scene *scene, int thread
     struct pen_render_stats stats;
     ck_assert(pen_render_run(pool, &task, &stats, &st));
     ck_assert(stats.tests_counted);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     return stats;
 }
 
@@ -152,8 +152,8 @@ START_TEST(test_render__statistics)
     struct pen_scene *scene = kit_freeze(&kit);
     float *film = malloc(film_bytes());
     struct pen_status st;
-    struct pen_pool *pool = pen_pool_new(3, &st);
-    ck_assert_int_eq(pen_pool_threads(pool), 3);
+    struct pen_thread_pool *pool = pen_thread_pool_new(3, &st);
+    ck_assert_int_eq(pen_thread_pool_size(pool), 3);
     struct watch watch = {0};
     struct pen_render_task task = {.scene = scene,
                                    .settings = &kit.settings,
@@ -193,7 +193,7 @@ START_TEST(test_render__statistics)
     free(stats.tile_ms);
     ck_assert(first.shadow > 0 && first.reflection > 0 && first.transmission > 0);
     ck_assert_uint_eq(first.dropped_samples, 0);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     free(film);
     pen_scene_free(scene);
 }
@@ -206,7 +206,7 @@ START_TEST(test_render__parts_make_the_whole)
     struct pen_scene *scene = kit_freeze(&kit);
     float *want = kit_film(scene, &kit.settings, 1), *film = calloc(film_bytes(), 1);
     struct pen_status st;
-    struct pen_pool *pool = pen_pool_new(2, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
     for (int first = 18; first >= 0; first -= 3) {
         struct pen_render_task task = {.scene = scene,
                                        .settings = &kit.settings,
@@ -227,7 +227,7 @@ START_TEST(test_render__parts_make_the_whole)
     struct pen_render_stats stats;
     ck_assert(!pen_render_run(pool, &beyond, &stats, &st));
     ck_assert_int_eq(st.code, PEN_INTERNAL);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     free(film);
     free(want);
     pen_scene_free(scene);
@@ -252,7 +252,7 @@ START_TEST(test_render__cancel_is_seen_within_a_row)
     kit_medley(&kit);
     kit.settings.tile = 4096;
     struct pen_scene *scene = kit_freeze(&kit);
-    struct pen_pool *pool = pen_pool_new(1, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
     struct watch watch = {.cancel_after = 7};
     float *rgb = calloc((size_t)kit.settings.width * (size_t)kit.settings.height * 3, sizeof *rgb);
     struct pen_render_task task = {.scene = scene,
@@ -266,7 +266,7 @@ START_TEST(test_render__cancel_is_seen_within_a_row)
     ck_assert_int_eq(st.code, PEN_CANCELLED);
     ck_assert_int_eq(watch.calls, 7);
     free(rgb);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     pen_scene_free(scene);
 }
 END_TEST
@@ -278,7 +278,7 @@ START_TEST(test_render__cancel)
     struct pen_scene *scene = kit_freeze(&kit);
     float *film = malloc(film_bytes());
     struct pen_status st;
-    struct pen_pool *pool = pen_pool_new(2, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
     struct watch watch = {.cancel_after = 5};
     struct pen_render_task task = {.scene = scene,
                                    .settings = &kit.settings,
@@ -299,7 +299,7 @@ START_TEST(test_render__cancel)
     watch.cancel_after = 0;
     ck_assert(pen_render_run(pool, &task, &stats, &st)); /* the pool lives on */
     free(stats.tile_ms);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     free(film);
     pen_scene_free(scene);
 }
@@ -348,7 +348,7 @@ static void check_resets(unsigned inherited, unsigned given, int first, int seco
     unsigned before = _mm_getcsr();
     _mm_setcsr(before | inherited);
     ck_assert_int_eq(pen_float_is_default(), inherited == 0);
-    struct pen_pool *pool = pen_pool_new(2, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
     _mm_setcsr(before);
     ck_assert(pen_float_is_default());
     struct pen_render_task task = {.scene = scene,
@@ -362,7 +362,7 @@ static void check_resets(unsigned inherited, unsigned given, int first, int seco
     task.pixel_begins = NULL;
     ck_assert(pen_render_run(pool, &task, &stats, &st));
     ck_assert_int_eq(stats.float_resets, second);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     free(film);
     pen_scene_free(scene);
 }

@@ -35,7 +35,7 @@ static void any_scene(struct random *random)
         int material = kit_material(&kit, any_material(random));
         kit_sphere(&kit, pen_vec3(3 * i, 0, 0), 1, random_below(random, 4) ? material : -1);
     }
-    /* A material that no body has must not count. */
+    /* A material that no primitive has must not count. */
     kit_material(&kit, any_material(random));
     struct pen_transform identity = pen_transform_identity();
     if (bodies > 1 && random_below(random, 2))

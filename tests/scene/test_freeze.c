@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Freezing: what bodies become under transforms, the local frame, and what is kept of the rest. */
+/* Freezing: what primitives become under transforms, the local frame, and what is kept of the rest.
+ */
 #include <dlfcn.h>
 #include <math.h>
 #include <stdlib.h>
@@ -48,7 +49,7 @@ START_TEST(test_freeze__bodies_are_numbered_depth_first)
     kit_tube(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), 1, -1);
     struct pen_scene *scene = kit_freeze(&kit);
     static const uint32_t kinds[] = {PEN_PRIM_SPHERE, PEN_PRIM_PLANE, PEN_PRIM_SPHERE,
-                                     PEN_PRIM_TRIANGLE, PEN_PRIM_TUBE};
+                                     PEN_PRIM_TRIANGLE, PEN_PRIM_INFINITE_CYLINDER};
     static const uint32_t indices[] = {0, 0, 1, 0, 0};
     ck_assert_uint_eq(scene->prims.count, 5);
     for (int i = 0; i < 5; i++) {
@@ -80,22 +81,22 @@ START_TEST(test_freeze__quadrics_under_similarities)
     assert_close(axis, 0, 1, 0);
     ck_assert_double_eq_tol(global_length(scene, prims->cylinder[0].round.r), 1, 1e-15);
     ck_assert_double_eq_tol(global_length(scene, prims->cylinder[0].h), 4, 1e-15);
-    assert_close(pen_normalize(prims->tube[0].round.a), -1, 0, 0);
-    ck_assert_double_eq_tol(global_length(scene, prims->tube[0].round.r), 0.5, 1e-15);
+    assert_close(pen_normalize(prims->infinite_cylinder[0].round.a), -1, 0, 0);
+    ck_assert_double_eq_tol(global_length(scene, prims->infinite_cylinder[0].round.r), 0.5, 1e-15);
     pen_scene_free(scene);
 }
 END_TEST
 
-/* Outward normals where rays along `d` from far off first meet the bodies. */
+/* Outward normals where rays along `d` from far off first meet the primitives. */
 static vec3 outward(const struct pen_scene *scene, vec3 from, vec3 d)
 {
     struct pen_ray ray;
     struct pen_hit hit;
-    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_t_interval span = {pen_after_start, INFINITY};
     vec3 o = pen_scale(pen_sub(from, scene->center), ldexp(1, -scene->exponent));
     ck_assert(pen_ray_make(&ray, o, d));
     ck_assert(pen_trace_ops_get(PEN_ISA_BASE)
-                  ->nearest(scene->accel, &ray, &pen_leave_nothing, &span, &hit));
+                  ->nearest(scene->accel, &ray, &pen_origin_none, &span, &hit));
     return pen_prim_normal(&scene->prims, hit, pen_prim_point(&scene->prims, hit, &ray));
 }
 
@@ -155,7 +156,7 @@ START_TEST(test_freeze__refuses_stretched_quadrics)
 }
 END_TEST
 
-/* What counts is where the body ends up. */
+/* What counts is where the primitive ends up. */
 START_TEST(test_freeze__a_stretch_undone_is_none)
 {
     kit_init(&kit);
@@ -424,7 +425,8 @@ START_TEST(test_freeze__groups_side_by_side)
 }
 END_TEST
 
-/* ---- H037: rays of a 3 x 3 view plane against one body: how many crossings in all ---- */
+/* ---- H037: rays of a 3 x 3 view plane against one primitive: how many intersections in all ----
+ */
 
 static int all_crossings(void)
 {
@@ -440,9 +442,9 @@ static int all_crossings(void)
         vec3 d = pen_along(p.middle, p.dx, i % 3 + 0.5 - p.half_width);
         struct pen_ray ray;
         ck_assert(pen_ray_make(&ray, p.eye, pen_along(d, p.dy, i / 3 + 0.5 - p.half_height)));
-        struct pen_span span = {pen_after_start, INFINITY};
+        struct pen_t_interval span = {pen_after_start, INFINITY};
         while (pen_trace_ops_get(PEN_ISA_BASE)
-                   ->nearest(scene->accel, &ray, &pen_leave_nothing, &span, &span.after))
+                   ->nearest(scene->accel, &ray, &pen_origin_none, &span, &span.after))
             n++;
     }
     pen_scene_free(scene);

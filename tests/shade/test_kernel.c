@@ -167,7 +167,7 @@ START_TEST(test_kernel__effects_need_a_body_that_shows_them)
     kit_init(&kit);
     struct pen_material m = kit_matte(0.5);
     m.kr = pen_vec3(0, 1e-9, 0);
-    kit_material(&kit, m); /* no body has it */
+    kit_material(&kit, m); /* no primitive has it */
     kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
     kit_point(&kit, pen_vec3(0, 5, 5), pen_vec3(1, 1, 1));
     struct pen_scene *scene = kit_freeze(&kit);
@@ -265,33 +265,34 @@ struct fault {
     const struct pen_trace_ops *real;
     uint64_t nearest, shadow; /* how many were asked */
     bool strike;
-    double t; /* where a crossing is said to be, if the fault strikes */
+    double t; /* where an intersection is said to be, if the fault strikes */
 };
 
 static struct fault fault;
 
 static bool faulty_nearest(const struct pen_accel *accel, const struct pen_ray *ray,
-                           const struct pen_leave *leave, const struct pen_span *span,
-                           struct pen_hit *hit)
+                           const struct pen_origin_surface *origin,
+                           const struct pen_t_interval *interval, struct pen_hit *hit)
 {
     fault.nearest++;
-    bool found = fault.real->nearest(accel, ray, leave, span, hit);
+    bool found = fault.real->nearest(accel, ray, origin, interval, hit);
     if (found && fault.strike)
         hit->t = fault.t;
     return found;
 }
 
 static bool faulty_shadow(const struct pen_accel *accel, const struct pen_ray *ray,
-                          const struct pen_leave *leave, struct pen_shadow *query)
+                          const struct pen_origin_surface *origin, struct pen_shadow *query)
 {
     fault.shadow++;
-    return fault.real->shadow(accel, ray, leave, query);
+    return fault.real->shadow(accel, ray, origin, query);
 }
 
-static enum pen_fan_fate faulty_fan(const struct pen_accel *accel, struct pen_fan *fan)
+static enum pen_packet_visibility faulty_fan(const struct pen_accel *accel,
+                                             struct pen_shadow_packet *packet)
 {
     fault.shadow++;
-    return fault.real->fan_begin(accel, fan);
+    return fault.real->packet_begin(accel, packet);
 }
 
 static struct pen_trace_ops faulty_ops(enum pen_isa isa)
@@ -300,7 +301,7 @@ static struct pen_trace_ops faulty_ops(enum pen_isa isa)
     struct pen_trace_ops ops = *fault.real;
     ops.nearest = faulty_nearest;
     ops.shadow = faulty_shadow;
-    ops.fan_begin = ops.fan_begin ? faulty_fan : NULL;
+    ops.packet_begin = ops.packet_begin ? faulty_fan : NULL;
     return ops;
 }
 

@@ -62,8 +62,8 @@ START_TEST(test_light__point_with_attenuation)
 }
 END_TEST
 
-/* The local frame halves or doubles lengths, so attenuation must follow: a body far off makes the
- * frame large. */
+/* The local frame halves or doubles lengths, so attenuation must follow: a primitive far off makes
+ * the frame large. */
 START_TEST(test_light__attenuation_is_in_scene_units)
 {
     for (int k = -40; k <= 40; k += 8) {

@@ -251,7 +251,7 @@ START_TEST(test_paths__depth_one_is_direct_light_only)
 }
 END_TEST
 
-/* H113: bodies that lose no light, by transmission or by mirroring, where light is the same
+/* H113: primitives that lose no light, by transmission or by mirroring, where light is the same
  * everywhere: nothing is to be seen of them, bit for bit. */
 START_TEST(test_paths__h113_furnace)
 {
@@ -278,14 +278,14 @@ START_TEST(test_paths__h113_furnace)
     free(film);
     pen_scene_free(scene);
     struct pen_ray_counts rays;
-    kit.settings.width = kit.settings.height = 1; /* and there are bodies in the way */
+    kit.settings.width = kit.settings.height = 1; /* and there are primitives in the way */
     kit_pixel(&kit, 0, 0, &rays);
     ck_assert_uint_gt(rays.transmission, 1);
     ck_assert_uint_gt(rays.reflection, 0);
 }
 END_TEST
 
-/* H115: a ray that starts inside a body of glass crosses it once. */
+/* H115: a ray that starts inside a primitive of glass crosses it once. */
 START_TEST(test_paths__h115_camera_in_glass)
 {
     const vec3 kt = {0.5, 0.25, 0.75}, outer = {0.9, 0.7, 0.3}, light = {3, 5, 7};

@@ -174,7 +174,7 @@ START_TEST(test_shadow__directional_light_is_infinitely_far)
 }
 END_TEST
 
-/* A body resting on the floor: the shadow begins where it stands. */
+/* A primitive resting on the floor: the shadow begins where it stands. */
 START_TEST(test_shadow__h065_shadow_begins_at_the_wall)
 {
     kit_init(&kit);

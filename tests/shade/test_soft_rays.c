@@ -165,14 +165,14 @@ START_TEST(test_soft_rays__node_numbers_do_not_run_out)
     ck_assert_uint_eq(pen_sample_node(1, true), 3);
     ck_assert_uint_eq(pen_sample_node(0x7FFFFFFF, true), 0xFFFFFFFF);
     uint32_t seen[3][4096];
-    for (int way = 0; way < 3; way++) { /* through, mirrored, and by turns */
+    for (int direction = 0; direction < 3; direction++) { /* through, mirrored, and by turns */
         uint32_t node = 1;
         for (int depth = 0; depth < 4096; depth++) {
             for (int before = 0; before < depth; before++)
-                if (seen[way][before] == node)
+                if (seen[direction][before] == node)
                     ck_abort_msg("nodes %d and %d are both %u", before, depth, node);
-            seen[way][depth] = node;
-            node = pen_sample_node(node, way == 1 || (way == 2 && depth % 2));
+            seen[direction][depth] = node;
+            node = pen_sample_node(node, direction == 1 || (direction == 2 && depth % 2));
         }
     }
 }

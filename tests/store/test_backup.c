@@ -93,7 +93,7 @@ START_TEST(test_backup__is_a_store_of_one_file)
     store_audit_clean(copy);
     ck_assert_int_eq(jobs_in(copy), 5);
     int opened;
-    store_must(pen_store_sweep(copy, "w", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(copy, "w", &opened, &st), &st, "sweep");
     ck_assert_int_eq(opened, 1);
     ck_assert_int_eq(store_work_off(copy, "x"), 5 * 4);
     pen_store_close(copy);

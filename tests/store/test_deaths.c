@@ -114,7 +114,7 @@ START_TEST(test_deaths__other_ends_are_not_charged)
         ck_assert_int_eq(end_worker("w", PEN_WORKER_DIED), 1);
         ck_assert_int_eq(suspects(&in), 1);
         store_claim(bed.store, "w");
-        store_must(pen_store_sweep(bed.store, "w", &opened, &st), &st, "sweep");
+        store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "sweep");
         ck_assert_int_eq(opened, 1);
         ck_assert_int_eq(attempts(&in), 1);
     }

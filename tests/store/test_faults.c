@@ -143,7 +143,7 @@ static bool work_release(struct pen_status *st)
 static bool work_sweep(struct pen_status *st)
 {
     int opened;
-    return pen_store_sweep(disk.bed.store, "gone", &opened, st);
+    return pen_store_expire_leases(disk.bed.store, "gone", &opened, st);
 }
 
 static bool work_picture(struct pen_status *st)
@@ -155,7 +155,7 @@ static bool work_picture(struct pen_status *st)
 
 static bool work_tidy(struct pen_status *st)
 {
-    return pen_store_tidy(disk.bed.store, 0, st);
+    return pen_store_purge(disk.bed.store, 0, st);
 }
 
 static bool work_open(struct pen_status *st)

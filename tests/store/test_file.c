@@ -214,7 +214,7 @@ static void check_log(void)
     struct pen_status st;
     ck_assert_msg(largest_log < LOG_LIMIT, "the log grew to %lld bytes", (long long)largest_log);
     ck_assert_msg(largest_log > 4 << 20, "the log only grew to %lld bytes", (long long)largest_log);
-    store_must(pen_store_tidy(bed.store, 0, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 0, &st), &st, "tidy");
     ck_assert_msg(file_bytes("-wal") <= 9 << 20, "the log is left at %lld bytes",
                   (long long)file_bytes("-wal"));
 }
@@ -266,7 +266,7 @@ START_TEST(test_file__settling_can_be_left_to_another_handle)
     struct pen_store *other = store_bed_handle(&bed);
     store_job_init(&job, 1, 1, 1);
     store_job_submit(bed.store, &job);
-    pen_store_leave_settling(bed.store);
+    pen_store_delegate_settling(bed.store);
     put_bytes(bed.store, job.id, 4 * MIB);
     ck_assert(!pen_store_unsettled(bed.store));
     put_bytes(bed.store, job.id, 9 * MIB);
@@ -344,8 +344,8 @@ START_TEST(test_file__room_of_deleted_jobs_is_given_back)
         store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
         store_must(pen_store_delete(bed.store, in.id, &st), &st, "delete");
     }
-    store_must(pen_store_tidy(bed.store, 0, &st), &st, "tidy");
-    store_must(pen_store_tidy(bed.store, 0, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 0, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 0, &st), &st, "tidy");
     ck_assert_msg(file_bytes("") < 1 << 20, "the store still has %lld bytes",
                   (long long)file_bytes(""));
     store_bed_close(&bed);

@@ -136,9 +136,9 @@ START_TEST(test_jobs__key_is_forgotten_when_it_is_old)
     struct pen_buf answer = {0};
     struct pen_status st;
     submit_with_key(bed.store, 1, "k", 9, &answer);
-    store_must(pen_store_tidy(bed.store, 3600000, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 3600000, &st), &st, "tidy");
     ck_assert_int_eq(submit_with_key(bed.store, 2, "k", 9, &answer), PEN_SUBMIT_REPEATED);
-    store_must(pen_store_tidy(bed.store, -1000, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, -1000, &st), &st, "tidy");
     ck_assert_int_eq(submit_with_key(bed.store, 3, "k", 9, &answer), PEN_SUBMIT_CREATED);
     pen_buf_release(&answer);
     store_bed_close(&bed);

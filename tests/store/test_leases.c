@@ -38,7 +38,7 @@ static int sweep(const char *dead_worker)
 {
     struct pen_status st;
     int opened = -1;
-    store_must(pen_store_sweep(bed.store, dead_worker, &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.store, dead_worker, &opened, &st), &st, "sweep");
     return opened;
 }
 

@@ -128,13 +128,13 @@ static void apply(struct pen_store *store, const char *operation, const struct s
     else if (strcmp(operation, "pen_store_fail") == 0)
         pen_store_fail(store, last, "{}", &st);
     else if (strcmp(operation, "pen_store_sweep") == 0)
-        pen_store_sweep(store, "w", &opened, &st);
+        pen_store_expire_leases(store, "w", &opened, &st);
     else if (strcmp(operation, "pen_store_cancel") == 0)
         pen_store_cancel(store, in->id, &st);
     else if (strcmp(operation, "pen_store_delete") == 0)
         pen_store_delete(store, in->id, &st);
     else if (strcmp(operation, "pen_store_tidy") == 0)
-        pen_store_tidy(store, 0, &st);
+        pen_store_purge(store, 0, &st);
     else if (strcmp(operation, "pen_store_worker_ended") == 0)
         end_worker(store, in);
     else

@@ -48,9 +48,9 @@ END_TEST
 START_TEST(test_wake__a_change_missed_before_the_wait_ends_it_at_once)
 {
     store_bed_open(&bed);
-    uint32_t seen = count(PEN_SIGNAL_NEWS);
-    pen_store_wake(bed.store, PEN_SIGNAL_NEWS);
-    ck_assert_int_lt(time_to_wake(bed.store, PEN_SIGNAL_NEWS, seen), 1000);
+    uint32_t seen = count(PEN_SIGNAL_CHANGES);
+    pen_store_wake(bed.store, PEN_SIGNAL_CHANGES);
+    ck_assert_int_lt(time_to_wake(bed.store, PEN_SIGNAL_CHANGES, seen), 1000);
     store_bed_close(&bed);
 }
 END_TEST
@@ -90,7 +90,7 @@ struct tally {
 
 static struct tally take(void)
 {
-    return (struct tally){count(PEN_SIGNAL_WORK), count(PEN_SIGNAL_NEWS)};
+    return (struct tally){count(PEN_SIGNAL_WORK), count(PEN_SIGNAL_CHANGES)};
 }
 
 /* Whether work and news have grown since the last look. */
@@ -121,9 +121,9 @@ START_TEST(test_wake__each_call_tells_whom_it_concerns)
     store_must(pen_store_release(bed.store, &two, &st), &st, "release");
     expect(&last, true, false, "release");
     two = store_claim(bed.store, "w");
-    store_must(pen_store_sweep(bed.store, "w", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "sweep");
     expect(&last, true, false, "sweep");
-    store_must(pen_store_sweep(bed.store, "w", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "sweep");
     expect(&last, false, false, "sweep of nothing");
     two = store_claim(bed.store, "w");
     ck_assert_int_eq(store_commit(bed.store, &two), PEN_OK);

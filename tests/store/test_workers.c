@@ -116,9 +116,9 @@ START_TEST(test_workers__go_when_told_or_with_time)
     store_must(pen_store_worker_gone(bed.store, "a", &st), &st, "gone");
     store_must(pen_store_worker_gone(bed.store, "nobody", &st), &st, "gone");
     ck_assert_int_eq(list(bed.store).count, 1);
-    store_must(pen_store_tidy(bed.store, 3600000, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 3600000, &st), &st, "tidy");
     ck_assert_int_eq(list(bed.store).count, 1);
-    store_must(pen_store_tidy(bed.store, -1000, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, -1000, &st), &st, "tidy");
     ck_assert_int_eq(list(bed.store).count, 0);
     store_bed_close(&bed);
 }

@@ -47,7 +47,7 @@ static void set_up(int threads)
                                .repeats = 3,
                                .warmup = 1,
                                .progress = note_progress,
-                               .pool = pen_pool_new(threads, &st)};
+                               .pool = pen_thread_pool_new(threads, &st)};
     ck_assert_ptr_nonnull(bench.pool);
     seen_count = told_count = 0;
 }
@@ -66,7 +66,7 @@ static void tear_down(void)
     pen_bench_result_release(&bench, &result);
     for (int i = 0; i < bench.row_count; i++)
         json_decref((json_t *)(uintptr_t)rows[i].chosen);
-    pen_pool_free(bench.pool);
+    pen_thread_pool_free(bench.pool);
 }
 
 static void run(void)

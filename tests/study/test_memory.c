@@ -48,7 +48,7 @@ START_TEST(test_memory__of_a_benchmark)
                               .rows = rows,
                               .row_count = 2,
                               .repeats = 2,
-                              .pool = pen_pool_new(1, &st)};
+                              .pool = pen_thread_pool_new(1, &st)};
     ck_assert(work(&bench, &st)); /* by the end of which the pool's thread has begun */
     for (long n = 0;; n++) {
         ck_assert_int_lt(n, 100000);
@@ -60,7 +60,7 @@ START_TEST(test_memory__of_a_benchmark)
         if (!refused)
             break;
     }
-    pen_pool_free(bench.pool);
+    pen_thread_pool_free(bench.pool);
     for (int i = 0; i < 2; i++)
         json_decref((json_t *)(uintptr_t)rows[i].chosen);
 }

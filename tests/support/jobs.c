@@ -86,7 +86,7 @@ enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)
         enum pen_job_state state = store_job_state(bed->bed.store, id);
         if (pen_job_state_ended(state))
             return state;
-        pen_store_wait(bed->bed.store, PEN_SIGNAL_NEWS, &seen, 100);
+        pen_store_wait(bed->bed.store, PEN_SIGNAL_CHANGES, &seen, 100);
     }
     ck_abort_msg("job %s does not end", id);
 }

@@ -106,10 +106,10 @@ struct pen_object_desc *kit_sheet(struct kit *kit, double z, double half, int ma
 struct pen_object_desc *kit_tube(struct kit *kit, struct pen_vec3 origin, struct pen_vec3 axis,
                                  double radius, int material)
 {
-    struct pen_object_desc *o = add(kit, PEN_OBJECT_TUBE, material);
-    o->u.tube.origin = origin;
-    o->u.tube.axis = axis;
-    o->u.tube.radius = radius;
+    struct pen_object_desc *o = add(kit, PEN_OBJECT_INFINITE_CYLINDER, material);
+    o->u.infinite_cylinder.origin = origin;
+    o->u.infinite_cylinder.axis = axis;
+    o->u.infinite_cylinder.radius = radius;
     return o;
 }
 
@@ -206,7 +206,7 @@ struct pen_vec3 kit_pixel(struct kit *kit, int x, int y, struct pen_ray_counts *
 float *kit_film(const struct pen_scene *scene, const struct pen_settings *settings, int threads)
 {
     struct pen_status st = {0};
-    struct pen_pool *pool = pen_pool_new(threads, &st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(threads, &st);
     ck_assert_msg(pool != NULL, "%s", st.msg);
     size_t pixels = (size_t)settings->width * (size_t)settings->height;
     float *rgb = calloc(pixels * 3, sizeof *rgb);
@@ -214,7 +214,7 @@ float *kit_film(const struct pen_scene *scene, const struct pen_settings *settin
         .scene = scene, .settings = settings, .tile_count = -1, .rgb = rgb};
     struct pen_render_stats stats;
     ck_assert_msg(pen_render_run(pool, &task, &stats, &st), "%s", st.msg);
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     return rgb;
 }
 
@@ -288,8 +288,8 @@ void kit_map_points(struct kit *kit, kit_point_fn *map, double by)
             o->u.sphere.center = map(o->u.sphere.center, by);
         else if (o->kind == PEN_OBJECT_PLANE)
             o->u.plane.point = map(o->u.plane.point, by);
-        else if (o->kind == PEN_OBJECT_TUBE)
-            o->u.tube.origin = map(o->u.tube.origin, by);
+        else if (o->kind == PEN_OBJECT_INFINITE_CYLINDER)
+            o->u.infinite_cylinder.origin = map(o->u.infinite_cylinder.origin, by);
         else if (o->kind == PEN_OBJECT_CYLINDER)
             o->u.cylinder.base = map(o->u.cylinder.base, by);
     }
@@ -306,8 +306,8 @@ void kit_scale_lengths(struct kit *kit, double s)
         struct pen_object_desc *o = &kit->objects[i];
         if (o->kind == PEN_OBJECT_SPHERE)
             o->u.sphere.radius *= s;
-        else if (o->kind == PEN_OBJECT_TUBE)
-            o->u.tube.radius *= s;
+        else if (o->kind == PEN_OBJECT_INFINITE_CYLINDER)
+            o->u.infinite_cylinder.radius *= s;
         else if (o->kind == PEN_OBJECT_CYLINDER) {
             o->u.cylinder.radius *= s;
             o->u.cylinder.height *= s;
@@ -339,8 +339,8 @@ void kit_mirror_directions(struct kit *kit)
         struct pen_object_desc *o = &kit->objects[i];
         if (o->kind == PEN_OBJECT_PLANE)
             o->u.plane.normal.x *= -1;
-        else if (o->kind == PEN_OBJECT_TUBE)
-            o->u.tube.axis.x *= -1;
+        else if (o->kind == PEN_OBJECT_INFINITE_CYLINDER)
+            o->u.infinite_cylinder.axis.x *= -1;
         else if (o->kind == PEN_OBJECT_CYLINDER)
             o->u.cylinder.axis.x *= -1;
     }

@@ -83,7 +83,8 @@ struct pen_vec3 kit_pixel(struct kit *kit, int x, int y, struct pen_ray_counts *
 /* The film of a frozen scene's first view; free() it. */
 float *kit_film(const struct pen_scene *scene, const struct pen_settings *settings, int threads);
 
-/* A scene with every kind of body and light, glass, mirrors, hard and soft shadows; 40 x 30 pixels.
+/* A scene with every kind of primitive and light, glass, mirrors, hard and soft shadows; 40 x 30
+ * pixels.
  */
 void kit_medley(struct kit *kit);
 

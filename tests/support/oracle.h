@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A second renderer, written apart from the first and as plainly as the pages allow: long double,
- * every ray against every body, no tree, no tricks, scenes read straight from JSON. What the two
- * agree on is unlikely to be wrong in both. It shares no code with Penumbra.
+ * every ray against every primitive, no tree, no tricks, scenes read straight from JSON. What the
+ * two agree on is unlikely to be wrong in both. It shares no code with Penumbra.
  *
  * It knows one sample per pixel and straight transmission, takes soft lights by many points of its
  * own choice, and trusts its input. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the two halves of the oracle share: its bodies, lights and small vector sums. */
+/* What the two halves of the oracle share: its primitives, lights and small vector sums. */
 #ifndef TESTS_SUPPORT_ORACLE_PARTS_H
 #define TESTS_SUPPORT_ORACLE_PARTS_H
 
@@ -57,12 +57,13 @@ struct oracle_material {
 
 enum oracle_kind { ORACLE_SPHERE, ORACLE_PLANE, ORACLE_RING, ORACLE_TUBE, ORACLE_CYLINDER };
 
-/* A body in world space. */
+/* A primitive in world space. */
 struct oracle_body {
     enum oracle_kind kind;
     struct oracle_material material;
     struct point origin; /* centre, a point of the plane or axis, the base's centre */
-    struct point axis;   /* unit: of the tube or cylinder; the normal of a flat body */
+    struct point
+        axis; /* unit: of the infinite cylinder or cylinder; the normal of a flat primitive */
     real radius, height;
     bool caps;
     int count; /* of a ring's corners: triangles and polygons */

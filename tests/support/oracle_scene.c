@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The oracle's reader: a scene file to bodies in world space, straight from the JSON tree. */
+/* The oracle's reader: a scene file to primitives in world space, straight from the JSON tree. */
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>

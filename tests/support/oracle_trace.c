@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: MIT */
-/* The oracle's optics: shading-model.md read aloud, in long double, by trying every body. */
+/* The oracle's optics: shading-model.md read aloud, in long double, by trying every primitive. */
 #include "support/oracle.h"
 #include "support/oracle_parts.h"
 
 struct ray {
-    struct point from, way; /* way: unit */
+    struct point from, direction; /* way: unit */
 };
 
 /* A place on a ray, ordered by distance and then by the document. */
 struct place {
     real t;
-    int body; /* -1: the ray's own start */
+    int prim; /* -1: the ray's own start */
 };
 
 static struct point ray_at(struct ray ray, real t)
 {
-    return point_sum(ray.from, point_times(ray.way, t));
+    return point_sum(ray.from, point_times(ray.direction, t));
 }
 
 static int sphere_roots(const struct oracle_body *b, struct ray ray, real t[2])
 {
     struct point m = point_difference(b->origin, ray.from);
-    real middle = point_dot(m, ray.way);
-    struct point off = point_difference(m, point_times(ray.way, middle));
+    real middle = point_dot(m, ray.direction);
+    struct point off = point_difference(m, point_times(ray.direction, middle));
     real half = b->radius * b->radius - point_dot(off, off);
     if (half < 0)
         return 0;
@@ -31,12 +31,12 @@ static int sphere_roots(const struct oracle_body *b, struct ray ray, real t[2])
     return 2;
 }
 
-/* The side of a tube or cylinder, as if infinite. */
+/* The side of an infinite cylinder or cylinder, as if infinite. */
 static int side_roots(const struct oracle_body *b, struct ray ray, real t[2])
 {
     struct point m = point_difference(ray.from, b->origin);
     struct point flat_way =
-        point_difference(ray.way, point_times(b->axis, point_dot(ray.way, b->axis)));
+        point_difference(ray.direction, point_times(b->axis, point_dot(ray.direction, b->axis)));
     struct point flat_m = point_difference(m, point_times(b->axis, point_dot(m, b->axis)));
     real speed = point_length(flat_way);
     if (speed < 1e-15L)
@@ -54,7 +54,7 @@ static int side_roots(const struct oracle_body *b, struct ray ray, real t[2])
 
 static int plane_root(struct point origin, struct point normal, struct ray ray, real t[1])
 {
-    real slope = point_dot(ray.way, normal);
+    real slope = point_dot(ray.direction, normal);
     if (slope == 0)
         return 0;
     t[0] = point_dot(point_difference(origin, ray.from), normal) / slope;
@@ -114,28 +114,28 @@ static int roots(const struct oracle_body *b, struct ray ray, real t[4])
     }
 }
 
-static bool comes_after(real t, int body, struct place place, real tie)
+static bool comes_after(real t, int prim, struct place place, real tie)
 {
-    if (place.body < 0)
+    if (place.prim < 0)
         return t > tie;
-    return t > place.t + tie || (t >= place.t - tie && body > place.body);
+    return t > place.t + tie || (t >= place.t - tie && prim > place.prim);
 }
 
 /* The first place on the ray after another one. */
 static bool next_hit(const struct oracle_scene *s, struct ray ray, struct place after,
                      struct place *hit)
 {
-    hit->body = -1;
+    hit->prim = -1;
     for (int i = 0; i < s->body_count; i++) {
         real t[4];
         int n = roots(&s->bodies[i], ray, t);
         for (int k = 0; k < n; k++)
-            if (comes_after(t[k], i, after, s->tie) && (hit->body < 0 || t[k] < hit->t - s->tie)) {
+            if (comes_after(t[k], i, after, s->tie) && (hit->prim < 0 || t[k] < hit->t - s->tie)) {
                 hit->t = t[k];
-                hit->body = i;
+                hit->prim = i;
             }
     }
-    return hit->body >= 0;
+    return hit->prim >= 0;
 }
 
 static struct point normal_at(const struct oracle_body *b, struct point p, real tie)
@@ -154,11 +154,11 @@ static struct point normal_at(const struct oracle_body *b, struct point p, real 
 }
 
 /* The product of kt over what lies strictly between; `reach` HUGE_VALL for a direction. */
-static struct point transmittance(const struct oracle_scene *s, struct point p, struct point way,
-                                  real reach)
+static struct point transmittance(const struct oracle_scene *s, struct point p,
+                                  struct point direction, real reach)
 {
     struct point clear = {1, 1, 1};
-    struct ray ray = {p, way};
+    struct ray ray = {p, direction};
     for (int i = 0; i < s->body_count; i++) {
         real t[4];
         int n = roots(&s->bodies[i], ray, t);
@@ -181,15 +181,15 @@ static struct point across(struct point n)
 static struct point disk_transmittance(const struct oracle_scene *s,
                                        const struct oracle_light *light,
                                        const struct oracle_material *m, struct point p,
-                                       struct point n, struct point way, real reach)
+                                       struct point n, struct point direction, real reach)
 {
     enum { POINTS = 640 };
     const real golden_turn = 2.39996322972865332223155550663361385L;
     bool far = light->kind == ORACLE_DIRECTIONAL;
-    struct point u = across(way), v = point_cross(way, u), sum = {0, 0, 0};
+    struct point u = across(direction), v = point_cross(direction, u), sum = {0, 0, 0};
     for (int i = 0; i < POINTS; i++) {
         real r = light->radius * sqrtl((i + 0.5L) / POINTS), turn = i * golden_turn;
-        struct point to = point_times(way, far ? 1 : reach);
+        struct point to = point_times(direction, far ? 1 : reach);
         to = point_sum(to, point_times(u, r * cosl(turn)));
         to = point_sum(to, point_times(v, r * sinl(turn)));
         real length = far ? HUGE_VALL : point_length(to);
@@ -227,11 +227,11 @@ static struct point light_at(const struct oracle_scene *s, const struct oracle_l
     struct point r = point_difference(l, point_times(n, 2 * facing));
     struct point term = point_sum(point_times(m->kd, -facing),
                                   point_times(m->ks, power(-point_dot(v, r), m->shininess)));
-    struct point way = point_times(l, -1);
+    struct point direction = point_times(l, -1);
     if (light->shadows && light->radius > 0)
-        arriving = point_product(arriving, disk_transmittance(s, light, m, p, n, way, reach));
+        arriving = point_product(arriving, disk_transmittance(s, light, m, p, n, direction, reach));
     else if (light->shadows)
-        arriving = point_product(arriving, transmittance(s, p, way, reach));
+        arriving = point_product(arriving, transmittance(s, p, direction, reach));
     return point_product(arriving, term);
 }
 
@@ -262,18 +262,19 @@ static struct point seen(const struct oracle_scene *s, struct ray ray, struct pr
     struct place hit;
     if (!next_hit(s, ray, path.after, &hit))
         return s->background;
-    const struct oracle_body *b = &s->bodies[hit.body];
+    const struct oracle_body *b = &s->bodies[hit.prim];
     const struct oracle_material *m = &b->material;
     struct point p = ray_at(ray, hit.t), n = normal_at(b, p, s->tie), sum = m->emission;
-    if (point_dot(n, ray.way) > 0)
+    if (point_dot(n, ray.direction) > 0)
         n = point_times(n, -1);
     if (path.depth == 0)
         sum = point_sum(sum, point_product(s->ambient, m->ka));
     for (int i = 0; i < s->light_count; i++)
-        sum = point_sum(sum, light_at(s, &s->lights[i], m, p, n, ray.way));
+        sum = point_sum(sum, light_at(s, &s->lights[i], m, p, n, ray.direction));
     struct progress through = {hit, path.depth, path.weight};
     sum = point_sum(sum, secondary(s, ray, through, m->kt));
-    struct point back = point_difference(ray.way, point_times(n, 2 * point_dot(n, ray.way)));
+    struct point back =
+        point_difference(ray.direction, point_times(n, 2 * point_dot(n, ray.direction)));
     struct progress away = {{0, -1}, path.depth, path.weight};
     return point_sum(sum, secondary(s, (struct ray){p, point_unit(back)}, away, m->kr));
 }
@@ -283,10 +284,11 @@ void oracle_pixel(const struct oracle_scene *s, int width, int height, int x, in
     real w = s->square_pixels ? s->plane_height * width / height : s->plane_width;
     real right = w * ((x + 0.5L) / width - 0.5L);
     real up = s->plane_height * (0.5L - (y + 0.5L) / height);
-    struct point way = point_sum(point_times(s->forward, s->distance),
-                                 point_sum(point_times(s->right, right), point_times(s->up, up)));
+    struct point direction =
+        point_sum(point_times(s->forward, s->distance),
+                  point_sum(point_times(s->right, right), point_times(s->up, up)));
     struct progress start = {{0, -1}, 0, {1, 1, 1}};
-    struct point c = seen(s, (struct ray){s->eye, point_unit(way)}, start);
+    struct point c = seen(s, (struct ray){s->eye, point_unit(direction)}, start);
     rgb[0] = (double)c.x;
     rgb[1] = (double)c.y;
     rgb[2] = (double)c.z;

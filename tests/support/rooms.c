@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Closed rooms of flat bodies. */
+/* Closed rooms of flat primitives. */
 #include "support/rooms.h"
 
 typedef struct pen_vec3 vec3;
@@ -155,20 +155,21 @@ vec3 world_aim(const struct world *w, struct random *r)
 }
 
 struct stand world_stand(const struct world *w, const struct pen_ray *ray,
-                         const struct pen_leave *leave, struct pen_hit hit)
+                         const struct pen_origin_surface *origin, struct pen_hit hit)
 {
     struct stand s = {.hit = hit, .p = pen_prim_point(&w->prims, hit, ray)};
     s.n = pen_prim_normal(&w->prims, hit, s.p);
     if (pen_dot(s.n, ray->d) > 0)
         s.n = pen_neg(s.n);
-    s.leave = pen_leave_at(&w->prims, ray, leave, hit, s.p);
+    s.origin = pen_origin_at(&w->prims, ray, origin, hit, s.p);
     return s;
 }
 
-vec3 stand_turn(const struct stand *s, struct random *r, bool through, struct pen_leave *leave)
+vec3 stand_turn(const struct stand *s, struct random *r, bool through,
+                struct pen_origin_surface *origin)
 {
     vec3 d = random_direction(r);
-    *leave = s->leave;
-    leave->through = through;
+    *origin = s->origin;
+    origin->through = through;
     return (pen_dot(d, s->n) < 0) != through ? pen_neg(d) : d;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Closed rooms of flat bodies, and places on their surfaces where rays arrive: for rays that are
- * aimed on purpose at edges and corners. */
+/* Closed rooms of flat primitives, and places on their surfaces where rays arrive: for rays that
+ * are aimed on purpose at edges and corners. */
 #ifndef TESTS_SUPPORT_ROOMS_H
 #define TESTS_SUPPORT_ROOMS_H
 
@@ -29,16 +29,16 @@ struct pen_vec3 world_aim(const struct world *w, struct random *r);
 struct stand {
     struct pen_hit hit;
     struct pen_vec3 p, n; /* n: unit, on the side that the ray came from */
-    struct pen_leave leave;
+    struct pen_origin_surface origin;
 };
 
 /* The place of a hit of a ray that left `leave`, as shading makes it. */
 struct stand world_stand(const struct world *w, const struct pen_ray *ray,
-                         const struct pen_leave *leave, struct pen_hit hit);
+                         const struct pen_origin_surface *origin, struct pen_hit hit);
 
 /* Some direction on the side of the surface that was seen (through: on the other), with what a ray
  * that way leaves. */
 struct pen_vec3 stand_turn(const struct stand *s, struct random *r, bool through,
-                           struct pen_leave *leave);
+                           struct pen_origin_surface *origin);
 
 #endif

@@ -11,7 +11,7 @@ void world_clear(struct world *w)
                                   .plane = w->plane,
                                   .triangle = w->triangle,
                                   .polygon = w->polygon,
-                                  .tube = w->tube,
+                                  .infinite_cylinder = w->infinite_cylinder,
                                   .cylinder = w->cylinder};
 }
 
@@ -64,7 +64,8 @@ uint32_t world_polygon(struct world *w, const struct pen_vec3 *v, uint32_t count
 
 uint32_t world_tube(struct world *w, struct pen_vec3 origin, struct pen_vec3 axis, double r)
 {
-    ck_assert(pen_tube_make(&w->tube[add(w, PEN_PRIM_TUBE)], origin, axis, r));
+    ck_assert(pen_infinite_cylinder_make(&w->infinite_cylinder[add(w, PEN_PRIM_INFINITE_CYLINDER)],
+                                         origin, axis, r));
     return last(w);
 }
 
@@ -149,50 +150,52 @@ struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d)
     return ray;
 }
 
-struct pen_leave world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
-                             struct pen_vec3 v, bool through)
+struct pen_origin_surface world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
+                                      struct pen_vec3 v, bool through)
 {
-    return (struct pen_leave){.prim = hit.prim,
-                              .part = hit.part,
-                              .through = through,
-                              .toward = pen_neg(v),
-                              .bound = pen_prim_rounding(&w->prims, hit.prim, p)};
+    return (struct pen_origin_surface){.prim = hit.prim,
+                                       .part = hit.part,
+                                       .through = through,
+                                       .toward = pen_neg(v),
+                                       .bound = pen_prim_rounding(&w->prims, hit.prim, p)};
 }
 
 struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
-                             const struct pen_leave *leave, const struct pen_span *span)
+                             const struct pen_origin_surface *origin,
+                             const struct pen_t_interval *interval)
 {
-    struct pen_hit best = {span->tmax, PEN_NO_PRIM, 255};
-    struct pen_crossings c;
+    struct pen_hit best = {interval->tmax, PEN_NO_PRIM, 255};
+    struct pen_intersections c;
     for (uint32_t prim = 0; prim < w->prims.count; prim++) {
-        pen_prim_cross(&w->prims, prim, ray, leave, &c);
+        pen_prim_intersect(&w->prims, prim, ray, origin, &c);
         for (int i = 0; i < c.count; i++) {
             struct pen_hit h = {c.t[i], prim, c.part[i]};
-            if (pen_hit_before(span->after, h) && pen_hit_before(h, best))
+            if (pen_hit_before(interval->after, h) && pen_hit_before(h, best))
                 best = h;
         }
     }
     return best;
 }
 
-int world_crossings(const struct world *w, const struct pen_ray *ray, const struct pen_leave *leave,
-                    double tmax, struct pen_hit *hit, int room)
+int world_crossings(const struct world *w, const struct pen_ray *ray,
+                    const struct pen_origin_surface *origin, double tmax, struct pen_hit *hit,
+                    int room)
 {
     int count = 0;
-    struct pen_span span = {pen_after_start, tmax};
+    struct pen_t_interval interval = {pen_after_start, tmax};
     for (;; count++) {
-        span.after = world_nearest(w, ray, leave, &span);
-        if (span.after.prim == PEN_NO_PRIM)
+        interval.after = world_nearest(w, ray, origin, &interval);
+        if (interval.after.prim == PEN_NO_PRIM)
             return count;
         if (count < room)
-            hit[count] = span.after;
+            hit[count] = interval.after;
     }
 }
 
 int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d)
 {
     struct pen_ray ray = world_ray(o, d);
-    return world_crossings(w, &ray, &pen_leave_nothing, INFINITY, NULL, 0);
+    return world_crossings(w, &ray, &pen_origin_none, INFINITY, NULL, 0);
 }
 
 void world_bumpy(struct world *w, struct random *random, struct pen_vec3 middle)

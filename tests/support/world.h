@@ -17,7 +17,7 @@ struct world {
     struct pen_plane plane[WORLD_MAX];
     struct pen_triangle triangle[WORLD_MAX];
     struct pen_polygon polygon[WORLD_MAX];
-    struct pen_tube tube[WORLD_MAX];
+    struct pen_infinite_cylinder infinite_cylinder[WORLD_MAX];
     struct pen_cylinder cylinder[WORLD_MAX];
     struct pen_vec3 corner[8 * WORLD_MAX];
     uint32_t corners;
@@ -48,19 +48,21 @@ void world_random(struct world *w, struct random *random, uint32_t count, double
 struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d);
 
 /* What a ray that starts at hit p of the world, reached by the way v, leaves. */
-struct pen_leave world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
-                             struct pen_vec3 v, bool through);
+struct pen_origin_surface world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
+                                      struct pen_vec3 v, bool through);
 
-/* First crossing after `after` with t <= tmax, by trying all primitives; prim = PEN_NO_PRIM if
+/* First intersection after `after` with t <= tmax, by trying all primitives; prim = PEN_NO_PRIM if
  * there is none. */
 struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
-                             const struct pen_leave *leave, const struct pen_span *span);
+                             const struct pen_origin_surface *origin,
+                             const struct pen_t_interval *interval);
 
-/* How many crossings with 0 < t <= tmax; the first `room` of them, in order, go to hit[]. */
-int world_crossings(const struct world *w, const struct pen_ray *ray, const struct pen_leave *leave,
-                    double tmax, struct pen_hit *hit, int room);
+/* How many intersections with 0 < t <= tmax; the first `room` of them, in order, go to hit[]. */
+int world_crossings(const struct world *w, const struct pen_ray *ray,
+                    const struct pen_origin_surface *origin, double tmax, struct pen_hit *hit,
+                    int room);
 
-/* How many crossings with t > 0 a ray from free space has. */
+/* How many intersections with t > 0 a ray from free space has. */
 int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d);
 
 #endif

@@ -24,7 +24,7 @@ static inline struct vec4 all3(struct pen_vec3 v)
     return (struct vec4){all(v.x), all(v.y), all(v.z)};
 }
 
-/* pen_turned */
+/* pen_permuted */
 static inline struct vec4 turned4(const struct pen_ray *ray, const double v[3][PEN_LANES])
 {
     return (struct vec4){_mm256_loadu_pd(v[ray->kx]), _mm256_loadu_pd(v[ray->ky]),
@@ -72,7 +72,7 @@ static inline struct vec4 cross4(struct vec4 a, struct vec4 b)
                          dop4(a.x, b.y, a.y, b.x)};
 }
 
-/* pen_lost */
+/* pen_difference_error */
 static inline __m256d lost4(__m256d a, __m256d b, __m256d diff)
 {
     __m256d part = _mm256_sub_pd(diff, a);
@@ -104,7 +104,7 @@ static inline unsigned bits(__m256d mask)
 #define LESS(a, b) _mm256_cmp_pd(a, b, _CMP_LT_OQ)
 #define LESS_EQUAL(a, b) _mm256_cmp_pd(a, b, _CMP_LE_OQ)
 
-/* The t beyond which crossings are of no use. */
+/* The t beyond which intersections are of no use. */
 static inline __m256d end4(const struct trace *w, bool any)
 {
     return all(any ? w->shadow->tmax : w->best.t);
@@ -114,7 +114,7 @@ static inline __m256d end4(const struct trace *w, bool any)
 static inline unsigned own_lanes(const struct trace *w, const uint32_t prim[PEN_LANES])
 {
     __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)prim),
-                                   _mm_set1_epi32((int)w->leave->prim));
+                                   _mm_set1_epi32((int)w->origin->prim));
     return w->leaving ? (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) : 0;
 }
 
@@ -145,7 +145,7 @@ static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], u
     return false;
 }
 
-/* The same of flat bodies that may have the origin on their border. */
+/* The same of flat primitives that may have the origin on their border. */
 static inline bool test_borders(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
                                 bool any)
 {
@@ -157,7 +157,7 @@ static inline bool test_borders(struct trace *w, const uint32_t prim[PEN_LANES],
     return false;
 }
 
-/* Lanes whose crossings the plain functions refine. */
+/* Lanes whose intersections the plain functions refine. */
 static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256d rr)
 {
     __m256d near = LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(all(PEN_NEAR), h));
@@ -166,7 +166,8 @@ static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256
 
 static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
 {
-    struct vec4 o = all3(w->ray->turned_o), d = all3(w->ray->turned_d), c = turned4(w->ray, b->c);
+    struct vec4 o = all3(w->ray->permuted_o), d = all3(w->ray->permuted_d),
+                c = turned4(w->ray, b->c);
     struct vec4 f = sub3(o, c);
     struct vec4 low = {lost4(o.x, c.x, f.x), lost4(o.y, c.y, f.y), lost4(o.z, c.z, f.z)};
     __m256d inv_dd = all(w->ray->inv_dd);
@@ -191,7 +192,7 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
         __m256d r = _mm256_loadu_pd(b->r);
         __m256d near = _mm256_mul_pd(
             all(4), _mm256_mul_pd(
-                        r, _mm256_add_pd(all(w->leave->bound), _mm256_mul_pd(all(8 * PEN_U), r))));
+                        r, _mm256_add_pd(all(w->origin->bound), _mm256_mul_pd(all(8 * PEN_U), r))));
         own |= bits(
             _mm256_and_pd(LESS_EQUAL(abs4(_mm256_sub_pd(dot4(f, f), rr)), near), LESS(t0, t1)));
         lanes &= ~own;
@@ -211,7 +212,7 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
 static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LANES])
 {
     const struct pen_ray *ray = w->ray;
-    struct vec4 f = sub3(turned4(ray, v), all3(ray->turned_o));
+    struct vec4 f = sub3(turned4(ray, v), all3(ray->permuted_o));
     f.x = _mm256_sub_pd(f.x, _mm256_mul_pd(all(ray->sx), f.z));
     f.y = _mm256_sub_pd(f.y, _mm256_mul_pd(all(ray->sy), f.z));
     return f;
@@ -390,8 +391,9 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
 
 static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bool any)
 {
-    struct vec4 g = turned4(w->ray, b->g), f = sub3(turned4(w->ray, b->q), all3(w->ray->turned_o));
-    __m256d gd = dot_guarded4(g, all3(w->ray->turned_d));
+    struct vec4 g = turned4(w->ray, b->g),
+                f = sub3(turned4(w->ray, b->q), all3(w->ray->permuted_o));
+    __m256d gd = dot_guarded4(g, all3(w->ray->permuted_d));
     __m256d t = _mm256_div_pd(dot4(g, f), gd);
     __m256d crossed = _mm256_cmp_pd(gd, all(0), _CMP_NEQ_OQ);
     __m256d after = all(any ? 0 : w->after.t);
@@ -400,7 +402,7 @@ static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bo
     if (w->leaving) {
         /* A superset of the lanes that touch the origin: |g| < 2. */
         __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(f.x), abs4(f.y)), abs4(f.z));
-        __m256d bound = _mm256_fmadd_pd(all(8 * PEN_U), size, all(w->leave->bound));
+        __m256d bound = _mm256_fmadd_pd(all(8 * PEN_U), size, all(w->origin->bound));
         __m256d touches = LESS_EQUAL(abs4(_mm256_mul_pd(t, gd)), _mm256_mul_pd(all(4), bound));
         unsigned own = own_lanes(w, b->prim);
         near = bits(_mm256_and_pd(crossed, touches)) & ~own;
@@ -425,7 +427,7 @@ static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bo
 
 /* The endless sides of four cylinders against a ray. */
 struct round4 {
-    __m256d t0, t1; /* as pen_round_roots */
+    __m256d t0, t1; /* as pen_cylinder_side_roots */
     __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
     unsigned near;  /* lanes to be refined; t is within [least, most] there */
     __m256d least, most;
@@ -434,12 +436,12 @@ struct round4 {
 static inline struct round4 round_roots4(const struct trace *w, const struct pen_cylinders4 *b,
                                          struct vec4 f, struct vec4 a)
 {
-    struct vec4 o = all3(w->ray->turned_o), q = turned4(w->ray, b->q);
+    struct vec4 o = all3(w->ray->permuted_o), q = turned4(w->ray, b->q);
     struct vec4 low = {lost4(o.x, q.x, f.x), lost4(o.y, q.y, f.y), lost4(o.z, q.z, f.z)};
     struct vec4 rest3 = {_mm256_sub_pd(_mm256_mul_pd(low.y, a.z), _mm256_mul_pd(low.z, a.y)),
                          _mm256_sub_pd(_mm256_mul_pd(low.z, a.x), _mm256_mul_pd(low.x, a.z)),
                          _mm256_sub_pd(_mm256_mul_pd(low.x, a.y), _mm256_mul_pd(low.y, a.x))};
-    struct vec4 m = cross4(all3(w->ray->turned_d), a), n = add3(cross4(f, a), rest3);
+    struct vec4 m = cross4(all3(w->ray->permuted_d), a), n = add3(cross4(f, a), rest3);
     struct round4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
     __m256d inv = _mm256_div_pd(all(1), out.mm);
     __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
@@ -471,7 +473,7 @@ static inline __m256d cylinder_touches4(const struct trace *w, const struct pen_
                                         __m256d nn, __m256d fa)
 {
     __m256d size = _mm256_loadu_pd(b->size);
-    __m256d bound = _mm256_add_pd(all(w->leave->bound), _mm256_mul_pd(all(8 * PEN_U), size));
+    __m256d bound = _mm256_add_pd(all(w->origin->bound), _mm256_mul_pd(all(8 * PEN_U), size));
     __m256d off_side = abs4(_mm256_sub_pd(nn, _mm256_loadu_pd(b->rr)));
     __m256d off_top = abs4(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa));
     __m256d twice = _mm256_mul_pd(all(2), bound);
@@ -484,7 +486,7 @@ static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylin
                                    struct vec4 f, struct vec4 a)
 {
     const __m256d four = all(4);
-    struct vec4 d = all3(w->ray->turned_d);
+    struct vec4 d = all3(w->ray->permuted_d);
     __m256d top = _mm256_loadu_pd(b->top), fa = dot4(f, a), da = dot4(d, a);
     __m256d rest = abs4(_mm256_sub_pd(top, fa)), least = _mm256_min_pd(rest, abs4(fa));
     return bits(_mm256_or_pd(LESS(_mm256_mul_pd(four, least), size4(f, a)),
@@ -494,7 +496,7 @@ static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylin
 
 /* Offers the ends of one cylinder's inside. */
 static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b, int lane,
-                                const struct pen_inside *in, bool any)
+                                const struct pen_interval *in, bool any)
 {
     bool caps = !(b->open >> lane & 1);
     return ((caps || in->lo_part == PEN_PART_SIDE) &&
@@ -506,9 +508,9 @@ static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b,
 static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 *b, bool any)
 {
     const __m256d zero = all(0);
-    struct vec4 a = turned4(w->ray, b->a), o = all3(w->ray->turned_o);
+    struct vec4 a = turned4(w->ray, b->a), o = all3(w->ray->permuted_o);
     struct vec4 f = sub3(o, turned4(w->ray, b->q));
-    __m256d da = dot_guarded4(all3(w->ray->turned_d), a), fa = dot4(f, a);
+    __m256d da = dot_guarded4(all3(w->ray->permuted_d), a), fa = dot4(f, a);
     __m256d inv = _mm256_div_pd(all(1), da);
     __m256d base = _mm256_mul_pd(neg4(fa), inv);
     __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);
@@ -546,12 +548,12 @@ static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 
         for (; lanes; lanes &= lanes - 1) {
             int lane = __builtin_ctz(lanes);
             const double s[2] = {s0[lane], s1[lane]};
-            struct pen_inside in = {l[lane], h[lane], PEN_PART_BASE, PEN_PART_TOP};
+            struct pen_interval in = {l[lane], h[lane], PEN_PART_BASE, PEN_PART_TOP};
             if (!(up >> lane & 1)) {
                 in.lo_part = PEN_PART_TOP;
                 in.hi_part = PEN_PART_BASE;
             }
-            if (pen_inside_cut(&in, s) && offer_inside(w, b, lane, &in, any))
+            if (pen_interval_cut(&in, s) && offer_inside(w, b, lane, &in, any))
                 return true;
         }
     }

@@ -9,15 +9,15 @@
 #include "accel/internal/structure.h"
 
 /* A growing array of elements of one size. */
-struct pen_pool {
+struct pen_array {
     void *data;
     size_t size; /* of an element, in bytes */
     uint32_t count, capacity;
 };
 
 /* Room for `more` elements at the end, not zeroed; NULL when out of memory. */
-void *pen_pool_add(struct pen_pool *pool, uint32_t more);
-void pen_pool_release(struct pen_pool *pool);
+void *pen_array_add(struct pen_array *pool, uint32_t more);
+void pen_array_release(struct pen_array *pool);
 
 struct pen_leaf {
     uint32_t begin, count; /* in order[] */
@@ -33,15 +33,15 @@ struct pen_ref {
 
 struct pen_plan {
     const struct pen_prims *prims;
-    struct pen_ref *ref;    /* first the finite primitives; builders bring them into their order */
-    uint32_t count;         /* of these */
-    uint32_t infinite;      /* count of those without bounds, which come after */
-    enum pen_shape shape;   /* none as long as there are no nodes */
-    struct pen_pool nodes;  /* struct pen_node, or pen_pair where the shape is pairs; leaf children
-                             * hold PEN_CHILD_LEAF | leaf number */
-    struct pen_pool leaves; /* struct pen_leaf; of one primitive where the shape is lists */
-    uint32_t lists;         /* how many, where the shape is lists */
-    uint32_t depth;         /* boxes around the innermost primitive */
+    struct pen_ref *ref;     /* first the finite primitives; builders bring them into their order */
+    uint32_t count;          /* of these */
+    uint32_t infinite;       /* count of those without bounds, which come after */
+    enum pen_shape shape;    /* none as long as there are no nodes */
+    struct pen_array nodes;  /* struct pen_node, or pen_pair where the shape is pairs; leaf children
+                              * hold PEN_CHILD_LEAF | leaf number */
+    struct pen_array leaves; /* struct pen_leaf; of one primitive where the shape is lists */
+    uint32_t lists;          /* how many, where the shape is lists */
+    uint32_t depth;          /* boxes around the innermost primitive */
 };
 
 /* Lists the primitives in document order, finite ones with boxes rounded outward.

@@ -14,8 +14,8 @@
  *          primitive.
  *
  * Why boxes never hide a crossing: a crossing's point is a mean of vertices with weights in [0, 1]
- * (flat bodies) or lies within the box's own margin (quadrics), up to errors of a few 2^-53 of t
- * and of the vertices' distance from the box's faces; the box test leaves at least 2^-24 of t. */
+ * (flat primitives) or lies within the box's own margin (quadrics), up to errors of a few 2^-53 of
+ * t and of the vertices' distance from the box's faces; the box test leaves at least 2^-24 of t. */
 #ifndef PEN_ACCEL_INTERNAL_STRUCTURE_H
 #define PEN_ACCEL_INTERNAL_STRUCTURE_H
 
@@ -36,7 +36,7 @@ enum pen_block_kind {
     PEN_BLOCK_CYLINDERS,
     PEN_BLOCK_FINITE_COUNT, /* builders sort the kinds above */
     PEN_BLOCK_PLANES = PEN_BLOCK_FINITE_COUNT,
-    PEN_BLOCK_TUBES,
+    PEN_BLOCK_INFINITE_CYLINDERS,
     PEN_BLOCK_NOTHING,
     PEN_BLOCK_SINGLE, /* the index is the primitive's number */
     PEN_BLOCK_KIND_COUNT
@@ -86,7 +86,7 @@ struct pen_planes4 {
     uint32_t prim[PEN_LANES];
 };
 
-struct pen_tubes4 { /* rare: tested one by one */
+struct pen_infinite_cylinders4 { /* rare: tested one by one */
     uint32_t prim[PEN_LANES];
 };
 
@@ -112,7 +112,7 @@ struct pen_accel {
     const struct pen_spheres4 *spheres;
     const struct pen_cylinders4 *cylinders;
     const struct pen_planes4 *planes;
-    const struct pen_tubes4 *tubes;
+    const struct pen_infinite_cylinders4 *tubes;
     double scale; /* the largest pen_prim_scale of a finite primitive */
     struct pen_accel_stats stats;
     struct pen_test_counts *counts; /* of a view that counts; else NULL */

@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Queries: the body that every variant compiles. The including file states how boxes and items are
- * tested, as
- *     struct box_ray { ...; double scale; };
- *     static inline void box_ray_make(struct box_ray *, const struct pen_ray *, double tmin,
- *                                     double grow);
- *     static inline unsigned enter_node(const struct pen_node *, const struct box_ray *,
- *                                       float limit, float near[PEN_WIDE]);
+/* Queries: the primitive that every variant compiles. The including file states how boxes and items
+ * are tested, as struct box_ray { ...; double scale; }; static inline void box_ray_make(struct
+ * box_ray *, const struct pen_ray *, double tmin, double grow); static inline unsigned
+ * enter_node(const struct pen_node *, const struct box_ray *, float limit, float near[PEN_WIDE]);
  *     static inline unsigned enter_pair(const struct pen_pair *, const struct box_ray *,
  *                                       float limit, float near[2]);
  *     static inline bool test_item(struct trace *, uint32_t item, bool any);
- * and then includes traverse_walk.h. Whatever a variant does there, it offers the same crossings:
- * those that pen_prim_cross states.
+ * and then includes traverse_walk.h. Whatever a variant does there, it offers the same
+ * intersections: those that pen_prim_intersect states.
  *
  * A struct box_ray is a ray as boxes see it, in binary32, scaled by a power of two such that the
  * largest component of d is in [1, 2): a box's t is the ray's times `scale`. The near plane of an
@@ -28,7 +25,7 @@
 struct trace {
     const struct pen_accel *accel;
     const struct pen_ray *ray;
-    const struct pen_leave *leave;
+    const struct pen_origin_surface *origin;
     bool leaving;               /* the ray starts on a primitive */
     bool at_origin;             /* and what is tested now may reach the place where it starts */
     double slack;               /* then what touches it misses it by no more than this, */
@@ -40,7 +37,7 @@ struct trace {
     struct pen_vec3 light; /* shadow to a point: where the ray ends */
 };
 
-/* The unit normal of a flat body; NULL for round ones. */
+/* The unit normal of a flat primitive; NULL for round ones. */
 static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
                                                  struct pen_prim_ref ref)
 {
@@ -56,7 +53,7 @@ static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
     }
 }
 
-/* At least pen_prim_scale of a flat body. */
+/* At least pen_prim_scale of a flat primitive. */
 static inline double flat_scale(const struct trace *w, struct pen_prim_ref ref, struct pen_vec3 p)
 {
     if (ref.kind != PEN_PRIM_PLANE)
@@ -81,7 +78,7 @@ static inline bool may_end_ray(const struct trace *w, struct pen_hit h)
                1u << h.part;
 }
 
-/* Keeps a see-through crossing in order. */
+/* Keeps a see-through intersection in order. */
 static inline void keep_crossing(struct pen_shadow *query, struct pen_hit h)
 {
     if (query->count == PEN_SHADOW_MAX) {
@@ -117,11 +114,11 @@ static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part,
     return true;
 }
 
-/* The crossings of a primitive that the ray leaves or touches at its origin. */
+/* The intersections of a primitive that the ray leaves or touches at its origin. */
 static __attribute__((noinline)) bool test_at_origin(struct trace *w, uint32_t prim, bool any)
 {
-    struct pen_crossings c;
-    pen_prim_cross(w->accel->prims, prim, w->ray, w->leave, &c);
+    struct pen_intersections c;
+    pen_prim_intersect(w->accel->prims, prim, w->ray, w->origin, &c);
     for (int i = 0; i < c.count; i++) {
         if (offer(w, prim, c.t[i], c.part[i], any))
             return true;
@@ -137,23 +134,25 @@ static inline bool offer_pair(struct trace *w, uint32_t prim, const double t[2],
 static inline bool test_sphere(struct trace *w, uint32_t prim, const struct pen_sphere *s, bool any)
 {
     double t[2];
-    if (prim == w->leave->prim)
+    if (prim == w->origin->prim)
         return !pen_sphere_outward(s, w->ray) && test_at_origin(w, prim, any);
-    if (w->leaving && pen_sphere_touches(s, w->ray->o, w->leave->bound))
+    if (w->leaving && pen_sphere_touches(s, w->ray->o, w->origin->bound))
         return test_at_origin(w, prim, any);
     return pen_sphere_roots(s, w->ray, t) && offer_pair(w, prim, t, any);
 }
 
-static inline bool test_tube(struct trace *w, uint32_t prim, const struct pen_tube *tube, bool any)
+static inline bool test_tube(struct trace *w, uint32_t prim,
+                             const struct pen_infinite_cylinder *infinite_cylinder, bool any)
 {
     double t[2];
     bool parallel;
-    if (prim == w->leave->prim)
+    if (prim == w->origin->prim)
         return test_at_origin(w, prim, any);
-    if (!pen_round_roots(&tube->round, w->ray, t, &parallel))
+    if (!pen_cylinder_side_roots(&infinite_cylinder->round, w->ray, t, &parallel))
         return false;
-    if (w->leaving &&
-        pen_round_touches(&tube->round, w->ray->o, w->leave->bound + pen_tube_rounding(tube)))
+    if (w->leaving && pen_cylinder_side_touches(
+                          &infinite_cylinder->round, w->ray->o,
+                          w->origin->bound + pen_infinite_cylinder_rounding(infinite_cylinder)))
         return test_at_origin(w, prim, any);
     return offer_pair(w, prim, t, any);
 }
@@ -161,25 +160,26 @@ static inline bool test_tube(struct trace *w, uint32_t prim, const struct pen_tu
 static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pen_cylinder *c,
                                  bool any)
 {
-    struct pen_inside in;
-    if (prim == w->leave->prim)
-        return !(w->leave->part == PEN_PART_SIDE && pen_round_outward(&c->round, w->ray)) &&
+    struct pen_interval in;
+    if (prim == w->origin->prim)
+        return !(w->origin->part == PEN_PART_SIDE &&
+                 pen_cylinder_side_outward(&c->round, w->ray)) &&
                test_at_origin(w, prim, any);
-    if (w->leaving && pen_cylinder_touches(c, w->ray->o, w->leave->bound))
+    if (w->leaving && pen_cylinder_touches(c, w->ray->o, w->origin->bound))
         return test_at_origin(w, prim, any);
-    if (!pen_cylinder_inside(c, w->ray, &in))
+    if (!pen_cylinder_interval(c, w->ray, &in))
         return false;
     return ((c->caps || in.lo_part == PEN_PART_SIDE) && offer(w, prim, in.lo, in.lo_part, any)) ||
            ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(w, prim, in.hi, in.hi_part, any));
 }
 
-/* A crossing of a flat primitive at t. */
+/* A intersection of a flat primitive at t. */
 static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any)
 {
     bool late = t > (any ? w->shadow->tmax : w->best.t);
     if (!w->leaving)
         return t > 0 && !late && offer(w, prim, t, PEN_PART_SIDE, any);
-    if (prim == w->leave->prim)
+    if (prim == w->origin->prim)
         return false;
     if (t * t <= w->near_sq)
         return test_at_origin(w, prim, any);
@@ -188,9 +188,9 @@ static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any
     const struct pen_prim_ref ref = w->accel->prims->ref[prim];
     struct pen_vec3 n = *flat_normal(w->accel->prims, ref);
     if (fabs(t * pen_dot(w->ray->d, n)) <=
-            w->leave->bound + 8 * PEN_U * flat_scale(w, ref, w->ray->o) &&
+            w->origin->bound + 8 * PEN_U * flat_scale(w, ref, w->ray->o) &&
         pen_flat_touches(n, pen_prim_scale(w->accel->prims, prim, w->ray->o), w->ray, t,
-                         w->leave->bound))
+                         w->origin->bound))
         return test_at_origin(w, prim, any);
     return offer(w, prim, t, PEN_PART_SIDE, any);
 }
@@ -212,8 +212,8 @@ static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
     switch ((enum pen_prim_kind)ref.kind) {
     case PEN_PRIM_SPHERE:
         return test_sphere(w, prim, &prims->sphere[ref.index], any);
-    case PEN_PRIM_TUBE:
-        return test_tube(w, prim, &prims->tube[ref.index], any);
+    case PEN_PRIM_INFINITE_CYLINDER:
+        return test_tube(w, prim, &prims->infinite_cylinder[ref.index], any);
     case PEN_PRIM_CYLINDER:
         return test_cylinder(w, prim, &prims->cylinder[ref.index], any);
     case PEN_PRIM_PLANE:
@@ -245,20 +245,20 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
         return accel->cylinders[index].prim;
     case PEN_BLOCK_PLANES:
         return accel->planes[index].prim;
-    case PEN_BLOCK_TUBES:
+    case PEN_BLOCK_INFINITE_CYLINDERS:
         return accel->tubes[index].prim;
     default:
         return NULL;
     }
 }
 
-/* One primitive of a leaf. Where a flat body may have the origin on its border, that its inside is
- * missed is not the whole answer. */
+/* One primitive of a leaf. Where a flat primitive may have the origin on its border, that its
+ * inside is missed is not the whole answer. */
 static inline bool test_one(struct trace *w, uint32_t prim, bool any)
 {
     uint32_t kind = w->accel->prims->ref[prim].kind;
     if (w->at_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
-        return prim != w->leave->prim && test_at_origin(w, prim, any);
+        return prim != w->origin->prim && test_at_origin(w, prim, any);
     return test_prim(w, prim, any);
 }
 

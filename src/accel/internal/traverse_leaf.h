@@ -36,7 +36,7 @@ static inline bool test_leaf(struct trace *w, uint32_t first, bool starts_in, bo
     }
 }
 
-/* The box t beyond which crossings are of no use. */
+/* The box t beyond which intersections are of no use. */
 static inline float walk_limit(const struct trace *w, const struct box_ray *box, bool any)
 {
     return pen_float_up((any ? w->shadow->tmax : w->best.t) * box->scale);

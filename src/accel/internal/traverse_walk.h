@@ -117,23 +117,24 @@ static inline bool search(struct trace *w, double tmin, bool any)
 }
 
 static inline struct trace begin(const struct pen_accel *accel, const struct pen_ray *ray,
-                                 const struct pen_leave *leave)
+                                 const struct pen_origin_surface *origin)
 {
-    struct trace w = {.accel = accel, .ray = ray, .leave = leave};
-    w.leaving = leave->prim != PEN_NO_PRIM;
-    w.slack = leave->bound + 8 * PEN_U * accel->scale;
+    struct trace w = {.accel = accel, .ray = ray, .origin = origin};
+    w.leaving = origin->prim != PEN_NO_PRIM;
+    w.slack = origin->bound + 8 * PEN_U * accel->scale;
     w.grow = 2 * PEN_NEARBY * w.slack;
     w.near_sq = w.grow * w.grow * ray->inv_dd;
     return w;
 }
 
 static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
-                    const struct pen_leave *leave, const struct pen_span *span, struct pen_hit *hit)
+                    const struct pen_origin_surface *origin, const struct pen_t_interval *interval,
+                    struct pen_hit *hit)
 {
-    struct trace w = begin(accel, ray, leave);
-    w.after = span->after;
-    w.best = (struct pen_hit){span->tmax, PEN_NO_PRIM, UINT8_MAX};
-    search(&w, span->after.t, false);
+    struct trace w = begin(accel, ray, origin);
+    w.after = interval->after;
+    w.best = (struct pen_hit){interval->tmax, PEN_NO_PRIM, UINT8_MAX};
+    search(&w, interval->after.t, false);
     if (w.best.prim == PEN_NO_PRIM)
         return false;
     *hit = w.best;
@@ -141,9 +142,10 @@ static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
 }
 
 static inline struct trace begin_shadow(const struct pen_accel *accel, const struct pen_ray *ray,
-                                        const struct pen_leave *leave, struct pen_shadow *query)
+                                        const struct pen_origin_surface *origin,
+                                        struct pen_shadow *query)
 {
-    struct trace w = begin(accel, ray, leave);
+    struct trace w = begin(accel, ray, origin);
     w.shadow = query;
     if (query->to_point) {
         w.light_bound = pen_shadow_light_bound(ray);
@@ -155,9 +157,9 @@ static inline struct trace begin_shadow(const struct pen_accel *accel, const str
 }
 
 static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
-                   const struct pen_leave *leave, struct pen_shadow *query)
+                   const struct pen_origin_surface *origin, struct pen_shadow *query)
 {
-    struct trace w = begin_shadow(accel, ray, leave, query);
+    struct trace w = begin_shadow(accel, ray, origin, query);
     uint32_t last = query->last_occluder;
     /* What the thread met before must not change what is counted. */
     if (!COUNTING && last < accel->prims->count &&

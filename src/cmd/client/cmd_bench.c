@@ -97,7 +97,7 @@ struct study {
     struct pen_source source;
     struct pen_arena *arena;
     struct pen_scene_desc desc; /* in the arena */
-    struct pen_bench_order order;
+    struct pen_bench_spec order;
     struct pen_bench bench;
     struct pen_bench_result result;
     int *views;
@@ -190,7 +190,7 @@ static bool read_order(struct study *s, struct pen_errors *errors)
     if (!ok)
         pen_errors_add(errors, &st);
     else
-        ok = pen_bench_order_read(members, &s->desc.settings, &s->order, errors);
+        ok = pen_bench_spec_read(members, &s->desc.settings, &s->order, errors);
     pen_matrix_name_options(errors);
     json_decref(members);
     return ok;
@@ -206,10 +206,10 @@ static bool plan(struct study *s, struct pen_errors *errors)
     }
     if (!read_order(s, errors))
         return false;
-    s->bench = pen_bench_of_order(&s->order);
+    s->bench = pen_bench_of_spec(&s->order);
     s->bench.desc = &s->desc;
     if (choose_views(s, &st) &&
-        pen_bench_order_check(&s->order, &limits, &s->desc, s->bench.view_count, &st))
+        pen_bench_spec_check(&s->order, &limits, &s->desc, s->bench.view_count, &st))
         return true;
     pen_errors_add(errors, &st);
     pen_matrix_name_options(errors);
@@ -223,7 +223,7 @@ static void show_progress(void *user, int done, int total)
 
 static bool measure(struct study *s, struct pen_status *st)
 {
-    struct pen_pool *pool = pen_pool_new(s->values->threads, st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(s->values->threads, st);
     if (!pool)
         return false;
     s->bench.pool = pool;
@@ -234,10 +234,10 @@ static bool measure(struct study *s, struct pen_status *st)
     pen_progress_end(&s->progress);
     if (ok) {
         s->report = pen_bench_report(&s->bench, &s->result,
-                                     pen_bench_order_head(&s->order, &s->bench, &s->desc.settings));
+                                     pen_bench_spec_head(&s->order, &s->bench, &s->desc.settings));
         ok = s->report || pen_fail(st, PEN_NO_MEMORY, "out of memory");
     }
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     return ok;
 }
 
@@ -288,7 +288,7 @@ static void release(struct study *s)
 {
     json_decref(s->report);
     pen_bench_result_release(&s->bench, &s->result);
-    pen_bench_order_release(&s->order);
+    pen_bench_spec_release(&s->order);
     free(s->views);
     pen_arena_free(s->arena);
     pen_source_release(&s->source);

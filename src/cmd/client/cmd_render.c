@@ -93,7 +93,7 @@ struct render {
     int view;
     struct pen_scene_precision precision; /* of the view, if `measured` */
     bool measured;
-    struct pen_pool *pool;
+    struct pen_thread_pool *pool;
     struct pen_film *film;
     struct pen_render_stats stats;
     struct pen_buf encoded;
@@ -212,7 +212,7 @@ static bool render_view(struct render *r, struct pen_status *st)
 {
     const struct pen_settings *settings = &r->desc.settings;
     if (!(r->film = pen_film_new(settings->width, settings->height, st)) ||
-        !(r->pool = pen_pool_new(r->values->threads, st)))
+        !(r->pool = pen_thread_pool_new(r->values->threads, st)))
         return false;
     r->tiles = pen_tile_count(settings->width, settings->height, settings->tile);
     struct pen_render_task task = {.scene = r->scene,
@@ -310,7 +310,7 @@ static void release(struct render *r)
     free(r->stats.tile_ms);
     pen_film_free(r->film);
     pen_buf_release(&r->encoded);
-    pen_pool_free(r->pool);
+    pen_thread_pool_free(r->pool);
     pen_scene_free(r->scene);
     pen_arena_free(r->arena);
     pen_source_release(&r->source);

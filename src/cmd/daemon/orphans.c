@@ -105,7 +105,7 @@ bool pen_orphans_sweep(struct pen_store *store, int *opened, struct pen_status *
         int more = 0;
         if (pen_worker_may_live(names->list[i]))
             continue;
-        ok = pen_store_sweep(store, names->list[i], &more, st);
+        ok = pen_store_expire_leases(store, names->list[i], &more, st);
         *opened += more;
     }
     free(names);

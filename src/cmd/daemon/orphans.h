@@ -12,7 +12,7 @@
 bool pen_worker_may_live(const char *name);
 
 /* Takes back the leases of all workers of this host that do not live. *opened is the number of
- * batches. Errors as pen_store_sweep. */
+ * batches. Errors as pen_store_expire_leases. */
 bool pen_orphans_sweep(struct pen_store *store, int *opened, struct pen_status *st);
 
 /* Takes all workers of this host that do not live off the list. Errors as pen_store_workers. */

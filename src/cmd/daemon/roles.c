@@ -19,8 +19,8 @@
 #include "cmd/daemon/fault.h"
 #include "cmd/daemon/orphans.h"
 #include "http/server.h"
-#include "jobs/obituary.h"
 #include "jobs/worker.h"
+#include "jobs/worker_report.h"
 #include "store/store.h"
 
 /* How long the api may take to end its answers before it is ended by force. */
@@ -154,10 +154,10 @@ static bool bury(struct pen_store *store, const struct pen_config *config, struc
 {
     int opened = 0;
     const char *dead = config->dead_worker;
-    struct pen_obituary obituary = {.worker = dead,
-                                    .end = PEN_WORKER_DIED,
-                                    .how = config->dead_how ? config->dead_how : "?",
-                                    .trace = pen_blackbox_map(config->dead_trace_fd)};
+    struct pen_worker_report obituary = {.worker = dead,
+                                         .end = PEN_WORKER_DIED,
+                                         .how = config->dead_how ? config->dead_how : "?",
+                                         .trace = pen_blackbox_map(config->dead_trace_fd)};
     if (config->dead_end && strcmp(config->dead_end, "crashed") == 0)
         obituary.end = PEN_WORKER_CRASHED;
     if (dead ? !pen_jobs_worker_ended(store, &obituary, &opened, st)

@@ -26,7 +26,7 @@ void pen_http_watch_stop(struct watch *watch);
 void pen_http_watch_free(struct watch *watch); /* NULL is allowed */
 
 /* The store's NEWS counter. */
-uint32_t pen_http_watch_news(struct watch *watch);
+uint32_t pen_http_watch_notify(struct watch *watch);
 
 enum watch_answer {
     WATCH_TAKEN, /* the request is the watcher's */
@@ -41,7 +41,7 @@ enum watch_answer pen_http_watch_add(struct watch *watch, struct request *reques
 
 /* Takes a place for an event stream, as many as WATCH_MAX has left; WATCH_NEWS is not given. */
 enum watch_answer pen_http_watch_enter(struct watch *watch);
-void pen_http_watch_leave(struct watch *watch);
+void pen_http_watch_remove(struct watch *watch);
 
 /* To be called after a stream was opened from a look at NEWS `news`: what the watcher has told
  * others meanwhile, it tells this one too. */

@@ -16,7 +16,7 @@ static const struct pen_word kinds[] = {{"sphere", PEN_OBJECT_SPHERE, NULL},
                                         {"plane", PEN_OBJECT_PLANE, NULL},
                                         {"triangle", PEN_OBJECT_TRIANGLE, NULL},
                                         {"polygon", PEN_OBJECT_POLYGON, NULL},
-                                        {"tube", PEN_OBJECT_TUBE, NULL},
+                                        {"tube", PEN_OBJECT_INFINITE_CYLINDER, NULL},
                                         {"cylinder", PEN_OBJECT_CYLINDER, NULL},
                                         {"group", PEN_OBJECT_GROUP, NULL},
                                         {"mesh", KIND_LATER, "the object type \"mesh\""},
@@ -48,13 +48,13 @@ const struct pen_field pen_polygon_fields[] = {{"type", .type = PEN_FIELD_OTHER}
                                                {"vertices", PEN_FIELD_OTHER, .required = true},
                                                {0}};
 
-const struct pen_field pen_tube_fields[] = {
+const struct pen_field pen_infinite_cylinder_fields[] = {
     {"type", .type = PEN_FIELD_OTHER},
     {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
     {"material", .type = PEN_FIELD_OTHER},
-    {"origin", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.tube.origin)},
-    {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.tube.axis)},
-    {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.tube.radius),
+    {"origin", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.infinite_cylinder.origin)},
+    {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.infinite_cylinder.axis)},
+    {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.infinite_cylinder.radius),
      .range = &pen_range_positive},
     {0}};
 
@@ -86,7 +86,7 @@ static const struct {
     [PEN_OBJECT_PLANE] = {"plane", pen_plane_fields, false},
     [PEN_OBJECT_TRIANGLE] = {"triangle", pen_polygon_fields, false},
     [PEN_OBJECT_POLYGON] = {"polygon", pen_polygon_fields, false},
-    [PEN_OBJECT_TUBE] = {"tube", pen_tube_fields, true},
+    [PEN_OBJECT_INFINITE_CYLINDER] = {"tube", pen_infinite_cylinder_fields, true},
     [PEN_OBJECT_CYLINDER] = {"cylinder", pen_cylinder_fields, true},
     [PEN_OBJECT_GROUP] = {"group", pen_group_fields, false},
 };

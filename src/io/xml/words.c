@@ -95,7 +95,7 @@ static const struct pen_xml_element transform = {
     }
 static const struct pen_xml_element sphere = BODY(sphere, sphere_own, pen_sphere_fields);
 static const struct pen_xml_element polygon = BODY(polygon, polygon_own, pen_polygon_fields);
-static const struct pen_xml_element tube = BODY(tube, tube_own, pen_tube_fields);
+static const struct pen_xml_element tube = BODY(tube, tube_own, pen_infinite_cylinder_fields);
 static const struct pen_xml_element cylinder = BODY(cylinder, cylinder_own, pen_cylinder_fields);
 static const struct pen_xml_element triangle = {"triangle",
                                                 PEN_XML_ITEM,

@@ -13,7 +13,7 @@
 /* What a worker keeps from batch to batch. */
 struct pen_batch_room {
     struct pen_store *store;
-    struct pen_pool *pool;
+    struct pen_thread_pool *pool;
     struct pen_heartbeat *heart;
     struct pen_scene_cache *scenes;
     struct pen_packing *packing;

@@ -9,7 +9,7 @@
 #ifndef PEN_JOBS_INTERNAL_FAILURE_H
 #define PEN_JOBS_INTERNAL_FAILURE_H
 
-#include "jobs/obituary.h"
+#include "jobs/worker_report.h"
 #include "store/store.h"
 
 /* The error of a job beyond its timeout_seconds. Owns: a malloc()ed text; NULL when out of memory.

@@ -27,7 +27,7 @@ struct pen_request {
     const json_t *labels; /* NULL: none */
     const char *kind;
     bool benchmark;
-    struct pen_bench_order order; /* of a benchmark */
+    struct pen_bench_spec order; /* of a benchmark */
     int view_count;
     int *views; /* indices into desc.views; in arena */
 };

@@ -17,7 +17,7 @@ struct pen_freezer {
     struct pen_survey survey;
     struct pen_local_frame frame;
     struct pen_camera_frame *cameras; /* by view, scene units */
-    struct pen_vec3 *buffer;          /* of malloc: the vertices of the body at hand, moved */
+    struct pen_vec3 *buffer;          /* of malloc: the vertices of the primitive at hand, moved */
     uint32_t buffer_capacity;
 };
 
@@ -32,11 +32,11 @@ static inline bool pen_freeze_in_range(struct pen_vec3 local)
            fabs(local.z) <= FREEZE_LOCAL_MAX;
 }
 
-/* Calls fn for every body, placed, in document order. An error gets the body's place. */
-typedef bool pen_freeze_body(struct pen_freezer *f, const struct pen_placed *body, void *user);
-bool pen_freeze_each(struct pen_freezer *f, pen_freeze_body *fn, void *user);
+/* Calls fn for every primitive, placed, in document order. An error gets the primitive's place. */
+typedef bool pen_freeze_primitive(struct pen_freezer *f, const struct pen_placed *body, void *user);
+bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user);
 
-/* The typed arrays of the bodies; needs the survey and the local frame. */
+/* The typed arrays of the primitives; needs the survey and the local frame. */
 bool pen_freeze_prims(struct pen_freezer *f);
 
 /* The accelerator `manual`; needs the typed arrays. NULL, and the status, as pen_accel_build. */

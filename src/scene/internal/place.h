@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Bodies placed in the scene: the transforms of their groups applied, once, in double. */
+/* Primitives placed in the scene: the transforms of their groups applied, once, in double. */
 #ifndef PEN_SCENE_INTERNAL_PLACE_H
 #define PEN_SCENE_INTERNAL_PLACE_H
 
@@ -10,7 +10,8 @@
 struct pen_placed {
     enum pen_prim_kind kind;
     int material;
-    struct pen_vec3 point;     /* centre, point of a plane, origin of a tube, base of a cylinder */
+    struct pen_vec3
+        point; /* centre, point of a plane, origin of an infinite cylinder, base of a cylinder */
     struct pen_vec3 direction; /* normal or axis; any length but zero */
     double radius, height;
     bool caps;
@@ -18,17 +19,17 @@ struct pen_placed {
     const struct pen_vec3 *vertices;
 };
 
-/* Places a body. `buffer` has room for its vertices. Mirrors keep the outside: a quadric's by
+/* Places a primitive. `buffer` has room for its vertices. Mirrors keep the outside: a quadric's by
  * itself, a plane's normal by the inverse transpose, a loop by running the other way round.
  * Fails: PEN_INVALID, without a pointer (a quadric under something else than a similarity, or a
  * transform that leaves the range of doubles). */
-bool pen_place_body(const struct pen_walk_body *body, struct pen_vec3 *buffer,
-                    struct pen_placed *placed, struct pen_status *st);
+bool pen_place_primitive(const struct pen_walk_primitive *body, struct pen_vec3 *buffer,
+                         struct pen_placed *placed, struct pen_status *st);
 
-/* What the local frame is made from, gathered body by body in scene units. */
+/* What the local frame is made from, gathered primitive by primitive in scene units. */
 struct pen_survey {
-    struct pen_box finite, infinite; /* of the points that bodies are anchored at */
-    double finite_reach;             /* how far a finite body reaches from its anchor, at most */
+    struct pen_box finite, infinite; /* of the points that primitives are anchored at */
+    double finite_reach; /* how far a finite primitive reaches from its anchor, at most */
     double infinite_reach;
     uint32_t kind_count[PEN_PRIM_KIND_COUNT];
     uint64_t polygon_vertices;
@@ -44,7 +45,7 @@ struct pen_local_frame {
     int exponent;
 };
 
-/* The local frame of the bodies; where all are infinite, of their anchors and the eyes of the
+/* The local frame of the primitives; where all are infinite, of their anchors and the eyes of the
  * views. Returns false if the scene is larger than a double can say. */
 bool pen_local_frame_make(const struct pen_survey *survey, const struct pen_camera_frame *cameras,
                           uint32_t camera_count, struct pen_local_frame *frame);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The bodies of a description in the order of the document, depth first, each with the composed
+/* The primitives of a description in the order of the document, depth first, each with the composed
  * transform of the groups around it. The walk keeps its own stack: a document cannot make it
  * overflow the thread's. */
 #ifndef PEN_SCENE_INTERNAL_WALK_H
@@ -22,7 +22,7 @@ struct pen_walk {
 };
 
 /* What the walk stands at. */
-struct pen_walk_body {
+struct pen_walk_primitive {
     const struct pen_object_desc *object; /* never a group */
     bool moved;
     const struct pen_transform *transform; /* to scene units; valid until the next step */
@@ -36,11 +36,11 @@ void pen_walk_release(struct pen_walk *walk);
 
 enum pen_walk_step { PEN_WALK_BODY, PEN_WALK_END, PEN_WALK_FAILED };
 
-/* Goes to the next body. Fails: PEN_NO_MEMORY. */
-enum pen_walk_step pen_walk_next(struct pen_walk *walk, struct pen_walk_body *body,
+/* Goes to the next primitive. Fails: PEN_NO_MEMORY. */
+enum pen_walk_step pen_walk_next(struct pen_walk *walk, struct pen_walk_primitive *body,
                                  struct pen_status *st);
 
-/* The JSON Pointer of the body the walk stands at: "/objects/3/objects/0". Cut if too long. */
+/* The JSON Pointer of the primitive the walk stands at: "/objects/3/objects/0". Cut if too long. */
 void pen_walk_pointer(const struct pen_walk *walk, char *out, size_t bytes);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The kernel: one body for all effects. `fx` is a constant in every instance (kernel_*.c), so an
- * instance holds only the effects of its mask, without a test at run time.
+/* The kernel: one primitive for all effects. `fx` is a constant in every instance (kernel_*.c), so
+ * an instance holds only the effects of its mask, without a test at run time.
  *
  * The tree of paths under a camera ray is walked without recursion: at a surface the mirrored path
  * is put aside and the transmitted one goes on; when a path ends, the one put aside last is taken
@@ -59,15 +59,15 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
 {
     const struct pen_scene *scene = input->scene;
     struct pen_vec3 sum = {0, 0, 0};
-    struct path path = {*camera_ray, pen_leave_nothing, pen_after_start, {1, 1, 1}, 0, 1};
+    struct path path = {*camera_ray, pen_origin_none, pen_after_start, {1, 1, 1}, 0, 1};
     for (int waiting = 0;;) {
-        const struct pen_span span = {path.after, INFINITY};
+        const struct pen_t_interval interval = {path.after, INFINITY};
         struct pen_hit hit;
         bool goes_on = false;
-        if (!input->trace->nearest(scene->accel, &path.ray, &path.leave, &span, &hit)) {
+        if (!input->trace->nearest(scene->accel, &path.ray, &path.origin, &interval, &hit)) {
             sum = pen_add(sum, pen_mul(path.weight, scene->background));
         } else {
-            struct surface s = surface_at(scene, &path.ray, &path.leave, hit);
+            struct surface s = surface_at(scene, &path.ray, &path.origin, hit);
             if (!surface_finite(&s))
                 return no_sample();
             if (fx & PEN_FX_SOFT_SHADOWS)

@@ -46,7 +46,7 @@ static ALWAYS_INLINE struct pen_vec3 light_of_point(const struct pen_light *ligh
 {
     const struct pen_vec3 black = {0, 0, 0};
     double nq = pen_dot(s->n, q);
-    if (!(nq < -s->leave.bound))
+    if (!(nq < -s->origin.bound))
         return black;
     double d = pen_length(q);
     struct pen_vec3 l = pen_scale(q, 1 / d);

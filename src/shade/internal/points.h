@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "accel/fan.h"
+#include "accel/shadow_packet.h"
 #include "math/sample.h"
 #include "scene/settings.h"
 #include "shade/internal/points_lanes.h"
@@ -23,7 +23,7 @@ struct points {
 
 /* Some of them, as coordinates on the unit disk. */
 struct point_list {
-    double a[PEN_FAN_RAYS], b[PEN_FAN_RAYS];
+    double a[PEN_PACKET_RAYS], b[PEN_PACKET_RAYS];
     int count;
 };
 
@@ -104,7 +104,7 @@ static inline void points_fill_grid(struct points *p, struct point_list *list)
         if (p->column < row.out)
             p->column = row.out;
         for (; p->column < row.stop; p->column += 4) {
-            if (list->count > PEN_FAN_RAYS - 4)
+            if (list->count > PEN_PACKET_RAYS - 4)
                 return;
             if (points_add_cells(p, p->next, p->column, row.stop, list) > 0)
                 p->none = false;
@@ -117,7 +117,7 @@ static inline void points_fill_grid(struct points *p, struct point_list *list)
     }
 }
 
-/* The next points, up to PEN_FAN_RAYS of them; 0 when there are no more. */
+/* The next points, up to PEN_PACKET_RAYS of them; 0 when there are no more. */
 static inline int points_fill(struct points *p, struct point_list *list)
 {
     list->count = 0;
@@ -126,7 +126,7 @@ static inline int points_fill(struct points *p, struct point_list *list)
         return list->count;
     }
     uint32_t left = p->samples - p->next;
-    list->count = left < PEN_FAN_RAYS ? (int)left : PEN_FAN_RAYS;
+    list->count = left < PEN_PACKET_RAYS ? (int)left : PEN_PACKET_RAYS;
     for (int i = 0; i < list->count; i += 4) {
         point4 x, y;
         if (p->pattern == PEN_PATTERN_SOBOL)

@@ -25,7 +25,7 @@ static ALWAYS_INLINE bool path_mirror(const struct pen_kernel_input *input, cons
     struct pen_vec3 d = pen_along(s->v, s->n, -2 * s->nv);
     if (!pen_ray_make(&mirrored->ray, s->p, d))
         return false;
-    mirrored->leave = surface_leave(s, false);
+    mirrored->origin = surface_origin(s, false);
     mirrored->after = pen_after_start;
     mirrored->weight = weight;
     mirrored->depth = path->depth + 1;

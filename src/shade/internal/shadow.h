@@ -23,8 +23,8 @@ static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene
 
 /* Walks a ray that crosses more sheets than a query returns at once. */
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
-                                const struct pen_leave *leave, const struct pen_shadow *query,
-                                struct pen_vec3 in);
+                                const struct pen_origin_surface *origin,
+                                const struct pen_shadow *query, struct pen_vec3 in);
 
 /* What a query of the kernel's asks for. */
 static ALWAYS_INLINE void shadow_query(const struct pen_kernel_input *input,
@@ -39,36 +39,36 @@ static ALWAYS_INLINE void shadow_query(const struct pen_kernel_input *input,
 /* What arrives of `in` along a ray that the query found not blocked. */
 static ALWAYS_INLINE struct pen_vec3 shadow_colour(const struct pen_kernel_input *input,
                                                    const struct pen_ray *ray,
-                                                   const struct pen_leave *leave,
+                                                   const struct pen_origin_surface *origin,
                                                    const struct pen_shadow *query,
                                                    struct pen_vec3 in, const unsigned fx)
 {
     if (!(fx & PEN_FX_SHADOW_TRANSMITTANCE))
         return in;
     if (query->overflow)
-        return pen_shadow_walk(input, ray, leave, query, in);
+        return pen_shadow_walk(input, ray, origin, query, in);
     for (int i = 0; i < query->count && !is_black(in); i++)
         in = shadow_filter(input->scene, query->hit[i].prim, in);
     return in;
 }
 
-/* What arrives of what the ray carries. The body that blocked it is remembered for its light. */
-static ALWAYS_INLINE struct pen_vec3 shadow_ray(const struct pen_kernel_input *input,
-                                                struct pen_kernel_scratch *scratch,
-                                                const struct surface *s,
-                                                const struct shadow_way *way, const unsigned fx)
+/* What arrives of what the ray carries. The primitive that blocked it is remembered for its light.
+ */
+static ALWAYS_INLINE struct pen_vec3
+shadow_ray(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
+           const struct surface *s, const struct shadow_way *direction, const unsigned fx)
 {
     const struct pen_vec3 none = {0, 0, 0};
     struct pen_ray ray;
-    if (!pen_ray_make(&ray, s->p, way->d))
+    if (!pen_ray_make(&ray, s->p, direction->d))
         return no_sample(); /* the light is farther than rays go */
-    struct pen_leave leave = surface_leave(s, way->through);
+    struct pen_origin_surface origin = surface_origin(s, direction->through);
     struct pen_shadow *query = &scratch->shadow;
-    shadow_query(input, query, way->to_point, fx);
-    query->last_occluder = scratch->last_occluder[way->light];
-    bool blocked = input->trace->shadow(input->scene->accel, &ray, &leave, query);
-    scratch->last_occluder[way->light] = query->last_occluder;
-    return blocked ? none : shadow_colour(input, &ray, &leave, query, way->in, fx);
+    shadow_query(input, query, direction->to_point, fx);
+    query->last_occluder = scratch->last_occluder[direction->light];
+    bool blocked = input->trace->shadow(input->scene->accel, &ray, &origin, query);
+    scratch->last_occluder[direction->light] = query->last_occluder;
+    return blocked ? none : shadow_colour(input, &ray, &origin, query, direction->in, fx);
 }
 
 /* T(p) of a light without a disk: one ray. */
@@ -77,9 +77,9 @@ static ALWAYS_INLINE struct pen_vec3 hard_transmittance(const struct pen_kernel_
                                                         const struct surface *s,
                                                         const struct lit *lit, const unsigned fx)
 {
-    const struct shadow_way way = {
+    const struct shadow_way direction = {
         .d = lit->to_light, .to_point = lit->to_point, .light = lit->light, .in = {1, 1, 1}};
-    return shadow_ray(input, scratch, s, &way, fx);
+    return shadow_ray(input, scratch, s, &direction, fx);
 }
 
 #endif

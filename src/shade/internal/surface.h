@@ -10,17 +10,18 @@
 struct surface {
     struct pen_hit hit;
     const struct pen_material *material;
-    struct pen_vec3 p;      /* on the surface */
-    struct pen_vec3 n;      /* unit, turned towards the viewer */
-    struct pen_vec3 v;      /* unit, from the viewer to p */
-    double nv;              /* n.v <= 0 */
-    struct pen_leave leave; /* what rays leave that go on from p at the viewer's side; its bound is
-                               how far p may be off by rounding */
+    struct pen_vec3 p;                /* on the surface */
+    struct pen_vec3 n;                /* unit, turned towards the viewer */
+    struct pen_vec3 v;                /* unit, from the viewer to p */
+    double nv;                        /* n.v <= 0 */
+    struct pen_origin_surface origin; /* what rays leave that go on from p at the viewer's side; its
+                               bound is how far p may be off by rounding */
 };
 
 static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
                                                const struct pen_ray *ray,
-                                               const struct pen_leave *left, struct pen_hit hit)
+                                               const struct pen_origin_surface *left,
+                                               struct pen_hit hit)
 {
     struct surface s;
     s.hit = hit;
@@ -33,22 +34,22 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
         s.n = pen_neg(s.n);
         s.nv = -s.nv;
     }
-    s.leave = pen_leave_at(&scene->prims, ray, left, hit, s.p);
+    s.origin = pen_origin_at(&scene->prims, ray, left, hit, s.p);
     return s;
 }
 
 /* What a ray leaves that goes on from p: at the viewer's side, or `through` the surface. */
-static ALWAYS_INLINE struct pen_leave surface_leave(const struct surface *s, bool through)
+static ALWAYS_INLINE struct pen_origin_surface surface_origin(const struct surface *s, bool through)
 {
-    struct pen_leave leave = s->leave;
-    leave.through = through;
-    return leave;
+    struct pen_origin_surface origin = s->origin;
+    origin.through = through;
+    return origin;
 }
 
 /* Whether the point, the normal and the direction are finite: the bound contains the point. */
 static ALWAYS_INLINE bool surface_finite(const struct surface *s)
 {
-    return fabs(s->nv - s->leave.bound) < INFINITY;
+    return fabs(s->nv - s->origin.bound) < INFINITY;
 }
 
 /* What stands for a sample that is none: the film cannot hold it, so it is left out and counted. */

@@ -53,13 +53,13 @@ void pen_health_begin(struct pen_store *store);
 
 /* Before a call of the engine: mends or refuses. A call within a call always may go on.
  * Fails: PEN_STORAGE, PEN_STORAGE_FULL, and what reopening fails with; then there must be no
- * pen_health_leave. */
+ * pen_health_exit. */
 bool pen_health_enter(struct pen_store *store, enum pen_need need, struct pen_status *st);
 
 /* A check has found nothing: whoever needs it may try to mend at once. */
 void pen_health_found_whole(struct pen_store *store);
 
 /* After it: takes note of the faults that it met. Returns whether this was the outermost call. */
-bool pen_health_leave(struct pen_store *store);
+bool pen_health_exit(struct pen_store *store);
 
 #endif

@@ -127,8 +127,8 @@ static bool open_lost(struct pen_store *base, struct lost *lost, int *opened, st
     return true;
 }
 
-bool pen_sq_sweep(struct pen_store *base, const char *dead_worker, int *opened,
-                  struct pen_status *st)
+bool pen_sq_expire_leases(struct pen_store *base, const char *dead_worker, int *opened,
+                          struct pen_status *st)
 {
     struct lost lost = {.worker = dead_worker, .before_ms = pen_clock_wall_ms()};
     return open_lost(base, &lost, opened, st);

@@ -224,7 +224,7 @@ static bool give_room_back(struct pen_sq_store *store, struct pen_status *st)
     return true;
 }
 
-bool pen_sq_tidy(struct pen_store *base, int64_t key_age_ms, struct pen_status *st)
+bool pen_sq_purge(struct pen_store *base, int64_t key_age_ms, struct pen_status *st)
 {
     struct pen_sq_store *store = pen_sq_of(base);
     if (!pen_sq_transaction(store, write_tidy, &key_age_ms, st) || !give_room_back(store, st))

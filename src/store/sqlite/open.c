@@ -138,7 +138,7 @@ static const struct pen_store_ops ops = {
     .release = pen_sq_release,
     .fail = pen_sq_fail,
     .heartbeat = pen_sq_heartbeat,
-    .sweep = pen_sq_sweep,
+    .sweep = pen_sq_expire_leases,
     .worker_ended = pen_sq_worker_ended,
     .pixels = pen_sq_pixels,
     .stats = pen_sq_stats,
@@ -150,7 +150,7 @@ static const struct pen_store_ops ops = {
     .artefact = pen_sq_artefact,
     .artefact_put = pen_sq_artefact_put,
     .settle = pen_sq_settle,
-    .tidy = pen_sq_tidy,
+    .tidy = pen_sq_purge,
     .audit = pen_sq_audit,
 };
 

@@ -213,7 +213,7 @@ bool pen_sq_scene(struct pen_store *store, const char *id, struct pen_buf *scene
                   struct pen_status *st);
 bool pen_sq_cancel(struct pen_store *store, const char *id, struct pen_status *st);
 bool pen_sq_remove(struct pen_store *store, const char *id, struct pen_status *st);
-bool pen_sq_tidy(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+bool pen_sq_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
 
 bool pen_sq_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                   struct pen_claim *claim, bool *found, struct pen_status *st);
@@ -225,8 +225,8 @@ bool pen_sq_fail(struct pen_store *store, const struct pen_claim *claim, const c
 bool pen_sq_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                       bool *held, struct pen_status *st);
 
-bool pen_sq_sweep(struct pen_store *store, const char *dead_worker, int *opened,
-                  struct pen_status *st);
+bool pen_sq_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
+                          struct pen_status *st);
 bool pen_sq_worker_ended(struct pen_store *store, const struct pen_worker_death *death, int *opened,
                          struct pen_status *st);
 

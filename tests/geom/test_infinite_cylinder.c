@@ -13,13 +13,14 @@ static void tube_z(double r, vec3 at)
     world_tube(&world, at, pen_vec3(0, 0, 1), r);
 }
 
-START_TEST(test_tube__h016_normal)
+START_TEST(test_infinite_cylinder__h016_normal)
 {
-    struct pen_tube t;
-    ck_assert(pen_tube_make(&t, pen_vec3(1, 0, 0), pen_vec3(1, 0, 0), 1));
-    vec3 n = pen_round_normal(&t.round, pen_vec3(2, 1, 0));
+    struct pen_infinite_cylinder t;
+    ck_assert(pen_infinite_cylinder_make(&t, pen_vec3(1, 0, 0), pen_vec3(1, 0, 0), 1));
+    vec3 n = pen_cylinder_side_normal(&t.round, pen_vec3(2, 1, 0));
     ck_assert(n.x == 0 && n.y == 1 && n.z == 0);
-    n = pen_round_normal(&t.round, pen_vec3(1, 0, 0)); /* on the axis: some unit vector across */
+    n = pen_cylinder_side_normal(&t.round,
+                                 pen_vec3(1, 0, 0)); /* on the axis: some unit vector across */
     ck_assert(n.x == 0 && fabs(pen_dot(n, n) - 1) < 4 * PEN_U);
 }
 END_TEST
@@ -61,14 +62,14 @@ static const struct row outward[] = {
     {{1, 2, 1}, {0, 1, 0}, NONE}, {{1, 3, 1}, {0, 1, 0}, NONE},     {{2, 1, 1}, {2, -1, 1}, NONE},
     {{2, 1, 2}, {2, 1, 1}, NONE}, {{W, W, 2 + W}, {1, 1, 1}, NONE}, {{W, W, W}, {1, 1, 1}, NONE}};
 
-START_TEST(test_tube__h017_parallel_rays)
+START_TEST(test_infinite_cylinder__h017_parallel_rays)
 {
     tube_z(1, pen_vec3(1, 1, -7));
     rows_check(&world, along, ROWS(along), 0);
 }
 END_TEST
 
-START_TEST(test_tube__h018_outside)
+START_TEST(test_infinite_cylinder__h018_outside)
 {
     const struct row along_y[] = {{{1, 1, 2}, {1, 1, 0}, NONE}};
     world_clear(&world);
@@ -79,7 +80,7 @@ START_TEST(test_tube__h018_outside)
 }
 END_TEST
 
-START_TEST(test_tube__h019_tangent)
+START_TEST(test_infinite_cylinder__h019_tangent)
 {
     const struct row unit[] = {{{1, 1, 0}, {0, 1, 0}, NONE}};
     tube_z(1, pen_vec3(1, 1, -7));
@@ -89,7 +90,7 @@ START_TEST(test_tube__h019_tangent)
 }
 END_TEST
 
-START_TEST(test_tube__h020_start_on_it_inward)
+START_TEST(test_infinite_cylinder__h020_start_on_it_inward)
 {
     tube_z(1, pen_vec3(1, 1, -7));
     rows_check_leaving(&world, inward, ROWS(inward), 4);
@@ -98,26 +99,26 @@ START_TEST(test_tube__h020_start_on_it_inward)
 }
 END_TEST
 
-START_TEST(test_tube__h021_from_inside)
+START_TEST(test_infinite_cylinder__h021_from_inside)
 {
     tube_z(1, pen_vec3(1, 1, -7));
     rows_check(&world, inside, ROWS(inside), 4);
     tube_z(1, pen_vec3(0, 0, 0));
     struct pen_hit hit;
     struct pen_ray ray = world_ray(pen_vec3(0, 0, 0), pen_vec3(1, 0, 0));
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, 1.5, &hit, 1), 1);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, 1.5, &hit, 1), 1);
     ck_assert(hit.t == 1);
 }
 END_TEST
 
-START_TEST(test_tube__h022_start_on_it_outward)
+START_TEST(test_infinite_cylinder__h022_start_on_it_outward)
 {
     tube_z(1, pen_vec3(1, 1, -7));
     rows_check_leaving(&world, outward, ROWS(outward), 0);
 }
 END_TEST
 
-START_TEST(test_tube__h023_tmax)
+START_TEST(test_infinite_cylinder__h023_tmax)
 {
     const struct {
         double tmax;
@@ -126,23 +127,23 @@ START_TEST(test_tube__h023_tmax)
     tube_z(1, pen_vec3(0, 0, 0));
     struct pen_ray ray = world_ray(pen_vec3(2, 0, -1), pen_vec3(-1, 0, 1));
     for (int i = 0; i < 4; i++)
-        ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, row[i].tmax, NULL, 0),
+        ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, row[i].tmax, NULL, 0),
                          row[i].count);
     ray = world_ray(pen_vec3(2, 2, 0), pen_vec3(1, 0, 0));
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, 10, NULL, 0), 0);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, 10, NULL, 0), 0);
     /* The same along a unit vector: t is the square root of 2, as it is computed. */
     struct pen_hit hit;
     ray = world_ray(pen_vec3(2, 0, -1), pen_normalize(pen_vec3(-1, 0, 1)));
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, 3, &hit, 1), 1);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, 3, &hit, 1), 1);
     ck_assert(quad_ulps(hit.t, quad_sqrt(2)) <= 2);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, .5, NULL, 0), 0);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, hit.t, NULL, 0), 1);
-    ck_assert_int_eq(
-        world_crossings(&world, &ray, &pen_leave_nothing, nextafter(hit.t, 0), NULL, 0), 0);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, .5, NULL, 0), 0);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, hit.t, NULL, 0), 1);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, nextafter(hit.t, 0), NULL, 0),
+                     0);
 }
 END_TEST
 
-START_TEST(test_tube__h024_has_no_head)
+START_TEST(test_infinite_cylinder__h024_has_no_head)
 {
     static const double head[] = {1, 2, 1e9, -1e9};
     for (int i = 0; i < 4; i++) {
@@ -158,13 +159,13 @@ START_TEST(test_tube__h024_has_no_head)
 END_TEST
 
 /* An axis of any direction whose given point is far away loses nothing but that point's ulp. */
-START_TEST(test_tube__h024_far_heads_of_slanted_tubes)
+START_TEST(test_infinite_cylinder__h024_far_heads_of_slanted_tubes)
 {
     struct random r = random_begin(24);
     for (int i = 0; i < 1000; i++) {
         vec3 a = random_direction(&r), q = random_vec(&r, 1);
-        struct pen_tube t;
-        ck_assert(pen_tube_make(&t, pen_along(q, a, 1e9), a, 1));
+        struct pen_infinite_cylinder t;
+        ck_assert(pen_infinite_cylinder_make(&t, pen_along(q, a, 1e9), a, 1));
         ck_assert(pen_norm1(t.near) < 4);
         vec3 off = pen_cross(pen_sub(t.near, q), a);
         ck_assert(pen_length(off) <= 4 * PEN_U * 1e9);
@@ -172,20 +173,21 @@ START_TEST(test_tube__h024_far_heads_of_slanted_tubes)
 }
 END_TEST
 
-START_TEST(test_tube__bad_input_is_refused)
+START_TEST(test_infinite_cylinder__bad_input_is_refused)
 {
-    struct pen_tube t;
+    struct pen_infinite_cylinder t;
     vec3 o = pen_vec3(0, 0, 0), z = pen_vec3(0, 0, 1);
-    ck_assert(!pen_tube_make(&t, o, o, 1));
-    ck_assert(!pen_tube_make(&t, o, z, 0));
-    ck_assert(!pen_tube_make(&t, o, z, -1));
-    ck_assert(!pen_tube_make(&t, pen_vec3(0, (double)NAN, 0), z, 1));
-    ck_assert(!pen_tube_make(&t, o, pen_vec3((double)INFINITY, 0, 0), 1));
+    ck_assert(!pen_infinite_cylinder_make(&t, o, o, 1));
+    ck_assert(!pen_infinite_cylinder_make(&t, o, z, 0));
+    ck_assert(!pen_infinite_cylinder_make(&t, o, z, -1));
+    ck_assert(!pen_infinite_cylinder_make(&t, pen_vec3(0, (double)NAN, 0), z, 1));
+    ck_assert(!pen_infinite_cylinder_make(&t, o, pen_vec3((double)INFINITY, 0, 0), 1));
 }
 END_TEST
 
 /* A ray that passes the axis at b r, from D r away, at `angle` to the axis. */
-static struct pen_ray aimed(struct random *r, const struct pen_tube *t, const double in[3])
+static struct pen_ray aimed(struct random *r, const struct pen_infinite_cylinder *t,
+                            const double in[3])
 {
     vec3 a = pen_normalize(t->round.a), e = pen_normalize(pen_cross(a, random_direction(r)));
     vec3 f = pen_cross(a, e);
@@ -196,7 +198,7 @@ static struct pen_ray aimed(struct random *r, const struct pen_tube *t, const do
 }
 
 /* <= 16 ulp of t from D >= 2 r, at any angle and radius; else <= 8u (|f| + r) across the axis. */
-START_TEST(test_tube__crossings_match_quad)
+START_TEST(test_infinite_cylinder__crossings_match_quad)
 {
     static const double distance[] = {0.3, 1 + 1e-9, 1.5, 2, 10, 1e4};
     static const double passing[] = {0, .5, .9, .99, .9999, .999999},
@@ -204,17 +206,19 @@ START_TEST(test_tube__crossings_match_quad)
     struct random r = random_begin(31);
     for (int i = 0; i < 30000; i++) {
         double in[3] = {distance[i % 6], passing[i / 6 % 6], angle[i / 36 % 5]};
-        struct pen_tube tube;
+        struct pen_infinite_cylinder infinite_cylinder;
         double size = i % 3 == 0 ? 1 : i % 3 == 1 ? 1e-3 : 1e-6;
-        ck_assert(pen_tube_make(&tube, random_vec(&r, 1), random_direction(&r), size));
-        struct pen_ray ray = aimed(&r, &tube, in);
+        ck_assert(pen_infinite_cylinder_make(&infinite_cylinder, random_vec(&r, 1),
+                                             random_direction(&r), size));
+        struct pen_ray ray = aimed(&r, &infinite_cylinder, in);
         quad truth[2];
         double t[2];
         bool parallel;
-        quad disc = quad_tube(tube.round.q, tube.round.a, size, ray.o, ray.d, truth);
+        quad disc = quad_tube(infinite_cylinder.round.q, infinite_cylinder.round.a, size, ray.o,
+                              ray.d, truth);
         if (disc <= 0)
             continue;
-        ck_assert(pen_round_roots(&tube.round, &ray, t, &parallel));
+        ck_assert(pen_cylinder_side_roots(&infinite_cylinder.round, &ray, t, &parallel));
         for (int k = 0; k < 2; k++) {
             double ulps = quad_ulps(t[k], truth[k]);
             double error = (double)quad_abs(t[k] - truth[k]) * in[2];
@@ -226,8 +230,11 @@ START_TEST(test_tube__crossings_match_quad)
 }
 END_TEST
 
-PEN_SUITE("tube", test_tube__h016_normal, test_tube__h017_parallel_rays, test_tube__h018_outside,
-          test_tube__h019_tangent, test_tube__h020_start_on_it_inward, test_tube__h021_from_inside,
-          test_tube__h022_start_on_it_outward, test_tube__h023_tmax, test_tube__h024_has_no_head,
-          test_tube__h024_far_heads_of_slanted_tubes, test_tube__bad_input_is_refused,
-          test_tube__crossings_match_quad)
+PEN_SUITE("tube", test_infinite_cylinder__h016_normal, test_infinite_cylinder__h017_parallel_rays,
+          test_infinite_cylinder__h018_outside, test_infinite_cylinder__h019_tangent,
+          test_infinite_cylinder__h020_start_on_it_inward, test_infinite_cylinder__h021_from_inside,
+          test_infinite_cylinder__h022_start_on_it_outward, test_infinite_cylinder__h023_tmax,
+          test_infinite_cylinder__h024_has_no_head,
+          test_infinite_cylinder__h024_far_heads_of_slanted_tubes,
+          test_infinite_cylinder__bad_input_is_refused,
+          test_infinite_cylinder__crossings_match_quad)

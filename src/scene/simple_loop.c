@@ -9,7 +9,7 @@
  * The sorted edges are a treap (a binary tree ordered by position, a heap by priority) threaded
  * as a list. Priorities are a hash of the edge's number and of all points, so that no input can be
  * made for which the tree is deep. */
-#include "scene/internal/sweep.h"
+#include "scene/internal/simple_loop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +27,7 @@ struct sweep {
     uint32_t count;
     uint32_t root;
     struct node *node; /* by edge */
-    struct pen_sweep_result *result;
+    struct pen_simple_loop_result *result;
 };
 
 static uint64_t mix(uint64_t h, uint64_t v)
@@ -202,8 +202,8 @@ static bool advance(struct sweep *s, uint32_t v)
     return replace(s, edges[begins[0]], edges[begins[1]]);
 }
 
-bool pen_sweep_loop(const struct pen_flat_point *points, const uint32_t *order, uint32_t count,
-                    struct pen_sweep_result *result)
+bool pen_check_simple_loop(const struct pen_flat_point *points, const uint32_t *order,
+                           uint32_t count, struct pen_simple_loop_result *result)
 {
     struct sweep s = {.points = points, .count = count, .root = NONE, .result = result};
     s.node = malloc(count * sizeof *s.node);

@@ -4,8 +4,8 @@
  * Source: Dekker, "A floating-point technique for extending the available precision", Numer.
  * Math. 18, 1971; Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic building
  * blocks of double-word arithmetic", ACM TOMS 44(2), 2017. */
-#ifndef PEN_GEOM_INTERNAL_TWOFOLD_H
-#define PEN_GEOM_INTERNAL_TWOFOLD_H
+#ifndef PEN_GEOM_INTERNAL_DOUBLE_DOUBLE_H
+#define PEN_GEOM_INTERNAL_DOUBLE_DOUBLE_H
 
 #include "math/vec3.h"
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The round side of tubes and cylinders: what is not hot. */
-#include "geom/internal/round.h"
+/* The round side of infinite cylinders and cylinders: what is not hot. */
+#include "geom/internal/cylinder_side.h"
 
+#include "geom/internal/double_double.h"
 #include "geom/internal/make.h"
-#include "geom/internal/twofold.h"
 
-bool pen_round_make(struct pen_round *s, struct pen_vec3 origin, struct pen_vec3 axis, double r)
+bool pen_cylinder_side_make(struct pen_cylinder_side *s, struct pen_vec3 origin,
+                            struct pen_vec3 axis, double r)
 {
     if (!is_finite3(origin) || !is_finite3(axis) || pen_largest3(axis) == 0 || !is_length(r))
         return false;
@@ -20,7 +21,8 @@ bool pen_round_make(struct pen_round *s, struct pen_vec3 origin, struct pen_vec3
     return true;
 }
 
-void pen_round_refine(const struct pen_round *s, const struct pen_ray *ray, double t[2])
+void pen_cylinder_side_refine(const struct pen_cylinder_side *s, const struct pen_ray *ray,
+                              double t[2])
 {
     struct twofold3 a = tf_of3(s->a), m = tf_cross(tf_of3(ray->d), a);
     struct twofold3 n = tf_cross(tf_sub3(ray->o, s->q), a);
@@ -28,7 +30,7 @@ void pen_round_refine(const struct pen_round *s, const struct pen_ray *ray, doub
     tf_roots(tf_dot(m, m), tf_dot(m, n), tf_add(tf_dot(n, n), minus_rr), t);
 }
 
-double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray)
+double pen_cylinder_side_chord(const struct pen_cylinder_side *s, const struct pen_ray *ray)
 {
     struct twofold3 a = tf_of3(s->a);
     struct twofold3 m = tf_cross(tf_of3(ray->d), a);
@@ -37,15 +39,15 @@ double pen_round_chord(const struct pen_round *s, const struct pen_ray *ray)
     return mm == 0 ? 0 : -2 * tf_dot(m, n).hi / mm;
 }
 
-bool pen_round_holds(const struct pen_round *s, struct pen_vec3 p)
+bool pen_cylinder_side_contains(const struct pen_cylinder_side *s, struct pen_vec3 p)
 {
-    struct pen_vec3 n = pen_round_across(s, p);
+    struct pen_vec3 n = pen_cylinder_side_across(s, p);
     return pen_dot(n, n) < s->rr;
 }
 
-struct pen_vec3 pen_round_normal(const struct pen_round *s, struct pen_vec3 p)
+struct pen_vec3 pen_cylinder_side_normal(const struct pen_cylinder_side *s, struct pen_vec3 p)
 {
-    struct pen_vec3 n = pen_cross(s->a, pen_round_across(s, p));
+    struct pen_vec3 n = pen_cross(s->a, pen_cylinder_side_across(s, p));
     if (pen_largest3(n) == 0) {
         struct pen_vec3 a = s->a;
         bool x = fabs(a.x) <= fabs(a.y) && fabs(a.x) <= fabs(a.z);
@@ -56,8 +58,8 @@ struct pen_vec3 pen_round_normal(const struct pen_round *s, struct pen_vec3 p)
     return pen_unit_of(n);
 }
 
-struct pen_vec3 pen_round_project(const struct pen_round *s, struct pen_vec3 p)
+struct pen_vec3 pen_cylinder_side_project(const struct pen_cylinder_side *s, struct pen_vec3 p)
 {
-    double distance = pen_length(pen_round_across(s, p)) / s->length;
-    return pen_along(p, pen_round_normal(s, p), s->r - distance);
+    double distance = pen_length(pen_cylinder_side_across(s, p)) / s->length;
+    return pen_along(p, pen_cylinder_side_normal(s, p), s->r - distance);
 }

@@ -2,7 +2,7 @@
 /* Rays taken together give what they give one by one, bit for bit: films and counts of soft lights
  * with the tree, where they are taken together, against films without it, where they are not. The
  * scenes are made to be hard: coordinates on a coarse lattice, so that lights are in planes, axes
- * and centres, bodies touch and coincide, and points are on edges of other bodies. */
+ * and centres, primitives touch and coincide, and points are on edges of other primitives. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -103,7 +103,7 @@ static void add_body(struct random *r)
     }
 }
 
-/* A place for a light: anywhere, or in the very middle of a body. */
+/* A place for a light: anywhere, or in the very middle of a primitive. */
 static vec3 light_place(struct random *r)
 {
     const struct pen_object_desc *o = &kit.objects[random_below(r, kit.desc.object_count)];
@@ -179,7 +179,7 @@ static void compare(const struct film *want, const struct film *got, const char 
                      (unsigned long long)got->rays.shadow, (unsigned long long)want->rays.shadow);
 }
 
-START_TEST(test_fan__rays_together_are_rays_one_by_one)
+START_TEST(test_packet__rays_together_are_rays_one_by_one)
 {
     struct random random = random_begin(77);
     const char *many = getenv("PEN_N");
@@ -199,4 +199,4 @@ START_TEST(test_fan__rays_together_are_rays_one_by_one)
 }
 END_TEST
 
-PEN_SUITE("fan", test_fan__rays_together_are_rays_one_by_one)
+PEN_SUITE("fan", test_packet__rays_together_are_rays_one_by_one)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Closed and open surfaces to shoot at, and ways of counting what a ray meets. */
-#ifndef TESTS_PROPERTY_BODIES_H
-#define TESTS_PROPERTY_BODIES_H
+#ifndef TESTS_PROPERTY_PRIMITIVES_H
+#define TESTS_PROPERTY_PRIMITIVES_H
 
 #include "property/row.h"
 #include "support/world.h"
@@ -28,11 +28,11 @@ void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims);
 void bodies_plant_kind(struct bodies_tree *tree, const struct pen_prims *prims,
                        enum pen_accelerator kind);
 
-/* The nearest crossing by the tree; *alike: whether both compiled variants say the same. */
+/* The nearest intersection by the tree; *alike: whether both compiled variants say the same. */
 struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_ray *ray,
-                              const struct pen_leave *leave, double tmax, bool *alike);
+                              const struct pen_origin_surface *origin, double tmax, bool *alike);
 
-/* How many crossings the ray has by the tree, walked from one to the next; at most `most`. */
+/* How many intersections the ray has by the tree, walked from one to the next; at most `most`. */
 int bodies_walk(const struct bodies_tree *tree, const struct pen_ray *ray, int most);
 
 /* More triangles than a world holds. */
@@ -53,7 +53,7 @@ void bodies_mesh_grid(struct bodies_mesh *mesh, int n, bodies_grid_fn *at, const
 /* The ray of a case from argument `at` on; false for none. */
 bool bodies_ray(const struct row_case *c, int at, struct pen_ray *ray);
 
-/* Fails unless a count of crossings is what is wanted. */
+/* Fails unless a count of intersections is what is wanted. */
 void bodies_require(struct row_verdict *v, int count, int wanted);
 
 #endif

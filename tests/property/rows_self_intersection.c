@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Rays that start on a surface where a ray before them ended: the surface is not met again where it
  * is left, and everything else is. */
-#include "property/bodies.h"
 #include "property/gen.h"
 #include "property/oracle.h"
+#include "property/primitives.h"
 #include "property/rows.h"
 
 static struct world world;
@@ -55,18 +55,19 @@ static bool meet(vec3 o, vec3 d, struct meeting *m)
     return pen_norm1(m->p) < 1e60;
 }
 
-/* The crossings of a ray that goes on from there; -1 for no ray. */
-static int leave(const struct meeting *m, vec3 d, struct pen_hit *hit, int room)
+/* The intersections of a ray that goes on from there; -1 for no ray. */
+static int origin(const struct meeting *m, vec3 d, struct pen_hit *hit, int room)
 {
     struct pen_ray ray;
     bool through = (pen_dot(m->n, d) > 0) != (pen_dot(m->n, m->v) < 0);
-    struct pen_leave on = world_leave(&world, m->hit, m->p, m->v, through);
+    struct pen_origin_surface on = world_leave(&world, m->hit, m->p, m->v, through);
     if (!pen_ray_make(&ray, m->p, d))
         return -1;
     return world_crossings(&world, &ray, &on, INFINITY, hit, room);
 }
 
-/* H059, H061: radii 1e-6 to 1e6, offsets 0 to 1e9. Arguments: kind; body; first ray; next way. */
+/* H059, H061: radii 1e-6 to 1e6, offsets 0 to 1e9. Arguments: kind; primitive; first ray; next way.
+ */
 static void draw_round_at(struct random *r, enum kind kind, double offset, struct row_case *c)
 {
     static const double radii[] = {1e-6, 1, 1e6};
@@ -119,7 +120,7 @@ static bool depart(const struct row_case *c, struct departure *x)
     if (!meet(o, d, &x->from))
         return false;
     x->line = (struct oracle_ray){x->from.p, next};
-    x->count = leave(&x->from, next, x->hit, 3);
+    x->count = origin(&x->from, next, x->hit, 3);
     return x->count >= 0;
 }
 
@@ -184,7 +185,7 @@ static void judge_way_out(const struct row_case *c, struct row_verdict *v)
         row_measure(v, name[x.kind], truth_ulps(x.hit[0].t, t), 4);
         return;
     }
-    /* By way of a cap, or from one: across or along the axis within 8u of the body's size. */
+    /* By way of a cap, or from one: across or along the axis within 8u of the primitive's size. */
     vec3 d = x.line.d, a = x.b.a;
     double speed = at == ORACLE_SIDE ? pen_length(pen_cross(d, a)) : fabs(pen_dot(d, a));
     double error = truth_error(x.hit[0].t, t) * speed / pen_length(a);
@@ -196,7 +197,7 @@ void rows_way_out(struct pen_row_run *run)
     row_each(run, draw_round_near, judge_way_out);
 }
 
-/* H060: flat bodies of sizes e^-8 to e^8, and planes. Arguments: kind, corner, two edges, first
+/* H060: flat primitives of sizes e^-8 to e^8, and planes. Arguments: kind, corner, two edges, first
  * ray, next way. */
 static void draw_flat(struct row_draw *d, struct row_case *c)
 {
@@ -248,7 +249,7 @@ static void judge_flat(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    int count = leave(&m, row_next3(c, &at), NULL, 0);
+    int count = origin(&m, row_next3(c, &at), NULL, 0);
     row_tally(v, name[kind - TRIANGLE]);
     if (count > 0)
         row_fail(v, "%s met itself", name[kind - TRIANGLE]);
@@ -299,7 +300,7 @@ static void judge_wedge(const struct row_case *c, struct row_verdict *v)
     struct meeting m = {{1, 0, PEN_PART_SIDE}, p, world.triangle[0].n, pen_sub(p, eye)};
     m.p = pen_triangle_project(&world.triangle[0], p);
     /* Told what is true: the ray goes up into the wedge, and came from there. */
-    struct pen_leave on = world_leave(&world, m.hit, m.p, m.v, false);
+    struct pen_origin_surface on = world_leave(&world, m.hit, m.p, m.v, false);
     struct pen_ray ray;
     if (!pen_ray_make(&ray, m.p, pen_sub(to, m.p))) {
         row_skip(v);
@@ -360,7 +361,7 @@ static void judge_shell(const struct row_case *c, struct row_verdict *v)
         return;
     /* Bent a little into the glass; the inner sphere is next, unless it is grazed. */
     vec3 in = pen_along(pen_normalize(d), bend, 1);
-    int count = leave(&m, in, hit, 4);
+    int count = origin(&m, in, hit, 4);
     if (pen_dot(in, m.n) > -.3)
         return;
     row_require(v, count == 3 && hit[0].prim == 0, "the inner sphere is not seen");
@@ -372,7 +373,7 @@ static void judge_shell(const struct row_case *c, struct row_verdict *v)
         inner.n = pen_prim_normal(&world.prims, hit[0], inner.p);
         inner.v = in;
         vec3 away = pen_along(inner.n, out, .9);
-        count = leave(&inner, away, hit, 4);
+        count = origin(&inner, away, hit, 4);
         row_require(v, count == 1 && hit[0].prim == 1, "outward the glass alone is met");
     }
 }
@@ -382,8 +383,9 @@ void rows_shell(struct pen_row_run *run)
     row_each(run, draw_shell, judge_shell);
 }
 
-/* H068, H069: two equal bodies, the second turned round if it is flat; from afar the first in the
- * document is met; on leaving it the second is not met at the start, and both at the way out. */
+/* H068, H069: two equal primitives, the second turned round if it is flat; from afar the first in
+ * the document is met; on leaving it the second is not met at the start, and both at the way out.
+ */
 static void draw_twins(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
@@ -406,7 +408,7 @@ static bool add_twins(enum kind kind, bool turned, vec3 at, vec3 a, vec3 b)
     vec3 v[4] = {at, pen_add(at, x), pen_add(pen_add(at, x), y), pen_add(at, y)};
     vec3 w[4] = {v[3], v[2], v[1], v[0]};
     struct pen_polygon probe;
-    struct oracle_round body = {at, kind == SPHERE ? pen_vec3(0, 0, 0) : a, .7, .6};
+    struct oracle_round prim = {at, kind == SPHERE ? pen_vec3(0, 0, 0) : a, .7, .6};
     if (!pen_polygon_make(&probe, v, 4))
         return false;
     world_clear(&world);
@@ -420,7 +422,7 @@ static bool add_twins(enum kind kind, bool turned, vec3 at, vec3 a, vec3 b)
             world_triangle(&world, v[0], turned && i == 9 ? v[2] : v[1],
                            turned && i == 9 ? v[1] : v[2]);
         else
-            make_round(&body, kind);
+            make_round(&prim, kind);
     }
     return true;
 }
@@ -443,9 +445,9 @@ static void judge_twins(const struct row_case *c, struct row_verdict *v)
     }
     row_require(v, m.hit.prim == 7, "not the first in the document");
     bodies_plant(&tree, &world.prims);
-    struct pen_hit by_tree = bodies_nearest(&tree, &ray, &pen_leave_nothing, INFINITY, &alike);
+    struct pen_hit by_tree = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     row_require(v, alike && by_tree.prim == 7, "by the tree, not the first in the document");
-    int count = leave(&m, next, hit, 5);
+    int count = origin(&m, next, hit, 5);
     bool in = kind <= CYLINDER && pen_dot(m.n, next) < 0;
     if (fabs(pen_dot(m.n, next)) < 1e-6)
         return;

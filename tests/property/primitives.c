@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "property/bodies.h"
+#include "property/primitives.h"
 
 #include <check.h>
 #include <stdlib.h>
@@ -56,13 +56,13 @@ void bodies_sheet(struct world *w, struct random *r, vec3 at)
 int bodies_crossings(const struct world *w, vec3 o, vec3 d, struct pen_hit *first)
 {
     struct pen_ray ray;
-    struct pen_crossings c;
+    struct pen_intersections c;
     int count = 0;
     *first = (struct pen_hit){INFINITY, PEN_NO_PRIM, 0};
     if (!pen_ray_make(&ray, o, d))
         return -1;
     for (uint32_t prim = 0; prim < w->prims.count; prim++) {
-        pen_prim_cross(&w->prims, prim, &ray, &pen_leave_nothing, &c);
+        pen_prim_intersect(&w->prims, prim, &ray, &pen_origin_none, &c);
         for (int i = 0; i < c.count; i++) {
             struct pen_hit h = {c.t[i], prim, c.part[i]};
             if (!(h.t > 0))
@@ -92,15 +92,15 @@ void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims)
 }
 
 struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_ray *ray,
-                              const struct pen_leave *leave, double tmax, bool *alike)
+                              const struct pen_origin_surface *origin, double tmax, bool *alike)
 {
-    struct pen_span span = {pen_after_start, tmax};
+    struct pen_t_interval interval = {pen_after_start, tmax};
     struct pen_hit hit[2];
     for (int i = 0; i < 2; i++) {
         const struct pen_trace_ops *ops = pen_trace_ops_get(i ? pen_cpu_isa() : PEN_ISA_BASE);
         memset(&hit[i], 0, sizeof hit[i]);
         hit[i].prim = PEN_NO_PRIM;
-        if (!ops->nearest(tree->accel, ray, leave, &span, &hit[i]))
+        if (!ops->nearest(tree->accel, ray, origin, &interval, &hit[i]))
             hit[i] = (struct pen_hit){0, PEN_NO_PRIM, 0};
     }
     *alike = hit[0].prim == hit[1].prim && hit[0].t == hit[1].t && hit[0].part == hit[1].part;
@@ -110,9 +110,10 @@ struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_r
 int bodies_walk(const struct bodies_tree *tree, const struct pen_ray *ray, int most)
 {
     const struct pen_trace_ops *ops = pen_trace_ops_get(pen_cpu_isa());
-    struct pen_span span = {pen_after_start, INFINITY};
+    struct pen_t_interval interval = {pen_after_start, INFINITY};
     int count = 0;
-    while (count < most && ops->nearest(tree->accel, ray, &pen_leave_nothing, &span, &span.after))
+    while (count < most &&
+           ops->nearest(tree->accel, ray, &pen_origin_none, &interval, &interval.after))
         count++;
     return count;
 }

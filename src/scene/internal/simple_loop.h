@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Whether a closed loop of edges in the plane is simple. */
-#ifndef PEN_SCENE_INTERNAL_SWEEP_H
-#define PEN_SCENE_INTERNAL_SWEEP_H
+#ifndef PEN_SCENE_INTERNAL_SIMPLE_LOOP_H
+#define PEN_SCENE_INTERNAL_SIMPLE_LOOP_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "scene/internal/orient.h"
 
-struct pen_sweep_result {
+struct pen_simple_loop_result {
     bool simple;
     uint32_t edge[2]; /* if not: two edges, by their first vertex, that meet where they must not */
 };
@@ -16,7 +16,7 @@ struct pen_sweep_result {
 /* Edge i runs from point i to point i + 1, the last one back to point 0. Points are distinct and
  * `order` lists them in the order of pen_flat_compare. Returns false when out of memory.
  * Cost: O(n log n). */
-bool pen_sweep_loop(const struct pen_flat_point *points, const uint32_t *order, uint32_t count,
-                    struct pen_sweep_result *result);
+bool pen_check_simple_loop(const struct pen_flat_point *points, const uint32_t *order,
+                           uint32_t count, struct pen_simple_loop_result *result);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The bodies of the methods; the including file gives PRICE_VARIANT, the variant's name. Plain
+/* The primitives of the methods; the including file gives PRICE_VARIANT, the variant's name. Plain
  * tests are the textbook's: Moeller and Trumbore for triangles ("Fast, minimum storage ray/triangle
- * intersection", 1997), b^2 - a c for round bodies, the plane and then crossings of its projected
- * outline for polygons. */
+ * intersection", 1997), b^2 - a c for round primitives, the plane and then intersections of its
+ * projected outline for polygons. */
 #include "property/price_methods.h"
 
 typedef struct pen_vec3 vec3;
@@ -12,11 +12,11 @@ static inline double nearer(double t, double best)
     return t > 0 && t < best ? t : best;
 }
 
-#define EACH(set, kind, body)                                                                      \
+#define EACH(set, kind, prim)                                                                      \
     double best = INFINITY, t;                                                                     \
     const struct world *w = &(set)->world[kind];                                                   \
     for (uint32_t i = 0; i < PRICE_PRIMS; i++) {                                                   \
-        body                                                                                       \
+        prim                                                                                       \
     }                                                                                              \
     return best;
 
@@ -48,15 +48,16 @@ static double robust_tube(const struct price_set *set, const struct pen_ray *ray
 {
     double r[2];
     bool parallel;
-    EACH(set, PEN_PRIM_TUBE, (void)t; if (pen_round_roots(&w->tube[i].round, ray, r, &parallel))
-                                          best = nearer(r[0] > 0 ? r[0] : r[1], best);)
+    EACH(set, PEN_PRIM_INFINITE_CYLINDER, (void)t;
+         if (pen_cylinder_side_roots(&w->infinite_cylinder[i].round, ray, r, &parallel)) best =
+             nearer(r[0] > 0 ? r[0] : r[1], best);)
 }
 
 static double robust_cylinder(const struct price_set *set, const struct pen_ray *ray)
 {
-    struct pen_inside in;
-    EACH(set, PEN_PRIM_CYLINDER, (void)t; if (pen_cylinder_inside(&w->cylinder[i], ray, &in)) best =
-                                              nearer(in.lo > 0 ? in.lo : in.hi, best);)
+    struct pen_interval in;
+    EACH(set, PEN_PRIM_CYLINDER, (void)t; if (pen_cylinder_interval(&w->cylinder[i], ray, &in))
+                                              best = nearer(in.lo > 0 ? in.lo : in.hi, best);)
 }
 
 static double plain_triangle(const struct price_set *set, const struct pen_ray *ray)
@@ -190,7 +191,7 @@ static double float_tube(const struct price_set *set, const struct pen_ray *ray)
     return (double)best;
 }
 
-/* The side by the textbook, its crossings kept between the ends; then the discs. */
+/* The side by the textbook, its intersections kept between the ends; then the discs. */
 static double plain_cylinder(const struct price_set *set, const struct pen_ray *ray)
 {
     double best = INFINITY, dd = pen_dot(ray->d, ray->d);
@@ -256,7 +257,7 @@ static double float_plane(const struct price_set *set, const struct pen_ray *ray
     return (double)best;
 }
 
-/* The plane, then crossings of the outline without one coordinate. */
+/* The plane, then intersections of the outline without one coordinate. */
 static double plain_polygon(const struct price_set *set, const struct pen_ray *ray)
 {
     double best = INFINITY;

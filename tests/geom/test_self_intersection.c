@@ -10,7 +10,8 @@ static struct world world;
 
 static const double offsets[] = {0, 1e3, 1e6, 1e9}, radii[] = {1e-6, 1, 1e6};
 
-/* A convex round body of kind `kind` (0 sphere, 1 tube, 2 cylinder) as primitive 0. */
+/* A convex round primitive of kind `kind` (0 sphere, 1 infinite cylinder, 2 cylinder) as primitive
+ * 0. */
 static void make_round(struct random *r, int kind, double size, double far)
 {
     vec3 at = pen_scale(pen_vec3(1, -.5, .25), far);
@@ -33,17 +34,18 @@ static vec3 meet(struct random *r, double size, vec3 at, struct pen_hit *hit, ve
         struct pen_ray ray;
         if (!pen_ray_make(&ray, o, *v))
             continue;
-        struct pen_span span = {pen_after_start, INFINITY};
-        *hit = world_nearest(&world, &ray, &pen_leave_nothing, &span);
+        struct pen_t_interval interval = {pen_after_start, INFINITY};
+        *hit = world_nearest(&world, &ray, &pen_origin_none, &interval);
         if (hit->prim != PEN_NO_PRIM)
             return pen_prim_point(&world.prims, *hit, &ray);
     }
 }
 
-/* Where the ray from p comes out of body 0, in quad, p taken as being on the part. */
+/* Where the ray from p comes out of primitive 0, in quad, p taken as being on the part. */
 static quad way_out(int kind, struct pen_hit hit, vec3 p, vec3 d)
 {
-    const struct pen_round *s = kind == 1 ? &world.tube[0].round : &world.cylinder[0].round;
+    const struct pen_cylinder_side *s =
+        kind == 1 ? &world.infinite_cylinder[0].round : &world.cylinder[0].round;
     if (kind == 0) {
         struct quad3 f = quad_sub(quad3(p), quad3(world.sphere[0].c));
         return -2 * quad_dot(f, quad3(d)) / quad_dot(quad3(d), quad3(d));
@@ -66,8 +68,8 @@ static quad way_out(int kind, struct pen_hit hit, vec3 p, vec3 d)
     return chord < cap ? chord : cap;
 }
 
-/* H059, H061: no self-crossings outward, exactly one inward, to 4 ulp of -2 b / a. */
-START_TEST(test_leave__h059_h061_round_bodies)
+/* H059, H061: no self-intersections outward, exactly one inward, to 4 ulp of -2 b / a. */
+START_TEST(test_self_intersection__h059_h061_round_bodies)
 {
     struct random r = random_begin(59);
     int inward = 0;
@@ -83,9 +85,9 @@ START_TEST(test_leave__h059_h061_round_bodies)
             bool in = pen_dot(d, n) < 0;
             if (fabs(pen_dot(d, n)) < 1e-6)
                 continue;
-            struct pen_leave leave = world_leave(&world, hit, p, v, in);
+            struct pen_origin_surface origin = world_leave(&world, hit, p, v, in);
             struct pen_ray ray = world_ray(p, d);
-            int count = world_crossings(&world, &ray, &leave, INFINITY, again, 3);
+            int count = world_crossings(&world, &ray, &origin, INFINITY, again, 3);
             ck_assert_msg(count == in, "kind %d r %g at %g: %d crossings; seed %llu", kind, size,
                           far, count, (unsigned long long)r.seed);
             inward += in;
@@ -104,8 +106,8 @@ START_TEST(test_leave__h059_h061_round_bodies)
 }
 END_TEST
 
-/* H060: flat bodies never meet themselves, of any size. */
-START_TEST(test_leave__h060_flat_bodies)
+/* H060: flat primitives never meet themselves, of any size. */
+START_TEST(test_self_intersection__h060_flat_bodies)
 {
     struct random r = random_begin(60);
     for (int i = 0; i < 2000; i++) {
@@ -125,8 +127,8 @@ START_TEST(test_leave__h060_flat_bodies)
         vec3 from, p = meet(&r, size, pen_along(v[0], e, .5 * size), &hit, &from);
         for (int k = 0; k < 20; k++) {
             struct pen_ray ray = world_ray(p, random_direction(&r));
-            struct pen_leave leave = world_leave(&world, hit, p, from, k & 1);
-            ck_assert_int_eq(world_crossings(&world, &ray, &leave, INFINITY, NULL, 0), 0);
+            struct pen_origin_surface origin = world_leave(&world, hit, p, from, k & 1);
+            ck_assert_int_eq(world_crossings(&world, &ray, &origin, INFINITY, NULL, 0), 0);
         }
     }
 }
@@ -138,13 +140,13 @@ static bool blocked(uint32_t prim, vec3 eye, vec3 p, vec3 d)
     struct pen_hit on = {1, prim, PEN_PART_SIDE};
     vec3 n = pen_prim_normal(&world.prims, on, p), v = pen_sub(p, eye);
     bool through = (pen_dot(n, d) > 0) != (pen_dot(n, v) < 0);
-    struct pen_leave leave = world_leave(&world, on, p, v, through);
+    struct pen_origin_surface origin = world_leave(&world, on, p, v, through);
     struct pen_ray ray = world_ray(p, d);
-    return world_crossings(&world, &ray, &leave, INFINITY, NULL, 0) > 0;
+    return world_crossings(&world, &ray, &origin, INFINITY, NULL, 0) > 0;
 }
 
 /* H062: two triangles at 10^-k rad; from one, into the wedge, the other is met. */
-START_TEST(test_leave__h062_dihedral)
+START_TEST(test_self_intersection__h062_dihedral)
 {
     int smallest = 0;
     for (int k = 0; k <= 14; k++) {
@@ -169,7 +171,7 @@ START_TEST(test_leave__h062_dihedral)
 END_TEST
 
 /* H063: an opaque sphere inside a glass one, with gaps down to 64u. */
-START_TEST(test_leave__h063_thin_shell)
+START_TEST(test_self_intersection__h063_thin_shell)
 {
     static const double gaps[] = {4e-5, 1e-8, 1e-12, 64 * PEN_U};
     struct random r = random_begin(63);
@@ -181,21 +183,21 @@ START_TEST(test_leave__h063_thin_shell)
             vec3 u = random_direction(&r), o = pen_scale(u, 3), v = pen_sub(random_vec(&r, .5), o);
             struct pen_ray ray = world_ray(o, v);
             struct pen_hit hit[4];
-            int n = world_crossings(&world, &ray, &pen_leave_nothing, INFINITY, hit, 4);
+            int n = world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 4);
             ck_assert(n == 4 && hit[0].prim == 1 && hit[1].prim == 0);
             /* Bent into the glass: the inner sphere is next. */
             vec3 p = pen_prim_point(&world.prims, hit[0], &ray);
             vec3 d = pen_along(pen_normalize(v), random_direction(&r), .1);
-            struct pen_leave leave = world_leave(&world, hit[0], p, v, true);
+            struct pen_origin_surface origin = world_leave(&world, hit[0], p, v, true);
             struct pen_ray bent = world_ray(p, d);
-            n = world_crossings(&world, &bent, &leave, INFINITY, hit, 4);
+            n = world_crossings(&world, &bent, &origin, INFINITY, hit, 4);
             ck_assert_msg(n == 3 && hit[0].prim == 0, "gap %g: %d", gaps[g], n);
             /* From the inner one outward: the glass is met, and nothing else. */
             p = pen_prim_point(&world.prims, hit[0], &bent);
-            leave = world_leave(&world, hit[0], p, d, false);
+            origin = world_leave(&world, hit[0], p, d, false);
             bent = world_ray(
                 p, pen_along(pen_sphere_normal(&world.sphere[0], p), random_direction(&r), .9));
-            n = world_crossings(&world, &bent, &leave, INFINITY, hit, 4);
+            n = world_crossings(&world, &bent, &origin, INFINITY, hit, 4);
             ck_assert_msg(n == 1 && hit[0].prim == 1, "gap %g: %d outward", gaps[g], n);
         }
     }
@@ -205,9 +207,9 @@ END_TEST
 static const vec3 square[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
 static const vec3 turned[4] = {{-1, 1, 0}, {1, 1, 0}, {1, -1, 0}, {-1, -1, 0}};
 
-/* H068, H069: of coincident bodies the first in the document is met, and from it the other is
+/* H068, H069: of coincident primitives the first in the document is met, and from it the other is
  * neither met on the near side nor crossed again on the way through. */
-START_TEST(test_leave__h068_h069_coincident)
+START_TEST(test_self_intersection__h068_h069_coincident)
 {
     struct random r = random_begin(68);
     for (int i = 0; i < 10000; i++) {
@@ -234,9 +236,9 @@ START_TEST(test_leave__h068_h069_coincident)
         ck_assert_uint_eq(hit.prim, 0);
         vec3 n = pen_prim_normal(&world.prims, hit, p);
         bool through = (pen_dot(n, d) > 0) != (pen_dot(n, v) < 0);
-        struct pen_leave leave = world_leave(&world, hit, p, v, through);
+        struct pen_origin_surface origin = world_leave(&world, hit, p, v, through);
         struct pen_ray ray = world_ray(p, d);
-        int count = world_crossings(&world, &ray, &leave, INFINITY, next, 5);
+        int count = world_crossings(&world, &ray, &origin, INFINITY, next, 5);
         bool in = kind > 1 && pen_dot(n, d) < 0;
         ck_assert_msg(count == (in ? 2 : 0), "kind %d: %d crossings %s; seed %llu", kind, count,
                       in ? "inward" : "outward", (unsigned long long)r.seed);
@@ -247,14 +249,14 @@ START_TEST(test_leave__h068_h069_coincident)
 END_TEST
 
 /* H071: spheres that touch in a point. */
-START_TEST(test_leave__h071_touching_spheres)
+START_TEST(test_self_intersection__h071_touching_spheres)
 {
     struct pen_hit hit[5];
     world_clear(&world);
     world_sphere(&world, pen_vec3(1, 0, 0), 1);
     world_sphere(&world, pen_vec3(-1, 0, 0), 1);
     struct pen_ray ray = world_ray(pen_vec3(-3, 0, 0), pen_vec3(1, 0, 0));
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_leave_nothing, INFINITY, hit, 5), 4);
+    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 5), 4);
     ck_assert(hit[0].t == 1 && hit[1].t == 3 && hit[2].t == 3 && hit[3].t == 5);
     ck_assert(hit[1].prim == 0 && hit[2].prim == 1);
     ck_assert_int_eq(world_count(&world, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0)), 0);
@@ -275,7 +277,7 @@ static vec3 on_face(struct random *r, int f)
 
 /* From outside a box, at faces, edges and corners alike, nothing of it is in the way of a ray that
  * leaves the face outward, wherever it is seen from; on flush neighbours neither. */
-START_TEST(test_leave__convex_edges_and_seams_cast_no_shadow)
+START_TEST(test_self_intersection__convex_edges_and_seams_cast_no_shadow)
 {
     struct random r = random_begin(65);
     for (int i = 0; i < 20000; i++) {
@@ -297,7 +299,7 @@ END_TEST
 
 /* H065: a box that stands on the floor: from the floor at its foot, rays into it are stopped, and
  * rays away from it are free. The foot of the left side is x = 0. */
-START_TEST(test_leave__h065_resting_box)
+START_TEST(test_self_intersection__h065_resting_box)
 {
     struct random r = random_begin(66);
     for (int i = 0; i < 10000; i++) {
@@ -320,7 +322,7 @@ END_TEST
 
 /* In the corner of a room, exactly on a wall's foot and beside it, walls stop rays; from the sides
  * that face the room nothing is in the way of rays back into it. */
-START_TEST(test_leave__corners_stop_rays)
+START_TEST(test_self_intersection__corners_stop_rays)
 {
     struct random r = random_begin(67);
     for (int i = 0; i < 10000; i++) {
@@ -345,7 +347,9 @@ START_TEST(test_leave__corners_stop_rays)
 }
 END_TEST
 
-PEN_SUITE("leave", test_leave__h059_h061_round_bodies, test_leave__h060_flat_bodies,
-          test_leave__h062_dihedral, test_leave__h063_thin_shell, test_leave__h068_h069_coincident,
-          test_leave__h071_touching_spheres, test_leave__convex_edges_and_seams_cast_no_shadow,
-          test_leave__h065_resting_box, test_leave__corners_stop_rays)
+PEN_SUITE("leave", test_self_intersection__h059_h061_round_bodies,
+          test_self_intersection__h060_flat_bodies, test_self_intersection__h062_dihedral,
+          test_self_intersection__h063_thin_shell, test_self_intersection__h068_h069_coincident,
+          test_self_intersection__h071_touching_spheres,
+          test_self_intersection__convex_edges_and_seams_cast_no_shadow,
+          test_self_intersection__h065_resting_box, test_self_intersection__corners_stop_rays)

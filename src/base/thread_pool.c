@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The pool: threads that sleep until there is a run, and take part in it if their number is among
- * those asked for. What a run writes is seen by whoever called it: its end is under the lock. */
-#include "render/internal/pool.h"
+/* Threads sleep until a run begins, and take part in it if their index is below the number of
+ * threads that the run wants. The run ends under the lock, so its caller sees everything that it
+ * wrote. */
+#include "base/thread_pool.h"
 
 #include <fenv.h>
 #include <pthread.h>
@@ -12,34 +13,34 @@
 
 struct thread {
     pthread_t id;
-    struct pen_pool *pool;
+    struct pen_thread_pool *pool;
     int index;
 };
 
-struct pen_pool {
-    int count; /* threads that run; fixed once pen_pool_new has returned */
+struct pen_thread_pool {
+    int count; /* threads that run; fixed once pen_thread_pool_new has returned */
     struct thread *threads;
     pthread_mutex_t lock;
     pthread_cond_t wake; /* a run has begun, or `stop` is set */
     pthread_cond_t idle; /* busy has become 0 */
     /* Guarded by lock. */
     bool stop;
-    unsigned run; /* number of runs begun */
-    int asked;    /* threads that take part in the run */
-    int busy;     /* of those, how many have not returned */
-    int strange;  /* and how many had another floating-point state than the default */
-    pen_pool_work *work;
+    unsigned run;      /* number of runs begun */
+    int wanted;        /* threads that take part in the run */
+    int busy;          /* of those, how many have not returned */
+    int changed_state; /* and how many had a floating-point state that is not the default */
+    pen_thread_pool_work *work;
     void *user;
 };
 
 /* Waits for the next run that this thread takes part in; false when the pool ends. */
 static bool next_run(struct thread *thread, unsigned *seen)
 {
-    struct pen_pool *pool = thread->pool;
+    struct pen_thread_pool *pool = thread->pool;
     while (!pool->stop) {
         if (*seen != pool->run) {
             *seen = pool->run;
-            if (thread->index < pool->asked)
+            if (thread->index < pool->wanted)
                 return true;
             continue;
         }
@@ -51,19 +52,19 @@ static bool next_run(struct thread *thread, unsigned *seen)
 static void *thread_main(void *argument)
 {
     struct thread *thread = argument;
-    struct pen_pool *pool = thread->pool;
+    struct pen_thread_pool *pool = thread->pool;
     unsigned seen = 0;
     pthread_mutex_lock(&pool->lock);
     while (next_run(thread, &seen)) {
         pthread_mutex_unlock(&pool->lock);
-        /* A thread inherits the state of whoever made it, and a library may have changed it since:
-         * flushed subnormals or another rounding would be another picture. */
-        bool strange = !pen_float_is_default();
+        /* A thread inherits its creator's floating-point state, and a library may have changed it
+         * since. Flushed subnormals or another rounding would give another picture. */
+        bool changed_state = !pen_float_is_default();
         fesetenv(FE_DFL_ENV);
         pool->work(pool->user, thread->index);
-        strange = strange || !pen_float_is_default();
+        changed_state = changed_state || !pen_float_is_default();
         pthread_mutex_lock(&pool->lock);
-        pool->strange += strange;
+        pool->changed_state += changed_state;
         if (--pool->busy == 0)
             pthread_cond_signal(&pool->idle);
     }
@@ -71,7 +72,7 @@ static void *thread_main(void *argument)
     return NULL;
 }
 
-static bool start_threads(struct pen_pool *pool, int threads, struct pen_status *st)
+static bool start_threads(struct pen_thread_pool *pool, int threads, struct pen_status *st)
 {
     for (int i = 0; i < threads; i++) {
         struct thread *thread = &pool->threads[i];
@@ -85,11 +86,11 @@ static bool start_threads(struct pen_pool *pool, int threads, struct pen_status 
     return true;
 }
 
-struct pen_pool *pen_pool_new(int threads, struct pen_status *st)
+struct pen_thread_pool *pen_thread_pool_new(int threads, struct pen_status *st)
 {
     if (threads <= 0)
         threads = pen_cpu_count();
-    struct pen_pool *pool = calloc(1, sizeof *pool);
+    struct pen_thread_pool *pool = calloc(1, sizeof *pool);
     if (pool)
         pool->threads = calloc((size_t)threads, sizeof *pool->threads);
     if (!pool || !pool->threads) {
@@ -102,11 +103,11 @@ struct pen_pool *pen_pool_new(int threads, struct pen_status *st)
     pthread_cond_init(&pool->idle, NULL);
     if (start_threads(pool, threads, st))
         return pool;
-    pen_pool_free(pool);
+    pen_thread_pool_free(pool);
     return NULL;
 }
 
-void pen_pool_free(struct pen_pool *pool)
+void pen_thread_pool_free(struct pen_thread_pool *pool)
 {
     if (!pool)
         return;
@@ -123,23 +124,24 @@ void pen_pool_free(struct pen_pool *pool)
     free(pool);
 }
 
-int pen_pool_threads(const struct pen_pool *pool)
+int pen_thread_pool_size(const struct pen_thread_pool *pool)
 {
     return pool->count;
 }
 
-int pen_pool_run(struct pen_pool *pool, int threads, pen_pool_work *work, void *user)
+int pen_thread_pool_run(struct pen_thread_pool *pool, int threads, pen_thread_pool_work *work,
+                        void *user)
 {
     pthread_mutex_lock(&pool->lock);
     pool->work = work;
     pool->user = user;
-    pool->asked = pool->busy = threads;
-    pool->strange = 0;
+    pool->wanted = pool->busy = threads;
+    pool->changed_state = 0;
     pool->run++;
     pthread_cond_broadcast(&pool->wake);
     while (pool->busy > 0)
         pthread_cond_wait(&pool->idle, &pool->lock);
-    int strange = pool->strange;
+    int changed_state = pool->changed_state;
     pthread_mutex_unlock(&pool->lock);
-    return strange;
+    return changed_state;
 }

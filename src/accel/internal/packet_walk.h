@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+/* Finds the primitives that some ray of a packet may meet. A box is left out if it is off the box
+ * around all rays, or beyond one of four planes through the origin that hold the cone between them;
+ * both are widened by the packet's delta and by what floats round. */
+#ifndef PEN_ACCEL_INTERNAL_PACKET_WALK_H
+#define PEN_ACCEL_INTERNAL_PACKET_WALK_H
+
+#include "accel/internal/packet_prepare.h"
+#include "accel/internal/traverse.h"
+
+/* A plane through the origin: boxes with n.x > off for all their points are beyond it. */
+struct fan_plane {
+    float n[3], off;
+    int row[3]; /* of struct pen_node's planes: the end of the box that is least along n */
+};
+
+struct fan_box {
+    float lo[3], hi[3];
+    struct fan_plane plane[4];
+};
+
+static inline void fan_box_axis(struct fan_box *box, int axis,
+                                const struct pen_shadow_packet *packet)
+{
+    double o = pen_component(packet->o, axis), c = pen_component(packet->c, axis);
+    double u = pen_component(packet->u, axis), v = pen_component(packet->v, axis);
+    double half = sqrt(u * u + v * v), low = c - half, high = c + half;
+    if (!packet->to_point) {
+        low = low < 0 ? -INFINITY : 0;
+        high = high > 0 ? INFINITY : 0;
+    }
+    double margin = packet->delta + 0x1p-40 * (fabs(o) + packet->reach);
+    box->lo[axis] = pen_float_down(o + (low < 0 ? low : 0) - margin);
+    box->hi[axis] = pen_float_up(o + (high > 0 ? high : 0) + margin);
+}
+
+static inline struct fan_plane fan_plane_of(const struct pen_shadow_packet *packet,
+                                            struct pen_vec3 across)
+{
+    struct pen_vec3 n =
+        pen_along(pen_scale(across, packet->slope_cos), packet->l, -packet->slope_sin);
+    struct fan_plane plane;
+    for (int axis = 0; axis < 3; axis++) {
+        plane.n[axis] = pen_float_near(pen_component(n, axis));
+        plane.row[axis] = axis + (plane.n[axis] < 0 ? 3 : 0);
+    }
+    plane.off =
+        pen_float_up(pen_dot(n, packet->o) + packet->delta + 0x1p-22 * pen_norm1(packet->o));
+    return plane;
+}
+
+static inline void fan_box_make(struct fan_box *box, const struct pen_shadow_packet *packet)
+{
+    double radius = pen_length(packet->u), inv = radius > 0 ? 1 / radius : 0;
+    struct pen_vec3 u = pen_scale(packet->u, inv), v = pen_scale(packet->v, inv);
+    for (int axis = 0; axis < 3; axis++)
+        fan_box_axis(box, axis, packet);
+    box->plane[0] = fan_plane_of(packet, u);
+    box->plane[1] = fan_plane_of(packet, pen_neg(u));
+    box->plane[2] = fan_plane_of(packet, v);
+    box->plane[3] = fan_plane_of(packet, pen_neg(v));
+}
+
+/* The node's boxes that the packet may enter. */
+static inline unsigned fan_enter(const struct pen_node *node, const struct fan_box *box)
+{
+    mask8 in = {-1, -1, -1, -1, -1, -1, -1, -1};
+    for (int axis = 0; axis < 3; axis++) {
+        const float8 *lo = (const float8 *)node->plane[axis];
+        const float8 *hi = (const float8 *)node->plane[axis + 3];
+        in &= (*lo <= box->hi[axis]) & (*hi >= box->lo[axis]);
+    }
+    for (int i = 0; i < 4; i++) {
+        const struct fan_plane *plane = &box->plane[i];
+        float8 x = *(const float8 *)node->plane[plane->row[0]];
+        float8 y = *(const float8 *)node->plane[plane->row[1]];
+        float8 z = *(const float8 *)node->plane[plane->row[2]];
+        float8 least = plane->n[0] * x + plane->n[1] * y + plane->n[2] * z;
+        in &= least - 0x1p-20f * (ABS8(x) + ABS8(y) + ABS8(z)) <= plane->off;
+    }
+    return mask8_bits(&in);
+}
+
+/* Adds a primitive's candidate. False if that ends the search. */
+static inline bool fan_add(const struct pen_accel *accel, struct pen_shadow_packet *packet,
+                           uint32_t prim, enum pen_packet_visibility *fate)
+{
+    enum pen_candidate_verdict say =
+        pen_candidate_make(packet, accel->prims, prim, &packet->candidate[packet->candidate_count]);
+    if (say == PEN_CANDIDATE_NEVER)
+        return true;
+    if (say == PEN_CANDIDATE_ALWAYS) {
+        packet->last_occluder = prim;
+        *fate = PEN_PACKET_ALL_OCCLUDED;
+        return false;
+    }
+    if (!packet->candidate[packet->candidate_count].opaque &&
+        packet->transmissive_count < PEN_PACKET_TRANSMISSIVE)
+        packet->transmissive[packet->transmissive_count++] = (uint8_t)packet->candidate_count;
+    else if (!packet->candidate[packet->candidate_count].opaque)
+        packet->candidate[packet->candidate_count].kind = PEN_CANDIDATE_FALLBACK;
+    if (++packet->candidate_count < PEN_PACKET_CANDIDATES)
+        return true;
+    *fate = PEN_PACKET_NOT_POSSIBLE;
+    return false;
+}
+
+static inline bool fan_add_leaf(const struct pen_accel *accel, struct pen_shadow_packet *packet,
+                                uint32_t first, enum pen_packet_visibility *fate)
+{
+    for (const uint32_t *item = &accel->items[first];; item++) {
+        const uint32_t *prim = block_prims(accel, *item);
+        for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
+            if (!fan_add(accel, packet, prim[lane], fate))
+                return false;
+        }
+        if (*item & PEN_ITEM_LAST)
+            return true;
+    }
+}
+
+static inline void fan_search(const struct pen_accel *accel, struct pen_shadow_packet *packet,
+                              enum pen_packet_visibility *fate)
+{
+    uint32_t stack[(PEN_WIDE - 1) * PEN_MAX_DEPTH + 1];
+    int top = 0;
+    struct fan_box box;
+    fan_box_make(&box, packet);
+    stack[top++] = 0;
+    while (top > 0) {
+        const struct pen_node *node = &accel->nodes[stack[--top]];
+        for (unsigned mask = fan_enter(node, &box); mask; mask &= mask - 1) {
+            uint32_t child = node->child[__builtin_ctz(mask)];
+            if (!(child & PEN_CHILD_LEAF))
+                stack[top++] = child;
+            else if (!fan_add_leaf(accel, packet, child & ~PEN_CHILD_LEAF, fate))
+                return;
+        }
+    }
+}
+
+/* Whether the primitive that shut the last packet shuts this one too. */
+static inline bool fan_shut_again(const struct pen_accel *accel, struct pen_shadow_packet *packet)
+{
+    uint32_t last = packet->last_occluder;
+    if (last >= accel->prims->count)
+        return false;
+    packet->last_occluder = PEN_NO_PRIM;
+    if (pen_candidate_make(packet, accel->prims, last, &packet->candidate[0]) !=
+        PEN_CANDIDATE_ALWAYS)
+        return false;
+    packet->last_occluder = last;
+    return true;
+}
+
+static enum pen_packet_visibility packet_begin(const struct pen_accel *accel,
+                                               struct pen_shadow_packet *packet)
+{
+    enum pen_packet_visibility fate = PEN_PACKET_ALL_VISIBLE;
+    if (accel->stats.kind != PEN_ACCEL_AUTO || !pen_packet_prepare(packet, accel->scale))
+        return PEN_PACKET_NOT_POSSIBLE;
+    if (fan_shut_again(accel, packet))
+        return PEN_PACKET_ALL_OCCLUDED;
+    if (fan_add_leaf(accel, packet, accel->infinite, &fate) &&
+        (!accel->list || fan_add_leaf(accel, packet, accel->list, &fate)) &&
+        accel->shape == PEN_SHAPE_WIDE)
+        fan_search(accel, packet, &fate);
+    return fate == PEN_PACKET_ALL_VISIBLE && packet->candidate_count > 0 ? PEN_PACKET_MIXED : fate;
+}
+
+#endif

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/* A pool of threads that run one function together: the render threads, and whatever else wants to
+ * use all cores at once.
+ *
+ * Threads: one run at a time per pool. Each thread's floating-point unit is in its default state
+ * during a run (round to nearest, gradual underflow, no traps), whatever the thread that made the
+ * pool had set: another rounding would give another picture. */
+#ifndef PEN_BASE_THREAD_POOL_H
+#define PEN_BASE_THREAD_POOL_H
+
+#include "base/status.h"
+
+struct pen_thread_pool;
+
+/* Starts exactly `threads` threads (0: one per processor), kept for the pool's lifetime.
+ * Owns: free with pen_thread_pool_free. Fails: NULL; PEN_NO_MEMORY. */
+struct pen_thread_pool *pen_thread_pool_new(int threads, struct pen_status *st);
+void pen_thread_pool_free(struct pen_thread_pool *pool);
+
+/* The number of threads. */
+int pen_thread_pool_size(const struct pen_thread_pool *pool);
+
+/* The work of one thread; `index` counts the threads of this run from 0. */
+typedef void pen_thread_pool_work(void *user, int index);
+
+/* Calls work(user, 0 .. threads - 1), each on a thread of its own, and returns when all have
+ * returned. threads is 1 .. pen_thread_pool_size(pool).
+ * Returns the number of threads whose floating-point state was not the default before the run, when
+ * it is reset, or after it, when something in the run has changed it. */
+int pen_thread_pool_run(struct pen_thread_pool *pool, int threads, pen_thread_pool_work *work,
+                        void *user);
+
+#endif

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/* Infinite infinite cylinders: cylinders without ends. Outward is away from the axis. Everything
+ * happens in the plane across the axis, reached by cross products with differences of products, so
+ * neither thin infinite cylinders nor rays nearly along the axis lose digits. */
+#ifndef PEN_GEOM_INFINITE_CYLINDER_H
+#define PEN_GEOM_INFINITE_CYLINDER_H
+
+#include "geom/ray.h"
+#include "math/box.h"
+
+/* The round side that infinite cylinders and capped cylinders share. */
+struct pen_cylinder_side {
+    struct pen_vec3 q; /* a point of the axis */
+    struct pen_vec3
+        a; /* along the axis: as given, times a power of two, largest part in [1/2, 1) */
+    double r;
+    double rr, rr_low; /* (r |a|)^2, to twice the precision */
+    double length;     /* |a| */
+};
+
+struct pen_infinite_cylinder {
+    struct pen_cylinder_side round; /* q is the point given, which is exact */
+    struct pen_vec3 near;           /* the point of the axis nearest the origin, rounded */
+};
+
+/* Fails: returns false if an argument is not finite, the axis is zero, or r is not in
+ * 2^-400 ... 2^400. */
+bool pen_infinite_cylinder_make(struct pen_infinite_cylinder *infinite_cylinder,
+                                struct pen_vec3 origin, struct pen_vec3 axis, double r);
+
+/* (p - q) x a: across the axis, turned by a right angle, times |a|. p - q is taken exactly, so
+ * the distance from q along the axis does not matter. */
+static inline struct pen_vec3 pen_axis_across(struct pen_vec3 p, struct pen_vec3 q,
+                                              struct pen_vec3 a)
+{
+    struct pen_vec3 f = pen_sub(p, q), low = pen_difference_error3(p, q, f);
+    struct pen_vec3 rest =
+        pen_vec3(low.y * a.z - low.z * a.y, low.z * a.x - low.x * a.z, low.x * a.y - low.y * a.x);
+    return pen_add(pen_cross(f, a), rest);
+}
+
+static inline struct pen_vec3 pen_cylinder_side_across(const struct pen_cylinder_side *s,
+                                                       struct pen_vec3 p)
+{
+    return pen_axis_across(p, s->q, s->a);
+}
+
+/* As pen_sphere_refine. */
+void pen_cylinder_side_refine(const struct pen_cylinder_side *s, const struct pen_ray *ray,
+                              double t[2]);
+
+/* The two intersections of the ray's line with the endless side, t[0] < t[1]; false if there are
+ * none. Tangents and parallels are misses; *parallel tells them apart. As for spheres, in the
+ * plane across the axis. */
+static inline bool pen_cylinder_side_roots(const struct pen_cylinder_side *s,
+                                           const struct pen_ray *ray, double t[2], bool *parallel)
+{
+    struct pen_vec3 q = pen_permuted(ray, &s->q), a = pen_permuted(ray, &s->a);
+    struct pen_vec3 m = pen_cross(ray->permuted_d, a);
+    struct pen_vec3 n = pen_axis_across(ray->permuted_o, q, a);
+    double mm = pen_dot(m, m), inv = 1.0 / mm;
+    double tp = -pen_dot(m, n) * inv;
+    struct pen_vec3 l = pen_along_once(n, m, tp);
+    double rest = -pen_dot(l, m) * inv;
+    double disc = (s->rr - pen_dot(l, l)) + s->rr_low;
+    double h = sqrt(disc * inv); /* NaN for a miss */
+    t[0] = tp + (rest - h);
+    t[1] = tp + (rest + h);
+    if (fabs(fabs(tp) - h) < PEN_NEAR * h || fabs(disc) < PEN_GRAZING * s->rr)
+        pen_cylinder_side_refine(s, ray, t);
+    *parallel = mm == 0;
+    return t[0] < t[1];
+}
+
+/* Whether p is on the endless side, up to `bound` (which includes the primitive's own rounding). */
+static inline bool pen_cylinder_side_touches(const struct pen_cylinder_side *s, struct pen_vec3 p,
+                                             double bound)
+{
+    struct pen_vec3 n = pen_cylinder_side_across(s, p);
+    return fabs(pen_dot(n, n) - s->rr) <= 2 * s->r * bound * (s->length * s->length);
+}
+
+/* The infinite cylinder's own rounding. */
+static inline double
+pen_infinite_cylinder_rounding(const struct pen_infinite_cylinder *infinite_cylinder)
+{
+    return 8 * PEN_U * (infinite_cylinder->round.r + pen_norm1(infinite_cylinder->near));
+}
+
+/* The other intersection of a ray whose origin is on the side by identity; 0 if parallel. */
+double pen_cylinder_side_chord(const struct pen_cylinder_side *s, const struct pen_ray *ray);
+
+/* Whether pen_cylinder_side_chord is certainly not positive, for less than it costs. Its sign is
+ * that of
+ * -(d x a).(f x a) = (d.a)(f.a) - (d.f)(a.a), by Lagrange, and |a|^2 < 3. */
+static inline bool pen_cylinder_side_outward(const struct pen_cylinder_side *s,
+                                             const struct pen_ray *ray)
+{
+    struct pen_vec3 f = pen_sub(ray->o, s->q), d = ray->d, a = s->a;
+    double outward = pen_dot(d, f) * pen_dot(a, a) - pen_dot(d, a) * pen_dot(f, a);
+    return outward > 0x1p-40 * (pen_norm1(f) * pen_norm1(d));
+}
+
+/* Whether p is inside the endless side, off its surface. */
+bool pen_cylinder_side_contains(const struct pen_cylinder_side *s, struct pen_vec3 p);
+
+/* Unit normal of the side at p. On the axis, where there is none, some unit vector across it. */
+struct pen_vec3 pen_cylinder_side_normal(const struct pen_cylinder_side *s, struct pen_vec3 p);
+
+/* The point of the side nearest p. */
+struct pen_vec3 pen_cylinder_side_project(const struct pen_cylinder_side *s, struct pen_vec3 p);
+
+#endif
