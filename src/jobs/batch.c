@@ -8,8 +8,9 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/memory.h"
+#include "io/figures.h"
 #include "jobs/internal/stats.h"
-#include "study/figures.h"
 
 static double ms_since(int64_t begin_ns)
 {
@@ -252,7 +253,7 @@ bool pen_batch_do(struct pen_batch_room *room, const struct pen_claim *claim,
                   struct pen_batch_work *work, struct pen_status *st)
 {
     *work = (struct pen_batch_work){0};
-    pen_peak_reset();
+    pen_memory_peak_reset();
     bool ok = load_plan(room, claim, st);
     if (ok && claim->kind == PEN_BATCH_STUDY)
         ok = pen_batch_study(room, claim, work, st);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/settings_json.h"
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/request.h"
 

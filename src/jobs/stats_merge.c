@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/figures.h"
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/stats.h"
-#include "study/figures.h"
 
 struct sum {
     double parse_ms, build_ms, render_ms, encode_ms, store_ms, cpu_ms;
@@ -19,7 +19,7 @@ struct sum {
     int threads;
     int64_t peak_bytes;
     uint64_t tile_count;
-    struct pen_weighted *times;
+    struct pen_weighted_time *times;
     size_t time_count, time_capacity;
     json_t *accelerator, *kernel, *effects, *host; /* of the last batch that has them; owned */
     json_t *precision;                             /* of the view that has the least; owned */
@@ -69,7 +69,7 @@ static bool reserve_times(struct sum *sum, size_t more)
     if (needed <= sum->time_capacity)
         return true;
     size_t capacity = needed + needed / 2;
-    struct pen_weighted *times = realloc(sum->times, capacity * sizeof *times);
+    struct pen_weighted_time *times = realloc(sum->times, capacity * sizeof *times);
     if (!times)
         return !(sum->no_memory = true);
     sum->times = times;
@@ -86,7 +86,7 @@ static void add_tiles(struct sum *sum, const json_t *stats)
     if (n == 0 || !reserve_times(sum, n))
         return;
     for (size_t i = 0; i < n; i++)
-        sum->times[sum->time_count++] = (struct pen_weighted){
+        sum->times[sum->time_count++] = (struct pen_weighted_time){
             json_number_value(json_array_get(list, i)), (double)tiles / (double)n};
 }
 

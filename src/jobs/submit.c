@@ -5,11 +5,12 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "io/figures.h"
+#include "io/settings_json.h"
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/plan.h"
 #include "jobs/internal/request.h"
 #include "scene/scene.h"
-#include "study/figures.h"
 
 enum { KEY_BYTES_MAX = 255 };
 

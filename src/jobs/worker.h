@@ -4,14 +4,12 @@
 #ifndef PEN_JOBS_WORKER_H
 #define PEN_JOBS_WORKER_H
 
-#include <jansson.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 
 #include "base/status.h"
 #include "jobs/trace.h"
 #include "render/render.h"
-#include "scene/precision.h"
 #include "scene/scene.h"
 #include "store/store.h"
 
@@ -47,15 +45,5 @@ struct pen_worker_options {
  */
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st);
-
-/* The timing and rays of one render, as both the worker and `penumbra render --stats` report
- * them: the statistics object of http-api.md. */
-struct pen_stats_input {
-    double queue_ms, parse_ms, build_ms, encode_ms, store_ms, total_ms;
-    const struct pen_render_stats *render;
-    const struct pen_accel_stats *accel;
-    const struct pen_scene_precision *precision; /* of the view; NULL: not known */
-};
-json_t *pen_stats_json(const struct pen_stats_input *in);
 
 #endif

@@ -2,8 +2,8 @@
 /* The report of a benchmark as JSON, from which all other forms are made. */
 #include "base/clock.h"
 #include "base/cpu.h"
+#include "io/figures.h"
 #include "study/bench.h"
-#include "study/figures.h"
 
 /* A sentence for the reader of a report. Returns false when out of memory. */
 static bool add_note(json_t *notes, json_t *text)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/stats_json.h"
 #include "support/jobs.h"
 #include "support/suite.h"
 

@@ -13,7 +13,7 @@
 #include "cmd/output.h"
 #include "cmd/report.h"
 #include "film/film.h"
-#include "jobs/worker.h"
+#include "io/stats_json.h"
 #include "render/render.h"
 #include "scene/scene.h"
 

@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "film/encode.h"
 #include "film/film.h"
+#include "io/json_build.h"
 #include "jobs/jobs.h"
 #include "scene/settings.h"
 
@@ -16,11 +17,6 @@ struct pen_jobs {
 
 /* How JSON is written wherever it is stored: every double reads back as itself. */
 #define PEN_JSON_STORED (JSON_COMPACT | JSON_REAL_PRECISION(17))
-
-/* json.c: a list, if it came to hold `count` values, and an object with one more member. They take
- * their arguments; NULL if one is NULL or memory ran out, so a chain is checked at its end. */
-json_t *pen_json_all(json_t *list, size_t count);
-json_t *pen_json_with(json_t *object, const char *key, json_t *value);
 
 /* ids.c: a new UUIDv7 (RFC 9562) for a time; SHA-256. pen_ids_init must have been called. */
 bool pen_ids_init(struct pen_status *st);
@@ -39,10 +35,6 @@ void pen_etag_make(const void *data, size_t bytes, char out[72]);
 
 /* problems.c: {pointer, detail}, or {line, column, detail} where the text has lines. */
 json_t *pen_problem_place(const struct pen_status *st);
-
-/* settings_json.c: settings as a `render` object that pen_settings_read takes back. Owns: the
- * caller json_decref()s. Fails: NULL when out of memory. */
-json_t *pen_settings_json(const struct pen_settings *settings);
 
 /* job_json.c: the job object of http-api.md from a stored job. Fails: PEN_STORAGE (the stored
  * request is no JSON), PEN_NO_MEMORY. */

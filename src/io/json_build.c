@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Putting JSON together so that nothing is left out silently for want of memory. */
-#include "jobs/internal/jobs.h"
+#include "io/json_build.h"
 
 json_t *pen_json_all(json_t *list, size_t count)
 {

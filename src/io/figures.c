@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "study/figures.h"
+#include "io/figures.h"
 
 #include <math.h>
 
 #include "base/cpu.h"
+#include "io/json_build.h"
 
 json_t *pen_figure(double value)
 {
@@ -28,17 +29,6 @@ json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms)
     return pen_figure(render_ms > 0 ? (double)pen_figure_ray_sum(rays) / render_ms / 1000 : 0);
 }
 
-/* Adds a member; NULL when memory ran out. */
-static json_t *with(json_t *object, const char *key, json_t *value)
-{
-    if (object && json_object_set_new(object, key, value) == 0)
-        return object;
-    if (!object)
-        json_decref(value);
-    json_decref(object);
-    return NULL;
-}
-
 json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                                const struct pen_render_stats *stats)
 {
@@ -50,9 +40,9 @@ json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                   pen_figure(accel->sah_cost), "build_ms", pen_figure(accel->build_ms));
     if (!stats->tests_counted || !(rays > 0))
         return json;
-    json = with(json, "box_tests_per_ray", pen_figure((double)stats->tests.boxes / rays));
-    return with(json, "primitive_tests_per_ray",
-                pen_figure((double)stats->tests.primitives / rays));
+    json = pen_json_with(json, "box_tests_per_ray", pen_figure((double)stats->tests.boxes / rays));
+    return pen_json_with(json, "primitive_tests_per_ray",
+                         pen_figure((double)stats->tests.primitives / rays));
 }
 
 json_t *pen_figure_effects(unsigned effects)

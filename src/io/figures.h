@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Figures as all reports and statistics write them. Each returns NULL when out of memory. */
-#ifndef PEN_STUDY_FIGURES_H
-#define PEN_STUDY_FIGURES_H
+/* Numbers of a render as JSON, in the form that all reports and statistics use. Each function
+ * returns a new value, which the caller json_decref()s, or NULL when out of memory. */
+#ifndef PEN_IO_FIGURES_H
+#define PEN_IO_FIGURES_H
 
 #include <jansson.h>
 
@@ -10,21 +11,21 @@
 /* Rounded to thousandths: milliseconds to the microsecond. */
 json_t *pen_figure(double value);
 
-/* The sum of all kinds. */
+/* The sum of all kinds of rays. */
 uint64_t pen_figure_ray_sum(const struct pen_ray_counts *rays);
 
 /* {primary, shadow, reflection, transmission, total}. */
 json_t *pen_figure_rays(const struct pen_ray_counts *rays);
 
-/* Millions of rays a second. */
+/* Millions of rays per second. */
 json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms);
 
-/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}, and box_tests_per_ray and
- * primitive_tests_per_ray where they were counted. */
+/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}; with box_tests_per_ray and
+ * primitive_tests_per_ray if the render counted tests. */
 json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                                const struct pen_render_stats *stats);
 
-/* The names of effects. */
+/* The names of the effects in a mask of PEN_FX_ bits. */
 json_t *pen_figure_effects(unsigned effects);
 
 /* {cpu, isa, cores, version}. */

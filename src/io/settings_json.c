@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* Settings as the `render` object of scene-format.md, complete, in the order of its table. */
-#include "jobs/internal/jobs.h"
+/* Writes the settings in the order of the table of api/scene-format.md. */
+#include "io/settings_json.h"
 
-static const char *pattern_name(int pattern)
+#include "io/json_build.h"
+
+static const char *pattern_name(enum pen_light_pattern pattern)
 {
     switch (pattern) {
+    case PEN_PATTERN_SOBOL:
+        break;
     case PEN_PATTERN_GRID:
         return "grid";
     case PEN_PATTERN_RANDOM:
         return "random";
-    default:
-        return "sobol";
     }
+    return "sobol";
 }
 
 json_t *pen_settings_json(const struct pen_settings *s)
@@ -19,8 +22,8 @@ json_t *pen_settings_json(const struct pen_settings *s)
     json_t *json = json_pack(
         "{s:i, s:i, s:i, s:i, s:s, s:i, s:i, s:i, s:f, s:i, s:s, s:s, s:s, s:I, s:i, s:i}", "width",
         s->width, "height", s->height, "samples_per_pixel", s->samples_per_pixel, "light_samples",
-        s->light_samples, "light_pattern", pattern_name(s->light_pattern), "blur_samples",
-        s->blur_samples, "lens_samples", s->lens_samples, "max_depth", s->max_depth,
+        s->light_samples, "light_pattern", pattern_name((enum pen_light_pattern)s->light_pattern),
+        "blur_samples", s->blur_samples, "lens_samples", s->lens_samples, "max_depth", s->max_depth,
         "min_contribution", s->min_contribution, "max_samples", s->max_samples, "precision",
         s->precision == PEN_PRECISION_FAST ? "fast" : "robust", "accelerator",
         pen_accelerator_name((enum pen_accelerator)s->accelerator), "transfer",

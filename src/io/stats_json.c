@@ -1,46 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* The statistics object of http-api.md for one render. What a batch's statistics carry besides,
- * so that those of several batches can be put together, is in stats.h. */
-#include "jobs/internal/stats.h"
+#include "io/stats_json.h"
 
-#include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
-#include "jobs/internal/jobs.h"
-#include "study/figures.h"
-
-void pen_peak_reset(void)
-{
-    int fd = open("/proc/self/clear_refs", O_WRONLY | O_CLOEXEC);
-    if (fd < 0)
-        return;
-    /* "5" resets the peak of the resident set, see proc(5). Without it the peak is the whole
-     * process's, which is an upper bound. */
-    if (write(fd, "5", 1) < 0) {
-        close(fd);
-        return;
-    }
-    close(fd);
-}
-
-int64_t pen_peak_bytes(void)
-{
-    char text[4096];
-    int fd = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
-    ssize_t n = fd >= 0 ? read(fd, text, sizeof text - 1) : 0;
-    if (fd >= 0)
-        close(fd);
-    text[n > 0 ? n : 0] = '\0';
-    const char *peak = strstr(text, "VmHWM:");
-    if (peak)
-        return strtoll(peak + strlen("VmHWM:"), NULL, 10) * 1024;
-    struct rusage usage;
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? (int64_t)usage.ru_maxrss * 1024 : 0;
-}
+#include "base/memory.h"
+#include "io/figures.h"
+#include "io/json_build.h"
 
 static json_t *timing_json(const struct pen_stats_input *in)
 {
@@ -58,7 +21,7 @@ json_t *pen_stats_tiles(uint64_t count, const struct pen_percentiles *ms)
                      pen_figure(ms->p50), "p95", pen_figure(ms->p95), "max", pen_figure(ms->max));
 }
 
-/* Lengths of any size, so not rounded as other figures are. */
+/* These lengths can have any magnitude, so they are not rounded as other figures are. */
 static json_t *precision_json(const struct pen_scene_precision *p)
 {
     char warning[PEN_MSG_BYTES];
@@ -80,7 +43,7 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
                              r->threads, "tiles", pen_stats_tiles(r->tile_count, &tiles),
                              "accelerator", pen_figure_accelerator(in->accel, r), "kernel",
                              r->kernel ? r->kernel : "", "effects", pen_figure_effects(r->effects),
-                             "memory", "peak_bytes", (json_int_t)pen_peak_bytes(),
+                             "memory", "peak_bytes", (json_int_t)pen_memory_peak_bytes(),
                              "dropped_samples", (json_int_t)r->rays.dropped_samples, "float_resets",
                              r->float_resets, "host", pen_figure_host());
     return in->precision ? pen_json_with(json, "precision", precision_json(in->precision)) : json;

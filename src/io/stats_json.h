@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/* The statistics object of a render, as `penumbra render --stats`, the worker and libpenumbra
+ * report it (api/openapi.yaml, Statistics). */
+#ifndef PEN_IO_STATS_JSON_H
+#define PEN_IO_STATS_JSON_H
+
+#include <jansson.h>
+#include <stdint.h>
+
+#include "render/percentiles.h"
+#include "render/render.h"
+#include "scene/precision.h"
+
+struct pen_stats_input {
+    double queue_ms, parse_ms, build_ms, encode_ms, store_ms, total_ms;
+    const struct pen_render_stats *render;
+    const struct pen_accel_stats *accel;
+    const struct pen_scene_precision *precision; /* of the view; NULL: not known */
+};
+
+/* Owns: the caller json_decref()s. Fails: NULL when out of memory. */
+json_t *pen_stats_json(const struct pen_stats_input *in);
+
+/* Its member `tiles`: {count, ms: {p50, p95, max}}. Fails: NULL when out of memory. */
+json_t *pen_stats_tiles(uint64_t count, const struct pen_percentiles *ms);
+
+#endif

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/percentiles.h"
+
+#include <stdlib.h>
+
+static int by_ms(const void *a, const void *b)
+{
+    double x = ((const struct pen_weighted_time *)a)->ms;
+    double y = ((const struct pen_weighted_time *)b)->ms;
+    return (x > y) - (x < y);
+}
+
+/* The first time whose running sum of weights reaches `wanted`, up to rounding of the sum. */
+static double rank(const struct pen_weighted_time *times, size_t count, double wanted)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) {
+        sum += times[i].weight;
+        if (sum >= wanted * (1 - 1e-12))
+            return times[i].ms;
+    }
+    return times[count - 1].ms;
+}
+
+struct pen_percentiles pen_percentiles_weighted(struct pen_weighted_time *times, size_t count)
+{
+    if (count == 0)
+        return (struct pen_percentiles){0};
+    qsort(times, count, sizeof *times, by_ms);
+    double total = 0;
+    for (size_t i = 0; i < count; i++)
+        total += times[i].weight;
+    return (struct pen_percentiles){.p50 = rank(times, count, 0.5 * total),
+                                    .p95 = rank(times, count, 0.95 * total),
+                                    .max = times[count - 1].ms};
+}
+
+bool pen_percentiles_of(const double *ms, size_t count, struct pen_percentiles *out)
+{
+    struct pen_weighted_time *times = malloc((count + 1) * sizeof *times);
+    if (!times)
+        return false;
+    for (size_t i = 0; i < count; i++)
+        times[i] = (struct pen_weighted_time){.ms = ms[i], .weight = 1};
+    *out = pen_percentiles_weighted(times, count);
+    free(times);
+    return true;
+}
