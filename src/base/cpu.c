@@ -39,7 +39,10 @@ bool pen_float_is_default(void)
 
 const char *pen_isa_name(enum pen_isa isa)
 {
-    return isa == PEN_ISA_AVX2 ? "avx2" : "base";
+#define NAME(UPPER, lower) [PEN_ISA_##UPPER] = #lower,
+    static const char *const name[PEN_ISA_COUNT] = {PEN_ISA_LIST(NAME)};
+#undef NAME
+    return name[isa];
 }
 
 int pen_cpu_count(void)

@@ -5,16 +5,27 @@
 
 #include <stdbool.h>
 
-enum pen_isa {
-    PEN_ISA_BASE, /* the compiler's baseline */
-    PEN_ISA_AVX2  /* AVX2 and FMA: the *_avx2.c files */
-};
+/* The instruction sets that hot files are compiled for, in order of preference: X(name in capitals,
+ * name). BASE is the compiler's baseline. The files *_avx2.c are compiled for AVX2 and FMA.
+ * Token pasting makes PEN_ISA_<name in capitals> here, the names of the tables of each room that
+ * has such files, as their headers state, and the names that statistics show. */
+#define PEN_ISA_LIST(X)                                                                            \
+    X(BASE, base)                                                                                  \
+    X(AVX2, avx2)
+
+#define PEN_ISA_ENUMERATOR(UPPER, lower) PEN_ISA_##UPPER,
+enum pen_isa { PEN_ISA_LIST(PEN_ISA_ENUMERATOR) };
+#undef PEN_ISA_ENUMERATOR
+
+#define PEN_ISA_COUNT_ONE(UPPER, lower) +1
+enum { PEN_ISA_COUNT = 0 PEN_ISA_LIST(PEN_ISA_COUNT_ONE) };
+#undef PEN_ISA_COUNT_ONE
 
 /* The best variant this processor runs. The environment variable PENUMBRA_ISA=base forces the
  * baseline, for tests; the pictures are the same. */
 enum pen_isa pen_cpu_isa(void);
 
-/* "base" or "avx2". */
+/* The name in PEN_ISA_LIST: "base" or "avx2". */
 const char *pen_isa_name(enum pen_isa isa);
 
 /* Whether this thread's arithmetic is IEEE 754's default: it rounds to nearest, and neither flushes

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Kernels: that it does not matter which instance renders a scene, and how samples make a pixel. */
+/* Kernels: that it does not matter which kernel renders a scene, and how samples make a pixel. */
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +13,7 @@
 
 static struct kit kit;
 
-static int instances(void)
+static int kernels(void)
 {
     int n = 0;
     while (pen_kernel_at(n, PEN_ISA_BASE))
@@ -47,9 +48,9 @@ static double *image_by(const struct pen_kernel *kernel, const struct pen_kernel
     return out;
 }
 
-/* Renders the kit's scene by every instance that covers it, for both instruction sets, and
+/* Renders the kit's scene by every kernel that covers it, for both instruction sets, and
  * compares bits and counts. Returns how many were compared. */
-static int compare_instances(void)
+static int compare_kernels(void)
 {
     struct pen_scene *scene = kit_freeze(&kit);
     struct pen_kernel_input input = input_of(scene, PEN_ISA_BASE);
@@ -59,7 +60,7 @@ static int compare_instances(void)
     int compared = 0;
     for (int isa = PEN_ISA_BASE; isa <= (int)pen_cpu_isa(); isa++) {
         input.trace = pen_trace_ops_get((enum pen_isa)isa);
-        for (int i = 0; i < instances(); i++) {
+        for (int i = 0; i < kernels(); i++) {
             const struct pen_kernel *kernel = pen_kernel_at(i, (enum pen_isa)isa);
             if (input.effects & ~kernel->effects)
                 continue;
@@ -98,7 +99,7 @@ static void leave_out(unsigned effects)
     }
 }
 
-START_TEST(test_kernel__every_instance_gives_the_same_bits)
+START_TEST(test_kernel__every_kernel_gives_the_same_bits)
 {
     int compared = 0;
     for (unsigned out = 0; out < 1u << PEN_FX_COUNT; out++) {
@@ -109,7 +110,7 @@ START_TEST(test_kernel__every_instance_gives_the_same_bits)
             leave_out(out);
             kit.settings.samples_per_pixel = samples;
             kit.settings.height = random_cases(kit.settings.height);
-            compared += compare_instances();
+            compared += compare_kernels();
         }
     }
     ck_assert_int_gt(compared, 100);
@@ -118,11 +119,11 @@ END_TEST
 
 START_TEST(test_kernel__select_takes_the_smallest)
 {
-    for (int isa = PEN_ISA_BASE; isa <= PEN_ISA_AVX2; isa++)
+    for (int isa = PEN_ISA_BASE; isa < PEN_ISA_COUNT; isa++)
         for (unsigned fx = 0; fx < 1u << PEN_FX_COUNT; fx++) {
             const struct pen_kernel *kernel = pen_kernel_select(fx, (enum pen_isa)isa);
             ck_assert_uint_eq(fx & ~kernel->effects, 0);
-            for (int i = 0; i < instances(); i++) {
+            for (int i = 0; i < kernels(); i++) {
                 const struct pen_kernel *other = pen_kernel_at(i, (enum pen_isa)isa);
                 if ((fx & ~other->effects) == 0)
                     ck_assert_int_le(__builtin_popcount(kernel->effects),
@@ -131,7 +132,25 @@ START_TEST(test_kernel__select_takes_the_smallest)
             ck_assert(strstr(kernel->name, pen_isa_name((enum pen_isa)isa)) != NULL);
         }
     ck_assert(pen_kernel_at(-1, PEN_ISA_BASE) == NULL);
-    ck_assert(pen_kernel_at(instances(), PEN_ISA_AVX2) == NULL);
+    ck_assert(pen_kernel_at(kernels(), PEN_ISA_AVX2) == NULL);
+}
+END_TEST
+
+/* Statistics show the names, so that reports compare with those of earlier versions. */
+START_TEST(test_kernel__names_stay_as_statistics_show_them)
+{
+    static const char *const name[] = {
+        "lit",      "hard", "hard+mirror", "hard+glass", "hard+glass+mirror", "hard+smooth",
+        "hard+all", "soft", "soft+mirror", "soft+glass", "soft+glass+mirror", "soft+smooth",
+        "all"};
+    for (int isa = 0; isa < PEN_ISA_COUNT; isa++)
+        for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
+            char want[64];
+            snprintf(want, sizeof want, "%s/%s", name[i], isa == PEN_ISA_AVX2 ? "avx2" : "base");
+            ck_assert_str_eq(pen_kernel_at((int)i, (enum pen_isa)isa)->name, want);
+        }
+    ck_assert_str_eq(pen_kernel_select(0, PEN_ISA_BASE)->name, "lit/base");
+    ck_assert_str_eq(pen_kernel_select(~0u >> 24, PEN_ISA_AVX2)->name, "all/avx2");
 }
 END_TEST
 
@@ -305,13 +324,13 @@ static struct pen_trace_ops faulty_ops(enum pen_isa isa)
     return ops;
 }
 
-/* Renders the frame by every instance that covers it, and checks that all of its samples are black,
+/* Renders the frame by every kernel that covers it, and checks that all of its samples are black,
  * are counted, and have asked for so many queries each, and for no shadow. */
 static void check_dropped(struct pen_kernel_input *input, enum pen_isa isa, uint64_t queries)
 {
     const struct pen_settings *s = &kit.settings;
     uint64_t samples = (uint64_t)(s->width * s->height * s->samples_per_pixel);
-    for (int k = 0; k < instances(); k++) {
+    for (int k = 0; k < kernels(); k++) {
         const struct pen_kernel *kernel = pen_kernel_at(k, isa);
         struct pen_ray_counts rays;
         if (input->effects & ~kernel->effects)
@@ -403,9 +422,9 @@ START_TEST(test_kernel__h088_nothing_goes_on_from_a_point_that_is_none)
 }
 END_TEST
 
-PEN_SUITE("kernel", test_kernel__every_instance_gives_the_same_bits,
-          test_kernel__select_takes_the_smallest, test_kernel__effects_follow_the_scene,
-          test_kernel__effects_need_a_body_that_shows_them,
+PEN_SUITE("kernel", test_kernel__every_kernel_gives_the_same_bits,
+          test_kernel__select_takes_the_smallest, test_kernel__names_stay_as_statistics_show_them,
+          test_kernel__effects_follow_the_scene, test_kernel__effects_need_a_body_that_shows_them,
           test_kernel__samples_are_the_sets_of_the_pixel, test_kernel__one_sample_is_the_centre,
           test_kernel__samples_beyond_the_film_are_left_out,
           test_kernel__h088_rays_that_are_none_are_refused_and_counted,

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/* The compiled kernels: one line each, a name and the mask of the effects that it computes. The
+ * masks are the sets of effects that scenes really call for. Adding a kernel is adding a line.
+ *
+ * Each kernel_<instruction set>.c compiles the whole list by including kernel_table.h. Names made
+ * by token pasting, from the identifier in a line's first column:
+ *   pixel_<identifier>   static in kernel_<instruction set>.c: the kernel's pen_kernel_fn
+ * and, from the names in PEN_ISA_LIST (base/cpu.h):
+ *   pen_kernels_<instruction set>   the table that each of these files defines
+ *
+ * The last line must be the kernel of all effects: it covers what no other line does. */
+#ifndef PEN_SHADE_INTERNAL_KERNEL_LIST_H
+#define PEN_SHADE_INTERNAL_KERNEL_LIST_H
+
+#include "shade/kernel.h"
+
+enum {
+    FX_LIT = PEN_FX_AMBIENT | PEN_FX_SPECULAR, /* lights without shadows, on opaque surfaces */
+    FX_HARD = FX_LIT | PEN_FX_HARD_SHADOWS,
+    FX_SOFT = FX_HARD | PEN_FX_SOFT_SHADOWS,
+    FX_GLASS = PEN_FX_SHADOW_TRANSMITTANCE | PEN_FX_TRANSMISSION,
+    FX_MIRROR = PEN_FX_MIRROR,
+    FX_SMOOTH = PEN_FX_ANTI_ALIASING,
+    FX_ALL = FX_SOFT | FX_GLASS | FX_MIRROR | FX_SMOOTH
+};
+_Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the last kernel");
+
+/* X(identifier, name in statistics, mask) */
+#define PEN_KERNEL_LIST(X)                                                                         \
+    X(lit, "lit", FX_LIT)                                                                          \
+    X(hard, "hard", FX_HARD)                                                                       \
+    X(hard_mirror, "hard+mirror", FX_HARD | FX_MIRROR)                                             \
+    X(hard_glass, "hard+glass", FX_HARD | FX_GLASS)                                                \
+    X(hard_glass_mirror, "hard+glass+mirror", FX_HARD | FX_GLASS | FX_MIRROR)                      \
+    X(hard_smooth, "hard+smooth", FX_HARD | FX_SMOOTH)                                             \
+    X(hard_all, "hard+all", FX_HARD | FX_GLASS | FX_MIRROR | FX_SMOOTH)                            \
+    X(soft, "soft", FX_SOFT)                                                                       \
+    X(soft_mirror, "soft+mirror", FX_SOFT | FX_MIRROR)                                             \
+    X(soft_glass, "soft+glass", FX_SOFT | FX_GLASS)                                                \
+    X(soft_glass_mirror, "soft+glass+mirror", FX_SOFT | FX_GLASS | FX_MIRROR)                      \
+    X(soft_smooth, "soft+smooth", FX_SOFT | FX_SMOOTH)                                             \
+    X(all, "all", FX_ALL)
+
+#define PEN_KERNEL_COUNT_ONE(identifier, name, mask) +1
+enum { PEN_KERNEL_COUNT = 0 PEN_KERNEL_LIST(PEN_KERNEL_COUNT_ONE) };
+#undef PEN_KERNEL_COUNT_ONE
+
+/* One table for each instruction set, in the list's order. */
+#define PEN_KERNEL_DECLARE(UPPER, lower)                                                           \
+    extern const struct pen_kernel pen_kernels_##lower[PEN_KERNEL_COUNT];
+PEN_ISA_LIST(PEN_KERNEL_DECLARE)
+#undef PEN_KERNEL_DECLARE
+
+#endif

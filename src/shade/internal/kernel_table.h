@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/* Compiles every kernel of the list and the table of them, for one instruction set. The including
+ * file defines KERNEL_ISA, the instruction set's name in PEN_ISA_LIST (base/cpu.h), and is itself
+ * compiled with that instruction set's flags. */
+#ifndef PEN_SHADE_INTERNAL_KERNEL_TABLE_H
+#define PEN_SHADE_INTERNAL_KERNEL_TABLE_H
+
+#include "shade/internal/kernel_body.h"
+#include "shade/internal/kernel_list.h"
+
+#ifdef KERNEL_ISA /* not where the header is compiled alone, to check it */
+
+#define PIXEL_FUNCTION(identifier, name, mask)                                                     \
+    static void pixel_##identifier(const struct pen_kernel_input *input,                           \
+                                   struct pen_kernel_scratch *scratch, int x, int y,               \
+                                   double rgb[3], struct pen_ray_counts *counts)                   \
+    {                                                                                              \
+        kernel_pixel(input, scratch, x, y, rgb, counts, mask);                                     \
+    }
+PEN_KERNEL_LIST(PIXEL_FUNCTION)
+
+#define NAME_OF_ISA(isa) NAME_OF_TOKEN(isa)
+#define NAME_OF_TOKEN(token) #token
+#define TABLE_OF_ISA(isa) TABLE_OF_TOKEN(isa)
+#define TABLE_OF_TOKEN(token) pen_kernels_##token
+
+#define TABLE_ROW(identifier, kernel_name, mask)                                                   \
+    {.name = kernel_name "/" NAME_OF_ISA(KERNEL_ISA), .effects = mask, .pixel = pixel_##identifier},
+const struct pen_kernel TABLE_OF_ISA(KERNEL_ISA)[PEN_KERNEL_COUNT] = {PEN_KERNEL_LIST(TABLE_ROW)};
+
+#endif
+#endif
