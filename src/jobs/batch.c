@@ -184,7 +184,7 @@ static bool take_packed(struct pen_batch_room *room, struct pen_batch_work *work
                         struct pen_status *st)
 {
     int64_t begin_ns = pen_clock_ns();
-    bool ok = pen_packing_end(room->packing, &work->result.packed, st);
+    bool ok = pen_packing_end(room->packing, &work->result.encoded, st);
     room->store_ms += ms_since(begin_ns);
     return ok;
 }

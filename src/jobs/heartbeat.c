@@ -122,7 +122,7 @@ static void settle_store(struct pen_heartbeat *heart)
     struct pen_status st;
     heart->settle = false;
     pthread_mutex_unlock(&heart->lock);
-    if (!pen_store_settle(heart->store, &st))
+    if (!pen_store_checkpoint(heart->store, &st))
         pen_log(PEN_LOG_WARN, "settling: %s", st.msg);
     pthread_mutex_lock(&heart->lock);
 }

@@ -38,8 +38,8 @@ static void tell(void *user, int done, int total)
         return;
     study->told_ns = now_ns;
     pen_store_progress(study->room->store, study->claim, done, &ignored);
-    if (pen_store_unsettled(study->room->store)) /* here it disturbs no run */
-        pen_store_settle(study->room->store, &ignored);
+    if (pen_store_checkpoint_due(study->room->store)) /* here it disturbs no run */
+        pen_store_checkpoint(study->room->store, &ignored);
 }
 
 static bool read_scene(struct study *study, struct pen_status *st)

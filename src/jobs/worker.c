@@ -121,7 +121,7 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
             ok = pen_store_commit_and_claim(w->store, claim, &work->result, next, st);
     } while (!ok && wait_to_retry(w, "committing a batch", st));
     w->room.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
-    if (pen_store_unsettled(w->store))
+    if (pen_store_checkpoint_due(w->store))
         pen_heartbeat_settle(w->room.heart);
     if (!ok && st->code == PEN_STALE)
         pen_log_about(PEN_LOG_INFO, &about, "the batch was no longer wanted");
@@ -291,7 +291,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
         !(w->room.heart = pen_heartbeat_new(o, w->lease_ms, st)))
         return false;
     pen_store_observe(w->store, o->observer);
-    pen_store_delegate_settling(w->store);
+    pen_store_delegate_checkpoints(w->store);
     if (!(w->room.packing = pen_packing_new(o->observer, st)))
         return false;
     w->room.scenes = pen_scene_cache_new(o->scene_cap_bytes);

@@ -166,9 +166,9 @@ static bool try_to_mend(struct pen_store *store, enum pen_need need, struct pen_
         return false;
     settle(store, PEN_FAULT_IO, seen[PEN_FAULT_IO]);
     settle(store, PEN_FAULT_DAMAGE, seen[PEN_FAULT_DAMAGE]);
-    if (need < PEN_NEED_ROOM || !is_ill(store, PEN_FAULT_FULL))
+    if (need < PEN_NEED_SPACE || !is_ill(store, PEN_FAULT_FULL))
         return true;
-    if (!store->ops->room(store, st))
+    if (!store->ops->space(store, st))
         return false;
     settle(store, PEN_FAULT_FULL, seen[PEN_FAULT_FULL]);
     return true;
@@ -197,7 +197,7 @@ static bool stands_in_the_way(const struct pen_store *store, enum pen_need need)
 {
     return (need >= PEN_NEED_READ && is_ill(store, PEN_FAULT_DAMAGE)) ||
            (need >= PEN_NEED_WRITE && is_ill(store, PEN_FAULT_IO)) ||
-           (need >= PEN_NEED_ROOM && is_ill(store, PEN_FAULT_FULL));
+           (need >= PEN_NEED_SPACE && is_ill(store, PEN_FAULT_FULL));
 }
 
 bool pen_health_enter(struct pen_store *store, enum pen_need need, struct pen_status *st)

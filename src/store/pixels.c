@@ -23,12 +23,12 @@
 #include <string.h>
 
 #include "base/buf.h"
-#include "store/internal/pack.h"
+#include "store/internal/compress.h"
 
 enum { LEVEL = -1, FORM = 0x02, FORM_BEFORE = 0x28, PIXEL_BYTES = 12, HEAD_BYTES = 8 };
 
 struct pen_pixels {
-    struct pen_packer *packer;
+    struct pen_compressor *packer;
     unsigned char *planes; /* of one slice */
     struct pen_buf packed;
     int64_t count;
@@ -39,7 +39,7 @@ struct pen_pixels *pen_pixels_new(void)
     struct pen_pixels *pixels = calloc(1, sizeof *pixels);
     if (!pixels)
         return NULL;
-    pixels->packer = pen_packer_new(LEVEL);
+    pixels->packer = pen_compressor_new(LEVEL);
     pixels->planes = malloc((size_t)PEN_PIXELS_SLICE * PIXEL_BYTES);
     if (pixels->packer && pixels->planes)
         return pixels;
@@ -51,7 +51,7 @@ void pen_pixels_free(struct pen_pixels *pixels)
 {
     if (!pixels)
         return;
-    pen_packer_free(pixels->packer);
+    pen_compressor_free(pixels->packer);
     free(pixels->planes);
     pen_buf_release(&pixels->packed);
     free(pixels);
@@ -71,9 +71,9 @@ int64_t pen_pixels_count(const struct pen_pixels *pixels)
     return pixels->count;
 }
 
-struct pen_packed pen_pixels_packed(const struct pen_pixels *pixels)
+struct pen_bytes pen_pixels_encoded(const struct pen_pixels *pixels)
 {
-    return (struct pen_packed){pixels->packed.data, pixels->packed.bytes};
+    return (struct pen_bytes){pixels->packed.data, pixels->packed.bytes};
 }
 
 /* Splits `count` values into four planes of as many bytes. */
@@ -139,9 +139,9 @@ static bool add_slice(struct pen_pixels *pixels, const float *rgb, size_t count,
                       struct pen_status *st)
 {
     unsigned char head[HEAD_BYTES];
-    struct pen_packed frame;
+    struct pen_bytes frame;
     split(rgb, 3 * count, pixels->planes);
-    if (!pen_packer_pack(pixels->packer, pixels->planes, count * PIXEL_BYTES, &frame, st)) {
+    if (!pen_compress(pixels->packer, pixels->planes, count * PIXEL_BYTES, &frame, st)) {
         pixels->packed.failed = true;
         return false;
     }
@@ -175,17 +175,18 @@ static bool damaged(struct pen_status *st, const char *how)
 }
 
 /* Unpacks what must become `bytes` bytes. */
-static bool unpack_planes(struct pen_packer *packer, const unsigned char *frame, size_t frame_bytes,
-                          size_t bytes, const unsigned char **planes, struct pen_status *st)
+static bool unpack_planes(struct pen_compressor *packer, const unsigned char *frame,
+                          size_t frame_bytes, size_t bytes, const unsigned char **planes,
+                          struct pen_status *st)
 {
-    struct pen_packed out;
-    if (!pen_unpack(packer, frame, frame_bytes, &out, st))
+    struct pen_bytes out;
+    if (!pen_decompress(packer, frame, frame_bytes, &out, st))
         return false;
     *planes = out.data;
     return out.bytes == bytes || damaged(st, "not as many as there should be");
 }
 
-static bool unpack_slices(struct pen_packer *packer, const struct pen_packed *in, float *rgb,
+static bool unpack_slices(struct pen_compressor *packer, const struct pen_bytes *in, float *rgb,
                           uint64_t count, struct pen_status *st)
 {
     const unsigned char *at = in->data, *end = at + in->bytes, *planes;
@@ -205,8 +206,8 @@ static bool unpack_slices(struct pen_packer *packer, const struct pen_packed *in
     return (at == end && count == 0) || damaged(st, "some are missing");
 }
 
-static bool unpack_form_before(struct pen_packer *packer, const struct pen_packed *in, float *rgb,
-                               size_t count, struct pen_status *st)
+static bool unpack_form_before(struct pen_compressor *packer, const struct pen_bytes *in,
+                               float *rgb, size_t count, struct pen_status *st)
 {
     const unsigned char *planes;
     if (!unpack_planes(packer, in->data, in->bytes, count * PIXEL_BYTES, &planes, st))
@@ -216,7 +217,7 @@ static bool unpack_form_before(struct pen_packer *packer, const struct pen_packe
     return true;
 }
 
-bool pen_pixels_unpack(struct pen_packer *packer, const struct pen_packed *in, float *rgb,
+bool pen_pixels_decode(struct pen_compressor *packer, const struct pen_bytes *in, float *rgb,
                        int64_t count, struct pen_status *st)
 {
     int form = in->bytes > 0 ? *(const unsigned char *)in->data : 0;

@@ -39,7 +39,7 @@
     ARROW(PEN_BATCH_OPEN, PEN_BATCH_ENDED, "pen_store_worker_ended")                               \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_DONE, "pen_store_commit")                                    \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_OPEN, "pen_store_release")                                   \
-    ARROW(PEN_BATCH_LEASED, PEN_BATCH_OPEN, "pen_store_sweep")                                     \
+    ARROW(PEN_BATCH_LEASED, PEN_BATCH_OPEN, "pen_store_expire_leases")                             \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_OPEN, "pen_store_worker_ended")                              \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_ENDED, "pen_store_cancel")                                   \
     ARROW(PEN_BATCH_LEASED, PEN_BATCH_ENDED, "pen_store_fail")                                     \

@@ -91,9 +91,9 @@ static void give_hints(struct pen_store *store)
 {
     if (store->work)
         pen_wake_all(store->wake, PEN_SIGNAL_WORK);
-    if (store->news)
+    if (store->changed)
         pen_wake_all(store->wake, PEN_SIGNAL_CHANGES);
-    store->work = store->news = false;
+    store->work = store->changed = false;
 }
 
 /* Takes note of faults, gives the hints due, and passes the call's outcome through. Within another
@@ -115,7 +115,7 @@ bool pen_store_check(struct pen_store *store, struct pen_status *st)
 
 bool pen_store_probe(struct pen_store *store, struct pen_status *st)
 {
-    return enter(store, PEN_NEED_ROOM, st) && leave(store, NULL, store->ops->probe(store, st));
+    return enter(store, PEN_NEED_SPACE, st) && leave(store, NULL, store->ops->probe(store, st));
 }
 
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
@@ -123,7 +123,7 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       struct pen_status *st)
 {
     struct span span = begin(store, "submit");
-    return enter(store, PEN_NEED_ROOM, st) &&
+    return enter(store, PEN_NEED_SPACE, st) &&
            leave(store, &span, store->ops->submit(store, job, result, first_answer, st));
 }
 
@@ -239,9 +239,9 @@ bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
                              struct pen_status *st)
 {
-    struct span span = begin(store, "sweep");
+    struct span span = begin(store, "expire_leases");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->sweep(store, dead_worker, opened, st));
+           leave(store, &span, store->ops->expire_leases(store, dead_worker, opened, st));
 }
 
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
@@ -319,27 +319,28 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
                  store->ops->artefact_put(store, id, view, layer, format, data, bytes, st));
 }
 
-void pen_store_delegate_settling(struct pen_store *store)
+void pen_store_delegate_checkpoints(struct pen_store *store)
 {
-    store->others_settle = true;
+    store->others_checkpoint = true;
 }
 
-bool pen_store_unsettled(const struct pen_store *store)
+bool pen_store_checkpoint_due(const struct pen_store *store)
 {
-    return store->unsettled;
+    return store->checkpoint_due;
 }
 
-bool pen_store_settle(struct pen_store *store, struct pen_status *st)
+bool pen_store_checkpoint(struct pen_store *store, struct pen_status *st)
 {
-    struct span span = begin(store, "settle");
-    return enter(store, PEN_NEED_WRITE, st) && leave(store, &span, store->ops->settle(store, st));
+    struct span span = begin(store, "checkpoint");
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, store->ops->checkpoint(store, st));
 }
 
 bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
 {
-    struct span span = begin(store, "tidy");
+    struct span span = begin(store, "purge");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->tidy(store, key_age_ms, st));
+           leave(store, &span, store->ops->purge(store, key_age_ms, st));
 }
 
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

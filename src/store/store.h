@@ -211,10 +211,10 @@ struct pen_claim {
     int64_t timeout_ms; /* of the job, from started_ms; 0: none */
 };
 
-/* Claims the next batch by (priority, age), but see pen_store_worker_ended about suspects; the job
- * becomes running. A study whose turn it is waits for the worker to hold nothing, and until then,
- * as long as it is held, there is nothing else for that worker. Returns true with *found = false
- * when there is nothing to do. */
+/* Claims the next batch by (priority, age), but see pen_store_worker_ended about quarantined
+ * batches; the job becomes running. A study whose turn it is waits for the worker to hold nothing,
+ * and until then, as long as it is held, there is nothing else for that worker. Returns true with
+ * *found = false when there is nothing to do. */
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                      struct pen_claim *claim, bool *found, struct pen_status *st);
 
@@ -222,9 +222,9 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
 struct pen_result {
     const float *rgb; /* tiles in order, each its rows; pixels * 3 values; or NULL */
     int64_t pixels;
-    const struct pen_pixels *packed; /* the same, packed beforehand; or NULL. Assemble: neither */
-    const char *stats;               /* JSON, kept as long as the job */
-    const char *layer, *format;      /* of the artefact; NULL: none */
+    const struct pen_pixels *encoded; /* the same, encoded beforehand; or NULL. Assemble: neither */
+    const char *stats;                /* JSON, kept as long as the job */
+    const char *layer, *format;       /* of the artefact; NULL: none */
     const void *artefact;
     size_t artefact_bytes;
 };
@@ -270,8 +270,8 @@ bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim,
                          bool *held, struct pen_status *st);
 
 /* Opens batches whose lease has run out, and those of a worker that is known to be gone (NULL:
- * none), as suspects, see pen_store_worker_ended. Nothing is charged: how the worker went is not
- * known. *opened is their number. */
+ * none), as quarantined batches, see pen_store_worker_ended. Nothing is charged: how the worker
+ * went is not known. *opened is their number. */
 bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
                              struct pen_status *st);
 
@@ -293,10 +293,10 @@ struct pen_worker_death {
     void *user;
 };
 
-/* What to do about the batches of a worker that has ended. Unless it left, they become suspects:
- * a suspect is handed only to a worker that holds nothing else, which then gets nothing else
- * until it is done with it; and a job whose batches keep coming back this way lets all others go
- * first for a while that doubles each time. A crash is charged to the job if nothing but its
+/* What to do about the batches of a worker that has ended. Unless it left, they become quarantined
+ * batches: a suspect is handed only to a worker that holds nothing else, which then gets nothing
+ * else until it is done with it; and a job whose batches keep coming back this way lets all others
+ * go first for a while that doubles each time. A crash is charged to the job if nothing but its
  * batches was held; max_attempts charges in a row end it as failed. A commit takes all of this
  * back. *opened is the number of batches that are open again. */
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
@@ -335,12 +335,12 @@ bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_sta
 
 /* An engine first writes changes to a log and later brings them to their place. A commit does that
  * itself now and then, and takes the longer for it; a handle can leave it to another one, whose
- * caller has the time: pen_store_unsettled says after a commit that it is due, and the other calls
- * pen_store_settle, which keeps nobody from reading or writing. Where that does not happen, a
- * commit does it in the end. Fails: PEN_STORAGE, PEN_STORAGE_FULL; nothing is lost. */
-void pen_store_delegate_settling(struct pen_store *store);
-bool pen_store_unsettled(const struct pen_store *store);
-bool pen_store_settle(struct pen_store *store, struct pen_status *st);
+ * caller has the time: pen_store_checkpoint_due says after a commit that it is due, and the other
+ * calls pen_store_checkpoint, which keeps nobody from reading or writing. Where that does not
+ * happen, a commit does it in the end. Fails: PEN_STORAGE, PEN_STORAGE_FULL; nothing is lost. */
+void pen_store_delegate_checkpoints(struct pen_store *store);
+bool pen_store_checkpoint_due(const struct pen_store *store);
+bool pen_store_checkpoint(struct pen_store *store, struct pen_status *st);
 
 /* One batch as stored, for looking on. */
 struct pen_batch_record {
@@ -350,7 +350,7 @@ struct pen_batch_record {
     int view, first_tile, tile_count;
     int64_t pixels;
     const char *worker; /* who holds it, NULL unless leased */
-    bool suspect;       /* a worker ended while it held this batch */
+    bool quarantined;   /* a worker ended while it held this batch */
 };
 
 /* Calls `each` for every batch of a job, oldest first; stops when it returns false.

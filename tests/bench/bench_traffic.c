@@ -35,9 +35,9 @@ struct tally {
     int64_t transactions;
     double wall_ms, cpu_ms;
 };
-enum { COMMIT, CLAIM, READ, HEARTBEAT, PACK, SETTLE, OTHER, KINDS };
-static const char *const kind_names[KINDS] = {"commit", "claim",  "read", "heartbeat",
-                                              "pack",   "settle", "other"};
+enum { COMMIT, CLAIM, READ, HEARTBEAT, PACK, CHECKPOINT, OTHER, KINDS };
+static const char *const kind_names[KINDS] = {"commit", "claim",      "read", "heartbeat",
+                                              "pack",   "checkpoint", "other"};
 
 /* One run of a job. */
 struct run {
@@ -60,8 +60,8 @@ static int kind_of(const char *name)
         return READ;
     if (strcmp(name, "pack") == 0)
         return PACK;
-    if (strcmp(name, "settle") == 0)
-        return SETTLE;
+    if (strcmp(name, "checkpoint") == 0)
+        return CHECKPOINT;
     return strcmp(name, "heartbeat") == 0 ? HEARTBEAT : OTHER;
 }
 

@@ -58,7 +58,7 @@ static int attempts(const struct store_job *in)
 
 static bool count_suspect(void *user, const struct pen_batch_record *batch)
 {
-    *(int *)user += batch->suspect;
+    *(int *)user += batch->quarantined;
     return true;
 }
 

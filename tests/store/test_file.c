@@ -266,17 +266,17 @@ START_TEST(test_file__settling_can_be_left_to_another_handle)
     struct pen_store *other = store_bed_handle(&bed);
     store_job_init(&job, 1, 1, 1);
     store_job_submit(bed.store, &job);
-    pen_store_delegate_settling(bed.store);
+    pen_store_delegate_checkpoints(bed.store);
     put_bytes(bed.store, job.id, 4 * MIB);
-    ck_assert(!pen_store_unsettled(bed.store));
+    ck_assert(!pen_store_checkpoint_due(bed.store));
     put_bytes(bed.store, job.id, 9 * MIB);
-    ck_assert(pen_store_unsettled(bed.store));
+    ck_assert(pen_store_checkpoint_due(bed.store));
     ck_assert_int_lt(file_bytes(""), MIB);
-    store_must(pen_store_settle(other, &st), &st, "settle");
+    store_must(pen_store_checkpoint(other, &st), &st, "settle");
     ck_assert_int_gt(file_bytes(""), 9 * MIB);
     put_bytes(bed.store, job.id, MIB);
-    ck_assert(!pen_store_unsettled(bed.store)); /* the log begins anew */
-    for (int i = 0; i < 12; i++)                /* nobody settles: commits do so in the end */
+    ck_assert(!pen_store_checkpoint_due(bed.store)); /* the log begins anew */
+    for (int i = 0; i < 12; i++)                     /* nobody settles: commits do so in the end */
         put_bytes(bed.store, job.id, 8 * MIB);
     ck_assert_int_lt(file_bytes("-wal"), LOG_LIMIT);
     pen_store_close(other);

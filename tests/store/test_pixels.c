@@ -111,7 +111,7 @@ START_TEST(test_pixels__may_be_packed_beforehand_in_parts_of_any_size)
         }
         ck_assert_int_eq(pen_pixels_count(pixels), count);
         struct pen_claim claim = claim_of(i, count);
-        struct pen_result result = {.packed = pixels, .pixels = count};
+        struct pen_result result = {.encoded = pixels, .pixels = count};
         ck_assert_int_eq(commit(&claim, &result), PEN_OK);
         check_stored(count);
     }
@@ -128,7 +128,7 @@ START_TEST(test_pixels__packed_in_another_number_are_refused)
     struct pen_claim claim = claim_of(1, 16);
     pen_pixels_begin(pixels);
     store_must(pen_pixels_add(pixels, sent, 15, &st), &st, "add");
-    struct pen_result result = {.packed = pixels, .pixels = 16};
+    struct pen_result result = {.encoded = pixels, .pixels = 16};
     ck_assert_int_eq(commit(&claim, &result), PEN_INTERNAL);
     store_must(pen_pixels_add(pixels, sent, 1, &st), &st, "add");
     ck_assert_int_eq(commit(&claim, &result), PEN_OK);

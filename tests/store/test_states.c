@@ -37,9 +37,9 @@ static const struct situation situations[] = {
 enum { SITUATIONS = (int)(sizeof situations / sizeof situations[0]) };
 
 static const char *const operations[] = {
-    "pen_store_submit", "pen_store_claim",     "pen_store_commit",       "pen_store_release",
-    "pen_store_fail",   "pen_store_sweep",     "pen_store_cancel",       "pen_store_delete",
-    "pen_store_tidy",   "pen_store_heartbeat", "pen_store_worker_ended",
+    "pen_store_submit", "pen_store_claim",         "pen_store_commit",       "pen_store_release",
+    "pen_store_fail",   "pen_store_expire_leases", "pen_store_cancel",       "pen_store_delete",
+    "pen_store_purge",  "pen_store_heartbeat",     "pen_store_worker_ended",
 };
 enum { OPERATIONS = (int)(sizeof operations / sizeof operations[0]) };
 
@@ -127,13 +127,13 @@ static void apply(struct pen_store *store, const char *operation, const struct s
         pen_store_release(store, last, &st);
     else if (strcmp(operation, "pen_store_fail") == 0)
         pen_store_fail(store, last, "{}", &st);
-    else if (strcmp(operation, "pen_store_sweep") == 0)
+    else if (strcmp(operation, "pen_store_expire_leases") == 0)
         pen_store_expire_leases(store, "w", &opened, &st);
     else if (strcmp(operation, "pen_store_cancel") == 0)
         pen_store_cancel(store, in->id, &st);
     else if (strcmp(operation, "pen_store_delete") == 0)
         pen_store_delete(store, in->id, &st);
-    else if (strcmp(operation, "pen_store_tidy") == 0)
+    else if (strcmp(operation, "pen_store_purge") == 0)
         pen_store_purge(store, 0, &st);
     else if (strcmp(operation, "pen_store_worker_ended") == 0)
         end_worker(store, in);

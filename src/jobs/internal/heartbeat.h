@@ -35,7 +35,7 @@ const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart);
 /* Makes the flag true. Threads: any. */
 void pen_heartbeat_stop(struct pen_heartbeat *heart);
 
-/* Has the store settled, see pen_store_settle, by the thread, when it next looks. */
+/* Has the store settled, see pen_store_checkpoint, by the thread, when it next looks. */
 void pen_heartbeat_settle(struct pen_heartbeat *heart);
 
 /* Whether the claim's time is up, looking at the clock now: a short batch ends between two looks.

@@ -45,7 +45,7 @@ enum pen_need {
     PEN_NEED_CHECK, /* looks for damage: never refused for it */
     PEN_NEED_READ,
     PEN_NEED_WRITE,
-    PEN_NEED_ROOM /* takes on new work */
+    PEN_NEED_SPACE /* takes on new work */
 };
 
 /* For a handle just opened. */

@@ -23,11 +23,11 @@ struct pen_store {
     const struct pen_store_ops *ops;
     const char *name; /* for messages; the engine's */
     struct pen_wake *wake;
-    bool work;            /* out: since the dispatcher last looked, a batch became claimable */
-    bool news;            /* out: a job changed */
-    bool others_settle;   /* in: the handle's commits leave settling to another */
-    bool unsettled;       /* out: it is time for that */
-    int64_t transactions; /* out: writing ones that were committed */
+    bool work;              /* out: since the dispatcher last looked, a batch became claimable */
+    bool changed;           /* out: a job changed */
+    bool others_checkpoint; /* in: the handle's commits leave settling to another */
+    bool checkpoint_due;    /* out: it is time for that */
+    int64_t transactions;   /* out: writing ones that were committed */
     const struct pen_store_observer *observer; /* NULL: none */
     unsigned faults;                           /* out: bits of enum pen_fault that were met */
     int fault_errno;                           /* out: of the last one, 0 if not known */
@@ -42,7 +42,7 @@ struct pen_store_ops {
     bool (*check)(struct pen_store *store, struct pen_status *st);
     bool (*probe)(struct pen_store *store, struct pen_status *st);
     /* Whether there is room for more than a trifle: writes about a MiB, and takes it back. */
-    bool (*room)(struct pen_store *store, struct pen_status *st);
+    bool (*space)(struct pen_store *store, struct pen_status *st);
     /* Closes the database without writing to it, and opens it anew; an existing one only. After a
      * failure nothing but this and close may be called. */
     bool (*reopen)(struct pen_store *store, struct pen_status *st);
@@ -68,8 +68,8 @@ struct pen_store_ops {
                  struct pen_status *st);
     bool (*heartbeat)(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                       bool *held, struct pen_status *st);
-    bool (*sweep)(struct pen_store *store, const char *dead_worker, int *opened,
-                  struct pen_status *st);
+    bool (*expire_leases)(struct pen_store *store, const char *dead_worker, int *opened,
+                          struct pen_status *st);
     bool (*worker_ended)(struct pen_store *store, const struct pen_worker_death *death, int *opened,
                          struct pen_status *st);
     bool (*pixels)(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
@@ -89,8 +89,8 @@ struct pen_store_ops {
                      const char *format, struct pen_buf *out, struct pen_status *st);
     bool (*artefact_put)(struct pen_store *store, const char *id, int view, const char *layer,
                          const char *format, const void *data, size_t bytes, struct pen_status *st);
-    bool (*settle)(struct pen_store *store, struct pen_status *st);
-    bool (*tidy)(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+    bool (*checkpoint)(struct pen_store *store, struct pen_status *st);
+    bool (*purge)(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
     bool (*audit)(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                   struct pen_status *st);
 };

@@ -103,7 +103,7 @@ struct audit {
     int found;
 };
 
-static bool apply_rule(struct pen_sq_store *store, const struct rule *rule, struct audit *audit,
+static bool apply_rule(struct pen_sqlite_store *store, const struct rule *rule, struct audit *audit,
                        struct pen_status *st)
 {
     sqlite3_stmt *stmt = NULL;
@@ -120,10 +120,10 @@ static bool apply_rule(struct pen_sq_store *store, const struct rule *rule, stru
             audit->each(audit->user, finding);
     }
     sqlite3_finalize(stmt);
-    return rc == SQLITE_DONE || pen_sq_error(store, rc, st);
+    return rc == SQLITE_DONE || pen_sqlite_error(store, rc, st);
 }
 
-static bool read_audit(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool read_audit(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
         if (!apply_rule(store, &rules[i], arg, st))
@@ -132,11 +132,11 @@ static bool read_audit(struct pen_sq_store *store, void *arg, struct pen_status 
     return true;
 }
 
-bool pen_sq_audit(struct pen_store *base, pen_audit_fn *each, void *user, int *found,
-                  struct pen_status *st)
+bool pen_sqlite_audit(struct pen_store *base, pen_audit_fn *each, void *user, int *found,
+                      struct pen_status *st)
 {
     struct audit audit = {.each = each, .user = user};
-    if (!pen_sq_snapshot(pen_sq_of(base), read_audit, &audit, st))
+    if (!pen_sqlite_snapshot(pen_sqlite_of(base), read_audit, &audit, st))
         return false;
     *found = audit.found;
     return true;

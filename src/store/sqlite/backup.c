@@ -17,7 +17,7 @@
 enum { PATH_BYTES = 4096 };
 
 struct copy {
-    struct pen_sq_store from, to;
+    struct pen_sqlite_store from, to;
     char path[PATH_BYTES + 16]; /* of the unfinished copy */
     const char *name;           /* that it is to have */
     bool replace;
@@ -92,14 +92,14 @@ static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
     case SQLITE_IOERR_TRUNCATE:
         return cannot_write(copy->name, error ? error : EIO, st);
     default:
-        return pen_sq_error(&copy->from, rc, st);
+        return pen_sqlite_error(&copy->from, rc, st);
     }
 }
 
 /* The copy is not kept if the power fails meanwhile, so it needs no journal. */
 static bool copy_pages(struct copy *copy, struct pen_status *st)
 {
-    if (!pen_sq_exec(&copy->to, "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF", st))
+    if (!pen_sqlite_exec(&copy->to, "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF", st))
         return false;
     sqlite3_backup *backup = sqlite3_backup_init(copy->to.db, "main", copy->from.db, "main");
     if (!backup)
@@ -121,13 +121,13 @@ static bool count_jobs(struct copy *copy, int64_t *jobs, struct pen_status *st)
     if (rc == SQLITE_ROW)
         *jobs = sqlite3_column_int64(stmt, 0);
     sqlite3_finalize(stmt);
-    return rc == SQLITE_ROW || pen_sq_error(&copy->to, rc, st);
+    return rc == SQLITE_ROW || pen_sqlite_error(&copy->to, rc, st);
 }
 
 static bool check_copy(struct copy *copy, int64_t *jobs, struct pen_status *st)
 {
     struct pen_status why;
-    if (pen_sq_check_pages(&copy->to, &why) && count_jobs(copy, jobs, &why))
+    if (pen_sqlite_check_pages(&copy->to, &why) && count_jobs(copy, jobs, &why))
         return true;
     return pen_fail(st, why.code, "no backup was made, its check failed: %s", why.msg);
 }
@@ -149,10 +149,10 @@ static bool sync_file(const char *path, int64_t *bytes, struct pen_status *st)
 static bool name_copy(struct copy *copy, struct pen_status *st)
 {
     bool ok = copy->replace ? rename(copy->path, copy->name) == 0
-                            : pen_sq_name_new_file(copy->path, copy->name);
+                            : pen_sqlite_name_new_file(copy->path, copy->name);
     if (ok) {
         copy->path[0] = '\0';
-        return pen_sq_sync_folder(copy->name) || cannot_write(copy->name, errno, st);
+        return pen_sqlite_sync_folder(copy->name) || cannot_write(copy->name, errno, st);
     }
     if (errno == EEXIST)
         return pen_fail(st, PEN_CONFLICT, "%s has come to be there meanwhile; it was left",
@@ -162,8 +162,8 @@ static bool name_copy(struct copy *copy, struct pen_status *st)
 
 static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_status *st)
 {
-    if (!pen_sq_open_to_read(&copy->from, st) || !open_copy(copy, st) || !copy_pages(copy, st) ||
-        !check_copy(copy, &out->jobs, st))
+    if (!pen_sqlite_open_to_read(&copy->from, st) || !open_copy(copy, st) ||
+        !copy_pages(copy, st) || !check_copy(copy, &out->jobs, st))
         return false;
     if (sqlite3_close(copy->to.db) == SQLITE_OK)
         copy->to.db = NULL;
@@ -196,7 +196,7 @@ bool pen_sqlite_backup(const char *url, const char *name, bool replace, struct p
         copy->replace = replace;
         ok = make_backup(copy, out, st);
         sqlite3_close(copy->to.db);
-        pen_sq_close_unwritten(&copy->from);
+        pen_sqlite_close_unwritten(&copy->from);
         remove_part(copy);
     } else {
         pen_fail(st, PEN_NO_MEMORY, "no memory for the backup");

@@ -10,7 +10,7 @@
 enum { NAME_BYTES = 64 };
 
 /* The table or index of a tree, or "". */
-static void name_tree(struct pen_sq_store *store, int root, char name[NAME_BYTES])
+static void name_tree(struct pen_sqlite_store *store, int root, char name[NAME_BYTES])
 {
     sqlite3_stmt *stmt = NULL;
     name[0] = '\0';
@@ -23,7 +23,7 @@ static void name_tree(struct pen_sq_store *store, int root, char name[NAME_BYTES
 }
 
 /* A verdict may begin with a line that names the database. */
-static bool report(struct pen_sq_store *store, const char *verdict, struct pen_status *st)
+static bool report(struct pen_sqlite_store *store, const char *verdict, struct pen_status *st)
 {
     char what[200], name[NAME_BYTES] = "";
     int root;
@@ -32,49 +32,50 @@ static bool report(struct pen_sq_store *store, const char *verdict, struct pen_s
     what[strcspn(what, "\n")] = '\0';
     if (sscanf(what, "%*[^T]Tree %d", &root) == 1 || sscanf(what, "Tree %d", &root) == 1)
         name_tree(store, root, name);
-    return pen_sq_damaged(store, st, "the store %s is damaged (%s%s%s)", store->path, name,
-                          name[0] ? ": " : "", what);
+    return pen_sqlite_damaged(store, st, "the store %s is damaged (%s%s%s)", store->path, name,
+                              name[0] ? ": " : "", what);
 }
 
-bool pen_sq_check_pages(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sqlite_check_pages(struct pen_sqlite_store *store, struct pen_status *st)
 {
     sqlite3_stmt *stmt = NULL;
     int rc = sqlite3_prepare_v2(store->db, "PRAGMA integrity_check(1)", -1, &stmt, NULL);
     if (rc == SQLITE_OK)
         rc = sqlite3_step(stmt);
-    bool ok = rc == SQLITE_ROW || pen_sq_error(store, rc, st);
+    bool ok = rc == SQLITE_ROW || pen_sqlite_error(store, rc, st);
     const char *verdict = ok ? (const char *)sqlite3_column_text(stmt, 0) : NULL;
     if (ok && (!verdict || strcmp(verdict, "ok") != 0))
-        ok = pen_sq_is_refused_read(store, SQLITE_CORRUPT)
-                 ? pen_sq_error(store, SQLITE_CORRUPT, st)
+        ok = pen_sqlite_is_refused_read(store, SQLITE_CORRUPT)
+                 ? pen_sqlite_error(store, SQLITE_CORRUPT, st)
                  : report(store, verdict ? verdict : "no verdict", st);
     sqlite3_finalize(stmt);
     return ok;
 }
 
-bool pen_sq_check_file(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sqlite_check_file(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    return pen_sq_check_log(store, st) && pen_sq_check_pages(store, st);
+    return pen_sqlite_check_log(store, st) && pen_sqlite_check_pages(store, st);
 }
 
 /* A schema that is not the one of its version shows in statements that do not fit it. */
-static bool check_schema(struct pen_sq_store *store, struct pen_status *st)
+static bool check_schema(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    for (int sql = 0; sql < SQ_COUNT; sql++) {
-        struct pen_sq_query query = pen_sq_query(store, (enum pen_sq_sql)sql);
+    for (int sql = 0; sql < SQL_COUNT; sql++) {
+        struct pen_sqlite_query query = pen_sqlite_query(store, (enum pen_sqlite_sql)sql);
         if (query.rc == SQLITE_ERROR)
-            return pen_sq_damaged(store, st,
-                                  "the store %s is damaged (its schema is not of the version that "
-                                  "it says: %s)",
-                                  store->path, sqlite3_errmsg(store->db));
+            return pen_sqlite_damaged(
+                store, st,
+                "the store %s is damaged (its schema is not of the version that "
+                "it says: %s)",
+                store->path, sqlite3_errmsg(store->db));
         if (query.rc != SQLITE_OK)
-            return pen_sq_error(store, query.rc, st);
+            return pen_sqlite_error(store, query.rc, st);
     }
     return true;
 }
 
-bool pen_sq_check(struct pen_store *base, struct pen_status *st)
+bool pen_sqlite_check(struct pen_store *base, struct pen_status *st)
 {
-    struct pen_sq_store *store = pen_sq_of(base);
-    return pen_sq_check_file(store, st) && check_schema(store, st);
+    struct pen_sqlite_store *store = pen_sqlite_of(base);
+    return pen_sqlite_check_file(store, st) && check_schema(store, st);
 }

@@ -7,112 +7,112 @@
 struct commit {
     const struct pen_claim *claim;
     const struct pen_result *result;
-    struct pen_packed pixels;
+    struct pen_bytes pixels;
     struct pen_next *next; /* NULL: none wanted */
-    struct pen_sq_standing standing;
+    struct pen_sqlite_standing standing;
 };
 
-static bool finish_batch(struct pen_sq_store *store, const struct commit *commit, int64_t now_ms,
-                         struct pen_status *st)
+static bool finish_batch(struct pen_sqlite_store *store, const struct commit *commit,
+                         int64_t now_ms, struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_BATCH_DONE);
-    pen_sq_int(&query, commit->claim->batch);
-    pen_sq_int(&query, commit->claim->attempt);
-    pen_sq_text(&query, commit->result->stats);
-    pen_sq_int(&query, now_ms);
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_BATCH_DONE);
+    pen_sqlite_int(&query, commit->claim->batch);
+    pen_sqlite_int(&query, commit->claim->attempt);
+    pen_sqlite_text(&query, commit->result->stats);
+    pen_sqlite_int(&query, now_ms);
+    return pen_sqlite_run(&query, st);
 }
 
-static bool add_pixels(struct pen_sq_store *store, const struct commit *commit,
+static bool add_pixels(struct pen_sqlite_store *store, const struct commit *commit,
                        struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_PIXELS_ADD);
-    pen_sq_int(&query, commit->claim->batch);
-    pen_sq_blob(&query, commit->pixels.data, commit->pixels.bytes);
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_PIXELS_ADD);
+    pen_sqlite_int(&query, commit->claim->batch);
+    pen_sqlite_blob(&query, commit->pixels.data, commit->pixels.bytes);
+    return pen_sqlite_run(&query, st);
 }
 
-static bool add_artefact(struct pen_sq_store *store, const struct commit *commit,
+static bool add_artefact(struct pen_sqlite_store *store, const struct commit *commit,
                          struct pen_status *st)
 {
     const struct pen_result *result = commit->result;
-    struct pen_sq_query query = pen_sq_query(store, SQ_ARTEFACT_PUT);
-    pen_sq_int(&query, commit->standing.job);
-    pen_sq_int(&query, commit->standing.view);
-    pen_sq_text(&query, result->layer);
-    pen_sq_text(&query, result->format);
-    pen_sq_blob(&query, result->artefact, result->artefact_bytes);
-    pen_sq_int(&query, pen_sum_of(result->artefact, result->artefact_bytes));
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_ARTEFACT_PUT);
+    pen_sqlite_int(&query, commit->standing.job);
+    pen_sqlite_int(&query, commit->standing.view);
+    pen_sqlite_text(&query, result->layer);
+    pen_sqlite_text(&query, result->format);
+    pen_sqlite_blob(&query, result->artefact, result->artefact_bytes);
+    pen_sqlite_int(&query, pen_checksum(result->artefact, result->artefact_bytes));
+    return pen_sqlite_run(&query, st);
 }
 
-static bool add_progress(struct pen_sq_store *store, const struct commit *commit, int64_t now_ms,
-                         struct pen_status *st)
+static bool add_progress(struct pen_sqlite_store *store, const struct commit *commit,
+                         int64_t now_ms, struct pen_status *st)
 {
-    const struct pen_sq_standing *standing = &commit->standing;
-    struct pen_sq_query query = pen_sq_query(store, SQ_JOB_PROGRESS);
-    pen_sq_int(&query, standing->job);
-    pen_sq_int(&query, standing->kind == PEN_BATCH_ASSEMBLE ? 0 : standing->pixels);
-    pen_sq_int(&query, now_ms);
-    pen_sq_int(&query, standing->kind == PEN_BATCH_STUDY); /* has been counting by itself */
-    return pen_sq_run(&query, st);
+    const struct pen_sqlite_standing *standing = &commit->standing;
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_PROGRESS);
+    pen_sqlite_int(&query, standing->job);
+    pen_sqlite_int(&query, standing->kind == PEN_BATCH_ASSEMBLE ? 0 : standing->pixels);
+    pen_sqlite_int(&query, now_ms);
+    pen_sqlite_int(&query, standing->kind == PEN_BATCH_STUDY); /* has been counting by itself */
+    return pen_sqlite_run(&query, st);
 }
 
-static bool add_assemble_batch(struct pen_sq_store *store, const struct commit *commit,
+static bool add_assemble_batch(struct pen_sqlite_store *store, const struct commit *commit,
                                struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_BATCH_ADD);
-    pen_sq_int(&query, commit->standing.job);
-    pen_sq_int(&query, commit->standing.view);
-    pen_sq_int(&query, PEN_BATCH_ASSEMBLE);
-    pen_sq_int(&query, 0);
-    pen_sq_int(&query, 0);
-    pen_sq_int(&query, 0);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_BATCH_ADD);
+    pen_sqlite_int(&query, commit->standing.job);
+    pen_sqlite_int(&query, commit->standing.view);
+    pen_sqlite_int(&query, PEN_BATCH_ASSEMBLE);
+    pen_sqlite_int(&query, 0);
+    pen_sqlite_int(&query, 0);
+    pen_sqlite_int(&query, 0);
     store->base.work = true;
-    return pen_sq_run(&query, st);
+    return pen_sqlite_run(&query, st);
 }
 
-static bool end_view(struct pen_sq_store *store, const struct commit *commit, int64_t now_ms,
+static bool end_view(struct pen_sqlite_store *store, const struct commit *commit, int64_t now_ms,
                      struct pen_status *st)
 {
     if (!commit->result->artefact)
         return pen_fail(st, PEN_INTERNAL,
                         "the batch that ends a view was committed without what it was to make");
-    struct pen_sq_query query = pen_sq_query(store, SQ_JOB_VIEW_ENDED);
-    pen_sq_int(&query, commit->standing.job);
-    pen_sq_int(&query, now_ms);
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_VIEW_ENDED);
+    pen_sqlite_int(&query, commit->standing.job);
+    pen_sqlite_int(&query, now_ms);
+    return pen_sqlite_run(&query, st);
 }
 
 /* Counts a batch off its view; the last of several calls for an assemble batch. */
-static bool count_down(struct pen_sq_store *store, const struct commit *commit, int64_t now_ms,
+static bool count_down(struct pen_sqlite_store *store, const struct commit *commit, int64_t now_ms,
                        struct pen_status *st)
 {
-    struct pen_sq_query down = pen_sq_query(store, SQ_VIEW_COUNT_DOWN);
-    pen_sq_int(&down, commit->standing.job);
-    pen_sq_int(&down, commit->standing.view);
-    struct pen_sq_query view = pen_sq_query(store, SQ_VIEW_GET);
-    pen_sq_int(&view, commit->standing.job);
-    pen_sq_int(&view, commit->standing.view);
+    struct pen_sqlite_query down = pen_sqlite_query(store, SQL_VIEW_COUNT_DOWN);
+    pen_sqlite_int(&down, commit->standing.job);
+    pen_sqlite_int(&down, commit->standing.view);
+    struct pen_sqlite_query view = pen_sqlite_query(store, SQL_VIEW_GET);
+    pen_sqlite_int(&view, commit->standing.job);
+    pen_sqlite_int(&view, commit->standing.view);
     bool row;
-    if (!pen_sq_run(&down, st) || !pen_sq_next(&view, &row, st))
+    if (!pen_sqlite_run(&down, st) || !pen_sqlite_next(&view, &row, st))
         return false;
     if (!row)
         return pen_fail(st, PEN_STORAGE, "a batch without a view");
-    int64_t batches = pen_sq_column_int(&view, 0), open = pen_sq_column_int(&view, 1);
-    pen_sq_end(&view);
+    int64_t batches = pen_sqlite_column_int(&view, 0), open = pen_sqlite_column_int(&view, 1);
+    pen_sqlite_end(&view);
     if (open > 0)
         return true;
     return batches == 1 ? end_view(store, commit, now_ms, st)
                         : add_assemble_batch(store, commit, st);
 }
 
-static bool write_result(struct pen_sq_store *store, const struct commit *commit,
+static bool write_result(struct pen_sqlite_store *store, const struct commit *commit,
                          struct pen_status *st)
 {
     int64_t now_ms = pen_clock_wall_ms();
     bool render = commit->standing.kind == PEN_BATCH_RENDER;
-    store->base.news = true;
+    store->base.changed = true;
     /* Progress first: the batch takes note of the revision that it gives the job. */
     if (!add_progress(store, commit, now_ms, st) || !finish_batch(store, commit, now_ms, st) ||
         (render && !add_pixels(store, commit, st)) ||
@@ -135,12 +135,12 @@ static bool check_result(const struct commit *commit, struct pen_status *st)
     return true;
 }
 
-static bool write_commit(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool write_commit(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     struct commit *commit = arg;
-    if (!pen_sq_standing(store, commit->claim, &commit->standing, st))
+    if (!pen_sqlite_standing(store, commit->claim, &commit->standing, st))
         return false;
-    const struct pen_sq_standing *standing = &commit->standing;
+    const struct pen_sqlite_standing *standing = &commit->standing;
     bool duplicate = standing->exists && standing->state == PEN_BATCH_DONE &&
                      standing->attempt == commit->claim->attempt;
     if (!duplicate) {
@@ -149,14 +149,15 @@ static bool write_commit(struct pen_sq_store *store, void *arg, struct pen_statu
         if (!check_result(commit, st) || !write_result(store, commit, st))
             return false;
     }
-    return !commit->next || pen_sq_take_next(store, commit->next, st);
+    return !commit->next || pen_sqlite_take_next(store, commit->next, st);
 }
 
 /* Packs the pixels, unless they come packed. */
-static bool pack_result(struct pen_sq_store *store, struct commit *commit, struct pen_status *st)
+static bool pack_result(struct pen_sqlite_store *store, struct commit *commit,
+                        struct pen_status *st)
 {
     const struct pen_result *result = commit->result;
-    const struct pen_pixels *packed = result->packed;
+    const struct pen_pixels *packed = result->encoded;
     if (!packed && !result->rgb)
         return true;
     if (!packed) {
@@ -170,18 +171,19 @@ static bool pack_result(struct pen_sq_store *store, struct commit *commit, struc
     if (pen_pixels_count(packed) != result->pixels)
         return pen_fail(st, PEN_INTERNAL, "%lld packed pixels in a result of %lld",
                         (long long)pen_pixels_count(packed), (long long)result->pixels);
-    commit->pixels = pen_pixels_packed(packed);
+    commit->pixels = pen_pixels_encoded(packed);
     return true;
 }
 
-bool pen_sq_commit(struct pen_store *base, const struct pen_claim *claim,
-                   const struct pen_result *result, struct pen_next *next, struct pen_status *st)
+bool pen_sqlite_commit(struct pen_store *base, const struct pen_claim *claim,
+                       const struct pen_result *result, struct pen_next *next,
+                       struct pen_status *st)
 {
-    struct pen_sq_store *store = pen_sq_of(base);
+    struct pen_sqlite_store *store = pen_sqlite_of(base);
     struct commit commit = {.claim = claim, .result = result, .next = next};
     if (next)
         next->found = false;
     if (!pack_result(store, &commit, st))
         return false;
-    return pen_sq_transaction(store, write_commit, &commit, st);
+    return pen_sqlite_transaction(store, write_commit, &commit, st);
 }

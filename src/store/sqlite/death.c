@@ -15,35 +15,35 @@ struct lost {
     int opened;
 };
 
-static struct pen_sq_query lost_query(struct pen_sq_store *store, enum pen_sq_sql sql,
-                                      const struct lost *lost)
+static struct pen_sqlite_query lost_query(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
+                                          const struct lost *lost)
 {
-    struct pen_sq_query query = pen_sq_query(store, sql);
-    pen_sq_int(&query, lost->before_ms);
-    pen_sq_text(&query, lost->worker);
+    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
+    pen_sqlite_int(&query, lost->before_ms);
+    pen_sqlite_text(&query, lost->worker);
     return query;
 }
 
-static bool open_suspects(struct pen_sq_store *store, struct lost *lost, struct pen_status *st)
+static bool open_suspects(struct pen_sqlite_store *store, struct lost *lost, struct pen_status *st)
 {
-    struct pen_sq_query jobs = lost_query(store, SQ_LOST_JOBS, lost);
-    pen_sq_int(&jobs, pen_clock_wall_ms());
-    struct pen_sq_query batches = lost_query(store, SQ_LOST_OPEN, lost);
-    if (!pen_sq_run(&jobs, st) || !pen_sq_run(&batches, st))
+    struct pen_sqlite_query jobs = lost_query(store, SQL_LOST_JOBS, lost);
+    pen_sqlite_int(&jobs, pen_clock_wall_ms());
+    struct pen_sqlite_query batches = lost_query(store, SQL_LOST_OPEN, lost);
+    if (!pen_sqlite_run(&jobs, st) || !pen_sqlite_run(&batches, st))
         return false;
-    lost->opened = pen_sq_changes(store);
+    lost->opened = pen_sqlite_changes(store);
     store->base.work = lost->opened > 0;
     return true;
 }
 
 /* Opens them as they are. */
-static bool open_left(struct pen_sq_store *store, struct lost *lost, struct pen_status *st)
+static bool open_left(struct pen_sqlite_store *store, struct lost *lost, struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_LEFT_OPEN);
-    pen_sq_text(&query, lost->worker);
-    if (!pen_sq_run(&query, st))
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_LEFT_OPEN);
+    pen_sqlite_text(&query, lost->worker);
+    if (!pen_sqlite_run(&query, st))
         return false;
-    lost->opened = pen_sq_changes(store);
+    lost->opened = pen_sqlite_changes(store);
     store->base.work = lost->opened > 0;
     return true;
 }
@@ -56,46 +56,46 @@ struct charge {
     int charges, max_attempts; /* charges: with this one */
 };
 
-static bool find_charge(struct pen_sq_store *store, const char *worker, struct charge *charge,
+static bool find_charge(struct pen_sqlite_store *store, const char *worker, struct charge *charge,
                         struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_CHARGE_WHOM);
-    pen_sq_text(&query, worker);
-    if (!pen_sq_next(&query, &charge->any, st))
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_CHARGE_WHOM);
+    pen_sqlite_text(&query, worker);
+    if (!pen_sqlite_next(&query, &charge->any, st))
         return false;
     if (!charge->any)
         return true;
-    pen_sq_read_claim(&query, &charge->claim, &charge->job);
-    charge->charges = (int)pen_sq_column_int(&query, 14) + 1;
-    charge->max_attempts = (int)pen_sq_column_int(&query, 15);
-    pen_sq_end(&query);
+    pen_sqlite_read_claim(&query, &charge->claim, &charge->job);
+    charge->charges = (int)pen_sqlite_column_int(&query, 14) + 1;
+    charge->max_attempts = (int)pen_sqlite_column_int(&query, 15);
+    pen_sqlite_end(&query);
     return true;
 }
 
-static bool fail_job(struct pen_sq_store *store, const struct pen_worker_death *death,
+static bool fail_job(struct pen_sqlite_store *store, const struct pen_worker_death *death,
                      const struct charge *charge, struct pen_status *st)
 {
     char *error = death->error(death->user, &charge->claim, charge->charges);
     if (!error)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the error of a job");
-    bool ok = pen_sq_end_job(store, charge->job, PEN_JOB_FAILED, error, st);
+    bool ok = pen_sqlite_end_job(store, charge->job, PEN_JOB_FAILED, error, st);
     free(error);
     return ok;
 }
 
 /* Charges the job found, and ends it if that was its last attempt. */
-static bool write_charge(struct pen_sq_store *store, const struct pen_worker_death *death,
+static bool write_charge(struct pen_sqlite_store *store, const struct pen_worker_death *death,
                          const struct charge *charge, struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_CHARGE);
-    pen_sq_int(&query, charge->job);
-    pen_sq_int(&query, pen_clock_wall_ms());
-    store->base.news = true;
-    return pen_sq_run(&query, st) &&
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_CHARGE);
+    pen_sqlite_int(&query, charge->job);
+    pen_sqlite_int(&query, pen_clock_wall_ms());
+    store->base.changed = true;
+    return pen_sqlite_run(&query, st) &&
            (charge->charges < charge->max_attempts || fail_job(store, death, charge, st));
 }
 
-static bool write_lost(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool write_lost(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     struct lost *lost = arg;
     struct charge charge = {0};
@@ -116,26 +116,26 @@ static bool write_lost(struct pen_sq_store *store, void *arg, struct pen_status 
 /* Reads first: most calls find nothing to do. */
 static bool open_lost(struct pen_store *base, struct lost *lost, int *opened, struct pen_status *st)
 {
-    struct pen_sq_store *store = pen_sq_of(base);
-    struct pen_sq_query query = lost_query(store, SQ_LOST_ANY, lost);
+    struct pen_sqlite_store *store = pen_sqlite_of(base);
+    struct pen_sqlite_query query = lost_query(store, SQL_LOST_ANY, lost);
     bool any;
-    if (!pen_sq_any_row(&query, &any, st))
+    if (!pen_sqlite_any_row(&query, &any, st))
         return false;
-    if (any && !pen_sq_transaction(store, write_lost, lost, st))
+    if (any && !pen_sqlite_transaction(store, write_lost, lost, st))
         return false;
     *opened = lost->opened;
     return true;
 }
 
-bool pen_sq_expire_leases(struct pen_store *base, const char *dead_worker, int *opened,
-                          struct pen_status *st)
+bool pen_sqlite_expire_leases(struct pen_store *base, const char *dead_worker, int *opened,
+                              struct pen_status *st)
 {
     struct lost lost = {.worker = dead_worker, .before_ms = pen_clock_wall_ms()};
     return open_lost(base, &lost, opened, st);
 }
 
-bool pen_sq_worker_ended(struct pen_store *base, const struct pen_worker_death *death, int *opened,
-                         struct pen_status *st)
+bool pen_sqlite_worker_ended(struct pen_store *base, const struct pen_worker_death *death,
+                             int *opened, struct pen_status *st)
 {
     struct lost lost = {.worker = death->worker, .before_ms = INT64_MIN, .death = death};
     return open_lost(base, &lost, opened, st);

@@ -8,7 +8,7 @@
 
 #include "store/sqlite/sqlite.h"
 
-bool pen_sq_sync_folder(const char *path)
+bool pen_sqlite_sync_folder(const char *path)
 {
     char folder[4096];
     snprintf(folder, sizeof folder, "%s", path);
@@ -25,7 +25,7 @@ bool pen_sq_sync_folder(const char *path)
 }
 
 /* File systems that cannot promise it have to do with a look. */
-bool pen_sq_name_new_file(const char *from, const char *to)
+bool pen_sqlite_name_new_file(const char *from, const char *to)
 {
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)
         return true;

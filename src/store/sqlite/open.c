@@ -23,7 +23,7 @@
 enum { PATIENCE_MS = 5000, DOCUMENT_LEVEL = 1 /* of zstd: they are written once */ };
 
 /* A log without content is removed by the last to close; nothing is written for that. */
-static bool has_log(const struct pen_sq_store *store)
+static bool has_log(const struct pen_sqlite_store *store)
 {
     char path[4112];
     struct stat info;
@@ -32,9 +32,9 @@ static bool has_log(const struct pen_sq_store *store)
 }
 
 /* Without a checkpoint, where the file or the handle is not to be trusted: nothing is written. */
-static void close_database(struct pen_sq_store *store)
+static void close_database(struct pen_sqlite_store *store)
 {
-    for (int i = 0; i < SQ_COUNT; i++) {
+    for (int i = 0; i < SQL_COUNT; i++) {
         sqlite3_finalize(store->stmt[i]);
         store->stmt[i] = NULL;
     }
@@ -46,53 +46,53 @@ static void close_database(struct pen_sq_store *store)
     store->sound = false;
 }
 
-static void pen_sq_close(struct pen_store *base)
+static void pen_sqlite_close(struct pen_store *base)
 {
-    struct pen_sq_store *store = pen_sq_of(base);
+    struct pen_sqlite_store *store = pen_sqlite_of(base);
     close_database(store);
-    pen_packer_free(store->packer);
+    pen_compressor_free(store->packer);
     pen_pixels_free(store->pixels);
     free(store->rgb);
     free(store->path);
     free(store);
 }
 
-static bool write_probe(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool write_probe(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     (void)arg;
-    struct pen_sq_query query = pen_sq_query(store, SQ_PROBE);
-    pen_sq_int(&query, pen_clock_wall_ms());
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_PROBE);
+    pen_sqlite_int(&query, pen_clock_wall_ms());
+    return pen_sqlite_run(&query, st);
 }
 
-static bool pen_sq_probe(struct pen_store *base, struct pen_status *st)
+static bool pen_sqlite_probe(struct pen_store *base, struct pen_status *st)
 {
-    return pen_sq_transaction(pen_sq_of(base), write_probe, NULL, st);
+    return pen_sqlite_transaction(pen_sqlite_of(base), write_probe, NULL, st);
 }
 
-static bool write_large_probe(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool write_large_probe(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     (void)arg;
-    struct pen_sq_query query = pen_sq_query(store, SQ_PROBE_LARGE);
-    pen_sq_int(&query, pen_clock_wall_ms());
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_PROBE_LARGE);
+    pen_sqlite_int(&query, pen_clock_wall_ms());
+    return pen_sqlite_run(&query, st);
 }
 
 /* The large row and then the small one in its place. A log that is there to be overwritten proves
  * nothing of the room on the disk, so it is given back first. */
-static bool pen_sq_room(struct pen_store *base, struct pen_status *st)
+static bool pen_sqlite_space(struct pen_store *base, struct pen_status *st)
 {
-    struct pen_sq_store *store = pen_sq_of(base);
-    pen_sq_wind_back_log(store);
-    return pen_sq_transaction(store, write_large_probe, NULL, st) &&
-           pen_sq_transaction(store, write_probe, NULL, st);
+    struct pen_sqlite_store *store = pen_sqlite_of(base);
+    pen_sqlite_wind_back_log(store);
+    return pen_sqlite_transaction(store, write_large_probe, NULL, st) &&
+           pen_sqlite_transaction(store, write_probe, NULL, st);
 }
 
-static bool open_database(struct pen_sq_store *store, struct pen_status *st);
+static bool open_database(struct pen_sqlite_store *store, struct pen_status *st);
 static bool cannot_open(const char *path, int error, struct pen_status *st);
 
 /* Another file in the store's place must not be opened with the log of the one before. */
-static bool is_same_file(const struct pen_sq_store *store, struct pen_status *st)
+static bool is_same_file(const struct pen_sqlite_store *store, struct pen_status *st)
 {
     struct stat now;
     if (stat(store->path, &now) != 0)
@@ -107,9 +107,9 @@ static bool is_same_file(const struct pen_sq_store *store, struct pen_status *st
 /* The new connection comes before the old one goes: were there none in between, the next would
  * read the whole log again and find a transaction there whose sync had failed, after others saw
  * the store without it. */
-static bool pen_sq_reopen(struct pen_store *base, struct pen_status *st)
+static bool pen_sqlite_reopen(struct pen_store *base, struct pen_status *st)
 {
-    struct pen_sq_store *store = pen_sq_of(base), old = *store;
+    struct pen_sqlite_store *store = pen_sqlite_of(base), old = *store;
     if (!is_same_file(store, st))
         return false;
     store->db = NULL;
@@ -121,37 +121,37 @@ static bool pen_sq_reopen(struct pen_store *base, struct pen_status *st)
 }
 
 static const struct pen_store_ops ops = {
-    .close = pen_sq_close,
-    .check = pen_sq_check,
-    .probe = pen_sq_probe,
-    .room = pen_sq_room,
-    .reopen = pen_sq_reopen,
-    .submit = pen_sq_submit,
-    .job = pen_sq_job,
-    .jobs = pen_sq_jobs,
-    .scene = pen_sq_scene,
-    .cancel = pen_sq_cancel,
-    .remove = pen_sq_remove,
-    .claim = pen_sq_claim,
-    .commit = pen_sq_commit,
-    .progress = pen_sq_progress,
-    .release = pen_sq_release,
-    .fail = pen_sq_fail,
-    .heartbeat = pen_sq_heartbeat,
-    .sweep = pen_sq_expire_leases,
-    .worker_ended = pen_sq_worker_ended,
-    .pixels = pen_sq_pixels,
-    .stats = pen_sq_stats,
-    .batches = pen_sq_batches,
-    .commits = pen_sq_commits,
-    .worker_seen = pen_sq_worker_seen,
-    .worker_gone = pen_sq_worker_gone,
-    .workers = pen_sq_workers,
-    .artefact = pen_sq_artefact,
-    .artefact_put = pen_sq_artefact_put,
-    .settle = pen_sq_settle,
-    .tidy = pen_sq_purge,
-    .audit = pen_sq_audit,
+    .close = pen_sqlite_close,
+    .check = pen_sqlite_check,
+    .probe = pen_sqlite_probe,
+    .space = pen_sqlite_space,
+    .reopen = pen_sqlite_reopen,
+    .submit = pen_sqlite_submit,
+    .job = pen_sqlite_job,
+    .jobs = pen_sqlite_jobs,
+    .scene = pen_sqlite_scene,
+    .cancel = pen_sqlite_cancel,
+    .remove = pen_sqlite_remove,
+    .claim = pen_sqlite_claim,
+    .commit = pen_sqlite_commit,
+    .progress = pen_sqlite_progress,
+    .release = pen_sqlite_release,
+    .fail = pen_sqlite_fail,
+    .heartbeat = pen_sqlite_heartbeat,
+    .expire_leases = pen_sqlite_expire_leases,
+    .worker_ended = pen_sqlite_worker_ended,
+    .pixels = pen_sqlite_pixels,
+    .stats = pen_sqlite_stats,
+    .batches = pen_sqlite_batches,
+    .commits = pen_sqlite_commits,
+    .worker_seen = pen_sqlite_worker_seen,
+    .worker_gone = pen_sqlite_worker_gone,
+    .workers = pen_sqlite_workers,
+    .artefact = pen_sqlite_artefact,
+    .artefact_put = pen_sqlite_artefact_put,
+    .checkpoint = pen_sqlite_checkpoint,
+    .purge = pen_sqlite_purge,
+    .audit = pen_sqlite_audit,
 };
 
 /* Makes the folders above `path`, private to the user. */
@@ -178,7 +178,7 @@ static uint32_t big_endian(const unsigned char bytes[4])
 
 /* Refuses a file that is not a store of ours, from the header of SQLite's file format (magic at
  * 0, application id at 68). */
-static bool check_header(struct pen_sq_store *store, struct pen_status *st)
+static bool check_header(struct pen_sqlite_store *store, struct pen_status *st)
 {
     unsigned char header[100];
     sqlite3_file *file = NULL;
@@ -189,14 +189,14 @@ static bool check_header(struct pen_sq_store *store, struct pen_status *st)
     if (rc == SQLITE_OK && bytes >= (sqlite3_int64)sizeof header)
         rc = file->pMethods->xRead(file, header, (int)sizeof header, 0);
     if (rc != SQLITE_OK)
-        return pen_sq_io_error(store, rc, 0, st);
+        return pen_sqlite_io_error(store, rc, 0, st);
     if (bytes == 0)
-        return pen_sq_damaged(store, st, "the file %s is empty, which a store never is",
-                              store->path);
+        return pen_sqlite_damaged(store, st, "the file %s is empty, which a store never is",
+                                  store->path);
     if (bytes < (sqlite3_int64)sizeof header || memcmp(header, "SQLite format 3", 16) != 0)
-        return pen_sq_damaged(store, st, "%s is not a Penumbra store, or its beginning is damaged",
-                              store->path);
-    if (big_endian(header + 68) != SQ_APPLICATION_ID)
+        return pen_sqlite_damaged(
+            store, st, "%s is not a Penumbra store, or its beginning is damaged", store->path);
+    if (big_endian(header + 68) != SQL_APPLICATION_ID)
         return pen_fail(st, PEN_STORAGE,
                         "%s is a database of another program (application id 0x%08x); give "
                         "another path for the store",
@@ -226,7 +226,7 @@ static bool check_kind(const char *path, struct pen_status *st)
  * 100 ms at a time, many times what a commit takes. */
 static int on_busy(void *arg, int count)
 {
-    const struct pen_sq_store *store = arg;
+    const struct pen_sqlite_store *store = arg;
     int64_t step_ns = 100000 + 50000 * (int64_t)(count < 40 ? count : 40);
     int64_t waited_ms = (int64_t)count * step_ns / 2000000;
     if (waited_ms >= store->patience_ms)
@@ -240,44 +240,44 @@ static int on_wal(void *arg, sqlite3 *db, const char *name, int pages)
 {
     (void)db;
     (void)name;
-    ((struct pen_sq_store *)arg)->wal_pages = pages;
+    ((struct pen_sqlite_store *)arg)->wal_pages = pages;
     return SQLITE_OK;
 }
 
-static bool configure(struct pen_sq_store *store, struct pen_status *st)
+static bool configure(struct pen_sqlite_store *store, struct pen_status *st)
 {
     sqlite3_extended_result_codes(store->db, 1);
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, NULL);
     sqlite3_busy_handler(store->db, on_busy, store);
-    return pen_sq_exec(store,
-                       "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
-                       "PRAGMA temp_store = MEMORY; PRAGMA cell_size_check = ON;"
-                       "PRAGMA journal_size_limit = 8388608",
-                       st);
+    return pen_sqlite_exec(store,
+                           "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
+                           "PRAGMA temp_store = MEMORY; PRAGMA cell_size_check = ON;"
+                           "PRAGMA journal_size_limit = 8388608",
+                           st);
 }
 
-static bool connect(struct pen_sq_store *store, const char *path, struct pen_status *st)
+static bool connect(struct pen_sqlite_store *store, const char *path, struct pen_status *st)
 {
     int rc = sqlite3_open_v2(path, &store->db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
     if (!store->db)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     if (rc != SQLITE_OK)
-        return pen_sq_error(store, rc, st);
+        return pen_sqlite_error(store, rc, st);
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     return true;
 }
 
 /* Opens a store that is there. */
-static bool open_database(struct pen_sq_store *store, struct pen_status *st)
+static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
 {
     bool ok = check_kind(store->path, st) && connect(store, store->path, st) &&
-              check_header(store, st) && configure(store, st) && pen_sq_migrate(store, st) &&
-              pen_sq_guard_states(store, st);
+              check_header(store, st) && configure(store, st) && pen_sqlite_migrate(store, st) &&
+              pen_sqlite_guard_states(store, st);
     if (ok) {
         sqlite3_wal_hook(store->db, on_wal, store);
         sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
-        ok = pen_sq_prepare(store, st);
+        ok = pen_sqlite_prepare(store, st);
     }
     store->sound = ok;
     if (!ok)
@@ -285,16 +285,16 @@ static bool open_database(struct pen_sq_store *store, struct pen_status *st)
     return ok;
 }
 
-bool pen_sq_open_to_read(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *st)
 {
     struct stat info;
     if (stat(store->path, &info) != 0 && errno == ENOENT)
         return pen_fail(st, PEN_NOT_FOUND, "there is no store %s", store->path);
     return check_kind(store->path, st) && connect(store, store->path, st) &&
-           check_header(store, st) && configure(store, st) && pen_sq_check_log(store, st);
+           check_header(store, st) && configure(store, st) && pen_sqlite_check_log(store, st);
 }
 
-void pen_sq_close_unwritten(struct pen_sq_store *store)
+void pen_sqlite_close_unwritten(struct pen_sqlite_store *store)
 {
     store->sound = false;
     close_database(store);
@@ -302,7 +302,7 @@ void pen_sq_close_unwritten(struct pen_sq_store *store)
 
 /* A new store is made whole beside its path and then named, so an empty or half-made file under
  * that path is never ours. */
-static bool make_store(struct pen_sq_store *store, const char *path, struct pen_status *st)
+static bool make_store(struct pen_sqlite_store *store, const char *path, struct pen_status *st)
 {
     char leftover[4128];
     snprintf(leftover, sizeof leftover, "%s-journal", path);
@@ -312,17 +312,17 @@ static bool make_store(struct pen_sq_store *store, const char *path, struct pen_
     if (fd < 0)
         return cannot_open(path, errno, st);
     close(fd);
-    bool ok = connect(store, path, st) && configure(store, st) && pen_sq_make_schema(store, st);
+    bool ok = connect(store, path, st) && configure(store, st) && pen_sqlite_make_schema(store, st);
     close_database(store);
-    if (ok && !pen_sq_name_new_file(path, store->path) && errno != EEXIST)
+    if (ok && !pen_sqlite_name_new_file(path, store->path) && errno != EEXIST)
         ok = cannot_open(store->path, errno, st);
     unlink(path); /* if it still has that name */
-    if (ok && !pen_sq_sync_folder(store->path))
+    if (ok && !pen_sqlite_sync_folder(store->path))
         ok = cannot_open(store->path, errno, st);
     return ok;
 }
 
-static bool make_missing(struct pen_sq_store *store, struct pen_status *st)
+static bool make_missing(struct pen_sqlite_store *store, struct pen_status *st)
 {
     char path[4112];
     struct stat info;
@@ -335,7 +335,8 @@ static bool make_missing(struct pen_sq_store *store, struct pen_status *st)
 }
 
 /* The steps that must not be taken by two at once. */
-static bool open_locked(struct pen_sq_store *store, const char *lock_path, struct pen_status *st)
+static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
+                        struct pen_status *st)
 {
     if (!make_folders(store->path, st))
         return false;
@@ -369,18 +370,18 @@ struct pen_store *pen_sqlite_open(const char *path, struct pen_status *st)
         pen_fail(st, PEN_USAGE, "the path of the store is too long");
         return NULL;
     }
-    struct pen_sq_store *store = calloc(1, sizeof *store);
+    struct pen_sqlite_store *store = calloc(1, sizeof *store);
     if (store) {
         store->base.ops = &ops;
         store->patience_ms = PATIENCE_MS;
         store->base.name = store->path = strdup(path);
-        store->packer = pen_packer_new(DOCUMENT_LEVEL);
+        store->packer = pen_compressor_new(DOCUMENT_LEVEL);
     }
     if (!store || !store->path || !store->packer)
         pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     else if (open_locked(store, lock_path, st))
         return &store->base;
     if (store)
-        pen_sq_close(&store->base);
+        pen_sqlite_close(&store->base);
     return NULL;
 }

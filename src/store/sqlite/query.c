@@ -19,37 +19,37 @@ enum {
     WAL_PATIENCE_MS = 20         /* for readers to leave; writers wait meanwhile */
 };
 
-struct pen_sq_query pen_sq_query(struct pen_sq_store *store, enum pen_sq_sql sql)
+struct pen_sqlite_query pen_sqlite_query(struct pen_sqlite_store *store, enum pen_sqlite_sql sql)
 {
-    struct pen_sq_query query = {.store = store, .stmt = store->stmt[sql]};
+    struct pen_sqlite_query query = {.store = store, .stmt = store->stmt[sql]};
     if (!query.stmt) {
-        query.rc = sqlite3_prepare_v3(store->db, pen_sq_sql_text(sql), -1,
+        query.rc = sqlite3_prepare_v3(store->db, pen_sqlite_sql_text(sql), -1,
                                       SQLITE_PREPARE_PERSISTENT, &query.stmt, NULL);
         store->stmt[sql] = query.stmt;
     }
     return query;
 }
 
-void pen_sq_int(struct pen_sq_query *query, int64_t value)
+void pen_sqlite_int(struct pen_sqlite_query *query, int64_t value)
 {
     if (query->rc == SQLITE_OK)
         query->rc = sqlite3_bind_int64(query->stmt, ++query->bound, value);
 }
 
-void pen_sq_text(struct pen_sq_query *query, const char *text)
+void pen_sqlite_text(struct pen_sqlite_query *query, const char *text)
 {
     if (query->rc == SQLITE_OK)
         query->rc = sqlite3_bind_text(query->stmt, ++query->bound, text, -1, SQLITE_STATIC);
 }
 
-void pen_sq_blob(struct pen_sq_query *query, const void *data, size_t bytes)
+void pen_sqlite_blob(struct pen_sqlite_query *query, const void *data, size_t bytes)
 {
     if (query->rc == SQLITE_OK)
         query->rc = sqlite3_bind_blob64(query->stmt, ++query->bound, bytes ? data : "", bytes,
                                         SQLITE_STATIC);
 }
 
-void pen_sq_end(struct pen_sq_query *query)
+void pen_sqlite_end(struct pen_sqlite_query *query)
 {
     if (query->stmt) {
         sqlite3_reset(query->stmt);
@@ -57,7 +57,7 @@ void pen_sq_end(struct pen_sq_query *query)
     }
 }
 
-bool pen_sq_next(struct pen_sq_query *query, bool *row, struct pen_status *st)
+bool pen_sqlite_next(struct pen_sqlite_query *query, bool *row, struct pen_status *st)
 {
     int rc = query->rc;
     if (rc == SQLITE_OK)
@@ -65,54 +65,54 @@ bool pen_sq_next(struct pen_sq_query *query, bool *row, struct pen_status *st)
     *row = rc == SQLITE_ROW;
     if (*row)
         return true;
-    bool ok = rc == SQLITE_DONE || pen_sq_error(query->store, rc, st);
-    pen_sq_end(query);
+    bool ok = rc == SQLITE_DONE || pen_sqlite_error(query->store, rc, st);
+    pen_sqlite_end(query);
     return ok;
 }
 
-bool pen_sq_run(struct pen_sq_query *query, struct pen_status *st)
+bool pen_sqlite_run(struct pen_sqlite_query *query, struct pen_status *st)
 {
     bool row = true;
     while (row) {
-        if (!pen_sq_next(query, &row, st))
+        if (!pen_sqlite_next(query, &row, st))
             return false;
     }
     return true;
 }
 
-int pen_sq_changes(const struct pen_sq_store *store)
+int pen_sqlite_changes(const struct pen_sqlite_store *store)
 {
     return sqlite3_changes(store->db);
 }
 
-int64_t pen_sq_column_int(const struct pen_sq_query *query, int column)
+int64_t pen_sqlite_column_int(const struct pen_sqlite_query *query, int column)
 {
     return sqlite3_column_int64(query->stmt, column);
 }
 
-const char *pen_sq_column_text(const struct pen_sq_query *query, int column)
+const char *pen_sqlite_column_text(const struct pen_sqlite_query *query, int column)
 {
     return (const char *)sqlite3_column_text(query->stmt, column);
 }
 
-struct pen_packed pen_sq_column_blob(const struct pen_sq_query *query, int column)
+struct pen_bytes pen_sqlite_column_blob(const struct pen_sqlite_query *query, int column)
 {
     const void *data = sqlite3_column_blob(query->stmt, column);
-    return (struct pen_packed){data, data ? (size_t)sqlite3_column_bytes(query->stmt, column) : 0};
+    return (struct pen_bytes){data, data ? (size_t)sqlite3_column_bytes(query->stmt, column) : 0};
 }
 
-char *pen_sq_column_dup(const struct pen_sq_query *query, int column, bool *ok)
+char *pen_sqlite_column_dup(const struct pen_sqlite_query *query, int column, bool *ok)
 {
     if (sqlite3_column_type(query->stmt, column) == SQLITE_NULL)
         return NULL;
-    const char *text = pen_sq_column_text(query, column);
+    const char *text = pen_sqlite_column_text(query, column);
     char *copy = text ? strdup(text) : NULL;
     if (!copy)
         *ok = false;
     return copy;
 }
 
-static void note_fault(struct pen_sq_store *store, enum pen_fault fault, int error)
+static void note_fault(struct pen_sqlite_store *store, enum pen_fault fault, int error)
 {
     store->base.faults |= 1u << fault;
     store->base.fault_errno = error;
@@ -120,7 +120,8 @@ static void note_fault(struct pen_sq_store *store, enum pen_fault fault, int err
         store->sound = false;
 }
 
-bool pen_sq_damaged(struct pen_sq_store *store, struct pen_status *st, const char *format, ...)
+bool pen_sqlite_damaged(struct pen_sqlite_store *store, struct pen_status *st, const char *format,
+                        ...)
 {
     char what[PEN_MSG_BYTES];
     va_list args;
@@ -158,7 +159,7 @@ static const char *what_failed(int rc)
     return (rc & 0xff) == SQLITE_CANTOPEN ? "be opened" : "be used";
 }
 
-bool pen_sq_io_error(struct pen_sq_store *store, int rc, int error, struct pen_status *st)
+bool pen_sqlite_io_error(struct pen_sqlite_store *store, int rc, int error, struct pen_status *st)
 {
     bool full = (rc & 0xff) == SQLITE_FULL || error == ENOSPC || error == EDQUOT;
     bool sync = rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC;
@@ -177,7 +178,7 @@ static bool is_own_want(int rc, int error)
 }
 
 /* What the files say of their last failure; 0: none. */
-static int errno_of_files(struct pen_sq_store *store)
+static int errno_of_files(struct pen_sqlite_store *store)
 {
     static const int files[] = {SQLITE_FCNTL_JOURNAL_POINTER, SQLITE_FCNTL_FILE_POINTER};
     int error = 0;
@@ -191,22 +192,22 @@ static int errno_of_files(struct pen_sq_store *store)
 }
 
 /* SQLite passes on the errno of most failures; of those in a commit, only the files know it. */
-static int errno_of(struct pen_sq_store *store)
+static int errno_of(struct pen_sqlite_store *store)
 {
     int error = sqlite3_system_errno(store->db);
     return error ? error : errno_of_files(store);
 }
 
-bool pen_sq_is_refused_read(struct pen_sq_store *store, int rc)
+bool pen_sqlite_is_refused_read(struct pen_sqlite_store *store, int rc)
 {
     int error = (rc & 0xff) == SQLITE_CORRUPT ? errno_of_files(store) : 0;
     return error == EIO || error == ENXIO;
 }
 
-bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st)
+bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status *st)
 {
-    if (pen_sq_is_refused_read(store, rc))
-        return pen_sq_io_error(store, SQLITE_IOERR_READ, EIO, st);
+    if (pen_sqlite_is_refused_read(store, rc))
+        return pen_sqlite_io_error(store, SQLITE_IOERR_READ, EIO, st);
     int kind = rc & 0xff;
     bool system = kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN;
     int error = system ? errno_of(store) : 0;
@@ -224,30 +225,30 @@ bool pen_sq_error(struct pen_sq_store *store, int rc, struct pen_status *st)
         return pen_fail(st, PEN_TOO_LARGE, "too large to be stored in one piece");
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-        return pen_sq_damaged(store, st, "the store %s is damaged (%s)", store->path,
-                              sqlite3_errmsg(store->db));
+        return pen_sqlite_damaged(store, st, "the store %s is damaged (%s)", store->path,
+                                  sqlite3_errmsg(store->db));
     case SQLITE_FULL:
     case SQLITE_IOERR:
     case SQLITE_CANTOPEN:
-        return pen_sq_io_error(store, rc, error, st);
+        return pen_sqlite_io_error(store, rc, error, st);
     case SQLITE_READONLY:
     case SQLITE_PERM:
-        return pen_sq_io_error(store, rc, 0, st);
+        return pen_sqlite_io_error(store, rc, 0, st);
     default:
         return pen_fail(st, PEN_INTERNAL, "the store %s failed: %s", store->path,
                         sqlite3_errmsg(store->db));
     }
 }
 
-bool pen_sq_exec(struct pen_sq_store *store, const char *sql, struct pen_status *st)
+bool pen_sqlite_exec(struct pen_sqlite_store *store, const char *sql, struct pen_status *st)
 {
     int rc = sqlite3_exec(store->db, sql, NULL, NULL, NULL);
-    return rc == SQLITE_OK || pen_sq_error(store, rc, st);
+    return rc == SQLITE_OK || pen_sqlite_error(store, rc, st);
 }
 
 /* A checkpoint that does not get through is no failure of its caller: the next one does. Where it
  * met a fault, that is noted. */
-static void checkpoint(struct pen_sq_store *store, int mode)
+static void checkpoint(struct pen_sqlite_store *store, int mode)
 {
     struct pen_status ignored;
     int64_t patience = store->patience_ms;
@@ -256,60 +257,62 @@ static void checkpoint(struct pen_sq_store *store, int mode)
     store->patience_ms = patience;
     store->wal_pages = 0;
     if (rc != SQLITE_OK)
-        pen_sq_error(store, rc, &ignored);
+        pen_sqlite_error(store, rc, &ignored);
 }
 
-void pen_sq_wind_back_log(struct pen_sq_store *store)
+void pen_sqlite_wind_back_log(struct pen_sqlite_store *store)
 {
     checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
 }
 
-bool pen_sq_settle(struct pen_store *base, struct pen_status *st)
+bool pen_sqlite_checkpoint(struct pen_store *base, struct pen_status *st)
 {
-    struct pen_sq_store *store = pen_sq_of(base);
+    struct pen_sqlite_store *store = pen_sqlite_of(base);
     int rc = sqlite3_wal_checkpoint_v2(store->db, "main", SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
-    return rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY || pen_sq_error(store, rc, st);
+    return rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY || pen_sqlite_error(store, rc, st);
 }
 
-static void keep_log_short(struct pen_sq_store *store)
+static void keep_log_short(struct pen_sqlite_store *store)
 {
-    store->base.unsettled = store->wal_pages >= WAL_CHECKPOINT_PAGES;
+    store->base.checkpoint_due = store->wal_pages >= WAL_CHECKPOINT_PAGES;
     if (store->wal_pages >= WAL_TRUNCATE_PAGES)
         checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
-    else if (store->base.unsettled && !store->base.others_settle)
+    else if (store->base.checkpoint_due && !store->base.others_checkpoint)
         checkpoint(store, SQLITE_CHECKPOINT_PASSIVE);
 }
 
-bool pen_sq_prepare(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sqlite_prepare(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    static const enum pen_sq_sql always[] = {SQ_BEGIN_READ, SQ_BEGIN_WRITE, SQ_COMMIT, SQ_ROLLBACK};
+    static const enum pen_sqlite_sql always[] = {SQL_BEGIN_READ, SQL_BEGIN_WRITE, SQL_COMMIT,
+                                                 SQL_ROLLBACK};
     for (size_t i = 0; i < sizeof always / sizeof always[0]; i++) {
-        struct pen_sq_query query = pen_sq_query(store, always[i]);
+        struct pen_sqlite_query query = pen_sqlite_query(store, always[i]);
         if (query.rc != SQLITE_OK)
-            return pen_sq_error(store, query.rc, st);
+            return pen_sqlite_error(store, query.rc, st);
     }
     return true;
 }
 
-static bool run_plain(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_status *st)
+static bool run_plain(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
+                      struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, sql);
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
+    return pen_sqlite_run(&query, st);
 }
 
 /* Some failures have ended the transaction already. One that cannot be ended, as for want of
  * memory, ends with the handle. */
-static void roll_back(struct pen_sq_store *store)
+static void roll_back(struct pen_sqlite_store *store)
 {
     struct pen_status ignored;
     if (!sqlite3_get_autocommit(store->db))
-        run_plain(store, SQ_ROLLBACK, &ignored);
+        run_plain(store, SQL_ROLLBACK, &ignored);
     if (!sqlite3_get_autocommit(store->db))
         store->base.closed = true;
 }
 
 /* Within another transaction it fails, and leaves that one as it is. */
-static bool begin(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_status *st)
+static bool begin(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, struct pen_status *st)
 {
     bool outermost = sqlite3_get_autocommit(store->db);
     if (run_plain(store, sql, st))
@@ -320,7 +323,7 @@ static bool begin(struct pen_sq_store *store, enum pen_sq_sql sql, struct pen_st
 }
 
 /* A file that lost its name goes with the process, and what was written to it. */
-static bool has_name(struct pen_sq_store *store, struct pen_status *st)
+static bool has_name(struct pen_sqlite_store *store, struct pen_status *st)
 {
     int moved = 0;
     sqlite3_file_control(store->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
@@ -333,14 +336,14 @@ static bool has_name(struct pen_sq_store *store, struct pen_status *st)
                     store->path);
 }
 
-bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg,
-                        struct pen_status *st)
+bool pen_sqlite_transaction(struct pen_sqlite_store *store, pen_sqlite_body *body, void *arg,
+                            struct pen_status *st)
 {
-    if (!has_name(store, st) || !begin(store, SQ_BEGIN_WRITE, st))
+    if (!has_name(store, st) || !begin(store, SQL_BEGIN_WRITE, st))
         return false;
-    if (!body(store, arg, st) || !run_plain(store, SQ_COMMIT, st)) {
+    if (!body(store, arg, st) || !run_plain(store, SQL_COMMIT, st)) {
         roll_back(store);
-        store->base.work = store->base.news = false;
+        store->base.work = store->base.changed = false;
         return false;
     }
     store->base.transactions++;
@@ -348,27 +351,27 @@ bool pen_sq_transaction(struct pen_sq_store *store, pen_sq_body *body, void *arg
     return true;
 }
 
-bool pen_sq_snapshot(struct pen_sq_store *store, pen_sq_body *body, void *arg,
-                     struct pen_status *st)
+bool pen_sqlite_snapshot(struct pen_sqlite_store *store, pen_sqlite_body *body, void *arg,
+                         struct pen_status *st)
 {
-    if (!begin(store, SQ_BEGIN_READ, st))
+    if (!begin(store, SQL_BEGIN_READ, st))
         return false;
     bool ok = body(store, arg, st);
     roll_back(store);
     return ok;
 }
 
-bool pen_sq_job_number(struct pen_sq_store *store, const char *id, int64_t *number,
-                       struct pen_status *st)
+bool pen_sqlite_job_number(struct pen_sqlite_store *store, const char *id, int64_t *number,
+                           struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_JOB_NUMBER);
-    pen_sq_text(&query, id);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_NUMBER);
+    pen_sqlite_text(&query, id);
     bool row;
-    if (!pen_sq_next(&query, &row, st))
+    if (!pen_sqlite_next(&query, &row, st))
         return false;
     if (!row)
         return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
-    *number = pen_sq_column_int(&query, 0);
-    pen_sq_end(&query);
+    *number = pen_sqlite_column_int(&query, 0);
+    pen_sqlite_end(&query);
     return true;
 }

@@ -145,7 +145,7 @@ static const char step_7[] = "ALTER TABLE artefact ADD COLUMN sum INTEGER;";
 static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5, step_6, step_7};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
-static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *value,
+static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
                         struct pen_status *st)
 {
     sqlite3_stmt *stmt = NULL;
@@ -154,19 +154,19 @@ static bool read_pragma(struct pen_sq_store *store, const char *sql, int64_t *va
         rc = sqlite3_step(stmt);
     if (rc == SQLITE_ROW)
         *value = sqlite3_column_int64(stmt, 0);
-    bool ok = rc == SQLITE_ROW || pen_sq_error(store, rc, st);
+    bool ok = rc == SQLITE_ROW || pen_sqlite_error(store, rc, st);
     sqlite3_finalize(stmt);
     return ok;
 }
 
 /* The schema's version, from inside. The header of the file can be older than its log. */
-static bool read_version(struct pen_sq_store *store, int64_t *version, struct pen_status *st)
+static bool read_version(struct pen_sqlite_store *store, int64_t *version, struct pen_status *st)
 {
     int64_t application = 0;
     if (!read_pragma(store, "PRAGMA application_id", &application, st) ||
         !read_pragma(store, "PRAGMA user_version", version, st))
         return false;
-    if (application != SQ_APPLICATION_ID)
+    if (application != SQL_APPLICATION_ID)
         return pen_fail(st, PEN_STORAGE,
                         "%s is a database of another program; give another path for the store",
                         store->path);
@@ -176,54 +176,56 @@ static bool read_version(struct pen_sq_store *store, int64_t *version, struct pe
                         "%d); use that version, or another store",
                         store->path, (int)*version, (int)STEP_COUNT);
     if (*version < 1)
-        return pen_sq_damaged(store, st, "the store %s is damaged (its schema has version %d)",
-                              store->path, (int)*version);
+        return pen_sqlite_damaged(store, st, "the store %s is damaged (its schema has version %d)",
+                                  store->path, (int)*version);
     return true;
 }
 
 /* All missing steps in one transaction: after a crash the store is of the old schema or the new. */
-static bool take_steps(struct pen_sq_store *store, int version, struct pen_status *st)
+static bool take_steps(struct pen_sqlite_store *store, int version, struct pen_status *st)
 {
     char mark[96];
     snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d",
-             (int)SQ_APPLICATION_ID, (int)STEP_COUNT);
-    bool ok = pen_sq_exec(store, "BEGIN IMMEDIATE", st);
+             (int)SQL_APPLICATION_ID, (int)STEP_COUNT);
+    bool ok = pen_sqlite_exec(store, "BEGIN IMMEDIATE", st);
     for (int i = version; ok && i < STEP_COUNT; i++)
-        ok = pen_sq_exec(store, steps[i], st);
-    ok = ok && pen_sq_exec(store, mark, st) && pen_sq_exec(store, "COMMIT", st);
+        ok = pen_sqlite_exec(store, steps[i], st);
+    ok = ok && pen_sqlite_exec(store, mark, st) && pen_sqlite_exec(store, "COMMIT", st);
     if (!ok && !sqlite3_get_autocommit(store->db))
         sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
     return ok;
 }
 
-bool pen_sq_make_schema(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sqlite_make_schema(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    return pen_sq_exec(store, "PRAGMA auto_vacuum = INCREMENTAL", st) && take_steps(store, 0, st);
+    return pen_sqlite_exec(store, "PRAGMA auto_vacuum = INCREMENTAL", st) &&
+           take_steps(store, 0, st);
 }
 
 /* Steps are taken only from a store without fault, and only if it has the schema it says. */
-static bool upgrade(struct pen_sq_store *store, int version, struct pen_status *st)
+static bool upgrade(struct pen_sqlite_store *store, int version, struct pen_status *st)
 {
-    if (!pen_sq_check_file(store, st))
+    if (!pen_sqlite_check_file(store, st))
         return false;
     if (take_steps(store, version, st))
         return true;
     if (st->code != PEN_INTERNAL)
         return false;
-    return pen_sq_damaged(store, st, "the store %s is damaged (it is not of schema %d as it says)",
-                          store->path, version);
+    return pen_sqlite_damaged(store, st,
+                              "the store %s is damaged (it is not of schema %d as it says)",
+                              store->path, version);
 }
 
-bool pen_sq_migrate(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sqlite_migrate(struct pen_sqlite_store *store, struct pen_status *st)
 {
     int64_t version = 0;
     return read_version(store, &version, st) &&
            (version == STEP_COUNT || upgrade(store, (int)version, st)) &&
-           pen_sq_exec(store, "PRAGMA journal_mode = WAL", st);
+           pen_sqlite_exec(store, "PRAGMA journal_mode = WAL", st);
 }
 
 /* A trigger that refuses every change of state that has no arrow. */
-static bool guard(struct pen_sq_store *store, const char *table, const struct pen_arrow *arrows,
+static bool guard(struct pen_sqlite_store *store, const char *table, const struct pen_arrow *arrows,
                   int count, struct pen_status *st)
 {
     struct pen_buf sql = {0};
@@ -237,12 +239,12 @@ static bool guard(struct pen_sq_store *store, const char *table, const struct pe
     pen_buf_printf(&sql, ") BEGIN SELECT RAISE(ABORT, 'illegal change of state of a %s'); END",
                    table);
     bool ok = sql.failed ? pen_fail(st, PEN_NO_MEMORY, "no memory for the store")
-                         : pen_sq_exec(store, (const char *)sql.data, st);
+                         : pen_sqlite_exec(store, (const char *)sql.data, st);
     pen_buf_release(&sql);
     return ok;
 }
 
-bool pen_sq_guard_states(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sqlite_guard_states(struct pen_sqlite_store *store, struct pen_status *st)
 {
     int count;
     const struct pen_arrow *arrows = pen_job_arrows(&count);

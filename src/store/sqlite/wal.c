@@ -141,7 +141,7 @@ static enum verdict look(const char *path)
     return verdict;
 }
 
-bool pen_sq_check_log(struct pen_sq_store *store, struct pen_status *st)
+bool pen_sqlite_check_log(struct pen_sqlite_store *store, struct pen_status *st)
 {
     char path[4112];
     snprintf(path, sizeof path, "%s-wal", store->path);
@@ -153,13 +153,14 @@ bool pen_sq_check_log(struct pen_sq_store *store, struct pen_status *st)
     case WAL_GOOD:
         break;
     case WAL_UNREADABLE:
-        return pen_sq_io_error(store, SQLITE_IOERR_READ, errno, st);
+        return pen_sqlite_io_error(store, SQLITE_IOERR_READ, errno, st);
     case WAL_NO_MEMORY:
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     case WAL_BAD_HEADER:
     case WAL_BAD_FRAME:
-        return pen_sq_damaged(store, st, "%s, the log of the store's last changes, is damaged (%s)",
-                              path, verdict == WAL_BAD_HEADER ? "its header" : "before its end");
+        return pen_sqlite_damaged(store, st,
+                                  "%s, the log of the store's last changes, is damaged (%s)", path,
+                                  verdict == WAL_BAD_HEADER ? "its header" : "before its end");
     }
     return true;
 }

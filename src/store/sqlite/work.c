@@ -8,86 +8,88 @@
 #include "base/clock.h"
 #include "store/sqlite/sqlite.h"
 
-void pen_sq_read_claim(const struct pen_sq_query *row, struct pen_claim *claim, int64_t *job)
+void pen_sqlite_read_claim(const struct pen_sqlite_query *row, struct pen_claim *claim,
+                           int64_t *job)
 {
     *claim = (struct pen_claim){
-        .batch = pen_sq_column_int(row, 0),
-        .attempt = pen_sq_column_int(row, 1),
-        .kind = (enum pen_batch_kind)pen_sq_column_int(row, 2),
-        .view = (int)pen_sq_column_int(row, 4),
-        .first_tile = (int)pen_sq_column_int(row, 5),
-        .tile_count = (int)pen_sq_column_int(row, 6),
-        .pixels = pen_sq_column_int(row, 7),
-        .view_batches = (int)pen_sq_column_int(row, 8),
-        .submitted_ms = pen_sq_column_int(row, 10),
-        .started_ms = pen_sq_column_int(row, 11),
-        .timeout_ms = pen_sq_column_int(row, 12),
+        .batch = pen_sqlite_column_int(row, 0),
+        .attempt = pen_sqlite_column_int(row, 1),
+        .kind = (enum pen_batch_kind)pen_sqlite_column_int(row, 2),
+        .view = (int)pen_sqlite_column_int(row, 4),
+        .first_tile = (int)pen_sqlite_column_int(row, 5),
+        .tile_count = (int)pen_sqlite_column_int(row, 6),
+        .pixels = pen_sqlite_column_int(row, 7),
+        .view_batches = (int)pen_sqlite_column_int(row, 8),
+        .submitted_ms = pen_sqlite_column_int(row, 10),
+        .started_ms = pen_sqlite_column_int(row, 11),
+        .timeout_ms = pen_sqlite_column_int(row, 12),
     };
-    *job = pen_sq_column_int(row, 3);
-    const char *id = pen_sq_column_text(row, 9);
+    *job = pen_sqlite_column_int(row, 3);
+    const char *id = pen_sqlite_column_text(row, 9);
     snprintf(claim->job_id, sizeof claim->job_id, "%s", id ? id : "");
-    struct pen_packed hash = pen_sq_column_blob(row, 13);
+    struct pen_bytes hash = pen_sqlite_column_blob(row, 13);
     if (hash.bytes == sizeof claim->scene_sha256)
         memcpy(claim->scene_sha256, hash.data, hash.bytes);
 }
 
-static bool lease_batch(struct pen_sq_store *store, const struct pen_claim *claim,
+static bool lease_batch(struct pen_sqlite_store *store, const struct pen_claim *claim,
                         const char *worker, int64_t lease_ms, struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_BATCH_LEASE);
-    pen_sq_int(&query, claim->batch);
-    pen_sq_int(&query, claim->attempt);
-    pen_sq_text(&query, worker);
-    pen_sq_int(&query, claim->claimed_ms + lease_ms);
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_BATCH_LEASE);
+    pen_sqlite_int(&query, claim->batch);
+    pen_sqlite_int(&query, claim->attempt);
+    pen_sqlite_text(&query, worker);
+    pen_sqlite_int(&query, claim->claimed_ms + lease_ms);
+    return pen_sqlite_run(&query, st);
 }
 
-static bool start_job(struct pen_sq_store *store, int64_t number, int64_t now_ms,
+static bool start_job(struct pen_sqlite_store *store, int64_t number, int64_t now_ms,
                       struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_JOB_START);
-    pen_sq_int(&query, number);
-    pen_sq_int(&query, now_ms);
-    if (!pen_sq_run(&query, st))
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_START);
+    pen_sqlite_int(&query, number);
+    pen_sqlite_int(&query, now_ms);
+    if (!pen_sqlite_run(&query, st))
         return false;
-    if (pen_sq_changes(store))
-        store->base.news = true;
+    if (pen_sqlite_changes(store))
+        store->base.changed = true;
     return true;
 }
 
 /* Whether the worker may be given anything, and what is worked on alone too: it holds nothing. */
-static bool may_take(struct pen_sq_store *store, const char *worker, bool *any, bool *alone,
+static bool may_take(struct pen_sqlite_store *store, const char *worker, bool *any, bool *alone,
                      struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_HELD_BY);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_HELD_BY);
     bool row;
-    pen_sq_text(&query, worker);
-    if (!pen_sq_next(&query, &row, st))
+    pen_sqlite_text(&query, worker);
+    if (!pen_sqlite_next(&query, &row, st))
         return false;
-    *alone = !row || pen_sq_column_int(&query, 0) == 0;
-    *any = *alone || pen_sq_column_int(&query, 1) == 0;
-    pen_sq_end(&query);
+    *alone = !row || pen_sqlite_column_int(&query, 0) == 0;
+    *any = *alone || pen_sqlite_column_int(&query, 1) == 0;
+    pen_sqlite_end(&query);
     return true;
 }
 
 /* The open batch whose turn it is, of the jobs that rest no longer than until `rested_ms`. A
  * suspect is passed over by a worker that holds something. */
-static bool find_open(struct pen_sq_store *store, int64_t rested_ms, bool alone,
+static bool find_open(struct pen_sqlite_store *store, int64_t rested_ms, bool alone,
                       struct pen_next *next, int64_t *job, struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_OPEN_NEXT);
-    pen_sq_int(&query, rested_ms);
-    pen_sq_int(&query, alone);
-    if (!pen_sq_next(&query, &next->found, st))
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_OPEN_NEXT);
+    pen_sqlite_int(&query, rested_ms);
+    pen_sqlite_int(&query, alone);
+    if (!pen_sqlite_next(&query, &next->found, st))
         return false;
     if (!next->found)
         return true;
-    pen_sq_read_claim(&query, &next->claim, job);
-    pen_sq_end(&query);
+    pen_sqlite_read_claim(&query, &next->claim, job);
+    pen_sqlite_end(&query);
     return true;
 }
 
-bool pen_sq_take_next(struct pen_sq_store *store, struct pen_next *next, struct pen_status *st)
+bool pen_sqlite_take_next(struct pen_sqlite_store *store, struct pen_next *next,
+                          struct pen_status *st)
 {
     int64_t now_ms = pen_clock_wall_ms(), job = 0;
     bool any, alone;
@@ -113,30 +115,30 @@ bool pen_sq_take_next(struct pen_sq_store *store, struct pen_next *next, struct 
            start_job(store, job, now_ms, st);
 }
 
-static bool write_claim(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool write_claim(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
-    return pen_sq_take_next(store, arg, st);
+    return pen_sqlite_take_next(store, arg, st);
 }
 
-bool pen_sq_any_row(struct pen_sq_query *query, bool *any, struct pen_status *st)
+bool pen_sqlite_any_row(struct pen_sqlite_query *query, bool *any, struct pen_status *st)
 {
-    if (!pen_sq_next(query, any, st))
+    if (!pen_sqlite_next(query, any, st))
         return false;
-    pen_sq_end(query);
+    pen_sqlite_end(query);
     return true;
 }
 
-bool pen_sq_claim(struct pen_store *base, const char *worker, int64_t lease_ms,
-                  struct pen_claim *claim, bool *found, struct pen_status *st)
+bool pen_sqlite_claim(struct pen_store *base, const char *worker, int64_t lease_ms,
+                      struct pen_claim *claim, bool *found, struct pen_status *st)
 {
-    struct pen_sq_store *store = pen_sq_of(base);
-    struct pen_sq_query open = pen_sq_query(store, SQ_OPEN_ANY);
-    if (!pen_sq_any_row(&open, found, st))
+    struct pen_sqlite_store *store = pen_sqlite_of(base);
+    struct pen_sqlite_query open = pen_sqlite_query(store, SQL_OPEN_ANY);
+    if (!pen_sqlite_any_row(&open, found, st))
         return false;
     if (!*found)
         return true;
     struct pen_next next = {.worker = worker, .lease_ms = lease_ms};
-    if (!pen_sq_transaction(store, write_claim, &next, st))
+    if (!pen_sqlite_transaction(store, write_claim, &next, st))
         return false;
     *found = next.found;
     if (next.found)
@@ -144,25 +146,25 @@ bool pen_sq_claim(struct pen_store *base, const char *worker, int64_t lease_ms,
     return true;
 }
 
-bool pen_sq_standing(struct pen_sq_store *store, const struct pen_claim *claim,
-                     struct pen_sq_standing *standing, struct pen_status *st)
+bool pen_sqlite_standing(struct pen_sqlite_store *store, const struct pen_claim *claim,
+                         struct pen_sqlite_standing *standing, struct pen_status *st)
 {
-    *standing = (struct pen_sq_standing){0};
-    struct pen_sq_query query = pen_sq_query(store, SQ_BATCH_GET);
-    pen_sq_int(&query, claim->batch);
-    if (!pen_sq_next(&query, &standing->exists, st))
+    *standing = (struct pen_sqlite_standing){0};
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_BATCH_GET);
+    pen_sqlite_int(&query, claim->batch);
+    if (!pen_sqlite_next(&query, &standing->exists, st))
         return false;
     if (!standing->exists)
         return true;
-    standing->job = pen_sq_column_int(&query, 0);
-    standing->view = (int)pen_sq_column_int(&query, 1);
-    standing->kind = (enum pen_batch_kind)pen_sq_column_int(&query, 2);
-    standing->state = (enum pen_batch_state)pen_sq_column_int(&query, 3);
-    standing->attempt = pen_sq_column_int(&query, 4);
-    standing->pixels = pen_sq_column_int(&query, 5);
-    standing->lease_until_ms = pen_sq_column_int(&query, 6);
+    standing->job = pen_sqlite_column_int(&query, 0);
+    standing->view = (int)pen_sqlite_column_int(&query, 1);
+    standing->kind = (enum pen_batch_kind)pen_sqlite_column_int(&query, 2);
+    standing->state = (enum pen_batch_state)pen_sqlite_column_int(&query, 3);
+    standing->attempt = pen_sqlite_column_int(&query, 4);
+    standing->pixels = pen_sqlite_column_int(&query, 5);
+    standing->lease_until_ms = pen_sqlite_column_int(&query, 6);
     standing->held = standing->state == PEN_BATCH_LEASED && standing->attempt == claim->attempt;
-    pen_sq_end(&query);
+    pen_sqlite_end(&query);
     return true;
 }
 
@@ -171,44 +173,45 @@ struct progress {
     int64_t done;
 };
 
-static bool write_progress(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool write_progress(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     const struct progress *progress = arg;
-    struct pen_sq_standing standing;
-    if (!pen_sq_standing(store, progress->claim, &standing, st))
+    struct pen_sqlite_standing standing;
+    if (!pen_sqlite_standing(store, progress->claim, &standing, st))
         return false;
     if (!standing.held)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its progress was refused");
-    struct pen_sq_query query = pen_sq_query(store, SQ_STUDY_PROGRESS);
-    pen_sq_int(&query, standing.job);
-    pen_sq_int(&query, progress->done);
-    pen_sq_int(&query, pen_clock_wall_ms());
-    store->base.news = true;
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_STUDY_PROGRESS);
+    pen_sqlite_int(&query, standing.job);
+    pen_sqlite_int(&query, progress->done);
+    pen_sqlite_int(&query, pen_clock_wall_ms());
+    store->base.changed = true;
+    return pen_sqlite_run(&query, st);
 }
 
-bool pen_sq_progress(struct pen_store *base, const struct pen_claim *claim, int64_t done,
-                     struct pen_status *st)
+bool pen_sqlite_progress(struct pen_store *base, const struct pen_claim *claim, int64_t done,
+                         struct pen_status *st)
 {
     struct progress progress = {claim, done};
-    return pen_sq_transaction(pen_sq_of(base), write_progress, &progress, st);
+    return pen_sqlite_transaction(pen_sqlite_of(base), write_progress, &progress, st);
 }
 
-static bool open_batch(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool open_batch(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     const struct pen_claim *claim = arg;
-    struct pen_sq_query query = pen_sq_query(store, SQ_BATCH_OPEN);
-    pen_sq_int(&query, claim->batch);
-    pen_sq_int(&query, claim->attempt);
-    if (!pen_sq_run(&query, st))
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_BATCH_OPEN);
+    pen_sqlite_int(&query, claim->batch);
+    pen_sqlite_int(&query, claim->attempt);
+    if (!pen_sqlite_run(&query, st))
         return false;
-    store->base.work = pen_sq_changes(store) > 0;
+    store->base.work = pen_sqlite_changes(store) > 0;
     return true;
 }
 
-bool pen_sq_release(struct pen_store *base, const struct pen_claim *claim, struct pen_status *st)
+bool pen_sqlite_release(struct pen_store *base, const struct pen_claim *claim,
+                        struct pen_status *st)
 {
-    return pen_sq_transaction(pen_sq_of(base), open_batch, (void *)(uintptr_t)claim, st);
+    return pen_sqlite_transaction(pen_sqlite_of(base), open_batch, (void *)(uintptr_t)claim, st);
 }
 
 struct failure {
@@ -216,22 +219,22 @@ struct failure {
     const char *error;
 };
 
-static bool write_failure(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool write_failure(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     const struct failure *failure = arg;
-    struct pen_sq_standing standing;
-    if (!pen_sq_standing(store, failure->claim, &standing, st))
+    struct pen_sqlite_standing standing;
+    if (!pen_sqlite_standing(store, failure->claim, &standing, st))
         return false;
     if (!standing.held)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its job was left as it is");
-    return pen_sq_end_job(store, standing.job, PEN_JOB_FAILED, failure->error, st);
+    return pen_sqlite_end_job(store, standing.job, PEN_JOB_FAILED, failure->error, st);
 }
 
-bool pen_sq_fail(struct pen_store *base, const struct pen_claim *claim, const char *error,
-                 struct pen_status *st)
+bool pen_sqlite_fail(struct pen_store *base, const struct pen_claim *claim, const char *error,
+                     struct pen_status *st)
 {
     struct failure failure = {claim, error};
-    return pen_sq_transaction(pen_sq_of(base), write_failure, &failure, st);
+    return pen_sqlite_transaction(pen_sqlite_of(base), write_failure, &failure, st);
 }
 
 struct beat {
@@ -240,32 +243,32 @@ struct beat {
     bool held;
 };
 
-static bool extend_lease(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool extend_lease(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     struct beat *beat = arg;
-    struct pen_sq_query query = pen_sq_query(store, SQ_LEASE_EXTEND);
-    pen_sq_int(&query, beat->claim->batch);
-    pen_sq_int(&query, beat->claim->attempt);
-    pen_sq_int(&query, beat->lease_until_ms);
-    if (!pen_sq_run(&query, st))
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_LEASE_EXTEND);
+    pen_sqlite_int(&query, beat->claim->batch);
+    pen_sqlite_int(&query, beat->claim->attempt);
+    pen_sqlite_int(&query, beat->lease_until_ms);
+    if (!pen_sqlite_run(&query, st))
         return false;
-    beat->held = pen_sq_changes(store) > 0;
+    beat->held = pen_sqlite_changes(store) > 0;
     return true;
 }
 
-bool pen_sq_heartbeat(struct pen_store *base, const struct pen_claim *claim, int64_t lease_ms,
-                      bool *held, struct pen_status *st)
+bool pen_sqlite_heartbeat(struct pen_store *base, const struct pen_claim *claim, int64_t lease_ms,
+                          bool *held, struct pen_status *st)
 {
-    struct pen_sq_store *store = pen_sq_of(base);
-    struct pen_sq_standing standing;
-    if (!pen_sq_standing(store, claim, &standing, st))
+    struct pen_sqlite_store *store = pen_sqlite_of(base);
+    struct pen_sqlite_standing standing;
+    if (!pen_sqlite_standing(store, claim, &standing, st))
         return false;
     int64_t now_ms = pen_clock_wall_ms();
     *held = standing.held;
     if (!standing.held || standing.lease_until_ms - now_ms >= lease_ms - lease_ms / 3)
         return true;
     struct beat beat = {.claim = claim, .lease_until_ms = now_ms + lease_ms};
-    if (!pen_sq_transaction(store, extend_lease, &beat, st))
+    if (!pen_sqlite_transaction(store, extend_lease, &beat, st))
         return false;
     *held = beat.held;
     return true;

@@ -10,34 +10,34 @@ struct presence {
     int64_t lease_ms;
 };
 
-static bool write_presence(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool write_presence(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     const struct presence *presence = arg;
-    struct pen_sq_query query = pen_sq_query(store, SQ_WORKER_SEEN);
-    pen_sq_text(&query, presence->name);
-    pen_sq_int(&query, presence->threads);
-    pen_sq_int(&query, presence->lease_ms);
-    pen_sq_int(&query, pen_clock_wall_ms());
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_WORKER_SEEN);
+    pen_sqlite_text(&query, presence->name);
+    pen_sqlite_int(&query, presence->threads);
+    pen_sqlite_int(&query, presence->lease_ms);
+    pen_sqlite_int(&query, pen_clock_wall_ms());
+    return pen_sqlite_run(&query, st);
 }
 
-bool pen_sq_worker_seen(struct pen_store *base, const char *name, int threads, int64_t lease_ms,
-                        struct pen_status *st)
+bool pen_sqlite_worker_seen(struct pen_store *base, const char *name, int threads, int64_t lease_ms,
+                            struct pen_status *st)
 {
     struct presence presence = {name, threads, lease_ms};
-    return pen_sq_transaction(pen_sq_of(base), write_presence, &presence, st);
+    return pen_sqlite_transaction(pen_sqlite_of(base), write_presence, &presence, st);
 }
 
-static bool remove_worker(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool remove_worker(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
-    struct pen_sq_query query = pen_sq_query(store, SQ_WORKER_GONE);
-    pen_sq_text(&query, arg);
-    return pen_sq_run(&query, st);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_WORKER_GONE);
+    pen_sqlite_text(&query, arg);
+    return pen_sqlite_run(&query, st);
 }
 
-bool pen_sq_worker_gone(struct pen_store *base, const char *name, struct pen_status *st)
+bool pen_sqlite_worker_gone(struct pen_store *base, const char *name, struct pen_status *st)
 {
-    return pen_sq_transaction(pen_sq_of(base), remove_worker, (void *)(uintptr_t)name, st);
+    return pen_sqlite_transaction(pen_sqlite_of(base), remove_worker, (void *)(uintptr_t)name, st);
 }
 
 struct listing {
@@ -45,40 +45,41 @@ struct listing {
     void *user;
 };
 
-static struct pen_worker_record worker_record(const struct pen_sq_query *row)
+static struct pen_worker_record worker_record(const struct pen_sqlite_query *row)
 {
     return (struct pen_worker_record){
-        .name = pen_sq_column_text(row, 0),
-        .threads = (int)pen_sq_column_int(row, 1),
-        .started_ms = pen_sq_column_int(row, 2),
-        .seen_ms = pen_sq_column_int(row, 3),
-        .job_id = pen_sq_column_text(row, 4),
-        .view = pen_sq_column_text(row, 5),
-        .batch = pen_sq_column_int(row, 6),
-        .attempt = pen_sq_column_int(row, 7),
-        .kind = (enum pen_batch_kind)pen_sq_column_int(row, 8),
-        .pixels = pen_sq_column_int(row, 9),
+        .name = pen_sqlite_column_text(row, 0),
+        .threads = (int)pen_sqlite_column_int(row, 1),
+        .started_ms = pen_sqlite_column_int(row, 2),
+        .seen_ms = pen_sqlite_column_int(row, 3),
+        .job_id = pen_sqlite_column_text(row, 4),
+        .view = pen_sqlite_column_text(row, 5),
+        .batch = pen_sqlite_column_int(row, 6),
+        .attempt = pen_sqlite_column_int(row, 7),
+        .kind = (enum pen_batch_kind)pen_sqlite_column_int(row, 8),
+        .pixels = pen_sqlite_column_int(row, 9),
     };
 }
 
-static bool read_workers(struct pen_sq_store *store, void *arg, struct pen_status *st)
+static bool read_workers(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
 {
     const struct listing *listing = arg;
-    struct pen_sq_query query = pen_sq_query(store, SQ_WORKER_LIST);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_WORKER_LIST);
     bool ok = true, row = true, more = true;
     while (ok && row && more) {
-        ok = pen_sq_next(&query, &row, st);
+        ok = pen_sqlite_next(&query, &row, st);
         if (ok && row) {
             struct pen_worker_record worker = worker_record(&query);
             more = listing->each(listing->user, &worker);
         }
     }
-    pen_sq_end(&query);
+    pen_sqlite_end(&query);
     return ok;
 }
 
-bool pen_sq_workers(struct pen_store *base, pen_worker_fn *each, void *user, struct pen_status *st)
+bool pen_sqlite_workers(struct pen_store *base, pen_worker_fn *each, void *user,
+                        struct pen_status *st)
 {
     struct listing listing = {each, user};
-    return pen_sq_snapshot(pen_sq_of(base), read_workers, &listing, st);
+    return pen_sqlite_snapshot(pen_sqlite_of(base), read_workers, &listing, st);
 }

@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-#include "store/internal/pack.h"
+#include "store/internal/compress.h"
 
 #include <stdlib.h>
 #include <zstd.h>
 #include <zstd_errors.h>
 
-struct pen_packer {
+struct pen_compressor {
     ZSTD_CCtx *pack;
     ZSTD_DCtx *unpack;
     unsigned char *out; /* kept from call to call; only grows */
     size_t capacity;
 };
 
-struct pen_packer *pen_packer_new(int level)
+struct pen_compressor *pen_compressor_new(int level)
 {
-    struct pen_packer *packer = calloc(1, sizeof *packer);
+    struct pen_compressor *packer = calloc(1, sizeof *packer);
     if (!packer)
         return NULL;
     packer->pack = ZSTD_createCCtx();
     packer->unpack = ZSTD_createDCtx();
     if (!packer->pack || !packer->unpack) {
-        pen_packer_free(packer);
+        pen_compressor_free(packer);
         return NULL;
     }
     ZSTD_CCtx_setParameter(packer->pack, ZSTD_c_compressionLevel, level);
@@ -28,7 +28,7 @@ struct pen_packer *pen_packer_new(int level)
     return packer;
 }
 
-void pen_packer_free(struct pen_packer *packer)
+void pen_compressor_free(struct pen_compressor *packer)
 {
     if (!packer)
         return;
@@ -38,7 +38,7 @@ void pen_packer_free(struct pen_packer *packer)
     free(packer);
 }
 
-static bool make_room(struct pen_packer *packer, size_t bytes, struct pen_status *st)
+static bool make_room(struct pen_compressor *packer, size_t bytes, struct pen_status *st)
 {
     if (bytes <= packer->capacity && packer->out)
         return true;
@@ -51,8 +51,8 @@ static bool make_room(struct pen_packer *packer, size_t bytes, struct pen_status
     return true;
 }
 
-bool pen_packer_pack(struct pen_packer *packer, const void *data, size_t bytes,
-                     struct pen_packed *out, struct pen_status *st)
+bool pen_compress(struct pen_compressor *packer, const void *data, size_t bytes,
+                  struct pen_bytes *out, struct pen_status *st)
 {
     size_t bound = ZSTD_compressBound(bytes);
     if (!make_room(packer, bound, st))
@@ -60,12 +60,12 @@ bool pen_packer_pack(struct pen_packer *packer, const void *data, size_t bytes,
     size_t n = ZSTD_compress2(packer->pack, packer->out, bound, data, bytes);
     if (ZSTD_isError(n))
         return pen_fail(st, PEN_NO_MEMORY, "cannot pack: %s", ZSTD_getErrorName(n));
-    *out = (struct pen_packed){packer->out, n};
+    *out = (struct pen_bytes){packer->out, n};
     return true;
 }
 
-bool pen_unpack(struct pen_packer *packer, const void *data, size_t bytes, struct pen_packed *out,
-                struct pen_status *st)
+bool pen_decompress(struct pen_compressor *packer, const void *data, size_t bytes,
+                    struct pen_bytes *out, struct pen_status *st)
 {
     unsigned long long size = ZSTD_getFrameContentSize(data, bytes);
     if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > SIZE_MAX)
@@ -78,6 +78,6 @@ bool pen_unpack(struct pen_packer *packer, const void *data, size_t bytes, struc
     if (ZSTD_isError(n) || n != size)
         return pen_fail(st, PEN_STORAGE, "stored data is damaged: %s",
                         ZSTD_isError(n) ? ZSTD_getErrorName(n) : "wrong size");
-    *out = (struct pen_packed){packer->out, n};
+    *out = (struct pen_bytes){packer->out, n};
     return true;
 }

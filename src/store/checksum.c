@@ -5,7 +5,7 @@
 #include <endian.h>
 #include <string.h>
 
-#include "store/internal/pack.h"
+#include "store/internal/compress.h"
 
 static uint64_t mix(uint64_t sum, uint64_t word)
 {
@@ -20,7 +20,7 @@ static uint64_t word_at(const unsigned char *at, size_t bytes)
     return le64toh(word);
 }
 
-int64_t pen_sum_of(const void *data, size_t bytes)
+int64_t pen_checksum(const void *data, size_t bytes)
 {
     const unsigned char *at = data;
     uint64_t sum = mix(0, bytes), left = bytes;
