@@ -4,6 +4,7 @@
 
 #include "geom/internal/cylinder_side.h"
 #include "geom/internal/double_double.h"
+#include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
 
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
@@ -123,3 +124,109 @@ struct pen_box pen_cylinder_bounds(const struct pen_cylinder *c)
     b = pen_box_add_point(b, pen_add(top, reach));
     return pen_box_grow(b, s->r + c->h);
 }
+
+static double max2(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* The parts that there are. */
+static unsigned parts(const struct pen_cylinder *c)
+{
+    return c->caps ? PEN_ON_SIDE | PEN_ON_BASE | PEN_ON_TOP : PEN_ON_SIDE;
+}
+
+/* Both ends of the inside, except where it is open. */
+static void add_ends(const struct pen_cylinder *c, const struct pen_interval *in,
+                     struct pen_intersections *out)
+{
+    if (parts(c) >> in->lo_part & 1)
+        pen_intersections_add(out, in->lo, in->lo_part);
+    if (parts(c) >> in->hi_part & 1)
+        pen_intersections_add(out, in->hi, in->hi_part);
+}
+
+static bool make(void *self, const struct pen_prim_source *from)
+{
+    return pen_cylinder_make(self, from->point, from->direction, from->radius, from->height,
+                             from->caps);
+}
+
+static void intersect_line(const void *self, const struct pen_ray *ray,
+                           struct pen_intersections *out)
+{
+    struct pen_interval in;
+    if (pen_cylinder_interval(self, ray, &in))
+        add_ends(self, &in, out);
+}
+
+static struct pen_vec3 normal(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    return pen_cylinder_normal(self, part, p);
+}
+
+static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    return pen_cylinder_project(self, part, p);
+}
+
+static struct pen_box bounds(const void *self)
+{
+    return pen_cylinder_bounds(self);
+}
+
+static double scale(const void *self, struct pen_vec3 p)
+{
+    const struct pen_cylinder *c = self;
+    (void)p;
+    return c->round.r + c->h;
+}
+
+static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
+{
+    const struct pen_cylinder *c = self;
+    return pen_cylinder_side_reach(&c->round, c->round.q, c->h, n, p);
+}
+
+static unsigned touches(const void *self, struct pen_vec3 p, double bound)
+{
+    return pen_cylinder_touches(self, p, bound);
+}
+
+static void intersect_own(const void *self, const struct pen_ray *ray, uint8_t part,
+                          struct pen_intersections *out)
+{
+    const struct pen_cylinder *c = self;
+    struct pen_interval in;
+    if (pen_cylinder_inward(c, ray, part, &in) && parts(c) >> in.hi_part & 1)
+        pen_intersections_add(out, max2(in.hi, PEN_FIRST_T), in.hi_part);
+}
+
+/* A ray that merely grazes the rim of two parts meets the cylinder nowhere else. */
+static unsigned intersect_touching(const void *self, const struct pen_ray *ray, double bound,
+                                   struct pen_intersections *out)
+{
+    const struct pen_cylinder *c = self;
+    unsigned on = pen_cylinder_touches(c, ray->o, bound);
+    struct pen_interval in;
+    if (on == 0)
+        return 0;
+    out->count = 0;
+    if (pen_cylinder_interval_from(c, ray, on, &in))
+        add_ends(c, &in, out);
+    bool rim = on & PEN_ON_SIDE && on & (PEN_ON_BASE | PEN_ON_TOP);
+    return rim ? on & parts(c) : 0;
+}
+
+const struct pen_kind_functions pen_cylinder_functions = {
+    .make = make,
+    .intersect_line = intersect_line,
+    .normal = normal,
+    .project = project,
+    .bounds = bounds,
+    .scale = scale,
+    .reach = reach,
+    .touches = touches,
+    .intersect_own = intersect_own,
+    .intersect_touching = intersect_touching,
+};

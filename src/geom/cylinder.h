@@ -22,13 +22,6 @@ struct pen_cylinder {
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                        double h, bool caps);
 
-/* Which parts the ray's origin lies on; what bounds the ray there does so at t = 0 exactly. */
-enum {
-    PEN_ON_SIDE = 1 << PEN_PART_SIDE,
-    PEN_ON_BASE = 1 << PEN_PART_BASE,
-    PEN_ON_TOP = 1 << PEN_PART_TOP
-};
-
 /* A part of the ray's line inside a primitive, and the part of the surface at each end. */
 struct pen_interval {
     double lo, hi;

@@ -63,3 +63,13 @@ struct pen_vec3 pen_cylinder_side_project(const struct pen_cylinder_side *s, str
     double distance = pen_length(pen_cylinder_side_across(s, p)) / s->length;
     return pen_along(p, pen_cylinder_side_normal(s, p), s->r - distance);
 }
+
+double pen_cylinder_side_reach(const struct pen_cylinder_side *s, struct pen_vec3 q, double h,
+                               struct pen_vec3 n, struct pen_vec3 p)
+{
+    double along = pen_dot(n, s->a) / s->length;
+    double rim = s->r * pen_length(pen_cross(n, s->a)) / s->length;
+    if (h == INFINITY)
+        along = fabs(along) <= 16 * PEN_U ? 0 : fabs(along);
+    return pen_dot(n, pen_sub(q, p)) + rim + (along > 0 ? along * h : 0);
+}

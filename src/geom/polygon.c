@@ -3,6 +3,7 @@
 #include "geom/polygon.h"
 
 #include "geom/internal/double_double.h"
+#include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
 
 struct pen_box pen_polygon_bounds(const struct pen_polygon *p)
@@ -68,3 +69,63 @@ bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
     judge_outline(p);
     return true;
 }
+
+static bool make(void *self, const struct pen_prim_source *from)
+{
+    return pen_polygon_make(self, from->vertices, from->count);
+}
+
+static void intersect_line(const void *self, const struct pen_ray *ray,
+                           struct pen_intersections *out)
+{
+    double t;
+    if (pen_polygon_root(self, ray, &t))
+        pen_intersections_add(out, t, PEN_PART_SIDE);
+}
+
+static struct pen_vec3 normal(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    (void)part, (void)p;
+    return ((const struct pen_polygon *)self)->n;
+}
+
+static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    (void)part;
+    return pen_polygon_project(self, p);
+}
+
+static struct pen_box bounds(const void *self)
+{
+    return pen_polygon_bounds(self);
+}
+
+static double scale(const void *self, struct pen_vec3 p)
+{
+    (void)p;
+    return ((const struct pen_polygon *)self)->scale;
+}
+
+static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
+{
+    const struct pen_polygon *polygon = self;
+    return pen_farthest(polygon->v, polygon->count, n, p);
+}
+
+static struct pen_outline outline(const void *self)
+{
+    const struct pen_polygon *polygon = self;
+    return (struct pen_outline){polygon->v, polygon->count, polygon->extent};
+}
+
+const struct pen_kind_functions pen_polygon_functions = {
+    .keeps_vertices = true,
+    .make = make,
+    .intersect_line = intersect_line,
+    .normal = normal,
+    .project = project,
+    .bounds = bounds,
+    .scale = scale,
+    .reach = reach,
+    .outline = outline,
+};

@@ -37,22 +37,13 @@
 
 #include "geom/cylinder.h"
 #include "geom/infinite_cylinder.h"
+#include "geom/kind.h"
 #include "geom/plane.h"
 #include "geom/polygon.h"
 #include "geom/ray.h"
 #include "geom/sphere.h"
 #include "geom/triangle.h"
 #include "math/box.h"
-
-enum pen_prim_kind {
-    PEN_PRIM_SPHERE,
-    PEN_PRIM_PLANE,
-    PEN_PRIM_TRIANGLE,
-    PEN_PRIM_POLYGON,
-    PEN_PRIM_INFINITE_CYLINDER,
-    PEN_PRIM_CYLINDER,
-    PEN_PRIM_KIND_COUNT
-};
 
 /* Where primitive number i lives. */
 struct pen_prim_ref {
@@ -64,20 +55,46 @@ struct pen_prim_ref {
 struct pen_prims {
     uint32_t count;
     const struct pen_prim_ref *ref; /* by primitive number */
-    const struct pen_sphere *sphere;
-    const struct pen_plane *plane;
-    const struct pen_triangle *triangle;
-    const struct pen_polygon *polygon;
-    const struct pen_infinite_cylinder *infinite_cylinder;
-    const struct pen_cylinder *cylinder;
+    union {                         /* the array of each kind: by name, or by enum pen_prim_kind */
+        struct {
+#define KIND(NAME, name, ...) const struct pen_##name *name;
+            PEN_KINDS(KIND)
+#undef KIND
+        };
+        const void *array[PEN_PRIM_KIND_COUNT];
+    };
     uint32_t kind_count[PEN_PRIM_KIND_COUNT];
 };
 
-/* Whether the kind has no bounds. */
-static inline bool pen_prim_infinite(uint32_t kind)
+#define KIND(NAME, name, ...)                                                                      \
+    _Static_assert(offsetof(struct pen_prims, name) ==                                             \
+                       offsetof(struct pen_prims, array) + PEN_PRIM_##NAME * sizeof(void *),       \
+                   "both views of the arrays agree");
+PEN_KINDS(KIND)
+#undef KIND
+
+/* The table's row for a primitive. */
+static inline const struct pen_kind *pen_prim_row(const struct pen_prims *prims, uint32_t prim)
 {
-    return kind == PEN_PRIM_PLANE || kind == PEN_PRIM_INFINITE_CYLINDER;
+    return &pen_kinds[prims->ref[prim].kind];
 }
+
+/* The primitive itself, a struct of its kind. */
+static inline const void *pen_prim_self(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_prim_ref ref = prims->ref[prim];
+    return (const char *)prims->array[ref.kind] + ref.index * pen_kinds[ref.kind].bytes;
+}
+
+/* All intersections of the ray's line with primitive `prim`, as if the ray started in free space.
+ */
+void pen_prim_intersect_line(const struct pen_prims *prims, uint32_t prim,
+                             const struct pen_ray *ray, struct pen_intersections *out);
+
+/* The parts of a round primitive that p lies on, up to `bound` and the primitive's own rounding:
+ * bit 1 << part. */
+unsigned pen_prim_touches(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p,
+                          double bound);
 
 /* All intersections of the ray with primitive `prim`, those that the self-intersection rule drops
  * left out. The reference that every accelerator must agree with, bit for bit. */

@@ -57,6 +57,13 @@ enum pen_part {
     PEN_PART_TOP = 2   /* the other cap */
 };
 
+/* Sets of parts. */
+enum {
+    PEN_ON_SIDE = 1 << PEN_PART_SIDE,
+    PEN_ON_BASE = 1 << PEN_PART_BASE,
+    PEN_ON_TOP = 1 << PEN_PART_TOP
+};
+
 /* A ray, with what primitives need once per ray: the shear that turns it into the z axis (Woop,
  * Benthin, Wald, JCGT 2(1), 2013, section 3.2) and 1/d.d. d has any length; t is in units of d. */
 struct pen_ray {
@@ -162,11 +169,14 @@ static inline bool pen_hit_before(struct pen_hit a, struct pen_hit b)
     return a.part < b.part;
 }
 
-/* All intersections of one ray with one primitive: at most two, t[0] < t[1] if two; any sign. */
+/* Room for the intersections of one ray with one primitive of any kind. */
+enum { PEN_MOST_INTERSECTIONS = 4 };
+
+/* All intersections of one ray with one primitive: t ascending, any sign. */
 struct pen_intersections {
     int count;
-    double t[2];
-    uint8_t part[2];
+    double t[PEN_MOST_INTERSECTIONS];
+    uint8_t part[PEN_MOST_INTERSECTIONS];
 };
 
 #endif

@@ -3,15 +3,11 @@
 #include <stddef.h>
 
 #include "geom/internal/kinds.h"
+#include "geom/prims.h"
 
 static double max2(double a, double b)
 {
     return a > b ? a : b;
-}
-
-static bool is_flat(uint32_t kind)
-{
-    return kind == PEN_PRIM_PLANE || kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON;
 }
 
 /* By how much an intersection of the primitive near p may miss it. */
@@ -20,8 +16,7 @@ static double own_rounding(const struct pen_prims *prims, uint32_t prim, struct 
     return 8 * PEN_U * pen_prim_scale(prims, prim, p);
 }
 
-static double farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n,
-                       struct pen_vec3 p)
+double pen_farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n, struct pen_vec3 p)
 {
     double far = -INFINITY;
     for (uint32_t i = 0; i < count; i++)
@@ -29,43 +24,17 @@ static double farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3
     return far;
 }
 
-/* How far the side of a round primitive reaches along unit vector n beyond point p: without end
- * where the axis is not across n, as far as the rounding of both can tell. */
-static double round_reach(const struct pen_cylinder_side *s, struct pen_vec3 q, double h,
-                          struct pen_vec3 n, struct pen_vec3 p)
-{
-    double along = pen_dot(n, s->a) / s->length;
-    double rim = s->r * pen_length(pen_cross(n, s->a)) / s->length;
-    if (h == INFINITY)
-        along = fabs(along) <= 16 * PEN_U ? 0 : fabs(along);
-    return pen_dot(n, pen_sub(q, p)) + rim + (along > 0 ? along * h : 0);
-}
-
 /* How far primitive q reaches along unit vector n beyond point p. */
 static double reach(const struct pen_prims *prims, uint32_t q, struct pen_vec3 n, struct pen_vec3 p)
 {
-    const struct pen_prim_ref ref = prims->ref[q];
-    switch ((enum pen_prim_kind)ref.kind) {
-    case PEN_PRIM_SPHERE:
-        return pen_dot(n, pen_sub(prims->sphere[ref.index].c, p)) + prims->sphere[ref.index].r;
-    case PEN_PRIM_PLANE:
-        if (pen_norm1(pen_cross(n, prims->plane[ref.index].n)) > 16 * PEN_U)
-            return INFINITY;
-        return pen_dot(n, pen_sub(prims->plane[ref.index].q, p));
-    case PEN_PRIM_TRIANGLE:
-        return farthest(prims->triangle[ref.index].v, 3, n, p);
-    case PEN_PRIM_POLYGON:
-        return farthest(prims->polygon[ref.index].v, prims->polygon[ref.index].count, n, p);
-    case PEN_PRIM_INFINITE_CYLINDER:
-        return round_reach(&prims->infinite_cylinder[ref.index].round,
-                           prims->infinite_cylinder[ref.index].near, INFINITY, n, p);
-    case PEN_PRIM_CYLINDER:
-        return round_reach(&prims->cylinder[ref.index].round, prims->cylinder[ref.index].round.q,
-                           prims->cylinder[ref.index].h, n, p);
-    case PEN_PRIM_KIND_COUNT:
-        break;
-    }
-    return INFINITY;
+    return pen_prim_row(prims, q)->fn->reach(pen_prim_self(prims, q), n, p);
+}
+
+/* The corners of a flat primitive with an outline; none of other primitives. */
+static struct pen_outline outline_of(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
+    return fn->outline ? fn->outline(pen_prim_self(prims, prim)) : (struct pen_outline){NULL, 0, 0};
 }
 
 /* What is known of a primitive q at the origin of a ray that leaves another. */
@@ -83,13 +52,11 @@ static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q
                                  const struct pen_ray *ray, const struct pen_origin_surface *origin)
 {
     struct contact c = {prims, origin, q, ray->o, {0, 0, 0}, 0, 4 * PEN_U};
-    const struct pen_prim_ref ref = prims->ref[q.prim];
     c.n = pen_prim_normal(prims, q, ray->o);
     c.slack = origin->bound + own_rounding(prims, q.prim, ray->o);
-    if (ref.kind == PEN_PRIM_TRIANGLE)
-        c.share = max2(c.share, c.slack / pen_triangle_extent(&prims->triangle[ref.index]));
-    else if (ref.kind == PEN_PRIM_POLYGON)
-        c.share = max2(c.share, c.slack / prims->polygon[ref.index].extent);
+    const struct pen_outline outline = outline_of(prims, q.prim);
+    if (outline.count > 0)
+        c.share = max2(c.share, c.slack / outline.extent);
     return c;
 }
 
@@ -142,37 +109,15 @@ static bool origin_counts(const struct contact *c, struct pen_vec3 d)
     return rises(c, d);
 }
 
-/* The primitive that the ray leaves: it is left at the leave's part, and can be met once more if
- * the ray goes inward. */
+/* The intersections of the primitive that the ray leaves: a flat one is not met again, a round one
+ * perhaps once more. */
 static void cross_own(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                       uint8_t part, struct pen_intersections *out)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
-    struct pen_interval in;
+    const struct pen_kind *kind = pen_prim_row(prims, prim);
     out->count = 0;
-    if (ref.kind == PEN_PRIM_SPHERE)
-        out->t[0] = pen_sphere_chord(&prims->sphere[ref.index], ray);
-    else if (ref.kind == PEN_PRIM_INFINITE_CYLINDER)
-        out->t[0] = pen_cylinder_side_chord(&prims->infinite_cylinder[ref.index].round, ray);
-    else if (ref.kind == PEN_PRIM_CYLINDER &&
-             pen_cylinder_inward(&prims->cylinder[ref.index], ray, part, &in)) {
-        out->t[0] = max2(in.hi, PEN_FIRST_T);
-        out->part[0] = in.hi_part;
-        out->count = prims->cylinder[ref.index].caps || in.hi_part == PEN_PART_SIDE;
-        return;
-    } else {
-        return;
-    }
-    out->part[0] = PEN_PART_SIDE;
-    out->count = out->t[0] > 0;
-}
-
-/* The intersections of a quadric whose side contains the origin. */
-static void cross_chord(double chord, struct pen_intersections *out)
-{
-    out->t[0] = chord < 0 ? chord : 0;
-    out->t[1] = chord < 0 ? 0 : chord;
-    out->count = chord == 0 ? 0 : 2;
+    if (kind->shape == PEN_KIND_ROUND)
+        kind->fn->intersect_own(pen_prim_self(prims, prim), ray, part, out);
 }
 
 /* Adds an intersection at the ray's origin if it counts. */
@@ -187,67 +132,19 @@ static void add_at_origin(const struct pen_prims *prims, struct pen_hit q,
     out->part[out->count++] = q.part;
 }
 
-/* Replaces the intersections of a cylinder that contains the origin within the bounds. Where the
- * ray merely grazes the rim of two parts it meets the cylinder nowhere else. */
-static void cylinder_touching(const struct pen_prims *prims, uint32_t prim,
-                              const struct pen_ray *ray, const struct pen_origin_surface *origin,
-                              struct pen_intersections *out)
+/* Replaces the intersections of a round primitive that contains the origin within the bounds: the
+ * one that is the origin gets t = 0, exactly. */
+static void round_touching(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                           const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
-    const struct pen_cylinder *c = &prims->cylinder[prims->ref[prim].index];
-    unsigned on = pen_cylinder_touches(c, ray->o, origin->bound);
-    struct pen_interval in;
-    if (on == 0)
-        return;
-    out->count = 0;
-    if (pen_cylinder_interval_from(c, ray, on, &in))
-        pen_interval_ends(c, &in, out);
-    if (!(on & PEN_ON_SIDE && on & (PEN_ON_BASE | PEN_ON_TOP)))
-        return;
-    for (uint8_t part = 0; out->count == 0 && part <= PEN_PART_TOP; part++) {
+    unsigned rim =
+        pen_prim_row(prims, prim)
+            ->fn->intersect_touching(pen_prim_self(prims, prim), ray, origin->bound, out);
+    for (uint8_t part = 0; out->count == 0 && rim >> part != 0; part++) {
         const struct contact at = contact_at(prims, (struct pen_hit){0, prim, part}, ray, origin);
-        if (on >> part & 1 && (c->caps || part == PEN_PART_SIDE) && origin_counts(&at, ray->d))
+        if (rim >> part & 1 && origin_counts(&at, ray->d))
             *out = (struct pen_intersections){1, {0}, {part}};
     }
-}
-
-/* Replaces the intersections of a quadric that contains the origin within the bounds: the one that
- * is the origin gets t = 0, exactly. */
-static void quadric_touching(const struct pen_prims *prims, uint32_t prim,
-                             const struct pen_ray *ray, const struct pen_origin_surface *origin,
-                             struct pen_intersections *out)
-{
-    const struct pen_prim_ref ref = prims->ref[prim];
-    if (ref.kind == PEN_PRIM_CYLINDER) {
-        cylinder_touching(prims, prim, ray, origin, out);
-    } else if (out->count == 0) {
-        return;
-    } else if (ref.kind == PEN_PRIM_SPHERE) {
-        if (pen_sphere_touches(&prims->sphere[ref.index], ray->o, origin->bound))
-            cross_chord(pen_sphere_chord(&prims->sphere[ref.index], ray), out);
-    } else if (ref.kind == PEN_PRIM_INFINITE_CYLINDER) {
-        const struct pen_infinite_cylinder *infinite_cylinder =
-            &prims->infinite_cylinder[ref.index];
-        if (pen_cylinder_side_touches(&infinite_cylinder->round, ray->o,
-                                      origin->bound +
-                                          pen_infinite_cylinder_rounding(infinite_cylinder)))
-            cross_chord(pen_cylinder_side_chord(&infinite_cylinder->round, ray), out);
-    }
-}
-
-/* The corners of a triangle or polygon. */
-struct outline {
-    const struct pen_vec3 *v;
-    uint32_t count; /* 0 of other primitives */
-};
-
-static struct outline outline_of(const struct pen_prims *prims, uint32_t prim)
-{
-    const struct pen_prim_ref ref = prims->ref[prim];
-    if (ref.kind == PEN_PRIM_TRIANGLE)
-        return (struct outline){prims->triangle[ref.index].v, 3};
-    if (ref.kind == PEN_PRIM_POLYGON)
-        return (struct outline){prims->polygon[ref.index].v, prims->polygon[ref.index].count};
-    return (struct outline){NULL, 0};
 }
 
 /* Whether p is within b of the segment from a to c. */
@@ -263,7 +160,7 @@ static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p
 static bool on_body(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                     struct pen_vec3 p, double b)
 {
-    const struct outline line = outline_of(prims, prim);
+    const struct pen_outline line = outline_of(prims, prim);
     for (uint32_t i = 0; i < line.count; i++) {
         if (near_segment(line.v[i], line.v[i + 1 < line.count ? i + 1 : 0], p, b))
             return true;
@@ -289,7 +186,7 @@ static struct pen_vec3 seen_along(const struct pen_ray *ray, struct pen_vec3 v)
 static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                           const struct pen_ray *ray, double b, double *t)
 {
-    const struct outline line = outline_of(prims, prim);
+    const struct pen_outline line = outline_of(prims, prim);
     if (line.count == 0)
         return false;
     double far = pen_dot(n, pen_sub(line.v[0], ray->o)), nearby = PEN_NEARBY * b;
@@ -347,11 +244,11 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
     pen_prim_intersect_line(prims, prim, ray, out);
     if (origin->prim == PEN_NO_PRIM)
         return;
-    if (is_flat(prims->ref[prim].kind)) {
+    if (pen_prim_flat(prims->ref[prim].kind)) {
         cross_flat(prims, prim, ray, origin, out);
         return;
     }
-    quadric_touching(prims, prim, ray, origin, out);
+    round_touching(prims, prim, ray, origin, out);
     struct pen_intersections all = *out;
     out->count = 0;
     for (int i = 0; i < all.count; i++) {
@@ -369,20 +266,10 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
                        double t_end, double bound)
 {
-    const struct pen_prim_ref ref = prims->ref[hit.prim];
     struct pen_vec3 x = pen_along(ray->o, ray->d, hit.t), p = pen_along(ray->o, ray->d, t_end);
     double dn = pen_dot(ray->d, pen_prim_normal(prims, hit, x));
     if (!(fabs((t_end - hit.t) * dn) <= bound + own_rounding(prims, hit.prim, p)))
         return false;
-    if (ref.kind == PEN_PRIM_SPHERE)
-        return pen_sphere_touches(&prims->sphere[ref.index], p, bound);
-    if (ref.kind == PEN_PRIM_CYLINDER)
-        return pen_cylinder_touches(&prims->cylinder[ref.index], p, bound) & 1u << hit.part;
-    if (ref.kind == PEN_PRIM_INFINITE_CYLINDER) {
-        const struct pen_infinite_cylinder *infinite_cylinder =
-            &prims->infinite_cylinder[ref.index];
-        return pen_cylinder_side_touches(&infinite_cylinder->round, p,
-                                         bound + pen_infinite_cylinder_rounding(infinite_cylinder));
-    }
-    return true;
+    return pen_prim_flat(prims->ref[hit.prim].kind) ||
+           pen_prim_touches(prims, hit.prim, p, bound) >> hit.part & 1;
 }

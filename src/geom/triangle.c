@@ -3,6 +3,7 @@
 #include "geom/triangle.h"
 
 #include "geom/internal/double_double.h"
+#include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
 
 /* The lengths along x, y, z of the edge from p to q: the same in any mirror, and for the triangle
@@ -107,3 +108,62 @@ void pen_triangle_refine(const struct pen_triangle *tri, const struct pen_ray *r
     }
     *t = plane < least ? least : plane > most ? most : plane;
 }
+
+static bool make(void *self, const struct pen_prim_source *from)
+{
+    const struct pen_vec3 *v = from->vertices;
+    return from->count == 3 && pen_triangle_make(self, v[0], v[1], v[2]);
+}
+
+static void intersect_line(const void *self, const struct pen_ray *ray,
+                           struct pen_intersections *out)
+{
+    double t;
+    if (pen_triangle_root(self, ray, &t))
+        pen_intersections_add(out, t, PEN_PART_SIDE);
+}
+
+static struct pen_vec3 normal(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    (void)part, (void)p;
+    return ((const struct pen_triangle *)self)->n;
+}
+
+static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    (void)part;
+    return pen_triangle_project(self, p);
+}
+
+static struct pen_box bounds(const void *self)
+{
+    return pen_triangle_bounds(self);
+}
+
+static double scale(const void *self, struct pen_vec3 p)
+{
+    (void)p;
+    return pen_triangle_extent(self);
+}
+
+static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
+{
+    return pen_farthest(((const struct pen_triangle *)self)->v, 3, n, p);
+}
+
+static struct pen_outline outline(const void *self)
+{
+    return (struct pen_outline){((const struct pen_triangle *)self)->v, 3,
+                                pen_triangle_extent(self)};
+}
+
+const struct pen_kind_functions pen_triangle_functions = {
+    .make = make,
+    .intersect_line = intersect_line,
+    .normal = normal,
+    .project = project,
+    .bounds = bounds,
+    .scale = scale,
+    .reach = reach,
+    .outline = outline,
+};

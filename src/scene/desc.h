@@ -10,6 +10,7 @@
 
 #include "base/arena.h"
 #include "base/status.h"
+#include "geom/kind.h"
 #include "math/transform.h"
 #include "scene/settings.h"
 
@@ -41,14 +42,12 @@ static inline bool pen_light_desc_soft(const struct pen_light_desc *light)
     return (light->kind == PEN_LIGHT_DIRECTIONAL ? light->angular_radius : light->radius) > 0;
 }
 
+/* PEN_OBJECT_SPHERE and so on: the kinds of primitives, with equal numbers; and groups. */
 enum pen_object_kind {
-    PEN_OBJECT_SPHERE,
-    PEN_OBJECT_PLANE,
-    PEN_OBJECT_TRIANGLE,
-    PEN_OBJECT_POLYGON,
-    PEN_OBJECT_INFINITE_CYLINDER,
-    PEN_OBJECT_CYLINDER,
-    PEN_OBJECT_GROUP
+#define KIND(NAME, ...) PEN_OBJECT_##NAME = PEN_PRIM_##NAME,
+    PEN_KINDS(KIND)
+#undef KIND
+        PEN_OBJECT_GROUP = PEN_PRIM_KIND_COUNT
 };
 
 struct pen_object_desc {

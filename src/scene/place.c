@@ -13,71 +13,35 @@ static bool finite_vec(struct pen_vec3 v)
     return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
 }
 
-static void place_sphere(const struct pen_object_desc *o, struct pen_placed *p)
+static struct pen_prim_source source_of(const struct pen_object_desc *o)
 {
-    p->kind = PEN_PRIM_SPHERE;
-    p->point = o->u.sphere.center;
-    p->radius = o->u.sphere.radius;
-}
-
-static void place_plane(const struct pen_object_desc *o, struct pen_placed *p)
-{
-    p->kind = PEN_PRIM_PLANE;
-    p->point = o->u.plane.point;
-    p->direction = o->u.plane.normal;
-}
-
-static void place_tube(const struct pen_object_desc *o, struct pen_placed *p)
-{
-    p->kind = PEN_PRIM_INFINITE_CYLINDER;
-    p->point = o->u.infinite_cylinder.origin;
-    p->direction = o->u.infinite_cylinder.axis;
-    p->radius = o->u.infinite_cylinder.radius;
-}
-
-static void place_cylinder(const struct pen_object_desc *o, struct pen_placed *p)
-{
-    p->kind = PEN_PRIM_CYLINDER;
-    p->point = o->u.cylinder.base;
-    p->direction = o->u.cylinder.axis;
-    p->radius = o->u.cylinder.radius;
-    p->height = o->u.cylinder.height;
-    p->caps = o->u.cylinder.caps;
-}
-
-static void place_loop(const struct pen_object_desc *o, struct pen_placed *p)
-{
-    p->kind = o->kind == PEN_OBJECT_TRIANGLE ? PEN_PRIM_TRIANGLE : PEN_PRIM_POLYGON;
-    p->count = o->u.polygon.count;
-    p->vertices = o->u.polygon.vertices;
-}
-
-static void place_as_written(const struct pen_object_desc *o, struct pen_placed *p)
-{
-    *p = (struct pen_placed){.material = o->material};
     switch (o->kind) {
     case PEN_OBJECT_SPHERE:
-        place_sphere(o, p);
-        break;
+        return (struct pen_prim_source){.point = o->u.sphere.center, .radius = o->u.sphere.radius};
     case PEN_OBJECT_PLANE:
-        place_plane(o, p);
-        break;
+        return (struct pen_prim_source){.point = o->u.plane.point, .direction = o->u.plane.normal};
     case PEN_OBJECT_INFINITE_CYLINDER:
-        place_tube(o, p);
-        break;
+        return (struct pen_prim_source){.point = o->u.infinite_cylinder.origin,
+                                        .direction = o->u.infinite_cylinder.axis,
+                                        .radius = o->u.infinite_cylinder.radius};
     case PEN_OBJECT_CYLINDER:
-        place_cylinder(o, p);
-        break;
+        return (struct pen_prim_source){.point = o->u.cylinder.base,
+                                        .direction = o->u.cylinder.axis,
+                                        .radius = o->u.cylinder.radius,
+                                        .height = o->u.cylinder.height,
+                                        .caps = o->u.cylinder.caps};
     case PEN_OBJECT_TRIANGLE:
     case PEN_OBJECT_POLYGON:
-        place_loop(o, p);
-        break;
+        return (struct pen_prim_source){.count = o->u.polygon.count,
+                                        .vertices = o->u.polygon.vertices};
     case PEN_OBJECT_GROUP: /* the walk enters groups */
         break;
     }
+    return (struct pen_prim_source){0};
 }
 
-static bool move_loop(const struct pen_transform *f, struct pen_vec3 *buffer, struct pen_placed *p)
+static bool move_loop(const struct pen_transform *f, struct pen_vec3 *buffer,
+                      struct pen_prim_source *p)
 {
     bool mirrored = pen_transform_det(f) < 0, finite = true;
     for (uint32_t i = 0; i < p->count; i++) {
@@ -89,20 +53,21 @@ static bool move_loop(const struct pen_transform *f, struct pen_vec3 *buffer, st
     return finite;
 }
 
-static bool move_plane(const struct pen_transform *f, struct pen_placed *p)
+static bool move_plane(const struct pen_transform *f, struct pen_prim_source *p)
 {
     p->point = pen_transform_point(f, p->point);
     p->direction = pen_transform_normal(f, unit_of(p->direction));
     return finite_vec(p->point) && finite_vec(p->direction) && unit_max(p->direction) > 0;
 }
 
-static bool move_quadric(const struct pen_transform *f, double scale, struct pen_placed *p)
+/* A sphere has no direction to turn. */
+static bool move_round(const struct pen_transform *f, double scale, struct pen_prim_source *p)
 {
     p->point = pen_transform_point(f, p->point);
     p->radius *= scale;
     p->height *= scale;
     bool ok = finite_vec(p->point) && isfinite(p->radius) && isfinite(p->height) && p->radius > 0;
-    if (p->kind == PEN_PRIM_SPHERE)
+    if (unit_max(p->direction) == 0)
         return ok;
     p->direction = pen_transform_vector(f, unit_of(p->direction));
     return ok && finite_vec(p->direction) && unit_max(p->direction) > 0;
@@ -111,17 +76,21 @@ static bool move_quadric(const struct pen_transform *f, double scale, struct pen
 bool pen_place_primitive(const struct pen_walk_primitive *body, struct pen_vec3 *buffer,
                          struct pen_placed *placed, struct pen_status *st)
 {
-    place_as_written(body->object, placed);
+    const struct pen_object_desc *object = body->object;
+    struct pen_prim_source *from = &placed->from;
+    *placed = (struct pen_placed){.kind = (enum pen_prim_kind)object->kind,
+                                  .material = object->material,
+                                  .from = source_of(object)};
     if (!body->moved)
         return true;
-    bool flat = placed->count > 0 || placed->kind == PEN_PRIM_PLANE;
+    bool flat = pen_prim_flat(placed->kind);
     if (!flat && !body->similar)
         return pen_fail(st, PEN_INVALID,
                         "a sphere, cylinder or tube can be turned, moved, mirrored and scaled, but "
                         "not stretched: the transforms around it are not a similarity");
-    bool ok = placed->count > 0                ? move_loop(body->transform, buffer, placed)
-              : placed->kind == PEN_PRIM_PLANE ? move_plane(body->transform, placed)
-                                               : move_quadric(body->transform, body->scale, placed);
+    bool ok = pen_prim_outlined(placed->kind) ? move_loop(body->transform, buffer, from)
+              : flat                          ? move_plane(body->transform, from)
+                                              : move_round(body->transform, body->scale, from);
     if (!ok)
         return pen_fail(st, PEN_INVALID, "the transforms around it leave the range of numbers");
     return true;
@@ -134,21 +103,22 @@ struct pen_survey pen_survey_empty(void)
 
 void pen_survey_add(struct pen_survey *survey, const struct pen_placed *placed)
 {
+    const struct pen_prim_source *from = &placed->from;
     survey->kind_count[placed->kind]++;
     survey->total++;
-    if (placed->kind == PEN_PRIM_POLYGON)
-        survey->polygon_vertices += placed->count;
-    double reach = placed->radius + placed->height;
+    if (pen_kinds[placed->kind].fn->keeps_vertices)
+        survey->kept_vertices += from->count;
+    double reach = from->radius + from->height;
     if (pen_prim_infinite(placed->kind)) {
-        survey->infinite = pen_box_add_point(survey->infinite, placed->point);
+        survey->infinite = pen_box_add_point(survey->infinite, from->point);
         survey->infinite_reach = pen_larger(survey->infinite_reach, reach);
         return;
     }
     survey->finite_reach = pen_larger(survey->finite_reach, reach);
-    if (placed->count == 0)
-        survey->finite = pen_box_add_point(survey->finite, placed->point);
-    for (uint32_t i = 0; i < placed->count; i++)
-        survey->finite = pen_box_add_point(survey->finite, placed->vertices[i]);
+    if (from->count == 0)
+        survey->finite = pen_box_add_point(survey->finite, from->point);
+    for (uint32_t i = 0; i < from->count; i++)
+        survey->finite = pen_box_add_point(survey->finite, from->vertices[i]);
 }
 
 /* The multiple of 2^exponent next to x, halves upward: unlike halves to even, this moves with x

@@ -22,32 +22,12 @@ static double box_distance(struct pen_box box, struct pen_vec3 p)
                                gap(box.lo.z, box.hi.z, p.z)));
 }
 
-static double line_distance(const struct pen_cylinder_side *round, struct pen_vec3 p)
+/* A lower bound of how far the surface of a primitive is. */
+static double distance_of(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p)
 {
-    struct pen_vec3 axis = unit_of(round->a), from = pen_sub(p, round->q);
-    return pen_length(pen_along(from, axis, -pen_dot(from, axis)));
-}
-
-/* A lower bound of how far the surface of an infinite primitive is. */
-static double infinite_distance(const struct pen_prims *prims, struct pen_prim_ref ref,
-                                struct pen_vec3 p)
-{
-    if (ref.kind == PEN_PRIM_PLANE) {
-        const struct pen_plane *plane = &prims->plane[ref.index];
-        return fabs(pen_dot(plane->n, pen_sub(p, plane->q)));
-    }
-    const struct pen_cylinder_side *round = &prims->infinite_cylinder[ref.index].round;
-    return fabs(line_distance(round, p) - round->r);
-}
-
-/* The same of a finite one. */
-static double finite_distance(const struct pen_prims *prims, struct pen_prim_ref ref,
-                              struct pen_box bounds, struct pen_vec3 p)
-{
-    if (ref.kind != PEN_PRIM_SPHERE)
-        return box_distance(bounds, p);
-    const struct pen_sphere *sphere = &prims->sphere[ref.index];
-    return fabs(pen_length(pen_sub(p, sphere->c)) - sphere->r);
+    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
+    return fn->distance ? fn->distance(pen_prim_self(prims, prim), p)
+                        : box_distance(pen_prim_bounds(prims, prim), p);
 }
 
 static double side(struct pen_box box)
@@ -70,15 +50,9 @@ static double nearest(const struct pen_prims *prims, double extent, struct pen_v
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < prims->count; i++) {
-        struct pen_prim_ref ref = prims->ref[i];
-        double size = extent, distance;
-        if (pen_prim_infinite(ref.kind)) {
-            distance = infinite_distance(prims, ref, eye);
-        } else {
-            struct pen_box bounds = pen_prim_bounds(prims, i);
-            size = side(bounds);
-            distance = finite_distance(prims, ref, bounds, eye);
-        }
+        double distance = distance_of(prims, i, eye);
+        double size =
+            pen_prim_infinite(prims->ref[i].kind) ? extent : side(pen_prim_bounds(prims, i));
         distance = pen_larger(distance, NEAREST_PART * size);
         least = distance < least ? distance : least;
     }

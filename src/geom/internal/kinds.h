@@ -3,14 +3,43 @@
 #ifndef PEN_GEOM_INTERNAL_KINDS_H
 #define PEN_GEOM_INTERNAL_KINDS_H
 
-#include "geom/prims.h"
+#include "geom/kind.h"
 
-/* All intersections of the ray's line with the primitive, as if the ray started in free space. */
-void pen_prim_intersect_line(const struct pen_prims *prims, uint32_t prim,
-                             const struct pen_ray *ray, struct pen_intersections *out);
+/* pen_sphere_functions and so on, each in the file of its kind. */
+#define KIND(NAME, name, ...) extern const struct pen_kind_functions pen_##name##_functions;
+PEN_KINDS(KIND)
+#undef KIND
 
-/* Adds both ends of the inside of a cylinder, but for the open ends. */
-void pen_interval_ends(const struct pen_cylinder *c, const struct pen_interval *in,
-                       struct pen_intersections *out);
+static inline void pen_intersections_add(struct pen_intersections *out, double t, uint8_t part)
+{
+    out->t[out->count] = t;
+    out->part[out->count] = part;
+    out->count++;
+}
+
+/* The two intersections with the only part of a quadric. */
+static inline void pen_intersections_pair(struct pen_intersections *out, double lo, double hi)
+{
+    pen_intersections_add(out, lo, PEN_PART_SIDE);
+    pen_intersections_add(out, hi, PEN_PART_SIDE);
+}
+
+/* The intersections of a ray that leaves the only part of a quadric: the other end of the chord. */
+static inline void pen_intersections_own(struct pen_intersections *out, double chord)
+{
+    if (chord > 0)
+        pen_intersections_add(out, chord, PEN_PART_SIDE);
+}
+
+/* The intersections of a quadric that contains the origin: t = 0, and the chord's other end. */
+static inline void pen_intersections_chord(struct pen_intersections *out, double chord)
+{
+    out->count = 0;
+    if (chord != 0)
+        pen_intersections_pair(out, chord < 0 ? chord : 0, chord < 0 ? 0 : chord);
+}
+
+/* How far the farthest of the points lies along unit vector n beyond p. */
+double pen_farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n, struct pen_vec3 p);
 
 #endif

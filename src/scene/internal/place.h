@@ -10,13 +10,7 @@
 struct pen_placed {
     enum pen_prim_kind kind;
     int material;
-    struct pen_vec3
-        point; /* centre, point of a plane, origin of an infinite cylinder, base of a cylinder */
-    struct pen_vec3 direction; /* normal or axis; any length but zero */
-    double radius, height;
-    bool caps;
-    uint32_t count; /* of vertices; those are the caller's buffer, or the document's own */
-    const struct pen_vec3 *vertices;
+    struct pen_prim_source from; /* vertices are in the caller's buffer, or the document's own */
 };
 
 /* Places a primitive. `buffer` has room for its vertices. Mirrors keep the outside: a quadric's by
@@ -32,7 +26,7 @@ struct pen_survey {
     double finite_reach; /* how far a finite primitive reaches from its anchor, at most */
     double infinite_reach;
     uint32_t kind_count[PEN_PRIM_KIND_COUNT];
-    uint64_t polygon_vertices;
+    uint64_t kept_vertices; /* of kinds that keep those they are made from */
     uint64_t total;
 };
 
