@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Building: which builder makes which kind of structure, and what it says about itself. */
-#include "accel/internal/plan.h"
+#include "accel/internal/tree_layout.h"
 #include "base/clock.h"
 
 const struct pen_hit pen_after_start = {0, PEN_NO_PRIM, UINT8_MAX};

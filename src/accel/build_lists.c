@@ -7,7 +7,7 @@
  * the group around them. Cost: linear. */
 #include <stdlib.h>
 
-#include "accel/internal/plan.h"
+#include "accel/internal/tree_layout.h"
 
 /* A group, as a range of ref[], and the first group after it that is not inside. */
 struct interval {

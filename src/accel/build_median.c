@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "accel/internal/plan.h"
+#include "accel/internal/tree_layout.h"
 
 enum { DIGITS = 1 << 8 };
 

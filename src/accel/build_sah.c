@@ -9,7 +9,7 @@
 #include <float.h>
 #include <string.h>
 
-#include "accel/internal/plan.h"
+#include "accel/internal/tree_layout.h"
 
 enum { BINS = 16, KINDS = PEN_BLOCK_FINITE_COUNT, BLOCKS_MAX = 4 };
 

@@ -3,7 +3,7 @@
  * around everything meets a convex box inside it with the probability that their surfaces are to
  * each other (Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing",
  * IEEE CG&A 7(5), 1987). It is computed from what was built, in the same way for every kind. */
-#include "accel/internal/plan.h"
+#include "accel/internal/tree_layout.h"
 
 static double half_area(const struct pen_lane *box)
 {

@@ -2,7 +2,7 @@
 /* Packing: from a plan to the frozen structure in an arena. */
 #include <string.h>
 
-#include "accel/internal/plan.h"
+#include "accel/internal/tree_layout.h"
 
 /* What is being packed, and how much of each array is filled. */
 struct packer {

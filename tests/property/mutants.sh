@@ -162,17 +162,17 @@ judge
 
 mutant tmin h063_thin_shell 20000 "crossings count from t = 1e-4 on"
 edit src/accel/build.c 1 's/pen_after_start = \{0,/pen_after_start = {1e-4,/'
-edit src/accel/internal/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t > 1e-4 \&\& t < query->tmax))/'
+edit src/accel/internal/prim_test.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t > 1e-4 \&\& t < query->tmax))/'
 judge
 
 mutant boxes_to_nearest h091_planes 2000 "boxes are rounded to the nearest float, not outward"
-edit src/accel/plan.c 2 's/pen_float_(down|up)\(/pen_float_near(/g'
+edit src/accel/tree_layout.c 2 's/pen_float_(down|up)\(/pen_float_near(/g'
 judge
 
 mutant strict_culling h097_copies 40 "a box is entered where its distance is < the best t, not <="
 edit src/accel/internal/boxes_avx2.h 2 's/_CMP_LE_OQ/_CMP_LT_OQ/'
 edit src/accel/internal/boxes_base.h 1 's/return t0 <= t1;/return t0 < t1;/'
-edit src/accel/internal/traverse_walk.h 1 's/near > limit/near >= limit/'
+edit src/accel/internal/traverse_wide.h 1 's/near > limit/near >= limit/'
 judge
 
 mutant origin_offset h063_thin_shell 20000 "secondary rays start 1e-4 off the surface, along its normal"
@@ -188,7 +188,7 @@ edit src/geom/sphere.c 1 's/pen_vec3\(s->r, s->r, s->r\)/pen_scale(pen_vec3(s->r
 judge
 
 mutant shadow_at_0 h094_shadow_span 5000 "a crossing at t = 0 is a shadow"
-edit src/accel/internal/traverse.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t >= 0 \&\& t < query->tmax))/'
+edit src/accel/internal/prim_test.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t >= 0 \&\& t < query->tmax))/'
 judge
 
 mutant no_leave h059_leave_round 20000 "a ray does not know what it leaves"

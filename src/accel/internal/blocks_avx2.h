@@ -7,7 +7,7 @@
 
 #include <immintrin.h>
 
-#include "accel/internal/traverse.h"
+#include "accel/internal/prim_test.h"
 
 /* Four vectors. */
 struct vec4 {

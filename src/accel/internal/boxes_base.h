@@ -4,7 +4,7 @@
 #ifndef PEN_ACCEL_INTERNAL_BOXES_BASE_H
 #define PEN_ACCEL_INTERNAL_BOXES_BASE_H
 
-#include "accel/internal/traverse.h"
+#include "accel/internal/prim_test.h"
 
 struct box_ray {
     float near_o[3], far_o[3];

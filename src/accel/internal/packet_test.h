@@ -4,7 +4,8 @@
 #ifndef PEN_ACCEL_INTERNAL_PACKET_TEST_H
 #define PEN_ACCEL_INTERNAL_PACKET_TEST_H
 
-#include "accel/internal/packet_walk.h"
+#include "accel/internal/packet_traverse.h"
+#include "accel/internal/traverse_query.h"
 
 /* Rays that surely cross a candidate's primitive before they end, surely do not, surely do so once,
  * twice. */

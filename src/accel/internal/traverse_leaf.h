@@ -3,7 +3,7 @@
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_LEAF_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_LEAF_H
 
-#include "accel/internal/traverse.h"
+#include "accel/internal/prim_test.h"
 
 /* The boxes of a node count together, as they are tested. */
 static inline void count_boxes(const struct trace *w, const uint32_t *child, int lanes)

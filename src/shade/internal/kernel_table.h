@@ -8,8 +8,6 @@
 #include "shade/internal/kernel_body.h"
 #include "shade/internal/kernel_list.h"
 
-#ifdef KERNEL_ISA /* not where the header is compiled alone, to check it */
-
 #define PIXEL_FUNCTION(identifier, name, mask)                                                     \
     static void pixel_##identifier(const struct pen_kernel_input *input,                           \
                                    struct pen_kernel_scratch *scratch, int x, int y,               \
@@ -28,5 +26,4 @@ PEN_KERNEL_LIST(PIXEL_FUNCTION)
     {.name = kernel_name "/" NAME_OF_ISA(KERNEL_ISA), .effects = mask, .pixel = pixel_##identifier},
 const struct pen_kernel TABLE_OF_ISA(KERNEL_ISA)[PEN_KERNEL_COUNT] = {PEN_KERNEL_LIST(TABLE_ROW)};
 
-#endif
 #endif

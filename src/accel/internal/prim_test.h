@@ -15,8 +15,8 @@
  * that makes it longer; reciprocals are off by 2^-22 to the same ends, more than the three
  * roundings of a slab take away. Boxes grow by `grow`, so that those are entered that hold what may
  * be met by touching it. */
-#ifndef PEN_ACCEL_INTERNAL_TRAVERSE_H
-#define PEN_ACCEL_INTERNAL_TRAVERSE_H
+#ifndef PEN_ACCEL_INTERNAL_PRIM_TEST_H
+#define PEN_ACCEL_INTERNAL_PRIM_TEST_H
 
 #include "accel/internal/rounding.h"
 #include "accel/internal/structure.h"

@@ -2,11 +2,11 @@
 /* Finds the primitives that some ray of a packet may meet. A box is left out if it is off the box
  * around all rays, or beyond one of four planes through the origin that hold the cone between them;
  * both are widened by the packet's delta and by what floats round. */
-#ifndef PEN_ACCEL_INTERNAL_PACKET_WALK_H
-#define PEN_ACCEL_INTERNAL_PACKET_WALK_H
+#ifndef PEN_ACCEL_INTERNAL_PACKET_TRAVERSE_H
+#define PEN_ACCEL_INTERNAL_PACKET_TRAVERSE_H
 
-#include "accel/internal/packet_prepare.h"
-#include "accel/internal/traverse.h"
+#include "accel/internal/packet_candidate.h"
+#include "accel/internal/prim_test.h"
 
 /* A plane through the origin: boxes with n.x > off for all their points are beyond it. */
 struct fan_plane {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Which compiled variant answers queries, and the views that counting queries need: an accelerator
  * is shared by threads, counts are not. */
-#include "accel/internal/ops.h"
+#include "accel/internal/variants.h"
 
 #include <stdlib.h>
 
@@ -9,14 +9,18 @@
 
 const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa)
 {
-    const struct pen_trace_ops *avx2 = isa == PEN_ISA_AVX2 ? pen_trace_avx2() : NULL;
-    return avx2 ? avx2 : &pen_trace_base;
+#define TABLE_ROW(UPPER, lower) [PEN_ISA_##UPPER] = &pen_trace_##lower,
+    static const struct pen_trace_ops *const ops[PEN_ISA_COUNT] = {PEN_ISA_LIST(TABLE_ROW)};
+#undef TABLE_ROW
+    return ops[isa];
 }
 
 const struct pen_trace_ops *pen_trace_count_ops_get(enum pen_isa isa)
 {
-    const struct pen_trace_ops *avx2 = isa == PEN_ISA_AVX2 ? pen_trace_count_avx2() : NULL;
-    return avx2 ? avx2 : &pen_trace_count_base;
+#define TABLE_ROW(UPPER, lower) [PEN_ISA_##UPPER] = &pen_trace_count_##lower,
+    static const struct pen_trace_ops *const ops[PEN_ISA_COUNT] = {PEN_ISA_LIST(TABLE_ROW)};
+#undef TABLE_ROW
+    return ops[isa];
 }
 
 struct pen_accel *pen_accel_count_new(const struct pen_accel *accel, struct pen_test_counts *counts)

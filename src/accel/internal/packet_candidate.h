@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What the parts of shadow-ray packets share: packet.c makes candidates of primitives, fan_walk.h
  * finds primitives in the tree, packet_test.h holds rays against candidates. */
-#ifndef PEN_ACCEL_INTERNAL_PACKET_PREPARE_H
-#define PEN_ACCEL_INTERNAL_PACKET_PREPARE_H
+#ifndef PEN_ACCEL_INTERNAL_PACKET_CANDIDATE_H
+#define PEN_ACCEL_INTERNAL_PACKET_CANDIDATE_H
 
 #include "accel/shadow_packet.h"
 

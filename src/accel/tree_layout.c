@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Plans: the list of finite primitives that builders sort, and growing arrays. */
-#include "accel/internal/plan.h"
+#include "accel/internal/tree_layout.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What a builder decides: an order of the finite primitives, leaves as ranges of that order, and
  * nodes over them. Packing turns a plan into the frozen structure. */
-#ifndef PEN_ACCEL_INTERNAL_PLAN_H
-#define PEN_ACCEL_INTERNAL_PLAN_H
+#ifndef PEN_ACCEL_INTERNAL_TREE_LAYOUT_H
+#define PEN_ACCEL_INTERNAL_TREE_LAYOUT_H
 
 #include <stddef.h>
 

@@ -7,7 +7,7 @@
  * farther than delta from the border between a hit and a miss is decided the same by both. A
  * primitive within delta of the origin is always asked, by the reference itself; one that passes
  * within delta of where a ray ends too. */
-#include "accel/internal/packet_prepare.h"
+#include "accel/internal/packet_candidate.h"
 
 #include <float.h>
 

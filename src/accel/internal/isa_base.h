@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/* What the traversals need of an instruction set, in plain C for any processor. It is the reference
+ * for the others. An instruction set's header provides
+ *
+ *   struct box_ray            a ray as boxes see it, with a member `tmin` and a member `scale`;
+ *   box_ray_make              makes it from a ray;
+ *   enter_node, enter_pair    which boxes of a node a struct box_ray enters, and at which t;
+ *   test_item                 tests the block, or the single primitive, of an item;
+ *   mask4_bits, mask8_bits, sqrt4   what lanes.h leaves open (for packets).
+ *
+ * Nodes, blocks and counts are the same for all instruction sets; what prim_test.h says of
+ * box_ray, of enter_node and of the intersections that test_item offers holds for each. */
+#ifndef PEN_ACCEL_INTERNAL_ISA_BASE_H
+#define PEN_ACCEL_INTERNAL_ISA_BASE_H
+
+#include "accel/internal/boxes_base.h"
+#include "accel/internal/lanes_base.h"
+
+#endif

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* The two queries: which walk answers them, and what they begin with. The including file includes
+ * an instruction set's header first (see isa_base.h), and says whether tests are counted:
+ * `enum { COUNTING = 0 };` or 1. */
+#ifndef PEN_ACCEL_INTERNAL_TRAVERSE_QUERY_H
+#define PEN_ACCEL_INTERNAL_TRAVERSE_QUERY_H
+
+#include "accel/internal/traverse_lists.h"
+#include "accel/internal/traverse_pairs.h"
+#include "accel/internal/traverse_wide.h"
+
+/* The other shapes, kept out of the way of the wide one. */
+static __attribute__((noinline)) bool walk_other(struct trace *w, const struct box_ray *box,
+                                                 bool any)
+{
+    return w->accel->shape == PEN_SHAPE_PAIRS ? walk_pairs(w, box, any) : walk_lists(w, box, any);
+}
+
+static inline bool search(struct trace *w, double tmin, bool any)
+{
+    const struct pen_accel *accel = w->accel;
+    if (test_leaf(w, accel->infinite, true, any) ||
+        (accel->list && test_leaf(w, accel->list, true, any)))
+        return true;
+    if (accel->shape == PEN_SHAPE_NONE)
+        return false;
+    struct box_ray box;
+    box_ray_make(&box, w->ray, tmin, w->grow);
+    if (accel->shape != PEN_SHAPE_WIDE)
+        return walk_other(w, &box, any);
+    if (any)
+        return walk_any(w, &box);
+    walk_nearest(w, &box);
+    return false;
+}
+
+static inline struct trace begin(const struct pen_accel *accel, const struct pen_ray *ray,
+                                 const struct pen_origin_surface *origin)
+{
+    struct trace w = {.accel = accel, .ray = ray, .origin = origin};
+    w.leaving = origin->prim != PEN_NO_PRIM;
+    w.slack = origin->bound + 8 * PEN_U * accel->scale;
+    w.grow = 2 * PEN_NEARBY * w.slack;
+    w.near_sq = w.grow * w.grow * ray->inv_dd;
+    return w;
+}
+
+static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
+                    const struct pen_origin_surface *origin, const struct pen_t_interval *interval,
+                    struct pen_hit *hit)
+{
+    struct trace w = begin(accel, ray, origin);
+    w.after = interval->after;
+    w.best = (struct pen_hit){interval->tmax, PEN_NO_PRIM, UINT8_MAX};
+    search(&w, interval->after.t, false);
+    if (w.best.prim == PEN_NO_PRIM)
+        return false;
+    *hit = w.best;
+    return true;
+}
+
+static inline struct trace begin_shadow(const struct pen_accel *accel, const struct pen_ray *ray,
+                                        const struct pen_origin_surface *origin,
+                                        struct pen_shadow *query)
+{
+    struct trace w = begin(accel, ray, origin);
+    w.shadow = query;
+    if (query->to_point) {
+        w.light_bound = pen_shadow_light_bound(ray);
+        w.light = pen_along(ray->o, ray->d, query->tmax);
+    }
+    query->count = 0;
+    query->overflow = false;
+    return w;
+}
+
+static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
+                   const struct pen_origin_surface *origin, struct pen_shadow *query)
+{
+    struct trace w = begin_shadow(accel, ray, origin, query);
+    uint32_t last = query->last_occluder;
+    /* What the thread met before must not change what is counted. */
+    if (!COUNTING && last < accel->prims->count &&
+        !(query->see_through && query->see_through[last]) && test_prim(&w, last, true))
+        return true;
+    query->last_occluder = PEN_NO_PRIM;
+    return search(&w, 0, true);
+}
+
+#endif

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+/* The walk through a tree of wide nodes. */
+#ifndef PEN_ACCEL_INTERNAL_TRAVERSE_WIDE_H
+#define PEN_ACCEL_INTERNAL_TRAVERSE_WIDE_H
+
+#include "accel/internal/traverse_leaf.h"
+
+/* Each node on the way down leaves at most seven others behind. */
+enum { STACK = (PEN_WIDE - 1) * PEN_MAX_DEPTH + 1 };
+
+struct pending {
+    float near;
+    uint32_t child;
+};
+
+/* Puts the entered children on the stack, the nearest on top. */
+static inline int push_children(struct pending *stack, int top, const struct pen_node *node,
+                                unsigned mask, const float near[PEN_WIDE])
+{
+    int bottom = top;
+    for (; mask; mask &= mask - 1) {
+        int lane = __builtin_ctz(mask);
+        struct pending p = {near[lane], node->child[lane]};
+        int at = top++;
+        for (; at > bottom && stack[at - 1].near < p.near; at--)
+            stack[at] = stack[at - 1];
+        stack[at] = p;
+    }
+    return top;
+}
+
+/* Visits what the ray may meet, nearest boxes first. A box is entered when its near distance is
+ * <= the best t, so that ties are decided by number. */
+static inline void walk_nearest(struct trace *w, const struct box_ray *box)
+{
+    struct pending stack[STACK];
+    int top = 0;
+    uint32_t child = 0;
+    float limit = pen_float_up(w->best.t * box->scale), entry = box->tmin;
+    for (;;) {
+        if (child & PEN_CHILD_LEAF) {
+            test_leaf(w, child & ~PEN_CHILD_LEAF, entry <= box->tmin, false);
+            limit = pen_float_up(w->best.t * box->scale);
+        } else {
+            const struct pen_node *node = &w->accel->nodes[child];
+            float near[PEN_WIDE];
+            if (COUNTING)
+                count_boxes(w, node->child, PEN_WIDE);
+            unsigned mask = enter_node(node, box, limit, near);
+            if (mask && !(mask & (mask - 1))) {
+                child = node->child[__builtin_ctz(mask)];
+                entry = near[__builtin_ctz(mask)];
+                continue;
+            }
+            top = push_children(stack, top, node, mask, near);
+        }
+        do {
+            if (top == 0)
+                return;
+            top--;
+        } while (stack[top].near > limit);
+        child = stack[top].child;
+        entry = stack[top].near;
+    }
+}
+
+/* Visits what the ray may meet, in any order; true if something ended the query. */
+static inline bool walk_any(struct trace *w, const struct box_ray *box)
+{
+    uint32_t stack[STACK];
+    int top = 0;
+    float limit = pen_float_up(w->shadow->tmax * box->scale);
+    stack[top++] = 0;
+    while (top > 0) {
+        const struct pen_node *node = &w->accel->nodes[stack[--top]];
+        float near[PEN_WIDE];
+        if (COUNTING)
+            count_boxes(w, node->child, PEN_WIDE);
+        unsigned mask = enter_node(node, box, limit, near);
+        for (; mask; mask &= mask - 1) {
+            int lane = __builtin_ctz(mask);
+            uint32_t child = node->child[lane];
+            if (!(child & PEN_CHILD_LEAF))
+                stack[top++] = child;
+            else if (test_leaf(w, child & ~PEN_CHILD_LEAF, near[lane] <= box->tmin, true))
+                return true;
+        }
+    }
+    return false;
+}
+
+#endif
