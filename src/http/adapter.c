@@ -1,49 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* A request's way through libmicrohttpd's callbacks (see the phases in request.h), and parking.
+/* What libmicrohttpd's callbacks do for a request in each of its phases (see request.h).
  *
- * A reply is queued in the access callback only, never from another thread: who answers fills the
- * reply and wakes the connection, whereupon libmicrohttpd calls back once more. */
+ * A reply is queued in the access callback only, never from another thread: the thread that answers
+ * fills the reply and resumes the connection, and libmicrohttpd then calls once more. */
+#include "http/internal/adapter.h"
+
 #include <stddef.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "http/internal/adapter_internal.h"
+#include "http/internal/admit.h"
+#include "http/internal/executor.h"
 #include "http/internal/http.h"
-#include "http/internal/pool.h"
 #include "http/internal/request.h"
 #include "http/internal/routes.h"
 #include "http/internal/streams.h"
+#include "http/internal/suspend.h"
+#include "http/internal/watch.h"
 
 enum { STREAM_BYTES = 4096 }; /* sent at once, to clients of HTTP/1.0 */
-
-bool pen_http_adapter_hold(struct request *request)
-{
-    struct adapter *adapter = request->http->adapter;
-    pthread_mutex_lock(&adapter->parking);
-    bool hold = !request->woken;
-    request->woken = false;
-    if (hold) {
-        request->held = true;
-        MHD_suspend_connection(request->connection);
-    }
-    pthread_mutex_unlock(&adapter->parking);
-    return hold;
-}
-
-void pen_http_adapter_wake(struct request *request)
-{
-    struct adapter *adapter = request->http->adapter;
-    pthread_mutex_lock(&adapter->parking);
-    if (request->held) {
-        request->held = false;
-        MHD_resume_connection(request->connection);
-    } else {
-        request->woken = true;
-    }
-    pthread_mutex_unlock(&adapter->parking);
-}
 
 static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
                                 const char *value)
@@ -86,26 +63,29 @@ static void unref_body(void *blob)
     pen_http_blob_unref(blob);
 }
 
-/* Called when there is room for more of a stream. With nothing to say the connection sleeps until
- * the stream wakes it. */
+/* libmicrohttpd calls this when it can send more of an event stream. With nothing to send the
+ * connection is suspended until the stream resumes it. */
 static ssize_t read_stream(void *cls, uint64_t position, char *out, size_t bytes)
 {
     (void)position;
     struct request *request = cls;
     ssize_t count = request->stream ? 0 : -1;
     while (count == 0) {
-        count = pen_http_stream_read(request->stream, out, bytes);
-        if (count == 0 && pen_http_adapter_hold(request))
+        bool behind;
+        count = pen_http_stream_read(request->stream, out, bytes, &behind);
+        if (behind)
+            pen_http_watch_check_soon(request->http->watch);
+        if (count == 0 && pen_http_suspend(request))
             return 0;
     }
     return count > 0 ? count : MHD_CONTENT_READER_END_OF_STREAM;
 }
 
-/* The reply as libmicrohttpd wants it; NULL when out of memory. */
+/* The reply as a response of libmicrohttpd; NULL when out of memory. */
 static struct MHD_Response *make_response(struct request *request)
 {
     const struct reply *reply = &request->reply;
-    if (reply->endless && !reply->failed)
+    if (reply->streaming && !reply->failed)
         return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BYTES, read_stream,
                                                  request, NULL);
     if (reply->failed || !reply->body || reply->bytes == 0)
@@ -150,32 +130,32 @@ static enum MHD_Result dispatch(struct request *request)
     const struct route *route = request->route;
     if (route->quick && route->quick(request))
         return send_reply(request);
-    enum lane lane = pen_http_route_lane(route, &request->target);
-    if (lane == LANE_INLINE) {
+    enum queue_id id = pen_http_route_queue(route, &request->target);
+    if (id == QUEUE_NONE) {
         route->handle(request, NULL);
         return send_reply(request);
     }
-    request->phase = PHASE_HELD;
-    pen_http_adapter_hold(request);
-    if (!pen_http_pool_push(request->http->pool, lane, request)) {
+    request->phase = PHASE_SUSPENDED;
+    pen_http_suspend(request);
+    if (!pen_http_executor_submit(request->http->executor, id, request)) {
         struct pen_status st;
         pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
         pen_http_request_fail(request, &st);
-        pen_http_adapter_wake(request);
+        pen_http_resume(request);
     }
     return MHD_YES;
 }
 
-/* The head is complete. An answer queued now makes libmicrohttpd close the connection, so it
- * waits for the next call unless there is a body that nobody wants. */
+/* The head is complete. An answer queued now makes libmicrohttpd close the connection, so it is
+ * queued in the next call, unless a body follows that is not to be read. */
 static enum MHD_Result begin(struct request *request, const char *method)
 {
     request->method = method;
     MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->fields);
     atomic_fetch_add_explicit(&request->http->active, 1, memory_order_relaxed);
     pen_http_request_admit(request);
-    bool body_comes = request->declared_bytes > 0 || request->fields.transfer_encoding;
-    return request->phase == PHASE_ANSWERED && body_comes ? send_reply(request) : MHD_YES;
+    bool has_body = request->declared_bytes > 0 || request->fields.transfer_encoding;
+    return request->phase == PHASE_ANSWERED && has_body ? send_reply(request) : MHD_YES;
 }
 
 void *pen_http_adapter_on_line(void *cls, const char *uri, struct MHD_Connection *connection)
@@ -204,7 +184,8 @@ enum MHD_Result pen_http_adapter_on_access(void *cls, struct MHD_Connection *con
     return request->phase == PHASE_BODY ? dispatch(request) : send_reply(request);
 }
 
-/* What changed something is worth a line; what only looked, or was refused, could fill a disk. */
+/* Requests that change something are logged; those that only read, or are refused, could fill a
+ * disk and are logged for debugging alone. */
 static void log_access(const struct request *request, uint64_t streamed, bool complete)
 {
     const struct reply *reply = &request->reply;
@@ -229,7 +210,11 @@ void pen_http_adapter_on_completed(void *cls, struct MHD_Connection *connection,
     struct pen_http *http = cls;
     struct request *request = *state;
     *state = NULL;
-    uint64_t streamed = request && request->stream ? pen_http_stream_close(request->stream) : 0;
+    uint64_t streamed = 0;
+    if (request && request->stream) {
+        streamed = pen_http_stream_close(request->stream);
+        pen_http_watch_remove_stream(http->watch);
+    }
     if (request && request->phase != PHASE_LINE) {
         log_access(request, streamed, why == MHD_REQUEST_TERMINATED_COMPLETED_OK);
         atomic_fetch_sub_explicit(&http->active, 1, memory_order_relaxed);

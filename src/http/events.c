@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Writing events. A text holds the tiles of all commits since the client's place, then the job. */
 #include "http/internal/events.h"
 
 #include <inttypes.h>
@@ -25,14 +26,16 @@ struct event_cursor pen_http_events_begin(const char *last_event_id,
     return cursor;
 }
 
-bool pen_http_events_are_known(const struct event_cursor *cursor, const struct snapshot *snapshot)
+bool pen_http_events_are_complete(const struct event_cursor *cursor,
+                                  const struct snapshot *snapshot)
 {
     return cursor->id == IDS * snapshot->revision && pen_job_state_ended(snapshot->state);
 }
 
 struct writing {
     struct pen_buf *text;
-    int64_t id, revision; /* told last; the one to stop at */
+    int64_t id;       /* of the last event in text */
+    int64_t revision; /* the last one to write */
     int tiles;
     bool full;
 };
@@ -60,11 +63,11 @@ static bool write_tile(void *user, const struct pen_job_tile *tile)
     return !writing->text->failed;
 }
 
-/* The job's JSON is one line with its end. */
+/* The job's JSON is one line, line end included. */
 static void write_job(const struct snapshot *snapshot, const struct event_cursor *cursor,
                       struct pen_buf *text)
 {
-    bool same = cursor->greeted && cursor->state == snapshot->state;
+    bool same = cursor->job_sent && cursor->state == snapshot->state;
     const struct pen_buf *json = &snapshot->json->content;
     pen_buf_printf(text, "event: %s\nid: %" PRId64 "\ndata: ", same ? "progress" : "state",
                    IDS * snapshot->revision);
@@ -77,7 +80,7 @@ bool pen_http_events_write(const struct snapshot *snapshot, struct pen_jobs *job
 {
     struct writing writing = {.text = text, .id = cursor->id, .revision = snapshot->revision};
     bool behind = cursor->id < IDS * snapshot->revision;
-    if (cursor->greeted && !behind)
+    if (cursor->job_sent && !behind)
         return true;
     if (behind && !pen_jobs_tiles(jobs, snapshot->id, cursor->id / IDS, write_tile, &writing, st))
         return false;
@@ -90,7 +93,7 @@ bool pen_http_events_write(const struct snapshot *snapshot, struct pen_jobs *job
     if (writing.full)
         return true;
     cursor->id = IDS * snapshot->revision;
-    cursor->greeted = true;
+    cursor->job_sent = true;
     cursor->state = snapshot->state;
     return true;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What single header fields and parameters mean. Where a field is malformed, the harmless reading
- * wins: no match, no range, another type, a foreign host. */
+/* The meaning of single header fields and parameters. A malformed field is read in the way that
+ * does no harm: no match, no range, another type, a foreign host. */
 #include <ctype.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -130,10 +130,10 @@ static double quality_of(const char *at, const char *end)
     return 1;
 }
 
-/* How much a type is wanted: the q of the range that names it most closely. */
-static double wish_for(const char *accept, const char *type)
+/* How much a type is preferred: the q of the media range that names it most closely. */
+static double preference_for(const char *accept, const char *type)
 {
-    double wish = 0;
+    double preference = 0;
     int closest = 0;
     for (const char *at = accept; *at;) {
         at += strspn(at, ", \t");
@@ -142,11 +142,11 @@ static double wish_for(const char *accept, const char *type)
         int fits = range_fits(at, length, type);
         if (fits > closest) {
             closest = fits;
-            wish = quality_of(at + length, end);
+            preference = quality_of(at + length, end);
         }
         at = end;
     }
-    return wish;
+    return preference;
 }
 
 int pen_accept_choose(const char *accept, const char *const *types, int count)
@@ -154,16 +154,16 @@ int pen_accept_choose(const char *accept, const char *const *types, int count)
     int best = -1;
     double most = 0;
     for (int i = 0; i < count; i++) {
-        double wish = accept && *accept ? wish_for(accept, types[i]) : 1;
-        if (wish > most) {
-            most = wish;
+        double preference = accept && *accept ? preference_for(accept, types[i]) : 1;
+        if (preference > most) {
+            most = preference;
             best = i;
         }
     }
     return best;
 }
 
-/* Reads digits, stopping at the largest value: everything beyond any size is the same. */
+/* Reads digits. A number beyond UINT64_MAX becomes that: it lies beyond any size all the same. */
 static bool read_offset(const char **text, uint64_t *value)
 {
     const char *at = *text;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Opening an event stream: what the client does not know yet is written here, by a store thread;
- * what comes later is the watcher's to tell. */
+/* Opening an event stream. The events up to now are written here, by a store thread; the watcher's
+ * thread writes later ones. */
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/snapshots.h"
+#include "http/internal/snapshot_cache.h"
 #include "http/internal/streams.h"
 #include "http/internal/watch.h"
 
@@ -12,22 +12,22 @@ static void answer_stream(struct request *request)
 {
     struct reply *reply = &request->reply;
     reply->status = 200;
-    reply->endless = true;
+    reply->streaming = true;
     pen_http_reply_field(reply, "Content-Type", "text/event-stream");
     pen_http_reply_field(reply, "Cache-Control", "no-store");
     pen_http_reply_field(reply, "X-Accel-Buffering", "no"); /* a proxy must not hold events back */
 }
 
-static bool take_place(struct request *request, struct pen_status *st)
+static bool count_stream(struct request *request, struct pen_status *st)
 {
-    switch (pen_http_watch_enter(request->http->watch)) {
+    switch (pen_http_watch_add_stream(request->http->watch)) {
     case WATCH_CLOSED:
         return pen_fail(st, PEN_UNAVAILABLE, "the daemon is stopping");
     case WATCH_FULL:
         return pen_fail(st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
                         WATCH_MAX);
-    case WATCH_TAKEN:
-    case WATCH_NEWS:
+    case WATCH_ACCEPTED:
+    case WATCH_CHANGED:
         break;
     }
     return true;
@@ -38,7 +38,7 @@ static bool open_stream(struct request *request, struct pen_jobs *jobs,
                         struct pen_status *st)
 {
     struct pen_buf text = {0};
-    if (!take_place(request, st))
+    if (!count_stream(request, st))
         return false;
     pen_buf_puts(&text, "retry: 2000\n\n");
     bool ok = pen_http_events_write(snapshot, jobs, cursor, &text, st);
@@ -47,7 +47,7 @@ static bool open_stream(struct request *request, struct pen_jobs *jobs,
         ok = request->stream || pen_fail(st, PEN_NO_MEMORY, "no memory for a stream of events");
     }
     if (!ok)
-        pen_http_watch_remove(request->http->watch);
+        pen_http_watch_remove_stream(request->http->watch);
     pen_buf_release(&text);
     return ok;
 }
@@ -57,20 +57,21 @@ enum outcome pen_http_handle_events(struct request *request, struct pen_jobs *jo
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status st;
-    uint32_t news = pen_http_watch_notify(http->watch);
-    if (!pen_http_snapshots_read(http->snapshots, news, jobs, request->job_id, &snapshot, &st)) {
+    uint32_t changes = pen_http_watch_changes(http->watch);
+    if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, request->job_id,
+                                      &snapshot, &st)) {
         pen_http_request_fail(request, &st);
         return OUTCOME_ANSWERED;
     }
     struct event_cursor cursor = pen_http_events_begin(request->fields.last_event_id, &snapshot);
-    if (pen_http_events_are_known(&cursor, &snapshot))
-        request->reply.status = 204; /* by which browsers know that they need not come back */
+    if (pen_http_events_are_complete(&cursor, &snapshot))
+        request->reply.status = 204; /* which makes a browser's EventSource stop reconnecting */
     else if (request->head || open_stream(request, jobs, &snapshot, &cursor, &st))
         answer_stream(request);
     else
         pen_http_request_fail(request, &st);
     pen_http_snapshot_release(&snapshot);
     if (request->stream)
-        pen_http_watch_joined(http->watch, news);
+        pen_http_watch_stream_opened(http->watch, changes);
     return OUTCOME_ANSWERED;
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Submit, look, list, cancel, delete, validate. */
+/* Submitting, reading, listing, cancelling, deleting and validating. */
 #include <stdio.h>
 #include <string.h>
 
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/snapshots.h"
+#include "http/internal/snapshot_cache.h"
 #include "http/internal/watch.h"
 #include "io/document.h"
 
@@ -34,8 +34,8 @@ static struct pen_submission read_submission(const struct request *request)
     return in;
 }
 
-/* A store that has just refused a job is probed anew by whoever asks for readiness next. */
-static void doubt_store(struct pen_http *http, const struct pen_errors *errors)
+/* The store has just refused a job: the next /readyz is to probe it again at once. */
+static void expire_readiness(struct pen_http *http, const struct pen_errors *errors)
 {
     enum pen_code code = errors->count ? errors->item[0].code : PEN_OK;
     if (code != PEN_STORAGE && code != PEN_STORAGE_FULL)
@@ -51,7 +51,7 @@ enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jo
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
-        doubt_store(request->http, &errors);
+        expire_readiness(request->http, &errors);
         return answer_errors(request, &errors);
     }
     memcpy(request->job_id, out.id, sizeof request->job_id); /* for the log */
@@ -76,8 +76,8 @@ bool pen_http_quick_job(struct request *request)
 {
     struct snapshot snapshot;
     struct pen_http *http = request->http;
-    if (!pen_http_snapshots_peek(http->snapshots, pen_http_watch_notify(http->watch),
-                                 request->job_id, &snapshot))
+    if (!pen_http_snapshot_cache_peek(http->snapshot_cache, pen_http_watch_changes(http->watch),
+                                      request->job_id, &snapshot))
         return false;
     bool due = pen_http_request_number(request, "wait", 0) == 0 ||
                pen_http_snapshot_is_due(&snapshot, request);
@@ -87,31 +87,32 @@ bool pen_http_quick_job(struct request *request)
     return due;
 }
 
-/* Looks at the job once. Sets *again if news came between looking and waiting. */
-static enum outcome look_at_job(struct request *request, struct pen_jobs *jobs, long wait,
-                                bool *again)
+/* Reads the job once, and answers or waits. Sets *again if the store changed between the two. */
+static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs, long wait,
+                                 bool *again)
 {
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status st;
-    uint32_t news = pen_http_watch_notify(http->watch);
+    uint32_t changes = pen_http_watch_changes(http->watch);
     *again = false;
-    if (!pen_http_snapshots_read(http->snapshots, news, jobs, request->job_id, &snapshot, &st))
+    if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, request->job_id,
+                                      &snapshot, &st))
         return answer_status(request, &st);
-    enum watch_answer given = WATCH_CLOSED;
+    enum watch_result result = WATCH_CLOSED;
     if (wait > 0 && !pen_http_snapshot_is_due(&snapshot, request))
-        given = pen_http_watch_add(http->watch, request, news);
-    /* Once the watcher has the request it is not ours to read. */
-    if (given == WATCH_CLOSED)
+        result = pen_http_watch_add(http->watch, request, changes);
+    /* A request that the watcher has accepted must not be touched here any more. */
+    if (result == WATCH_CLOSED)
         pen_http_snapshot_reply(&snapshot, request);
     pen_http_snapshot_release(&snapshot);
-    if (given == WATCH_FULL) {
+    if (result == WATCH_FULL) {
         pen_fail(&st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
                  WATCH_MAX);
         return answer_status(request, &st);
     }
-    *again = given == WATCH_NEWS;
-    return given == WATCH_TAKEN ? OUTCOME_WATCHED : OUTCOME_ANSWERED;
+    *again = result == WATCH_CHANGED;
+    return result == WATCH_ACCEPTED ? OUTCOME_WATCHED : OUTCOME_ANSWERED;
 }
 
 enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
@@ -121,7 +122,7 @@ enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
     bool again;
     enum outcome outcome;
     do
-        outcome = look_at_job(request, jobs, wait, &again);
+        outcome = read_or_wait(request, jobs, wait, &again);
     while (again);
     return outcome;
 }

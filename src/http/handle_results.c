@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* What a job has come to: picture, preview, statistics, report, scene. */
+/* The results of a job: picture, preview, statistics, report, scene. */
 #include <string.h>
 
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/snapshots.h"
+#include "http/internal/snapshot_cache.h"
 #include "http/internal/watch.h"
 #include "io/document.h"
 
-/* Pictures in memory together, those on their way to slow clients included. */
+/* All pictures in memory together, those being sent to slow clients included. */
 enum { PICTURE_BYTES = 1 << 30 };
 
 static const char forever[] = "private, max-age=86400, immutable";
 
-/* A result that is not there yet is worth another try: the job's state tells. */
+/* If the job has not ended its result may come yet: Retry-After is added. */
 static enum outcome answer_status(struct request *request, struct pen_jobs *jobs,
                                   const struct pen_status *st)
 {
@@ -24,8 +24,8 @@ static enum outcome answer_status(struct request *request, struct pen_jobs *jobs
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status ignored;
-    if (!pen_http_snapshots_read(http->snapshots, pen_http_watch_notify(http->watch), jobs,
-                                 request->job_id, &snapshot, &ignored))
+    if (!pen_http_snapshot_cache_read(http->snapshot_cache, pen_http_watch_changes(http->watch),
+                                      jobs, request->job_id, &snapshot, &ignored))
         return OUTCOME_ANSWERED;
     if (!pen_job_state_ended(snapshot.state))
         pen_http_reply_field(&request->reply, "Retry-After", "1");
@@ -33,7 +33,7 @@ static enum outcome answer_status(struct request *request, struct pen_jobs *jobs
     return OUTCOME_ANSWERED;
 }
 
-static bool has_room(struct request *request)
+static bool has_memory(struct request *request)
 {
     atomic_size_t *total = &request->http->picture_bytes;
     if (atomic_load_explicit(total, memory_order_relaxed) <= PICTURE_BYTES)
@@ -56,7 +56,7 @@ static void answer_picture(struct request *request, struct pen_image *image, boo
     pen_http_request_content(request, &content);
 }
 
-/* Answers with a representation whose tag is its hash. */
+/* Answers with a representation whose entity tag is its hash. */
 static void answer_hashed(struct request *request, struct blob *blob, const char *type)
 {
     char etag[ETAG_BYTES] = "";
@@ -74,7 +74,7 @@ enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *job
                                           .format = pen_http_request_param(request, "format")};
     struct pen_image image = {0};
     struct pen_status st;
-    if (!has_room(request))
+    if (!has_memory(request))
         return OUTCOME_ANSWERED;
     if (!pen_jobs_image(jobs, request->job_id, &query, &image, &st))
         return answer_status(request, jobs, &st);
@@ -86,7 +86,7 @@ enum outcome pen_http_handle_preview(struct request *request, struct pen_jobs *j
 {
     struct pen_image image = {0};
     struct pen_status st;
-    if (!has_room(request))
+    if (!has_memory(request))
         return OUTCOME_ANSWERED;
     if (!pen_jobs_preview(jobs, request->job_id, pen_http_request_param(request, "view"), &image,
                           &st))
@@ -118,15 +118,16 @@ enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *job
     return OUTCOME_ANSWERED;
 }
 
-/* Which form of a report is wanted; HTML where anything will do. */
-static const char *choose_form(const struct request *request, struct pen_status *st)
+/* The format of a report that the client prefers; HTML if it accepts anything. */
+static const char *choose_format(const struct request *request, struct pen_status *st)
 {
     static const char *const types[] = {"text/html", "application/json", "text/csv",
                                         "text/markdown"};
-    static const char *const forms[] = {"html", "json", "csv", "md"};
+    static const char *const formats[] = {"html", "json", "csv", "md"};
+    _Static_assert(sizeof types == sizeof formats, "each media type has its format");
     int i = pen_accept_choose(request->fields.accept, types, 4);
     if (i >= 0)
-        return forms[i];
+        return formats[i];
     pen_fail(st, PEN_ACCEPT,
              "a report is text/html, application/json, text/csv or text/markdown, not \"%.100s\"",
              request->fields.accept);
@@ -137,11 +138,11 @@ enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jo
 {
     struct pen_image report = {0};
     struct pen_status st;
-    const char *form = choose_form(request, &st);
+    const char *format = choose_format(request, &st);
     pen_http_reply_field(&request->reply, "Vary", "Accept");
-    if (!form || !pen_jobs_report(jobs, request->job_id, form, &report, &st))
+    if (!format || !pen_jobs_report(jobs, request->job_id, format, &report, &st))
         return answer_status(request, jobs, &st);
-    if (strcmp(form, "html") == 0)
+    if (strcmp(format, "html") == 0)
         pen_http_reply_field(&request->reply, "Content-Security-Policy",
                              "default-src 'none'; style-src 'unsafe-inline'");
     const struct content content = {.blob = pen_http_blob_take(&report.bytes),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The service itself: health, readiness, and the files it carries. */
+/* The service itself: health, readiness, workers, and the embedded files. */
 #include <stdio.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/statics.h"
+#include "http/internal/static_files.h"
 #include "io/builtin.h"
 
 static const int64_t probe_again_ns = INT64_C(1000000000);
@@ -25,7 +25,7 @@ static enum outcome answer_file(struct request *request, const struct static_fil
 enum outcome pen_http_handle_scenes(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
-    return answer_file(request, pen_http_statics_find(request->http->statics, "scenes"));
+    return answer_file(request, pen_http_static_files_find(request->http->static_files, "scenes"));
 }
 
 enum outcome pen_http_handle_builtin(struct request *request, struct pen_jobs *jobs)
@@ -34,7 +34,8 @@ enum outcome pen_http_handle_builtin(struct request *request, struct pen_jobs *j
     char name[64];
     int length = snprintf(name, sizeof name, "scenes/%s", request->arg);
     const struct static_file *file =
-        length < (int)sizeof name ? pen_http_statics_find(request->http->statics, name) : NULL;
+        length < (int)sizeof name ? pen_http_static_files_find(request->http->static_files, name)
+                                  : NULL;
     if (file)
         return answer_file(request, file);
     struct pen_status st;
@@ -49,7 +50,7 @@ enum outcome pen_http_handle_api_file(struct request *request, struct pen_jobs *
 {
     (void)jobs;
     const struct static_file *file =
-        pen_http_statics_find(request->http->statics, request->target.segment[0]);
+        pen_http_static_files_find(request->http->static_files, request->target.segment[0]);
     if (file)
         return answer_file(request, file);
     struct pen_status st;
@@ -85,8 +86,8 @@ enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *j
     return OUTCOME_ANSWERED;
 }
 
-/* Whether a write gets to disk: asked of the store once a second at most, so that a monitor in a
- * hurry does not wear the disk. */
+/* Whether a write reaches the disk. The store is probed at most once a second, so that a monitor
+ * that polls often does not wear the disk. */
 static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
     int64_t now = pen_clock_ns();
@@ -105,11 +106,12 @@ static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_statu
     return st->code == PEN_OK;
 }
 
-/* Whether nothing else stands in the way of work. */
-static bool untroubled(struct pen_http *http, struct pen_status *st)
+/* Fails with the reason that pen_http_set_not_ready has set. */
+static bool check_reason(struct pen_http *http, struct pen_status *st)
 {
     pthread_mutex_lock(&http->ready_lock);
-    bool ok = !http->trouble[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->trouble);
+    bool ok =
+        !http->not_ready_reason[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->not_ready_reason);
     pthread_mutex_unlock(&http->ready_lock);
     return ok;
 }
@@ -124,7 +126,7 @@ enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jo
     else if (!probe(http, jobs, &st))
         ready = pen_fail(&st, PEN_UNAVAILABLE, "the store does not take writes: %s", st.msg);
     else
-        ready = untroubled(http, &st);
+        ready = check_reason(http, &st);
     if (ready)
         return answer_health(request, "ready");
     pen_http_request_fail(request, &st);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The parts of HTTP that need no connection: request targets and what the header fields mean.
- * Pure functions over bytes a client sent, so nothing here trusts its input.
+/* The parts of HTTP that need no connection: request targets and the meaning of header fields.
+ * These are pure functions over bytes that a client sent, and trust none of them.
  *
  * Invariants: a parsed target holds decoded text without zero bytes; a range that is granted lies
  * inside the representation and is not empty. */
@@ -18,9 +18,9 @@ struct pen_param {
     const char *name, *value; /* value is "" where the query has none */
 };
 
-/* A request target, taken apart and decoded. "/" has no segments, "/a/" has "a" and "". */
+/* A parsed and decoded request target. "/" has no segments, "/a/" has "a" and "". */
 struct pen_target {
-    char *text;            /* what the other members point into */
+    char *text;            /* owns the bytes that the other members point into */
     const char *authority; /* of "http://authority/path", else NULL */
     int segment_count;     /* may exceed PEN_SEGMENTS_MAX; the array holds the first ones */
     const char *segment[PEN_SEGMENTS_MAX];
@@ -28,34 +28,34 @@ struct pen_target {
     struct pen_param param[PEN_PARAMS_MAX];
 };
 
-/* Takes apart what stands between method and version in a request line.
+/* Parses a request target: the text between method and version in a request line.
  * Owns: the caller releases *target, after success and failure alike.
  * Fails: PEN_SYNTAX (no path, bad percent-encoding), PEN_USAGE (too many parameters),
  * PEN_NO_MEMORY. */
 bool pen_target_parse(const char *raw, struct pen_target *target, struct pen_status *st);
 void pen_target_release(struct pen_target *target);
 
-/* Whether the path has the form of a template such as "/v1/jobs/{id}/image". *arg becomes the
- * segment in the place of the braces, or NULL if the template has none. */
+/* Whether the path matches a template such as "/v1/jobs/{id}/image". *arg becomes the segment in
+ * the place of the braces, or NULL if the template has none. */
 bool pen_target_matches(const struct pen_target *target, const char *template, const char **arg);
 
 /* The value of a parameter, or NULL if the query does not have it. */
 const char *pen_target_param(const struct pen_target *target, const char *name);
 
-/* Whether text is a whole number in decimal digits, from low to high; *number becomes it. */
+/* Whether text is an integer in decimal digits from low to high; stores it in *number. */
 bool pen_number_parse(const char *text, long low, long high, long *number);
 
-/* Whether a Host names this machine: localhost, 127.0.0.1 or [::1], with or without a port.
- * NULL is no such name. */
+/* Whether a Host names this machine: localhost, 127.0.0.1 or [::1], with or without a port. False
+ * for NULL. */
 bool pen_host_is_loopback(const char *host);
 
-/* Whether an Origin is the site that a Host names, so that the request comes from a page of the
- * daemon itself. */
+/* Whether an Origin is the site that a Host names: the request then comes from a page of the daemon
+ * itself. */
 bool pen_origin_is_host(const char *origin, const char *host);
 
-/* What a Content-Type says a body is. */
+/* The type of a body, from its Content-Type. */
 enum pen_media {
-    PEN_MEDIA_NONE, /* no type, or curl's default: to be seen from the body */
+    PEN_MEDIA_NONE, /* no type, or curl's default: the body's first byte decides */
     PEN_MEDIA_JSON,
     PEN_MEDIA_XML,
     PEN_MEDIA_OTHER
@@ -66,18 +66,19 @@ enum pen_media pen_media_parse(const char *content_type);
  * Source: RFC 9110, section 13.1.2. */
 bool pen_etag_listed(const char *if_none_match, const char *etag);
 
-/* Which of the `count` media types an Accept field wants most; of types wanted alike the first. An
- * absent or empty field wants anything. -1: none of them. Parameters other than q are passed over.
+/* The index of the media type, of `count`, that an Accept field prefers; of equally preferred ones
+ * the first; -1: it accepts none of them. An absent or empty field accepts anything. Parameters
+ * other than q are ignored.
  * Source: RFC 9110, section 12.5.1. */
 int pen_accept_choose(const char *accept, const char *const *types, int count);
 
 enum pen_range_kind {
-    PEN_RANGE_WHOLE, /* no range, several, or one of another unit: answer all of it */
+    PEN_RANGE_WHOLE, /* no range, several, or one of another unit: send everything */
     PEN_RANGE_PART,
     PEN_RANGE_OUTSIDE /* 416 */
 };
 
-/* What of `size` bytes a Range field asks for. Source: RFC 9110, section 14.1.2. */
+/* The part of `size` bytes that a Range field selects. Source: RFC 9110, section 14.1.2. */
 enum pen_range_kind pen_range_parse(const char *range, uint64_t size, uint64_t *first,
                                     uint64_t *count);
 

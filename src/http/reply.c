@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How replies are put together, and what If-None-Match and Range make of them. */
+/* Building replies, and applying If-None-Match and Range to them. */
 #include "http/internal/reply.h"
 
 #include <sodium.h>
@@ -55,7 +55,7 @@ static int append(const char *text, size_t bytes, void *content)
 
 struct blob *pen_http_blob_json(const json_t *json)
 {
-    /* 15 digits: what a person sent as 0.1 comes back as 0.1. */
+    /* 15 digits: a number that was sent as 0.1 comes back as 0.1. */
     const size_t flags = JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(15);
     struct pen_buf text = {0};
     if (json_dump_callback(json, append, &text, flags) != 0 || !pen_buf_puts(&text, "\n"))
@@ -124,8 +124,8 @@ void pen_http_reply_problem(struct reply *reply, json_t *problem, const char *re
         pen_http_reply_field(reply, "Retry-After", "2");
 }
 
-/* What a Range field means here. If-Range holds a tag that must be equal, byte by byte; a date
- * never is, since we send none. */
+/* The range that a request selects. If-Range must hold an equal tag, byte by byte; a date never
+ * matches, since the server sends no dates to compare with. */
 static enum pen_range_kind granted_range(const struct reply_conditions *conditions,
                                          const char *etag, size_t size, uint64_t *first,
                                          uint64_t *count)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The route table, and what it says about a request. */
+/* The route table, and finding and checking a request by it. */
 #include "http/internal/routes.h"
 
 #include <stdio.h>
@@ -30,72 +30,75 @@ static const struct route table[] = {
     {.method = "POST",
      .path = "/v1/jobs",
      .handle = pen_http_handle_submit,
-     .lane = LANE_STORE,
+     .queue = QUEUE_STORE,
      .takes_body = true,
      .submits = true},
     {.method = "GET",
      .path = "/v1/jobs",
      .handle = pen_http_handle_list,
-     .lane = LANE_STORE,
+     .queue = QUEUE_STORE,
      .params = list_params},
     {.method = "GET",
      .path = "/v1/jobs/{id}",
      .handle = pen_http_handle_job,
      .quick = pen_http_quick_job,
-     .lane = LANE_STORE,
+     .queue = QUEUE_STORE,
      .params = job_params},
     {.method = "DELETE",
      .path = "/v1/jobs/{id}",
      .handle = pen_http_handle_delete,
-     .lane = LANE_STORE},
+     .queue = QUEUE_STORE},
     {.method = "GET",
      .path = "/v1/jobs/{id}/events",
      .handle = pen_http_handle_events,
-     .lane = LANE_STORE},
+     .queue = QUEUE_STORE},
     {.method = "GET",
      .path = "/v1/jobs/{id}/image",
      .handle = pen_http_handle_image,
-     .lane = LANE_SIDE,
+     .queue = QUEUE_COMPUTE,
      .params = image_params},
     {.method = "GET",
      .path = "/v1/jobs/{id}/preview",
      .handle = pen_http_handle_preview,
-     .lane = LANE_SIDE,
+     .queue = QUEUE_COMPUTE,
      .params = preview_params},
     {.method = "GET",
      .path = "/v1/jobs/{id}/stats",
      .handle = pen_http_handle_stats,
-     .lane = LANE_STORE},
+     .queue = QUEUE_STORE},
     {.method = "GET",
      .path = "/v1/jobs/{id}/report",
      .handle = pen_http_handle_report,
-     .lane = LANE_SIDE},
+     .queue = QUEUE_COMPUTE},
     {.method = "GET",
      .path = "/v1/jobs/{id}/scene",
      .handle = pen_http_handle_scene,
-     .lane = LANE_STORE},
+     .queue = QUEUE_STORE},
     {.method = "POST",
      .path = "/v1/jobs/{id}/cancel",
      .handle = pen_http_handle_cancel,
-     .lane = LANE_STORE},
+     .queue = QUEUE_STORE},
     {.method = "POST",
      .path = "/v1/validate",
      .handle = pen_http_handle_validate,
-     .lane = LANE_SIDE,
+     .queue = QUEUE_COMPUTE,
      .takes_body = true},
     {.method = "GET", .path = "/v1/scenes", .handle = pen_http_handle_scenes},
     {.method = "GET", .path = "/v1/scenes/{name}", .handle = pen_http_handle_builtin},
-    {.method = "GET", .path = "/v1/workers", .handle = pen_http_handle_workers, .lane = LANE_STORE},
+    {.method = "GET",
+     .path = "/v1/workers",
+     .handle = pen_http_handle_workers,
+     .queue = QUEUE_STORE},
     {.method = "GET", .path = "/healthz", .handle = pen_http_handle_healthz},
-    {.method = "GET", .path = "/readyz", .handle = pen_http_handle_readyz, .lane = LANE_STORE},
+    {.method = "GET", .path = "/readyz", .handle = pen_http_handle_readyz, .queue = QUEUE_STORE},
     {.method = "GET", .path = "/openapi.yaml", .handle = pen_http_handle_api_file},
     {.method = "GET", .path = "/scene.schema.json", .handle = pen_http_handle_api_file},
 };
 
 enum { ROUTES = sizeof table / sizeof table[0] };
 
-/* Resources that are part of the design and still to come. */
-static const char *const to_come[] = {"/v1/plan", "/v1/assets/{sha256}", "/metrics", "/"};
+/* Resources of a later version: their paths get a 404 that says so. */
+static const char *const later[] = {"/v1/plan", "/v1/assets/{sha256}", "/metrics", "/"};
 
 bool pen_http_route(int i, const char **method, const char **path)
 {
@@ -117,9 +120,9 @@ static void allow_method(char allow[ALLOW_BYTES], const char *method)
 static bool fail_unknown(const struct pen_target *target, struct pen_status *st)
 {
     const char *arg;
-    for (size_t i = 0; i < sizeof to_come / sizeof to_come[0]; i++) {
-        if (pen_target_matches(target, to_come[i], &arg))
-            return pen_fail(st, PEN_NOT_FOUND, "%s is known, but not supported yet", to_come[i]);
+    for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
+        if (pen_target_matches(target, later[i], &arg))
+            return pen_fail(st, PEN_NOT_FOUND, "%s is known, but not supported yet", later[i]);
     }
     return pen_fail(st, PEN_NOT_FOUND,
                     "there is nothing at this path; GET /openapi.yaml says "
@@ -223,13 +226,13 @@ bool pen_http_route_check_params(const struct route *route, const struct pen_tar
     return true;
 }
 
-enum lane pen_http_route_lane(const struct route *route, const struct pen_target *target)
+enum queue_id pen_http_route_queue(const struct route *route, const struct pen_target *target)
 {
     if (route->handle != pen_http_handle_image)
-        return route->lane;
+        return route->queue;
     const char *layer = pen_target_param(target, "layer");
     const char *format = pen_target_param(target, "format");
     bool stored =
         (!layer || strcmp(layer, "beauty") == 0) && (!format || strcmp(format, "png") == 0);
-    return stored ? LANE_STORE : LANE_SIDE;
+    return stored ? QUEUE_STORE : QUEUE_COMPUTE;
 }

@@ -10,27 +10,28 @@
 
 #include "base/clock.h"
 #include "base/utf8.h"
-#include "http/internal/adapter.h"
+#include "http/internal/executor.h"
 #include "http/internal/http.h"
-#include "http/internal/pool.h"
-#include "http/internal/snapshots.h"
-#include "http/internal/statics.h"
+#include "http/internal/listener.h"
+#include "http/internal/snapshot_cache.h"
+#include "http/internal/static_files.h"
 #include "http/internal/streams.h"
 #include "http/internal/watch.h"
 #include "jobs/jobs.h"
 
-enum { STORE_THREADS = 4, SIDE_THREADS = 2, IDLE_SECONDS = 30, BEAT_MS = 10000 };
-static const int64_t finish_ns = INT64_C(1500000000);
+enum { STORE_THREADS = 4, COMPUTE_THREADS = 2, IDLE_SECONDS = 30, HEARTBEAT_MS = 10000 };
+static const int64_t finish_max_ns = INT64_C(1500000000);
 
-/* Frees whatever there is. No connection may be open. */
+/* Frees the parts that exist. No connection may be open. */
 static void release(struct pen_http *http)
 {
-    pen_http_pool_free(http->pool);
+    pen_http_executor_free(http->executor);
     pen_http_watch_free(http->watch);
-    pen_http_snapshots_free(http->snapshots);
+    pen_http_snapshot_cache_free(http->snapshot_cache);
     pen_http_streams_free(http->streams);
-    pen_http_statics_free(http->statics);
+    pen_http_static_files_free(http->static_files);
     pthread_mutex_destroy(&http->ready_lock);
+    pthread_mutex_destroy(&http->suspend_lock);
     free(http);
 }
 
@@ -43,31 +44,32 @@ static bool start_threads(struct pen_http *http, const struct pen_http_options *
     http->watch = pen_http_watch_start(http, jobs, st);
     if (!http->watch)
         return false;
-    const struct pool_options pool = {
+    const struct executor_options executor = {
         .store_url = options->store_url,
         .limits = &http->limits,
         .store_threads = options->store_threads > 0 ? options->store_threads : STORE_THREADS,
-        .side_threads = SIDE_THREADS};
-    http->pool = pen_http_pool_start(&pool, st);
-    return http->pool != NULL;
+        .compute_threads = COMPUTE_THREADS};
+    http->executor = pen_http_executor_start(&executor, st);
+    return http->executor != NULL;
 }
 
 static void stop_threads(struct pen_http *http)
 {
-    if (http->pool)
-        pen_http_pool_stop(http->pool);
+    if (http->executor)
+        pen_http_executor_stop(http->executor);
     if (http->watch)
         pen_http_watch_stop(http->watch);
 }
 
-static bool prepare(struct pen_http *http, int beat_ms, struct pen_status *st)
+static bool prepare(struct pen_http *http, int heartbeat_ms, struct pen_status *st)
 {
-    http->snapshots = pen_http_snapshots_new();
-    http->streams = pen_http_streams_new(http, beat_ms > 0 ? beat_ms : BEAT_MS);
-    if (!http->snapshots || !http->streams)
+    http->snapshot_cache = pen_http_snapshot_cache_new();
+    http->streams =
+        pen_http_streams_new(http->snapshot_cache, heartbeat_ms > 0 ? heartbeat_ms : HEARTBEAT_MS);
+    if (!http->snapshot_cache || !http->streams)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
-    http->statics = pen_http_statics_new(st);
-    return http->statics != NULL;
+    http->static_files = pen_http_static_files_new(st);
+    return http->static_files != NULL;
 }
 
 struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st)
@@ -80,14 +82,15 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     http->limits = options->limits;
     http->id_prefix = randombytes_random();
     pthread_mutex_init(&http->ready_lock, NULL);
+    pthread_mutex_init(&http->suspend_lock, NULL);
     int idle = options->idle_seconds > 0 ? options->idle_seconds : IDLE_SECONDS;
-    bool ok = prepare(http, options->beat_ms, st) && start_threads(http, options, st) &&
-              (http->adapter = pen_http_adapter_start(http, options->listen_fd, idle, st)) &&
-              pen_http_adapter_accept(http->adapter, st);
+    bool ok = prepare(http, options->heartbeat_ms, st) && start_threads(http, options, st) &&
+              (http->listener = pen_http_listener_start(http, options->listen_fd, idle, st)) &&
+              pen_http_listener_accept(http->listener, st);
     if (ok)
         return http;
     stop_threads(http);
-    pen_http_adapter_stop(http->adapter);
+    pen_http_listener_stop(http->listener);
     release(http);
     return NULL;
 }
@@ -97,18 +100,18 @@ void pen_http_drain(struct pen_http *http)
     atomic_store_explicit(&http->draining, true, memory_order_relaxed);
 }
 
-void pen_http_note(struct pen_http *http, const char *trouble)
+void pen_http_set_not_ready(struct pen_http *http, const char *reason)
 {
     pthread_mutex_lock(&http->ready_lock);
-    pen_utf8_copy(http->trouble, sizeof http->trouble, trouble);
+    pen_utf8_copy(http->not_ready_reason, sizeof http->not_ready_reason, reason);
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* Waits until no request is in progress, but not for ever: a client may not be reading. */
-static void wait_for_quiet(struct pen_http *http)
+/* Waits until no request is in progress, but not for ever: a client may have stopped reading. */
+static void wait_for_requests(struct pen_http *http)
 {
     const struct timespec pause = {.tv_nsec = 5000000};
-    int64_t until = pen_clock_ns() + finish_ns;
+    int64_t until = pen_clock_ns() + finish_max_ns;
     while (atomic_load_explicit(&http->active, memory_order_relaxed) > 0 && pen_clock_ns() < until)
         nanosleep(&pause, NULL);
 }
@@ -117,11 +120,11 @@ void pen_http_stop(struct pen_http *http)
 {
     if (!http)
         return;
-    pen_http_adapter_stop_accepting(http->adapter);
+    pen_http_listener_stop_accepting(http->listener);
     atomic_store_explicit(&http->stopping, true, memory_order_relaxed);
     pen_http_watch_stop(http->watch);
-    wait_for_quiet(http);
-    pen_http_pool_stop(http->pool);
-    pen_http_adapter_stop(http->adapter);
+    wait_for_requests(http);
+    pen_http_executor_stop(http->executor);
+    pen_http_listener_stop(http->listener);
     release(http);
 }

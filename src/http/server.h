@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The HTTP server of the api process: libmicrohttpd in front of pen/jobs. One route table; every
- * route's method, path, parameters and answers are in api/openapi.yaml, and a test holds the two
- * against each other. Nothing blocks in a libmicrohttpd callback: store work runs on a small pool
- * of store threads while the connection is suspended. */
+/* The HTTP server of the api process: libmicrohttpd in front of the room jobs. There is one route
+ * table; api/openapi.yaml defines every route's method, path, parameters and answers, and a test
+ * compares the two. Nothing blocks in a libmicrohttpd callback: work on the store runs on a few
+ * threads of its own while the connection is suspended. README.md lists the files and threads. */
 #ifndef PEN_HTTP_SERVER_H
 #define PEN_HTTP_SERVER_H
 
@@ -17,8 +17,8 @@ struct pen_http_options {
     const char *store_url;
     struct pen_limits limits;
     int store_threads; /* 0: a sensible number */
-    int idle_seconds;  /* a connection on which nothing happens is closed; 0: 30 */
-    int beat_ms;       /* between heartbeats of a silent event stream; 0: 10 s */
+    int idle_seconds;  /* an idle connection is closed after so long; 0: 30 */
+    int heartbeat_ms;  /* until a silent event stream gets a heartbeat; 0: 10 s */
 };
 
 struct pen_http;
@@ -26,15 +26,15 @@ struct pen_http;
 /* Starts serving. Fails: PEN_STORAGE (store), PEN_UNAVAILABLE (sockets). */
 struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st);
 
-/* From now on submits are answered 503 with Retry-After; everything else goes on. */
+/* From now on submits are answered 503 with Retry-After; everything else works as before. */
 void pen_http_drain(struct pen_http *http);
 
-/* Says why the daemon is not ready although its store is, for /readyz; "" when it is. Cut to
+/* Sets why /readyz answers 503 although the store takes writes; "": it answers 200. Cut to
  * PEN_MSG_BYTES. */
-void pen_http_note(struct pen_http *http, const char *trouble);
+void pen_http_set_not_ready(struct pen_http *http, const char *reason);
 
-/* Stops: answers waiting long polls, ends event streams, finishes requests in progress, frees
- * everything. */
+/* Stops: answers waiting long polls, ends event streams, finishes requests in progress and frees
+ * everything. NULL is allowed. */
 void pen_http_stop(struct pen_http *http);
 
 /* The route table, for tests and documentation: method and path template of entry i, or false

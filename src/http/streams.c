@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* One lock guards all streams: it is held for copies and pointer changes, never while the store is
- * asked. The watcher notes which texts are wanted under the lock, writes them without it, and
- * hands them out under it again; a stream that has gone meanwhile is just not found.
+/* One lock guards all streams. It is held while pointers change and bytes are copied, never while
+ * the store is read. An update has three steps:
+ *   1. note_updates, under the lock: which texts are needed, one for each job and place;
+ *   2. write_update, without it: each text, from the store;
+ *   3. deliver, under the lock: the texts to the streams, without those that closed meanwhile.
  *
- * Order of locks: the streams' lock, then those of pen_http_adapter_wake. */
+ * Order of locks: the streams' lock, then those of pen_http_resume. */
 #include "http/internal/streams.h"
 
 #include <pthread.h>
@@ -12,10 +14,9 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "http/internal/adapter.h"
-#include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/watch.h"
+#include "http/internal/snapshot_cache.h"
+#include "http/internal/suspend.h"
 
 struct stream {
     struct streams *streams;
@@ -24,18 +25,18 @@ struct stream {
     uint64_t key; /* of job_id */
     /* guarded by the streams' lock: */
     struct stream *next, **link;
-    struct frame *frame;        /* for it, in the look that goes on; NULL: none */
-    struct event_cursor cursor; /* as it will be when text is sent */
+    struct update *update;      /* for this stream in the update under way; NULL: none */
+    struct event_cursor cursor; /* its place once `text` is sent */
     struct blob *text;          /* what is being sent; NULL: nothing */
-    size_t sent;                /* bytes of it */
-    uint64_t total;             /* bytes sent before it */
-    int64_t said_ns;            /* when there last was a text */
-    bool missed;                /* a look went by while it was sending, or was not enough */
+    size_t sent;                /* bytes of text */
+    uint64_t total;             /* bytes sent before text */
+    int64_t last_text_ns;       /* when it was last given a text */
+    bool behind;                /* an update came while it was sending, or was cut short */
     bool ended;                 /* nothing comes after text */
 };
 
-/* What streams of one job that stand at the same place are told. */
-struct frame {
+/* The next text for all streams of one job that are at the same place. */
+struct update {
     char job_id[PEN_ID_BYTES];
     uint64_t key;
     struct event_cursor from, to;
@@ -44,29 +45,31 @@ struct frame {
 };
 
 struct streams {
-    struct pen_http *http;
-    int64_t beat_ns;
-    struct blob *beat;
+    struct snapshot_cache *cache;
+    int64_t heartbeat_interval_ns;
+    struct blob *heartbeat;
     pthread_mutex_t lock;
-    struct stream *list;  /* guarded by lock */
-    int count;            /* guarded by lock */
-    bool ended;           /* guarded by lock */
-    struct frame *frames; /* of the watcher's thread */
-    int frame_count, frame_capacity;
+    struct stream *list;    /* guarded by lock */
+    int count;              /* guarded by lock */
+    bool ended;             /* guarded by lock */
+    struct update *updates; /* used by the watcher's thread alone */
+    int update_count, update_capacity;
 };
 
-struct streams *pen_http_streams_new(struct pen_http *http, int beat_ms)
+struct streams *pen_http_streams_new(struct snapshot_cache *cache, int heartbeat_ms)
 {
     struct streams *streams = calloc(1, sizeof *streams);
     struct pen_buf text = {0};
     pen_buf_puts(&text, ": still here\n\n");
-    struct blob *beat = pen_http_blob_take(&text);
-    if (!streams || !beat) {
-        pen_http_blob_unref(beat);
+    struct blob *heartbeat = pen_http_blob_take(&text);
+    if (!streams || !heartbeat) {
+        pen_http_blob_unref(heartbeat);
         free(streams);
         return NULL;
     }
-    *streams = (struct streams){.http = http, .beat_ns = beat_ms * INT64_C(1000000), .beat = beat};
+    *streams = (struct streams){.cache = cache,
+                                .heartbeat_interval_ns = heartbeat_ms * INT64_C(1000000),
+                                .heartbeat = heartbeat};
     pthread_mutex_init(&streams->lock, NULL);
     return streams;
 }
@@ -76,12 +79,12 @@ void pen_http_streams_free(struct streams *streams)
     if (!streams)
         return;
     pthread_mutex_destroy(&streams->lock);
-    pen_http_blob_unref(streams->beat);
-    free(streams->frames);
+    pen_http_blob_unref(streams->heartbeat);
+    free(streams->updates);
     free(streams);
 }
 
-/* The random end of a UUIDv7: tells ids apart at a glance. */
+/* The random end of a UUIDv7: compared first, since it differs between nearly all jobs. */
 static uint64_t key_of(const char *job_id)
 {
     uint64_t key;
@@ -102,8 +105,8 @@ struct stream *pen_http_stream_open(struct streams *streams, struct request *req
                               .request = request,
                               .cursor = *cursor,
                               .text = blob,
-                              .missed = cursor->more,
-                              .said_ns = pen_clock_ns(),
+                              .behind = cursor->more,
+                              .last_text_ns = pen_clock_ns(),
                               .ended = pen_http_events_are_over(cursor)};
     memcpy(stream->job_id, request->job_id, sizeof stream->job_id);
     stream->key = key_of(stream->job_id);
@@ -119,22 +122,22 @@ struct stream *pen_http_stream_open(struct streams *streams, struct request *req
     return stream;
 }
 
-/* Forgets a text that was sent. Returns whether the stream has to be looked at out of turn. */
+/* Drops a text that was sent. Returns whether the stream needs another update soon. */
 static bool finish_text(struct stream *stream)
 {
     stream->total += stream->sent;
     stream->sent = 0;
     pen_http_blob_unref(stream->text);
     stream->text = NULL;
-    bool missed = stream->missed && !stream->ended;
-    stream->missed = false;
-    return missed;
+    bool behind = stream->behind && !stream->ended;
+    stream->behind = false;
+    return behind;
 }
 
-ssize_t pen_http_stream_read(struct stream *stream, char *out, size_t bytes)
+ssize_t pen_http_stream_read(struct stream *stream, char *out, size_t bytes, bool *behind)
 {
     struct streams *streams = stream->streams;
-    bool missed = false;
+    *behind = false;
     pthread_mutex_lock(&streams->lock);
     ssize_t count = stream->ended ? -1 : 0;
     if (stream->text) {
@@ -144,11 +147,9 @@ ssize_t pen_http_stream_read(struct stream *stream, char *out, size_t bytes)
         memcpy(out, text->data + stream->sent, part);
         stream->sent += part;
         count = (ssize_t)part;
-        missed = part == left && finish_text(stream);
+        *behind = part == left && finish_text(stream);
     }
     pthread_mutex_unlock(&streams->lock);
-    if (missed)
-        pen_http_watch_hurry(streams->http->watch);
     return count;
 }
 
@@ -164,128 +165,129 @@ uint64_t pen_http_stream_close(struct stream *stream)
     uint64_t total = stream->total + stream->sent;
     pen_http_blob_unref(stream->text);
     free(stream);
-    pen_http_watch_remove(streams->http->watch);
     return total;
 }
 
-/* Gives a waiting stream a text. Its request has been answered, or its first text would still be
- * there: so it may be woken. Called with the lock held. */
-static void tell(struct stream *stream, struct blob *text, int64_t now_ns)
+/* Gives a waiting stream a text. It waits, so its first text was sent and its request has been
+ * answered: the connection may be resumed. Called with the lock held. */
+static void send_text(struct stream *stream, struct blob *text, int64_t now_ns)
 {
     stream->text = pen_http_blob_ref(text);
-    stream->said_ns = now_ns;
-    pen_http_adapter_wake(stream->request);
+    stream->last_text_ns = now_ns;
+    pen_http_resume(stream->request);
 }
 
-static struct frame *find_frame(struct streams *streams, const struct stream *stream)
+static struct update *find_update(struct streams *streams, const struct stream *stream)
 {
     const struct event_cursor *at = &stream->cursor;
-    for (int i = 0; i < streams->frame_count; i++) {
-        struct frame *frame = &streams->frames[i];
-        if (frame->key == stream->key && frame->from.id == at->id &&
-            frame->from.greeted == at->greeted && frame->from.state == at->state &&
-            strcmp(frame->job_id, stream->job_id) == 0)
-            return frame;
+    for (int i = 0; i < streams->update_count; i++) {
+        struct update *update = &streams->updates[i];
+        if (update->key == stream->key && update->from.id == at->id &&
+            update->from.job_sent == at->job_sent && update->from.state == at->state &&
+            strcmp(update->job_id, stream->job_id) == 0)
+            return update;
     }
     return NULL;
 }
 
-static struct frame *add_frame(struct streams *streams, const struct stream *stream)
+static struct update *add_update(struct streams *streams, const struct stream *stream)
 {
-    struct frame *frame = &streams->frames[streams->frame_count++];
-    *frame = (struct frame){.key = stream->key, .from = stream->cursor, .to = stream->cursor};
-    memcpy(frame->job_id, stream->job_id, sizeof frame->job_id);
-    return frame;
+    struct update *update = &streams->updates[streams->update_count++];
+    *update = (struct update){.key = stream->key, .from = stream->cursor, .to = stream->cursor};
+    memcpy(update->job_id, stream->job_id, sizeof update->job_id);
+    return update;
 }
 
-/* Notes what is wanted. Called with the lock held. False when out of memory. */
-static bool note_frames(struct streams *streams)
+/* Lists the texts that waiting streams need. Called with the lock held. Returns false when out of
+ * memory. */
+static bool note_updates(struct streams *streams)
 {
-    streams->frame_count = 0;
-    if (streams->frame_capacity < streams->count) {
-        size_t bytes = (size_t)streams->count * sizeof *streams->frames;
-        struct frame *frames = realloc(streams->frames, bytes);
-        if (!frames)
+    streams->update_count = 0;
+    if (streams->update_capacity < streams->count) {
+        size_t bytes = (size_t)streams->count * sizeof *streams->updates;
+        struct update *updates = realloc(streams->updates, bytes);
+        if (!updates)
             return false;
-        streams->frames = frames;
-        streams->frame_capacity = streams->count;
+        streams->updates = updates;
+        streams->update_capacity = streams->count;
     }
     for (struct stream *stream = streams->list; stream; stream = stream->next) {
-        stream->missed = stream->text != NULL;
-        stream->frame = NULL;
+        stream->behind = stream->text != NULL;
+        stream->update = NULL;
         if (stream->text || stream->ended)
             continue;
-        stream->frame = find_frame(streams, stream);
-        if (!stream->frame)
-            stream->frame = add_frame(streams, stream);
+        stream->update = find_update(streams, stream);
+        if (!stream->update)
+            stream->update = add_update(streams, stream);
     }
     return true;
 }
 
-/* Writes a frame. A store that cannot be asked just now changes nothing; a job that is gone has
- * nothing more to tell. */
-static void write_frame(struct streams *streams, struct frame *frame, struct pen_jobs *jobs,
-                        uint32_t news)
+/* Writes an update's text. If the store cannot be read now the update stays empty, and the next one
+ * covers it; the streams of a job that was deleted end. */
+static void write_update(struct streams *streams, struct update *update, struct pen_jobs *jobs,
+                         uint32_t changes)
 {
     struct snapshot snapshot;
     struct pen_status st;
     struct pen_buf text = {0};
-    if (!pen_http_snapshots_read(streams->http->snapshots, news, jobs, frame->job_id, &snapshot,
-                                 &st)) {
-        frame->over = st.code == PEN_NOT_FOUND;
+    if (!pen_http_snapshot_cache_read(streams->cache, changes, jobs, update->job_id, &snapshot,
+                                      &st)) {
+        update->over = st.code == PEN_NOT_FOUND;
         return;
     }
-    if (!pen_http_events_write(&snapshot, jobs, &frame->to, &text, &st))
-        pen_log_about(PEN_LOG_WARN, &(struct pen_log_about){.job = frame->job_id}, "events: %s",
+    if (!pen_http_events_write(&snapshot, jobs, &update->to, &text, &st))
+        pen_log_about(PEN_LOG_WARN, &(struct pen_log_about){.job = update->job_id}, "events: %s",
                       st.msg);
     else if (text.bytes > 0)
-        frame->text = pen_http_blob_take(&text);
-    if (!frame->text)
-        frame->to = frame->from;
-    frame->over = pen_http_events_are_over(&frame->to);
+        update->text = pen_http_blob_take(&text);
+    if (!update->text)
+        update->to = update->from;
+    update->over = pen_http_events_are_over(&update->to);
     pen_buf_release(&text);
     pen_http_snapshot_release(&snapshot);
 }
 
-/* Called with the lock held. */
-static void hand_out(struct streams *streams, int64_t now_ns)
+/* Gives each stream the text of its update. Called with the lock held. */
+static void deliver(struct streams *streams, int64_t now_ns)
 {
     for (struct stream *stream = streams->list; stream; stream = stream->next) {
-        struct frame *frame = stream->frame;
-        if (!frame || (!frame->text && !frame->over))
+        struct update *update = stream->update;
+        if (!update || (!update->text && !update->over))
             continue;
-        stream->cursor = frame->to;
-        stream->ended = frame->over;
-        stream->missed = frame->to.more;
-        if (frame->text)
-            tell(stream, frame->text, now_ns);
+        stream->cursor = update->to;
+        stream->ended = update->over;
+        stream->behind = update->to.more;
+        if (update->text)
+            send_text(stream, update->text, now_ns);
         else
-            pen_http_adapter_wake(stream->request);
+            pen_http_resume(stream->request);
     }
 }
 
-void pen_http_streams_look(struct streams *streams, struct pen_jobs *jobs, uint32_t news)
+void pen_http_streams_update(struct streams *streams, struct pen_jobs *jobs, uint32_t changes)
 {
     pthread_mutex_lock(&streams->lock);
-    bool ok = note_frames(streams);
+    bool ok = note_updates(streams);
     pthread_mutex_unlock(&streams->lock);
     if (!ok)
         return;
-    for (int i = 0; i < streams->frame_count; i++)
-        write_frame(streams, &streams->frames[i], jobs, news);
+    for (int i = 0; i < streams->update_count; i++)
+        write_update(streams, &streams->updates[i], jobs, changes);
     pthread_mutex_lock(&streams->lock);
-    hand_out(streams, pen_clock_ns());
+    deliver(streams, pen_clock_ns());
     pthread_mutex_unlock(&streams->lock);
-    for (int i = 0; i < streams->frame_count; i++)
-        pen_http_blob_unref(streams->frames[i].text);
+    for (int i = 0; i < streams->update_count; i++)
+        pen_http_blob_unref(streams->updates[i].text);
 }
 
-void pen_http_streams_beat(struct streams *streams, int64_t now_ns)
+void pen_http_streams_heartbeat(struct streams *streams, int64_t now_ns)
 {
     pthread_mutex_lock(&streams->lock);
     for (struct stream *stream = streams->list; stream; stream = stream->next) {
-        if (!stream->text && !stream->ended && now_ns - stream->said_ns >= streams->beat_ns)
-            tell(stream, streams->beat, now_ns);
+        if (!stream->text && !stream->ended &&
+            now_ns - stream->last_text_ns >= streams->heartbeat_interval_ns)
+            send_text(stream, streams->heartbeat, now_ns);
     }
     pthread_mutex_unlock(&streams->lock);
 }
@@ -297,7 +299,7 @@ void pen_http_streams_end(struct streams *streams)
     for (struct stream *stream = streams->list; stream; stream = stream->next) {
         stream->ended = true;
         if (!stream->text)
-            pen_http_adapter_wake(stream->request);
+            pen_http_resume(stream->request);
     }
     pthread_mutex_unlock(&streams->lock);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Request targets: split first, decode afterwards, so an encoded slash stays inside its segment
+/* Request targets are split first and decoded afterwards: an encoded slash stays inside its segment
  * and an encoded ampersand inside its value. */
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +15,8 @@ static int hex_digit(char c)
     return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* Decodes in place. In a query a plus sign stands for a space. A zero byte would cut the text
- * short behind our back, so its encoding counts as a bad one. */
+/* Decodes in place. In a query a plus sign stands for a space. An encoded zero byte would end the
+ * text early, so it counts as a malformed encoding. */
 static bool decode(char *text, bool in_query)
 {
     char *out = text;
@@ -35,7 +35,8 @@ static bool decode(char *text, bool in_query)
     return true;
 }
 
-/* Skips "http://authority" and remembers the authority: a server has to take this form too. */
+/* Skips "http://authority" and keeps the authority: a server must accept this form too (RFC 9112,
+ * section 3.2.2). */
 static char *skip_authority(char *text, struct pen_target *target)
 {
     char *rest = text;

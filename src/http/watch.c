@@ -1,71 +1,72 @@
 /* SPDX-License-Identifier: MIT */
-/* The watcher's list is short-lived state: a request is in it from pen_http_watch_add until it is
- * answered. While the thread looks at jobs, the entries in question are in its own hands, not in
- * the list.
+/* A long poll is in the watcher's list from pen_http_watch_add until it is answered. While the
+ * thread checks jobs, the requests it checks are in its own hands and not in the list.
  *
- * Why no change is missed: `seen` is raised, under the lock, before the jobs are looked at. An
- * entry that comes with an older counter than `seen` may have missed that look, so its caller has
- * to look again; an entry with the same or a newer one is in the list before the next look. */
+ * Why no change is missed: `seen` is raised, under the lock, before the jobs are read. A request
+ * that comes with an older counter than `seen` may have missed that check, so pen_http_watch_add
+ * returns WATCH_CHANGED and its caller reads the job again; a request with the same counter or a
+ * newer one is in the list before the next check. */
 #include "http/internal/watch.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
-#include "http/internal/adapter.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/snapshots.h"
+#include "http/internal/snapshot_cache.h"
 #include "http/internal/streams.h"
+#include "http/internal/suspend.h"
 #include "jobs/jobs.h"
 
 enum {
-    TICK_MS = 250, /* how late a deadline may be noticed */
-    PACE_MS = 20,  /* between two texts of a stream, on average */
-    BURST = 4      /* that many may follow each other at once: a small job's whole life */
+    POLL_MS = 250,   /* how late a deadline may be noticed */
+    UPDATE_MS = 20,  /* between two updates of streams, on average */
+    UPDATE_BURST = 4 /* so many may follow each other at once: the whole life of a small job */
 };
-static const int64_t pace_ns = PACE_MS * INT64_C(1000000);
-static const int64_t look_anyway_ns = INT64_C(1000000000);
+static const int64_t update_interval_ns = UPDATE_MS * INT64_C(1000000);
+static const int64_t check_all_ns = INT64_C(1000000000); /* a change notification may get lost */
 
 struct watch {
     struct pen_http *http;
-    struct pen_jobs *jobs; /* the thread's, but for pen_store_wait */
+    struct pen_jobs *jobs; /* used by the thread alone, pen_store_wait apart */
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t filled;
     struct request *list; /* guarded by lock */
     int count;            /* guarded by lock: in the list or in the thread's hands */
-    int places;           /* guarded by lock: streams */
-    uint32_t seen;        /* guarded by lock: NEWS at the last look */
+    int streams;          /* guarded by lock: open event streams */
+    uint32_t seen;        /* guarded by lock: the change counter at the last check */
     bool closed;          /* guarded by lock */
 };
 
-uint32_t pen_http_watch_notify(struct watch *watch)
+uint32_t pen_http_watch_changes(struct watch *watch)
 {
-    uint32_t news = 0;
-    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &news, 0);
-    return news;
+    uint32_t changes = 0;
+    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &changes, 0);
+    return changes;
 }
 
-/* Answers a request whose job is as it waits for, or whose time is up. False: it waits on. */
-static bool answer(struct watch *watch, struct request *request, uint32_t news, bool at_once)
+/* Answers a request if its job is as it waits for, or in any case if `now` is set. Returns whether
+ * it was answered; otherwise it waits on. */
+static bool answer(struct watch *watch, struct request *request, uint32_t changes, bool now)
 {
     struct snapshot snapshot;
     struct pen_status st;
-    if (!pen_http_snapshots_read(watch->http->snapshots, news, watch->jobs, request->job_id,
-                                 &snapshot, &st)) {
+    if (!pen_http_snapshot_cache_read(watch->http->snapshot_cache, changes, watch->jobs,
+                                      request->job_id, &snapshot, &st)) {
         pen_http_request_fail(request, &st);
         return true;
     }
-    bool due = at_once || pen_http_snapshot_is_due(&snapshot, request);
+    bool due = now || pen_http_snapshot_is_due(&snapshot, request);
     if (due)
         pen_http_snapshot_reply(&snapshot, request);
     pen_http_snapshot_release(&snapshot);
     return due;
 }
 
-/* Takes out of the list what has to be looked at: all of it, or what has run out of time. */
-static struct request *take(struct watch *watch, bool all, int64_t now)
+/* Takes requests out of the list: all of them, or those past their deadline. */
+static struct request *take_requests(struct watch *watch, bool all, int64_t now)
 {
     struct request *taken = NULL;
     struct request **link = &watch->list;
@@ -82,13 +83,14 @@ static struct request *take(struct watch *watch, bool all, int64_t now)
     return taken;
 }
 
-/* Looks at the jobs of these requests; those that wait on go back to the list. */
-static void look(struct watch *watch, struct request *taken, uint32_t news, bool closing)
+/* Reads the jobs of these requests; requests that wait on go back to the list. */
+static void check_requests(struct watch *watch, struct request *taken, uint32_t changes,
+                           bool closing)
 {
     for (struct request *next; taken; taken = next) {
         next = taken->next;
         bool late = closing || taken->deadline_ns <= pen_clock_ns();
-        bool answered = answer(watch, taken, news, late);
+        bool answered = answer(watch, taken, changes, late);
         pthread_mutex_lock(&watch->lock);
         if (answered) {
             watch->count--;
@@ -98,74 +100,75 @@ static void look(struct watch *watch, struct request *taken, uint32_t news, bool
         }
         pthread_mutex_unlock(&watch->lock);
         if (answered)
-            pen_http_adapter_wake(taken);
+            pen_http_resume(taken);
     }
 }
 
-/* One round of the thread, and what it keeps from round to round. */
-struct turn {
-    uint32_t news;
-    int64_t now_ns, looked_ns;
-    int64_t tell_ns; /* when streams may be told next; lies back by what was not used */
+/* One pass of the thread's loop, and what it keeps from pass to pass. */
+struct pass {
+    uint32_t changes; /* the store's change counter */
+    int64_t now_ns;
+    int64_t checked_ns; /* when all jobs were last checked */
+    int64_t update_ns;  /* the next update of streams may come now; in the past by unused burst */
     bool closing;
-    bool all;  /* look at every job, not only where the time is up */
-    bool owed; /* streams have not been told of the last look yet */
+    bool check_all;   /* check every job, and not only requests past their deadline */
+    bool update_owed; /* streams have had no update since the last check of all jobs */
 };
 
-/* Sleeps for good while nobody waits, else until there are news or something else is due. */
-static void sleep_until_due(struct watch *watch, struct turn *turn)
+/* Sleeps for good while nobody waits; otherwise until the store has changed, or something else is
+ * due. */
+static void sleep_until_due(struct watch *watch, struct pass *pass)
 {
     pthread_mutex_lock(&watch->lock);
-    while (!watch->list && !watch->places && !watch->closed)
+    while (!watch->list && !watch->streams && !watch->closed)
         pthread_cond_wait(&watch->filled, &watch->lock);
-    turn->news = watch->seen;
+    pass->changes = watch->seen;
     bool closed = watch->closed;
     pthread_mutex_unlock(&watch->lock);
-    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &turn->news,
-                   closed       ? 0
-                   : turn->owed ? PACE_MS
-                                : TICK_MS);
-    turn->now_ns = pen_clock_ns();
+    int wait_ms = closed ? 0 : pass->update_owed ? UPDATE_MS : POLL_MS;
+    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &pass->changes, wait_ms);
+    pass->now_ns = pen_clock_ns();
 }
 
-static void attend_polls(struct watch *watch, struct turn *turn)
+static void serve_polls(struct watch *watch, struct pass *pass)
 {
     pthread_mutex_lock(&watch->lock);
-    turn->closing = watch->closed;
-    turn->all = turn->closing || turn->news != watch->seen ||
-                turn->now_ns - turn->looked_ns >= look_anyway_ns;
-    watch->seen = turn->news;
-    struct request *taken = take(watch, turn->all, turn->now_ns);
+    pass->closing = watch->closed;
+    pass->check_all = pass->closing || pass->changes != watch->seen ||
+                      pass->now_ns - pass->checked_ns >= check_all_ns;
+    watch->seen = pass->changes;
+    struct request *taken = take_requests(watch, pass->check_all, pass->now_ns);
     pthread_mutex_unlock(&watch->lock);
-    if (turn->all)
-        turn->looked_ns = turn->now_ns;
-    look(watch, taken, turn->news, turn->closing);
+    if (pass->check_all)
+        pass->checked_ns = pass->now_ns;
+    check_requests(watch, taken, pass->changes, pass->closing);
 }
 
-/* However fast jobs change, streams are told so many times a second and no more. */
-static void attend_streams(struct watch *watch, struct turn *turn)
+/* However fast jobs change, streams get an update every UPDATE_MS on average and no more. */
+static void serve_streams(struct watch *watch, struct pass *pass)
 {
     struct streams *streams = watch->http->streams;
-    turn->owed = turn->owed || turn->all;
-    if (turn->closing || (turn->owed && turn->now_ns >= turn->tell_ns)) {
-        int64_t spare_ns = turn->now_ns - BURST * pace_ns;
-        turn->owed = false;
-        turn->tell_ns = (turn->tell_ns > spare_ns ? turn->tell_ns : spare_ns) + pace_ns;
-        pen_http_streams_look(streams, watch->jobs, turn->news);
+    pass->update_owed = pass->update_owed || pass->check_all;
+    if (pass->closing || (pass->update_owed && pass->now_ns >= pass->update_ns)) {
+        int64_t earliest_ns = pass->now_ns - UPDATE_BURST * update_interval_ns;
+        pass->update_owed = false;
+        pass->update_ns =
+            (pass->update_ns > earliest_ns ? pass->update_ns : earliest_ns) + update_interval_ns;
+        pen_http_streams_update(streams, watch->jobs, pass->changes);
     }
-    pen_http_streams_beat(streams, turn->now_ns);
-    if (turn->closing)
+    pen_http_streams_heartbeat(streams, pass->now_ns);
+    if (pass->closing)
         pen_http_streams_end(streams);
 }
 
 static void *run(void *arg)
 {
     struct watch *watch = arg;
-    struct turn turn = {0};
-    while (!turn.closing) {
-        sleep_until_due(watch, &turn);
-        attend_polls(watch, &turn);
-        attend_streams(watch, &turn);
+    struct pass pass = {0};
+    while (!pass.closing) {
+        sleep_until_due(watch, &pass);
+        serve_polls(watch, &pass);
+        serve_streams(watch, &pass);
     }
     return NULL;
 }
@@ -182,7 +185,7 @@ struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
     *watch = (struct watch){.http = http, .jobs = jobs};
     pthread_mutex_init(&watch->lock, NULL);
     pthread_cond_init(&watch->filled, NULL);
-    watch->seen = pen_http_watch_notify(watch);
+    watch->seen = pen_http_watch_changes(watch);
     if (pthread_create(&watch->thread, NULL, run, watch) == 0)
         return watch;
     pen_http_watch_free(watch);
@@ -209,59 +212,59 @@ void pen_http_watch_free(struct watch *watch)
     free(watch);
 }
 
-enum watch_answer pen_http_watch_add(struct watch *watch, struct request *request, uint32_t news)
+enum watch_result pen_http_watch_add(struct watch *watch, struct request *request, uint32_t changes)
 {
-    enum watch_answer given = WATCH_TAKEN;
+    enum watch_result result = WATCH_ACCEPTED;
     pthread_mutex_lock(&watch->lock);
-    if (!watch->count && !watch->places)
-        watch->seen = news; /* nobody else waits, so nothing was missed before this */
+    if (!watch->count && !watch->streams)
+        watch->seen = changes; /* nobody else waited, so no check was due before this one */
     if (watch->closed)
-        given = WATCH_CLOSED;
-    else if (watch->count + watch->places >= WATCH_MAX)
-        given = WATCH_FULL;
-    else if ((int32_t)(news - watch->seen) < 0)
-        given = WATCH_NEWS;
-    if (given == WATCH_TAKEN) {
+        result = WATCH_CLOSED;
+    else if (watch->count + watch->streams >= WATCH_MAX)
+        result = WATCH_FULL;
+    else if ((int32_t)(changes - watch->seen) < 0)
+        result = WATCH_CHANGED;
+    if (result == WATCH_ACCEPTED) {
         request->next = watch->list;
         watch->list = request;
         watch->count++;
         pthread_cond_signal(&watch->filled);
     }
     pthread_mutex_unlock(&watch->lock);
-    return given;
+    return result;
 }
 
-enum watch_answer pen_http_watch_enter(struct watch *watch)
+enum watch_result pen_http_watch_add_stream(struct watch *watch)
 {
-    enum watch_answer given = WATCH_TAKEN;
+    enum watch_result result = WATCH_ACCEPTED;
     pthread_mutex_lock(&watch->lock);
     if (watch->closed)
-        given = WATCH_CLOSED;
-    else if (watch->count + watch->places >= WATCH_MAX)
-        given = WATCH_FULL;
-    else if (watch->places++ == 0)
+        result = WATCH_CLOSED;
+    else if (watch->count + watch->streams >= WATCH_MAX)
+        result = WATCH_FULL;
+    else if (watch->streams++ == 0)
         pthread_cond_signal(&watch->filled);
     pthread_mutex_unlock(&watch->lock);
-    return given;
+    return result;
 }
 
-void pen_http_watch_remove(struct watch *watch)
+void pen_http_watch_remove_stream(struct watch *watch)
 {
     pthread_mutex_lock(&watch->lock);
-    watch->places--;
+    watch->streams--;
     pthread_mutex_unlock(&watch->lock);
 }
 
-void pen_http_watch_joined(struct watch *watch, uint32_t news)
+void pen_http_watch_stream_opened(struct watch *watch, uint32_t changes)
 {
     pthread_mutex_lock(&watch->lock);
-    bool late = (int32_t)(watch->seen - news) > 0;
+    bool late = (int32_t)(watch->seen - changes) > 0;
     pthread_mutex_unlock(&watch->lock);
     if (late)
-        pen_http_watch_hurry(watch);
+        pen_http_watch_check_soon(watch);
 }
 
-void pen_http_watch_hurry(struct watch *watch)
+void pen_http_watch_check_soon(struct watch *watch)
 {
     pen_store_wake(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES);
 }

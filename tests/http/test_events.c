@@ -55,11 +55,11 @@ static void pause_ms(long ms)
     nanosleep(&pause, NULL);
 }
 
-static void set_up(const char *job, int beat_ms)
+static void set_up(const char *job, int heartbeat_ms)
 {
     struct pen_status st;
     struct answer answer;
-    server_start(&server, &(struct server_options){.beat_ms = beat_ms});
+    server_start(&server, &(struct server_options){.heartbeat_ms = heartbeat_ms});
     store = pen_store_open(server.store, &st);
     store_must(store != NULL, &st, "open");
     server_ask(&server, "POST /v1/jobs HTTP/1.1", job, &answer);

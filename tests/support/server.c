@@ -53,7 +53,7 @@ void server_start(struct server *server, const struct server_options *options)
                                     .store_url = server->store,
                                     .limits = pen_limits_default(),
                                     .idle_seconds = options->idle_seconds,
-                                    .beat_ms = options->beat_ms};
+                                    .heartbeat_ms = options->heartbeat_ms};
     if (options->body_bytes)
         http.limits.body_bytes = options->body_bytes;
     server->http = pen_http_start(&http, &st);

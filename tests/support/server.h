@@ -23,7 +23,7 @@ struct server {
 struct server_options {
     bool worker;       /* whether jobs get rendered */
     int idle_seconds;  /* as pen_http_options */
-    int beat_ms;       /* as pen_http_options */
+    int heartbeat_ms;  /* as pen_http_options */
     size_t body_bytes; /* the limit; 0: the default */
 };
 

@@ -86,7 +86,7 @@ static void serve(const struct pen_config *config, struct pen_watch *watch, stru
             end_within(PEN_LOST_MS / 1000);
             return;
         case PEN_EVENT_STATE:
-            pen_http_note(http, event.text);
+            pen_http_set_not_ready(http, event.text);
             break;
         case PEN_EVENT_WORK_END:
         case PEN_EVENT_TIMEOUT:

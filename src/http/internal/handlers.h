@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the routes do, one function each. */
+/* The handlers of the routes. */
 #ifndef PEN_HTTP_INTERNAL_HANDLERS_H
 #define PEN_HTTP_INTERNAL_HANDLERS_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the parts of the server share. */
+/* The server: its parts, and the counters that several of them use. Every request points here, and
+ * from here to the executor, the watcher and the streams; only their own headers declare calls. */
 #ifndef PEN_HTTP_INTERNAL_HTTP_H
 #define PEN_HTTP_INTERNAL_HTTP_H
 
@@ -13,12 +14,14 @@
 
 struct pen_http {
     struct pen_limits limits;
-    struct adapter *adapter;
-    struct pool *pool;
+    struct listener *listener;
+    struct executor *executor;
     struct watch *watch;
-    struct snapshots *snapshots;
+    struct snapshot_cache *snapshot_cache;
     struct streams *streams;
-    struct statics *statics;
+    struct static_files *static_files;
+
+    pthread_mutex_t suspend_lock; /* guards `suspended` and `resume_pending` of all requests */
 
     atomic_bool draining, stopping; /* atomic: relaxed, a request more or less does not matter */
     atomic_int active;              /* requests whose head was seen and that have not ended.
@@ -29,9 +32,9 @@ struct pen_http {
     uint32_t id_prefix;             /* tells this process's request ids from others' */
 
     pthread_mutex_t ready_lock;
-    int64_t ready_ns;            /* guarded by ready_lock: when the store was probed */
-    struct pen_status ready;     /* guarded by ready_lock: what came of it */
-    char trouble[PEN_MSG_BYTES]; /* guarded by ready_lock: as pen_http_note said */
+    int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed; 0: never */
+    struct pen_status ready; /* guarded by ready_lock: the result of that probe */
+    char not_ready_reason[PEN_MSG_BYTES]; /* guarded by ready_lock: see pen_http_set_not_ready */
 };
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* A reply before libmicrohttpd has it: status, fields and a body that may be shared.
+/* A reply, until it is handed to libmicrohttpd: status, header fields and a body that may be
+ * shared.
  *
  * Invariant: once `failed` is set (out of memory) the other members do not matter; the adapter
- * then answers a bare 503. */
+ * then answers 503 without a body. */
 #ifndef PEN_HTTP_INTERNAL_REPLY_H
 #define PEN_HTTP_INTERNAL_REPLY_H
 
@@ -14,18 +15,18 @@
 #include "base/buf.h"
 #include "base/status.h"
 
-/* Bytes with several owners: a body in the cache may be on its way to many clients. */
+/* Reference-counted bytes: one body in a cache may be being sent to many clients. */
 struct blob {
-    atomic_int refs; /* atomic: acquire-release on the last unref, so the freer sees all reads */
+    atomic_int refs; /* atomic: acquire-release, so that the thread that frees sees all reads */
     struct pen_buf content;
-    atomic_size_t *total; /* counts the bytes while the blob lives, or NULL */
+    atomic_size_t *total; /* counts the bytes while the blob exists; NULL: nothing does */
 };
 
 /* Takes the contents of a buffer, which is empty afterwards, also on failure.
  * Fails: NULL when out of memory, or if the buffer has failed. */
 struct blob *pen_http_blob_take(struct pen_buf *content);
 
-/* Adds the blob's bytes to *total as long as it lives. NULL is allowed as blob. */
+/* Adds the blob's bytes to *total while the blob exists. NULL is allowed as blob. */
 void pen_http_blob_count(struct blob *blob, atomic_size_t *total);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
@@ -48,7 +49,7 @@ struct reply {
         char *value;
     } field[REPLY_FIELDS];
     int field_count;
-    bool endless; /* an event stream, or the head of one: no body here, its length is not known */
+    bool streaming; /* an event stream, or HEAD of one: `body` is NULL, the length unknown */
     bool failed;
 };
 
@@ -67,13 +68,13 @@ void pen_http_reply_json(struct reply *reply, int status, json_t *json);
  * Takes the reference to the problem. */
 void pen_http_reply_problem(struct reply *reply, json_t *problem, const char *request_id);
 
-/* What a conditional or partial GET needs to know of the request; NULL: not sent. */
+/* The header fields that make a GET conditional or partial; NULL: not sent. */
 struct reply_conditions {
     const char *if_none_match, *range, *if_range;
 };
 
-/* Answers 200, 304 or 206 with a representation; takes the blob. False if it has nothing in the
- * range asked for; the reply is then untouched. */
+/* Answers 200, 304 or 206 with a representation; takes the blob. Returns false if the range lies
+ * outside it; the reply is then unchanged. */
 bool pen_http_reply_content(struct reply *reply, struct blob *blob, const char *type,
                             const char *etag, const struct reply_conditions *conditions);
 

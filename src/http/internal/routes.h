@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The route table: every method and path the service answers, with the query parameters it takes
- * and the thread it runs on. HEAD is answered wherever GET is. */
+/* The route table: every method and path that the service answers, with its query parameters and
+ * the threads that run its handler. HEAD is answered wherever GET is. */
 #ifndef PEN_HTTP_INTERNAL_ROUTES_H
 #define PEN_HTTP_INTERNAL_ROUTES_H
 
@@ -15,22 +15,24 @@ struct request;
 
 enum outcome {
     OUTCOME_ANSWERED, /* the reply is complete */
-    OUTCOME_WATCHED   /* the watcher has the request now */
+    OUTCOME_WATCHED   /* the watcher has the request now, and resumes it later */
 };
 
-/* Fills request->reply. jobs is NULL on the inline lane. */
+/* Fills request->reply. jobs is NULL where the route has no queue. */
 typedef enum outcome route_handler(struct request *request, struct pen_jobs *jobs);
 
-/* Answers from memory, in the callback, if it can. */
+/* Answers from memory, in the callback, if it can; returns whether it did. */
 typedef bool route_quick(struct request *request);
 
-enum lane {
-    LANE_INLINE, /* in the callback: nothing that blocks */
-    LANE_STORE,  /* a store thread */
-    LANE_SIDE    /* a side thread: pictures that have to be encoded first */
+/* Where a handler runs. */
+enum queue_id {
+    QUEUE_NONE,   /* in the libmicrohttpd callback: it must not block */
+    QUEUE_STORE,  /* on a store thread: short reads and writes of the store */
+    QUEUE_COMPUTE /* on a compute thread: encoding pictures, writing reports, checking scenes */
 };
 
-/* A query parameter: one of `allowed`, or else a number if high > 0, or else a text. */
+/* A query parameter: one of the words `allowed`; else, if high > 0, a number from low to high;
+ * else a text of 1 to `longest` bytes. */
 struct param_rule {
     const char *name;
     const char *const *allowed; /* ends with NULL */
@@ -41,9 +43,9 @@ struct param_rule {
 struct route {
     const char *method, *path;
     route_handler *handle;
-    route_quick *quick; /* tried first; NULL: none */
-    enum lane lane;
-    bool takes_body;                 /* a scene or a job; else a body is read and dropped */
+    route_quick *quick; /* tried before queueing; NULL: none */
+    enum queue_id queue;
+    bool takes_body;                 /* a scene or a job; otherwise a body is discarded */
     bool submits;                    /* refused while draining */
     const struct param_rule *params; /* ends with a NULL name; NULL: none */
 };
@@ -58,7 +60,8 @@ const struct route *pen_http_route_find(const char *method, const struct pen_tar
 bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
                                  struct pen_status *st);
 
-/* The lane for this request: an image that is stored as asked for needs no side thread. */
-enum lane pen_http_route_lane(const struct route *route, const struct pen_target *target);
+/* The queue for this request. An image that is stored in the wanted format needs no compute
+ * thread. */
+enum queue_id pen_http_route_queue(const struct route *route, const struct pen_target *target);
 
 #endif

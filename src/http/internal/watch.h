@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Those who wait: long polls, which are answered when their job has changed, and event streams,
- * which are told every time (streams.h). One thread sleeps on the store's NEWS and
- * looks again at the watched jobs when it grows; a look every second covers hints that got lost. */
+/* The watcher: one thread that serves all requests that wait for a job to change, long polls, which
+ * it answers then, and event streams, which it updates every time (streams.h). It sleeps on the
+ * store's change counter (PEN_SIGNAL_CHANGES) and checks the watched jobs whenever the counter has
+ * grown; a check every second covers notifications that got lost. */
 #ifndef PEN_HTTP_INTERNAL_WATCH_H
 #define PEN_HTTP_INTERNAL_WATCH_H
 
@@ -20,34 +21,38 @@ enum { WATCH_MAX = 512 }; /* polls and streams: half of the connections stay fre
 struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
                                    struct pen_status *st);
 
-/* Answers all waiting requests with their jobs as they are, and ends the thread; later calls of
- * pen_http_watch_add get WATCH_CLOSED. The watch must be freed when no thread uses it any more. */
+/* Answers all waiting requests with their jobs as they are, ends the streams and the thread; later
+ * calls of pen_http_watch_add get WATCH_CLOSED. */
 void pen_http_watch_stop(struct watch *watch);
-void pen_http_watch_free(struct watch *watch); /* NULL is allowed */
 
-/* The store's NEWS counter. */
-uint32_t pen_http_watch_notify(struct watch *watch);
+/* Frees a stopped watcher that no thread uses any more. NULL is allowed. */
+void pen_http_watch_free(struct watch *watch);
 
-enum watch_answer {
-    WATCH_TAKEN, /* the request is the watcher's */
-    WATCH_NEWS,  /* something has changed meanwhile: look at the job again */
-    WATCH_FULL,
-    WATCH_CLOSED
+/* The store's change counter. */
+uint32_t pen_http_watch_changes(struct watch *watch);
+
+enum watch_result {
+    WATCH_ACCEPTED, /* the request is the watcher's */
+    WATCH_CHANGED,  /* the store has changed meanwhile: read the job again */
+    WATCH_FULL,     /* WATCH_MAX requests wait already */
+    WATCH_CLOSED    /* the daemon is stopping */
 };
 
-/* Hands a held request with its deadline to the watcher. `news` is the counter from before the
- * caller looked at the job, so no change falls between looking and waiting. */
-enum watch_answer pen_http_watch_add(struct watch *watch, struct request *request, uint32_t news);
+/* Hands a suspended request with its deadline to the watcher. `changes` is the counter from before
+ * the caller read the job, so no change falls between reading and waiting. */
+enum watch_result pen_http_watch_add(struct watch *watch, struct request *request,
+                                     uint32_t changes);
 
-/* Takes a place for an event stream, as many as WATCH_MAX has left; WATCH_NEWS is not given. */
-enum watch_answer pen_http_watch_enter(struct watch *watch);
-void pen_http_watch_remove(struct watch *watch);
+/* Counts an event stream among the waiting requests, and removes it again. WATCH_CHANGED is not
+ * returned. */
+enum watch_result pen_http_watch_add_stream(struct watch *watch);
+void pen_http_watch_remove_stream(struct watch *watch);
 
-/* To be called after a stream was opened from a look at NEWS `news`: what the watcher has told
- * others meanwhile, it tells this one too. */
-void pen_http_watch_joined(struct watch *watch, uint32_t news);
+/* Call it once a stream is open whose first text was written at counter `changes`: if the other
+ * streams have had an update meanwhile, this one gets it too. */
+void pen_http_watch_stream_opened(struct watch *watch, uint32_t changes);
 
-/* Has all streams looked at soon. */
-void pen_http_watch_hurry(struct watch *watch);
+/* Makes the watcher check all jobs soon. */
+void pen_http_watch_check_soon(struct watch *watch);
 
 #endif

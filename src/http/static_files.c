@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The files and their entity tags are made once, from what the program carries inside itself. */
-#include "http/internal/statics.h"
+/* The files and their entity tags are made once, from the data embedded in the program. */
+#include "http/internal/static_files.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,16 +10,16 @@
 #include "io/builtin.h"
 #include "jobs/jobs.h"
 
-struct statics {
+struct static_files {
     size_t count;
     struct static_file file[];
 };
 
-static bool add(struct statics *statics, const char *name, const char *type, struct blob *blob)
+static bool add(struct static_files *files, const char *name, const char *type, struct blob *blob)
 {
     if (!blob)
         return false;
-    struct static_file *file = &statics->file[statics->count++];
+    struct static_file *file = &files->file[files->count++];
     snprintf(file->name, sizeof file->name, "%s", name);
     file->type = type;
     file->blob = blob;
@@ -34,57 +34,58 @@ static struct blob *copy(const void *data, size_t bytes)
     return pen_http_blob_take(&content);
 }
 
-static bool add_api_files(struct statics *statics)
+static bool add_api_files(struct static_files *files)
 {
     for (const struct pen_embedded_file *file = pen_api_files; file->name; file++) {
         const char *type = strstr(file->name, ".yaml") ? "application/yaml" : "application/json";
-        if (!add(statics, file->name, type, copy(file->data, file->bytes)))
+        if (!add(files, file->name, type, copy(file->data, file->bytes)))
             return false;
     }
     return true;
 }
 
-static bool add_builtin_scenes(struct statics *statics)
+static bool add_builtin_scenes(struct static_files *files)
 {
     for (size_t i = 0; i < pen_builtin_count(); i++) {
         char scene[48], name[64];
         size_t bytes;
         snprintf(name, sizeof name, "scenes/%s", pen_builtin_name(i, scene, sizeof scene));
         const char *text = pen_builtin_text(i, &bytes);
-        if (!add(statics, name, "application/json", copy(text, bytes)))
+        if (!add(files, name, "application/json", copy(text, bytes)))
             return false;
     }
     json_t *list = pen_jobs_scenes();
-    bool ok = list && add(statics, "scenes", "application/json", pen_http_blob_json(list));
+    bool ok = list && add(files, "scenes", "application/json", pen_http_blob_json(list));
     json_decref(list);
     return ok;
 }
 
-struct statics *pen_http_statics_new(struct pen_status *st)
+struct static_files *pen_http_static_files_new(struct pen_status *st)
 {
     size_t count = 1 + pen_builtin_count();
     for (const struct pen_embedded_file *file = pen_api_files; file->name; file++)
         count++;
-    struct statics *statics = calloc(1, sizeof *statics + count * sizeof statics->file[0]);
-    if (statics && add_api_files(statics) && add_builtin_scenes(statics))
-        return statics;
-    pen_http_statics_free(statics);
+    struct static_files *files = calloc(1, sizeof *files + count * sizeof files->file[0]);
+    if (files && add_api_files(files) && add_builtin_scenes(files))
+        return files;
+    pen_http_static_files_free(files);
     pen_fail(st, PEN_NO_MEMORY, "no memory for the built-in files");
     return NULL;
 }
 
-void pen_http_statics_free(struct statics *statics)
+void pen_http_static_files_free(struct static_files *files)
 {
-    for (size_t i = 0; statics && i < statics->count; i++)
-        pen_http_blob_unref(statics->file[i].blob);
-    free(statics);
+    for (size_t i = 0; files && i < files->count; i++)
+        pen_http_blob_unref(files->file[i].blob);
+    free(files);
 }
 
-const struct static_file *pen_http_statics_find(const struct statics *statics, const char *name)
+const struct static_file *pen_http_static_files_find(const struct static_files *files,
+                                                     const char *name)
 {
-    for (size_t i = 0; i < statics->count; i++) {
-        if (strcmp(statics->file[i].name, name) == 0)
-            return &statics->file[i];
+    for (size_t i = 0; i < files->count; i++) {
+        if (strcmp(files->file[i].name, name) == 0)
+            return &files->file[i];
     }
     return NULL;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A table with one place per hash value: a collision costs a read of the store, nothing else. */
-#include "http/internal/snapshots.h"
+/* A table with one slot per hash value: a collision costs a read of the store, nothing else. */
+#include "http/internal/snapshot_cache.h"
 
 #include <inttypes.h>
 #include <pthread.h>
@@ -10,32 +10,32 @@
 
 #include "base/clock.h"
 
-enum { PLACES = 1024 };
-static const int64_t longest_ns = INT64_C(1000000000);
+enum { SLOTS = 1024 };
+static const int64_t max_age_ns = INT64_C(1000000000);
 
-struct place {
-    struct snapshot snapshot; /* json is NULL while the place is empty */
-    uint32_t news;
+struct slot {
+    struct snapshot snapshot; /* json is NULL while the slot is empty */
+    uint32_t changes;
     int64_t read_ns;
 };
 
-struct snapshots {
+struct snapshot_cache {
     pthread_mutex_t lock;
-    struct place place[PLACES]; /* guarded by lock */
+    struct slot slot[SLOTS]; /* guarded by lock */
 };
 
-struct snapshots *pen_http_snapshots_new(void)
+struct snapshot_cache *pen_http_snapshot_cache_new(void)
 {
-    struct snapshots *cache = calloc(1, sizeof *cache);
+    struct snapshot_cache *cache = calloc(1, sizeof *cache);
     if (cache)
         pthread_mutex_init(&cache->lock, NULL);
     return cache;
 }
 
-void pen_http_snapshots_free(struct snapshots *cache)
+void pen_http_snapshot_cache_free(struct snapshot_cache *cache)
 {
-    for (int i = 0; cache && i < PLACES; i++)
-        pen_http_snapshot_release(&cache->place[i].snapshot);
+    for (int i = 0; cache && i < SLOTS; i++)
+        pen_http_snapshot_release(&cache->slot[i].snapshot);
     if (cache)
         pthread_mutex_destroy(&cache->lock);
     free(cache);
@@ -47,47 +47,48 @@ void pen_http_snapshot_release(struct snapshot *snapshot)
     snapshot->json = NULL;
 }
 
-/* FNV-1a. The ids begin with the time, so all of their characters have to count. */
-static struct place *place_of(struct snapshots *cache, const char *id)
+/* FNV-1a. The ids begin with the time, so the hash takes all of their characters. */
+static struct slot *slot_of(struct snapshot_cache *cache, const char *id)
 {
     uint32_t hash = 2166136261u;
     for (const char *c = id; *c; c++)
         hash = (hash ^ (unsigned char)*c) * 16777619u;
-    return &cache->place[hash % PLACES];
+    return &cache->slot[hash % SLOTS];
 }
 
-bool pen_http_snapshots_peek(struct snapshots *cache, uint32_t news, const char *id,
-                             struct snapshot *out)
+bool pen_http_snapshot_cache_peek(struct snapshot_cache *cache, uint32_t changes, const char *id,
+                                  struct snapshot *out)
 {
-    struct place *place = place_of(cache, id);
+    struct slot *slot = slot_of(cache, id);
     int64_t now = pen_clock_ns();
     pthread_mutex_lock(&cache->lock);
-    bool good = place->snapshot.json && place->news == news && now - place->read_ns < longest_ns &&
-                strcmp(place->snapshot.id, id) == 0;
+    bool good = slot->snapshot.json && slot->changes == changes &&
+                now - slot->read_ns < max_age_ns && strcmp(slot->snapshot.id, id) == 0;
     if (good) {
-        *out = place->snapshot;
+        *out = slot->snapshot;
         pen_http_blob_ref(out->json);
     }
     pthread_mutex_unlock(&cache->lock);
     return good;
 }
 
-static void remember(struct snapshots *cache, uint32_t news, int64_t read_ns,
+static void remember(struct snapshot_cache *cache, uint32_t changes, int64_t read_ns,
                      const struct snapshot *snapshot)
 {
-    struct place *place = place_of(cache, snapshot->id);
+    struct slot *slot = slot_of(cache, snapshot->id);
     pen_http_blob_ref(snapshot->json);
     pthread_mutex_lock(&cache->lock);
-    struct blob *old = place->snapshot.json;
-    *place = (struct place){*snapshot, news, read_ns};
+    struct blob *old = slot->snapshot.json;
+    *slot = (struct slot){*snapshot, changes, read_ns};
     pthread_mutex_unlock(&cache->lock);
     pen_http_blob_unref(old);
 }
 
-bool pen_http_snapshots_read(struct snapshots *cache, uint32_t news, struct pen_jobs *jobs,
-                             const char *id, struct snapshot *out, struct pen_status *st)
+bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes,
+                                  struct pen_jobs *jobs, const char *id, struct snapshot *out,
+                                  struct pen_status *st)
 {
-    if (pen_http_snapshots_peek(cache, news, id, out))
+    if (pen_http_snapshot_cache_peek(cache, changes, id, out))
         return true;
     int64_t now = pen_clock_ns();
     struct pen_job_snapshot job;
@@ -99,7 +100,7 @@ bool pen_http_snapshots_read(struct snapshots *cache, uint32_t news, struct pen_
     json_decref(job.json);
     if (!out->json)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the job");
-    remember(cache, news, now, out);
+    remember(cache, changes, now, out);
     return true;
 }
 

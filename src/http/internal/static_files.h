@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Representations that never change while the process lives: the API definition, the scene schema
  * and the built-in scenes. Made once at start. */
-#ifndef PEN_HTTP_INTERNAL_STATICS_H
-#define PEN_HTTP_INTERNAL_STATICS_H
+#ifndef PEN_HTTP_INTERNAL_STATIC_FILES_H
+#define PEN_HTTP_INTERNAL_STATIC_FILES_H
 
 #include "base/status.h"
 #include "http/internal/reply.h"
@@ -14,13 +14,14 @@ struct static_file {
     struct blob *blob;
 };
 
-struct statics;
+struct static_files;
 
 /* Fails: PEN_NO_MEMORY. */
-struct statics *pen_http_statics_new(struct pen_status *st);
-void pen_http_statics_free(struct statics *statics); /* NULL is allowed */
+struct static_files *pen_http_static_files_new(struct pen_status *st);
+void pen_http_static_files_free(struct static_files *files); /* NULL is allowed */
 
 /* The file of that name, or NULL. */
-const struct static_file *pen_http_statics_find(const struct statics *statics, const char *name);
+const struct static_file *pen_http_static_files_find(const struct static_files *files,
+                                                     const char *name);
 
 #endif

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* Two queues under one lock, which is held for a few instructions at a time. */
+#include "http/internal/executor.h"
+
+#include <malloc.h>
+#include <pthread.h>
+#include <stdlib.h>
+
+#include "http/internal/request.h"
+#include "http/internal/suspend.h"
+#include "jobs/jobs.h"
+
+enum {
+    QUEUES = QUEUE_COMPUTE + 1, /* QUEUE_NONE's stays empty */
+    THREADS_MAX = 64,
+    LARGE_BYTES = 256 << 10 /* a body whose parsed form leaves much free memory behind */
+};
+_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_COMPUTE == 2,
+               "queues are indexed by enum queue_id");
+
+struct queue {
+    struct request *head, **tail; /* guarded by lock */
+    pthread_cond_t filled;
+};
+
+struct thread {
+    pthread_t handle;
+    struct executor *executor;
+    struct pen_jobs *jobs;
+    enum queue_id id;
+};
+
+struct executor {
+    pthread_mutex_t lock;
+    struct queue queue[QUEUES];
+    bool closed; /* guarded by lock */
+    int busy;    /* guarded by lock: threads with a request */
+    bool trim;   /* guarded by lock: a large body was handled since the last malloc_trim */
+    int thread_count;
+    struct thread thread[THREADS_MAX];
+};
+
+/* Returns free memory to the system once no thread is busy after a large body: the body's parsed
+ * form was many small blocks, and the allocator would keep their pages. Called with the lock held,
+ * and releases it meanwhile. Returns whether there was anything to do. */
+static bool trim_memory(struct executor *executor)
+{
+    if (!executor->trim || executor->busy > 0)
+        return false;
+    executor->trim = false;
+    pthread_mutex_unlock(&executor->lock);
+    malloc_trim(0);
+    pthread_mutex_lock(&executor->lock);
+    return true;
+}
+
+/* Waits for the next request of a queue. Returns NULL once the executor is closed and the queue
+ * empty. */
+static struct request *next_request(struct executor *executor, enum queue_id id)
+{
+    struct queue *queue = &executor->queue[id];
+    pthread_mutex_lock(&executor->lock);
+    while (!queue->head && !executor->closed) {
+        if (!trim_memory(executor))
+            pthread_cond_wait(&queue->filled, &executor->lock);
+    }
+    struct request *request = queue->head;
+    if (request) {
+        executor->busy++;
+        queue->head = request->next;
+        if (!queue->head)
+            queue->tail = &queue->head;
+    }
+    pthread_mutex_unlock(&executor->lock);
+    return request;
+}
+
+static void finish_request(struct executor *executor, bool large)
+{
+    pthread_mutex_lock(&executor->lock);
+    executor->busy--;
+    executor->trim = executor->trim || large;
+    pthread_mutex_unlock(&executor->lock);
+}
+
+static void *work(void *arg)
+{
+    struct thread *thread = arg;
+    struct request *request;
+    while ((request = next_request(thread->executor, thread->id)) != NULL) {
+        bool large = request->body.bytes >= LARGE_BYTES;
+        if (request->route->handle(request, thread->jobs) == OUTCOME_ANSWERED) {
+            pen_http_request_drop_body(request);
+            pen_http_resume(request);
+        }
+        finish_request(thread->executor, large);
+    }
+    return NULL;
+}
+
+static bool add_thread(struct executor *executor, enum queue_id id,
+                       const struct executor_options *options, struct pen_status *st)
+{
+    struct thread *thread = &executor->thread[executor->thread_count];
+    *thread = (struct thread){.executor = executor, .id = id};
+    thread->jobs = pen_jobs_open(options->store_url, options->limits, st);
+    if (!thread->jobs)
+        return false;
+    if (pthread_create(&thread->handle, NULL, work, thread) != 0) {
+        pen_jobs_close(thread->jobs);
+        return pen_fail(st, PEN_UNAVAILABLE, "a request thread cannot be started");
+    }
+    executor->thread_count++;
+    return true;
+}
+
+struct executor *pen_http_executor_start(const struct executor_options *options,
+                                         struct pen_status *st)
+{
+    int threads = options->store_threads + options->compute_threads;
+    struct executor *executor = threads <= THREADS_MAX ? calloc(1, sizeof *executor) : NULL;
+    if (!executor) {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for %d request threads", threads);
+        return NULL;
+    }
+    pthread_mutex_init(&executor->lock, NULL);
+    for (int id = 0; id < QUEUES; id++) {
+        executor->queue[id].tail = &executor->queue[id].head;
+        pthread_cond_init(&executor->queue[id].filled, NULL);
+    }
+    for (int i = 0; i < threads; i++) {
+        if (!add_thread(executor, i < options->store_threads ? QUEUE_STORE : QUEUE_COMPUTE, options,
+                        st)) {
+            pen_http_executor_stop(executor);
+            pen_http_executor_free(executor);
+            return NULL;
+        }
+    }
+    return executor;
+}
+
+void pen_http_executor_stop(struct executor *executor)
+{
+    pthread_mutex_lock(&executor->lock);
+    executor->closed = true;
+    for (int id = 0; id < QUEUES; id++)
+        pthread_cond_broadcast(&executor->queue[id].filled);
+    pthread_mutex_unlock(&executor->lock);
+    for (int i = 0; i < executor->thread_count; i++) {
+        pthread_join(executor->thread[i].handle, NULL);
+        pen_jobs_close(executor->thread[i].jobs);
+    }
+}
+
+void pen_http_executor_free(struct executor *executor)
+{
+    if (!executor)
+        return;
+    for (int id = 0; id < QUEUES; id++)
+        pthread_cond_destroy(&executor->queue[id].filled);
+    pthread_mutex_destroy(&executor->lock);
+    free(executor);
+}
+
+bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request)
+{
+    struct queue *queue = &executor->queue[id];
+    request->next = NULL;
+    pthread_mutex_lock(&executor->lock);
+    bool open = !executor->closed;
+    if (open) {
+        *queue->tail = request;
+        queue->tail = &request->next;
+        pthread_cond_signal(&queue->filled);
+    }
+    pthread_mutex_unlock(&executor->lock);
+    return open;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/* The threads that may block: store threads and compute threads, each with a jobs handle of its
+ * own. Each kind works off one queue of requests, first come, first served. The number of
+ * connections bounds the queues. */
+#ifndef PEN_HTTP_INTERNAL_EXECUTOR_H
+#define PEN_HTTP_INTERNAL_EXECUTOR_H
+
+#include <stdbool.h>
+
+#include "base/status.h"
+#include "http/internal/routes.h"
+#include "io/scene_json.h"
+
+struct executor;
+
+struct executor_options {
+    const char *store_url;
+    const struct pen_limits *limits;
+    int store_threads, compute_threads;
+};
+
+/* Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads). */
+struct executor *pen_http_executor_start(const struct executor_options *options,
+                                         struct pen_status *st);
+
+/* Works off what is queued, then ends the threads. pen_http_executor_submit may still be called. */
+void pen_http_executor_stop(struct executor *executor);
+
+/* Frees a stopped executor, once no thread calls pen_http_executor_submit any more. NULL is
+ * allowed. */
+void pen_http_executor_free(struct executor *executor);
+
+/* Queues a suspended request; a thread runs its route's handler and resumes it. Returns false after
+ * pen_http_executor_stop has begun: the request stays the caller's. */
+bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request);
+
+#endif

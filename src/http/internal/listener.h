@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* The listening socket and libmicrohttpd's threads: start, accept, stop. */
+#ifndef PEN_HTTP_INTERNAL_LISTENER_H
+#define PEN_HTTP_INTERNAL_LISTENER_H
+
+#include <stdbool.h>
+
+#include "base/status.h"
+
+struct listener;
+struct pen_http;
+
+/* Starts libmicrohttpd's threads; no connection is accepted yet. Fails: PEN_UNAVAILABLE. */
+struct listener *pen_http_listener_start(struct pen_http *http, int listen_fd, int idle_seconds,
+                                         struct pen_status *st);
+
+/* Begins to accept connections. Fails: PEN_UNAVAILABLE. */
+bool pen_http_listener_accept(struct listener *listener, struct pen_status *st);
+
+/* No new connections; those that exist go on. */
+void pen_http_listener_stop_accepting(struct listener *listener);
+
+/* Closes all connections and frees. No request may be suspended. NULL is allowed. */
+void pen_http_listener_stop(struct listener *listener);
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/* Snapshots of jobs, each valid for one value of the store's change counter. While the counter
+ * stays the same the job stays the same, and a poll is answered from here without a store thread.
+ *
+ * A change notification may get lost, so a snapshot is not used for longer than a second. */
+#ifndef PEN_HTTP_INTERNAL_SNAPSHOT_CACHE_H
+#define PEN_HTTP_INTERNAL_SNAPSHOT_CACHE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "http/internal/reply.h"
+#include "http/internal/request.h"
+#include "jobs/jobs.h"
+
+struct snapshot_cache;
+
+/* A job as it was read once. */
+struct snapshot {
+    char id[PEN_ID_BYTES];
+    enum pen_job_state state;
+    int64_t revision;
+    struct blob *json;
+};
+
+void pen_http_snapshot_release(struct snapshot *snapshot);
+
+struct snapshot_cache *pen_http_snapshot_cache_new(void);
+void pen_http_snapshot_cache_free(struct snapshot_cache *cache); /* NULL is allowed */
+
+/* The job from memory. Returns false if there is no valid snapshot. Owns: the caller releases
+ * *out. */
+bool pen_http_snapshot_cache_peek(struct snapshot_cache *cache, uint32_t changes, const char *id,
+                                  struct snapshot *out);
+
+/* The job from memory, or else from the store, and then kept in memory. `changes` is the counter
+ * from before the call. Owns: the caller releases *out. Fails: as pen_jobs_get; PEN_NO_MEMORY. */
+bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes,
+                                  struct pen_jobs *jobs, const char *id, struct snapshot *out,
+                                  struct pen_status *st);
+
+/* Whether a GET that waits for this job can be answered: the job has ended, or the client has
+ * another revision. */
+bool pen_http_snapshot_is_due(const struct snapshot *snapshot, const struct request *request);
+
+/* Answers a GET of the job. */
+void pen_http_snapshot_reply(const struct snapshot *snapshot, struct request *request);
+
+#endif
