@@ -61,8 +61,8 @@ static void derive(struct pen_buf *out)
     pen_buf_puts(out, "/* SPDX-License-Identifier: MIT */\n"
                       "/* The steps of 8-bit sRGB. Written by tests/film/test_transfer.c, which\n"
                       " * finds them by bisection; not edited by hand. */\n"
-                      "#ifndef PEN_SRC_FILM_TRANSFER_TABLES_H\n"
-                      "#define PEN_SRC_FILM_TRANSFER_TABLES_H\n\n");
+                      "#ifndef PEN_FILM_INTERNAL_TRANSFER_TABLES_H\n"
+                      "#define PEN_FILM_INTERNAL_TRANSFER_TABLES_H\n\n");
     pen_buf_printf(out,
                    "/* Floats with equal bits above the lowest SRGB_CELL_SHIFT are a cell. */\n"
                    "enum { SRGB_CELL_SHIFT = %d, SRGB_FIRST_CELL = %u, SRGB_CELLS = %u };\n\n",

@@ -27,8 +27,8 @@ static const char head[] =
     "/* SPDX-License-Identifier: MIT */\n"
     "/* Constants and tables of fn.c. Written by tests/math/test_fn_tables.c, which derives them\n"
     " * in 113-bit arithmetic; not edited by hand. */\n"
-    "#ifndef PEN_SRC_MATH_FN_TABLES_H\n"
-    "#define PEN_SRC_MATH_FN_TABLES_H\n\n"
+    "#ifndef PEN_MATH_INTERNAL_FN_TABLES_H\n"
+    "#define PEN_MATH_INTERNAL_FN_TABLES_H\n\n"
     "enum { EXP_STEPS = 128, LOG_STEPS = 128 };\n\n";
 
 static double on_grid(quad x, int e)
