@@ -100,7 +100,7 @@ $(BUILD)/%.o: %.c Makefile
 # Files that the programs carry inside themselves: scenes/*.json and api/*.
 $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
-	$(Q)sh deploy/embed.sh pen_builtin_files $(sort $(wildcard scenes/*.json)) > $@.tmp && mv $@.tmp $@
+	$(Q)sh deploy/embed.sh --stem pen_builtin_files $(sort $(wildcard scenes/*.json)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/api_files.c: $(sort $(wildcard api/*.yaml api/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@

@@ -1,8 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Prints a C table of whole files: embed.sh TABLE FILE...
-# The table is an array of struct pen_embedded_file (base/embed.h), ended by a null name.
+# Prints a C table of whole files: embed.sh [--stem] TABLE FILE...
+# The table is an array of struct pen_embedded_file (base/embed.h), ended by a null name. With --stem
+# names have no ending.
 set -eu
+stem=
+if [ "$1" = --stem ]; then
+    stem=1
+    shift
+fi
 table=$1
 shift
 echo '#include "base/embed.h"'
@@ -16,7 +22,9 @@ done
 echo "const struct pen_embedded_file ${table}[] = {"
 n=0
 for f in "$@"; do
-    echo "    {\"$(basename "$f")\", file_$n, sizeof file_$n - 1},"
+    name=$(basename "$f")
+    [ -z "$stem" ] || name=${name%.*}
+    echo "    {\"$name\", file_$n, sizeof file_$n - 1},"
     n=$((n + 1))
 done
 echo "    {0, 0, 0},"

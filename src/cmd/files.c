@@ -54,14 +54,7 @@ bool pen_file_read(const char *path, size_t max_bytes, struct pen_buf *out, stru
 
 static bool fail_builtin(const char *name, struct pen_status *st)
 {
-    enum { MANY = 63 };
-    char text[MANY][64];
-    const char *names[MANY + 1];
-    size_t count = pen_builtin_count() < MANY ? pen_builtin_count() : MANY;
-    for (size_t i = 0; i < count; i++)
-        names[i] = pen_builtin_name(i, text[i], sizeof text[i]);
-    names[count] = NULL;
-    const char *near = pen_nearest_name(name, names);
+    const char *near = pen_builtin_nearest(name);
     if (near)
         return pen_fail(st, PEN_NOT_FOUND, "no built-in scene \"%s\", nearest is \"%s\"", name,
                         near);

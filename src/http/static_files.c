@@ -47,9 +47,9 @@ static bool add_api_files(struct static_files *files)
 static bool add_builtin_scenes(struct static_files *files)
 {
     for (size_t i = 0; i < pen_builtin_count(); i++) {
-        char scene[48], name[64];
+        char name[64];
         size_t bytes;
-        snprintf(name, sizeof name, "scenes/%s", pen_builtin_name(i, scene, sizeof scene));
+        snprintf(name, sizeof name, "scenes/%s", pen_builtin_name(i));
         const char *text = pen_builtin_text(i, &bytes);
         if (!add(files, name, "application/json", copy(text, bytes)))
             return false;

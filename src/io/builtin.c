@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The built-in scenes: the table that the build makes of scenes/, by name without ".json". */
+/* The built-in scenes: the table that the build makes of scenes/. */
 #include "io/builtin.h"
 
 #include <string.h>
 
 #include "base/embed.h"
-
-static size_t stem_length(const char *file)
-{
-    const char *dot = strrchr(file, '.');
-    return dot ? (size_t)(dot - file) : strlen(file);
-}
+#include "io/scene_json.h"
 
 size_t pen_builtin_count(void)
 {
@@ -20,15 +15,9 @@ size_t pen_builtin_count(void)
     return count;
 }
 
-const char *pen_builtin_name(size_t i, char *name, size_t name_bytes)
+const char *pen_builtin_name(size_t i)
 {
-    const char *file = pen_builtin_files[i].name;
-    size_t length = stem_length(file);
-    if (length >= name_bytes)
-        length = name_bytes - 1;
-    memcpy(name, file, length);
-    name[length] = '\0';
-    return name;
+    return pen_builtin_files[i].name;
 }
 
 const char *pen_builtin_text(size_t i, size_t *bytes)
@@ -39,11 +28,20 @@ const char *pen_builtin_text(size_t i, size_t *bytes)
 
 const char *pen_builtin_find(const char *name, size_t *bytes)
 {
-    size_t length = strlen(name);
     for (size_t i = 0; pen_builtin_files[i].name; i++) {
-        const char *file = pen_builtin_files[i].name;
-        if (stem_length(file) == length && memcmp(file, name, length) == 0)
+        if (strcmp(pen_builtin_files[i].name, name) == 0)
             return pen_builtin_text(i, bytes);
     }
     return NULL;
+}
+
+const char *pen_builtin_nearest(const char *name)
+{
+    enum { NAMES_MAX = 64 };
+    const char *names[NAMES_MAX + 1];
+    size_t count = 0;
+    for (; count < NAMES_MAX && pen_builtin_files[count].name; count++)
+        names[count] = pen_builtin_files[count].name;
+    names[count] = NULL;
+    return pen_nearest_name(name, names);
 }

@@ -145,15 +145,15 @@ static size_t body_count(const json_t *objects)
 /* A built-in scene's name, and its title: the document's own `name`. */
 static json_t *builtin_json(size_t i)
 {
-    char name[64];
+    const char *name = pen_builtin_name(i);
     size_t bytes = 0;
     const char *text = pen_builtin_text(i, &bytes);
     json_t *document = json_loadb(text, bytes, 0, NULL);
     const char *title = json_string_value(json_object_get(document, "name"));
-    json_t *entry = json_pack(
-        "{s:s, s:s, s:I, s:I, s:s+}", "name", pen_builtin_name(i, name, sizeof name), "title",
-        title ? title : name, "bytes", (json_int_t)bytes, "objects",
-        (json_int_t)body_count(json_object_get(document, "objects")), "href", "/v1/scenes/", name);
+    json_t *entry = json_pack("{s:s, s:s, s:I, s:I, s:s+}", "name", name, "title",
+                              title ? title : name, "bytes", (json_int_t)bytes, "objects",
+                              (json_int_t)body_count(json_object_get(document, "objects")), "href",
+                              "/v1/scenes/", name);
     json_decref(document);
     return entry;
 }

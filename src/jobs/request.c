@@ -16,12 +16,7 @@ static void add_status(struct pen_errors *errors, const struct pen_status *st)
 
 static void fail_unknown_scene(const char *name, struct pen_errors *errors)
 {
-    enum { MOST = 64, NAME_BYTES = 64 };
-    char text[MOST][NAME_BYTES];
-    const char *names[MOST + 1] = {NULL};
-    for (size_t i = 0; i < pen_builtin_count() && i < MOST; i++)
-        names[i] = pen_builtin_name(i, text[i], NAME_BYTES);
-    const char *near = pen_nearest_name(name, names);
+    const char *near = pen_builtin_nearest(name);
     pen_request_fail(errors, PEN_NOT_FOUND, "", "scene",
                      "there is no built-in scene \"%.60s\"%s%s%s", name,
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");

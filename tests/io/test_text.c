@@ -77,21 +77,23 @@ START_TEST(test_text__built_in_scenes_are_found_by_name_and_valid)
 {
     struct pen_limits limits = pen_limits_default();
     size_t bytes;
-    char name[64], cut[4];
     ck_assert_uint_ge(pen_builtin_count(), 3);
     for (size_t i = 0; i < pen_builtin_count(); i++) {
         struct pen_scene_desc desc;
         struct pen_errors errors = {0};
         struct pen_arena *arena = pen_arena_new(0);
-        const char *text = pen_builtin_find(pen_builtin_name(i, name, sizeof name), &bytes);
+        const char *name = pen_builtin_name(i);
+        const char *text = pen_builtin_find(name, &bytes);
         ck_assert_ptr_eq(text, pen_builtin_text(i, &bytes));
         ck_assert_uint_eq(bytes, strlen(text));
         ck_assert_msg(pen_scene_load(text, bytes, &limits, arena, &desc, &errors), "%s: %s", name,
                       errors.item[0].msg);
         pen_arena_free(arena);
-        ck_assert_uint_eq(strlen(pen_builtin_name(i, cut, sizeof cut)), 3);
+        ck_assert_str_eq(pen_builtin_nearest(name), name);
     }
     ck_assert_ptr_nonnull(pen_builtin_find("room", &bytes));
+    ck_assert_str_eq(pen_builtin_nearest("roon"), "room");
+    ck_assert_ptr_null(pen_builtin_nearest("nothing-like-it"));
     ck_assert_ptr_null(pen_builtin_find("roo", &bytes));
     ck_assert_ptr_null(pen_builtin_find("room.json", &bytes));
     ck_assert_ptr_null(pen_builtin_find("", &bytes));
