@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Building: which builder makes which kind of structure, and what it says about itself. */
+#include "accel/internal/build_generic.h"
 #include "accel/internal/tree_layout.h"
 #include "base/clock.h"
 
@@ -30,11 +31,11 @@ static bool build_plan(struct pen_plan *plan, enum pen_accelerator kind,
 }
 
 static bool build(const struct pen_prims *prims, const struct pen_groups *groups,
-                  struct pen_arena *arena, struct pen_accel *accel)
+                  unsigned generic_kinds, struct pen_arena *arena, struct pen_accel *accel)
 {
     struct pen_plan plan;
-    bool ok = pen_plan_init(&plan, prims) && build_plan(&plan, accel->stats.kind, groups) &&
-              pen_pack(&plan, arena, accel);
+    bool ok = pen_plan_init(&plan, prims, generic_kinds) &&
+              build_plan(&plan, accel->stats.kind, groups) && pen_pack(&plan, arena, accel);
     if (ok)
         accel->stats.sah_cost = pen_plan_cost(&plan);
     pen_plan_release(&plan);
@@ -42,15 +43,20 @@ static bool build(const struct pen_prims *prims, const struct pen_groups *groups
 }
 
 static struct pen_accel *build_kind(const struct pen_prims *prims, enum pen_accelerator kind,
-                                    const struct pen_groups *groups, struct pen_arena *arena,
-                                    struct pen_status *st)
+                                    const struct pen_groups *groups, unsigned generic_kinds,
+                                    struct pen_arena *arena, struct pen_status *st)
 {
+    if (prims->count > PEN_ITEM_INDEX_MAX) {
+        pen_fail(st, PEN_TOO_LARGE, "%u primitives; an acceleration structure holds at most %u",
+                 prims->count, PEN_ITEM_INDEX_MAX);
+        return NULL;
+    }
     int64_t start = pen_clock_ns();
     size_t before = pen_arena_used(arena);
     struct pen_accel *accel = pen_arena_alloc(arena, 1, sizeof *accel);
     if (accel)
         accel->stats.kind = kind;
-    if (!accel || !build(prims, groups, arena, accel)) {
+    if (!accel || !build(prims, groups, generic_kinds, arena, accel)) {
         pen_fail(st, PEN_NO_MEMORY, "not enough memory for the acceleration structure");
         return NULL;
     }
@@ -62,14 +68,21 @@ static struct pen_accel *build_kind(const struct pen_prims *prims, enum pen_acce
 struct pen_accel *pen_accel_build(const struct pen_prims *prims, enum pen_accelerator kind,
                                   struct pen_arena *arena, struct pen_status *st)
 {
-    return build_kind(prims, kind, NULL, arena, st);
+    return build_kind(prims, kind, NULL, 0, arena, st);
 }
 
 struct pen_accel *pen_accel_build_manual(const struct pen_prims *prims,
                                          const struct pen_groups *groups, struct pen_arena *arena,
                                          struct pen_status *st)
 {
-    return build_kind(prims, PEN_ACCEL_MANUAL, groups, arena, st);
+    return build_kind(prims, PEN_ACCEL_MANUAL, groups, 0, arena, st);
+}
+
+struct pen_accel *pen_accel_build_generic(const struct pen_prims *prims, enum pen_accelerator kind,
+                                          unsigned generic_kinds, struct pen_arena *arena,
+                                          struct pen_status *st)
+{
+    return build_kind(prims, kind, NULL, generic_kinds, arena, st);
 }
 
 const struct pen_accel_stats *pen_accel_get_stats(const struct pen_accel *accel)

@@ -11,7 +11,7 @@
 
 #include "accel/internal/tree_layout.h"
 
-enum { BINS = 16, KINDS = PEN_BLOCK_FINITE_COUNT, BLOCKS_MAX = 4 };
+enum { BINS = 16, CLASSES = PEN_COST_CLASS_COUNT, BLOCKS_MAX = 4 };
 
 struct bounds {
     float lo[3], hi[3];
@@ -22,13 +22,13 @@ struct range {
     uint32_t begin, end;
     struct bounds box;      /* of the primitives */
     struct bounds centroid; /* of lo + hi */
-    uint32_t n[KINDS];
+    uint32_t lanes[CLASSES];
     bool leaf; /* splitting does not pay */
 };
 
 struct bin {
     struct bounds box;
-    uint32_t n[KINDS];
+    uint32_t lanes[CLASSES];
 };
 
 struct cut {
@@ -65,7 +65,7 @@ static void add_ref(struct range *r, const struct pen_ref *ref)
     float c[3] = {ref->lo[0] + ref->hi[0], ref->lo[1] + ref->hi[1], ref->lo[2] + ref->hi[2]};
     add_point(&r->box, ref->lo, ref->hi);
     add_point(&r->centroid, c, c);
-    r->n[ref->kind]++;
+    r->lanes[ref->cost_class] += ref->lanes;
 }
 
 static struct range measure(const struct pen_ref *ref, uint32_t begin, uint32_t end)
@@ -104,7 +104,7 @@ static void fill_bins(const struct pen_ref *ref, const struct range *r, const fl
                 continue;
             struct bin *bin = &bins[axis][bin_of(&ref[i], axis, r->centroid.lo[axis], scale[axis])];
             add_point(&bin->box, ref[i].lo, ref[i].hi);
-            bin->n[ref[i].kind]++;
+            bin->lanes[ref[i].cost_class] += ref[i].lanes;
         }
     }
 }
@@ -112,8 +112,8 @@ static void fill_bins(const struct pen_ref *ref, const struct range *r, const fl
 static void add_bin(struct bin *sum, const struct bin *b)
 {
     add_bounds(&sum->box, &b->box);
-    for (int k = 0; k < KINDS; k++)
-        sum->n[k] += b->n[k];
+    for (int k = 0; k < CLASSES; k++)
+        sum->lanes[k] += b->lanes[k];
 }
 
 /* The best plane among one axis's bins. */
@@ -123,12 +123,12 @@ static void sweep(const struct bin bins[BINS], int axis, struct cut *best)
     struct bin sum = {empty(), {0}};
     for (int i = BINS - 1; i > 0; i--) {
         add_bin(&sum, &bins[i]);
-        right[i] = half_area(&sum.box) * pen_leaf_cost(sum.n);
+        right[i] = half_area(&sum.box) * pen_leaf_cost(sum.lanes);
     }
     sum = (struct bin){empty(), {0}};
     for (int i = 1; i < BINS; i++) {
         add_bin(&sum, &bins[i - 1]);
-        float cost = half_area(&sum.box) * pen_leaf_cost(sum.n) + right[i];
+        float cost = half_area(&sum.box) * pen_leaf_cost(sum.lanes) + right[i];
         if (cost < best->cost)
             *best = (struct cut){axis, i, cost};
     }
@@ -173,8 +173,8 @@ static void divide(struct pen_ref *ref, const struct range *r, const struct cut 
 static bool split(struct pen_plan *plan, struct range *r, uint32_t depth, struct range *right)
 {
     uint32_t count = r->end - r->begin, blocks = 0;
-    for (int k = 0; k < KINDS; k++)
-        blocks += (r->n[k] + PEN_LANES - 1) / PEN_LANES;
+    for (int k = 0; k < CLASSES; k++)
+        blocks += (r->lanes[k] + PEN_LANES - 1) / PEN_LANES;
     r->leaf = count <= 1 || (blocks == 1 && count <= 2);
     if (r->leaf)
         return false;
@@ -183,7 +183,8 @@ static bool split(struct pen_plan *plan, struct range *r, uint32_t depth, struct
     if (depth < PEN_MAX_DEPTH / 2)
         cut = find_cut(plan->ref, r, scale);
     float area = half_area(&r->box);
-    if (blocks <= BLOCKS_MAX && !(cut.cost + pen_node_cost * area < pen_leaf_cost(r->n) * area)) {
+    if (blocks <= BLOCKS_MAX &&
+        !(cut.cost + pen_node_cost * area < pen_leaf_cost(r->lanes) * area)) {
         r->leaf = true;
         return false;
     }

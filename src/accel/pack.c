@@ -17,7 +17,8 @@ struct packer {
     struct pen_spheres4 *spheres;
     struct pen_cylinders4 *cylinders;
     struct pen_planes4 *planes;
-    struct pen_infinite_cylinders4 *tubes;
+    struct pen_generic4 *infinite_cylinders;
+    struct pen_generic4 *generic;
     uint32_t item_count, corner_count, block_count[PEN_BLOCK_KIND_COUNT];
 };
 
@@ -114,7 +115,7 @@ static void pack_planes(struct packer *p, const struct lanes *in, uint32_t block
 }
 
 /* Packs one block, in the second pass, or only counts it, in the first. */
-static void pack_block(struct packer *p, const struct lanes *in, uint32_t kind)
+static void pack_block(struct packer *p, const struct lanes *in, enum pen_block_kind kind)
 {
     uint32_t block = p->block_count[kind]++, item = p->item_count++;
     if (!p->items) {
@@ -122,7 +123,7 @@ static void pack_block(struct packer *p, const struct lanes *in, uint32_t kind)
             p->corner_count += most_corners(p->prims, in);
         return;
     }
-    p->items[item] = kind << 28 | block;
+    p->items[item] = PEN_ITEM(kind, block);
     switch (kind) {
     case PEN_BLOCK_TRIANGLES:
         pack_triangles(p, in, block);
@@ -139,8 +140,16 @@ static void pack_block(struct packer *p, const struct lanes *in, uint32_t kind)
     case PEN_BLOCK_PLANES:
         pack_planes(p, in, block);
         break;
-    default:
-        memcpy(p->tubes[block].prim, in->prim, sizeof in->prim);
+    case PEN_BLOCK_INFINITE_CYLINDERS:
+        memcpy(p->infinite_cylinders[block].prim, in->prim, sizeof in->prim);
+        break;
+    case PEN_BLOCK_GENERIC:
+        memcpy(p->generic[block].prim, in->prim, sizeof in->prim);
+        break;
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
+        break; /* no block of primitives */
     }
 }
 
@@ -149,7 +158,7 @@ static uint32_t pack_single(struct packer *p, uint32_t ref)
 {
     uint32_t item = p->item_count++;
     if (p->items)
-        p->items[item] = (uint32_t)PEN_BLOCK_SINGLE << 28 | p->ref[ref].prim | PEN_ITEM_LAST;
+        p->items[item] = PEN_ITEM(PEN_BLOCK_SINGLE, p->ref[ref].prim) | PEN_ITEM_LAST;
     return item;
 }
 
@@ -166,16 +175,16 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
             in.prim[in.count] = p->ref[i].prim;
             in.index[in.count++] = p->prims->ref[p->ref[i].prim].index;
             if (in.count == PEN_LANES) {
-                pack_block(p, &in, kind);
+                pack_block(p, &in, (enum pen_block_kind)kind);
                 in = none;
             }
         }
         if (in.count > 0)
-            pack_block(p, &in, kind);
+            pack_block(p, &in, (enum pen_block_kind)kind);
     }
     if (p->item_count == first) {
         if (p->items)
-            p->items[first] = (uint32_t)PEN_BLOCK_NOTHING << 28;
+            p->items[first] = PEN_ITEM(PEN_BLOCK_NOTHING, 0);
         p->item_count++;
     }
     if (p->items)
@@ -190,8 +199,9 @@ static void pack_leaves(struct packer *p, const struct pen_plan *plan, uint32_t 
     pack_leaf(p, (struct pen_leaf){0, 0});
     pack_leaf(p, (struct pen_leaf){plan->count, plan->infinite});
     for (uint32_t i = 0; i < plan->leaves.count; i++) {
-        uint32_t first = p->singles && leaf[i].count == 1 ? pack_single(p, leaf[i].begin)
-                                                          : pack_leaf(p, leaf[i]);
+        bool single =
+            p->singles && leaf[i].count == 1 && p->ref[leaf[i].begin].kind != PEN_BLOCK_GENERIC;
+        uint32_t first = single ? pack_single(p, leaf[i].begin) : pack_leaf(p, leaf[i]);
         if (first_item)
             first_item[i] = first;
     }
@@ -207,9 +217,11 @@ static bool allocate(struct packer *p, const struct packer *counted, struct pen_
     p->spheres = pen_arena_alloc(arena, n[PEN_BLOCK_SPHERES], sizeof *p->spheres);
     p->cylinders = pen_arena_alloc(arena, n[PEN_BLOCK_CYLINDERS], sizeof *p->cylinders);
     p->planes = pen_arena_alloc(arena, n[PEN_BLOCK_PLANES], sizeof *p->planes);
-    p->tubes = pen_arena_alloc(arena, n[PEN_BLOCK_INFINITE_CYLINDERS], sizeof *p->tubes);
+    p->infinite_cylinders =
+        pen_arena_alloc(arena, n[PEN_BLOCK_INFINITE_CYLINDERS], sizeof *p->infinite_cylinders);
+    p->generic = pen_arena_alloc(arena, n[PEN_BLOCK_GENERIC], sizeof *p->generic);
     return p->items && p->triangles && p->polygons && p->corners && p->spheres && p->cylinders &&
-           p->planes && p->tubes;
+           p->planes && p->infinite_cylinders && p->generic;
 }
 
 /* Replaces leaf numbers by first items. */
@@ -284,7 +296,8 @@ bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_a
     accel->spheres = p.spheres;
     accel->cylinders = p.cylinders;
     accel->planes = p.planes;
-    accel->tubes = p.tubes;
+    accel->infinite_cylinders = p.infinite_cylinders;
+    accel->generic = p.generic;
     accel->infinite = 1;
     accel->scale = largest_scale(plan);
     accel->stats.nodes = plan->shape == PEN_SHAPE_LISTS ? plan->lists : plan->nodes.count;

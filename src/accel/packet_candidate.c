@@ -11,6 +11,8 @@
 
 #include <float.h>
 
+#include "accel/internal/structure.h"
+
 /* A share of a length: far above its rounding, far below what can be seen. */
 static double share(double length)
 {
@@ -458,12 +460,10 @@ static enum pen_candidate_verdict polygon_gate(const struct pen_shadow_packet *p
 
 enum pen_candidate_verdict pen_candidate_make(const struct pen_shadow_packet *packet,
                                               const struct pen_prims *prims, uint32_t prim,
-                                              struct pen_candidate *candidate)
+                                              bool generic, struct pen_candidate *candidate)
 {
     const struct pen_prim_ref ref = prims->ref[prim];
-    bool round = ref.kind == PEN_PRIM_SPHERE || ref.kind == PEN_PRIM_INFINITE_CYLINDER ||
-                 ref.kind == PEN_PRIM_CYLINDER;
-    if (prim == packet->origin->prim && !round)
+    if (prim == packet->origin->prim && pen_prim_flat(ref.kind))
         return PEN_CANDIDATE_NEVER;
     candidate->prim = prim;
     candidate->kind = PEN_CANDIDATE_LINES;
@@ -471,20 +471,23 @@ enum pen_candidate_verdict pen_candidate_make(const struct pen_shadow_packet *pa
     candidate->vague = false;
     candidate->own = candidate->near = prim == packet->origin->prim;
     candidate->opaque = !(packet->see_through && packet->see_through[prim]);
-    switch ((enum pen_prim_kind)ref.kind) {
-    case PEN_PRIM_SPHERE:
+    switch (generic ? PEN_BLOCK_GENERIC : pen_block_of(ref.kind)) {
+    case PEN_BLOCK_SPHERES:
         return sphere_gate(packet, &prims->sphere[ref.index], candidate);
-    case PEN_PRIM_PLANE:
+    case PEN_BLOCK_PLANES:
         return plane_gate(packet, &prims->plane[ref.index], candidate);
-    case PEN_PRIM_TRIANGLE:
+    case PEN_BLOCK_TRIANGLES:
         return triangle_gate(packet, &prims->triangle[ref.index], candidate);
-    case PEN_PRIM_POLYGON:
+    case PEN_BLOCK_POLYGONS:
         return polygon_gate(packet, &prims->polygon[ref.index], candidate);
-    case PEN_PRIM_INFINITE_CYLINDER:
+    case PEN_BLOCK_INFINITE_CYLINDERS:
         return tube_gate(packet, &prims->infinite_cylinder[ref.index], candidate);
-    case PEN_PRIM_CYLINDER:
+    case PEN_BLOCK_CYLINDERS:
         return cylinder_gate(packet, &prims->cylinder[ref.index], candidate);
-    case PEN_PRIM_KIND_COUNT:
+    case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
         break;
     }
     return ask(candidate, true);

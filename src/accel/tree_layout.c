@@ -35,40 +35,59 @@ void pen_array_release(struct pen_array *pool)
     *pool = (struct pen_array){.size = pool->size};
 }
 
-static uint32_t block_kind(uint32_t kind)
+static enum pen_block_kind block_kind(const struct pen_plan *plan, uint32_t prim)
 {
-    switch ((enum pen_prim_kind)kind) {
-    case PEN_PRIM_SPHERE:
-        return PEN_BLOCK_SPHERES;
-    case PEN_PRIM_TRIANGLE:
-        return PEN_BLOCK_TRIANGLES;
-    case PEN_PRIM_POLYGON:
-        return PEN_BLOCK_POLYGONS;
-    case PEN_PRIM_CYLINDER:
-        return PEN_BLOCK_CYLINDERS;
-    case PEN_PRIM_PLANE:
-        return PEN_BLOCK_PLANES;
-    case PEN_PRIM_INFINITE_CYLINDER:
-        return PEN_BLOCK_INFINITE_CYLINDERS;
-    case PEN_PRIM_KIND_COUNT:
-        break;
-    }
-    return PEN_BLOCK_NOTHING;
+    uint32_t kind = plan->prims->ref[prim].kind;
+    return plan->generic_kinds >> kind & 1 ? PEN_BLOCK_GENERIC : pen_block_of(kind);
 }
 
-static struct pen_ref finite_ref(const struct pen_prims *prims, uint32_t prim)
+/* Sets the lanes that a finite primitive counts as, and their class. */
+static void set_cost(struct pen_ref *ref, enum pen_block_kind block, uint32_t prim_kind)
 {
-    struct pen_box box = pen_prim_bounds(prims, prim);
-    return (struct pen_ref){
+    ref->lanes = 1;
+    switch (block) {
+    case PEN_BLOCK_TRIANGLES:
+        ref->cost_class = PEN_COST_TRIANGLES;
+        return;
+    case PEN_BLOCK_POLYGONS:
+        ref->cost_class = PEN_COST_POLYGONS;
+        return;
+    case PEN_BLOCK_SPHERES:
+        ref->cost_class = PEN_COST_SPHERES;
+        return;
+    case PEN_BLOCK_CYLINDERS:
+        ref->cost_class = PEN_COST_CYLINDERS;
+        return;
+    case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_PLANES:
+    case PEN_BLOCK_INFINITE_CYLINDERS:
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
+        break;
+    }
+    ref->cost_class = PEN_COST_TRIANGLES;
+    ref->lanes = (uint8_t)(PEN_LANES * (int)ceilf(pen_kinds[prim_kind].cost));
+}
+
+static struct pen_ref finite_ref(const struct pen_plan *plan, uint32_t prim)
+{
+    struct pen_box box = pen_prim_bounds(plan->prims, prim);
+    struct pen_ref ref = {
         {pen_float_down(box.lo.x), pen_float_down(box.lo.y), pen_float_down(box.lo.z)},
         prim,
         {pen_float_up(box.hi.x), pen_float_up(box.hi.y), pen_float_up(box.hi.z)},
-        block_kind(prims->ref[prim].kind)};
+        (uint16_t)block_kind(plan, prim),
+        0,
+        0};
+    set_cost(&ref, block_kind(plan, prim), plan->prims->ref[prim].kind);
+    return ref;
 }
 
-bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims)
+bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims, unsigned generic_kinds)
 {
     *plan = (struct pen_plan){.prims = prims,
+                              .generic_kinds = generic_kinds,
                               .nodes = {.size = sizeof(struct pen_node)},
                               .leaves = {.size = sizeof(struct pen_leaf)}};
     plan->ref = malloc(((size_t)prims->count + 1) * sizeof *plan->ref);
@@ -76,12 +95,12 @@ bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims)
         return false;
     for (uint32_t prim = 0; prim < prims->count; prim++) {
         if (!pen_prim_infinite(prims->ref[prim].kind))
-            plan->ref[plan->count++] = finite_ref(prims, prim);
+            plan->ref[plan->count++] = finite_ref(plan, prim);
     }
     for (uint32_t prim = 0; prim < prims->count; prim++) {
         if (pen_prim_infinite(prims->ref[prim].kind))
             plan->ref[plan->count + plan->infinite++] =
-                (struct pen_ref){.prim = prim, .kind = block_kind(prims->ref[prim].kind)};
+                (struct pen_ref){.prim = prim, .kind = (uint16_t)block_kind(plan, prim)};
     }
     return true;
 }
@@ -186,11 +205,16 @@ bool pen_plan_more(const struct pen_plan *plan, uint32_t node)
 
 const float pen_node_cost = 0.3f;
 
-float pen_leaf_cost(const uint32_t n[PEN_BLOCK_FINITE_COUNT])
+float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT])
 {
-    static const float cost[PEN_BLOCK_FINITE_COUNT] = {1.0f, 2.0f, 1.0f, 3.0f};
+    const float cost[PEN_COST_CLASS_COUNT] = {
+        [PEN_COST_TRIANGLES] = pen_kinds[PEN_PRIM_TRIANGLE].cost,
+        [PEN_COST_POLYGONS] = pen_kinds[PEN_PRIM_POLYGON].cost,
+        [PEN_COST_SPHERES] = pen_kinds[PEN_PRIM_SPHERE].cost,
+        [PEN_COST_CYLINDERS] = pen_kinds[PEN_PRIM_CYLINDER].cost,
+    };
     float sum = 0;
-    for (int k = 0; k < PEN_BLOCK_FINITE_COUNT; k++)
-        sum += cost[k] * (float)((n[k] + PEN_LANES - 1) / PEN_LANES);
+    for (int k = 0; k < PEN_COST_CLASS_COUNT; k++)
+        sum += cost[k] * (float)((lanes[k] + PEN_LANES - 1) / PEN_LANES);
     return sum;
 }

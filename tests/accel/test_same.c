@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Every accelerator and every compiled variant gives the same intersections as trying all
  * primitives, bit for bit. */
+#include "accel/internal/build_generic.h"
 #include "support/rooms.h"
 #include "support/suite.h"
 
 static struct world world;
 
-/* Every accelerator, manual with groups and without. */
-enum { ACCELS = PEN_ACCEL_COUNT + 1, WAYS = 2 * ACCELS };
+/* Every accelerator, manual with groups and without; and every accelerator once more with some
+ * kinds of primitives in generic blocks, as a kind is kept that has no block of its own. */
+enum { GENERIC = PEN_ACCEL_COUNT + 1, ACCELS = GENERIC + PEN_ACCEL_COUNT, WAYS = 2 * ACCELS };
 
 /* All ways to ask. */
 struct ways {
@@ -42,6 +44,12 @@ static struct ways build(const struct world *w, struct random *random)
     for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
         ways.accel[kind] = pen_accel_build(&w->prims, (enum pen_accelerator)kind, ways.arena, &st);
     ways.accel[PEN_ACCEL_COUNT] = pen_accel_build_manual(&w->prims, &groups, ways.arena, &st);
+    unsigned kinds = (1u << PEN_PRIM_KIND_COUNT) - 1;
+    if (random_below(random, 2))
+        kinds &= random_below(random, kinds + 1);
+    for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
+        ways.accel[GENERIC + kind] =
+            pen_accel_build_generic(&w->prims, (enum pen_accelerator)kind, kinds, ways.arena, &st);
     for (int i = 0; i < ACCELS; i++)
         ck_assert(ways.accel[i]);
     ways.ops[0] = pen_trace_ops_get(PEN_ISA_BASE);

@@ -89,6 +89,8 @@ static const uint32_t *block_prims(const struct pen_accel *a, uint32_t item)
         return a->spheres[index].prim;
     case PEN_BLOCK_CYLINDERS:
         return a->cylinders[index].prim;
+    case PEN_BLOCK_GENERIC:
+        return a->generic[index].prim;
     default:
         return NULL;
     }

@@ -151,7 +151,7 @@ static inline bool test_borders(struct trace *w, const uint32_t prim[PEN_LANES],
 {
     for (; lanes; lanes &= lanes - 1) {
         uint32_t number = prim[__builtin_ctz(lanes)];
-        if (number != PEN_NO_PRIM && test_at_origin(w, number, any))
+        if (number != PEN_NO_PRIM && test_reference(w, number, any))
             return true;
     }
     return false;

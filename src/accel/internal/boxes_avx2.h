@@ -117,9 +117,14 @@ static inline bool test_item(struct trace *w, uint32_t item, bool any)
         return test_cylinders4(w, &w->accel->cylinders[index], any);
     case PEN_BLOCK_PLANES:
         return test_planes4(w, &w->accel->planes[index], any);
-    default:
-        return test_each(w, item, any);
+    case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_INFINITE_CYLINDERS:
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
+        break;
     }
+    return test_each(w, item, any);
 }
 
 #endif

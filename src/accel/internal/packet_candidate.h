@@ -16,9 +16,10 @@ enum pen_candidate_verdict {
 /* Fills in the packet's own members. False if its rays are not fit for it. */
 bool pen_packet_prepare(struct pen_shadow_packet *packet, double scale);
 
-/* Makes the candidate of a primitive. */
+/* Makes the candidate of a primitive; with `generic`, one of which each ray is tested by the
+ * reference, whatever its kind. */
 enum pen_candidate_verdict pen_candidate_make(const struct pen_shadow_packet *packet,
                                               const struct pen_prims *prims, uint32_t prim,
-                                              struct pen_candidate *candidate);
+                                              bool generic, struct pen_candidate *candidate);
 
 #endif

@@ -264,7 +264,7 @@ static bool packet_ray(const struct pen_accel *accel, const struct pen_shadow_pa
         const struct pen_candidate *candidate = &packet->candidate[k];
         if (!(candidate->ask >> i & 1))
             continue;
-        if (candidate->near ? test_at_origin(&w, candidate->prim, true)
+        if (candidate->near ? test_reference(&w, candidate->prim, true)
                             : test_prim(&w, candidate->prim, true))
             return true;
     }

@@ -83,10 +83,10 @@ static inline unsigned fan_enter(const struct pen_node *node, const struct fan_b
 
 /* Adds a primitive's candidate. False if that ends the search. */
 static inline bool fan_add(const struct pen_accel *accel, struct pen_shadow_packet *packet,
-                           uint32_t prim, enum pen_packet_visibility *fate)
+                           uint32_t prim, bool generic, enum pen_packet_visibility *fate)
 {
-    enum pen_candidate_verdict say =
-        pen_candidate_make(packet, accel->prims, prim, &packet->candidate[packet->candidate_count]);
+    enum pen_candidate_verdict say = pen_candidate_make(
+        packet, accel->prims, prim, generic, &packet->candidate[packet->candidate_count]);
     if (say == PEN_CANDIDATE_NEVER)
         return true;
     if (say == PEN_CANDIDATE_ALWAYS) {
@@ -109,9 +109,10 @@ static inline bool fan_add_leaf(const struct pen_accel *accel, struct pen_shadow
                                 uint32_t first, enum pen_packet_visibility *fate)
 {
     for (const uint32_t *item = &accel->items[first];; item++) {
+        bool generic = PEN_ITEM_KIND(*item) == PEN_BLOCK_GENERIC;
         const uint32_t *prim = block_prims(accel, *item);
         for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
-            if (!fan_add(accel, packet, prim[lane], fate))
+            if (!fan_add(accel, packet, prim[lane], generic, fate))
                 return false;
         }
         if (*item & PEN_ITEM_LAST)
@@ -146,7 +147,7 @@ static inline bool fan_shut_again(const struct pen_accel *accel, struct pen_shad
     if (last >= accel->prims->count)
         return false;
     packet->last_occluder = PEN_NO_PRIM;
-    if (pen_candidate_make(packet, accel->prims, last, &packet->candidate[0]) !=
+    if (pen_candidate_make(packet, accel->prims, last, false, &packet->candidate[0]) !=
         PEN_CANDIDATE_ALWAYS)
         return false;
     packet->last_occluder = last;

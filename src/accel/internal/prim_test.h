@@ -37,20 +37,27 @@ struct trace {
     struct pen_vec3 light; /* shadow to a point: where the ray ends */
 };
 
-/* The unit normal of a flat primitive; NULL for round ones. */
+/* The unit normal of a plane, triangle or polygon; NULL for other kinds. */
 static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
                                                  struct pen_prim_ref ref)
 {
-    switch (ref.kind) {
-    case PEN_PRIM_PLANE:
+    switch (pen_block_of(ref.kind)) {
+    case PEN_BLOCK_PLANES:
         return &prims->plane[ref.index].n;
-    case PEN_PRIM_TRIANGLE:
+    case PEN_BLOCK_TRIANGLES:
         return &prims->triangle[ref.index].n;
-    case PEN_PRIM_POLYGON:
+    case PEN_BLOCK_POLYGONS:
         return &prims->polygon[ref.index].n;
-    default:
-        return NULL;
+    case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_SPHERES:
+    case PEN_BLOCK_CYLINDERS:
+    case PEN_BLOCK_INFINITE_CYLINDERS:
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
+        break;
     }
+    return NULL;
 }
 
 /* At least pen_prim_scale of a flat primitive. */
@@ -114,8 +121,9 @@ static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part,
     return true;
 }
 
-/* The intersections of a primitive that the ray leaves or touches at its origin. */
-static __attribute__((noinline)) bool test_at_origin(struct trace *w, uint32_t prim, bool any)
+/* The intersections of any primitive, by the reference: for kinds without a test here, and for
+ * primitives that the ray leaves or touches at its origin. */
+static __attribute__((noinline)) bool test_reference(struct trace *w, uint32_t prim, bool any)
 {
     struct pen_intersections c;
     pen_prim_intersect(w->accel->prims, prim, w->ray, w->origin, &c);
@@ -135,9 +143,9 @@ static inline bool test_sphere(struct trace *w, uint32_t prim, const struct pen_
 {
     double t[2];
     if (prim == w->origin->prim)
-        return !pen_sphere_outward(s, w->ray) && test_at_origin(w, prim, any);
+        return !pen_sphere_outward(s, w->ray) && test_reference(w, prim, any);
     if (w->leaving && pen_sphere_touches(s, w->ray->o, w->origin->bound))
-        return test_at_origin(w, prim, any);
+        return test_reference(w, prim, any);
     return pen_sphere_roots(s, w->ray, t) && offer_pair(w, prim, t, any);
 }
 
@@ -147,13 +155,13 @@ static inline bool test_tube(struct trace *w, uint32_t prim,
     double t[2];
     bool parallel;
     if (prim == w->origin->prim)
-        return test_at_origin(w, prim, any);
+        return test_reference(w, prim, any);
     if (!pen_cylinder_side_roots(&infinite_cylinder->round, w->ray, t, &parallel))
         return false;
     if (w->leaving && pen_cylinder_side_touches(
                           &infinite_cylinder->round, w->ray->o,
                           w->origin->bound + pen_infinite_cylinder_rounding(infinite_cylinder)))
-        return test_at_origin(w, prim, any);
+        return test_reference(w, prim, any);
     return offer_pair(w, prim, t, any);
 }
 
@@ -164,9 +172,9 @@ static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pe
     if (prim == w->origin->prim)
         return !(w->origin->part == PEN_PART_SIDE &&
                  pen_cylinder_side_outward(&c->round, w->ray)) &&
-               test_at_origin(w, prim, any);
+               test_reference(w, prim, any);
     if (w->leaving && pen_cylinder_touches(c, w->ray->o, w->origin->bound))
-        return test_at_origin(w, prim, any);
+        return test_reference(w, prim, any);
     if (!pen_cylinder_interval(c, w->ray, &in))
         return false;
     return ((c->caps || in.lo_part == PEN_PART_SIDE) && offer(w, prim, in.lo, in.lo_part, any)) ||
@@ -182,7 +190,7 @@ static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any
     if (prim == w->origin->prim)
         return false;
     if (t * t <= w->near_sq)
-        return test_at_origin(w, prim, any);
+        return test_reference(w, prim, any);
     if (late)
         return false;
     const struct pen_prim_ref ref = w->accel->prims->ref[prim];
@@ -191,7 +199,7 @@ static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any
             w->origin->bound + 8 * PEN_U * flat_scale(w, ref, w->ray->o) &&
         pen_flat_touches(n, pen_prim_scale(w->accel->prims, prim, w->ray->o), w->ray, t,
                          w->origin->bound))
-        return test_at_origin(w, prim, any);
+        return test_reference(w, prim, any);
     return offer(w, prim, t, PEN_PART_SIDE, any);
 }
 
@@ -209,25 +217,28 @@ static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
     const struct pen_prims *prims = w->accel->prims;
     const struct pen_prim_ref ref = prims->ref[prim];
     double t;
-    switch ((enum pen_prim_kind)ref.kind) {
-    case PEN_PRIM_SPHERE:
+    switch (pen_block_of(ref.kind)) {
+    case PEN_BLOCK_SPHERES:
         return test_sphere(w, prim, &prims->sphere[ref.index], any);
-    case PEN_PRIM_INFINITE_CYLINDER:
+    case PEN_BLOCK_INFINITE_CYLINDERS:
         return test_tube(w, prim, &prims->infinite_cylinder[ref.index], any);
-    case PEN_PRIM_CYLINDER:
+    case PEN_BLOCK_CYLINDERS:
         return test_cylinder(w, prim, &prims->cylinder[ref.index], any);
-    case PEN_PRIM_PLANE:
+    case PEN_BLOCK_PLANES:
         return pen_plane_root(&prims->plane[ref.index], w->ray, &t) && offer_flat(w, prim, t, any);
-    case PEN_PRIM_TRIANGLE:
+    case PEN_BLOCK_TRIANGLES:
         return pen_triangle_root(&prims->triangle[ref.index], w->ray, &t) &&
                offer_bounded(w, prim, t, any);
-    case PEN_PRIM_POLYGON:
+    case PEN_BLOCK_POLYGONS:
         return pen_polygon_root(&prims->polygon[ref.index], w->ray, &t) &&
                offer_bounded(w, prim, t, any);
-    case PEN_PRIM_KIND_COUNT:
+    case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
         break;
     }
-    return false;
+    return test_reference(w, prim, any);
 }
 
 /* The primitives of a block, in order. */
@@ -246,10 +257,15 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
     case PEN_BLOCK_PLANES:
         return accel->planes[index].prim;
     case PEN_BLOCK_INFINITE_CYLINDERS:
-        return accel->tubes[index].prim;
-    default:
-        return NULL;
+        return accel->infinite_cylinders[index].prim;
+    case PEN_BLOCK_GENERIC:
+        return accel->generic[index].prim;
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
+        break;
     }
+    return NULL;
 }
 
 /* One primitive of a leaf. Where a flat primitive may have the origin on its border, that its
@@ -258,7 +274,7 @@ static inline bool test_one(struct trace *w, uint32_t prim, bool any)
 {
     uint32_t kind = w->accel->prims->ref[prim].kind;
     if (w->at_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
-        return prim != w->origin->prim && test_at_origin(w, prim, any);
+        return prim != w->origin->prim && test_reference(w, prim, any);
     return test_prim(w, prim, any);
 }
 
@@ -267,9 +283,10 @@ static inline bool test_each(struct trace *w, uint32_t item, bool any)
 {
     if (PEN_ITEM_KIND(item) == PEN_BLOCK_SINGLE)
         return test_one(w, PEN_ITEM_INDEX(item), any);
+    bool generic = PEN_ITEM_KIND(item) == PEN_BLOCK_GENERIC;
     const uint32_t *prim = block_prims(w->accel, item);
     for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
-        if (test_one(w, prim[lane], any))
+        if (generic ? test_reference(w, prim[lane], any) : test_one(w, prim[lane], any))
             return true;
     }
     return false;

@@ -28,22 +28,52 @@ enum { PEN_WIDE = 8, PEN_LANES = 4, PEN_MAX_DEPTH = 64 };
 /* In a list, the first child of a node has this bit set too if the next node continues it. */
 #define PEN_CHILD_MORE 0x40000000u
 
-/* An item is a block of a kind, or a single primitive; the last of a leaf has the top bit set. */
+/* What an item of a leaf is: a block, or a single primitive. Leaves hold their blocks in this
+ * order. A kind of primitive has a block of its own if it is tested several at once; every other
+ * kind is packed in generic blocks, whose primitives are tested one by one with pen_prim_intersect.
+ */
 enum pen_block_kind {
+    PEN_BLOCK_GENERIC,
     PEN_BLOCK_TRIANGLES,
     PEN_BLOCK_POLYGONS,
     PEN_BLOCK_SPHERES,
     PEN_BLOCK_CYLINDERS,
-    PEN_BLOCK_FINITE_COUNT, /* builders sort the kinds above */
-    PEN_BLOCK_PLANES = PEN_BLOCK_FINITE_COUNT,
+    PEN_BLOCK_PLANES,
     PEN_BLOCK_INFINITE_CYLINDERS,
     PEN_BLOCK_NOTHING,
     PEN_BLOCK_SINGLE, /* the index is the primitive's number */
     PEN_BLOCK_KIND_COUNT
 };
+
+/* An item: its index in the lowest bits, its kind above, and the top bit set in the last item of a
+ * leaf. */
 #define PEN_ITEM_LAST 0x80000000u
-#define PEN_ITEM_KIND(item) ((item) >> 28 & 7u)
-#define PEN_ITEM_INDEX(item) ((item)&0x0fffffffu)
+#define PEN_ITEM_INDEX_BITS 26
+#define PEN_ITEM_KIND_BITS 5
+#define PEN_ITEM_INDEX_MAX ((1u << PEN_ITEM_INDEX_BITS) - 1)
+#define PEN_ITEM(kind, index) ((uint32_t)(kind) << PEN_ITEM_INDEX_BITS | (index))
+#define PEN_ITEM_KIND(item)                                                                        \
+    ((enum pen_block_kind)((item) >> PEN_ITEM_INDEX_BITS & ((1u << PEN_ITEM_KIND_BITS) - 1)))
+#define PEN_ITEM_INDEX(item) ((item)&PEN_ITEM_INDEX_MAX)
+_Static_assert(PEN_ITEM_INDEX_BITS + PEN_ITEM_KIND_BITS + 1 == 32, "an item fills 32 bits");
+_Static_assert(PEN_PRIM_KINDS_MAX + PEN_BLOCK_KIND_COUNT - PEN_BLOCK_NOTHING <
+                   1 << PEN_ITEM_KIND_BITS,
+               "room for a block of each of 16 kinds of primitives, a generic one and the others");
+_Static_assert(PEN_BLOCK_KIND_COUNT <= 1 << PEN_ITEM_KIND_BITS, "an item's tag holds its kind");
+
+/* The block that primitives of a kind are packed in: generic for kinds that are not listed here. */
+static inline enum pen_block_kind pen_block_of(uint32_t prim_kind)
+{
+    static const uint8_t block[PEN_PRIM_KIND_COUNT] = {
+        [PEN_PRIM_TRIANGLE] = PEN_BLOCK_TRIANGLES,
+        [PEN_PRIM_POLYGON] = PEN_BLOCK_POLYGONS,
+        [PEN_PRIM_SPHERE] = PEN_BLOCK_SPHERES,
+        [PEN_PRIM_CYLINDER] = PEN_BLOCK_CYLINDERS,
+        [PEN_PRIM_PLANE] = PEN_BLOCK_PLANES,
+        [PEN_PRIM_INFINITE_CYLINDER] = PEN_BLOCK_INFINITE_CYLINDERS,
+    };
+    return (enum pen_block_kind)block[prim_kind];
+}
 
 /* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing:
  * PEN_CHILD_LEAF itself. */
@@ -86,7 +116,8 @@ struct pen_planes4 {
     uint32_t prim[PEN_LANES];
 };
 
-struct pen_infinite_cylinders4 { /* rare: tested one by one */
+/* Primitives that are tested one by one, read where the scene keeps them. */
+struct pen_generic4 {
     uint32_t prim[PEN_LANES];
 };
 
@@ -112,7 +143,8 @@ struct pen_accel {
     const struct pen_spheres4 *spheres;
     const struct pen_cylinders4 *cylinders;
     const struct pen_planes4 *planes;
-    const struct pen_infinite_cylinders4 *tubes;
+    const struct pen_generic4 *infinite_cylinders;
+    const struct pen_generic4 *generic;
     double scale; /* the largest pen_prim_scale of a finite primitive */
     struct pen_accel_stats stats;
     struct pen_test_counts *counts; /* of a view that counts; else NULL */

@@ -28,11 +28,14 @@ struct pen_ref {
     float lo[3];
     uint32_t prim;
     float hi[3];
-    uint32_t kind; /* enum pen_block_kind */
+    uint16_t kind;             /* enum pen_block_kind */
+    uint8_t cost_class, lanes; /* see pen_leaf_cost */
 };
 
 struct pen_plan {
     const struct pen_prims *prims;
+    unsigned generic_kinds;  /* bit per enum pen_prim_kind: packed in generic blocks, although the
+                              * kind has its own */
     struct pen_ref *ref;     /* first the finite primitives; builders bring them into their order */
     uint32_t count;          /* of these */
     uint32_t infinite;       /* count of those without bounds, which come after */
@@ -46,7 +49,7 @@ struct pen_plan {
 
 /* Lists the primitives in document order, finite ones with boxes rounded outward.
  * Fails: returns false when out of memory. */
-bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims);
+bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims, unsigned generic_kinds);
 void pen_plan_release(struct pen_plan *plan);
 
 /* Adds a leaf of a range of ref[]; returns the child, or PEN_NO_CHILD when out of memory. */
@@ -84,9 +87,22 @@ bool pen_plan_lane(const struct pen_plan *plan, uint32_t node, int lane, struct 
 /* Whether the node after this one continues its list. */
 bool pen_plan_more(const struct pen_plan *plan, uint32_t node);
 
-/* The expected number of box and block tests for `n` primitives of each kind in one leaf, in units
- * of one test of four triangles. */
-float pen_leaf_cost(const uint32_t n[PEN_BLOCK_FINITE_COUNT]);
+/* Costs of tests, in units of one test of a block of triangles. A block costs the same however many
+ * of its lanes are filled, so builders count lanes by class of cost. A primitive of a generic block
+ * is tested alone: it counts as so many full blocks of triangles as its kind's row in pen_kinds
+ * says that it costs. */
+enum pen_cost_class {
+    PEN_COST_TRIANGLES,
+    PEN_COST_POLYGONS,
+    PEN_COST_SPHERES,
+    PEN_COST_CYLINDERS,
+    PEN_COST_CLASS_COUNT
+};
+
+/* The expected cost of the tests in a leaf with so many filled lanes of each class. */
+float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT]);
+
+/* That of the boxes of a node. */
 extern const float pen_node_cost;
 
 /* The cost of one box test in primitive tests, in statistics: pen_node_cost is that of eight, in

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT */
+/* Generic blocks: what a kind of primitive without a block of its own gets. Every kind is put into
+ * them in turn; see also test_same.c, which compares intersections. */
+#include "accel/internal/build_generic.h"
+#include "accel/internal/structure.h"
+#include "support/suite.h"
+#include "support/world.h"
+
+static struct world world;
+static struct pen_arena *arena;
+
+static void setup(void)
+{
+    arena = pen_arena_new(0);
+    world_clear(&world);
+}
+
+static void teardown(void)
+{
+    pen_arena_free(arena);
+}
+
+static const struct pen_accel *build(enum pen_accelerator kind, unsigned generic_kinds)
+{
+    struct pen_status st;
+    const struct pen_accel *accel =
+        pen_accel_build_generic(&world.prims, kind, generic_kinds, arena, &st);
+    ck_assert(accel);
+    return accel;
+}
+
+/* The items of all leaves are in a row: how many primitives are in generic blocks, and in others.
+ */
+static void count_items(const struct pen_accel *accel, uint32_t last, uint32_t *generic,
+                        uint32_t *others)
+{
+    uint32_t blocks = 0;
+    *generic = *others = 0;
+    for (uint32_t i = 0; i <= last; i++) {
+        uint32_t item = accel->items[i];
+        if (PEN_ITEM_KIND(item) != PEN_BLOCK_GENERIC) {
+            *others += PEN_ITEM_KIND(item) != PEN_BLOCK_NOTHING;
+            continue;
+        }
+        ck_assert_uint_eq(PEN_ITEM_INDEX(item), blocks++);
+        for (int lane = 0; lane < PEN_LANES; lane++)
+            *generic += accel->generic[PEN_ITEM_INDEX(item)].prim[lane] != PEN_NO_PRIM;
+    }
+}
+
+/* With PEN_ACCEL_NONE: the leaf of nothing, the infinite primitives' list, and that of the others.
+ */
+START_TEST(test_generic__holds_the_kinds_that_have_no_block)
+{
+    struct random r = random_begin(11);
+    world_random(&world, &r, 80, .3);
+    for (uint32_t kind = 0; kind < PEN_PRIM_KIND_COUNT; kind++) {
+        uint32_t generic, others;
+        const struct pen_accel *accel = build(PEN_ACCEL_NONE, 1u << kind);
+        uint32_t last = accel->list;
+        while (!(accel->items[last] & PEN_ITEM_LAST))
+            last++;
+        count_items(accel, last, &generic, &others);
+        ck_assert_uint_gt(world.prims.kind_count[kind], 0);
+        ck_assert_uint_eq(generic, world.prims.kind_count[kind]);
+        ck_assert_uint_gt(others, 0);
+    }
+}
+END_TEST
+
+/* Builders weigh a generic primitive as one that is tested alone: no leaf holds several. */
+START_TEST(test_generic__primitives_do_not_share_a_leaf)
+{
+    for (int i = 0; i < 64; i++)
+        world_sphere(&world, pen_vec3(i % 4, i / 4 % 4, i / 16), .25);
+    const struct pen_accel_stats *blocks = pen_accel_get_stats(build(PEN_ACCEL_AUTO, 0));
+    const struct pen_accel_stats *generic =
+        pen_accel_get_stats(build(PEN_ACCEL_AUTO, 1u << PEN_PRIM_SPHERE));
+    ck_assert_uint_lt(blocks->leaves, 64);
+    ck_assert_uint_eq(generic->leaves, 64);
+}
+END_TEST
+
+/* Both directions of a packet: what it says of each ray, and what `shadow` says of the ray alone.
+ */
+static void compare_ray(const struct pen_accel *accel, const struct pen_trace_ops *ops,
+                        const struct pen_shadow_packet *packet, double a, double b, int i,
+                        bool blocked, bool ask)
+{
+    struct pen_shadow alone = {.tmax = packet->to_point ? 1 : INFINITY,
+                               .to_point = packet->to_point,
+                               .see_through = packet->see_through,
+                               .last_occluder = PEN_NO_PRIM};
+    struct pen_shadow together = alone;
+    struct pen_ray ray = world_ray(packet->o, pen_packet_direction(packet, a, b));
+    bool truth = ops->shadow(accel, &ray, packet->origin, &alone);
+    if (!ask) {
+        ck_assert(blocked == truth);
+        return;
+    }
+    ck_assert(ops->packet_ray(accel, packet, &ray, i, &together) == truth);
+    if (truth)
+        return;
+    ck_assert_int_eq(together.count, alone.count);
+    for (int k = 0; k < alone.count; k++)
+        ck_assert(together.hit[k].t == alone.hit[k].t && together.hit[k].prim == alone.hit[k].prim);
+}
+
+/* Compares a packet's rays, and counts those that it leaves to the reference. */
+static int compare_packet(struct random *r, const struct pen_accel *accel, enum pen_isa isa,
+                          struct pen_shadow_packet *packet)
+{
+    const struct pen_trace_ops *ops = pen_trace_ops_get(isa);
+    double a[PEN_PACKET_RAYS], b[PEN_PACKET_RAYS];
+    uint64_t blocked = 0, ask = 0;
+    packet->last_occluder = PEN_NO_PRIM;
+    for (int i = 0; i < PEN_PACKET_RAYS; i++) {
+        a[i] = random_in(r, -.7, .7);
+        b[i] = random_in(r, -.7, .7);
+    }
+    switch (ops->packet_begin(accel, packet)) {
+    case PEN_PACKET_ALL_VISIBLE:
+        break;
+    case PEN_PACKET_ALL_OCCLUDED:
+        blocked = UINT64_MAX;
+        break;
+    case PEN_PACKET_MIXED:
+        blocked = ops->packet_test(packet, a, b, PEN_PACKET_RAYS, &ask);
+        break;
+    case PEN_PACKET_NOT_POSSIBLE:
+        return 0;
+    }
+    for (int i = 0; i < PEN_PACKET_RAYS; i++)
+        compare_ray(accel, ops, packet, a[i], b[i], i, blocked >> i & 1, ask >> i & 1);
+    return __builtin_popcountll(ask);
+}
+
+START_TEST(test_generic__packets_leave_them_to_the_reference)
+{
+    struct random r = random_begin(64);
+    static struct pen_shadow_packet packet;
+    static const uint8_t opaque[WORLD_MAX];
+    int asked[PEN_PRIM_KIND_COUNT] = {0};
+    for (int i = 0; i < random_cases(600); i++) {
+        uint32_t kind = (uint32_t)i % PEN_PRIM_KIND_COUNT;
+        world_clear(&world);
+        world_random(&world, &r, 12, .3);
+        const struct pen_accel *accel = build(PEN_ACCEL_AUTO, 1u << kind);
+        struct pen_vec3 c = random_vec(&r, 2),
+                        across = pen_normalize(pen_cross(c, random_direction(&r)));
+        packet.o = random_vec(&r, 2);
+        packet.c = c;
+        packet.u = pen_scale(across, .1);
+        packet.v = pen_scale(pen_normalize(pen_cross(c, across)), .1);
+        packet.origin = &pen_origin_none;
+        packet.to_point = i & 1;
+        packet.see_through = i & 2 ? opaque : NULL;
+        for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++)
+            asked[kind] += compare_packet(&r, accel, (enum pen_isa)isa, &packet);
+    }
+    for (int kind = 0; kind < PEN_PRIM_KIND_COUNT; kind++)
+        ck_assert_msg(asked[kind] > 0, "kind %d is never left to the reference", kind);
+}
+END_TEST
+
+/* An item's index has room for so many primitives: more are refused before anything is read. */
+START_TEST(test_generic__more_primitives_than_items_can_number)
+{
+    struct pen_status st;
+    const struct pen_prims many = {.count = PEN_ITEM_INDEX_MAX + 1};
+    ck_assert(!pen_accel_build(&many, PEN_ACCEL_AUTO, arena, &st));
+    ck_assert_int_eq(st.code, PEN_TOO_LARGE);
+    ck_assert_str_eq(st.msg,
+                     "67108864 primitives; an acceleration structure holds at most 67108863");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("generic");
+    TCase *tcase = tcase_create("generic");
+    tcase_set_timeout(tcase, 120);
+    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_add_test(tcase, test_generic__holds_the_kinds_that_have_no_block);
+    tcase_add_test(tcase, test_generic__primitives_do_not_share_a_leaf);
+    tcase_add_test(tcase, test_generic__packets_leave_them_to_the_reference);
+    tcase_add_test(tcase, test_generic__more_primitives_than_items_can_number);
+    suite_add_tcase(suite, tcase);
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}
