@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "cmd/report.h"
-#include "io/scene_json.h"
+#include "io/message.h"
 
 int pen_option_find(const struct pen_option *options, const char *name)
 {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/scene_json.h"
+#include "io/message.h"
 #include "jobs/jobs.h"
 
 /* A message is at most a pointer, a sentence and a path. */

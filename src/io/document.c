@@ -67,7 +67,10 @@ bool pen_document_read(const struct pen_document *document, const struct pen_lim
         pen_errors_add(errors, &xml->faults.item[i]);
     if (xml)
         errors->total += xml->faults.total - xml->faults.count;
-    pen_scene_read_from(document->json, document->xml, "", limits, arena, desc, errors);
+    struct pen_source_map source;
+    if (xml)
+        source = pen_xml_source_map(document->xml);
+    pen_scene_read_from(document->json, xml ? &source : NULL, "", limits, arena, desc, errors);
     if (xml)
         sort(errors);
     return errors->total == before;

@@ -20,6 +20,7 @@
 
 #include "base/arena.h"
 #include "base/status.h"
+#include "io/message.h"
 #include "scene/desc.h"
 
 /* Limits, scene-format.md; pen_limits_default gives the defaults. */
@@ -81,17 +82,5 @@ void pen_scene_warnings(const json_t *document, const char *at, const struct pen
 bool pen_scene_load(const char *text, size_t bytes, const struct pen_limits *limits,
                     struct pen_arena *arena, struct pen_scene_desc *desc,
                     struct pen_errors *errors);
-
-/* The member of names[] (NULL-terminated) nearest to `word`, the first of several, or NULL if none
- * is near: edit distance with transpositions <= 2 and less than half the word. Letters of either
- * case are alike, and so are - and _. */
-const char *pen_nearest_name(const char *word, const char *const *names);
-
-/* What a message says was found: `the string "x"`, `an array of 3`, `2.5`. Cut to fit. */
-void pen_value_describe(const json_t *value, char *out, size_t bytes);
-
-/* One line for an error, for the command line: "FILE:LINE:COLUMN: message", "FILE: at POINTER:
- * message" or "FILE: message". `file` may be NULL or empty; a line that does not fit is cut. */
-void pen_status_describe(const struct pen_status *st, const char *file, char *out, size_t bytes);
 
 #endif

@@ -5,7 +5,7 @@
 #include "math/exact.h"
 #include "math/fn.h"
 #include "math/scale.h"
-#include "scene/internal/unit.h"
+#include "scene/internal/vec.h"
 #include "scene/scene.h"
 
 /* The sine of the smallest angle between view direction and `up` that still says which way is up:
@@ -13,13 +13,13 @@
 static const double PARALLEL_SINE = 0x1p-40;
 
 /* Makes right and up orthonormal to forward (unit). False if up is parallel to forward. */
-static bool settle(struct pen_camera_frame *frame, struct pen_vec3 up)
+static bool orthonormalize(struct pen_camera_frame *frame, struct pen_vec3 up)
 {
-    struct pen_vec3 right = pen_cross(frame->forward, unit_of(up));
+    struct pen_vec3 right = pen_cross(frame->forward, vec_normalize(up));
     if (!(pen_length(right) > PARALLEL_SINE))
         return false;
-    frame->right = unit_of(right);
-    frame->up = unit_of(pen_cross(frame->right, frame->forward));
+    frame->right = vec_normalize(right);
+    frame->up = vec_normalize(pen_cross(frame->right, frame->forward));
     return true;
 }
 
@@ -27,8 +27,8 @@ static void turn(struct pen_camera_frame *frame, struct pen_vec3 axis, double de
 {
     if (degrees == 0)
         return; /* not even a rounding */
-    frame->forward = unit_of(pen_rotate(frame->forward, axis, degrees));
-    settle(frame, pen_rotate(frame->up, axis, degrees));
+    frame->forward = vec_normalize(pen_rotate(frame->forward, axis, degrees));
+    orthonormalize(frame, pen_rotate(frame->up, axis, degrees));
 }
 
 static struct pen_vec3 move_axis(const struct pen_camera_frame *frame,
@@ -44,7 +44,7 @@ static struct pen_vec3 move_axis(const struct pen_camera_frame *frame,
     case PEN_AXIS_VECTOR:
         break;
     }
-    return unit_of(move->axis);
+    return vec_normalize(move->axis);
 }
 
 static void apply(struct pen_camera_frame *frame, const struct pen_camera_move *move)
@@ -58,7 +58,7 @@ static void apply(struct pen_camera_frame *frame, const struct pen_camera_move *
         turn(frame, move_axis(frame, move), move->degrees);
         break;
     case PEN_MOVE_ORBIT:
-        axis = unit_of(move->axis);
+        axis = vec_normalize(move->axis);
         arm = pen_sub(frame->eye, move->vector);
         frame->eye = pen_add(move->vector, pen_rotate(arm, axis, move->degrees));
         turn(frame, axis, move->degrees);
@@ -72,16 +72,17 @@ bool pen_camera_frame_make(const struct pen_camera_desc *camera, struct pen_came
     struct pen_vec3 direction = camera->direction;
     if (camera->has_look_at)
         direction = pen_sub(camera->look_at, camera->position);
-    if (!(unit_max(direction) > 0) && camera->has_look_at)
+    if (!(vec_max_abs(direction) > 0) && camera->has_look_at)
         return pen_fail_at(st, PEN_INVALID, "/look_at", "is the same point as position");
-    if (!(unit_max(direction) > 0))
+    if (!(vec_max_abs(direction) > 0))
         return pen_fail_at(st, PEN_INVALID, "/direction", "has no length");
-    if (!(unit_max(camera->up) > 0))
+    if (!(vec_max_abs(camera->up) > 0))
         return pen_fail_at(st, PEN_INVALID, "/up", "has no length");
-    if (!isfinite(unit_max(direction)))
+    if (!isfinite(vec_max_abs(direction)))
         return pen_fail_at(st, PEN_INVALID, "/look_at", "is too far from position");
-    *frame = (struct pen_camera_frame){.eye = camera->position, .forward = unit_of(direction)};
-    if (!settle(frame, camera->up))
+    *frame =
+        (struct pen_camera_frame){.eye = camera->position, .forward = vec_normalize(direction)};
+    if (!orthonormalize(frame, camera->up))
         return pen_fail_at(st, PEN_INVALID, "/up", "is parallel to the view direction");
     for (uint32_t i = 0; i < camera->move_count; i++)
         apply(frame, &camera->moves[i]);
@@ -106,7 +107,7 @@ struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, in
     double step_x = pen_scale2(plane_width, -exponent) / width;
     double step_y = pen_scale2(plane_height, -exponent) / height;
     return (struct pen_pinhole){
-        .eye = unit_shift(pen_sub(v->frame.eye, scene->center), scene->exponent),
+        .eye = vec_scale2_down(pen_sub(v->frame.eye, scene->center), scene->exponent),
         .middle = pen_scale(v->frame.forward, pen_scale2(distance, -exponent)),
         .dx = pen_scale(v->frame.right, step_x),
         .dy = pen_scale(v->frame.up, -step_y),

@@ -4,7 +4,7 @@
  * one bit of the picture; only what is written in the document decides, never a threshold. */
 #include "scene/internal/effects.h"
 
-#include "scene/internal/unit.h"
+#include "scene/internal/vec.h"
 
 const char *pen_effect_name(int bit)
 {
@@ -31,17 +31,17 @@ static unsigned shadow_kind(bool shadows, bool soft)
 /* Adds what one primitive's material calls for; materials that no primitive has do not count. */
 static void add_material(struct survey *survey, const struct pen_material *m)
 {
-    if (survey->ambient_light && unit_lit(m->ka))
+    if (survey->ambient_light && color_is_lit(m->ka))
         survey->effects |= PEN_FX_AMBIENT;
-    if (unit_lit(m->kr))
+    if (color_is_lit(m->kr))
         survey->effects |= PEN_FX_MIRROR;
-    if (unit_lit(m->kt))
+    if (color_is_lit(m->kt))
         survey->effects |= PEN_FX_TRANSMISSION;
-    if (survey->lights && unit_lit(m->ks))
+    if (survey->lights && color_is_lit(m->ks))
         survey->effects |= PEN_FX_SPECULAR;
-    if (unit_lit(m->kd) || unit_lit(m->ks))
+    if (color_is_lit(m->kd) || color_is_lit(m->ks))
         survey->effects |= survey->shadows;
-    survey->see_through = survey->see_through || unit_lit(m->kt);
+    survey->see_through = survey->see_through || color_is_lit(m->kt);
 }
 
 static unsigned survey_end(const struct survey *survey)
@@ -52,7 +52,7 @@ static unsigned survey_end(const struct survey *survey)
 
 unsigned pen_effects_of_scene(const struct pen_scene *scene)
 {
-    struct survey survey = {.ambient_light = unit_lit(scene->ambient),
+    struct survey survey = {.ambient_light = color_is_lit(scene->ambient),
                             .lights = scene->light_count > 0};
     for (uint32_t i = 0; i < scene->light_count; i++)
         survey.shadows |= shadow_kind(scene->lights[i].shadows, scene->lights[i].soft);
@@ -85,10 +85,10 @@ static unsigned with_settings(unsigned effects, const struct pen_settings *setti
 
 unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings)
 {
-    struct survey survey = {.ambient_light = unit_lit(desc->ambient)};
+    struct survey survey = {.ambient_light = color_is_lit(desc->ambient)};
     for (uint32_t i = 0; i < desc->light_count; i++) {
         const struct pen_light_desc *light = &desc->lights[i];
-        if (!unit_lit(light->intensity))
+        if (!color_is_lit(light->intensity))
             continue;
         survey.lights = true;
         survey.shadows |= shadow_kind(light->shadows, pen_light_desc_soft(light));

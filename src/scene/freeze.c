@@ -17,47 +17,13 @@
 /* Primitive numbers must fit into pen_prim_ref. */
 enum { PRIMS_MAX = 1 << 28 };
 
-static bool reserve_buffer(struct pen_freezer *f, const struct pen_walk_primitive *at)
-{
-    enum pen_object_kind kind = at->object->kind;
-    bool loop = kind == PEN_OBJECT_TRIANGLE || kind == PEN_OBJECT_POLYGON;
-    uint32_t count = loop && at->moved ? at->object->u.polygon.count : 0;
-    if (count <= f->buffer_capacity)
-        return true;
-    struct pen_vec3 *buffer = realloc(f->buffer, count * sizeof *buffer);
-    if (!buffer)
-        return pen_freeze_no_memory(f);
-    f->buffer = buffer;
-    f->buffer_capacity = count;
-    return true;
-}
-
-bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user)
-{
-    struct pen_walk walk;
-    if (!pen_walk_init(&walk, f->desc, f->st))
-        return false;
-    struct pen_walk_primitive at;
-    struct pen_placed body;
-    enum pen_walk_step step;
-    while ((step = pen_walk_next(&walk, &at, f->st)) == PEN_WALK_BODY) {
-        if (!reserve_buffer(f, &at))
-            break;
-        if (!pen_place_primitive(&at, f->buffer, &body, f->st) || !fn(f, &body, user)) {
-            pen_walk_pointer(&walk, f->st->at, sizeof f->st->at);
-            break;
-        }
-    }
-    pen_walk_release(&walk);
-    return step == PEN_WALK_END;
-}
-
-static bool survey_body(struct pen_freezer *f, const struct pen_placed *body, void *user)
+static bool survey_primitive(struct pen_freezer *f, const struct pen_placed *placed, void *user)
 {
     (void)user;
     if (f->survey.total == PRIMS_MAX)
-        return pen_fail(f->st, PEN_INVALID, "is one body too many: %d are possible", PRIMS_MAX);
-    pen_survey_add(&f->survey, body);
+        return pen_fail(f->st, PEN_INVALID, "is one primitive too many: %d are possible",
+                        PRIMS_MAX);
+    pen_survey_add(&f->survey, placed);
     return true;
 }
 
@@ -90,7 +56,7 @@ static bool freeze_views(struct pen_freezer *f)
 static bool freeze_frame(struct pen_freezer *f)
 {
     f->survey = pen_survey_empty();
-    if (!pen_freeze_each(f, survey_body, NULL))
+    if (!pen_freeze_each(f, survey_primitive, NULL))
         return false;
     if (!pen_local_frame_make(&f->survey, f->cameras, f->desc->view_count, &f->frame))
         return pen_fail(f->st, PEN_INVALID, "the scene is larger than numbers can say");
@@ -134,7 +100,7 @@ static struct pen_light local_light(const struct pen_freezer *f, const struct pe
     if (desc->kind != PEN_LIGHT_DIRECTIONAL)
         light.position = pen_local_point(&f->frame, desc->position);
     if (desc->kind != PEN_LIGHT_POINT)
-        light.direction = unit_of(desc->direction);
+        light.direction = vec_normalize(desc->direction);
     light.soft = desc->shadows && pen_light_desc_soft(desc);
     if (desc->kind == PEN_LIGHT_DIRECTIONAL) {
         double sine, cosine;
@@ -163,7 +129,7 @@ static bool freeze_lights(struct pen_freezer *f)
     if (!lights || !index)
         return pen_freeze_no_memory(f);
     for (uint32_t i = 0; i < count; i++) {
-        if (!unit_lit(f->desc->lights[i].intensity))
+        if (!color_is_lit(f->desc->lights[i].intensity))
             continue;
         lights[kept] = local_light(f, &f->desc->lights[i]);
         index[kept] = i;

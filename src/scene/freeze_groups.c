@@ -50,15 +50,15 @@ static void close_groups(struct gatherer *g, uint32_t depth, uint32_t prim)
 
 /* Closes the groups that primitive number `prim` is not in, and opens those that it is the first
  * of. */
-static bool follow(struct gatherer *g, const struct pen_walk *walk, uint32_t prim)
+static bool follow(struct gatherer *g, const struct pen_desc_iter *iter, uint32_t prim)
 {
     uint32_t same = 0;
-    while (same < g->depth && same + 1 < walk->depth &&
-           g->open[same].place == walk->levels[same].next)
+    while (same < g->depth && same + 1 < iter->depth &&
+           g->open[same].place == iter->levels[same].next)
         same++;
     close_groups(g, same, prim);
-    for (uint32_t level = same; level + 1 < walk->depth; level++) {
-        if (!open_group(g, walk->levels[level].next, prim))
+    for (uint32_t level = same; level + 1 < iter->depth; level++) {
+        if (!open_group(g, iter->levels[level].next, prim))
             return false;
     }
     return true;
@@ -66,21 +66,21 @@ static bool follow(struct gatherer *g, const struct pen_walk *walk, uint32_t pri
 
 static bool gather(struct pen_freezer *f, struct gatherer *g)
 {
-    struct pen_walk walk;
-    struct pen_walk_primitive at;
-    enum pen_walk_step step;
+    struct pen_desc_iter iter;
+    struct pen_desc_iter_item at;
+    enum pen_desc_iter_step step;
     uint32_t prim = 0;
-    if (!pen_walk_init(&walk, f->desc, f->st))
+    if (!pen_desc_iter_init(&iter, f->desc, f->st))
         return false;
-    while ((step = pen_walk_next(&walk, &at, f->st)) == PEN_WALK_BODY) {
-        if (!follow(g, &walk, prim++)) {
+    while ((step = pen_desc_iter_next(&iter, &at, f->st)) == PEN_ITER_PRIMITIVE) {
+        if (!follow(g, &iter, prim++)) {
             pen_freeze_no_memory(f);
             break;
         }
     }
     close_groups(g, 0, prim);
-    pen_walk_release(&walk);
-    return step == PEN_WALK_END;
+    pen_desc_iter_release(&iter);
+    return step == PEN_ITER_END;
 }
 
 struct pen_accel *pen_freeze_manual(struct pen_freezer *f)

@@ -73,7 +73,7 @@ static bool fill_primitive(struct pen_freezer *f, const struct pen_placed *place
     a->ref[prim] = (struct pen_prim_ref){.kind = placed->kind & 0xF, .index = index & 0xFFFFFFF};
     a->material[prim] =
         placed->material >= 0 ? (uint32_t)placed->material : f->desc->material_count;
-    a->see_through[prim] = unit_lit(f->scene->materials[a->material[prim]].kt);
+    a->see_through[prim] = color_is_lit(f->scene->materials[a->material[prim]].kt);
     f->scene->any_see_through = f->scene->any_see_through || a->see_through[prim];
     if (!fill_shape(f, a, placed, index))
         return pen_fail(f->st, PEN_INVALID,

@@ -6,7 +6,7 @@
  * frame would not move with it. */
 #include "scene/internal/place.h"
 
-#include "scene/internal/unit.h"
+#include "scene/internal/vec.h"
 
 static bool finite_vec(struct pen_vec3 v)
 {
@@ -56,8 +56,8 @@ static bool move_loop(const struct pen_transform *f, struct pen_vec3 *buffer,
 static bool move_plane(const struct pen_transform *f, struct pen_prim_source *p)
 {
     p->point = pen_transform_point(f, p->point);
-    p->direction = pen_transform_normal(f, unit_of(p->direction));
-    return finite_vec(p->point) && finite_vec(p->direction) && unit_max(p->direction) > 0;
+    p->direction = pen_transform_normal(f, vec_normalize(p->direction));
+    return finite_vec(p->point) && finite_vec(p->direction) && vec_max_abs(p->direction) > 0;
 }
 
 /* A sphere has no direction to turn. */
@@ -67,30 +67,30 @@ static bool move_round(const struct pen_transform *f, double scale, struct pen_p
     p->radius *= scale;
     p->height *= scale;
     bool ok = finite_vec(p->point) && isfinite(p->radius) && isfinite(p->height) && p->radius > 0;
-    if (unit_max(p->direction) == 0)
+    if (vec_max_abs(p->direction) == 0)
         return ok;
-    p->direction = pen_transform_vector(f, unit_of(p->direction));
-    return ok && finite_vec(p->direction) && unit_max(p->direction) > 0;
+    p->direction = pen_transform_vector(f, vec_normalize(p->direction));
+    return ok && finite_vec(p->direction) && vec_max_abs(p->direction) > 0;
 }
 
-bool pen_place_primitive(const struct pen_walk_primitive *body, struct pen_vec3 *buffer,
+bool pen_place_primitive(const struct pen_desc_iter_item *item, struct pen_vec3 *buffer,
                          struct pen_placed *placed, struct pen_status *st)
 {
-    const struct pen_object_desc *object = body->object;
+    const struct pen_object_desc *object = item->object;
     struct pen_prim_source *from = &placed->from;
     *placed = (struct pen_placed){.kind = (enum pen_prim_kind)object->kind,
                                   .material = object->material,
                                   .from = source_of(object)};
-    if (!body->moved)
+    if (!item->moved)
         return true;
     bool flat = pen_prim_flat(placed->kind);
-    if (!flat && !body->similar)
+    if (!flat && !item->similar)
         return pen_fail(st, PEN_INVALID,
                         "a sphere, cylinder or tube can be turned, moved, mirrored and scaled, but "
                         "not stretched: the transforms around it are not a similarity");
-    bool ok = pen_prim_outlined(placed->kind) ? move_loop(body->transform, buffer, from)
-              : flat                          ? move_plane(body->transform, from)
-                                              : move_round(body->transform, body->scale, from);
+    bool ok = pen_prim_outlined(placed->kind) ? move_loop(item->transform, buffer, from)
+              : flat                          ? move_plane(item->transform, from)
+                                              : move_round(item->transform, item->scale, from);
     if (!ok)
         return pen_fail(st, PEN_INVALID, "the transforms around it leave the range of numbers");
     return true;
@@ -143,9 +143,9 @@ bool pen_local_frame_make(const struct pen_survey *survey, const struct pen_came
         for (uint32_t i = 0; i < camera_count; i++)
             box = pen_box_add_point(box, cameras[i].eye);
     }
-    double extent = unit_max(pen_sub(box.hi, box.lo)) + 2 * reach;
+    double extent = vec_max_abs(pen_sub(box.hi, box.lo)) + 2 * reach;
     if (extent == 0)
-        extent = pen_larger(unit_max(box.lo), 1);
+        extent = pen_larger(vec_max_abs(box.lo), 1);
     if (!isfinite(extent))
         return false;
     struct pen_vec3 middle = pen_box_center(box);
@@ -158,7 +158,7 @@ bool pen_local_frame_make(const struct pen_survey *survey, const struct pen_came
 
 struct pen_vec3 pen_local_point(const struct pen_local_frame *frame, struct pen_vec3 p)
 {
-    return unit_shift(pen_sub(p, frame->center), frame->exponent);
+    return vec_scale2_down(pen_sub(p, frame->center), frame->exponent);
 }
 
 double pen_local_length(const struct pen_local_frame *frame, double length)

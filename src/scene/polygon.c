@@ -11,9 +11,9 @@
 #include "math/exact.h"
 #include "math/scale.h"
 #include "scene/desc.h"
-#include "scene/internal/orient.h"
+#include "scene/internal/orient2d.h"
 #include "scene/internal/simple_loop.h"
-#include "scene/internal/unit.h"
+#include "scene/internal/vec.h"
 
 /* How far a vertex may be from the plane, in parts of the polygon's extent. */
 static const double PLANARITY = 1e-6;
@@ -28,7 +28,7 @@ struct loop {
     double extent;           /* the longest side of the bounds of `points` */
     struct pen_vec3 *points; /* the vertices, shifted by a power of two to be at most 1 */
     struct keyed *sorted;
-    struct pen_flat_point *flat;
+    struct pen_point2 *flat;
     uint32_t *order;
 };
 
@@ -63,7 +63,7 @@ static bool check_distinct(struct loop *loop, struct pen_status *st)
 static struct pen_vec3 arm(const struct loop *loop, uint32_t i)
 {
     int exponent = pen_exponent(loop->extent);
-    return unit_shift(pen_sub(loop->points[i], loop->points[0]), exponent);
+    return vec_scale2_down(pen_sub(loop->points[i], loop->points[0]), exponent);
 }
 
 /* The normal of the largest triangle; zero if all vertices are on one line. */
@@ -72,12 +72,12 @@ static struct pen_vec3 largest_normal(const struct loop *loop)
     struct pen_vec3 base = {0, 0, 0}, normal = {0, 0, 0};
     for (uint32_t i = 1; i < loop->count; i++) {
         struct pen_vec3 a = arm(loop, i);
-        if (unit_max(a) > unit_max(base))
+        if (vec_max_abs(a) > vec_max_abs(base))
             base = a;
     }
     for (uint32_t i = 1; i < loop->count; i++) {
         struct pen_vec3 n = pen_cross(base, arm(loop, i));
-        if (unit_max(n) > unit_max(normal))
+        if (vec_max_abs(n) > vec_max_abs(normal))
             normal = n;
     }
     return normal;
@@ -89,8 +89,8 @@ static struct pen_vec3 first_normal(const struct loop *loop)
 {
     for (uint32_t i = 2; i < loop->count; i++) {
         struct pen_vec3 n = pen_cross(arm(loop, 1), arm(loop, i));
-        if (unit_max(n) > 0)
-            return unit_of(n);
+        if (vec_max_abs(n) > 0)
+            return vec_normalize(n);
     }
     return (struct pen_vec3){0, 0, 1};
 }
@@ -130,7 +130,7 @@ static bool check_planar(const struct loop *loop, struct pen_vec3 normal, struct
 /* Shifts one coordinate of the flat points to be at most 1: sides of a line stay what they are. */
 static void shift_axis(double *first, uint32_t count)
 {
-    const uint32_t stride = sizeof(struct pen_flat_point) / sizeof(double);
+    const uint32_t stride = sizeof(struct pen_point2) / sizeof(double);
     double largest = 0;
     for (uint32_t i = 0; i < count; i++)
         largest = pen_larger(largest, fabs(first[i * stride]));
@@ -146,7 +146,7 @@ static void flatten(struct loop *loop, struct pen_vec3 normal)
     int drop = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
     for (uint32_t i = 0; i < loop->count; i++) {
         struct pen_vec3 p = loop->points[i];
-        loop->flat[i] = (struct pen_flat_point){drop == 0 ? p.y : p.x, drop == 2 ? p.y : p.z};
+        loop->flat[i] = (struct pen_point2){drop == 0 ? p.y : p.x, drop == 2 ? p.y : p.z};
     }
     shift_axis(&loop->flat[0].x, loop->count);
     shift_axis(&loop->flat[0].y, loop->count);
@@ -179,15 +179,15 @@ static void copy_vertices(struct loop *loop, const struct pen_vec3 *vertices)
 {
     double largest = 0;
     for (uint32_t i = 0; i < loop->count; i++)
-        largest = pen_larger(largest, unit_max(vertices[i]));
+        largest = pen_larger(largest, vec_max_abs(vertices[i]));
     int exponent = pen_exponent(largest);
     struct pen_box box = pen_box_empty();
     for (uint32_t i = 0; i < loop->count; i++) {
-        loop->points[i] = unit_shift(vertices[i], exponent);
+        loop->points[i] = vec_scale2_down(vertices[i], exponent);
         loop->sorted[i] = (struct keyed){loop->points[i], i};
         box = pen_box_add_point(box, loop->points[i]);
     }
-    loop->extent = unit_max(pen_sub(box.hi, box.lo));
+    loop->extent = vec_max_abs(pen_sub(box.hi, box.lo));
 }
 
 static bool check_loop(struct loop *loop, const struct pen_vec3 *vertices, struct pen_status *st)
@@ -196,9 +196,9 @@ static bool check_loop(struct loop *loop, const struct pen_vec3 *vertices, struc
     if (!check_distinct(loop, st))
         return false;
     struct pen_vec3 normal = largest_normal(loop);
-    if (!(unit_max(normal) > 0))
+    if (!(vec_max_abs(normal) > 0))
         return pen_fail_at(st, PEN_INVALID, "/vertices", "are all on one line: the area is zero");
-    normal = unit_of(normal);
+    normal = vec_normalize(normal);
     return check_planar(loop, normal, st) && check_simple(loop, normal, st);
 }
 

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "math/scale.h"
-#include "scene/internal/unit.h"
+#include "scene/internal/vec.h"
 
 /* A primitive is not taken to be seen nearer than this part of its size. */
 #define NEAREST_PART 0x1p-10
@@ -32,7 +32,7 @@ static double distance_of(const struct pen_prims *prims, uint32_t prim, struct p
 
 static double side(struct pen_box box)
 {
-    return box.lo.x <= box.hi.x ? unit_max(pen_sub(box.hi, box.lo)) : 0;
+    return box.lo.x <= box.hi.x ? vec_max_abs(pen_sub(box.hi, box.lo)) : 0;
 }
 
 static struct pen_box all_bounds(const struct pen_prims *prims)
@@ -61,7 +61,7 @@ static double nearest(const struct pen_prims *prims, double extent, struct pen_v
 
 static struct pen_vec3 to_scene(const struct pen_scene *scene, struct pen_vec3 local)
 {
-    return pen_add(scene->center, unit_shift(local, -scene->exponent));
+    return pen_add(scene->center, vec_scale2_down(local, -scene->exponent));
 }
 
 /* The width of a pixel at unit distance from the eye. */
@@ -91,7 +91,8 @@ bool pen_scene_precision(const struct pen_scene *scene, int view, int width, int
         hi = to_scene(scene, box.hi);
     }
     out->extent = pen_scale2(extent, scene->exponent);
-    out->coordinate_max = pen_larger(pen_larger(unit_max(lo), unit_max(hi)), unit_max(eye));
+    out->coordinate_max =
+        pen_larger(pen_larger(vec_max_abs(lo), vec_max_abs(hi)), vec_max_abs(eye));
     out->ulp = pen_scale2(1, pen_exponent(out->coordinate_max) - 53);
     out->pixel_footprint = pen_scale2(away * pixel_angle(&pinhole), scene->exponent);
     out->resolution = out->pixel_footprint / out->ulp;

@@ -23,7 +23,7 @@ struct node {
 };
 
 struct sweep {
-    const struct pen_flat_point *points;
+    const struct pen_point2 *points;
     uint32_t count;
     uint32_t root;
     struct node *node; /* by edge */
@@ -36,7 +36,7 @@ static uint64_t mix(uint64_t h, uint64_t v)
     return h ^ (h >> 29);
 }
 
-static uint64_t hash_points(const struct pen_flat_point *points, uint32_t count)
+static uint64_t hash_points(const struct pen_point2 *points, uint32_t count)
 {
     uint64_t h = count;
     for (uint32_t i = 0; i < count; i++) {
@@ -56,7 +56,7 @@ static uint32_t next_of(const struct sweep *s, uint32_t i)
 static uint32_t edge_end(const struct sweep *s, uint32_t e, int last)
 {
     uint32_t a = e, b = next_of(s, e);
-    bool forward = pen_flat_compare(s->points[a], s->points[b]) < 0;
+    bool forward = pen_point2_compare(s->points[a], s->points[b]) < 0;
     return forward == (last == 1) ? b : a;
 }
 
@@ -75,17 +75,17 @@ static bool check_pair(struct sweep *s, uint32_t e, uint32_t f)
         return false;
     uint32_t e0 = edge_end(s, e, 0), e1 = edge_end(s, e, 1);
     uint32_t f0 = edge_end(s, f, 0), f1 = edge_end(s, f, 1);
-    const struct pen_flat_point *p = s->points;
-    int of_f0 = pen_orient(p[e0], p[e1], p[f0]), of_f1 = pen_orient(p[e0], p[e1], p[f1]);
+    const struct pen_point2 *p = s->points;
+    int of_f0 = pen_orient2d(p[e0], p[e1], p[f0]), of_f1 = pen_orient2d(p[e0], p[e1], p[f1]);
     if (of_f0 == 0 && of_f1 == 0) { /* on one line: do they overlap by more than a point? */
-        uint32_t from = pen_flat_compare(p[e0], p[f0]) > 0 ? e0 : f0;
-        uint32_t to = pen_flat_compare(p[e1], p[f1]) < 0 ? e1 : f1;
-        int order = pen_flat_compare(p[from], p[to]);
+        uint32_t from = pen_point2_compare(p[e0], p[f0]) > 0 ? e0 : f0;
+        uint32_t to = pen_point2_compare(p[e1], p[f1]) < 0 ? e1 : f1;
+        int order = pen_point2_compare(p[from], p[to]);
         return (order < 0 || (order == 0 && from != to)) && meet(s, e, f);
     }
     if (e0 == f0 || e0 == f1 || e1 == f0 || e1 == f1)
         return false;
-    int of_e0 = pen_orient(p[f0], p[f1], p[e0]), of_e1 = pen_orient(p[f0], p[f1], p[e1]);
+    int of_e0 = pen_orient2d(p[f0], p[f1], p[e0]), of_e1 = pen_orient2d(p[f0], p[f1], p[e1]);
     return of_f0 * of_f1 <= 0 && of_e0 * of_e1 <= 0 && meet(s, e, f);
 }
 
@@ -144,13 +144,13 @@ static void place(struct sweep *s, uint32_t e, uint32_t parent, int side)
 /* Adds an edge that begins at point v. Returns whether a meeting was found. */
 static bool insert(struct sweep *s, uint32_t e, uint32_t v)
 {
-    const struct pen_flat_point *p = s->points;
+    const struct pen_point2 *p = s->points;
     uint32_t parent = NONE;
     int side = 0;
     for (uint32_t f = s->root; f != NONE; f = s->node[f].child[side]) {
         uint32_t f0 = edge_end(s, f, 0), f1 = edge_end(s, f, 1);
-        int turn = f0 == v ? pen_orient(p[f0], p[f1], p[edge_end(s, e, 1)])
-                           : pen_orient(p[f0], p[f1], p[v]);
+        int turn = f0 == v ? pen_orient2d(p[f0], p[f1], p[edge_end(s, e, 1)])
+                           : pen_orient2d(p[f0], p[f1], p[v]);
         if (turn == 0)
             return meet(s, e, f);
         parent = f;
@@ -202,8 +202,8 @@ static bool advance(struct sweep *s, uint32_t v)
     return replace(s, edges[begins[0]], edges[begins[1]]);
 }
 
-bool pen_check_simple_loop(const struct pen_flat_point *points, const uint32_t *order,
-                           uint32_t count, struct pen_simple_loop_result *result)
+bool pen_check_simple_loop(const struct pen_point2 *points, const uint32_t *order, uint32_t count,
+                           struct pen_simple_loop_result *result)
 {
     struct sweep s = {.points = points, .count = count, .root = NONE, .result = result};
     s.node = malloc(count * sizeof *s.node);

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd/client/bench_options.h"
 #include "cmd/client/commands.h"
-#include "cmd/client/matrix.h"
+#include "cmd/client/output.h"
 #include "cmd/client/progress.h"
 #include "cmd/files.h"
-#include "cmd/output.h"
 #include "cmd/report.h"
 #include "jobs/benchmark.h"
 #include "study/report.h"
@@ -107,7 +107,7 @@ struct study {
 
 static bool check_output(const struct values *v, const char *output, struct pen_status *st)
 {
-    if (!pen_output_form(output, v->format, st))
+    if (!pen_output_report_format(output, v->format, st))
         return false;
     if (strcmp(output, "-") == 0 && v->json)
         return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json uses");
@@ -186,12 +186,12 @@ static bool read_order(struct study *s, struct pen_errors *errors)
     const struct values *v = s->values;
     struct pen_status st;
     json_t *members = json_pack("{s:i, s:i}", "repeats", v->repeats, "warmup", v->warmup);
-    bool ok = pen_matrix_add(members, &v->matrix, v->baseline, &st);
+    bool ok = pen_bench_options_add(members, &v->matrix, v->baseline, &st);
     if (!ok)
         pen_errors_add(errors, &st);
     else
         ok = pen_bench_spec_read(members, &s->desc.settings, &s->order, errors);
-    pen_matrix_name_options(errors);
+    pen_bench_options_errors(errors);
     json_decref(members);
     return ok;
 }
@@ -212,7 +212,7 @@ static bool plan(struct study *s, struct pen_errors *errors)
         pen_bench_spec_check(&s->order, &limits, &s->desc, s->bench.view_count, &st))
         return true;
     pen_errors_add(errors, &st);
-    pen_matrix_name_options(errors);
+    pen_bench_options_errors(errors);
     return false;
 }
 
@@ -256,7 +256,7 @@ static bool write_reports(const struct study *s, struct pen_status *st)
     const struct values *v = s->values;
     for (int i = 0; i < v->output.count; i++) {
         const char *output = v->output.item[i];
-        const char *form = pen_output_form(output, v->format, st);
+        const char *form = pen_output_report_format(output, v->format, st);
         if (!form || !write_form(s, output, form, st))
             return false;
     }

@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "cmd/client/commands.h"
-#include "cmd/client/remote.h"
+#include "cmd/client/output.h"
+#include "cmd/client/remote_job.h"
 #include "cmd/files.h"
-#include "cmd/output.h"
 #include "cmd/report.h"
 
 struct values {
@@ -16,10 +16,10 @@ struct values {
 };
 
 /* What one of these subcommands does with one job. Returns the exit code, after reporting. */
-typedef int each_fn(struct pen_client *client, const char *id, const struct values *values);
+typedef int job_fn(struct pen_client *client, const char *id, const struct values *values);
 
 /* Carries `each` out for all arguments; the exit code is that of the first that failed. */
-static int run_each(const struct pen_command *command, int argc, char **argv, each_fn *each)
+static int run_each(const struct pen_command *command, int argc, char **argv, job_fn *each)
 {
     struct values values = {.remote = PEN_REMOTE_DEFAULT};
     struct pen_parsed parsed;

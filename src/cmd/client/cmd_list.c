@@ -6,7 +6,7 @@
 #include "base/clock.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/progress.h"
-#include "cmd/client/remote.h"
+#include "cmd/client/remote_job.h"
 #include "cmd/report.h"
 
 enum { PAGE = 500 }; /* the most that one answer holds */

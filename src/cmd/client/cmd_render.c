@@ -7,10 +7,10 @@
 
 #include "base/clock.h"
 #include "cmd/client/commands.h"
-#include "cmd/client/pixel.h"
+#include "cmd/client/output.h"
+#include "cmd/client/pixel_report.h"
 #include "cmd/client/progress.h"
 #include "cmd/files.h"
-#include "cmd/output.h"
 #include "cmd/report.h"
 #include "film/film.h"
 #include "io/stats_json.h"

@@ -7,11 +7,11 @@
 #include <string.h>
 #include <sys/random.h>
 
+#include "cmd/client/bench_options.h"
 #include "cmd/client/commands.h"
-#include "cmd/client/matrix.h"
-#include "cmd/client/remote.h"
+#include "cmd/client/output.h"
+#include "cmd/client/remote_job.h"
 #include "cmd/files.h"
-#include "cmd/output.h"
 #include "cmd/report.h"
 #include "io/document.h"
 #include "jobs/benchmark.h"
@@ -203,7 +203,7 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
         json_object_set_new(job, "repeats", json_integer(values->repeats));
     if (values->has_warmup)
         json_object_set_new(job, "warmup", json_integer(values->warmup));
-    return pen_matrix_add(job, &values->matrix, values->baseline, st) &&
+    return pen_bench_options_add(job, &values->matrix, values->baseline, st) &&
            add_render(job, &values->set, st) && add_labels(job, &values->label, st);
 }
 
@@ -424,9 +424,9 @@ static bool check_output(const struct values *values, struct pen_status *st)
     bool benchmark = values->kind && strcmp(values->kind, "benchmark") == 0;
     if (!values->output)
         return true;
-    if (!(benchmark ? pen_output_form(values->output, values->format, st)
+    if (!(benchmark ? pen_output_report_format(values->output, values->format, st)
                     : pen_output_format(values->output, values->format, st)) &&
-        (values->kind || !pen_output_form(values->output, values->format, st)))
+        (values->kind || !pen_output_report_format(values->output, values->format, st)))
         return false;
     return pen_file_check(values->output, st);
 }

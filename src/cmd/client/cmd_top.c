@@ -8,7 +8,7 @@
 #include "base/clock.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/progress.h"
-#include "cmd/client/remote.h"
+#include "cmd/client/remote_job.h"
 #include "cmd/report.h"
 
 enum { COLUMNS = 100 }; /* where the width of the terminal is not known */

@@ -5,7 +5,7 @@
 
 #include "cmd/client/commands.h"
 #include "cmd/report.h"
-#include "io/scene_json.h"
+#include "io/message.h"
 
 static const struct pen_command *const commands[] = {
     &pen_command_render,  &pen_command_validate, &pen_command_compare, &pen_command_scenes,

@@ -14,10 +14,10 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "cmd/daemon/blackbox.h"
-#include "cmd/daemon/cause.h"
+#include "cmd/daemon/crash_record.h"
 #include "cmd/daemon/oom.h"
 #include "cmd/daemon/roles.h"
+#include "cmd/daemon/worker_exit.h"
 
 /* A process that lived so long was no crash at the start. */
 static const int64_t stable_ns = INT64_C(10) * 1000000000;
@@ -128,14 +128,14 @@ static _Noreturn void become(const struct arguments *arguments, const struct pen
     _exit(PEN_EXEC_FAILED);
 }
 
-int64_t pen_child_settles_ns(const struct pen_child *child)
+int64_t pen_child_forgives_at_ns(const struct pen_child *child)
 {
     return child->pid && child->failures > 0 ? child->started_ns + stable_ns : INT64_MAX;
 }
 
-void pen_child_settle(struct pen_child *child)
+void pen_child_forgive(struct pen_child *child)
 {
-    if (pen_clock_ns() >= pen_child_settles_ns(child))
+    if (pen_clock_ns() >= pen_child_forgives_at_ns(child))
         child->failures = 0;
 }
 
@@ -161,7 +161,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     pid_t pid = -1;
     close_fd(&child->trace_fd);
     if (is_worker(child)) {
-        child->trace_fd = pen_blackbox_new();
+        child->trace_fd = pen_crash_record_new();
         child->oom_kills = pen_oom_kills();
     }
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) == 0) {
@@ -204,7 +204,7 @@ static void remember(struct pen_child *child, int wait_status)
     bool oom = is_worker(child) && pen_oom_kills() > child->oom_kills;
     memcpy(child->dead.name, child->name, sizeof child->dead.name);
     memcpy(child->dead.how, child->last_end, sizeof child->dead.how);
-    child->dead.end = child->killed ? PEN_WORKER_DIED : pen_cause_of_worker(wait_status, oom);
+    child->dead.end = child->killed ? PEN_WORKER_DIED : pen_exit_worker_end(wait_status, oom);
     close_fd(&child->dead.trace_fd);
     child->dead.trace_fd = child->trace_fd;
     child->trace_fd = -1;
@@ -217,8 +217,8 @@ void pen_child_ended(struct pen_child *child, int wait_status)
     bool expected = child->stopping && WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
     int64_t lived_ns = pen_clock_ns() - child->started_ns;
     int pid = (int)child->pid;
-    pen_child_settle(child);
-    pen_cause_describe(wait_status, child->last_end, sizeof child->last_end);
+    pen_child_forgive(child);
+    pen_exit_describe(wait_status, child->last_end, sizeof child->last_end);
     if (child->control_fd >= 0)
         close(child->control_fd);
     child->control_fd = -1;

@@ -44,8 +44,8 @@ void pen_child_ready(struct pen_child *child);
 
 /* When a child that is running will have lived long enough to count as no crash loop any more:
  * then its failures are forgotten. Returns the time, or INT64_MAX if there is nothing to forget. */
-int64_t pen_child_settles_ns(const struct pen_child *child);
-void pen_child_settle(struct pen_child *child);
+int64_t pen_child_forgives_at_ns(const struct pen_child *child);
+void pen_child_forgive(struct pen_child *child);
 
 /* Notes that the process has ended with this wait status, writes it to the log, and sets the time
  * of the next start: at once after a life of some length, else after a pause that doubles. */

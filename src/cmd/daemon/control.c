@@ -17,7 +17,7 @@ void pen_control_send(int fd, const char *text)
         (void)send(fd, text, strlen(text), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-bool pen_watch_open(struct pen_watch *watch, int control_fd, struct pen_status *st)
+bool pen_event_source_open(struct pen_event_source *watch, int control_fd, struct pen_status *st)
 {
     sigset_t set;
     sigemptyset(&set);
@@ -25,7 +25,7 @@ bool pen_watch_open(struct pen_watch *watch, int control_fd, struct pen_status *
     sigaddset(&set, SIGHUP);
     sigaddset(&set, SIGINT);
     signal(SIGPIPE, SIG_IGN);
-    *watch = (struct pen_watch){.control_fd = control_fd, .supervised = control_fd >= 0};
+    *watch = (struct pen_event_source){.control_fd = control_fd, .supervised = control_fd >= 0};
     watch->signal_fd = -1;
     watch->end_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (pthread_sigmask(SIG_BLOCK, &set, NULL) == 0)
@@ -33,7 +33,7 @@ bool pen_watch_open(struct pen_watch *watch, int control_fd, struct pen_status *
     if (watch->signal_fd >= 0 && watch->end_fd >= 0)
         return true;
     pen_fail(st, PEN_IO, "cannot watch for signals: %s", strerror(errno));
-    pen_watch_close(watch);
+    pen_event_source_close(watch);
     return false;
 }
 
@@ -44,21 +44,21 @@ static void close_fd(int *fd)
     *fd = -1;
 }
 
-void pen_watch_close(struct pen_watch *watch)
+void pen_event_source_close(struct pen_event_source *watch)
 {
     close_fd(&watch->signal_fd);
     close_fd(&watch->end_fd);
     close_fd(&watch->control_fd);
 }
 
-void pen_watch_end(const struct pen_watch *watch)
+void pen_event_source_work_ended(const struct pen_event_source *watch)
 {
     uint64_t one = 1;
     ssize_t put = write(watch->end_fd, &one, sizeof one);
     (void)put; /* the counter cannot be full: this is said once */
 }
 
-static bool take_signal(const struct pen_watch *watch, struct pen_event *event)
+static bool take_signal(const struct pen_event_source *watch, struct pen_event *event)
 {
     struct signalfd_siginfo info;
     if (read(watch->signal_fd, &info, sizeof info) != (ssize_t)sizeof info)
@@ -80,7 +80,7 @@ static bool take_word(const char *text, const char *word, char rest[PEN_CONTROL_
     return true;
 }
 
-static bool take_message(struct pen_watch *watch, struct pen_event *event)
+static bool take_message(struct pen_event_source *watch, struct pen_event *event)
 {
     static const struct {
         const char *word;
@@ -108,7 +108,7 @@ static bool take_message(struct pen_watch *watch, struct pen_event *event)
     return false;
 }
 
-void pen_watch_next(struct pen_watch *watch, int timeout_ms, struct pen_event *event)
+void pen_event_source_next(struct pen_event_source *watch, int timeout_ms, struct pen_event *event)
 {
     *event = (struct pen_event){.kind = PEN_EVENT_TIMEOUT};
     struct pollfd fds[] = {{.fd = watch->end_fd, .events = POLLIN},

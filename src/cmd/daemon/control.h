@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Between the supervisor and a child: a socket pair carrying short texts, and the end of which
  * tells either side that the other is gone. A process waits for such texts and for its signals in
- * one place, pen_watch_next.
+ * one place, pen_event_source_next.
  *
  *   supervisor to child:  "drain"                   take no new jobs, answer everything else
  *                         "stop"                    finish or give back what is in hand, and end
@@ -38,7 +38,7 @@ struct pen_event {
 };
 
 /* What a child process waits for. */
-struct pen_watch {
+struct pen_event_source {
     int signal_fd, control_fd, end_fd; /* -1: none */
     bool supervised;
 };
@@ -46,13 +46,13 @@ struct pen_watch {
 /* Blocks the signals it will report, for this thread and those started later. A supervised
  * process ignores SIGINT: the terminal sends it to all, and the supervisor decides.
  * Fails: PEN_IO. */
-bool pen_watch_open(struct pen_watch *watch, int control_fd, struct pen_status *st);
-void pen_watch_close(struct pen_watch *watch);
+bool pen_event_source_open(struct pen_event_source *watch, int control_fd, struct pen_status *st);
+void pen_event_source_close(struct pen_event_source *watch);
 
 /* Lets another thread end the waiting. Threads: any. */
-void pen_watch_end(const struct pen_watch *watch);
+void pen_event_source_work_ended(const struct pen_event_source *watch);
 
 /* Waits for the next event, at most timeout_ms (-1: as long as it takes). */
-void pen_watch_next(struct pen_watch *watch, int timeout_ms, struct pen_event *event);
+void pen_event_source_next(struct pen_event_source *watch, int timeout_ms, struct pen_event *event);
 
 #endif

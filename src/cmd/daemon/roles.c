@@ -14,9 +14,9 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "cmd/daemon/blackbox.h"
 #include "cmd/daemon/control.h"
-#include "cmd/daemon/fault.h"
+#include "cmd/daemon/crash_record.h"
+#include "cmd/daemon/fault_injection.h"
 #include "cmd/daemon/orphans.h"
 #include "http/server.h"
 #include "jobs/worker.h"
@@ -65,11 +65,12 @@ static void end_within(unsigned seconds)
 }
 
 /* Handles events until it is time to stop. */
-static void serve(const struct pen_config *config, struct pen_watch *watch, struct pen_http *http)
+static void serve(const struct pen_config *config, struct pen_event_source *watch,
+                  struct pen_http *http)
 {
     for (;;) {
         struct pen_event event;
-        pen_watch_next(watch, -1, &event);
+        pen_event_source_next(watch, -1, &event);
         switch (event.kind) {
         case PEN_EVENT_DRAIN:
             pen_http_drain(http);
@@ -107,26 +108,26 @@ static void raise_descriptor_limit(void)
 
 int pen_role_api(const struct pen_config *config, int listen_fd)
 {
-    struct pen_watch watch;
+    struct pen_event_source watch;
     struct pen_status st;
     pen_log_set_name("api");
     prctl(PR_SET_NAME, "penumbrad-api");
     raise_descriptor_limit();
     mallopt(M_ARENA_MAX, 2); /* many small answers: arenas per thread would only hold memory */
-    if (!pen_watch_open(&watch, config->control_fd, &st))
+    if (!pen_event_source_open(&watch, config->control_fd, &st))
         return fail(&st);
     struct pen_http_options options = {
         .listen_fd = listen_fd, .store_url = config->store, .limits = pen_limits_default()};
     struct pen_http *http = pen_http_start(&options, &st);
     if (!http) {
-        pen_watch_close(&watch);
+        pen_event_source_close(&watch);
         return fail(&st);
     }
     pen_log(PEN_LOG_INFO, "serving");
     pen_control_send(watch.control_fd, "ready");
     serve(config, &watch, http);
     pen_http_stop(http);
-    pen_watch_close(&watch);
+    pen_event_source_close(&watch);
     pen_log(PEN_LOG_INFO, "ended");
     return 0;
 }
@@ -135,7 +136,7 @@ int pen_role_api(const struct pen_config *config, int listen_fd)
 struct work {
     struct pen_worker_options options;
     atomic_bool stop;
-    const struct pen_watch *watch;
+    const struct pen_event_source *watch;
     bool ok; /* written by the thread, read after it was joined */
     struct pen_status st;
 };
@@ -144,7 +145,7 @@ static void *run_worker(void *user)
 {
     struct work *work = user;
     work->ok = pen_worker_run(&work->options, &work->stop, &work->st);
-    pen_watch_end(work->watch);
+    pen_event_source_work_ended(work->watch);
     return NULL;
 }
 
@@ -157,7 +158,7 @@ static bool bury(struct pen_store *store, const struct pen_config *config, struc
     struct pen_worker_report obituary = {.worker = dead,
                                          .end = PEN_WORKER_DIED,
                                          .how = config->dead_how ? config->dead_how : "?",
-                                         .trace = pen_blackbox_map(config->dead_trace_fd)};
+                                         .trace = pen_crash_record_map(config->dead_trace_fd)};
     if (config->dead_end && strcmp(config->dead_end, "crashed") == 0)
         obituary.end = PEN_WORKER_CRASHED;
     if (dead ? !pen_jobs_worker_ended(store, &obituary, &opened, st)
@@ -186,15 +187,15 @@ static void give_up(struct pen_store *store, const struct work *work)
 }
 
 /* Handles events until the worker's thread has ended. */
-static void attend(const struct pen_config *config, struct pen_watch *watch, struct work *work,
-                   struct pen_store *store)
+static void attend(const struct pen_config *config, struct pen_event_source *watch,
+                   struct work *work, struct pen_store *store)
 {
     int64_t deadline_ns = INT64_MAX;
     for (;;) {
         struct pen_event event;
         int64_t left_ms = (deadline_ns - pen_clock_ns()) / 1000000;
         int timeout_ms = deadline_ns == INT64_MAX ? -1 : left_ms > 0 ? (int)left_ms : 0;
-        pen_watch_next(watch, timeout_ms, &event);
+        pen_event_source_next(watch, timeout_ms, &event);
         if (event.kind == PEN_EVENT_WORK_END)
             return;
         if (event.kind == PEN_EVENT_TIMEOUT)
@@ -259,7 +260,7 @@ static bool take_test_settings(struct pen_worker_options *options, struct pen_fa
     return true;
 }
 
-static int work_until_told(const struct pen_config *config, struct pen_watch *watch,
+static int work_until_told(const struct pen_config *config, struct pen_event_source *watch,
                            struct pen_store *store, const char *name)
 {
     struct work work = {.watch = watch,
@@ -267,13 +268,13 @@ static int work_until_told(const struct pen_config *config, struct pen_watch *wa
                                     .name = name,
                                     .threads = config->threads,
                                     .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
-                                    .trace = pen_blackbox_map(config->trace_fd),
+                                    .trace = pen_crash_record_map(config->trace_fd),
                                     .stuck = end_stuck}};
     struct pen_fault_hook hook;
     struct pen_status st;
     pthread_t thread;
     if (work.options.trace)
-        pen_blackbox_watch(work.options.trace);
+        pen_crash_record_install(work.options.trace);
     if (!take_test_settings(&work.options, &hook, &st) || !bury(store, config, &st))
         return fail(&st);
     if (pthread_create(&thread, NULL, run_worker, &work) != 0) {
@@ -292,7 +293,7 @@ static int work_until_told(const struct pen_config *config, struct pen_watch *wa
 
 int pen_role_worker(const struct pen_config *config)
 {
-    struct pen_watch watch;
+    struct pen_event_source watch;
     struct pen_status st;
     char name[160];
     pen_log_set_name("worker");
@@ -301,11 +302,11 @@ int pen_role_worker(const struct pen_config *config)
         snprintf(name, sizeof name, "%s", config->worker_name);
     else
         pen_worker_name(getpid(), pen_clock_wall_ms(), name, sizeof name);
-    if (!pen_watch_open(&watch, config->control_fd, &st))
+    if (!pen_event_source_open(&watch, config->control_fd, &st))
         return fail(&st);
     struct pen_store *store = pen_store_open(config->store, &st);
     int code = store ? work_until_told(config, &watch, store, name) : fail(&st);
     pen_store_close(store);
-    pen_watch_close(&watch);
+    pen_event_source_close(&watch);
     return code;
 }

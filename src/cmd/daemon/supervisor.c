@@ -192,7 +192,7 @@ static int wait_ms(const struct supervisor *s)
     int64_t next = INT64_MAX, now = pen_clock_ns();
     for (int i = 0; i < 2; i++) {
         const struct pen_child *child = children[i];
-        int64_t at = child->pid ? pen_child_settles_ns(child) : child->start_at_ns;
+        int64_t at = child->pid ? pen_child_forgives_at_ns(child) : child->start_at_ns;
         next = at < next ? at : next;
     }
     if (next == INT64_MAX)
@@ -238,8 +238,8 @@ static void run(struct supervisor *s)
     for (;;) {
         start_if_due(s, &s->api, s->listen_fd);
         start_if_due(s, &s->worker, -1);
-        pen_child_settle(&s->api);
-        pen_child_settle(&s->worker);
+        pen_child_forgive(&s->api);
+        pen_child_forgive(&s->worker);
         tell_state(s, false);
         if (s->draining)
             advance_drain(s);

@@ -12,8 +12,12 @@
 
 #include "base/buf.h"
 #include "base/utf8.h"
-#include "io/json/fault.h"
-#include "io/scene/reader.h"
+#include "io/error/place.h"
+#include "io/error/text.h"
+#include "io/json/memory.h"
+#include "io/json/syntax_error.h"
+#include "io/json/token.h"
+#include "io/scene_json.h"
 
 /* The stack that a deeper document could take is not ours to promise. */
 enum { NESTING_MAX = 1000 };
@@ -100,21 +104,21 @@ static bool read_unicode(struct parser *p)
     int code = hex4(p, start);
     p->at += 6;
     if (code < 0)
-        return pen_json_fault(&p->json, start, p->st, "\\u must be followed by 4 hex digits");
+        return pen_json_error(&p->json, start, p->st, "\\u must be followed by 4 hex digits");
     if (code == 0)
-        return pen_json_fault(&p->json, start, p->st,
+        return pen_json_error(&p->json, start, p->st,
                               "a string must not hold the character U+0000");
     if (code >= 0xD800 && code < 0xDC00) {
         bool escape = p->at + 1 < p->json.bytes && p->json.text[p->at] == '\\' &&
                       p->json.text[p->at + 1] == 'u';
         int low = escape ? hex4(p, p->at) : -1;
         if (low < 0xDC00 || low > 0xDFFF)
-            return pen_json_fault(&p->json, start, p->st,
+            return pen_json_error(&p->json, start, p->st,
                                   "half a character: surrogates come in pairs");
         code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
         p->at += 6;
     } else if (code >= 0xDC00 && code < 0xE000) {
-        return pen_json_fault(&p->json, start, p->st, "half a character: surrogates come in pairs");
+        return pen_json_error(&p->json, start, p->st, "half a character: surrogates come in pairs");
     }
     add_character(p, code);
     return true;
@@ -128,7 +132,7 @@ static bool read_escape(struct parser *p)
     if (c == 'u')
         return read_unicode(p);
     if (!name)
-        return pen_json_fault(&p->json, p->at, p->st,
+        return pen_json_error(&p->json, p->at, p->st,
                               "a backslash must be followed by one of \" \\ / b f n r t u");
     pen_buf_add(&p->scratch, &values[name - names], 1);
     p->at += 2;
@@ -143,13 +147,13 @@ static bool read_character(struct parser *p)
     if (*s == '\\')
         return read_escape(p);
     if (length == 0)
-        return pen_json_fault(&p->json, p->at, p->st, "byte 0x%02x is not UTF-8",
+        return pen_json_error(&p->json, p->at, p->st, "byte 0x%02x is not UTF-8",
                               (unsigned char)*s);
     if (*s == '\n')
-        return pen_json_fault(&p->json, p->at, p->st,
+        return pen_json_error(&p->json, p->at, p->st,
                               "a string must end on the line where it begins");
     if ((unsigned char)*s < 0x20)
-        return pen_json_fault(&p->json, p->at, p->st,
+        return pen_json_error(&p->json, p->at, p->st,
                               "a string must not hold a control character: write \\t, \\n or "
                               "\\u00XX");
     pen_buf_add(&p->scratch, s, length);
@@ -167,42 +171,12 @@ static bool read_string(struct parser *p)
             return false;
     }
     if (p->at >= p->json.bytes)
-        return pen_json_fault(&p->json, start, p->st, "the string that begins here does not end");
+        return pen_json_error(&p->json, start, p->st, "the string that begins here does not end");
     p->at++;
     pen_buf_add(&p->scratch, "", 0); /* an empty string has a place, too */
     if (p->scratch.failed)
         no_memory(p);
     return !p->scratch.failed;
-}
-
-/* strtod reads the decimal point of the host program's locale. */
-static double to_real(struct pen_buf *text)
-{
-    char point = localeconv()->decimal_point[0];
-    char *dot = strchr((char *)text->data, '.');
-    if (dot)
-        *dot = point;
-    return strtod((char *)text->data, NULL);
-}
-
-bool pen_json_number(const char *text, size_t bytes, bool integer, struct pen_buf *scratch,
-                     json_t **out)
-{
-    *out = NULL;
-    scratch->bytes = 0;
-    if (!pen_buf_add(scratch, text, bytes))
-        return true;
-    errno = 0;
-    long long whole = integer ? strtoll((char *)scratch->data, NULL, 10) : 0;
-    if (integer && errno == 0) {
-        *out = json_integer(whole);
-        return true;
-    }
-    double value = to_real(scratch);
-    if (!isfinite(value))
-        return false;
-    *out = json_real(value);
-    return true;
 }
 
 static json_t *parse_number(struct parser *p, size_t end, bool integer)
@@ -214,7 +188,7 @@ static json_t *parse_number(struct parser *p, size_t end, bool integer)
         return NULL;
     if (pen_json_number(p->json.text + start, end - start, integer, &p->scratch, &number))
         return made(p, number);
-    pen_json_fault_piece(&p->json, start, p->st,
+    pen_json_error_token(&p->json, start, p->st,
                          "is too large for a number: they reach to about 1.8e308");
     return NULL;
 }
@@ -233,7 +207,7 @@ static json_t *parse_word(struct parser *p)
     if (literal)
         p->at = end;
     else
-        pen_json_fault_found(&p->json, p->at, p->st, "a value must stand here");
+        pen_json_error_expected(&p->json, p->at, p->st, "a value must stand here");
     return literal;
 }
 
@@ -248,11 +222,11 @@ static bool next_element(struct parser *p, char closing, const char *expected, b
         return false;
     }
     if (c != ',')
-        return pen_json_fault_found(&p->json, p->at, p->st, expected);
+        return pen_json_error_expected(&p->json, p->at, p->st, expected);
     p->at++;
     c = skip_space(p);
     if (c == ']' || c == '}')
-        return pen_json_fault(&p->json, comma, p->st,
+        return pen_json_error(&p->json, comma, p->st,
                               "a comma must be followed by something, found a closing bracket");
     return true;
 }
@@ -285,7 +259,7 @@ static bool parse_elements(struct parser *p, const struct pen_place *place, json
 static void *parse_key(struct parser *p, json_t *object)
 {
     if (skip_space(p) != '"') {
-        pen_json_fault_found(&p->json, p->at, p->st, "a key in double quotes must stand here");
+        pen_json_error_expected(&p->json, p->at, p->st, "a key in double quotes must stand here");
         return NULL;
     }
     size_t start = p->at;
@@ -293,12 +267,12 @@ static void *parse_key(struct parser *p, json_t *object)
         return NULL;
     const char *key = (const char *)p->scratch.data;
     if (json_object_get(object, key)) {
-        pen_json_fault(&p->json, start, p->st, "duplicate key %s: this object has it already",
+        pen_json_error(&p->json, start, p->st, "duplicate key %s: this object has it already",
                        pen_text_quote(key).text);
         return NULL;
     }
     if (skip_space(p) != ':') {
-        pen_json_fault_found(&p->json, p->at, p->st, "a colon must follow a key");
+        pen_json_error_expected(&p->json, p->at, p->st, "a colon must follow a key");
         return NULL;
     }
     p->at++;
@@ -335,7 +309,7 @@ static json_t *parse_container(struct parser *p, const struct pen_place *place, 
 {
     if (p->depth >= p->nesting) {
         char at[2 * PEN_AT_BYTES];
-        pen_place_text(place, "", at, sizeof at);
+        pen_place_pointer(place, "", at, sizeof at);
         pen_fail_at(p->st, PEN_INVALID, at, "nested deeper than the %d levels allowed", p->nesting);
         return NULL;
     }
@@ -371,14 +345,14 @@ static json_t *parse_document(struct parser *p)
     const struct pen_place root = {0};
     skip_space(p);
     if (p->at == p->json.bytes) {
-        pen_json_fault(&p->json, 0, p->st, "the document is empty");
+        pen_json_error(&p->json, 0, p->st, "the document is empty");
         return NULL;
     }
     json_t *document = parse_value(p, &root);
     skip_space(p);
     if (!document || p->at == p->json.bytes)
         return document;
-    pen_json_fault_found(&p->json, p->at, p->st, "nothing may follow the end of the document");
+    pen_json_error_expected(&p->json, p->at, p->st, "nothing may follow the end of the document");
     json_decref(document);
     return NULL;
 }

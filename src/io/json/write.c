@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "io/document.h"
-#include "io/scene/reader.h"
+#include "io/error/text.h"
 
 enum { INDENT = 2, LINE = 100 };
 

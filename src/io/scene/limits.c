@@ -4,6 +4,17 @@
 
 #include <math.h>
 
+struct pen_limits pen_limits_default(void)
+{
+    return (struct pen_limits){.body_bytes = (size_t)16 << 20,
+                               .parsed_bytes = (size_t)384 << 20,
+                               .nesting = 64,
+                               .objects = 1000000,
+                               .pixels_per_view = 64000000,
+                               .views = 64,
+                               .work = 1e13};
+}
+
 /* Shadow rays that one light costs per shaded point, at most. */
 static double shadow_rays(const struct pen_light_desc *light, const struct pen_settings *settings)
 {

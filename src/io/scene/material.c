@@ -82,8 +82,8 @@ static bool unknown_name(struct pen_reader *r, const struct pen_place *at, const
         free(names);
     }
     return pen_reader_fail(r, at, PEN_INVALID, "unknown material %s: must be %s%s", quoted.text,
-                           r->xml ? "the name of a <material>"
-                                  : "a name in \"materials\" or a material object",
+                           pen_reader_is_xml(r) ? "the name of a <material>"
+                                                : "a name in \"materials\" or a material object",
                            near.text);
 }
 

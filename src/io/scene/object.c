@@ -146,7 +146,7 @@ static bool read_vertices(struct pen_reader *r, const struct pen_place *up, cons
     size_t count = json_array_size(json);
     if (count < 3 || (triangle && count > 3)) {
         const char *wanted = triangle ? "3" : "at least 3";
-        if (r->xml && json_is_array(json))
+        if (pen_reader_is_xml(r) && json_is_array(json))
             return pen_reader_fail(r, &at, PEN_INVALID,
                                    "must be %s points, \"x y z; x y z; …\", found %zu", wanted,
                                    count);

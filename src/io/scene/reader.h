@@ -15,6 +15,8 @@
 
 #include "base/arena.h"
 #include "base/status.h"
+#include "io/error/place.h"
+#include "io/error/text.h"
 #include "io/scene_json.h"
 #include "math/vec3.h"
 
@@ -22,39 +24,34 @@
  * products of transforms stay finite whatever a document holds. */
 #define PEN_NUMBER_MAX 1e100
 
-/* A value's place: the member `key`, or if that is NULL the element `index`, of what is at `up`.
- * The root has neither. */
-struct pen_place {
-    const struct pen_place *up; /* NULL: the root */
-    const char *key;
-    size_t index;
-};
-
-static inline struct pen_place pen_place_key(const struct pen_place *up, const char *key)
-{
-    return (struct pen_place){up, key, 0};
-}
-
-static inline struct pen_place pen_place_index(const struct pen_place *up, size_t index)
-{
-    return (struct pen_place){up, NULL, index};
-}
-
-/* The JSON Pointer (RFC 6901) of a place, after `prefix`; cut with "…" where it does not fit. */
-void pen_place_text(const struct pen_place *at, const char *prefix, char *out, size_t bytes);
-
 /* The names of `materials`, sorted, for looking them up. */
 struct pen_name_index {
     const char *name;
     uint32_t index;
 };
 
-struct pen_xml;
+/* Where the values of a document stand in the text that it was made from: for documents that were
+ * not written as JSON. The reader then places errors by line and column instead of by JSON Pointer,
+ * and names what the author wrote. */
+struct pen_source_map {
+    void *user;
+    /* Whether the value at a place, or one around it, was reported when the document was made. */
+    bool (*is_reported)(void *user, const struct pen_place *at);
+    /* Fills *st with the message, the names of what stands there, and line and column. */
+    void (*fail)(void *user, const struct pen_place *at, enum pen_code code, const char *message,
+                 struct pen_status *st);
+    /* The text that stands at a place. */
+    struct pen_text (*found)(void *user, const struct pen_place *at, const json_t *value);
+    /* The quoted name that the member `key` of the object at `up` has in the text. */
+    struct pen_text (*name)(void *user, const struct pen_place *up, const char *key);
+    /* "line 3, column 7" */
+    void (*position)(void *user, const struct pen_place *at, char *out, size_t bytes);
+};
 
 struct pen_reader {
     struct pen_errors *errors;
-    const char *prefix;  /* of every pointer */
-    struct pen_xml *xml; /* what the document was made from; NULL: it is JSON as sent */
+    const char *prefix;                  /* of every pointer */
+    const struct pen_source_map *source; /* of a document in XML; NULL: it is JSON as sent */
     struct pen_arena *arena;
     const struct pen_limits *limits;
     bool no_memory; /* reported already: what follows is read no more */
@@ -79,26 +76,14 @@ static inline bool pen_reader_explains(const struct pen_reader *r)
     return r->errors->count < PEN_ERRORS_MAX;
 }
 
-/* Text for people, in a buffer of its own so that several fit into one message. */
-enum { PEN_TEXT_BYTES = 192 };
-struct pen_text {
-    char text[PEN_TEXT_BYTES];
-};
+/* Whether messages speak of XML's attributes and elements instead of JSON's keys. */
+static inline bool pen_reader_is_xml(const struct pen_reader *r)
+{
+    return r->source != NULL;
+}
 
-/* The string in double quotes, escaped as in JSON, cut with "…" after about 40 characters. */
-struct pen_text pen_text_quote(const char *string);
-
-/* A number in the fewest digits that read back as the same one. */
-struct pen_text pen_text_number(double value);
-
-/* What a value is: `the string "abc"`, "-3", "an array of 2", "null". */
-struct pen_text pen_text_value(const json_t *value);
-
-/* `; did you mean "radius"?` or, without a near name, "". */
-struct pen_text pen_text_nearest(const char *word, const char *const *names);
-
-/* The same three of the document as sent: what stands at a place, the name of a member there, and
- * where that is. */
+/* For messages, in the terms of the document as sent: the value at a place, the name of the member
+ * `key` of the object at `up`, and where a place is. */
 struct pen_text pen_reader_found(const struct pen_reader *r, const struct pen_place *at,
                                  const json_t *value);
 struct pen_text pen_reader_name(const struct pen_reader *r, const struct pen_place *up,
@@ -199,9 +184,9 @@ bool pen_read_word(struct pen_reader *r, const struct pen_place *at, const json_
 /* "… are known, not supported yet". Returns false. */
 bool pen_reader_later(struct pen_reader *r, const struct pen_place *at, const char *feature);
 
-/* pen_scene_read, of a document that was made from XML if `xml` is not NULL. */
-bool pen_scene_read_from(const json_t *document, struct pen_xml *xml, const char *at,
-                         const struct pen_limits *limits, struct pen_arena *arena,
+/* pen_scene_read, of a document whose text is described by `source`; NULL: it is JSON as sent. */
+bool pen_scene_read_from(const json_t *document, const struct pen_source_map *source,
+                         const char *at, const struct pen_limits *limits, struct pen_arena *arena,
                          struct pen_scene_desc *desc, struct pen_errors *errors);
 
 /* Parts of a scene. */

@@ -129,7 +129,7 @@ bool pen_read_triple(struct pen_reader *r, const struct pen_place *at, const jso
 static struct pen_text zeros(const struct pen_reader *r, const struct pen_place *at,
                              const json_t *value)
 {
-    return r->xml ? pen_reader_found(r, at, value) : (struct pen_text){"[0, 0, 0]"};
+    return pen_reader_is_xml(r) ? pen_reader_found(r, at, value) : (struct pen_text){"[0, 0, 0]"};
 }
 
 bool pen_read_direction(struct pen_reader *r, const struct pen_place *at, const json_t *value,
@@ -159,7 +159,7 @@ bool pen_read_factor(struct pen_reader *r, const struct pen_place *at, const jso
     return pen_reader_fail(
         r, at, PEN_INVALID,
         "must be a number from 0 to 1, or %s3 such numbers (red, green, blue), found %s",
-        r->xml ? "" : "an array of ", found.text);
+        pen_reader_is_xml(r) ? "" : "an array of ", found.text);
 }
 
 bool pen_read_coefficients(struct pen_reader *r, const struct pen_place *at, const json_t *value,

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What a valid scene holds that its author probably did not mean. */
-#include "io/scene/warnings.h"
-
+/* Warnings about valid scenes: what the author probably did not mean. A warning is a status with
+ * code PEN_OK, a JSON Pointer and a sentence. */
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "io/scene/reader.h"
 #include "scene/precision.h"
+#include "scene/tjunction.h"
 
 static void warn(struct pen_reader *r, const struct pen_place *at, const char *what)
 {
@@ -57,7 +58,7 @@ static void warn_dark_lights(struct pen_reader *r, const struct pen_scene_desc *
     }
 }
 
-static void warn_nothing_seen(struct pen_reader *r, const struct pen_scene_desc *desc)
+static void warn_empty_or_black(struct pen_reader *r, const struct pen_scene_desc *desc)
 {
     const struct pen_place root = {0};
     bool lit = !is_black(desc->ambient) || !is_black(desc->background);
@@ -80,8 +81,8 @@ static struct pen_place view_place(const struct pen_place up[2], const json_t *d
 
 /* The first view that asks for more than doubles give. A scene that cannot be frozen is refused
  * when it is rendered. */
-static void warn_coarse(struct pen_reader *r, const json_t *document,
-                        const struct pen_scene_desc *desc)
+static void warn_precision(struct pen_reader *r, const json_t *document,
+                           const struct pen_scene_desc *desc)
 {
     struct pen_status st;
     struct pen_scene_precision precision;
@@ -101,13 +102,60 @@ static void warn_coarse(struct pen_reader *r, const json_t *document,
     pen_scene_free(scene);
 }
 
+/* Writes the JSON Pointer of loop number *left, counting *left down to it. */
+static bool find_loop(const struct pen_object_desc *objects, uint32_t count,
+                      const struct pen_place *up, uint32_t *left, char out[PEN_AT_BYTES])
+{
+    struct pen_place at = pen_place_key(up, "objects");
+    for (uint32_t i = 0; i < count; i++) {
+        struct pen_place place = pen_place_index(&at, i);
+        const struct pen_object_desc *object = &objects[i];
+        if (object->kind == PEN_OBJECT_GROUP) {
+            if (find_loop(object->u.group.objects, object->u.group.count, &place, left, out))
+                return true;
+        } else if ((object->kind == PEN_OBJECT_TRIANGLE || object->kind == PEN_OBJECT_POLYGON) &&
+                   (*left)-- == 0) {
+            pen_place_pointer(&place, "", out, PEN_AT_BYTES);
+            return true;
+        }
+    }
+    return false;
+}
+
+struct tjunction_warnings {
+    struct pen_reader *reader;
+    const struct pen_scene_desc *desc;
+};
+
+static void warn_tjunction(void *user, const struct pen_tjunction *found)
+{
+    const struct tjunction_warnings *w = user;
+    const struct pen_scene_desc *desc = w->desc;
+    const struct pen_place root = {0};
+    const char *prefix = w->reader->prefix;
+    char vertex_loop[PEN_AT_BYTES], edge_loop[PEN_AT_BYTES], pointer[3 * PEN_AT_BYTES];
+    struct pen_status st = {.code = PEN_OK};
+    uint32_t loop = found->loop, other = found->edge_loop;
+    if (pen_reader_explains(w->reader) &&
+        find_loop(desc->objects, desc->object_count, &root, &loop, vertex_loop) &&
+        find_loop(desc->objects, desc->object_count, &root, &other, edge_loop)) {
+        snprintf(pointer, sizeof pointer, "%.255s%s/vertices/%u", prefix, vertex_loop,
+                 found->vertex);
+        pen_fail_at(&st, PEN_OK, pointer,
+                    "this vertex lies inside an edge of %.255s%s, along which both run: light may "
+                    "leak between them unless the edge has a vertex there too",
+                    prefix, edge_loop);
+    }
+    pen_errors_add(w->reader->errors, &st);
+}
+
 void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
                         struct pen_errors *warnings)
 {
     struct pen_reader r = {.errors = warnings, .prefix = at};
-    warn_nothing_seen(&r, desc);
+    warn_empty_or_black(&r, desc);
     warn_unused_materials(&r, document, desc);
     warn_dark_lights(&r, desc);
-    warn_coarse(&r, document, desc);
-    pen_tjunction_warnings(desc, at, warnings);
+    warn_precision(&r, document, desc);
+    pen_tjunctions_find(desc, warn_tjunction, &(struct tjunction_warnings){&r, desc});
 }

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/json/fault.h"
+#include "io/json/memory.h"
 #include "io/scene/object.h"
 #include "io/xml/values.h"
 
@@ -35,9 +35,9 @@ static json_t *descend(struct pen_xml_builder *b, json_t *object, const char **p
         snprintf(key, sizeof key, "%.*s", (int)(slash - *path), *path);
         bool list = slash[1] >= '0' && slash[1] <= '9';
         json_t *inner = json_object_get(object, key);
-        if (!inner && pen_xml_take(b, member_bytes(key) + (list ? TRIPLE : OBJECT))) {
-            inner = pen_xml_made(b, list ? json_pack("[n, n, n]") : json_object());
-            pen_xml_must(b, inner && json_object_set_new(object, key, inner) == 0);
+        if (!inner && pen_xml_reserve(b, member_bytes(key) + (list ? TRIPLE : OBJECT))) {
+            inner = pen_xml_check_value(b, list ? json_pack("[n, n, n]") : json_object());
+            pen_xml_require(b, inner && json_object_set_new(object, key, inner) == 0);
         }
         object =
             !b->stopped && (list ? json_is_array(inner) : json_is_object(inner)) ? inner : NULL;
@@ -50,7 +50,7 @@ static void refuse_both(struct pen_xml_builder *b, const struct pen_xml_frame *f
                         const char *name)
 {
     const struct pen_xml_about about = {.frame = frame, .name = name};
-    pen_xml_complain_about(
+    pen_xml_attribute_error(
         b, &about,
         "\"material\" and the attributes of a material exclude each other, found "
         "both");
@@ -64,7 +64,7 @@ static void put(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
     json_t *at = descend(b, frame->object, &step);
     bool taken = !at || (json_is_object(at) && json_object_get(at, step));
     if (!taken && json_is_object(at))
-        pen_xml_take(b, member_bytes(step));
+        pen_xml_reserve(b, member_bytes(step));
     if (b->stopped || taken)
         json_decref(value);
     if (b->stopped)
@@ -72,23 +72,23 @@ static void put(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
     if (taken)
         refuse_both(b, frame, row->name);
     else if (json_is_array(at))
-        pen_xml_must(b, json_array_set_new(at, strtoul(step, NULL, 10), value) == 0);
+        pen_xml_require(b, json_array_set_new(at, strtoul(step, NULL, 10), value) == 0);
     else
-        pen_xml_must(b, json_object_set_new(at, step, value) == 0);
+        pen_xml_require(b, json_object_set_new(at, step, value) == 0);
 }
 
 /* The attribute's value, null after a fault. NULL only when the work has ended. */
 static json_t *read_value(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                           const struct pen_xml_row *row, const char *text)
 {
-    struct pen_xml_value_fault fault;
+    struct pen_xml_value_error fault;
     json_t *value = pen_xml_value(row->shape, text, &b->scratch, &b->room, &fault);
-    if (fault.no_room && !pen_xml_take(b, SIZE_MAX))
+    if (fault.no_room && !pen_xml_reserve(b, SIZE_MAX))
         return NULL;
     if (value || fault.no_memory)
-        return pen_xml_made(b, value);
+        return pen_xml_check_value(b, value);
     const struct pen_xml_about about = {frame, row->name, text, fault.offset};
-    pen_xml_complain_about(b, &about, "%s", fault.msg.text);
+    pen_xml_attribute_error(b, &about, "%s", fault.msg.text);
     return json_null();
 }
 
@@ -130,7 +130,7 @@ static bool has_corners(struct pen_xml_builder *b, const struct pen_xml_frame *f
     for (int i = 0; i < 3; i++) {
         if (attribute(attributes, corner_names[i]))
             continue;
-        pen_xml_missing(b, frame, corner_names[i]);
+        pen_xml_missing_attribute(b, frame, corner_names[i]);
         all = false;
     }
     return all;
@@ -140,7 +140,7 @@ static void finish_triangle(struct pen_xml_builder *b, const struct pen_xml_fram
                             const char *const *attributes)
 {
     if (!has_corners(b, frame, attributes))
-        pen_xml_must(b, json_object_set_new(frame->object, "vertices", json_null()) == 0);
+        pen_xml_require(b, json_object_set_new(frame->object, "vertices", json_null()) == 0);
 }
 
 /* The corner as a vector, if it is three numbers that a scene may hold. */
@@ -155,7 +155,7 @@ static bool read_corner(struct pen_xml_builder *b, const struct pen_xml_frame *f
         if (fabs(v[k]) <= PEN_NUMBER_MAX)
             continue;
         if (value) /* else it is reported */
-            pen_xml_complain_about(
+            pen_xml_attribute_error(
                 b, &about, "must be 3 numbers up to 1e100 in magnitude, found %s",
                 json_is_string(value) ? pen_text_quote(json_string_value(value)).text
                                       : pen_text_value(value).text);
@@ -170,9 +170,9 @@ static bool read_corners(struct pen_xml_builder *b, const struct pen_xml_frame *
 {
     const json_t *corners = json_object_get(frame->object, "corners");
     if (attribute(attributes, "point") || attribute(attributes, "normal")) {
-        pen_xml_complain(b, frame->tag, PEN_INVALID,
-                         "<plane>: \"p0\", \"p1\", \"p2\" and \"point\", \"normal\" exclude each "
-                         "other, found both");
+        pen_xml_error(b, frame->tag, PEN_INVALID,
+                      "<plane>: \"p0\", \"p1\", \"p2\" and \"point\", \"normal\" exclude each "
+                      "other, found both");
         return false;
     }
     bool ok = has_corners(b, frame, attributes);
@@ -180,9 +180,9 @@ static bool read_corners(struct pen_xml_builder *b, const struct pen_xml_frame *
         ok = read_corner(b, frame, json_array_get(corners, i), corner_names[i], &p[i]);
     if (!ok || pen_corner_has_area(p))
         return ok;
-    pen_xml_complain(b, frame->tag, PEN_INVALID,
-                     "<plane>: \"p0\", \"p1\" and \"p2\" must be three points that are not on one "
-                     "line");
+    pen_xml_error(b, frame->tag, PEN_INVALID,
+                  "<plane>: \"p0\", \"p1\" and \"p2\" must be three points that are not on one "
+                  "line");
     return false;
 }
 
@@ -201,23 +201,23 @@ static void finish_plane(struct pen_xml_builder *b, const struct pen_xml_frame *
     bool ok = read_corners(b, frame, attributes, p);
     if (ok) /* in the corners' place */
         b->room += member_bytes("corners") + CORNERS;
-    if (!pen_xml_take(b, member_bytes("point") + member_bytes("normal") + 2 * NUMBERS))
+    if (!pen_xml_reserve(b, member_bytes("point") + member_bytes("normal") + 2 * NUMBERS))
         return;
     json_t *point = ok ? vector(p[0]) : json_null();
     json_t *normal = ok ? vector(pen_corner_normal(p)) : json_null();
-    pen_xml_must(b, json_object_set_new(frame->object, "point", point) == 0);
-    pen_xml_must(b, json_object_set_new(frame->object, "normal", normal) == 0);
+    pen_xml_require(b, json_object_set_new(frame->object, "point", point) == 0);
+    pen_xml_require(b, json_object_set_new(frame->object, "normal", normal) == 0);
     json_object_del(frame->object, "corners");
 }
 
 static void finish_group(struct pen_xml_builder *b, struct pen_xml_frame *frame)
 {
-    if (!pen_xml_take(b, member_bytes("objects") + ARRAY))
+    if (!pen_xml_reserve(b, member_bytes("objects") + ARRAY))
         return;
     json_t *list = json_array();
-    pen_xml_must(b, list && json_object_set_new(frame->object, "objects", list) == 0);
+    pen_xml_require(b, list && json_object_set_new(frame->object, "objects", list) == 0);
     if (!b->stopped)
-        pen_xml_must(b, pen_xml_remember(b->xml, list, frame->element, frame->tag));
+        pen_xml_require(b, pen_xml_record(b->xml, list, frame->element, frame->tag));
     frame->list = list;
 }
 
@@ -245,28 +245,28 @@ static json_t *add_member(struct pen_xml_builder *b, json_t *object, const char 
 {
     if (value && json_object_get(object, key)) {
         json_decref(value);
-        pen_xml_complain(b, frame->tag, PEN_INVALID, "duplicate element <%s>: there is one already",
-                         frame->element->name);
+        pen_xml_error(b, frame->tag, PEN_INVALID, "duplicate element <%s>: there is one already",
+                      frame->element->name);
         return NULL;
     }
-    if (value && !pen_xml_take(b, member_bytes(key))) {
+    if (value && !pen_xml_reserve(b, member_bytes(key))) {
         json_decref(value);
         return NULL;
     }
     bool done = value && json_object_set_new(object, key, value) == 0;
-    pen_xml_must(b, done);
+    pen_xml_require(b, done);
     return done ? value : NULL;
 }
 
 /* Adds an item; takes the value. Returns it, or NULL. */
 static json_t *add_item(struct pen_xml_builder *b, json_t *list, json_t *value)
 {
-    if (value && !pen_xml_take(b, PEN_JSON_ELEMENT_BYTES)) {
+    if (value && !pen_xml_reserve(b, PEN_JSON_ELEMENT_BYTES)) {
         json_decref(value);
         return NULL;
     }
     bool done = value && json_array_append_new(list, value) == 0;
-    pen_xml_must(b, done);
+    pen_xml_require(b, done);
     return done ? value : NULL;
 }
 
@@ -278,18 +278,18 @@ static json_t *own_value(struct pen_xml_builder *b, const struct pen_xml_frame *
     const char *name = frame->element->own->name, *text = attribute(attributes, name);
     if (text && pen_xml_row_find(frame->element, name, &row))
         return read_value(b, frame, &row, text);
-    pen_xml_missing(b, frame, name);
+    pen_xml_missing_attribute(b, frame, name);
     return json_null();
 }
 
 static json_t *new_object(struct pen_xml_builder *b)
 {
-    return pen_xml_take(b, OBJECT) ? json_object() : NULL;
+    return pen_xml_reserve(b, OBJECT) ? json_object() : NULL;
 }
 
 static json_t *new_list(struct pen_xml_builder *b)
 {
-    return pen_xml_take(b, ARRAY) ? json_array() : NULL;
+    return pen_xml_reserve(b, ARRAY) ? json_array() : NULL;
 }
 
 static json_t *item(struct pen_xml_builder *b, const char *type)
@@ -297,7 +297,7 @@ static json_t *item(struct pen_xml_builder *b, const char *type)
     if (!type)
         return new_object(b);
     size_t bytes = OBJECT + member_bytes("type") + PEN_JSON_STRING_BYTES + strlen(type);
-    return pen_xml_take(b, bytes) ? json_pack("{s:s}", "type", type) : NULL;
+    return pen_xml_reserve(b, bytes) ? json_pack("{s:s}", "type", type) : NULL;
 }
 
 /* The one member of an item; takes the value. */
@@ -318,10 +318,10 @@ static json_t *named(struct pen_xml_builder *b, const struct pen_xml_frame *up,
     const struct pen_xml_about about = {.frame = frame, .name = "name"};
     const char *name = attribute(attributes, "name");
     if (!name)
-        pen_xml_missing(b, frame, "name");
+        pen_xml_missing_attribute(b, frame, "name");
     else if (json_object_get(up->object, name))
-        pen_xml_complain_about(b, &about, "must be unique, there is one named %s already",
-                               pen_text_quote(name).text);
+        pen_xml_attribute_error(b, &about, "must be unique, there is one named %s already",
+                                pen_text_quote(name).text);
     else
         return add_member(b, up->object, name, new_object(b), frame);
     return NULL;
@@ -349,8 +349,8 @@ json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
     case PEN_XML_NAMED:
         return frame->object = named(b, up, frame, attributes);
     case PEN_XML_LATER:
-        pen_xml_complain(b, frame->tag, PEN_UNSUPPORTED, "<%s>: known, not supported yet: %s",
-                         e->name, e->key);
+        pen_xml_error(b, frame->tag, PEN_UNSUPPORTED, "<%s>: known, not supported yet: %s", e->name,
+                      e->key);
         return NULL;
     }
     return NULL;
@@ -359,9 +359,9 @@ json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
 /* A member with a default; takes the value. */
 static void add_default(struct pen_xml_builder *b, json_t *object, const char *key, json_t *value)
 {
-    pen_xml_must(b, value != NULL);
+    pen_xml_require(b, value != NULL);
     if (!b->stopped && !json_object_get(object, key))
-        pen_xml_must(b, json_object_set(object, key, value) == 0);
+        pen_xml_require(b, json_object_set(object, key, value) == 0);
     json_decref(value);
 }
 
@@ -375,9 +375,9 @@ static void apply_image(struct pen_xml_builder *b, const struct pen_xml_frame *c
     for (size_t i = 0; i < 2 && b->image && !b->stopped; i++) {
         json_t *value = pair ? json_array_get(b->image, i) : b->image;
         if (json_object_get(render, keys[i]))
-            pen_xml_complain_about(b, &about, "excludes \"%s\" of <render>, found both", keys[i]);
+            pen_xml_attribute_error(b, &about, "excludes \"%s\" of <render>, found both", keys[i]);
         else
-            pen_xml_must(b, json_object_set(render, keys[i], value) == 0);
+            pen_xml_require(b, json_object_set(render, keys[i], value) == 0);
     }
 }
 
@@ -388,9 +388,9 @@ static json_t *render_settings(struct pen_xml_builder *b, const struct pen_xml_f
     if (render)
         return render;
     render = json_object();
-    pen_xml_must(b, render && json_object_set_new(b->document, "render", render) == 0);
+    pen_xml_require(b, render && json_object_set_new(b->document, "render", render) == 0);
     if (!b->stopped)
-        pen_xml_must(b, pen_xml_remember(b->xml, render, from->element, from->tag));
+        pen_xml_require(b, pen_xml_record(b->xml, render, from->element, from->tag));
     return render;
 }
 
@@ -419,18 +419,18 @@ static void put_in_order(struct pen_xml_builder *b)
     static const char *const keys[] = {"format", "name",      "background", "ambient", "camera",
                                        "views",  "materials", "lights",     "objects", "render"};
     json_t *document = json_object();
-    pen_xml_must(b, document != NULL);
+    pen_xml_require(b, document != NULL);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0] && !b->stopped; i++) {
         json_t *value = json_object_get(b->document, keys[i]);
-        pen_xml_must(b, !value || json_object_set(document, keys[i], value) == 0);
+        pen_xml_require(b, !value || json_object_set(document, keys[i], value) == 0);
     }
     if (!b->stopped)
-        pen_xml_must(b, pen_xml_remember(b->xml, document, &pen_xml_scene, b->frame[0].tag));
+        pen_xml_require(b, pen_xml_record(b->xml, document, &pen_xml_scene, b->frame[0].tag));
     json_decref(b->document);
     b->document = document;
 }
 
-void pen_xml_complete(struct pen_xml_builder *b)
+void pen_xml_document_end(struct pen_xml_builder *b)
 {
     add_defaults(b);
     if (!b->stopped)

@@ -35,19 +35,19 @@ struct pen_xml_builder {
 };
 
 /* The value; NULL, for want of memory, ends the work. */
-json_t *pen_xml_made(struct pen_xml_builder *b, json_t *value);
-void pen_xml_must(struct pen_xml_builder *b, bool done);
+json_t *pen_xml_check_value(struct pen_xml_builder *b, json_t *value);
+void pen_xml_require(struct pen_xml_builder *b, bool done);
 
 /* Takes what values are about to need; too much ends the work. Returns whether there was room. */
-bool pen_xml_take(struct pen_xml_builder *b, size_t bytes);
+bool pen_xml_reserve(struct pen_xml_builder *b, size_t bytes);
 
 /* Adds a fault; the work goes on. */
-void pen_xml_complain(struct pen_xml_builder *b, size_t offset, enum pen_code code,
-                      const char *format, ...) __attribute__((format(printf, 4, 5)));
+void pen_xml_error(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
+                   ...) __attribute__((format(printf, 4, 5)));
 
 /* Ends the work. */
-void pen_xml_end(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
-                 ...) __attribute__((format(printf, 4, 5)));
+void pen_xml_abort(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
+                   ...) __attribute__((format(printf, 4, 5)));
 
 /* A fault of the attribute `name`, placed at it, or `offset` bytes into its value if that is not
  * 0; "attribute NAME of <ELEMENT>: message". */
@@ -57,11 +57,11 @@ struct pen_xml_about {
     const char *value; /* as expat gave it; NULL with offset 0 */
     size_t offset;
 };
-void pen_xml_complain_about(struct pen_xml_builder *b, const struct pen_xml_about *about,
-                            const char *format, ...) __attribute__((format(printf, 3, 4)));
+void pen_xml_attribute_error(struct pen_xml_builder *b, const struct pen_xml_about *about,
+                             const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-void pen_xml_missing(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
-                     const char *name);
+void pen_xml_missing_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                               const char *name);
 void pen_xml_unknown_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                                const char *name);
 void pen_xml_unknown_element(struct pen_xml_builder *b, const struct pen_xml_frame *up,
@@ -82,6 +82,6 @@ void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
 
 /* After the last element: what the dialect says where the document is silent, and the parts of the
  * scene in the order in which the format describes them. */
-void pen_xml_complete(struct pen_xml_builder *b);
+void pen_xml_document_end(struct pen_xml_builder *b);
 
 #endif

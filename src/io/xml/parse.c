@@ -26,9 +26,9 @@ static bool fits(struct pen_xml_builder *b, const struct pen_xml_frame *frame)
 {
     if (frame->depth + 2 <= b->limits->nesting)
         return true;
-    pen_xml_end(b, frame->tag, PEN_INVALID,
-                "nested deeper than the %d levels allowed, of which a group takes 2",
-                b->limits->nesting);
+    pen_xml_abort(b, frame->tag, PEN_INVALID,
+                  "nested deeper than the %d levels allowed, of which a group takes 2",
+                  b->limits->nesting);
     return false;
 }
 
@@ -50,7 +50,7 @@ static void enter(struct pen_xml_builder *b, const struct pen_xml_element *eleme
     }
     b->count++;
     if (json_is_object(value) || json_is_array(value))
-        pen_xml_must(b, pen_xml_remember(b->xml, value, element, frame->tag));
+        pen_xml_require(b, pen_xml_record(b->xml, value, element, frame->tag));
     for (const char *const *a = attributes; *a && !b->stopped; a += 2)
         pen_xml_attribute_read(b, frame, a[0], a[1]);
     if (!b->stopped)
@@ -64,8 +64,9 @@ static void enter_root(struct pen_xml_builder *b, const char *name, const char *
         enter(b, &pen_xml_scene, attributes);
         return;
     }
-    pen_xml_end(b, offset_now(b), PEN_INVALID, "the document's element must be <scene>, found %s%s",
-                pen_text_quote(name).text, pen_text_nearest(name, names).text);
+    pen_xml_abort(b, offset_now(b), PEN_INVALID,
+                  "the document's element must be <scene>, found %s%s", pen_text_quote(name).text,
+                  pen_text_nearest(name, names).text);
 }
 
 static void XMLCALL on_start(void *user, const XML_Char *name, const XML_Char **attributes)
@@ -74,12 +75,13 @@ static void XMLCALL on_start(void *user, const XML_Char *name, const XML_Char **
     if (b->stopped)
         return;
     if (b->open.count == PEN_XML_DEPTH_MAX) {
-        pen_xml_end(b, offset_now(b), PEN_INVALID, "nested deeper than the %d elements allowed",
-                    (int)PEN_XML_DEPTH_MAX);
+        pen_xml_abort(b, offset_now(b), PEN_INVALID, "nested deeper than the %d elements allowed",
+                      (int)PEN_XML_DEPTH_MAX);
         return;
     }
     if (b->elements++ >= b->limits->objects && b->elements - b->limits->objects > OTHER_ELEMENTS) {
-        pen_xml_end(b, offset_now(b), PEN_INVALID, "there are more elements than a scene may hold");
+        pen_xml_abort(b, offset_now(b), PEN_INVALID,
+                      "there are more elements than a scene may hold");
         return;
     }
     b->open.tag[b->open.count++] = offset_now(b);
@@ -122,13 +124,13 @@ static void XMLCALL on_text(void *user, const XML_Char *text, int bytes)
     char word[SHOWN + 1];
     size_t start, end;
     if (b->stopped || b->skipped || !frame || frame->said ||
-        !pen_xml_piece(text, (size_t)bytes, 0, &start, &end))
+        !pen_xml_token(text, (size_t)bytes, 0, &start, &end))
         return;
     frame->said = true;
     snprintf(word, sizeof word, "%.*s", (int)(end - start), text + start);
-    pen_xml_complain(b, offset_now(b) + start, PEN_INVALID,
-                     "<%s>: text is not allowed here, found %s; values stand in attributes",
-                     frame->element->name, pen_text_quote(word).text);
+    pen_xml_error(b, offset_now(b) + start, PEN_INVALID,
+                  "<%s>: text is not allowed here, found %s; values stand in attributes",
+                  frame->element->name, pen_text_quote(word).text);
 }
 
 static void XMLCALL on_doctype(void *user, const XML_Char *name, const XML_Char *system_id,
@@ -141,9 +143,10 @@ static void XMLCALL on_doctype(void *user, const XML_Char *name, const XML_Char 
     while (at > 0 && (b->xml->bytes - at < sizeof begin ||
                       memcmp(b->xml->text + at, begin, sizeof begin - 1) != 0))
         at--;
-    pen_xml_end(b, at, PEN_SYNTAX,
-                "document types (DTDs), and the entities that they declare, are not allowed; leave "
-                "<!DOCTYPE …> out");
+    pen_xml_abort(
+        b, at, PEN_SYNTAX,
+        "document types (DTDs), and the entities that they declare, are not allowed; leave "
+        "<!DOCTYPE …> out");
 }
 
 static void XMLCALL on_declaration(void *user, const XML_Char *version, const XML_Char *encoding,
@@ -152,11 +155,11 @@ static void XMLCALL on_declaration(void *user, const XML_Char *version, const XM
     struct pen_xml_builder *b = user;
     (void)standalone;
     if (version && strcmp(version, "1.0") != 0)
-        pen_xml_end(b, offset_now(b), PEN_SYNTAX, "XML version %s is not read: allowed is 1.0",
-                    pen_text_quote(version).text);
+        pen_xml_abort(b, offset_now(b), PEN_SYNTAX, "XML version %s is not read: allowed is 1.0",
+                      pen_text_quote(version).text);
     if (!encoding || strcasecmp(encoding, "UTF-8") == 0 || strcasecmp(encoding, "US-ASCII") == 0)
         return;
-    pen_xml_end(
+    pen_xml_abort(
         b, offset_now(b), PEN_SYNTAX,
         "the encoding %s is not read: save the document in UTF-8, or in its subset US-ASCII",
         pen_text_quote(encoding).text);
@@ -175,7 +178,7 @@ static void parse(struct pen_xml_builder *b)
     if (code == XML_ERROR_ABORTED)
         return; /* by too many faults */
     b->stopped = true;
-    pen_xml_fault(b->xml->text, b->xml->bytes, offset_now(b), (int)code, &b->open, b->st);
+    pen_xml_syntax_error(b->xml->text, b->xml->bytes, offset_now(b), (int)code, &b->open, b->st);
 }
 
 json_t *pen_xml_parse(const char *text, size_t bytes, const struct pen_limits *limits,
@@ -198,7 +201,7 @@ json_t *pen_xml_parse(const char *text, size_t bytes, const struct pen_limits *l
     else
         b.stopped = !pen_fail(st, PEN_NO_MEMORY, "the document does not fit into memory");
     if (!b.stopped)
-        pen_xml_complete(&b);
+        pen_xml_document_end(&b);
     XML_ParserFree(b.parser);
     pen_buf_release(&b.scratch);
     json_decref(b.image);

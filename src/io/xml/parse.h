@@ -3,7 +3,7 @@
 #ifndef PEN_IO_XML_PARSE_H
 #define PEN_IO_XML_PARSE_H
 
-#include "io/xml/places.h"
+#include "io/xml/positions.h"
 
 /* Makes the document. What is well-formed but no scene is collected in xml->faults, and the
  * document is made all the same, so that its reader can say the rest.
@@ -26,8 +26,8 @@ struct pen_xml_open {
     int count;
     size_t tag[PEN_XML_DEPTH_MAX]; /* offsets */
 };
-bool pen_xml_fault(const char *text, size_t bytes, size_t offset, int code,
-                   const struct pen_xml_open *open, struct pen_status *st);
+bool pen_xml_syntax_error(const char *text, size_t bytes, size_t offset, int code,
+                          const struct pen_xml_open *open, struct pen_status *st);
 
 /* The name in the tag at an offset, for messages. */
 struct pen_text pen_xml_tag_name(const char *text, size_t bytes, size_t tag);

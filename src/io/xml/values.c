@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 #include "io/xml/values.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "io/json/fault.h"
+#include "io/json/memory.h"
+#include "io/json/token.h"
 
 struct text {
     const char *s;
     size_t at, bytes;
     struct pen_buf *scratch;
     size_t *room;
-    struct pen_xml_value_fault *fault;
+    struct pen_xml_value_error *fault;
 };
 
 static bool is_space(char c)
@@ -19,7 +21,7 @@ static bool is_space(char c)
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-bool pen_xml_piece(const char *text, size_t bytes, size_t index, size_t *start, size_t *end)
+bool pen_xml_token(const char *text, size_t bytes, size_t index, size_t *start, size_t *end)
 {
     size_t at = 0;
     for (;; index--) {
@@ -276,12 +278,12 @@ static json_t *read_shape(struct text *t, enum pen_xml_shape shape)
 }
 
 json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
-                      size_t *room, struct pen_xml_value_fault *fault)
+                      size_t *room, struct pen_xml_value_error *fault)
 {
     struct text t = {
         .s = text, .bytes = strlen(text), .scratch = scratch, .room = room, .fault = fault};
     size_t before = *room;
-    *fault = (struct pen_xml_value_fault){0};
+    *fault = (struct pen_xml_value_error){0};
     json_t *value = read_shape(&t, shape);
     if (!value) /* what was made of it is gone */
         *room = before;

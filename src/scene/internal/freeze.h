@@ -4,7 +4,7 @@
 #define PEN_SCENE_INTERNAL_FREEZE_H
 
 #include "scene/internal/place.h"
-#include "scene/internal/unit.h"
+#include "scene/internal/vec.h"
 #include "scene/scene.h"
 
 /* The largest local coordinate. Beyond it squares overflow; no picture shows what is there. */
@@ -33,7 +33,8 @@ static inline bool pen_freeze_in_range(struct pen_vec3 local)
 }
 
 /* Calls fn for every primitive, placed, in document order. An error gets the primitive's place. */
-typedef bool pen_freeze_primitive(struct pen_freezer *f, const struct pen_placed *body, void *user);
+typedef bool pen_freeze_primitive(struct pen_freezer *f, const struct pen_placed *placed,
+                                  void *user);
 bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user);
 
 /* The typed arrays of the primitives; needs the survey and the local frame. */

@@ -5,7 +5,7 @@
 
 #include "geom/prims.h"
 #include "math/box.h"
-#include "scene/internal/walk.h"
+#include "scene/internal/desc_iter.h"
 
 struct pen_placed {
     enum pen_prim_kind kind;
@@ -17,7 +17,7 @@ struct pen_placed {
  * itself, a plane's normal by the inverse transpose, a loop by running the other way round.
  * Fails: PEN_INVALID, without a pointer (a quadric under something else than a similarity, or a
  * transform that leaves the range of doubles). */
-bool pen_place_primitive(const struct pen_walk_primitive *body, struct pen_vec3 *buffer,
+bool pen_place_primitive(const struct pen_desc_iter_item *item, struct pen_vec3 *buffer,
                          struct pen_placed *placed, struct pen_status *st);
 
 /* What the local frame is made from, gathered primitive by primitive in scene units. */

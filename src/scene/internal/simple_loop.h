@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "scene/internal/orient.h"
+#include "scene/internal/orient2d.h"
 
 struct pen_simple_loop_result {
     bool simple;
@@ -14,9 +14,9 @@ struct pen_simple_loop_result {
 };
 
 /* Edge i runs from point i to point i + 1, the last one back to point 0. Points are distinct and
- * `order` lists them in the order of pen_flat_compare. Returns false when out of memory.
+ * `order` lists them in the order of pen_point2_compare. Returns false when out of memory.
  * Cost: O(n log n). */
-bool pen_check_simple_loop(const struct pen_flat_point *points, const uint32_t *order,
-                           uint32_t count, struct pen_simple_loop_result *result);
+bool pen_check_simple_loop(const struct pen_point2 *points, const uint32_t *order, uint32_t count,
+                           struct pen_simple_loop_result *result);
 
 #endif

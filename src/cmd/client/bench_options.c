@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/client/bench_options.h"
+
+#include <string.h>
+
+static bool fail_form(const char *option, const char *text, struct pen_status *st)
+{
+    return pen_fail(st, PEN_USAGE, "--%s: found \"%s\", allowed is KEY=VALUE,…", option, text);
+}
+
+static json_t *value_of(const char *text, size_t bytes)
+{
+    json_t *value = json_loadb(text, bytes, JSON_DECODE_ANY, NULL);
+    return value ? value : json_stringn(text, bytes);
+}
+
+/* "none,auto" -> ["none", "auto"]. */
+static json_t *list_of(const char *text)
+{
+    json_t *list = json_array();
+    for (const char *at = text;; at++) {
+        size_t bytes = strcspn(at, ",");
+        if (bytes == 0 || json_array_append_new(list, value_of(at, bytes)) != 0) {
+            json_decref(list);
+            return NULL;
+        }
+        at += bytes;
+        if (!*at)
+            return list;
+    }
+}
+
+static bool add_list(json_t *matrix, const char *text, struct pen_status *st)
+{
+    const char *equals = strchr(text, '=');
+    size_t length = equals ? (size_t)(equals - text) : 0;
+    json_t *list = length ? list_of(equals + 1) : NULL;
+    if (!list)
+        return fail_form("matrix", text, st);
+    if (json_object_getn(matrix, text, length)) {
+        json_decref(list);
+        return pen_fail(st, PEN_USAGE, "--matrix: %.*s is given twice", (int)length, text);
+    }
+    return json_object_setn_new(matrix, text, length, list) == 0 || fail_form("matrix", text, st);
+}
+
+/* "accelerator=auto,threads=1" -> {"accelerator": "auto", "threads": 1}. */
+static bool add_baseline(json_t *job, const char *text, struct pen_status *st)
+{
+    json_t *baseline = json_object();
+    bool ok = json_object_set_new(job, "baseline", baseline) == 0;
+    for (const char *at = text; ok; at++) {
+        size_t bytes = strcspn(at, ",");
+        const char *equals = memchr(at, '=', bytes);
+        size_t length = equals ? (size_t)(equals - at) : 0;
+        ok = length > 0 && length + 1 < bytes &&
+             json_object_setn_new(baseline, at, length, value_of(equals + 1, bytes - length - 1)) ==
+                 0;
+        at += bytes;
+        if (!*at)
+            break;
+    }
+    return ok || fail_form("baseline", text, st);
+}
+
+bool pen_bench_options_add(json_t *job, const struct pen_option_list *matrix, const char *baseline,
+                           struct pen_status *st)
+{
+    json_t *lists = matrix->count > 0 ? json_object() : NULL;
+    if (lists && json_object_set_new(job, "matrix", lists) != 0)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    for (int i = 0; i < matrix->count; i++) {
+        if (!add_list(lists, matrix->item[i], st))
+            return false;
+    }
+    return !baseline || add_baseline(job, baseline, st);
+}
+
+/* "/matrix/threads/1" -> "--matrix threads". */
+static void name_option(struct pen_status *st)
+{
+    char option[PEN_AT_BYTES + 8], text[PEN_MSG_BYTES];
+    size_t length = strcspn(st->at + 1, "/");
+    const char *key = st->at[length + 1] ? st->at + length + 2 : "";
+    snprintf(option, sizeof option, "--%.*s%s%.*s", (int)length, st->at + 1, *key ? " " : "",
+             (int)strcspn(key, "/"), key);
+    memcpy(text, st->msg, sizeof text);
+    pen_fail(st, st->code == PEN_INVALID ? PEN_USAGE : st->code, "%s: %s", option, text);
+}
+
+void pen_bench_options_errors(struct pen_errors *errors)
+{
+    for (size_t i = 0; i < errors->count; i++) {
+        if (errors->item[i].at[0])
+            name_option(&errors->item[i]);
+    }
+}

@@ -1,0 +1,408 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/client/http_client.h"
+
+#include <curl/curl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/clock.h"
+
+/* No answer of a daemon is larger: a PFM of 64 Mpixel is 768 MiB. */
+static const size_t answer_max_bytes = (size_t)1 << 30;
+
+struct pen_client {
+    CURL *curl;
+    char *base;          /* without a slash at its end */
+    char *authorization; /* a header line, NULL: none */
+    int64_t retry_ns;
+    pen_client_pause_fn *on_pause;
+    void *pause_user;
+    char error[CURL_ERROR_SIZE];
+};
+
+static bool is_loopback(const char *host)
+{
+    return strcmp(host, "localhost") == 0 || strncmp(host, "127.", 4) == 0 ||
+           strcmp(host, "[::1]") == 0;
+}
+
+/* Checks the URL. A proxy of the environment makes no sense towards this very machine: *direct.
+ */
+static bool check_url(const char *url, bool *direct, struct pen_status *st)
+{
+    char *host = NULL, *scheme = NULL;
+    CURLU *parts = curl_url();
+    bool ok = parts && curl_url_set(parts, CURLUPART_URL, url, 0) == CURLUE_OK &&
+              curl_url_get(parts, CURLUPART_SCHEME, &scheme, 0) == CURLUE_OK &&
+              (strcmp(scheme, "http") == 0 || strcmp(scheme, "https") == 0) &&
+              curl_url_get(parts, CURLUPART_HOST, &host, 0) == CURLUE_OK;
+    *direct = ok && is_loopback(host);
+    curl_free(host);
+    curl_free(scheme);
+    curl_url_cleanup(parts);
+    return ok || pen_fail(st, PEN_USAGE,
+                          "--server: found \"%s\", allowed is http://HOST:PORT or https://…", url);
+}
+
+struct pen_client *pen_client_open(const struct pen_remote *remote, struct pen_status *st)
+{
+    bool direct;
+    if (!check_url(remote->server, &direct, st))
+        return NULL;
+    struct pen_client *client = calloc(1, sizeof *client);
+    bool ok = client && (client->curl = curl_easy_init()) != NULL &&
+              (client->base = strdup(remote->server)) != NULL;
+    if (ok && remote->token && *remote->token)
+        ok = asprintf(&client->authorization, "Authorization: Bearer %s", remote->token) >= 0;
+    if (!ok) {
+        pen_client_close(client);
+        pen_fail(st, PEN_NO_MEMORY, "out of memory");
+        return NULL;
+    }
+    size_t length = strlen(client->base);
+    while (length > 0 && client->base[length - 1] == '/')
+        client->base[--length] = '\0';
+    client->retry_ns = (int64_t)(remote->retry_seconds * 1e9);
+    curl_easy_setopt(client->curl, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, client->error);
+    curl_easy_setopt(client->curl, CURLOPT_USERAGENT, "penumbra/" PEN_VERSION);
+    curl_easy_setopt(client->curl, CURLOPT_CONNECTTIMEOUT_MS, 5000L);
+    curl_easy_setopt(client->curl, CURLOPT_PROTOCOLS_STR, "http,https");
+    if (direct)
+        curl_easy_setopt(client->curl, CURLOPT_NOPROXY, "*");
+    return client;
+}
+
+void pen_client_close(struct pen_client *client)
+{
+    if (!client)
+        return;
+    curl_easy_cleanup(client->curl);
+    free(client->base);
+    free(client->authorization);
+    free(client);
+    curl_global_cleanup();
+}
+
+void pen_client_on_pause(struct pen_client *client, pen_client_pause_fn *fn, void *user)
+{
+    client->on_pause = fn;
+    client->pause_user = user;
+}
+
+bool pen_client_escape(struct pen_client *client, struct pen_buf *url, const char *text)
+{
+    char *escaped = curl_easy_escape(client->curl, text, 0);
+    bool ok = escaped && pen_buf_puts(url, escaped);
+    curl_free(escaped);
+    return ok;
+}
+
+void pen_reply_release(struct pen_reply *reply)
+{
+    pen_buf_release(&reply->body);
+}
+
+static size_t on_body(char *data, size_t size, size_t count, void *user)
+{
+    struct pen_reply *reply = user;
+    size_t bytes = size * count;
+    if (bytes > answer_max_bytes - reply->body.bytes || !pen_buf_add(&reply->body, data, bytes))
+        return 0;
+    return bytes;
+}
+
+/* Copies the value of a header line if it is the one named. */
+static bool header_value(const char *line, size_t bytes, const char *name, char *out,
+                         size_t out_bytes)
+{
+    size_t length = strlen(name);
+    if (bytes <= length || strncasecmp(line, name, length) != 0 || line[length] != ':')
+        return false;
+    const char *from = line + length + 1, *end = line + bytes;
+    while (from < end && (*from == ' ' || *from == '\t'))
+        from++;
+    while (end > from && strchr(" \t\r\n", end[-1]))
+        end--;
+    size_t value = (size_t)(end - from) < out_bytes ? (size_t)(end - from) : 0;
+    memcpy(out, from, value);
+    out[value] = '\0';
+    return true;
+}
+
+static size_t on_header(char *line, size_t size, size_t count, void *user)
+{
+    struct pen_reply *reply = user;
+    size_t bytes = size * count;
+    char seconds[16];
+    if (header_value(line, bytes, "Retry-After", seconds, sizeof seconds))
+        reply->retry_after_s = atoi(seconds);
+    else if (!header_value(line, bytes, "ETag", reply->etag, sizeof reply->etag))
+        header_value(line, bytes, "Location", reply->location, sizeof reply->location);
+    return bytes;
+}
+
+static bool add_header(struct curl_slist **list, const char *format, const char *value)
+{
+    char *line;
+    if (asprintf(&line, format, value) < 0)
+        return false;
+    struct curl_slist *longer = curl_slist_append(*list, line);
+    free(line);
+    if (longer)
+        *list = longer;
+    return longer != NULL;
+}
+
+static bool make_headers(const struct pen_client *client, const struct pen_request *request,
+                         struct curl_slist **list)
+{
+    bool ok =
+        add_header(list, "%s", "Expect:"); /* no pause before a body: 413 comes early anyway */
+    if (request->body)
+        ok = ok && add_header(list, "Content-Type: %s", request->type);
+    if (request->idempotency_key)
+        ok = ok && add_header(list, "Idempotency-Key: %s", request->idempotency_key);
+    if (request->accept)
+        ok = ok && add_header(list, "Accept: %s", request->accept);
+    if (request->if_none_match)
+        ok = ok && add_header(list, "If-None-Match: %s", request->if_none_match);
+    if (client->authorization)
+        ok = ok && add_header(list, "%s", client->authorization);
+    return ok;
+}
+
+static void set_request(struct pen_client *client, const struct pen_request *request,
+                        struct pen_reply *reply)
+{
+    CURL *curl = client->curl;
+    bool get = strcmp(request->method, "GET") == 0;
+    bool post = strcmp(request->method, "POST") == 0;
+    curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, NULL);
+    if (get)
+        curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
+    if (post) {
+        curl_easy_setopt(curl, CURLOPT_POST, 1L);
+        curl_easy_setopt(curl, CURLOPT_POSTFIELDS, request->body ? request->body : "");
+        curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)request->body_bytes);
+    }
+    if (!get && !post) {
+        curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
+        curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request->method);
+    }
+    /* An answer that has stopped coming is given up; a long poll is silent as long as it waits. */
+    curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
+    curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, (long)request->timeout_s);
+    curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_body);
+    curl_easy_setopt(curl, CURLOPT_WRITEDATA, reply);
+    curl_easy_setopt(curl, CURLOPT_HEADERFUNCTION, on_header);
+    curl_easy_setopt(curl, CURLOPT_HEADERDATA, reply);
+}
+
+/* One attempt. CURLE_OK: *reply holds an answer, whatever its status. */
+static CURLcode attempt(struct pen_client *client, const struct pen_request *request,
+                        struct pen_reply *reply)
+{
+    struct curl_slist *headers = NULL;
+    char *url = NULL;
+    pen_reply_release(reply);
+    *reply = (struct pen_reply){0};
+    client->error[0] = '\0';
+    CURLcode code = CURLE_OUT_OF_MEMORY;
+    if (asprintf(&url, "%s%s", client->base, request->path) >= 0 &&
+        make_headers(client, request, &headers)) {
+        set_request(client, request, reply);
+        curl_easy_setopt(client->curl, CURLOPT_URL, url);
+        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, headers);
+        code = curl_easy_perform(client->curl);
+        curl_easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &reply->status);
+        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, NULL);
+    }
+    curl_slist_free_all(headers);
+    free(url);
+    return code;
+}
+
+/* Whether another attempt may help, and cannot do harm. */
+static bool worth_repeating(CURLcode code, const struct pen_request *request,
+                            const struct pen_reply *reply)
+{
+    if (code == CURLE_OK)
+        return reply->status == 503 || reply->status == 429;
+    if (code == CURLE_COULDNT_CONNECT || code == CURLE_COULDNT_RESOLVE_HOST)
+        return true;
+    return request->repeatable && code != CURLE_OUT_OF_MEMORY && code != CURLE_WRITE_ERROR;
+}
+
+static void sleep_ns(int64_t ns)
+{
+    struct timespec pause = {.tv_sec = (time_t)(ns / 1000000000), .tv_nsec = ns % 1000000000};
+    while (nanosleep(&pause, &pause) != 0)
+        ;
+}
+
+static CURLcode attempt_until(struct pen_client *client, const struct pen_request *request,
+                              struct pen_reply *reply)
+{
+    const int64_t second = 1000000000;
+    int64_t give_up = pen_clock_ns() + client->retry_ns, pause = second / 20;
+    for (;;) {
+        CURLcode code = attempt(client, request, reply);
+        if (!worth_repeating(code, request, reply))
+            return code;
+        int64_t wait =
+            code == CURLE_OK && reply->retry_after_s > 0 ? reply->retry_after_s * second : pause;
+        if (pen_clock_ns() + wait > give_up)
+            return code;
+        if (client->on_pause)
+            client->on_pause(client->pause_user, code == CURLE_OK ? "the daemon is not ready"
+                                                                  : "the daemon does not answer");
+        sleep_ns(wait);
+        pause = pause * 2 < 2 * second ? pause * 2 : 2 * second;
+    }
+}
+
+/* A stream as it comes in. */
+struct stream {
+    CURL *curl;
+    struct pen_sse *sse;
+};
+
+/* What is no stream of events is not read. */
+static size_t on_stream(char *data, size_t size, size_t count, void *user)
+{
+    struct stream *stream = user;
+    const char *type = NULL;
+    long status = 0;
+    curl_easy_getinfo(stream->curl, CURLINFO_RESPONSE_CODE, &status);
+    curl_easy_getinfo(stream->curl, CURLINFO_CONTENT_TYPE, &type);
+    if (status != 200 || !type || strncmp(type, "text/event-stream", 17) != 0)
+        return 0;
+    return pen_sse_feed(stream->sse, data, size * count) ? size * count : 0;
+}
+
+bool pen_client_events(struct pen_client *client, const char *path, struct pen_sse *sse,
+                       int silence_s)
+{
+    struct pen_request request = {.method = "GET", .path = path, .timeout_s = silence_s};
+    struct pen_reply reply = {0};
+    struct stream stream = {client->curl, sse};
+    struct curl_slist *headers = NULL;
+    char *url = NULL;
+    CURLcode code = CURLE_OUT_OF_MEMORY;
+    if (asprintf(&url, "%s%s", client->base, path) >= 0 &&
+        make_headers(client, &request, &headers) &&
+        (!sse->last_id[0] || add_header(&headers, "Last-Event-ID: %s", sse->last_id))) {
+        set_request(client, &request, &reply);
+        curl_easy_setopt(client->curl, CURLOPT_WRITEFUNCTION, on_stream);
+        curl_easy_setopt(client->curl, CURLOPT_WRITEDATA, &stream);
+        curl_easy_setopt(client->curl, CURLOPT_URL, url);
+        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, headers);
+        code = curl_easy_perform(client->curl);
+        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, NULL);
+    }
+    curl_slist_free_all(headers);
+    free(url);
+    return code == CURLE_OK;
+}
+
+static void add_error(struct pen_errors *errors, enum pen_code code, const json_t *item,
+                      const char *detail)
+{
+    struct pen_status st;
+    const json_t *line = json_object_get(item, "line");
+    const char *pointer = json_string_value(json_object_get(item, "pointer"));
+    if (line)
+        pen_fail_line(&st, code, (int)json_integer_value(line),
+                      (int)json_integer_value(json_object_get(item, "column")), "%s", detail);
+    else
+        pen_fail_at(&st, code, pointer ? pointer : "", "%s", detail);
+    pen_errors_add(errors, &st);
+}
+
+/* The error code for a status whose body names none. */
+static enum pen_code code_of_http(long status)
+{
+    for (int code = PEN_USAGE; code < PEN_CODE_COUNT; code++) {
+        if (pen_code_http((enum pen_code)code) == status && code != PEN_SYNTAX)
+            return (enum pen_code)code;
+    }
+    return PEN_NETWORK;
+}
+
+/* Problem types end in the code's name: "…/problems/invalid-scene". */
+static enum pen_code code_of_problem(const json_t *problem, long status)
+{
+    const char *type = json_string_value(json_object_get(problem, "type"));
+    const char *name = type && strrchr(type, '/') ? strrchr(type, '/') + 1 : type;
+    const char *colon = name ? strrchr(name, ':') : NULL;
+    name = colon ? colon + 1 : name;
+    enum pen_code code = name ? pen_code_of_name(name) : PEN_INTERNAL;
+    if (code == PEN_INTERNAL && status != 500)
+        return code_of_http(status);
+    return code;
+}
+
+static void read_problem(const struct pen_reply *reply, struct pen_errors *errors)
+{
+    json_t *problem = json_loadb((const char *)reply->body.data, reply->body.bytes, 0, NULL);
+    enum pen_code code = code_of_problem(problem, reply->status);
+    const json_t *list = json_object_get(problem, "errors"), *item;
+    const char *title = json_string_value(json_object_get(problem, "title"));
+    const char *detail = json_string_value(json_object_get(problem, "detail"));
+    size_t i;
+    json_array_foreach(list, i, item)
+    {
+        const char *each = json_string_value(json_object_get(item, "detail"));
+        add_error(errors, code, item, each ? each : "");
+    }
+    struct pen_status st;
+    if (errors->count == 0) {
+        if (detail)
+            pen_fail(&st, code, "%s", detail);
+        else
+            pen_fail(&st, code, "the daemon answered %ld%s%s", reply->status, title ? ": " : "",
+                     title ? title : "");
+        pen_errors_add(errors, &st);
+    }
+    json_decref(problem);
+}
+
+bool pen_client_send(struct pen_client *client, const struct pen_request *request,
+                     struct pen_reply *reply, struct pen_errors *errors)
+{
+    struct pen_status st;
+    *errors = (struct pen_errors){0};
+    CURLcode code = attempt_until(client, request, reply);
+    if (code == CURLE_OK && (reply->status < 400 && reply->status >= 200))
+        return true;
+    if (code == CURLE_OK) {
+        read_problem(reply, errors);
+        return false;
+    }
+    pen_fail(&st, code == CURLE_OUT_OF_MEMORY ? PEN_NO_MEMORY : PEN_NETWORK, "%s: %s", client->base,
+             client->error[0] ? client->error : curl_easy_strerror(code));
+    pen_errors_add(errors, &st);
+    return false;
+}
+
+bool pen_client_json(struct pen_client *client, const struct pen_request *request,
+                     struct pen_reply *reply, json_t **json, struct pen_errors *errors)
+{
+    *json = NULL;
+    if (!pen_client_send(client, request, reply, errors))
+        return false;
+    if (reply->status == 304 || reply->status == 204)
+        return true;
+    json_error_t error;
+    *json = json_loadb((const char *)reply->body.data, reply->body.bytes, 0, &error);
+    if (*json)
+        return true;
+    struct pen_status st;
+    pen_fail(&st, PEN_NETWORK, "%s%s: the answer is not JSON (%s): is that a Penumbra daemon?",
+             client->base, request->path, error.text);
+    pen_errors_add(errors, &st);
+    return false;
+}

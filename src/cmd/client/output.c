@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/client/output.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "film/encode.h"
+#include "io/scene_json.h"
+#include "study/report.h"
+
+const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
+const char *const pen_output_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
+
+static bool ends_in(const char *path, const char *ending)
+{
+    size_t length = strlen(path), tail = strlen(ending);
+    return length > tail && strcmp(path + length - tail, ending) == 0;
+}
+
+const char *const pen_output_all_formats[] = {"png", "png16", "pfm",  "json",
+                                              "csv", "md",    "html", NULL};
+
+/* The member of names[] that is `format`, or else the ending of `path`; NULL if none is. */
+static const char *find_format(const char *path, const char *format, const char *const *names)
+{
+    for (int i = 0; names[i]; i++) {
+        char ending[8];
+        snprintf(ending, sizeof ending, ".%s", names[i]);
+        if (format ? strcmp(format, names[i]) == 0 : ends_in(path, ending))
+            return names[i];
+    }
+    return NULL;
+}
+
+const char *pen_output_format(const char *path, const char *format, struct pen_status *st)
+{
+    static const char *const endings[] = {"png", "pfm", NULL};
+    const char *found = find_format(path, format, format ? pen_output_formats : endings);
+    if (!found && format)
+        pen_fail(st, PEN_USAGE, "--format: a picture is png, png16 or pfm, not %s", format);
+    else if (!found)
+        pen_fail(st, PEN_USAGE,
+                 "--output: found \"%s\", allowed is a name ending in .png or .pfm, or any name "
+                 "with --format png, png16 or pfm",
+                 path);
+    return found;
+}
+
+const char *pen_output_report_format(const char *path, const char *form, struct pen_status *st)
+{
+    const char *found = find_format(path, form, pen_study_forms);
+    if (!found && form)
+        pen_fail(st, PEN_USAGE, "--format: a report is json, csv, md or html, not %s", form);
+    else if (!found)
+        pen_fail(
+            st, PEN_USAGE,
+            "--output: found \"%s\", allowed is a name ending in .json, .csv, .md or .html, or "
+            "any name with --format json, csv, md or html",
+            path);
+    return found;
+}
+
+bool pen_output_layer_check(const char *layer, struct pen_status *st)
+{
+    if (!layer || strcmp(layer, "beauty") == 0)
+        return true;
+    return pen_fail(st, PEN_UNSUPPORTED, "--layer %s: known, not supported yet", layer);
+}
+
+bool pen_output_set(struct pen_settings *settings, const char *assignment, struct pen_status *st)
+{
+    struct pen_status cause;
+    if (pen_settings_set(settings, assignment, &cause))
+        return true;
+    return pen_fail(st, cause.code, "--set %s: %s", assignment, cause.msg);
+}
+
+static enum pen_transfer transfer_of(const struct pen_settings *settings)
+{
+    return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
+}
+
+bool pen_output_encode(const char *format, const struct pen_film *film,
+                       const struct pen_settings *settings, struct pen_buf *out,
+                       struct pen_status *st)
+{
+    if (strcmp(format, "pfm") == 0)
+        return pen_pfm_write(film, out, st);
+    struct pen_png_options options = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
+                                      .transfer = transfer_of(settings)};
+    return pen_png_write(film, &options, out, st);
+}
+
+void pen_output_pixel(const float rgb[3], const struct pen_settings *settings, int png8[3],
+                      int png16[3])
+{
+    unsigned char narrow[3];
+    uint16_t wide[3];
+    pen_encode_8(rgb, 3, transfer_of(settings), narrow);
+    pen_encode_16(rgb, 3, transfer_of(settings), wide);
+    for (int c = 0; c < 3; c++) {
+        png8[c] = narrow[c];
+        png16[c] = wide[c];
+    }
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/* One pixel looked at closely: what `penumbra render --pixel X,Y` prints. */
+#ifndef PEN_CMD_CLIENT_PIXEL_REPORT_H
+#define PEN_CMD_CLIENT_PIXEL_REPORT_H
+
+#include <jansson.h>
+#include <stdbool.h>
+
+#include "render/render.h"
+
+struct pen_pixel {
+    int x, y;
+    const char *view;
+    double rgb[3]; /* linear, before it is rounded to the film's binary32 */
+    struct pen_ray_counts rays;
+};
+
+/* Reads "X,Y", both ≥ 0. Fails: PEN_USAGE. */
+bool pen_pixel_parse(const char *text, int *x, int *y, struct pen_status *st);
+
+/* Prints for people, in full precision and as hexadecimal floats. */
+void pen_pixel_print(const struct pen_pixel *pixel, const struct pen_settings *settings);
+
+/* The same for programs. */
+json_t *pen_pixel_json(const struct pen_pixel *pixel, const struct pen_settings *settings);
+
+#endif

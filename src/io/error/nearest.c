@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/* The name that a misspelt word most likely meant. */
+#include <string.h>
+
+#include "io/message.h"
+
+/* Longer words are compared with nothing: no key of the format comes near, and the cost of a
+ * comparison grows with the product of both lengths. */
+enum { LONGEST = 64, FARTHEST = 2 };
+
+static char fold(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '-' ? '_' : c;
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* Edits (insertions, deletions, substitutions, swaps of neighbours) from a to b, letters of
+ * either case and - and _ being the same.
+ * Source: the "optimal string alignment" form of Damerau, Comm. ACM 7(3), 1964. */
+static int distance(const char *a, size_t na, const char *b, size_t nb)
+{
+    int row[3][LONGEST + 1]; /* of a's prefixes: two, one and none before the current one */
+    for (size_t j = 0; j <= nb; j++)
+        row[1][j] = (int)j;
+    for (size_t i = 1; i <= na; i++) {
+        int *before = row[(i + 2) % 3], *above = row[i % 3], *now = row[(i + 1) % 3];
+        now[0] = (int)i;
+        for (size_t j = 1; j <= nb; j++) {
+            char x = fold(a[i - 1]), y = fold(b[j - 1]);
+            now[j] = least(least(above[j] + 1, now[j - 1] + 1), above[j - 1] + (x != y));
+            if (i > 1 && j > 1 && x == fold(b[j - 2]) && y == fold(a[i - 2]))
+                now[j] = least(now[j], before[j - 2] + 1);
+        }
+    }
+    return row[(na + 1) % 3][nb];
+}
+
+const char *pen_nearest_name(const char *word, const char *const *names)
+{
+    const char *nearest = NULL;
+    int best = FARTHEST + 1;
+    size_t length = strnlen(word, LONGEST + 1);
+    if (length > LONGEST)
+        return NULL;
+    for (; *names; names++) {
+        size_t other = strnlen(*names, LONGEST + 1);
+        if (other > LONGEST || other > length + FARTHEST || length > other + FARTHEST)
+            continue;
+        int d = distance(word, length, *names, other);
+        if (d < best && 2 * (size_t)d < length) {
+            best = d;
+            nearest = *names;
+        }
+    }
+    return nearest;
+}

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: MIT */
+/* The words of the XML dialect. A list of the JSON format is an element that holds its members, an
+ * object in an object is an element in an element, and all other keys are attributes. */
+#include <stdio.h>
+#include <string.h>
+
+#include "io/scene/tables.h"
+#include "io/xml/elements.h"
+
+static const struct pen_xml_attribute scene_own[] = {
+    {"background-color", PEN_XML_COLOUR, "background"}, {"", PEN_XML_HIDDEN, "ambient"}, {0}};
+static const struct pen_xml_attribute color_own[] = {{"color", PEN_XML_COLOUR, ""}, {0}};
+static const struct pen_xml_attribute by_own[] = {{"by", PEN_XML_TRIPLE, ""}, {0}};
+static const struct pen_xml_attribute axis_own[] = {{"axis", PEN_XML_AXIS, "axis"}, {0}};
+static const struct pen_xml_attribute name_own[] = {{"name", PEN_XML_TEXT, "@name"}, {0}};
+static const struct pen_xml_attribute view_camera_own[] = {
+    {"distance", PEN_XML_NUMBER, "view_plane/distance"},
+    {"width", PEN_XML_NUMBER, "view_plane/width"},
+    {"height", PEN_XML_NUMBER, "view_plane/height"},
+    {0}};
+static const struct pen_xml_attribute camera_own[] = {
+    {"distance", PEN_XML_NUMBER, "view_plane/distance"},
+    {"width", PEN_XML_NUMBER, "view_plane/width"},
+    {"height", PEN_XML_NUMBER, "view_plane/height"},
+    {"image", PEN_XML_PAIR, "@image"},
+    {0}};
+static const struct pen_xml_attribute light_own[] = {{"color", PEN_XML_COLOUR, "intensity"}, {0}};
+static const struct pen_xml_attribute sphere_own[] = {{"material", PEN_XML_TEXT, "material"}, {0}};
+static const struct pen_xml_attribute plane_own[] = {{"material", PEN_XML_TEXT, "material"},
+                                                     {"p0", PEN_XML_TRIPLE, "corners/0"},
+                                                     {"p1", PEN_XML_TRIPLE, "corners/1"},
+                                                     {"p2", PEN_XML_TRIPLE, "corners/2"},
+                                                     {0}};
+static const struct pen_xml_attribute triangle_own[] = {{"material", PEN_XML_TEXT, "material"},
+                                                        {"p0", PEN_XML_TRIPLE, "vertices/0"},
+                                                        {"p1", PEN_XML_TRIPLE, "vertices/1"},
+                                                        {"p2", PEN_XML_TRIPLE, "vertices/2"},
+                                                        {0}};
+static const struct pen_xml_attribute polygon_own[] = {
+    {"material", PEN_XML_TEXT, "material"}, {"points", PEN_XML_POINTS, "vertices"}, {0}};
+static const struct pen_xml_attribute tube_own[] = {
+    {"material", PEN_XML_TEXT, "material"}, {"direction", PEN_XML_TRIPLE, "axis"}, {0}};
+static const struct pen_xml_attribute cylinder_own[] = {{"material", PEN_XML_TEXT, "material"},
+                                                        {"origin", PEN_XML_TRIPLE, "base"},
+                                                        {"direction", PEN_XML_TRIPLE, "axis"},
+                                                        {0}};
+static const struct pen_xml_attribute matrix_own[] = {{"matrix", PEN_XML_MATRIX, "matrix"}, {0}};
+
+/* Moves of a camera. */
+static const struct pen_xml_element translate = {"translate", PEN_XML_ITEM_VALUE, "translate",
+                                                 .own = by_own};
+static const struct pen_xml_element rotate = {"rotate", PEN_XML_ITEM_MEMBER, "rotate",
+                                              .own = axis_own, .fields = pen_camera_rotate_fields};
+static const struct pen_xml_element orbit = {"orbit", PEN_XML_ITEM_MEMBER, "orbit",
+                                             .fields = pen_camera_orbit_fields};
+static const struct pen_xml_element *const moves[] = {&translate, &rotate, &orbit, NULL};
+static const struct pen_xml_element transforms = {"transforms", PEN_XML_MEMBER_LIST, "transforms",
+                                                  .children = moves};
+static const struct pen_xml_element *const camera_children[] = {&transforms, NULL};
+
+static const struct pen_xml_element view_camera = {"camera",
+                                                   PEN_XML_MEMBER_OBJECT,
+                                                   "camera",
+                                                   .own = view_camera_own,
+                                                   .fields = pen_camera_fields,
+                                                   .children = camera_children};
+static const struct pen_xml_element *const view_children[] = {&view_camera, NULL};
+static const struct pen_xml_element view = {"view", PEN_XML_ITEM, NULL, .fields = pen_view_fields,
+                                            .children = view_children};
+static const struct pen_xml_element *const views_children[] = {&view, NULL};
+
+static const struct pen_xml_element material = {"material", PEN_XML_NAMED, NULL, .own = name_own,
+                                                .fields = pen_material_fields};
+static const struct pen_xml_element *const materials_children[] = {&material, NULL};
+
+static const struct pen_xml_element directional = {
+    "directional", PEN_XML_ITEM, "directional", .own = light_own, .fields = pen_directional_fields};
+static const struct pen_xml_element point = {"point", PEN_XML_ITEM, "point", .own = light_own,
+                                             .fields = pen_point_fields};
+static const struct pen_xml_element spot = {"spot", PEN_XML_ITEM, "spot", .own = light_own,
+                                            .fields = pen_spot_fields};
+static const struct pen_xml_element *const lights_children[] = {&spot, &point, &directional, NULL};
+
+static const struct pen_xml_element transform_rotate = {"rotate", PEN_XML_MEMBER_OBJECT, "rotate",
+                                                        .fields = pen_transform_rotate_fields};
+static const struct pen_xml_element *const transform_children[] = {&transform_rotate, NULL};
+static const struct pen_xml_element transform = {
+    "transform",       PEN_XML_MEMBER_OBJECT,          "transform",
+    .own = matrix_own, .fields = pen_transform_fields, .children = transform_children};
+
+#define BODY(kind, own_rows, own_fields)                                                           \
+    {                                                                                              \
+#kind, PEN_XML_ITEM, #kind, .own = own_rows, .fields = own_fields,                         \
+                                    .material = pen_material_fields                                \
+    }
+static const struct pen_xml_element sphere = BODY(sphere, sphere_own, pen_sphere_fields);
+static const struct pen_xml_element polygon = BODY(polygon, polygon_own, pen_polygon_fields);
+static const struct pen_xml_element tube = BODY(tube, tube_own, pen_infinite_cylinder_fields);
+static const struct pen_xml_element cylinder = BODY(cylinder, cylinder_own, pen_cylinder_fields);
+static const struct pen_xml_element triangle = {"triangle",
+                                                PEN_XML_ITEM,
+                                                "triangle",
+                                                .own = triangle_own,
+                                                .fields = pen_polygon_fields,
+                                                .material = pen_material_fields,
+                                                .finish = PEN_XML_TRIANGLE};
+static const struct pen_xml_element plane = {"plane",
+                                             PEN_XML_ITEM,
+                                             "plane",
+                                             .own = plane_own,
+                                             .fields = pen_plane_fields,
+                                             .material = pen_material_fields,
+                                             .finish = PEN_XML_PLANE};
+static const struct pen_xml_element mesh = {
+    .name = "mesh", .build = PEN_XML_LATER, .key = "the object type \"mesh\""};
+static const struct pen_xml_element instance = {
+    .name = "instance", .build = PEN_XML_LATER, .key = "the object type \"instance\""};
+static const struct pen_xml_element group;
+static const struct pen_xml_element *const bodies[] = {
+    &sphere, &triangle, &plane, &polygon, &tube, &cylinder, &group, &mesh, &instance, NULL};
+static const struct pen_xml_element *const group_children[] = {
+    &sphere, &triangle, &plane,    &polygon,   &tube, &cylinder,
+    &group,  &mesh,     &instance, &transform, NULL};
+static const struct pen_xml_element group = {"group",
+                                             PEN_XML_ITEM,
+                                             "group",
+                                             .fields = pen_group_fields,
+                                             .children = group_children,
+                                             .finish = PEN_XML_GROUP};
+
+/* Parts of a scene. */
+static const struct pen_xml_element ambient_light = {"ambient-light", PEN_XML_MEMBER_VALUE,
+                                                     "ambient", .own = color_own};
+static const struct pen_xml_element camera = {
+    "camera",          PEN_XML_MEMBER_OBJECT,       "camera",
+    .own = camera_own, .fields = pen_camera_fields, .children = camera_children};
+static const struct pen_xml_element views = {"views", PEN_XML_MEMBER_LIST, "views",
+                                             .children = views_children};
+static const struct pen_xml_element materials = {"materials", PEN_XML_MEMBER_OBJECT, "materials",
+                                                 .children = materials_children};
+static const struct pen_xml_element lights = {"lights", PEN_XML_MEMBER_LIST, "lights",
+                                              .children = lights_children};
+static const struct pen_xml_element geometries = {"geometries", PEN_XML_MEMBER_LIST, "objects",
+                                                  .children = bodies};
+static const struct pen_xml_element definitions = {
+    .name = "definitions", .build = PEN_XML_LATER, .key = "definitions of groups for instances"};
+static const struct pen_xml_element render = {"render", PEN_XML_MEMBER_OBJECT, "render",
+                                              .fields = pen_settings_fields};
+static const struct pen_xml_element *const scene_children[] = {
+    &ambient_light, &camera, &views, &materials, &lights, &geometries, &render, &definitions, NULL};
+const struct pen_xml_element pen_xml_scene = {"scene",
+                                              PEN_XML_ROOT,
+                                              NULL,
+                                              .own = scene_own,
+                                              .fields = pen_scene_fields,
+                                              .children = scene_children};
+
+static enum pen_xml_shape shape_of(enum pen_field_type type)
+{
+    switch (type) {
+    case PEN_FIELD_OTHER:
+        return PEN_XML_HIDDEN;
+    case PEN_FIELD_NUMBER:
+    case PEN_FIELD_INTEGER:
+    case PEN_FIELD_SEED:
+        return PEN_XML_NUMBER;
+    case PEN_FIELD_BOOL:
+        return PEN_XML_BOOL;
+    case PEN_FIELD_WORD:
+    case PEN_FIELD_STRING:
+        return PEN_XML_TEXT;
+    case PEN_FIELD_COLOUR:
+        return PEN_XML_COLOUR;
+    case PEN_FIELD_FACTOR:
+        return PEN_XML_FACTOR;
+    case PEN_FIELD_POINT:
+    case PEN_FIELD_DIRECTION:
+    case PEN_FIELD_COEFFICIENTS:
+        return PEN_XML_TRIPLE;
+    }
+    return PEN_XML_HIDDEN;
+}
+
+static bool is_own(const struct pen_xml_element *element, const char *key)
+{
+    const struct pen_xml_attribute *a = element->own;
+    while (a && a->name && strcmp(a->path, key) != 0)
+        a++;
+    return a && a->name;
+}
+
+static bool same_name(const char *key, const char *name)
+{
+    while (*key && (*key == '_' ? '-' : *key) == *name)
+        key++, name++;
+    return !*key && !*name;
+}
+
+static void make_row(const char *name, enum pen_xml_shape shape, const char *prefix,
+                     const char *path, struct pen_xml_row *row)
+{
+    row->shape = shape;
+    snprintf(row->path, sizeof row->path, "%s%.40s", prefix, path);
+    snprintf(row->name, sizeof row->name, "%.30s", name);
+    for (char *c = row->name; *c; c++)
+        *c = *c == '_' ? '-' : *c;
+}
+
+/* Rows for the fields that are attributes, or for the one of that name, as many as there is room
+ * for. Returns how many. */
+static size_t rows_of_fields(const struct pen_xml_element *element, const struct pen_field *fields,
+                             const char *prefix, const char *name, struct pen_xml_row *rows,
+                             size_t room)
+{
+    size_t count = 0;
+    for (const struct pen_field *f = fields; f && f->key && count < room; f++) {
+        enum pen_xml_shape shape = shape_of(f->type);
+        bool wanted = shape != PEN_XML_HIDDEN && (!name || same_name(f->key, name));
+        if (wanted && (*prefix || !is_own(element, f->key)))
+            make_row(f->key, shape, prefix, f->key, &rows[count++]);
+    }
+    return count;
+}
+
+/* All attributes, or the one of that name. */
+static size_t find_rows(const struct pen_xml_element *element, const char *name,
+                        struct pen_xml_row *rows, size_t room)
+{
+    size_t count = 0;
+    for (const struct pen_xml_attribute *a = element->own; a && a->name && count < room; a++) {
+        if (a->shape != PEN_XML_HIDDEN && (!name || strcmp(a->name, name) == 0))
+            make_row(a->name, a->shape, "", a->path, &rows[count++]);
+    }
+    count += rows_of_fields(element, element->fields, "", name, rows + count, room - count);
+    return count + rows_of_fields(element, element->material, "material/", name, rows + count,
+                                  room - count);
+}
+
+size_t pen_xml_rows(const struct pen_xml_element *element,
+                    struct pen_xml_row rows[PEN_XML_NAMES_MAX])
+{
+    return find_rows(element, NULL, rows, PEN_XML_NAMES_MAX);
+}
+
+bool pen_xml_row_find(const struct pen_xml_element *element, const char *name,
+                      struct pen_xml_row *row)
+{
+    return find_rows(element, name, row, 1) == 1;
+}
+
+const struct pen_xml_element *pen_xml_child_find(const struct pen_xml_element *element,
+                                                 const char *name)
+{
+    for (const struct pen_xml_element *const *c = element->children; c && *c; c++) {
+        if (strcmp((*c)->name, name) == 0)
+            return *c;
+    }
+    return NULL;
+}

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: MIT */
+/* What is said of well-formed XML that is no scene. */
+#include <stdio.h>
+#include <string.h>
+
+#include "io/xml/build.h"
+
+/* Beyond this many faults the rest of a document is not read. */
+enum { FAULTS_MAX = 1000 };
+
+static void stop(struct pen_xml_builder *b)
+{
+    b->stopped = true;
+    XML_StopParser(b->parser, XML_FALSE);
+}
+
+/* The value; NULL, for want of memory, ends the work. */
+json_t *pen_xml_check_value(struct pen_xml_builder *b, json_t *value)
+{
+    if (!value && !b->stopped) {
+        pen_fail(b->st, PEN_NO_MEMORY, "the document does not fit into memory");
+        stop(b);
+    }
+    return value;
+}
+
+bool pen_xml_reserve(struct pen_xml_builder *b, size_t bytes)
+{
+    if (bytes > b->room && !b->stopped) {
+        pen_fail(b->st, PEN_TOO_LARGE,
+                 "the document's values take more than %zu bytes of memory, which is what is "
+                 "allowed",
+                 b->limits->parsed_bytes);
+        stop(b);
+    }
+    b->room -= b->stopped ? 0 : bytes;
+    return !b->stopped;
+}
+
+void pen_xml_require(struct pen_xml_builder *b, bool done)
+{
+    if (!done)
+        pen_xml_check_value(b, NULL);
+}
+
+void pen_xml_error(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
+                   ...)
+{
+    struct pen_status st = {.code = code};
+    struct pen_errors *faults = &b->xml->faults;
+    if (faults->count < PEN_ERRORS_MAX) {
+        va_list args;
+        va_start(args, format);
+        pen_text_fail(&st, code, b->xml->text, offset, format, args);
+        va_end(args);
+    }
+    pen_errors_add(faults, &st);
+    if (faults->total == FAULTS_MAX && !b->stopped) /* the document as far as it came is read on */
+        XML_StopParser(b->parser, XML_FALSE);
+}
+
+void pen_xml_abort(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
+                   ...)
+{
+    va_list args;
+    va_start(args, format);
+    pen_text_fail(b->st, code, b->xml->text, offset, format, args);
+    va_end(args);
+    stop(b);
+}
+
+/* Where an attribute stands, or a byte of its value where that is as written. */
+static size_t place_of(const struct pen_xml_builder *b, const struct pen_xml_about *about)
+{
+    struct pen_xml_span span;
+    if (!pen_xml_attribute_find(b->xml, about->frame->tag, about->name, &span))
+        return about->frame->tag;
+    bool verbatim = about->value && span.end - span.value == strlen(about->value);
+    return verbatim && about->offset > 0 ? span.value + about->offset : span.name;
+}
+
+void pen_xml_attribute_error(struct pen_xml_builder *b, const struct pen_xml_about *about,
+                             const char *format, ...)
+{
+    char message[2 * PEN_MSG_BYTES];
+    va_list args;
+    va_start(args, format);
+    if (vsnprintf(message, sizeof message, format, args) < 0)
+        message[0] = '\0';
+    va_end(args);
+    pen_xml_error(b, place_of(b, about), PEN_INVALID, "attribute \"%s\" of <%s>: %s", about->name,
+                  about->frame->element->name, message);
+}
+
+void pen_xml_missing_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                               const char *name)
+{
+    pen_xml_error(b, frame->tag, PEN_INVALID, "<%s>: missing attribute \"%s\"",
+                  frame->element->name, name);
+}
+
+/* "; the NOUNs here are a, b, c", or the nearest name. */
+static struct pen_text hint(const char *word, const char *noun, const char *const *names)
+{
+    struct pen_text out = pen_text_nearest(word, names);
+    if (out.text[0])
+        return out;
+    if (!*names)
+        snprintf(out.text, sizeof out.text, "; there are no %ss here", noun);
+    else {
+        size_t used = (size_t)snprintf(out.text, sizeof out.text, "; the %ss here are ", noun);
+        for (size_t i = 0; names[i]; i++) {
+            size_t length = strlen(names[i]) + (i ? 2 : 0);
+            if (used + length + 5 > sizeof out.text) {
+                strcat(out.text, ", …");
+                break;
+            }
+            used += (size_t)sprintf(out.text + used, "%s%s", i ? ", " : "", names[i]);
+        }
+    }
+    return out;
+}
+
+void pen_xml_unknown_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                               const char *name)
+{
+    struct pen_xml_row rows[PEN_XML_NAMES_MAX];
+    const char *names[PEN_XML_NAMES_MAX + 1] = {NULL};
+    size_t count = pen_xml_rows(frame->element, rows);
+    for (size_t i = 0; i < count; i++)
+        names[i] = rows[i].name;
+    const struct pen_xml_about about = {.frame = frame, .name = name};
+    pen_xml_error(b, place_of(b, &about), PEN_INVALID, "<%s>: unknown attribute %s%s",
+                  frame->element->name, pen_text_quote(name).text,
+                  hint(name, "attribute", names).text);
+}
+
+void pen_xml_unknown_element(struct pen_xml_builder *b, const struct pen_xml_frame *up,
+                             const char *name, size_t tag)
+{
+    const char *names[PEN_XML_NAMES_MAX + 1] = {NULL};
+    const struct pen_xml_element *const *children = up->element->children;
+    for (size_t i = 0; children && children[i] && i < PEN_XML_NAMES_MAX; i++)
+        names[i] = children[i]->name;
+    pen_xml_error(b, tag, PEN_INVALID, "<%s>: unknown element %s%s", up->element->name,
+                  pen_text_quote(name).text, hint(name, "element", names).text);
+}

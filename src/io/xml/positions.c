@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: MIT */
+#include "io/xml/positions.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/utf8.h"
+#include "io/xml/values.h"
+
+/* Steps from the root to a value: nesting is bounded by far less. */
+enum { STEPS_MAX = 256 };
+
+struct path {
+    size_t count;
+    const struct pen_place *step[STEPS_MAX];
+};
+
+/* What a place is in the text. */
+struct spot {
+    const struct pen_xml_element *element;
+    size_t tag;
+    struct pen_xml_row row; /* name[0] == 0: the element itself */
+    size_t at;              /* of what is to be shown */
+    size_t start, end;      /* of the text found there; equal: none */
+    bool piece;             /* that is one of several numbers */
+    bool reported;
+};
+
+bool pen_xml_record(struct pen_xml *xml, const json_t *json, const struct pen_xml_element *element,
+                    size_t offset)
+{
+    if (xml->count == xml->capacity) {
+        size_t capacity = xml->capacity ? 2 * xml->capacity : 64;
+        struct pen_xml_entry *wider = realloc(xml->entries, capacity * sizeof *wider);
+        if (!wider)
+            return false;
+        xml->entries = wider;
+        xml->capacity = capacity;
+    }
+    xml->entries[xml->count++] = (struct pen_xml_entry){json, element, offset};
+    xml->sorted = false;
+    return true;
+}
+
+static int compare_entries(const void *a, const void *b)
+{
+    uintptr_t x = (uintptr_t)((const struct pen_xml_entry *)a)->json;
+    uintptr_t y = (uintptr_t)((const struct pen_xml_entry *)b)->json;
+    return x < y ? -1 : x > y;
+}
+
+static const struct pen_xml_entry *find_entry(struct pen_xml *xml, const json_t *json)
+{
+    const struct pen_xml_entry wanted = {.json = json};
+    if (!xml->sorted)
+        qsort(xml->entries, xml->count, sizeof *xml->entries, compare_entries);
+    xml->sorted = true;
+    return bsearch(&wanted, xml->entries, xml->count, sizeof wanted, compare_entries);
+}
+
+static bool is_space(char c)
+{
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+/* The text has been accepted as XML as far as this tag, or the search ends where it does not look
+ * like it. */
+bool pen_xml_attribute_find(const struct pen_xml *xml, size_t tag, const char *name,
+                            struct pen_xml_span *span)
+{
+    const char *s = xml->text;
+    size_t length = strlen(name), i = tag + 1;
+    while (i < xml->bytes && !is_space(s[i]) && s[i] != '>' && s[i] != '/')
+        i++;
+    for (;;) {
+        while (i < xml->bytes && is_space(s[i]))
+            i++;
+        span->name = i;
+        while (i < xml->bytes && !is_space(s[i]) && s[i] != '=' && s[i] != '>' && s[i] != '/')
+            i++;
+        size_t bytes = i - span->name;
+        while (i < xml->bytes && (is_space(s[i]) || s[i] == '='))
+            i++;
+        if (bytes == 0 || i >= xml->bytes || (s[i] != '"' && s[i] != '\''))
+            return false;
+        const char *close = memchr(s + i + 1, s[i], xml->bytes - i - 1);
+        span->value = i + 1;
+        span->end = close ? (size_t)(close - s) : xml->bytes;
+        if (bytes == length && memcmp(s + span->name, name, length) == 0)
+            return true;
+        i = span->end + 1;
+    }
+}
+
+static struct path path_of(const struct pen_place *at)
+{
+    struct path path = {0};
+    size_t depth = 0;
+    for (const struct pen_place *p = at; p->up; p = p->up)
+        depth++;
+    for (size_t i = depth; at->up; at = at->up) {
+        if (--i < STEPS_MAX)
+            path.step[i] = at;
+    }
+    path.count = depth < STEPS_MAX ? depth : STEPS_MAX;
+    return path;
+}
+
+static size_t index_of(const struct pen_place *step)
+{
+    return step->key ? strtoul(step->key, NULL, 10) : step->index;
+}
+
+static const json_t *follow(const json_t *json, const struct pen_place *step)
+{
+    return json_is_array(json) ? json_array_get(json, index_of(step))
+           : step->key         ? json_object_get(json, step->key)
+                               : NULL;
+}
+
+/* Walks as far as the document goes. Returns how many steps lead to the last element met. */
+static size_t walk(struct pen_xml *xml, const struct path *path, struct spot *spot)
+{
+    const json_t *json = xml->document;
+    const struct pen_xml_entry *entry = find_entry(xml, json);
+    size_t used = 0;
+    spot->element = entry ? entry->element : &pen_xml_scene;
+    spot->tag = entry ? entry->offset : 0;
+    for (size_t i = 0; i < path->count; i++) {
+        json = follow(json, path->step[i]);
+        spot->reported = spot->reported || json_is_null(json);
+        entry = json_is_array(json) || json_is_object(json) ? find_entry(xml, json) : NULL;
+        if (!entry)
+            continue;
+        spot->element = entry->element;
+        spot->tag = entry->offset;
+        used = i + 1;
+    }
+    return used;
+}
+
+/* How many of the steps from `from` on the row's path takes, or -1 if they lead elsewhere. */
+static int match(const char *row_path, const struct path *path, size_t from)
+{
+    int taken = 0;
+    while (*row_path) {
+        size_t length = strcspn(row_path, "/");
+        char digits[24];
+        if (from + (size_t)taken >= path->count)
+            return -1;
+        const struct pen_place *step = path->step[from + (size_t)taken];
+        snprintf(digits, sizeof digits, "%zu", step->index);
+        const char *word = step->key ? step->key : digits;
+        if (strlen(word) != length || strncmp(word, row_path, length) != 0)
+            return -1;
+        taken++;
+        row_path += length + (row_path[length] == '/');
+    }
+    return taken;
+}
+
+/* Narrows the spot to the attribute, and to the piece of it if the steps after it say which. */
+static bool take_attribute(struct pen_xml *xml, const struct pen_xml_row *row,
+                           const struct path *path, size_t from, struct spot *spot)
+{
+    struct pen_xml_span span;
+    if (!pen_xml_attribute_find(xml, spot->tag, row->name, &span))
+        return false;
+    spot->row = *row;
+    spot->at = span.name;
+    spot->start = span.value;
+    spot->end = span.end;
+    bool points = row->shape == PEN_XML_POINTS;
+    if (from >= path->count || memchr(xml->text + span.value, '&', span.end - span.value))
+        return true;
+    size_t index = index_of(path->step[from]) * (points ? 3 : 1), start, end;
+    if (points && from + 1 < path->count)
+        index += index_of(path->step[from + 1]);
+    if (!pen_xml_token(xml->text + span.value, span.end - span.value, index, &start, &end))
+        return true;
+    spot->at = spot->start = span.value + start;
+    spot->end = span.value + end;
+    spot->piece = true;
+    return true;
+}
+
+/* The picture's size may come from the camera. */
+static bool take_image(struct pen_xml *xml, const struct path *path, struct spot *spot)
+{
+    const struct pen_xml_row image = {"image", PEN_XML_PAIR, ""};
+    const char *first = path->count == 2 ? path->step[0]->key : NULL;
+    const char *second = path->count == 2 ? path->step[1]->key : NULL;
+    if (xml->image == SIZE_MAX || !first || !second || strcmp(first, "render") != 0)
+        return false;
+    bool height = strcmp(second, "height") == 0;
+    if (!height && strcmp(second, "width") != 0)
+        return false;
+    const struct pen_place index = {.index = height};
+    const struct path piece = {1, {&index}};
+    spot->tag = xml->image;
+    spot->element = pen_xml_child_find(&pen_xml_scene, "camera");
+    return take_attribute(xml, &image, &piece, 0, spot);
+}
+
+static struct spot resolve(struct pen_xml *xml, const struct pen_place *at)
+{
+    struct path path = path_of(at);
+    struct spot spot = {0};
+    struct pen_xml_row rows[PEN_XML_NAMES_MAX];
+    size_t used = walk(xml, &path, &spot), count = pen_xml_rows(spot.element, rows);
+    spot.at = spot.tag;
+    for (size_t i = 0; i < count; i++) {
+        int taken = match(rows[i].path, &path, used);
+        if (taken >= 0 && take_attribute(xml, &rows[i], &path, used + (size_t)taken, &spot))
+            return spot;
+    }
+    take_image(xml, &path, &spot);
+    return spot;
+}
+
+static bool is_reported(void *user, const struct pen_place *at)
+{
+    struct pen_xml *xml = user;
+    struct path path = path_of(at);
+    struct spot spot = {0};
+    walk(xml, &path, &spot);
+    return spot.reported;
+}
+
+static void fail_at(void *user, const struct pen_place *at, enum pen_code code, const char *message,
+                    struct pen_status *st)
+{
+    struct pen_xml *xml = user;
+    struct spot spot = resolve(xml, at);
+    int line, column;
+    pen_text_position(xml->text, spot.at, &line, &column);
+    if (spot.row.name[0])
+        pen_fail_line(st, code, line, column, "attribute \"%s\" of <%s>: %s", spot.row.name,
+                      spot.element->name, message);
+    else
+        pen_fail_line(st, code, line, column, "<%s>: %s", spot.element->name, message);
+}
+
+static struct pen_text text_found(void *user, const struct pen_place *at, const json_t *value)
+{
+    struct pen_xml *xml = user;
+    enum { SHOWN = 160 };
+    struct spot spot = resolve(xml, at);
+    struct pen_text raw, out;
+    if (spot.end == spot.start)
+        return spot.row.name[0] ? (struct pen_text){"nothing"} : pen_text_value(value);
+    size_t bytes = spot.end - spot.start < SHOWN ? spot.end - spot.start : SHOWN;
+    memcpy(raw.text, xml->text + spot.start, bytes);
+    raw.text[bytes] = '\0';
+    if (!json_is_number(value))
+        return pen_text_quote(raw.text);
+    pen_utf8_copy(out.text, sizeof out.text, raw.text);
+    return out;
+}
+
+static struct pen_text attribute_name(void *user, const struct pen_place *up, const char *key)
+{
+    struct pen_xml *xml = user;
+    struct path path = path_of(up);
+    struct spot spot = {0};
+    struct pen_xml_row rows[PEN_XML_NAMES_MAX];
+    if (path.count == STEPS_MAX)
+        return pen_text_quote(key);
+    const struct pen_place last = pen_place_key(up, key);
+    size_t used = walk(xml, &path, &spot), count = pen_xml_rows(spot.element, rows);
+    path.step[path.count++] = &last;
+    size_t length = strlen(key);
+    for (size_t i = 0; i < count; i++) {
+        bool first = used + 1 == path.count && strncmp(rows[i].path, key, length) == 0 &&
+                     rows[i].path[length] == '/';
+        if (first || (rows[i].path[0] && match(rows[i].path, &path, used) >= 0))
+            return pen_text_quote(rows[i].name);
+    }
+    return pen_text_quote(key);
+}
+
+static void position_text(void *user, const struct pen_place *at, char *out, size_t bytes)
+{
+    struct pen_xml *xml = user;
+    struct spot spot = resolve(xml, at);
+    int line, column;
+    pen_text_position(xml->text, spot.at, &line, &column);
+    snprintf(out, bytes, "line %d, column %d", line, column);
+}
+
+struct pen_source_map pen_xml_source_map(struct pen_xml *xml)
+{
+    return (struct pen_source_map){.user = xml,
+                                   .is_reported = is_reported,
+                                   .fail = fail_at,
+                                   .found = text_found,
+                                   .name = attribute_name,
+                                   .position = position_text};
+}
+
+/* The steps of a JSON Pointer, unescaped in place; what was cut ends it. */
+static size_t split(char *pointer, struct pen_place steps[PEN_AT_BYTES])
+{
+    size_t count = 0;
+    steps[count++] = (struct pen_place){0};
+    for (bool more = *pointer == '/'; more; count++) {
+        char *key = ++pointer, *out = key;
+        for (; *pointer && *pointer != '/'; pointer++) {
+            bool escape = *pointer == '~' && (pointer[1] == '0' || pointer[1] == '1');
+            *out++ = escape ? (pointer[1] == '0' ? '~' : '/') : *pointer;
+            pointer += escape;
+        }
+        more = *pointer == '/';
+        *out = '\0';
+        steps[count] = pen_place_key(&steps[count - 1], key);
+    }
+    return count;
+}
+
+void pen_xml_locate(struct pen_xml *xml, struct pen_status *st)
+{
+    char pointer[PEN_AT_BYTES];
+    struct pen_place steps[PEN_AT_BYTES];
+    struct pen_status out;
+    bool about_text = st->code == PEN_OK || st->code == PEN_INVALID ||
+                      st->code == PEN_UNSUPPORTED || st->code == PEN_TOO_LARGE;
+    if (st->line > 0 || !about_text)
+        return;
+    memcpy(pointer, st->at, sizeof pointer);
+    size_t count = split(pointer, steps);
+    fail_at(xml, &steps[count - 1], st->code, st->msg, &out);
+    *st = out;
+}

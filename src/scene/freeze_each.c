@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/* One pass over the primitives of a description, each transformed to scene units. Freezing makes
+ * two: the first counts and finds the local frame, the second fills the typed arrays. */
+#include <stdlib.h>
+
+#include "scene/internal/freeze.h"
+
+static bool reserve_buffer(struct pen_freezer *f, const struct pen_desc_iter_item *at)
+{
+    enum pen_object_kind kind = at->object->kind;
+    bool loop = kind == PEN_OBJECT_TRIANGLE || kind == PEN_OBJECT_POLYGON;
+    uint32_t count = loop && at->moved ? at->object->u.polygon.count : 0;
+    if (count <= f->buffer_capacity)
+        return true;
+    struct pen_vec3 *buffer = realloc(f->buffer, count * sizeof *buffer);
+    if (!buffer)
+        return pen_freeze_no_memory(f);
+    f->buffer = buffer;
+    f->buffer_capacity = count;
+    return true;
+}
+
+bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user)
+{
+    struct pen_desc_iter iter;
+    if (!pen_desc_iter_init(&iter, f->desc, f->st))
+        return false;
+    struct pen_desc_iter_item at;
+    struct pen_placed placed;
+    enum pen_desc_iter_step step;
+    while ((step = pen_desc_iter_next(&iter, &at, f->st)) == PEN_ITER_PRIMITIVE) {
+        if (!reserve_buffer(f, &at))
+            break;
+        if (!pen_place_primitive(&at, f->buffer, &placed, f->st) || !fn(f, &placed, user)) {
+            pen_desc_iter_pointer(&iter, f->st->at, sizeof f->st->at);
+            break;
+        }
+    }
+    pen_desc_iter_release(&iter);
+    return step == PEN_ITER_END;
+}

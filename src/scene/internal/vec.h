@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/* What a document gives, made usable: unit vectors of vectors, whose lengths may be anything a
+ * double holds. */
+#ifndef PEN_SCENE_INTERNAL_VEC_H
+#define PEN_SCENE_INTERNAL_VEC_H
+
+#include <stdbool.h>
+
+#include "math/scale.h"
+#include "math/vec3.h"
+
+/* The largest component, without its sign. */
+static inline double vec_max_abs(struct pen_vec3 a)
+{
+    return pen_larger(fabs(a.x), pen_larger(fabs(a.y), fabs(a.z)));
+}
+
+/* a * 2^-exponent, exactly unless it leaves the range of doubles. */
+static inline struct pen_vec3 vec_scale2_down(struct pen_vec3 a, int exponent)
+{
+    return pen_vec3(pen_scale2(a.x, -exponent), pen_scale2(a.y, -exponent),
+                    pen_scale2(a.z, -exponent));
+}
+
+/* The unit vector along a, which is finite and not zero. Dividing (instead of multiplying by the
+ * reciprocal) makes the unit vector of (0, 0, x) exactly (0, 0, 1); the shift first makes vectors
+ * that differ by a power of two give the same bits, and keeps squares in range. */
+static inline struct pen_vec3 vec_normalize(struct pen_vec3 a)
+{
+    int exponent = pen_exponent(vec_max_abs(a));
+    a = vec_scale2_down(a, exponent);
+    double length = pen_length(a);
+    return pen_vec3(a.x / length, a.y / length, a.z / length);
+}
+
+/* Whether a colour is more than black. */
+static inline bool color_is_lit(struct pen_vec3 c)
+{
+    return c.x > 0 || c.y > 0 || c.z > 0;
+}
+
+#endif

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* T-junctions: a vertex of one triangle or polygon (a "loop") lies inside an edge of another, and
+ * both run along that line. The edge and the edges beside it are then rounded differently, and a
+ * ray may pass between them. Not a T-junction is
+ *  - a vertex that merely touches an edge (the foot of a post);
+ *  - an edge that two loops share end to end, as those of a box, which is closed whatever stands
+ *    beside it;
+ *  - a vertex that is on the edge's line exactly, as with primitives parallel to the axes. */
+#ifndef PEN_SCENE_TJUNCTION_H
+#define PEN_SCENE_TJUNCTION_H
+
+#include "scene/desc.h"
+
+/* Scenes with more edges are not searched: no T-junction is found in them. */
+enum { PEN_TJUNCTION_EDGES_MAX = 20000 };
+
+/* Loops are numbered from 0 in document order, depth first. */
+struct pen_tjunction {
+    uint32_t loop, vertex; /* the vertex, and the loop it belongs to */
+    uint32_t edge_loop;    /* the first loop with an edge that the vertex lies inside */
+};
+
+typedef void pen_tjunction_fn(void *user, const struct pen_tjunction *found);
+
+/* Calls `found` for every vertex at a T-junction, in document order. Without memory nothing is
+ * found. */
+void pen_tjunctions_find(const struct pen_scene_desc *desc, pen_tjunction_fn *found, void *user);
+
+#endif
