@@ -112,15 +112,15 @@ struct pen_trace_ops {
                    const struct pen_origin_surface *origin, struct pen_shadow *query);
     /* The three steps of a packet (accel/packet.h); NULL where rays are counted one by one.
      * packet_begin: what becomes of all its rays. If PEN_PACKET_MIXED, packet_test: of n <=
-     * PEN_PACKET_RAYS of them, given by (a, b), a bit set for each that is blocked, and in *ask one
-     * for each of which that is not known, or not how often it crosses which primitives: then
-     * packet_ray does for ray i what `shadow` does, but for last_occluder. The other rays cross
-     * what the candidates named in `tint` say, no more than twice in all, so that the order does
-     * not matter. */
+     * PEN_PACKET_RAYS of them, given by (a, b), a bit set for each that is blocked, and in
+     * *fallback one for each of which that is not known, or not how often it crosses which
+     * primitives: then packet_ray does for ray i what `shadow` does, but for last_occluder. The
+     * other rays cross what the candidates named in `tint` say, no more than twice in all, so that
+     * the order does not matter. */
     enum pen_packet_visibility (*packet_begin)(const struct pen_accel *accel,
                                                struct pen_shadow_packet *packet);
     uint64_t (*packet_test)(struct pen_shadow_packet *packet, const double a[PEN_PACKET_RAYS],
-                            const double b[PEN_PACKET_RAYS], int n, uint64_t *ask);
+                            const double b[PEN_PACKET_RAYS], int n, uint64_t *fallback);
     bool (*packet_ray)(const struct pen_accel *accel, const struct pen_shadow_packet *packet,
                        const struct pen_ray *ray, int i, struct pen_shadow *query);
 };

@@ -7,38 +7,39 @@
 const struct pen_hit pen_after_start = {0, PEN_NO_PRIM, UINT8_MAX};
 
 /* PEN_ACCEL_NONE: one list of all. */
-static bool build_nothing(struct pen_plan *plan)
+static bool build_nothing(struct pen_tree_layout *layout)
 {
-    return plan->count == 0 || pen_plan_leaf(plan, 0, plan->count) != PEN_NO_CHILD;
+    return layout->count == 0 || pen_tree_layout_add_leaf(layout, 0, layout->count) != PEN_NO_CHILD;
 }
 
-static bool build_plan(struct pen_plan *plan, enum pen_accelerator kind,
-                       const struct pen_groups *groups)
+static bool build_layout(struct pen_tree_layout *layout, enum pen_accelerator kind,
+                         const struct pen_groups *groups)
 {
     switch (kind) {
     case PEN_ACCEL_NONE:
-        return build_nothing(plan);
+        return build_nothing(layout);
     case PEN_ACCEL_CBR:
-        return pen_build_lists(plan, NULL);
+        return pen_build_lists(layout, NULL);
     case PEN_ACCEL_MANUAL:
-        return pen_build_lists(plan, groups);
+        return pen_build_lists(layout, groups);
     case PEN_ACCEL_MEDIAN:
-        return pen_build_median(plan);
+        return pen_build_median(layout);
     case PEN_ACCEL_AUTO:
         break;
     }
-    return pen_build_sah(plan);
+    return pen_build_sah(layout);
 }
 
 static bool build(const struct pen_prims *prims, const struct pen_groups *groups,
                   unsigned generic_kinds, struct pen_arena *arena, struct pen_accel *accel)
 {
-    struct pen_plan plan;
-    bool ok = pen_plan_init(&plan, prims, generic_kinds) &&
-              build_plan(&plan, accel->stats.kind, groups) && pen_pack(&plan, arena, accel);
+    struct pen_tree_layout layout;
+    bool ok = pen_tree_layout_init(&layout, prims, generic_kinds) &&
+              build_layout(&layout, accel->stats.kind, groups) &&
+              pen_accel_pack(&layout, arena, accel);
     if (ok)
-        accel->stats.sah_cost = pen_plan_cost(&plan);
-    pen_plan_release(&plan);
+        accel->stats.sah_cost = pen_tree_layout_cost(&layout);
+    pen_tree_layout_release(&layout);
     return ok;
 }
 

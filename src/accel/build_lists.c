@@ -10,23 +10,23 @@
 #include "accel/internal/tree_layout.h"
 
 /* A group, as a range of ref[], and the first group after it that is not inside. */
-struct interval {
+struct group_range {
     uint32_t begin, end, after;
 };
 
 struct lists {
-    struct pen_plan *plan;
-    struct interval *interval;
+    struct pen_tree_layout *layout;
+    struct group_range *range;
     uint32_t count;
 };
 
 /* The first of ref[] whose primitive is not before `prim`. */
-static uint32_t find_ref(const struct pen_plan *plan, uint32_t prim)
+static uint32_t find_ref(const struct pen_tree_layout *layout, uint32_t prim)
 {
-    uint32_t low = 0, high = plan->count;
+    uint32_t low = 0, high = layout->count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (plan->ref[middle].prim < prim)
+        if (layout->ref[middle].prim < prim)
             low = middle + 1;
         else
             high = middle;
@@ -34,23 +34,23 @@ static uint32_t find_ref(const struct pen_plan *plan, uint32_t prim)
     return low;
 }
 
-static bool make_spans(struct lists *l, const struct pen_groups *groups)
+static bool make_ranges(struct lists *l, const struct pen_groups *groups)
 {
     uint32_t given = groups ? groups->count : 0;
-    l->interval = malloc(((size_t)given + 1) * sizeof *l->interval);
-    if (!l->interval)
+    l->range = malloc(((size_t)given + 1) * sizeof *l->range);
+    if (!l->range)
         return false;
     for (uint32_t i = 0; i < given; i++) {
-        struct interval s = {find_ref(l->plan, groups->group[i].begin),
-                             find_ref(l->plan, groups->group[i].end), 0};
+        struct group_range s = {find_ref(l->layout, groups->group[i].begin),
+                                find_ref(l->layout, groups->group[i].end), 0};
         if (s.begin < s.end)
-            l->interval[l->count++] = s;
+            l->range[l->count++] = s;
     }
     for (uint32_t i = l->count; i-- > 0;) {
         uint32_t after = i + 1;
-        while (after < l->count && l->interval[after].begin < l->interval[i].end)
-            after = l->interval[after].after;
-        l->interval[i].after = after;
+        while (after < l->count && l->range[after].begin < l->range[i].end)
+            after = l->range[after].after;
+        l->range[i].after = after;
     }
     return true;
 }
@@ -70,10 +70,10 @@ static bool next_child(const struct lists *l, struct children *c, bool flat, uin
     *group = l->count;
     if (c->at == c->end)
         return false;
-    if (!flat && c->group < l->count && l->interval[c->group].begin == c->at) {
+    if (!flat && c->group < l->count && l->range[c->group].begin == c->at) {
         *group = c->group;
-        c->at = l->interval[c->group].end;
-        c->group = l->interval[c->group].after;
+        c->at = l->range[c->group].end;
+        c->group = l->range[c->group].after;
     } else {
         c->at++;
     }
@@ -88,51 +88,52 @@ static uint32_t count_children(const struct lists *l, struct children c, bool fl
     return count;
 }
 
-static bool build_leaf(struct lists *l, uint32_t at, uint32_t depth, struct pen_lane *made)
+static bool build_leaf(struct lists *l, uint32_t at, uint32_t depth, struct pen_child_box *made)
 {
-    *made = pen_ref_lane(&l->plan->ref[at]);
-    made->child = pen_plan_leaf(l->plan, at, 1);
-    if (l->plan->depth < depth)
-        l->plan->depth = depth;
+    *made = pen_ref_box(&l->layout->ref[at]);
+    made->child = pen_tree_layout_add_leaf(l->layout, at, 1);
+    if (l->layout->depth < depth)
+        l->layout->depth = depth;
     return made->child != PEN_NO_CHILD;
 }
 
 /* Makes a list, `depth` boxes down; *made is the lane that the list around it gets. */
-static bool build_list(struct lists *l, struct children c, uint32_t depth, struct pen_lane *made)
+static bool build_list(struct lists *l, struct children c, uint32_t depth,
+                       struct pen_child_box *made)
 {
     bool flat = depth + 1 == PEN_MAX_DEPTH;
-    uint32_t count = count_children(l, c, flat), first = l->plan->nodes.count, ref, group;
-    *made = pen_lane_empty;
+    uint32_t count = count_children(l, c, flat), first = l->layout->nodes.count, ref, group;
+    *made = pen_child_box_empty;
     made->child = first;
-    if (!pen_plan_nodes(l->plan, count / PEN_WIDE + (count % PEN_WIDE != 0)))
+    if (!pen_tree_layout_add_nodes(l->layout, count / PEN_WIDE + (count % PEN_WIDE != 0)))
         return false;
-    l->plan->lists++;
+    l->layout->lists++;
     for (uint32_t i = 0; next_child(l, &c, flat, &ref, &group); i++) {
-        struct pen_lane child;
+        struct pen_child_box child;
         bool ok = group == l->count
                       ? build_leaf(l, ref, depth + 1, &child)
-                      : build_list(l, (struct children){ref, l->interval[group].end, group + 1},
+                      : build_list(l, (struct children){ref, l->range[group].end, group + 1},
                                    depth + 1, &child);
         if (!ok)
             return false;
-        pen_lane_add(made, &child);
+        pen_child_box_grow(made, &child);
         if (i % PEN_WIDE == 0 && count - i > PEN_WIDE)
             child.child |= PEN_CHILD_MORE;
-        struct pen_node *nodes = l->plan->nodes.data;
+        struct pen_node *nodes = l->layout->nodes.data;
         pen_node_put(&nodes[first + i / PEN_WIDE], (int)(i % PEN_WIDE), &child);
     }
     return true;
 }
 
-bool pen_build_lists(struct pen_plan *plan, const struct pen_groups *groups)
+bool pen_build_lists(struct pen_tree_layout *layout, const struct pen_groups *groups)
 {
-    if (plan->count == 0)
+    if (layout->count == 0)
         return true;
-    plan->shape = PEN_SHAPE_LISTS;
-    struct lists l = {.plan = plan};
-    struct pen_lane top;
+    layout->shape = PEN_SHAPE_LISTS;
+    struct lists l = {.layout = layout};
+    struct pen_child_box top;
     bool ok =
-        make_spans(&l, groups) && build_list(&l, (struct children){0, plan->count, 0}, 0, &top);
-    free(l.interval);
+        make_ranges(&l, groups) && build_list(&l, (struct children){0, layout->count, 0}, 0, &top);
+    free(l.range);
     return ok;
 }

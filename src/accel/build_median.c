@@ -18,7 +18,7 @@
 enum { DIGITS = 1 << 8 };
 
 struct median {
-    struct pen_plan *plan;
+    struct pen_tree_layout *layout;
     const struct pen_ref *ref;  /* in document order, until all is built */
     uint32_t *order[3], *spare; /* the first is the order of the leaves */
     uint32_t *key;              /* of one axis, by ref */
@@ -57,7 +57,7 @@ static void sort_digit(const uint32_t *key, int shift, const uint32_t *from, uin
 
 static void sort_axis(struct median *m, int axis)
 {
-    uint32_t count = m->plan->count;
+    uint32_t count = m->layout->count;
     for (uint32_t i = 0; i < count; i++) {
         m->key[i] = ordered(center(&m->ref[i], axis));
         m->order[axis][i] = i;
@@ -124,37 +124,37 @@ static bool is_leaf(const struct median *m, uint32_t begin, uint32_t end)
     return true;
 }
 
-static bool build_leaf(struct median *m, uint32_t begin, uint32_t end, struct pen_lane *made)
+static bool build_leaf(struct median *m, uint32_t begin, uint32_t end, struct pen_child_box *made)
 {
     for (uint32_t i = begin; i < end; i++) {
-        struct pen_lane box = pen_ref_lane(&m->ref[m->order[0][i]]);
-        pen_lane_add(made, &box);
+        struct pen_child_box box = pen_ref_box(&m->ref[m->order[0][i]]);
+        pen_child_box_grow(made, &box);
     }
-    made->child = pen_plan_leaf(m->plan, begin, end - begin);
+    made->child = pen_tree_layout_add_leaf(m->layout, begin, end - begin);
     return made->child != PEN_NO_CHILD;
 }
 
 /* Makes the subtree of a range; *made is the lane that its parent gets. */
 static bool build(struct median *m, uint32_t begin, uint32_t end, uint32_t depth,
-                  struct pen_lane *made)
+                  struct pen_child_box *made)
 {
-    *made = pen_lane_empty;
-    made->child = m->plan->nodes.count;
-    if (m->plan->depth < depth)
-        m->plan->depth = depth;
+    *made = pen_child_box_empty;
+    made->child = m->layout->nodes.count;
+    if (m->layout->depth < depth)
+        m->layout->depth = depth;
     bool leaf = is_leaf(m, begin, end);
     if (leaf && depth > 0)
         return build_leaf(m, begin, end, made);
     uint32_t number = made->child;
-    if (!pen_plan_pair(m->plan))
+    if (!pen_tree_layout_add_pair(m->layout))
         return false;
     uint32_t middle = leaf ? end : cut(m, begin, end);
     for (int lane = 0; lane < 2 && begin < end; lane++) {
-        struct pen_lane child;
+        struct pen_child_box child;
         if (!build(m, begin, middle, depth + 1, &child))
             return false;
-        pen_pair_put((struct pen_pair *)m->plan->nodes.data + number, lane, &child);
-        pen_lane_add(made, &child);
+        pen_pair_put((struct pen_pair *)m->layout->nodes.data + number, lane, &child);
+        pen_child_box_grow(made, &child);
         begin = middle;
         middle = end;
     }
@@ -164,25 +164,25 @@ static bool build(struct median *m, uint32_t begin, uint32_t end, uint32_t depth
 /* Puts the plan's references into the order of the leaves. */
 static bool reorder(struct median *m)
 {
-    uint32_t count = m->plan->count;
+    uint32_t count = m->layout->count;
     struct pen_ref *ref = malloc(count * sizeof *ref);
     if (!ref)
         return false;
     for (uint32_t i = 0; i < count; i++)
-        ref[i] = m->plan->ref[m->order[0][i]];
-    memcpy(m->plan->ref, ref, count * sizeof *ref);
+        ref[i] = m->layout->ref[m->order[0][i]];
+    memcpy(m->layout->ref, ref, count * sizeof *ref);
     free(ref);
     return true;
 }
 
-bool pen_build_median(struct pen_plan *plan)
+bool pen_build_median(struct pen_tree_layout *layout)
 {
-    size_t count = plan->count;
+    size_t count = layout->count;
     if (count == 0)
         return true;
-    plan->shape = PEN_SHAPE_PAIRS;
-    plan->nodes.size = sizeof(struct pen_pair);
-    struct median m = {.plan = plan, .ref = plan->ref};
+    layout->shape = PEN_SHAPE_PAIRS;
+    layout->nodes.size = sizeof(struct pen_pair);
+    struct median m = {.layout = layout, .ref = layout->ref};
     uint32_t *numbers = malloc(5 * count * sizeof *numbers);
     m.left = malloc(count);
     bool ok = numbers && m.left;
@@ -193,8 +193,8 @@ bool pen_build_median(struct pen_plan *plan)
         m.key = numbers + 4 * count;
         for (int axis = 0; axis < 3; axis++)
             sort_axis(&m, axis);
-        struct pen_lane root;
-        ok = build(&m, 0, plan->count, 0, &root) && reorder(&m);
+        struct pen_child_box root;
+        ok = build(&m, 0, layout->count, 0, &root) && reorder(&m);
     }
     free(numbers);
     free(m.left);

@@ -170,7 +170,8 @@ static void divide(struct pen_ref *ref, const struct range *r, const struct cut 
 }
 
 /* Splits a range in two; false if a leaf is better (and marks it). */
-static bool split(struct pen_plan *plan, struct range *r, uint32_t depth, struct range *right)
+static bool split(struct pen_tree_layout *layout, struct range *r, uint32_t depth,
+                  struct range *right)
 {
     uint32_t count = r->end - r->begin, blocks = 0;
     for (int k = 0; k < CLASSES; k++)
@@ -181,7 +182,7 @@ static bool split(struct pen_plan *plan, struct range *r, uint32_t depth, struct
     float scale[3] = {bin_scale(r, 0), bin_scale(r, 1), bin_scale(r, 2)};
     struct cut cut = {-1, 0, INFINITY};
     if (depth < PEN_MAX_DEPTH / 2)
-        cut = find_cut(plan->ref, r, scale);
+        cut = find_cut(layout->ref, r, scale);
     float area = half_area(&r->box);
     if (blocks <= BLOCKS_MAX &&
         !(cut.cost + pen_node_cost * area < pen_leaf_cost(r->lanes) * area)) {
@@ -190,17 +191,17 @@ static bool split(struct pen_plan *plan, struct range *r, uint32_t depth, struct
     }
     struct range whole = *r;
     if (cut.axis >= 0) {
-        divide(plan->ref, &whole, &cut, scale[cut.axis], r, right);
+        divide(layout->ref, &whole, &cut, scale[cut.axis], r, right);
     } else {
         uint32_t middle = whole.begin + count / 2;
-        *r = measure(plan->ref, whole.begin, middle);
-        *right = measure(plan->ref, middle, whole.end);
+        *r = measure(layout->ref, whole.begin, middle);
+        *right = measure(layout->ref, middle, whole.end);
     }
     return true;
 }
 
 /* Splits the largest of the ranges until there are eight or all are leaves. */
-static int widen(struct pen_plan *plan, struct range *child, uint32_t depth)
+static int widen(struct pen_tree_layout *layout, struct range *child, uint32_t depth)
 {
     int count = 1;
     while (count < PEN_WIDE) {
@@ -212,29 +213,29 @@ static int widen(struct pen_plan *plan, struct range *child, uint32_t depth)
         }
         if (largest < 0)
             break;
-        if (split(plan, &child[largest], depth, &child[count]))
+        if (split(layout, &child[largest], depth, &child[count]))
             count++;
     }
     return count;
 }
 
 /* Makes the subtree of a range and returns it as a child; PEN_NO_CHILD when out of memory. */
-static uint32_t build(struct pen_plan *plan, const struct range *r, uint32_t depth)
+static uint32_t build(struct pen_tree_layout *layout, const struct range *r, uint32_t depth)
 {
     struct range child[PEN_WIDE] = {*r};
-    int count = r->leaf ? 1 : widen(plan, child, depth);
-    if (plan->depth < depth)
-        plan->depth = depth;
+    int count = r->leaf ? 1 : widen(layout, child, depth);
+    if (layout->depth < depth)
+        layout->depth = depth;
     if (count == 1)
-        return pen_plan_leaf(plan, r->begin, r->end - r->begin);
-    uint32_t number = plan->nodes.count;
-    if (!pen_plan_nodes(plan, 1))
+        return pen_tree_layout_add_leaf(layout, r->begin, r->end - r->begin);
+    uint32_t number = layout->nodes.count;
+    if (!pen_tree_layout_add_nodes(layout, 1))
         return PEN_NO_CHILD;
     for (int i = 0; i < count; i++) {
-        uint32_t made = build(plan, &child[i], depth + 1);
+        uint32_t made = build(layout, &child[i], depth + 1);
         if (made == PEN_NO_CHILD)
             return PEN_NO_CHILD;
-        struct pen_node *node = (struct pen_node *)plan->nodes.data + number;
+        struct pen_node *node = (struct pen_node *)layout->nodes.data + number;
         node->child[i] = made;
         for (int a = 0; a < 3; a++) {
             node->plane[a][i] = child[i].box.lo[a];
@@ -244,17 +245,17 @@ static uint32_t build(struct pen_plan *plan, const struct range *r, uint32_t dep
     return number;
 }
 
-bool pen_build_sah(struct pen_plan *plan)
+bool pen_build_sah(struct pen_tree_layout *layout)
 {
-    if (plan->count == 0)
+    if (layout->count == 0)
         return true;
-    struct range all = measure(plan->ref, 0, plan->count);
-    plan->shape = PEN_SHAPE_WIDE;
-    uint32_t root = build(plan, &all, 0);
+    struct range all = measure(layout->ref, 0, layout->count);
+    layout->shape = PEN_SHAPE_WIDE;
+    uint32_t root = build(layout, &all, 0);
     if (root == PEN_NO_CHILD || !(root & PEN_CHILD_LEAF))
         return root != PEN_NO_CHILD;
     /* One leaf: it gets a node of its own, so that its box is tested. */
-    struct pen_node *node = pen_plan_nodes(plan, 1);
+    struct pen_node *node = pen_tree_layout_add_nodes(layout, 1);
     if (!node)
         return false;
     node->child[0] = root;
@@ -262,6 +263,6 @@ bool pen_build_sah(struct pen_plan *plan)
         node->plane[a][0] = all.box.lo[a];
         node->plane[3 + a][0] = all.box.hi[a];
     }
-    plan->depth = 1;
+    layout->depth = 1;
     return true;
 }

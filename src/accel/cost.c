@@ -5,7 +5,7 @@
  * IEEE CG&A 7(5), 1987). It is computed from what was built, in the same way for every kind. */
 #include "accel/internal/tree_layout.h"
 
-static double half_area(const struct pen_lane *box)
+static double half_area(const struct pen_child_box *box)
 {
     double x = (double)box->hi[0] - (double)box->lo[0], y = (double)box->hi[1] - (double)box->lo[1],
            z = (double)box->hi[2] - (double)box->lo[2];
@@ -13,46 +13,46 @@ static double half_area(const struct pen_lane *box)
 }
 
 /* The box around all that the first list or node holds. */
-static struct pen_lane whole(const struct pen_plan *plan)
+static struct pen_child_box whole(const struct pen_tree_layout *layout)
 {
-    struct pen_lane sum = pen_lane_empty;
+    struct pen_child_box sum = pen_child_box_empty;
     uint32_t node = 0;
     do {
-        struct pen_lane in;
-        for (int lane = 0; lane < pen_plan_width(plan); lane++) {
-            if (pen_plan_lane(plan, node, lane, &in))
-                pen_lane_add(&sum, &in);
+        struct pen_child_box in;
+        for (int lane = 0; lane < pen_tree_layout_width(layout); lane++) {
+            if (pen_tree_layout_child(layout, node, lane, &in))
+                pen_child_box_grow(&sum, &in);
         }
-    } while (pen_plan_more(plan, node++));
+    } while (pen_tree_layout_list_continues(layout, node++));
     return sum;
 }
 
 /* The boxes that are tested where a child is entered, and its primitives. */
-static double cost_of_child(const struct pen_plan *plan, uint32_t child)
+static double cost_of_child(const struct pen_tree_layout *layout, uint32_t child)
 {
-    const struct pen_leaf *leaves = plan->leaves.data;
+    const struct pen_leaf *leaves = layout->leaves.data;
     if (child & PEN_CHILD_LEAF)
         return leaves[child & ~PEN_CHILD_LEAF].count;
     uint32_t boxes = 0, node = child;
     do {
-        struct pen_lane in;
-        for (int lane = 0; lane < pen_plan_width(plan); lane++)
-            boxes += pen_plan_lane(plan, node, lane, &in);
-    } while (pen_plan_more(plan, node++));
+        struct pen_child_box in;
+        for (int lane = 0; lane < pen_tree_layout_width(layout); lane++)
+            boxes += pen_tree_layout_child(layout, node, lane, &in);
+    } while (pen_tree_layout_list_continues(layout, node++));
     return PEN_BOX_TEST_COST * boxes;
 }
 
-double pen_plan_cost(const struct pen_plan *plan)
+double pen_tree_layout_cost(const struct pen_tree_layout *layout)
 {
-    if (plan->shape == PEN_SHAPE_NONE)
-        return (double)plan->count + plan->infinite;
-    struct pen_lane all = whole(plan);
-    double root = half_area(&all), sum = cost_of_child(plan, 0) + plan->infinite;
-    for (uint32_t node = 0; node < plan->nodes.count; node++) {
-        struct pen_lane in;
-        for (int lane = 0; lane < pen_plan_width(plan); lane++) {
-            if (pen_plan_lane(plan, node, lane, &in))
-                sum += (root > 0 ? half_area(&in) / root : 1) * cost_of_child(plan, in.child);
+    if (layout->shape == PEN_SHAPE_NONE)
+        return (double)layout->count + layout->infinite;
+    struct pen_child_box all = whole(layout);
+    double root = half_area(&all), sum = cost_of_child(layout, 0) + layout->infinite;
+    for (uint32_t node = 0; node < layout->nodes.count; node++) {
+        struct pen_child_box in;
+        for (int lane = 0; lane < pen_tree_layout_width(layout); lane++) {
+            if (pen_tree_layout_child(layout, node, lane, &in))
+                sum += (root > 0 ? half_area(&in) / root : 1) * cost_of_child(layout, in.child);
         }
     }
     return sum;

@@ -193,12 +193,13 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
 }
 
 /* Item 0 is a leaf of nothing; then come the infinite primitives, and the plan's leaves. */
-static void pack_leaves(struct packer *p, const struct pen_plan *plan, uint32_t *first_item)
+static void pack_leaves(struct packer *p, const struct pen_tree_layout *layout,
+                        uint32_t *first_item)
 {
-    const struct pen_leaf *leaf = plan->leaves.data;
+    const struct pen_leaf *leaf = layout->leaves.data;
     pack_leaf(p, (struct pen_leaf){0, 0});
-    pack_leaf(p, (struct pen_leaf){plan->count, plan->infinite});
-    for (uint32_t i = 0; i < plan->leaves.count; i++) {
+    pack_leaf(p, (struct pen_leaf){layout->count, layout->infinite});
+    for (uint32_t i = 0; i < layout->leaves.count; i++) {
         bool single =
             p->singles && leaf[i].count == 1 && p->ref[leaf[i].begin].kind != PEN_BLOCK_GENERIC;
         uint32_t first = single ? pack_single(p, leaf[i].begin) : pack_leaf(p, leaf[i]);
@@ -237,56 +238,58 @@ static void pack_children(uint32_t *child, int count, const uint32_t *first_item
     }
 }
 
-static bool pack_nodes(const struct pen_plan *plan, const uint32_t *first_item,
+static bool pack_nodes(const struct pen_tree_layout *layout, const uint32_t *first_item,
                        struct pen_arena *arena, struct pen_accel *accel)
 {
-    uint32_t count = plan->nodes.count;
-    void *nodes = pen_arena_alloc(arena, count, plan->nodes.size);
+    uint32_t count = layout->nodes.count;
+    void *nodes = pen_arena_alloc(arena, count, layout->nodes.size);
     if (!nodes)
         return false;
     if (count > 0)
-        memcpy(nodes, plan->nodes.data, count * plan->nodes.size);
-    if (plan->shape == PEN_SHAPE_PAIRS)
+        memcpy(nodes, layout->nodes.data, count * layout->nodes.size);
+    if (layout->shape == PEN_SHAPE_PAIRS)
         accel->pairs = nodes;
     else
         accel->nodes = nodes;
     for (uint32_t i = 0; i < count; i++) {
-        if (plan->shape == PEN_SHAPE_PAIRS)
+        if (layout->shape == PEN_SHAPE_PAIRS)
             pack_children(((struct pen_pair *)nodes)[i].child, 2, first_item);
         else
             pack_children(((struct pen_node *)nodes)[i].child, PEN_WIDE, first_item);
     }
-    accel->shape = plan->shape;
+    accel->shape = layout->shape;
     return true;
 }
 
 /* The largest length that roundings of finite primitives are proportional to. */
-static double largest_scale(const struct pen_plan *plan)
+static double largest_scale(const struct pen_tree_layout *layout)
 {
     double largest = 0;
-    for (uint32_t i = 0; i < plan->count; i++) {
-        double scale = pen_prim_scale(plan->prims, plan->ref[i].prim, pen_vec3(0, 0, 0));
+    for (uint32_t i = 0; i < layout->count; i++) {
+        double scale = pen_prim_scale(layout->prims, layout->ref[i].prim, pen_vec3(0, 0, 0));
         largest = scale > largest ? scale : largest;
     }
     return largest;
 }
 
-bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_accel *accel)
+bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
+                    struct pen_accel *accel)
 {
-    struct packer counted = {.singles =
-                                 plan->shape == PEN_SHAPE_PAIRS || plan->shape == PEN_SHAPE_LISTS,
-                             .prims = plan->prims,
-                             .ref = plan->ref};
+    struct packer counted = {.singles = layout->shape == PEN_SHAPE_PAIRS ||
+                                        layout->shape == PEN_SHAPE_LISTS,
+                             .prims = layout->prims,
+                             .ref = layout->ref};
     struct packer p = counted;
-    accel->prims = plan->prims;
-    pack_leaves(&counted, plan, NULL);
+    accel->prims = layout->prims;
+    pack_leaves(&counted, layout, NULL);
     struct pen_array first = {.size = sizeof(uint32_t)};
-    bool ok = pen_array_add(&first, plan->leaves.count + 1) && allocate(&p, &counted, arena);
+    bool ok = pen_array_add(&first, layout->leaves.count + 1) && allocate(&p, &counted, arena);
     if (ok) {
-        pack_leaves(&p, plan, first.data);
-        ok = pack_nodes(plan, first.data, arena, accel);
-        accel->list =
-            plan->shape == PEN_SHAPE_NONE && plan->leaves.count > 0 ? *(uint32_t *)first.data : 0;
+        pack_leaves(&p, layout, first.data);
+        ok = pack_nodes(layout, first.data, arena, accel);
+        accel->list = layout->shape == PEN_SHAPE_NONE && layout->leaves.count > 0
+                          ? *(uint32_t *)first.data
+                          : 0;
     }
     pen_array_release(&first);
     accel->items = p.items;
@@ -299,9 +302,9 @@ bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_a
     accel->infinite_cylinders = p.infinite_cylinders;
     accel->generic = p.generic;
     accel->infinite = 1;
-    accel->scale = largest_scale(plan);
-    accel->stats.nodes = plan->shape == PEN_SHAPE_LISTS ? plan->lists : plan->nodes.count;
-    accel->stats.leaves = plan->leaves.count;
-    accel->stats.depth = plan->depth;
+    accel->scale = largest_scale(layout);
+    accel->stats.nodes = layout->shape == PEN_SHAPE_LISTS ? layout->lists : layout->nodes.count;
+    accel->stats.leaves = layout->leaves.count;
+    accel->stats.depth = layout->depth;
     return ok;
 }

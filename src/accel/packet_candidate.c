@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* Fans: what a primitive is to the rays from one point to a disk.
+/* Makes the candidates of shadow-ray packets: what a primitive is to the rays from one point to a
+ * disk.
  *
- * Bands. Let delta be 4 grow and some 2^-34 of all lengths in play, grow being what the
- * self-intersection rule can reach (see traverse.h). A primitive's own test, with its roundings of
- * some 2^-50 of those lengths, agrees with exact geometry moved by less than delta; so what is
- * farther than delta from the border between a hit and a miss is decided the same by both. A
- * primitive within delta of the origin is always asked, by the reference itself; one that passes
- * within delta of where a ray ends too. */
+ * Bands. Let delta be 4 grow plus some 2^-34 of all lengths involved, where grow is how far the
+ * self-intersection rule can reach (see prim_test.h). A primitive's own test has roundings of some
+ * 2^-50 of those lengths, so it agrees with exact geometry that is moved by less than delta. Hence:
+ *  - what is farther than delta from the border between a hit and a miss is decided the same way by
+ *    the primitive's test and by the lines here;
+ *  - a primitive within delta of the origin is always tested by the reference itself;
+ *  - so is one that a ray passes within delta of the ray's end. */
 #include "accel/internal/packet_candidate.h"
 
 #include <float.h>
 
 #include "accel/internal/structure.h"
 
-/* A share of a length: far above its rounding, far below what can be seen. */
-static double share(double length)
+/* A margin for a length: far above its rounding, far below what can be seen. */
+static double margin_of(double length)
 {
     return 0x1p-34 * length;
 }
@@ -24,7 +26,7 @@ static double max2(double a, double b)
     return a > b ? a : b;
 }
 
-static bool fit(struct pen_vec3 v)
+static bool in_range(struct pen_vec3 v)
 {
     return pen_norm1(v) <= 0x1p200;
 }
@@ -33,24 +35,24 @@ bool pen_packet_prepare(struct pen_shadow_packet *packet, double scale)
 {
     double cc = pen_dot(packet->c, packet->c),
            uu = max2(pen_dot(packet->u, packet->u), pen_dot(packet->v, packet->v));
-    if (!(fit(packet->o) && fit(packet->c) && fit(packet->u) && fit(packet->v) &&
-          scale <= 0x1p200 && cc >= 0x1p-200 && uu <= 0x1p60 * cc))
+    if (!(in_range(packet->o) && in_range(packet->c) && in_range(packet->u) &&
+          in_range(packet->v) && scale <= 0x1p200 && cc >= 0x1p-200 && uu <= 0x1p60 * cc))
         return false;
     double slant = 1 / sqrt(cc + uu);
     packet->depth = sqrt(cc);
-    packet->slope_cos = packet->depth * slant;
-    packet->slope_sin = sqrt(uu) * slant;
-    packet->l = pen_scale(packet->c, 1 / packet->depth);
+    packet->cone_cos = packet->depth * slant;
+    packet->cone_sin = sqrt(uu) * slant;
+    packet->axis = pen_scale(packet->c, 1 / packet->depth);
     packet->reach = pen_norm1(packet->c) + pen_norm1(packet->u) + pen_norm1(packet->v);
     packet->grow = 2 * PEN_NEARBY * (packet->origin->bound + 8 * PEN_U * scale);
     packet->delta =
-        4 * packet->grow + share(pen_norm1(packet->o) + (packet->to_point ? packet->reach : 0));
+        4 * packet->grow + margin_of(pen_norm1(packet->o) + (packet->to_point ? packet->reach : 0));
     packet->candidate_count = packet->transmissive_count = 0;
     return true;
 }
 
-/* What all rays say of a line. */
-enum line_say { LINE_NEGATIVE, LINE_POSITIVE, LINE_MIXED };
+/* The sign of a line for all rays of the packet. */
+enum line_sign { LINE_NEGATIVE, LINE_POSITIVE, LINE_MIXED };
 
 static struct pen_packet_line line_of(const struct pen_shadow_packet *packet, struct pen_vec3 n,
                                       double band)
@@ -59,37 +61,39 @@ static struct pen_packet_line line_of(const struct pen_shadow_packet *packet, st
                                     pen_dot(n, packet->v), band};
 }
 
-static enum line_say line_say(const struct pen_packet_line *line)
+static enum line_sign line_sign(const struct pen_packet_line *line)
 {
     double most = sqrt(line->u * line->u + line->v * line->v) + line->band;
     return line->e > most ? LINE_POSITIVE : line->e < -most ? LINE_NEGATIVE : LINE_MIXED;
 }
 
-/* Adds a line that must be positive. False if it never is. */
-static bool gate_add(struct pen_candidate *candidate, struct pen_packet_line line)
+/* Adds a line that is positive where rays hit. False if it is positive for no ray. One that is
+ * positive for all rays is left out. */
+static bool add_line(struct pen_candidate *candidate, struct pen_packet_line line)
 {
-    enum line_say say = line_say(&line);
-    if (say == LINE_NEGATIVE)
+    enum line_sign sign = line_sign(&line);
+    if (sign == LINE_NEGATIVE)
         return false;
-    if (say == LINE_MIXED)
+    if (sign == LINE_MIXED)
         candidate->line[candidate->lines++] = line;
     return true;
 }
 
-static enum pen_candidate_verdict ask(struct pen_candidate *candidate, bool near)
+/* Every ray is tested against the primitive by itself, by the reference. */
+static enum pen_candidate_verdict scalar_fallback(struct pen_candidate *candidate)
 {
     candidate->kind = PEN_CANDIDATE_FALLBACK;
-    candidate->near = near;
+    candidate->by_reference = true;
     return PEN_CANDIDATE_SOME;
 }
 
-static enum pen_candidate_verdict all_lines(const struct pen_candidate *candidate)
+static enum pen_candidate_verdict verdict_of_lines(const struct pen_candidate *candidate)
 {
     return candidate->lines == 0 && candidate->opaque ? PEN_CANDIDATE_ALWAYS : PEN_CANDIDATE_SOME;
 }
 
-/* The line that is positive where a ray meets the plane at distance h along its unit normal n, on
- * the side that h says, and before it ends. */
+/* The line that is positive where a ray intersects a plane before the ray ends. n is the plane's
+ * unit normal, h the plane's signed distance from the origin along n. */
 static struct pen_packet_line plane_line(const struct pen_shadow_packet *packet, struct pen_vec3 n,
                                          double h, double delta)
 {
@@ -98,24 +102,24 @@ static struct pen_packet_line plane_line(const struct pen_shadow_packet *packet,
     if (packet->to_point)
         line.e -= fabs(h);
     else
-        line.band = share(packet->reach);
+        line.band = margin_of(packet->reach);
     return line;
 }
 
-static enum pen_candidate_verdict plane_gate(const struct pen_shadow_packet *packet,
-                                             const struct pen_plane *plane,
-                                             struct pen_candidate *candidate)
+static enum pen_candidate_verdict plane_candidate(const struct pen_shadow_packet *packet,
+                                                  const struct pen_plane *plane,
+                                                  struct pen_candidate *candidate)
 {
     struct pen_vec3 f = pen_sub(plane->q, packet->o);
-    double h = pen_dot(plane->n, f), delta = packet->delta + share(pen_norm1(f));
+    double h = pen_dot(plane->n, f), delta = packet->delta + margin_of(pen_norm1(f));
     if (fabs(h) <= delta)
-        return ask(candidate, true);
-    if (!gate_add(candidate, plane_line(packet, plane->n, h, delta)))
+        return scalar_fallback(candidate);
+    if (!add_line(candidate, plane_line(packet, plane->n, h, delta)))
         return PEN_CANDIDATE_NEVER;
-    return all_lines(candidate);
+    return verdict_of_lines(candidate);
 }
 
-/* A triangle, or a polygon that is flat but for rounding. */
+/* A triangle, or a polygon that is flat up to rounding. */
 struct flat {
     const struct pen_vec3 *v;
     uint32_t count;
@@ -130,49 +134,50 @@ static double farthest(const struct pen_shadow_packet *packet, const struct flat
     return most;
 }
 
-static struct pen_vec3 plain_cross(struct pen_vec3 a, struct pen_vec3 b)
+static struct pen_vec3 cross(struct pen_vec3 a, struct pen_vec3 b)
 {
     return pen_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
-/* Positive where rays pass on the inner side of edge i, if they go towards the side of n. The
- * distance of the ray's line from the edge's is at least |e| / (|d| |edge|). */
+/* The line that is positive where rays pass on the inner side of edge i, for rays that go towards
+ * the side of n. The distance between the ray's line and the edge's is at least |value| / (|d|
+ * |edge|), from which the band follows. */
 static struct pen_packet_line edge_line(const struct pen_shadow_packet *packet,
                                         const struct flat *flat, uint32_t i, double delta)
 {
     struct pen_vec3 p = flat->v[i], q = flat->v[i + 1 < flat->count ? i + 1 : 0];
     struct pen_vec3 edge = pen_sub(q, p);
-    return line_of(packet, plain_cross(pen_sub(p, packet->o), edge),
+    return line_of(packet, cross(pen_sub(p, packet->o), edge),
                    packet->reach * pen_norm1(edge) * delta);
 }
 
-/* The origin is in the primitive's plane, or all but: only what no ray's line passes is left out.
- */
-static enum pen_candidate_verdict coplanar_gate(const struct pen_shadow_packet *packet,
-                                                const struct flat *flat, double delta,
-                                                struct pen_candidate *candidate)
+/* The origin is within delta of the primitive's plane. The primitive is left out only if one edge
+ * has all rays on one side and another edge has all rays on the other; else it falls back. */
+static enum pen_candidate_verdict coplanar_candidate(const struct pen_shadow_packet *packet,
+                                                     const struct flat *flat, double delta,
+                                                     struct pen_candidate *candidate)
 {
     bool positive = false, negative = false;
     for (uint32_t i = 0; i < flat->count; i++) {
         struct pen_packet_line line = edge_line(packet, flat, i, delta);
-        enum line_say say = line_say(&line);
-        positive = positive || say == LINE_POSITIVE;
-        negative = negative || say == LINE_NEGATIVE;
+        enum line_sign sign = line_sign(&line);
+        positive = positive || sign == LINE_POSITIVE;
+        negative = negative || sign == LINE_NEGATIVE;
         if (positive && negative)
             return PEN_CANDIDATE_NEVER;
     }
-    return ask(candidate, true);
+    return scalar_fallback(candidate);
 }
 
-static enum pen_candidate_verdict flat_gate(const struct pen_shadow_packet *packet,
-                                            const struct flat *flat,
-                                            struct pen_candidate *candidate)
+static enum pen_candidate_verdict convex_candidate(const struct pen_shadow_packet *packet,
+                                                   const struct flat *flat,
+                                                   struct pen_candidate *candidate)
 {
-    double delta = packet->delta + share(farthest(packet, flat));
+    double delta = packet->delta + margin_of(farthest(packet, flat));
     double h = pen_dot(flat->n, pen_sub(flat->v[0], packet->o));
     if (fabs(h) <= delta)
-        return coplanar_gate(packet, flat, delta, candidate);
-    if (!gate_add(candidate, plane_line(packet, flat->n, h, delta)))
+        return coplanar_candidate(packet, flat, delta, candidate);
+    if (!add_line(candidate, plane_line(packet, flat->n, h, delta)))
         return PEN_CANDIDATE_NEVER;
     for (uint32_t i = 0; i < flat->count; i++) {
         struct pen_packet_line line = edge_line(packet, flat, i, delta);
@@ -181,42 +186,45 @@ static enum pen_candidate_verdict flat_gate(const struct pen_shadow_packet *pack
             line.u = -line.u;
             line.v = -line.v;
         }
-        if (!gate_add(candidate, line))
+        if (!add_line(candidate, line))
             return PEN_CANDIDATE_NEVER;
     }
-    return all_lines(candidate);
+    return verdict_of_lines(candidate);
 }
 
-/* How far a point is outside the cone at least, and where it is along the cone's axis. */
-struct place {
+/* A lower bound of a point's distance from the cone of rays, and its depth along the cone's axis.
+ */
+struct cone_coordinates {
     double outside, depth;
 };
 
-static struct place place_of(const struct pen_shadow_packet *packet, struct pen_vec3 f)
+static struct cone_coordinates cone_coordinates_of(const struct pen_shadow_packet *packet,
+                                                   struct pen_vec3 f)
 {
-    double depth = pen_dot(f, packet->l), aside = pen_length(plain_cross(f, packet->l));
-    return (struct place){aside * packet->slope_cos - depth * packet->slope_sin, depth};
+    double depth = pen_dot(f, packet->axis), aside = pen_length(cross(f, packet->axis));
+    return (struct cone_coordinates){aside * packet->cone_cos - depth * packet->cone_sin, depth};
 }
 
-/* Whether a ball around o + f is off the packet. */
-static bool ball_is_off(const struct pen_shadow_packet *packet, struct pen_vec3 f, double r,
-                        double delta)
+/* Whether no ray meets the ball of radius r around o + f, by more than delta. */
+static bool ball_is_outside(const struct pen_shadow_packet *packet, struct pen_vec3 f, double r,
+                            double delta)
 {
-    struct place p = place_of(packet, f);
+    struct cone_coordinates p = cone_coordinates_of(packet, f);
     return p.outside > r + delta || p.depth < -(r + delta) ||
            (packet->to_point && p.depth > packet->depth + r + delta);
 }
 
-/* Whether all rays have a positive share of n, whose roundings are those of a vector so long. */
-static bool all_along(const struct pen_shadow_packet *packet, struct pen_vec3 n, double size)
+/* Whether d.n > 0 for all rays, where n is rounded like a vector of length `size`. */
+static bool all_positive(const struct pen_shadow_packet *packet, struct pen_vec3 n, double size)
 {
-    struct pen_packet_line line = line_of(packet, n, share(packet->reach * size));
-    return line_say(&line) == LINE_POSITIVE;
+    struct pen_packet_line line = line_of(packet, n, margin_of(packet->reach * size));
+    return line_sign(&line) == LINE_POSITIVE;
 }
 
-/* A ray's intersections with a sphere are at (p -+ sqrt(p^2 - k |d|^2)) / |d|^2, with p = g.d, g
- * from the origin to the centre, and k = |g|^2 - r^2. Lines: p; k with the band of the square
- * root's argument; |d|^2, and the t that ends a ray. */
+/* A ray's intersections with a sphere are at t = (p -+ sqrt(p^2 - k |d|^2)) / |d|^2, with p = g.d,
+ * g from the origin to the centre, and k = |g|^2 - r^2. The candidate's lines hold: 0  p as a
+ * function of (a, b) 1  e: k; band: that of the square root's argument 2  |d|^2 = e + u a^2 + v
+ * b^2; band: the t at which a ray ends */
 static void sphere_lines(const struct pen_shadow_packet *packet, struct pen_vec3 g, double k,
                          double size, struct pen_candidate *candidate)
 {
@@ -229,53 +237,54 @@ static void sphere_lines(const struct pen_shadow_packet *packet, struct pen_vec3
     candidate->line[2].band = packet->to_point ? 1 : INFINITY;
 }
 
-/* From outside, and with the whole sphere before the disk, a ray that crosses it does so twice, if
- * p > 0; the cone of tangents tells which. */
-static enum pen_candidate_verdict sphere_gate(const struct pen_shadow_packet *packet,
-                                              const struct pen_sphere *s,
-                                              struct pen_candidate *candidate)
+/* If the origin is outside and the whole sphere is before the disk, a ray with p > 0 either misses
+ * the sphere or intersects it twice; the cone of tangents from the origin tells which. */
+static enum pen_candidate_verdict sphere_candidate(const struct pen_shadow_packet *packet,
+                                                   const struct pen_sphere *s,
+                                                   struct pen_candidate *candidate)
 {
     struct pen_vec3 g = pen_sub(s->c, packet->o);
-    double distance = pen_length(g), delta = packet->delta + share(distance + s->r);
-    if (candidate->own && all_along(packet, pen_neg(g), pen_norm1(g)))
+    double distance = pen_length(g), delta = packet->delta + margin_of(distance + s->r);
+    if (candidate->is_origin && all_positive(packet, pen_neg(g), pen_norm1(g)))
         return PEN_CANDIDATE_NEVER;
-    if (!candidate->own && ball_is_off(packet, g, s->r, delta))
+    if (!candidate->is_origin && ball_is_outside(packet, g, s->r, delta))
         return PEN_CANDIDATE_NEVER;
-    if (!candidate->own && fabs(distance - s->r) <= delta)
-        return ask(candidate, true);
-    double depth = pen_dot(g, packet->l), k = (distance - s->r) * (distance + s->r);
-    candidate->kind = PEN_CANDIDATE_BALL;
-    sphere_lines(packet, g, k, distance + s->r, candidate);
-    if (candidate->own || k < 0 || (packet->to_point && depth + s->r > packet->depth - delta))
-        return PEN_CANDIDATE_SOME;
-    double aside = pen_length(plain_cross(g, packet->l));
-    if (candidate->opaque &&
-        depth * packet->slope_cos - aside * packet->slope_sin > sqrt(k) + delta)
-        return PEN_CANDIDATE_ALWAYS;
+    if (!candidate->is_origin && fabs(distance - s->r) <= delta)
+        return scalar_fallback(candidate);
+    double depth = pen_dot(g, packet->axis), k = (distance - s->r) * (distance + s->r);
     candidate->kind = PEN_CANDIDATE_SPHERE;
+    sphere_lines(packet, g, k, distance + s->r, candidate);
+    if (candidate->is_origin || k < 0 || (packet->to_point && depth + s->r > packet->depth - delta))
+        return PEN_CANDIDATE_SOME;
+    double aside = pen_length(cross(g, packet->axis));
+    if (candidate->opaque && depth * packet->cone_cos - aside * packet->cone_sin > sqrt(k) + delta)
+        return PEN_CANDIDATE_ALWAYS;
+    candidate->kind = PEN_CANDIDATE_SPHERE_AHEAD;
     return PEN_CANDIDATE_SOME;
 }
 
-/* Whether a plane through the origin, with the cone on its other side, has the cylinder beyond.
- * `across` is a unit vector at right angles to the cone's axis, to some 2^-40. */
+/* Whether the plane through the origin that touches the cone of rays in direction `across`
+ * separates the cylinder from the cone. `across` is a unit vector perpendicular to the cone's axis,
+ * to some 2^-40. */
 static bool cylinder_is_beyond(const struct pen_shadow_packet *packet, struct pen_vec3 across,
                                struct pen_vec3 middle, struct pen_vec3 axis,
                                const struct pen_cylinder *c, double delta)
 {
     struct pen_vec3 m =
-        pen_along(pen_scale(across, packet->slope_cos), packet->l, -packet->slope_sin);
+        pen_along(pen_scale(across, packet->cone_cos), packet->axis, -packet->cone_sin);
     double ma = pen_dot(m, axis);
     double rim = c->round.r * sqrt(max2(1 - ma * ma, 0));
     return pen_dot(m, middle) - 0.5 * c->h * fabs(ma) - rim > delta;
 }
 
-static bool cylinder_is_off(const struct pen_shadow_packet *packet, const struct pen_cylinder *c,
-                            struct pen_vec3 middle, struct pen_vec3 axis, double delta)
+static bool cylinder_is_outside(const struct pen_shadow_packet *packet,
+                                const struct pen_cylinder *c, struct pen_vec3 middle,
+                                struct pen_vec3 axis, double delta)
 {
-    if (ball_is_off(packet, middle, c->round.r + 0.5 * c->h, delta))
+    if (ball_is_outside(packet, middle, c->round.r + 0.5 * c->h, delta))
         return true;
-    struct pen_vec3 side = pen_sub(middle, pen_scale(packet->l, pen_dot(middle, packet->l)));
-    struct pen_vec3 wing = plain_cross(axis, packet->l);
+    struct pen_vec3 side = pen_sub(middle, pen_scale(packet->axis, pen_dot(middle, packet->axis)));
+    struct pen_vec3 wing = cross(axis, packet->axis);
     double aside = pen_length(side), wide = pen_length(wing);
     if (aside > 0x1p-10 * pen_norm1(middle) &&
         cylinder_is_beyond(packet, pen_scale(side, 1 / aside), middle, axis, c, delta))
@@ -286,31 +295,37 @@ static bool cylinder_is_off(const struct pen_shadow_packet *packet, const struct
     return cylinder_is_beyond(packet, wing, middle, axis, c, delta);
 }
 
-/* How far a point is from being inside the cylinder; <= 0 inside. */
+/* A lower bound of the distance of o from the solid cylinder, f being o relative to its base; <= 0
+ * inside. */
 static double cylinder_gap(const struct pen_cylinder *c, struct pen_vec3 axis, struct pen_vec3 f)
 {
-    double along = pen_dot(f, axis), side = pen_length(plain_cross(f, axis)) - c->round.r;
+    double along = pen_dot(f, axis), side = pen_length(cross(f, axis)) - c->round.r;
     return max2(side, max2(-along, along - c->h));
 }
 
-/* Whether no ray that leaves the cylinder comes back to it. */
-static bool cylinder_is_left(const struct pen_shadow_packet *packet, const struct pen_cylinder *c,
-                             struct pen_vec3 axis, struct pen_vec3 f)
+/* Whether no ray that starts on the cylinder intersects it again. */
+static bool cylinder_is_not_met_again(const struct pen_shadow_packet *packet,
+                                      const struct pen_cylinder *c, struct pen_vec3 axis,
+                                      struct pen_vec3 f)
 {
     switch (packet->origin->part) {
     case PEN_PART_SIDE:
-        return all_along(packet, pen_sub(f, pen_scale(axis, pen_dot(f, axis))), pen_norm1(f));
+        return all_positive(packet, pen_sub(f, pen_scale(axis, pen_dot(f, axis))), pen_norm1(f));
     case PEN_PART_BASE:
-        return c->caps && all_along(packet, pen_neg(axis), 1);
+        return c->caps && all_positive(packet, pen_neg(axis), 1);
     default:
-        return c->caps && all_along(packet, axis, 1);
+        return c->caps && all_positive(packet, axis, 1);
     }
 }
 
-/* A cylinder is crossed at the ends of the overlap of two intervals, of the endless side and of the
- * slab between the caps: as in pen_cylinder_interval, with |a| = 1. Lines: d.a; d.f across the
- * axis; |d|^2, and the t that ends a ray; squared distance from the axis less r^2, and their sum;
- * the two heights of the slab over the origin, and whether there are caps. */
+/* A ray intersects a cylinder at the ends of the overlap of two t-intervals, that of the infinite
+ * side and that of the slab between the caps: as in pen_cylinder_interval, with |axis| = 1. Let f
+ * be the origin relative to the base and `side` its part perpendicular to the axis. The lines hold:
+ *   0  d.axis as a function of (a, b)
+ *   1  d.side as a function of (a, b)
+ *   2  |d|^2 = e + u a^2 + v b^2; band: the t at which a ray ends
+ *   3  e: |side|^2 - r^2; u: |side|^2 + r^2
+ *   4  e, u: the heights of base and top above the origin along the axis; v: 1 if there are caps */
 static void cylinder_lines(const struct pen_shadow_packet *packet, const struct pen_cylinder *c,
                            struct pen_vec3 axis, struct pen_vec3 f, struct pen_candidate *candidate)
 {
@@ -330,39 +345,40 @@ static void cylinder_lines(const struct pen_shadow_packet *packet, const struct 
     candidate->line[4].v = c->caps;
 }
 
-static enum pen_candidate_verdict cylinder_gate(const struct pen_shadow_packet *packet,
-                                                const struct pen_cylinder *c,
-                                                struct pen_candidate *candidate)
+static enum pen_candidate_verdict cylinder_candidate(const struct pen_shadow_packet *packet,
+                                                     const struct pen_cylinder *c,
+                                                     struct pen_candidate *candidate)
 {
     struct pen_vec3 axis = pen_scale(c->round.a, 1 / c->round.length);
     struct pen_vec3 f = pen_sub(packet->o, c->round.q);
-    double size = c->round.r + c->h, delta = packet->delta + share(pen_norm1(f) + size);
-    if (candidate->own && cylinder_is_left(packet, c, axis, f))
+    double size = c->round.r + c->h, delta = packet->delta + margin_of(pen_norm1(f) + size);
+    if (candidate->is_origin && cylinder_is_not_met_again(packet, c, axis, f))
         return PEN_CANDIDATE_NEVER;
     double gap = cylinder_gap(c, axis, f);
     struct pen_vec3 middle = pen_sub(pen_scale(axis, 0.5 * c->h), f);
-    if (!candidate->own && gap > delta && cylinder_is_off(packet, c, middle, axis, delta))
+    if (!candidate->is_origin && gap > delta && cylinder_is_outside(packet, c, middle, axis, delta))
         return PEN_CANDIDATE_NEVER;
-    if (!candidate->own && fabs(gap) <= delta)
-        return ask(candidate, true);
+    if (!candidate->is_origin && fabs(gap) <= delta)
+        return scalar_fallback(candidate);
     cylinder_lines(packet, c, axis, f, candidate);
     return PEN_CANDIDATE_SOME;
 }
 
-static enum pen_candidate_verdict tube_gate(const struct pen_shadow_packet *packet,
-                                            const struct pen_infinite_cylinder *infinite_cylinder,
-                                            struct pen_candidate *candidate)
+static enum pen_candidate_verdict
+infinite_cylinder_candidate(const struct pen_shadow_packet *packet,
+                            const struct pen_infinite_cylinder *infinite_cylinder,
+                            struct pen_candidate *candidate)
 {
     struct pen_vec3 axis =
         pen_scale(infinite_cylinder->round.a, 1 / infinite_cylinder->round.length);
     struct pen_vec3 f = pen_sub(packet->o, infinite_cylinder->round.q);
-    if (candidate->own &&
-        all_along(packet, pen_sub(f, pen_scale(axis, pen_dot(f, axis))), pen_norm1(f)))
+    if (candidate->is_origin &&
+        all_positive(packet, pen_sub(f, pen_scale(axis, pen_dot(f, axis))), pen_norm1(f)))
         return PEN_CANDIDATE_NEVER;
-    return ask(candidate, true);
+    return scalar_fallback(candidate);
 }
 
-/* The line from corner i to corner j, as edge_line. */
+/* The line of the chord from corner i to corner j, as edge_line. */
 static struct pen_packet_line chord_line(const struct pen_shadow_packet *packet,
                                          const struct flat *flat, uint32_t i, uint32_t j,
                                          double delta)
@@ -372,28 +388,29 @@ static struct pen_packet_line chord_line(const struct pen_shadow_packet *packet,
     return edge_line(packet, &chord, 0, delta);
 }
 
-/* Whether all rays are in the outline, or none is; LINE_MIXED if that is not sure. An outline is
- * the packet of triangles from its first corner: inside is what an odd number of them holds. A
- * triangle holds what is on one side of its three edges. */
-static enum line_say outline_say(const struct pen_candidate *candidate, uint32_t corners)
+/* LINE_POSITIVE if all rays pass inside the outline, LINE_NEGATIVE if all pass outside, LINE_MIXED
+ * if neither is sure. The outline is a triangle fan around its first corner: a point is inside if
+ * an odd number of these triangles contain it, and a triangle contains what is on one side of all
+ * three of its edges. */
+static enum line_sign outline_sign(const struct pen_candidate *candidate, uint32_t corners)
 {
     bool inside = false;
     for (uint32_t i = 0; i < 2 * corners - 3; i++)
-        if (line_say(&candidate->line[1 + i]) == LINE_MIXED)
+        if (line_sign(&candidate->line[1 + i]) == LINE_MIXED)
             return LINE_MIXED;
     for (uint32_t i = 1; i + 1 < corners; i++) {
         const struct pen_packet_line *line = &candidate->line[2 * i - 1];
-        enum line_say from = line_say(&line[0]), edge = line_say(&line[1]);
-        inside ^= from == edge && line_say(&line[2]) != edge;
+        enum line_sign from = line_sign(&line[0]), edge = line_sign(&line[1]);
+        inside ^= from == edge && line_sign(&line[2]) != edge;
     }
     return inside ? LINE_POSITIVE : LINE_NEGATIVE;
 }
 
-/* Line 0 is the plane's; then, by turns, the chord from the first corner to corner i, and the edge
- * from there to the next. */
-static enum pen_candidate_verdict outline_gate(const struct pen_shadow_packet *packet,
-                                               const struct flat *flat, double delta,
-                                               struct pen_candidate *candidate)
+/* A flat polygon that need not be convex. Line 0 is that of its plane; then, in turn, the chord
+ * from the first corner to corner i, and the edge from corner i to the next. */
+static enum pen_candidate_verdict outline_candidate(const struct pen_shadow_packet *packet,
+                                                    const struct flat *flat, double delta,
+                                                    struct pen_candidate *candidate)
 {
     double h = pen_dot(flat->n, pen_sub(flat->v[0], packet->o));
     candidate->lines = (uint8_t)(2 * flat->count - 2);
@@ -402,60 +419,60 @@ static enum pen_candidate_verdict outline_gate(const struct pen_shadow_packet *p
         if (i + 1 < flat->count)
             candidate->line[2 * i] = chord_line(packet, flat, i, i + 1, delta);
     }
-    enum line_say inside = outline_say(candidate, flat->count);
+    enum line_sign inside = outline_sign(candidate, flat->count);
     if (inside == LINE_NEGATIVE)
         return PEN_CANDIDATE_NEVER;
     if (fabs(h) <= delta)
-        return ask(candidate, true);
+        return scalar_fallback(candidate);
     candidate->kind = PEN_CANDIDATE_OUTLINE;
     candidate->line[0] = plane_line(packet, flat->n, h, delta);
-    enum line_say before = line_say(&candidate->line[0]);
+    enum line_sign before = line_sign(&candidate->line[0]);
     if (before == LINE_NEGATIVE)
         return PEN_CANDIDATE_NEVER;
     bool always = candidate->opaque && before == LINE_POSITIVE && inside == LINE_POSITIVE;
     return always ? PEN_CANDIDATE_ALWAYS : PEN_CANDIDATE_SOME;
 }
 
-static enum pen_candidate_verdict triangle_gate(const struct pen_shadow_packet *packet,
-                                                const struct pen_triangle *tri,
-                                                struct pen_candidate *candidate)
+static enum pen_candidate_verdict triangle_candidate(const struct pen_shadow_packet *packet,
+                                                     const struct pen_triangle *tri,
+                                                     struct pen_candidate *candidate)
 {
     const struct pen_vec3 *v = tri->v;
     struct flat flat = {v, 3, tri->n};
-    if (pen_dot(plain_cross(pen_sub(v[1], v[0]), pen_sub(v[2], v[0])), tri->n) < 0)
+    if (pen_dot(cross(pen_sub(v[1], v[0]), pen_sub(v[2], v[0])), tri->n) < 0)
         flat.n = pen_neg(tri->n);
-    return flat_gate(packet, &flat, candidate);
+    return convex_candidate(packet, &flat, candidate);
 }
 
-/* An outline of many corners, or one that is not flat: all that is used is its plane, give or take
- * what it may be off it. */
-static enum pen_candidate_verdict vague_gate(const struct pen_shadow_packet *packet,
-                                             const struct pen_polygon *p, double delta,
-                                             struct pen_candidate *candidate)
+/* A polygon with many corners, or one that is not flat. Only its plane is used, with a margin for
+ * how far the corners may be off it, and only to prove misses. */
+static enum pen_candidate_verdict plane_only_candidate(const struct pen_shadow_packet *packet,
+                                                       const struct pen_polygon *p, double delta,
+                                                       struct pen_candidate *candidate)
 {
     double h = pen_dot(p->n, pen_sub(p->v[0], packet->o));
     if (!p->flat)
         delta += 0x1p-18 * p->extent;
     if (fabs(h) <= delta)
-        return ask(candidate, true);
-    candidate->vague = true;
-    return gate_add(candidate, plane_line(packet, p->n, h, delta)) ? PEN_CANDIDATE_SOME
+        return scalar_fallback(candidate);
+    candidate->plane_only = true;
+    return add_line(candidate, plane_line(packet, p->n, h, delta)) ? PEN_CANDIDATE_SOME
                                                                    : PEN_CANDIDATE_NEVER;
 }
 
-static enum pen_candidate_verdict polygon_gate(const struct pen_shadow_packet *packet,
-                                               const struct pen_polygon *p,
-                                               struct pen_candidate *candidate)
+static enum pen_candidate_verdict polygon_candidate(const struct pen_shadow_packet *packet,
+                                                    const struct pen_polygon *p,
+                                                    struct pen_candidate *candidate)
 {
     const struct flat flat = {p->v, p->count, p->n};
     if (p->flat && p->convex && p->count < PEN_PACKET_LINES)
-        return flat_gate(packet, &flat, candidate);
-    double delta = packet->delta + share(farthest(packet, &flat));
-    if (ball_is_off(packet, pen_sub(p->v[0], packet->o), 2 * p->extent, delta))
+        return convex_candidate(packet, &flat, candidate);
+    double delta = packet->delta + margin_of(farthest(packet, &flat));
+    if (ball_is_outside(packet, pen_sub(p->v[0], packet->o), 2 * p->extent, delta))
         return PEN_CANDIDATE_NEVER;
     if (p->flat && 2 * p->count - 2 <= PEN_PACKET_LINES)
-        return outline_gate(packet, &flat, delta, candidate);
-    return vague_gate(packet, p, delta, candidate);
+        return outline_candidate(packet, &flat, delta, candidate);
+    return plane_only_candidate(packet, p, delta, candidate);
 }
 
 enum pen_candidate_verdict pen_candidate_make(const struct pen_shadow_packet *packet,
@@ -468,27 +485,27 @@ enum pen_candidate_verdict pen_candidate_make(const struct pen_shadow_packet *pa
     candidate->prim = prim;
     candidate->kind = PEN_CANDIDATE_LINES;
     candidate->lines = 0;
-    candidate->vague = false;
-    candidate->own = candidate->near = prim == packet->origin->prim;
+    candidate->plane_only = false;
+    candidate->is_origin = candidate->by_reference = prim == packet->origin->prim;
     candidate->opaque = !(packet->see_through && packet->see_through[prim]);
     switch (generic ? PEN_BLOCK_GENERIC : pen_block_of(ref.kind)) {
     case PEN_BLOCK_SPHERES:
-        return sphere_gate(packet, &prims->sphere[ref.index], candidate);
+        return sphere_candidate(packet, &prims->sphere[ref.index], candidate);
     case PEN_BLOCK_PLANES:
-        return plane_gate(packet, &prims->plane[ref.index], candidate);
+        return plane_candidate(packet, &prims->plane[ref.index], candidate);
     case PEN_BLOCK_TRIANGLES:
-        return triangle_gate(packet, &prims->triangle[ref.index], candidate);
+        return triangle_candidate(packet, &prims->triangle[ref.index], candidate);
     case PEN_BLOCK_POLYGONS:
-        return polygon_gate(packet, &prims->polygon[ref.index], candidate);
+        return polygon_candidate(packet, &prims->polygon[ref.index], candidate);
     case PEN_BLOCK_INFINITE_CYLINDERS:
-        return tube_gate(packet, &prims->infinite_cylinder[ref.index], candidate);
+        return infinite_cylinder_candidate(packet, &prims->infinite_cylinder[ref.index], candidate);
     case PEN_BLOCK_CYLINDERS:
-        return cylinder_gate(packet, &prims->cylinder[ref.index], candidate);
+        return cylinder_candidate(packet, &prims->cylinder[ref.index], candidate);
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
         break;
     }
-    return ask(candidate, true);
+    return scalar_fallback(candidate);
 }

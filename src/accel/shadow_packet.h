@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Fans: the shadow rays from one point to the points of a disk, taken together. What no ray of the
- * packet can meet is left out once for all of them, and of what is left most rays are seen to meet
- * it, or to miss it, at the expense of a few multiplications. Nothing is decided where rounding
- * could change the answer: such a ray is tested as if it were alone. So a packet gives the answers
- * that pen_trace_ops.shadow gives ray by ray, bit for bit.
+/* Shadow-ray packets: the shadow rays from one point to the points of a disk, tested together.
  *
- * How a ray is seen to meet a flat primitive: for an edge from p to q, d.((p - o) x (q - o)) says
- * by its sign on which side of the edge the ray passes (Pluecker's side relation), and since all
- * rays have one origin and d = c + a u + b v, that is a linear function of (a, b). So are d.n,
- * which tells whether the primitive's plane is met before the light, and (sphere's centre - o).d.
- * Each is compared with a band that is much wider than any rounding of it, or of the test that it
- * stands for. */
+ * The tree is traversed once for all rays. It gives candidates: primitives that some ray may meet.
+ * A few multiplications per ray and candidate then classify most rays as surely blocked by it or
+ * surely not. Where rounding could change the answer, nothing is decided: such a ray is tested as
+ * if it were alone (scalar fallback). So a packet gives the answers of pen_trace_ops.shadow ray by
+ * ray, bit for bit. src/accel/README.md describes the steps.
+ *
+ * Whether a ray meets a flat primitive: for an edge from p to q, the sign of d.((p - o) x (q - o))
+ * tells on which side of the edge the ray passes (Pluecker's side relation). All rays have one
+ * origin and d = c + a u + b v, so this is a linear function of (a, b). So are d.n, which tells
+ * whether the ray reaches the primitive's plane before the light, and (sphere's centre - o).d.
+ * Each is compared with a band that is much wider than its own rounding and that of the test that
+ * it replaces. */
 #ifndef PEN_ACCEL_SHADOW_PACKET_H
 #define PEN_ACCEL_SHADOW_PACKET_H
 
@@ -26,18 +28,19 @@ enum {
     PEN_PACKET_TRANSMISSIVE = 16
 };
 
-/* (e + a u + b v) against +-band: above it surely positive, below it surely negative. */
+/* The line e + a u + b v = 0 in the disk. Where the value is above band it is surely positive,
+ * below -band surely negative. */
 struct pen_packet_line {
     double e, u, v, band;
 };
 
 enum pen_candidate_kind {
-    PEN_CANDIDATE_LINES,   /* met where all lines are positive, missed where one is negative */
-    PEN_CANDIDATE_OUTLINE, /* a flat primitive of any outline */
-    PEN_CANDIDATE_SPHERE, /* from outside, and not beyond the disk; lines hold what packet.c says */
-    PEN_CANDIDATE_BALL,   /* a sphere anywhere */
-    PEN_CANDIDATE_CYLINDER, /* anywhere */
-    PEN_CANDIDATE_FALLBACK  /* nothing is sure */
+    PEN_CANDIDATE_LINES,        /* hit where all lines are positive, missed where one is negative */
+    PEN_CANDIDATE_OUTLINE,      /* a flat primitive with any outline; see outline_candidate */
+    PEN_CANDIDATE_SPHERE_AHEAD, /* the origin is outside, all of it lies before the disk */
+    PEN_CANDIDATE_SPHERE,       /* a sphere anywhere */
+    PEN_CANDIDATE_CYLINDER,     /* a cylinder anywhere */
+    PEN_CANDIDATE_FALLBACK      /* every ray is tested by itself */
 };
 
 /* A primitive that some ray of the packet may meet. */
@@ -45,44 +48,45 @@ struct pen_candidate {
     uint32_t prim;
     uint8_t kind, lines;
     bool opaque;
-    bool near;  /* the origin may be on it: the self-intersection rule is asked */
-    bool vague; /* where all lines are positive nothing is sure */
-    bool own;   /* the rays leave it: where they do is no crossing */
+    bool by_reference; /* the origin may be on it: fallback rays are tested by pen_prim_intersect */
+    bool plane_only;   /* the lines prove misses only: where all are positive nothing is sure */
+    bool is_origin;    /* the rays start on it, which is no intersection */
     struct pen_packet_line line[PEN_PACKET_LINES];
-    /* Of the rays of the last pen_trace_ops.packet_test, those that must be tested alone, and of a
-     * primitive that lets light pass, those that cross it once, and twice. */
-    uint64_t ask, once, twice;
+    /* Of the rays of the last pen_trace_ops.packet_test: those that must be tested alone, and if
+     * the primitive lets light pass, those that intersect it once, and twice. */
+    uint64_t fallback, once, twice;
 };
 
 struct pen_shadow_packet {
-    /* In: rays from o along d = (c + a u) + b v with a^2 + b^2 <= 1, u and v across c and each
-     * other and of equal length; all leave one surface, and go to its viewer's side. */
+    /* In: rays from o along d = (c + a u) + b v with a^2 + b^2 <= 1. u and v are perpendicular to c
+     * and to each other, and of equal length. All rays start on one surface and go to its viewer's
+     * side. */
     struct pen_vec3 o, c, u, v;
     const struct pen_origin_surface *origin;
     bool to_point;              /* as in struct pen_shadow, with tmax 1; else tmax is infinite */
     const uint8_t *see_through; /* as in struct pen_shadow */
     uint32_t last_occluder;     /* in and out: tried first */
     /* Made by packet_begin. */
-    double depth;                /* |c| */
-    double slope_cos, slope_sin; /* of the cone's half-angle */
-    struct pen_vec3 l;           /* c / |c| */
-    double reach, delta, grow;   /* >= |d|; what lengths are off by; see packet.c */
+    double depth;              /* |c| */
+    double cone_cos, cone_sin; /* of the half-angle of the cone that the rays fill */
+    struct pen_vec3 axis;      /* c / |c| */
+    double reach, delta,
+        grow; /* >= |d|; bounds of what lengths are off by: see packet_candidate.c */
     int candidate_count, transmissive_count;
-    uint8_t transmissive[PEN_PACKET_TRANSMISSIVE]; /* candidates of primitives that let light pass,
-                                                      if no more than that */
+    uint8_t transmissive[PEN_PACKET_TRANSMISSIVE]; /* numbers of candidates that let light pass */
     struct pen_candidate candidate[PEN_PACKET_CANDIDATES];
 };
 
-/* What becomes of all rays of a packet. */
+/* What all rays of a packet have in common. */
 enum pen_packet_visibility {
-    PEN_PACKET_ALL_VISIBLE,  /* they arrive */
-    PEN_PACKET_ALL_OCCLUDED, /* an opaque primitive blocks them */
-    PEN_PACKET_MIXED,        /* packet_test tells */
-    PEN_PACKET_NOT_POSSIBLE  /* they must be cast one by one: too many primitives, or no tree for it
-                              */
+    PEN_PACKET_ALL_VISIBLE,  /* no primitive is in their way */
+    PEN_PACKET_ALL_OCCLUDED, /* one opaque primitive blocks them all */
+    PEN_PACKET_MIXED,        /* packet_test tells for each ray */
+    PEN_PACKET_NOT_POSSIBLE  /* trace them one by one: too many candidates, or no wide tree */
 };
 
-/* The direction of the ray to (a, b): the same operations, in this order, wherever it is made. */
+/* The direction of the ray to (a, b). Every caller uses this function, so that the operations and
+ * their order, and hence the bits, are the same. */
 static inline struct pen_vec3 pen_packet_direction(const struct pen_shadow_packet *packet, double a,
                                                    double b)
 {

@@ -7,38 +7,38 @@
 
 #include "accel/internal/rounding.h"
 
-const struct pen_lane pen_lane_empty = {
+const struct pen_child_box pen_child_box_empty = {
     {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, PEN_NO_CHILD};
 
-void *pen_array_add(struct pen_array *pool, uint32_t more)
+void *pen_array_add(struct pen_array *array, uint32_t more)
 {
-    if (pool->count > UINT32_MAX / 2 - more)
+    if (array->count > UINT32_MAX / 2 - more)
         return NULL;
-    if (pool->count + more > pool->capacity) {
-        uint32_t capacity = pool->capacity * 2 > 64 ? pool->capacity * 2 : 64;
-        if (capacity < pool->count + more)
-            capacity = pool->count + more;
-        void *data = realloc(pool->data, capacity * pool->size);
+    if (array->count + more > array->capacity) {
+        uint32_t capacity = array->capacity * 2 > 64 ? array->capacity * 2 : 64;
+        if (capacity < array->count + more)
+            capacity = array->count + more;
+        void *data = realloc(array->data, capacity * array->size);
         if (!data)
             return NULL;
-        pool->data = data;
-        pool->capacity = capacity;
+        array->data = data;
+        array->capacity = capacity;
     }
-    void *place = (char *)pool->data + pool->count * pool->size;
-    pool->count += more;
+    void *place = (char *)array->data + array->count * array->size;
+    array->count += more;
     return place;
 }
 
-void pen_array_release(struct pen_array *pool)
+void pen_array_release(struct pen_array *array)
 {
-    free(pool->data);
-    *pool = (struct pen_array){.size = pool->size};
+    free(array->data);
+    *array = (struct pen_array){.size = array->size};
 }
 
-static enum pen_block_kind block_kind(const struct pen_plan *plan, uint32_t prim)
+static enum pen_block_kind block_kind(const struct pen_tree_layout *layout, uint32_t prim)
 {
-    uint32_t kind = plan->prims->ref[prim].kind;
-    return plan->generic_kinds >> kind & 1 ? PEN_BLOCK_GENERIC : pen_block_of(kind);
+    uint32_t kind = layout->prims->ref[prim].kind;
+    return layout->generic_kinds >> kind & 1 ? PEN_BLOCK_GENERIC : pen_block_of(kind);
 }
 
 /* Sets the lanes that a finite primitive counts as, and their class. */
@@ -70,86 +70,87 @@ static void set_cost(struct pen_ref *ref, enum pen_block_kind block, uint32_t pr
     ref->lanes = (uint8_t)(PEN_LANES * (int)ceilf(pen_kinds[prim_kind].cost));
 }
 
-static struct pen_ref finite_ref(const struct pen_plan *plan, uint32_t prim)
+static struct pen_ref finite_ref(const struct pen_tree_layout *layout, uint32_t prim)
 {
-    struct pen_box box = pen_prim_bounds(plan->prims, prim);
+    struct pen_box box = pen_prim_bounds(layout->prims, prim);
     struct pen_ref ref = {
         {pen_float_down(box.lo.x), pen_float_down(box.lo.y), pen_float_down(box.lo.z)},
         prim,
         {pen_float_up(box.hi.x), pen_float_up(box.hi.y), pen_float_up(box.hi.z)},
-        (uint16_t)block_kind(plan, prim),
+        (uint16_t)block_kind(layout, prim),
         0,
         0};
-    set_cost(&ref, block_kind(plan, prim), plan->prims->ref[prim].kind);
+    set_cost(&ref, block_kind(layout, prim), layout->prims->ref[prim].kind);
     return ref;
 }
 
-bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims, unsigned generic_kinds)
+bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
+                          unsigned generic_kinds)
 {
-    *plan = (struct pen_plan){.prims = prims,
-                              .generic_kinds = generic_kinds,
-                              .nodes = {.size = sizeof(struct pen_node)},
-                              .leaves = {.size = sizeof(struct pen_leaf)}};
-    plan->ref = malloc(((size_t)prims->count + 1) * sizeof *plan->ref);
-    if (!plan->ref)
+    *layout = (struct pen_tree_layout){.prims = prims,
+                                       .generic_kinds = generic_kinds,
+                                       .nodes = {.size = sizeof(struct pen_node)},
+                                       .leaves = {.size = sizeof(struct pen_leaf)}};
+    layout->ref = malloc(((size_t)prims->count + 1) * sizeof *layout->ref);
+    if (!layout->ref)
         return false;
     for (uint32_t prim = 0; prim < prims->count; prim++) {
         if (!pen_prim_infinite(prims->ref[prim].kind))
-            plan->ref[plan->count++] = finite_ref(plan, prim);
+            layout->ref[layout->count++] = finite_ref(layout, prim);
     }
     for (uint32_t prim = 0; prim < prims->count; prim++) {
         if (pen_prim_infinite(prims->ref[prim].kind))
-            plan->ref[plan->count + plan->infinite++] =
-                (struct pen_ref){.prim = prim, .kind = (uint16_t)block_kind(plan, prim)};
+            layout->ref[layout->count + layout->infinite++] =
+                (struct pen_ref){.prim = prim, .kind = (uint16_t)block_kind(layout, prim)};
     }
     return true;
 }
 
-void pen_plan_release(struct pen_plan *plan)
+void pen_tree_layout_release(struct pen_tree_layout *layout)
 {
-    free(plan->ref);
-    pen_array_release(&plan->nodes);
-    pen_array_release(&plan->leaves);
+    free(layout->ref);
+    pen_array_release(&layout->nodes);
+    pen_array_release(&layout->leaves);
 }
 
-uint32_t pen_plan_leaf(struct pen_plan *plan, uint32_t begin, uint32_t count)
+uint32_t pen_tree_layout_add_leaf(struct pen_tree_layout *layout, uint32_t begin, uint32_t count)
 {
-    struct pen_leaf *leaf = pen_array_add(&plan->leaves, 1);
+    struct pen_leaf *leaf = pen_array_add(&layout->leaves, 1);
     if (!leaf)
         return PEN_NO_CHILD;
     *leaf = (struct pen_leaf){begin, count};
-    return PEN_CHILD_LEAF | (plan->leaves.count - 1);
+    return PEN_CHILD_LEAF | (layout->leaves.count - 1);
 }
 
-struct pen_node *pen_plan_nodes(struct pen_plan *plan, uint32_t count)
+struct pen_node *pen_tree_layout_add_nodes(struct pen_tree_layout *layout, uint32_t count)
 {
-    struct pen_node *nodes = pen_array_add(&plan->nodes, count);
+    struct pen_node *nodes = pen_array_add(&layout->nodes, count);
     if (!nodes)
         return NULL;
     for (uint32_t i = 0; i < count; i++) {
         for (int lane = 0; lane < PEN_WIDE; lane++)
-            pen_node_put(&nodes[i], lane, &pen_lane_empty);
+            pen_node_put(&nodes[i], lane, &pen_child_box_empty);
     }
     return nodes;
 }
 
-struct pen_pair *pen_plan_pair(struct pen_plan *plan)
+struct pen_pair *pen_tree_layout_add_pair(struct pen_tree_layout *layout)
 {
-    struct pen_pair *pair = pen_array_add(&plan->nodes, 1);
+    struct pen_pair *pair = pen_array_add(&layout->nodes, 1);
     if (!pair)
         return NULL;
-    pen_pair_put(pair, 0, &pen_lane_empty);
-    pen_pair_put(pair, 1, &pen_lane_empty);
+    pen_pair_put(pair, 0, &pen_child_box_empty);
+    pen_pair_put(pair, 1, &pen_child_box_empty);
     return pair;
 }
 
-struct pen_lane pen_ref_lane(const struct pen_ref *ref)
+struct pen_child_box pen_ref_box(const struct pen_ref *ref)
 {
-    return (struct pen_lane){
+    return (struct pen_child_box){
         {ref->lo[0], ref->lo[1], ref->lo[2]}, {ref->hi[0], ref->hi[1], ref->hi[2]}, PEN_NO_CHILD};
 }
 
-void pen_lane_add(struct pen_lane *sum, const struct pen_lane *in)
+void pen_child_box_grow(struct pen_child_box *sum, const struct pen_child_box *in)
 {
     for (int axis = 0; axis < 3; axis++) {
         sum->lo[axis] = in->lo[axis] < sum->lo[axis] ? in->lo[axis] : sum->lo[axis];
@@ -157,7 +158,7 @@ void pen_lane_add(struct pen_lane *sum, const struct pen_lane *in)
     }
 }
 
-void pen_node_put(struct pen_node *node, int lane, const struct pen_lane *in)
+void pen_node_put(struct pen_node *node, int lane, const struct pen_child_box *in)
 {
     for (int axis = 0; axis < 3; axis++) {
         node->plane[axis][lane] = in->lo[axis];
@@ -166,7 +167,7 @@ void pen_node_put(struct pen_node *node, int lane, const struct pen_lane *in)
     node->child[lane] = in->child;
 }
 
-void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_lane *in)
+void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_child_box *in)
 {
     for (int axis = 0; axis < 3; axis++) {
         pair->plane[axis][lane] = in->lo[axis];
@@ -175,16 +176,17 @@ void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_lane *in)
     pair->child[lane] = in->child;
 }
 
-int pen_plan_width(const struct pen_plan *plan)
+int pen_tree_layout_width(const struct pen_tree_layout *layout)
 {
-    return plan->shape == PEN_SHAPE_PAIRS ? 2 : PEN_WIDE;
+    return layout->shape == PEN_SHAPE_PAIRS ? 2 : PEN_WIDE;
 }
 
-bool pen_plan_lane(const struct pen_plan *plan, uint32_t node, int lane, struct pen_lane *out)
+bool pen_tree_layout_child(const struct pen_tree_layout *layout, uint32_t node, int lane,
+                           struct pen_child_box *out)
 {
-    const struct pen_node *nodes = plan->nodes.data;
-    const struct pen_pair *pairs = plan->nodes.data;
-    bool pair = plan->shape == PEN_SHAPE_PAIRS;
+    const struct pen_node *nodes = layout->nodes.data;
+    const struct pen_pair *pairs = layout->nodes.data;
+    bool pair = layout->shape == PEN_SHAPE_PAIRS;
     for (int axis = 0; axis < 3; axis++) {
         out->lo[axis] = pair ? pairs[node].plane[axis][lane] : nodes[node].plane[axis][lane];
         out->hi[axis] =
@@ -197,10 +199,10 @@ bool pen_plan_lane(const struct pen_plan *plan, uint32_t node, int lane, struct 
     return true;
 }
 
-bool pen_plan_more(const struct pen_plan *plan, uint32_t node)
+bool pen_tree_layout_list_continues(const struct pen_tree_layout *layout, uint32_t node)
 {
-    const struct pen_node *nodes = plan->nodes.data;
-    return plan->shape == PEN_SHAPE_LISTS && nodes[node].child[0] & PEN_CHILD_MORE;
+    const struct pen_node *nodes = layout->nodes.data;
+    return layout->shape == PEN_SHAPE_LISTS && nodes[node].child[0] & PEN_CHILD_MORE;
 }
 
 const float pen_node_cost = 0.3f;

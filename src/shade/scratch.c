@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes and frees the memory of a kernel's thread. */
+/* Makes and frees a thread's working memory for kernels. */
 #include "shade/internal/scratch.h"
 
 #include <stdlib.h>

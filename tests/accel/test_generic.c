@@ -85,7 +85,7 @@ END_TEST
  */
 static void compare_ray(const struct pen_accel *accel, const struct pen_trace_ops *ops,
                         const struct pen_shadow_packet *packet, double a, double b, int i,
-                        bool blocked, bool ask)
+                        bool blocked, bool fallback)
 {
     struct pen_shadow alone = {.tmax = packet->to_point ? 1 : INFINITY,
                                .to_point = packet->to_point,
@@ -94,7 +94,7 @@ static void compare_ray(const struct pen_accel *accel, const struct pen_trace_op
     struct pen_shadow together = alone;
     struct pen_ray ray = world_ray(packet->o, pen_packet_direction(packet, a, b));
     bool truth = ops->shadow(accel, &ray, packet->origin, &alone);
-    if (!ask) {
+    if (!fallback) {
         ck_assert(blocked == truth);
         return;
     }
@@ -112,7 +112,7 @@ static int compare_packet(struct random *r, const struct pen_accel *accel, enum 
 {
     const struct pen_trace_ops *ops = pen_trace_ops_get(isa);
     double a[PEN_PACKET_RAYS], b[PEN_PACKET_RAYS];
-    uint64_t blocked = 0, ask = 0;
+    uint64_t blocked = 0, fallback = 0;
     packet->last_occluder = PEN_NO_PRIM;
     for (int i = 0; i < PEN_PACKET_RAYS; i++) {
         a[i] = random_in(r, -.7, .7);
@@ -125,14 +125,14 @@ static int compare_packet(struct random *r, const struct pen_accel *accel, enum 
         blocked = UINT64_MAX;
         break;
     case PEN_PACKET_MIXED:
-        blocked = ops->packet_test(packet, a, b, PEN_PACKET_RAYS, &ask);
+        blocked = ops->packet_test(packet, a, b, PEN_PACKET_RAYS, &fallback);
         break;
     case PEN_PACKET_NOT_POSSIBLE:
         return 0;
     }
     for (int i = 0; i < PEN_PACKET_RAYS; i++)
-        compare_ray(accel, ops, packet, a[i], b[i], i, blocked >> i & 1, ask >> i & 1);
-    return __builtin_popcountll(ask);
+        compare_ray(accel, ops, packet, a[i], b[i], i, blocked >> i & 1, fallback >> i & 1);
+    return __builtin_popcountll(fallback);
 }
 
 START_TEST(test_generic__packets_leave_them_to_the_reference)

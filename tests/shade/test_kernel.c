@@ -307,7 +307,7 @@ static bool faulty_shadow(const struct pen_accel *accel, const struct pen_ray *r
     return fault.real->shadow(accel, ray, origin, query);
 }
 
-static enum pen_packet_visibility faulty_fan(const struct pen_accel *accel,
+static enum pen_packet_visibility faulty_packet_begin(const struct pen_accel *accel,
                                              struct pen_shadow_packet *packet)
 {
     fault.shadow++;
@@ -320,7 +320,7 @@ static struct pen_trace_ops faulty_ops(enum pen_isa isa)
     struct pen_trace_ops ops = *fault.real;
     ops.nearest = faulty_nearest;
     ops.shadow = faulty_shadow;
-    ops.packet_begin = ops.packet_begin ? faulty_fan : NULL;
+    ops.packet_begin = ops.packet_begin ? faulty_packet_begin : NULL;
     return ops;
 }
 

@@ -25,7 +25,7 @@ static inline struct vec4 all3(struct pen_vec3 v)
 }
 
 /* pen_permuted */
-static inline struct vec4 turned4(const struct pen_ray *ray, const double v[3][PEN_LANES])
+static inline struct vec4 permuted4(const struct pen_ray *ray, const double v[3][PEN_LANES])
 {
     return (struct vec4){_mm256_loadu_pd(v[ray->kx]), _mm256_loadu_pd(v[ray->ky]),
                          _mm256_loadu_pd(v[ray->kz])};
@@ -73,7 +73,7 @@ static inline struct vec4 cross4(struct vec4 a, struct vec4 b)
 }
 
 /* pen_difference_error */
-static inline __m256d lost4(__m256d a, __m256d b, __m256d diff)
+static inline __m256d difference_error4(__m256d a, __m256d b, __m256d diff)
 {
     __m256d part = _mm256_sub_pd(diff, a);
     return _mm256_sub_pd(_mm256_sub_pd(a, _mm256_sub_pd(diff, part)), _mm256_add_pd(b, part));
@@ -111,11 +111,11 @@ static inline __m256d end4(const struct trace *w, bool any)
 }
 
 /* The lanes that the ray leaves. */
-static inline unsigned own_lanes(const struct trace *w, const uint32_t prim[PEN_LANES])
+static inline unsigned origin_lanes(const struct trace *w, const uint32_t prim[PEN_LANES])
 {
     __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)prim),
                                    _mm_set1_epi32((int)w->origin->prim));
-    return w->leaving ? (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) : 0;
+    return w->from_surface ? (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) : 0;
 }
 
 /* Lanes whose [t0, t1] reaches into what the query looks for. */
@@ -167,16 +167,17 @@ static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256
 static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
 {
     struct vec4 o = all3(w->ray->permuted_o), d = all3(w->ray->permuted_d),
-                c = turned4(w->ray, b->c);
+                c = permuted4(w->ray, b->c);
     struct vec4 f = sub3(o, c);
-    struct vec4 low = {lost4(o.x, c.x, f.x), lost4(o.y, c.y, f.y), lost4(o.z, c.z, f.z)};
+    struct vec4 low = {difference_error4(o.x, c.x, f.x), difference_error4(o.y, c.y, f.y),
+                       difference_error4(o.z, c.z, f.z)};
     __m256d inv_dd = all(w->ray->inv_dd);
     __m256d tp = _mm256_mul_pd(neg4(dot4(f, d)), inv_dd);
     struct vec4 l = add3(along4(f, d, tp), low);
     __m256d rest = _mm256_mul_pd(neg4(dot4(l, d)), inv_dd);
     __m256d rr = _mm256_loadu_pd(b->rr);
     __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
-    unsigned own = own_lanes(w, b->prim);
+    unsigned own = origin_lanes(w, b->prim);
     /* Beyond the tangents, and surely so. */
     if ((bits(LESS(_mm256_mul_pd(all(-PEN_GRAZING), rr), disc)) | own) == 0)
         return false;
@@ -188,7 +189,7 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
     if (refined)
         own |= refined;
     lanes &= ~own;
-    if (w->at_origin) {
+    if (w->reaches_origin) {
         __m256d r = _mm256_loadu_pd(b->r);
         __m256d near = _mm256_mul_pd(
             all(4), _mm256_mul_pd(
@@ -212,7 +213,7 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
 static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LANES])
 {
     const struct pen_ray *ray = w->ray;
-    struct vec4 f = sub3(turned4(ray, v), all3(ray->permuted_o));
+    struct vec4 f = sub3(permuted4(ray, v), all3(ray->permuted_o));
     f.x = _mm256_sub_pd(f.x, _mm256_mul_pd(all(ray->sx), f.z));
     f.y = _mm256_sub_pd(f.y, _mm256_mul_pd(all(ray->sy), f.z));
     return f;
@@ -223,7 +224,7 @@ static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], 
                                unsigned lanes, bool any)
 {
     __m256d useful = _mm256_and_pd(LESS(all(0), t), LESS_EQUAL(t, end4(w, any)));
-    if (w->leaving)
+    if (w->from_surface)
         useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), all(w->near_sq)));
     lanes &= bits(useful);
     if (lanes == 0)
@@ -293,8 +294,8 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
                                   _mm256_and_pd(_mm256_andnot_pd(b_low, c_low), LESS(eu, zero))),
                      _mm256_and_pd(_mm256_andnot_pd(c_low, a_low), LESS(ev, zero)));
     unsigned lanes = bits(_mm256_xor_pd(up, down));
-    if (w->at_origin) {
-        unsigned border = triangle_borders4(w, block) & ~own_lanes(w, block->prim);
+    if (w->reaches_origin) {
+        unsigned border = triangle_borders4(w, block) & ~origin_lanes(w, block->prim);
         if (border && test_borders(w, block->prim, border, any))
             return true;
         lanes &= ~border;
@@ -307,7 +308,7 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
     __m256d area = _mm256_add_pd(eu, _mm256_add_pd(ev, ew));
     unsigned grazed = lanes & grazed4(a, b, c, area);
     if (grazed) {
-        if (test_lanes(w, block->prim, grazed & ~own_lanes(w, block->prim), any))
+        if (test_lanes(w, block->prim, grazed & ~origin_lanes(w, block->prim), any))
             return true;
         lanes &= ~grazed;
     }
@@ -318,8 +319,8 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
 /* A superset of the polygons that wind around the ray, by the crossing rule of pen_polygon_root,
  * and if `border` is not NULL, of those with the origin on their border. Products that round to
  * different numbers are in that order, so only ties are left open. */
-static inline unsigned polygons_met4(const struct trace *w, const struct pen_polygons4 *block,
-                                     unsigned *border)
+static inline unsigned polygons_entered4(const struct trace *w, const struct pen_polygons4 *block,
+                                         unsigned *border)
 {
     const __m256d zero = all(0);
     const __m256i one = _mm256_set1_epi64x(1);
@@ -351,17 +352,18 @@ static inline unsigned polygons_met4(const struct trace *w, const struct pen_pol
 static __attribute__((noinline)) bool
 test_polygons_at_origin(struct trace *w, const struct pen_polygons4 *block, bool any)
 {
-    unsigned border, lanes = polygons_met4(w, block, &border), others = ~own_lanes(w, block->prim);
+    unsigned border, lanes = polygons_entered4(w, block, &border),
+                     others = ~origin_lanes(w, block->prim);
     return (border & others && test_borders(w, block->prim, border & others, any)) ||
            test_lanes(w, block->prim, lanes & ~border & others, any);
 }
 
 static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
 {
-    if (w->at_origin)
+    if (w->reaches_origin)
         return test_polygons_at_origin(w, block, any);
-    unsigned lanes = polygons_met4(w, block, NULL);
-    return lanes && test_lanes(w, block->prim, lanes & ~own_lanes(w, block->prim), any);
+    unsigned lanes = polygons_entered4(w, block, NULL);
+    return lanes && test_lanes(w, block->prim, lanes & ~origin_lanes(w, block->prim), any);
 }
 
 /* a + b, and what was lost to rounding (Knuth), as in pen_dot2. */
@@ -391,20 +393,20 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
 
 static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bool any)
 {
-    struct vec4 g = turned4(w->ray, b->g),
-                f = sub3(turned4(w->ray, b->q), all3(w->ray->permuted_o));
+    struct vec4 g = permuted4(w->ray, b->g),
+                f = sub3(permuted4(w->ray, b->q), all3(w->ray->permuted_o));
     __m256d gd = dot_guarded4(g, all3(w->ray->permuted_d));
     __m256d t = _mm256_div_pd(dot4(g, f), gd);
     __m256d crossed = _mm256_cmp_pd(gd, all(0), _CMP_NEQ_OQ);
     __m256d after = all(any ? 0 : w->after.t);
     __m256d useful = _mm256_and_pd(LESS_EQUAL(after, t), LESS_EQUAL(t, end4(w, any)));
     unsigned lanes = bits(_mm256_and_pd(crossed, useful)), near = 0;
-    if (w->leaving) {
+    if (w->from_surface) {
         /* A superset of the lanes that touch the origin: |g| < 2. */
         __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(f.x), abs4(f.y)), abs4(f.z));
         __m256d bound = _mm256_fmadd_pd(all(8 * PEN_U), size, all(w->origin->bound));
         __m256d touches = LESS_EQUAL(abs4(_mm256_mul_pd(t, gd)), _mm256_mul_pd(all(4), bound));
-        unsigned own = own_lanes(w, b->prim);
+        unsigned own = origin_lanes(w, b->prim);
         near = bits(_mm256_and_pd(crossed, touches)) & ~own;
         lanes &= ~(near | own);
     }
@@ -426,23 +428,24 @@ static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bo
 }
 
 /* The endless sides of four cylinders against a ray. */
-struct round4 {
+struct side4 {
     __m256d t0, t1; /* as pen_cylinder_side_roots */
     __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
     unsigned near;  /* lanes to be refined; t is within [least, most] there */
     __m256d least, most;
 };
 
-static inline struct round4 round_roots4(const struct trace *w, const struct pen_cylinders4 *b,
-                                         struct vec4 f, struct vec4 a)
+static inline struct side4 side_roots4(const struct trace *w, const struct pen_cylinders4 *b,
+                                       struct vec4 f, struct vec4 a)
 {
-    struct vec4 o = all3(w->ray->permuted_o), q = turned4(w->ray, b->q);
-    struct vec4 low = {lost4(o.x, q.x, f.x), lost4(o.y, q.y, f.y), lost4(o.z, q.z, f.z)};
+    struct vec4 o = all3(w->ray->permuted_o), q = permuted4(w->ray, b->q);
+    struct vec4 low = {difference_error4(o.x, q.x, f.x), difference_error4(o.y, q.y, f.y),
+                       difference_error4(o.z, q.z, f.z)};
     struct vec4 rest3 = {_mm256_sub_pd(_mm256_mul_pd(low.y, a.z), _mm256_mul_pd(low.z, a.y)),
                          _mm256_sub_pd(_mm256_mul_pd(low.z, a.x), _mm256_mul_pd(low.x, a.z)),
                          _mm256_sub_pd(_mm256_mul_pd(low.x, a.y), _mm256_mul_pd(low.y, a.x))};
     struct vec4 m = cross4(all3(w->ray->permuted_d), a), n = add3(cross4(f, a), rest3);
-    struct round4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
+    struct side4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
     __m256d inv = _mm256_div_pd(all(1), out.mm);
     __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
     struct vec4 l = along4(n, m, tp);
@@ -508,16 +511,16 @@ static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b,
 static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 *b, bool any)
 {
     const __m256d zero = all(0);
-    struct vec4 a = turned4(w->ray, b->a), o = all3(w->ray->permuted_o);
-    struct vec4 f = sub3(o, turned4(w->ray, b->q));
+    struct vec4 a = permuted4(w->ray, b->a), o = all3(w->ray->permuted_o);
+    struct vec4 f = sub3(o, permuted4(w->ray, b->q));
     __m256d da = dot_guarded4(all3(w->ray->permuted_d), a), fa = dot4(f, a);
     __m256d inv = _mm256_div_pd(all(1), da);
     __m256d base = _mm256_mul_pd(neg4(fa), inv);
     __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);
     __m256d forward = LESS(zero, da);
     __m256d lo = _mm256_blendv_pd(top, base, forward), hi = _mm256_blendv_pd(base, top, forward);
-    struct round4 side = round_roots4(w, b, f, a);
-    unsigned plain = own_lanes(w, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
+    struct side4 side = side_roots4(w, b, f, a);
+    unsigned plain = origin_lanes(w, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
                      bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ));
     __m256d t0 = _mm256_max_pd(side.t0, lo), t1 = _mm256_min_pd(side.t1, hi);
     __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
@@ -535,7 +538,7 @@ static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 
                      overlaps4(w, _mm256_sub_pd(t0, pad), _mm256_add_pd(t1, pad), any);
     }
     lanes &= useful_pairs(w, t0, t1, any);
-    if (w->at_origin)
+    if (w->reaches_origin)
         plain |= bits(cylinder_touches4(w, b, side.nn, fa));
     lanes &= ~plain;
     if (lanes) {

@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: MIT */
-/* What the parts of shadow-ray packets share: packet.c makes candidates of primitives, fan_walk.h
- * finds primitives in the tree, packet_test.h holds rays against candidates. */
+/* Candidates of a shadow-ray packet: what one primitive is to all rays of the packet.
+ * packet_traverse.h finds the primitives in the tree, packet_test.h tests rays against candidates.
+ */
 #ifndef PEN_ACCEL_INTERNAL_PACKET_CANDIDATE_H
 #define PEN_ACCEL_INTERNAL_PACKET_CANDIDATE_H
 
 #include "accel/shadow_packet.h"
 
-/* What a primitive is to the rays of a packet. */
+/* How many of a packet's rays a primitive blocks. */
 enum pen_candidate_verdict {
-    PEN_CANDIDATE_NEVER,  /* none meets it */
-    PEN_CANDIDATE_ALWAYS, /* all meet it, and it is opaque */
-    PEN_CANDIDATE_SOME    /* the candidate tells */
+    PEN_CANDIDATE_NEVER,  /* no ray intersects it */
+    PEN_CANDIDATE_ALWAYS, /* every ray intersects it, and it is opaque */
+    PEN_CANDIDATE_SOME    /* the candidate tells for each ray */
 };
 
-/* Fills in the packet's own members. False if its rays are not fit for it. */
+/* Computes the packet's derived members. False if its lengths are out of the range in which the
+ * margins hold. */
 bool pen_packet_prepare(struct pen_shadow_packet *packet, double scale);
 
-/* Makes the candidate of a primitive; with `generic`, one of which each ray is tested by the
- * reference, whatever its kind. */
+/* Makes the candidate of a primitive. With `generic` every ray is tested by the reference, whatever
+ * the primitive's kind. */
 enum pen_candidate_verdict pen_candidate_make(const struct pen_shadow_packet *packet,
                                               const struct pen_prims *prims, uint32_t prim,
                                               bool generic, struct pen_candidate *candidate);

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* Holds rays of a packet against its candidates, four at a time, and casts those that must be
- * asked. */
+/* Tests the rays of a packet against its candidates, four rays at a time, and traces those that
+ * need the scalar fallback. */
 #ifndef PEN_ACCEL_INTERNAL_PACKET_TEST_H
 #define PEN_ACCEL_INTERNAL_PACKET_TEST_H
 
 #include "accel/internal/packet_traverse.h"
 #include "accel/internal/traverse_query.h"
 
-/* Rays that surely cross a candidate's primitive before they end, surely do not, surely do so once,
- * twice. */
+/* Rays that surely hit the candidate's primitive before they end, that surely miss it, that surely
+ * intersect it exactly once, and exactly twice. A ray in neither `hit` nor `miss` is not decided.
+ */
 struct verdict {
     mask4 hit, miss, once, twice;
 };
 
-static inline void look_at_lines(const struct pen_candidate *candidate, const double4 *a,
-                                 const double4 *b, struct verdict *out)
+static inline void classify_lines(const struct pen_candidate *candidate, const double4 *a,
+                                  const double4 *b, struct verdict *out)
 {
     out->hit = (mask4){-1, -1, -1, -1};
     out->miss = out->twice = (mask4){0, 0, 0, 0};
@@ -24,12 +25,12 @@ static inline void look_at_lines(const struct pen_candidate *candidate, const do
         out->hit &= e > line->band;
         out->miss |= e < -line->band;
     }
-    if (candidate->vague)
+    if (candidate->plane_only)
         out->hit = out->twice;
     out->once = out->hit;
 }
 
-/* On which side of a line a ray surely is. */
+/* Rays that are surely on one side of a line. */
 struct sides {
     mask4 above, below;
 };
@@ -42,9 +43,9 @@ static inline void line_sides(const struct pen_packet_line *line, const double4 
     out->below = e < -line->band;
 }
 
-/* See outline_gate. */
-static inline void look_at_outline(const struct pen_candidate *candidate, const double4 *a,
-                                   const double4 *b, struct verdict *out)
+/* See outline_candidate. */
+static inline void classify_outline(const struct pen_candidate *candidate, const double4 *a,
+                                    const double4 *b, struct verdict *out)
 {
     struct sides plane, chord, edge, next;
     mask4 inside = {0, 0, 0, 0}, sure;
@@ -63,8 +64,8 @@ static inline void look_at_outline(const struct pen_candidate *candidate, const 
     out->twice = (mask4){0, 0, 0, 0};
 }
 
-static inline void look_at_sphere(const struct pen_candidate *candidate, const double4 *a,
-                                  const double4 *b, struct verdict *out)
+static inline void classify_sphere_ahead(const struct pen_candidate *candidate, const double4 *a,
+                                         const double4 *b, struct verdict *out)
 {
     const struct pen_packet_line *g = &candidate->line[0], *k = &candidate->line[1],
                                  *d = &candidate->line[2];
@@ -76,14 +77,14 @@ static inline void look_at_sphere(const struct pen_candidate *candidate, const d
     out->once = (mask4){0, 0, 0, 0};
 }
 
-/* Crossings at lo and hi, lo < hi: whether each surely counts, or surely does not. */
+/* Two intersections at lo < hi: whether each surely counts, or surely does not. */
 struct ends {
     mask4 lo, no_lo, hi, no_hi;
 };
 
-/* Those before the ray begins, and after it ends, do not; nor does the one that it leaves, which
- * is at lo if the other is surely ahead. */
-static inline void ends_in(const struct pen_candidate *candidate, const double4 *lo,
+/* An intersection before the ray begins or after it ends does not count. If the ray starts on the
+ * primitive, neither does the intersection at its origin, which is lo if hi is surely ahead. */
+static inline void ends_of(const struct pen_candidate *candidate, const double4 *lo,
                            const double4 *hi, double end, struct ends *out)
 {
     double4 lo_band = 0x1p-20 * (1 + ABS4(*lo)), hi_band = 0x1p-20 * (1 + ABS4(*hi));
@@ -91,15 +92,15 @@ static inline void ends_in(const struct pen_candidate *candidate, const double4 
     out->hi = (*hi > hi_band) & (*hi < end - hi_band);
     out->no_lo = (*lo < -lo_band) | (*lo > end + lo_band);
     out->no_hi = (*hi < -hi_band) | (*hi > end + hi_band);
-    if (candidate->own) {
+    if (candidate->is_origin) {
         out->no_lo = *hi > hi_band;
         out->no_hi &= *hi > hi_band;
         out->lo = out->lo ^ out->lo;
     }
 }
 
-static inline void ends_verdict(const struct ends *e, const mask4 *sure, const mask4 *beside,
-                                struct verdict *out)
+static inline void verdict_of_ends(const struct ends *e, const mask4 *sure, const mask4 *beside,
+                                   struct verdict *out)
 {
     out->hit = *sure & (e->lo | e->hi);
     out->miss = *beside | (*sure & e->no_lo & e->no_hi);
@@ -107,8 +108,8 @@ static inline void ends_verdict(const struct ends *e, const mask4 *sure, const m
     out->once = *sure & ((e->lo & e->no_hi) | (e->no_lo & e->hi));
 }
 
-static inline void look_at_ball(const struct pen_candidate *candidate, const double4 *a,
-                                const double4 *b, struct verdict *out)
+static inline void classify_sphere(const struct pen_candidate *candidate, const double4 *a,
+                                   const double4 *b, struct verdict *out)
 {
     const struct pen_packet_line *g = &candidate->line[0], *k = &candidate->line[1],
                                  *d = &candidate->line[2];
@@ -119,14 +120,14 @@ static inline void look_at_ball(const struct pen_candidate *candidate, const dou
     double4 lo = (p - root) * inv, hi = (p + root) * inv;
     mask4 sure = f > k->band, beside = f < -k->band;
     struct ends e;
-    ends_in(candidate, &lo, &hi, d->band, &e);
-    ends_verdict(&e, &sure, &beside, out);
+    ends_of(candidate, &lo, &hi, d->band, &e);
+    verdict_of_ends(&e, &sure, &beside, out);
 }
 
-/* Without caps, an end of the overlap that is the slab's is no crossing. One at a cap that the ray
- * runs along is not sure. */
-static inline void look_at_cylinder(const struct pen_candidate *candidate, const double4 *a,
-                                    const double4 *b, struct verdict *out)
+/* The lines are those of cylinder_lines, in packet_candidate.c. Without caps, an end of the overlap
+ * that belongs to the slab is no intersection. One at a cap that the ray runs along is not sure. */
+static inline void classify_cylinder(const struct pen_candidate *candidate, const double4 *a,
+                                     const double4 *b, struct verdict *out)
 {
     const struct pen_packet_line *la = &candidate->line[0], *lb = &candidate->line[1],
                                  *d = &candidate->line[2];
@@ -146,7 +147,7 @@ static inline void look_at_cylinder(const struct pen_candidate *candidate, const
     mask4 lo_side = t0 - s0 > band, lo_cap = t0 - s0 < -band;
     mask4 hi_side = s1 - t1 > band, hi_cap = s1 - t1 < -band;
     struct ends e;
-    ends_in(candidate, &lo, &hi, d->band, &e);
+    ends_of(candidate, &lo, &hi, d->band, &e);
     if (slab->v > 0) {
         e.lo &= lo_side | (lo_cap & slanting);
         e.hi &= hi_side | (hi_cap & slanting);
@@ -156,17 +157,17 @@ static inline void look_at_cylinder(const struct pen_candidate *candidate, const
         e.no_lo |= lo_cap;
         e.no_hi |= hi_cap;
     }
-    ends_verdict(&e, &sure, &beside, out);
+    verdict_of_ends(&e, &sure, &beside, out);
 }
 
-/* The same in bits: one for each ray. */
+/* The same for a whole packet, a bit for each ray. */
 struct verdicts {
     uint64_t hit, miss, once, twice;
 };
 
-/* Rays [0, n), but for groups of four that `done` has. */
-static inline void fan_look_at(const struct pen_candidate *candidate, const double *a,
-                               const double *b, int n, uint64_t done, struct verdicts *v)
+/* Classifies rays 0 ... n - 1, without groups of four that are all in `done`. */
+static inline void classify_rays(const struct pen_candidate *candidate, const double *a,
+                                 const double *b, int n, uint64_t done, struct verdicts *v)
 {
     *v = (struct verdicts){0, 0, 0, 0};
     for (int i = 0; i < n; i += 4) {
@@ -175,15 +176,15 @@ static inline void fan_look_at(const struct pen_candidate *candidate, const doub
         const double4 *a4 = (const double4 *)(a + i), *b4 = (const double4 *)(b + i);
         struct verdict out;
         if (candidate->kind == PEN_CANDIDATE_LINES)
-            look_at_lines(candidate, a4, b4, &out);
+            classify_lines(candidate, a4, b4, &out);
         else if (candidate->kind == PEN_CANDIDATE_OUTLINE)
-            look_at_outline(candidate, a4, b4, &out);
+            classify_outline(candidate, a4, b4, &out);
+        else if (candidate->kind == PEN_CANDIDATE_SPHERE_AHEAD)
+            classify_sphere_ahead(candidate, a4, b4, &out);
         else if (candidate->kind == PEN_CANDIDATE_SPHERE)
-            look_at_sphere(candidate, a4, b4, &out);
-        else if (candidate->kind == PEN_CANDIDATE_BALL)
-            look_at_ball(candidate, a4, b4, &out);
+            classify_sphere(candidate, a4, b4, &out);
         else
-            look_at_cylinder(candidate, a4, b4, &out);
+            classify_cylinder(candidate, a4, b4, &out);
         v->hit |= (uint64_t)mask4_bits(&out.hit) << i;
         v->miss |= (uint64_t)mask4_bits(&out.miss) << i;
         if (candidate->opaque)
@@ -193,65 +194,66 @@ static inline void fan_look_at(const struct pen_candidate *candidate, const doub
     }
 }
 
-/* Opaque primitives: which rays are blocked. */
-static inline uint64_t fan_look_opaque(struct pen_shadow_packet *packet, const double *a,
-                                       const double *b, int n, uint64_t all)
+/* Tests opaque candidates: returns the rays that are blocked. */
+static inline uint64_t test_opaque(struct pen_shadow_packet *packet, const double *a,
+                                   const double *b, int n, uint64_t all)
 {
     uint64_t blocked = 0;
     for (int i = 0; i < packet->candidate_count && blocked != all; i++) {
         struct pen_candidate *candidate = &packet->candidate[i];
         struct verdicts v;
-        candidate->ask = all;
+        candidate->fallback = all;
         if (!candidate->opaque || candidate->kind == PEN_CANDIDATE_FALLBACK)
             continue;
-        fan_look_at(candidate, a, b, n, blocked | ~all, &v);
+        classify_rays(candidate, a, b, n, blocked | ~all, &v);
         blocked |= v.hit & all;
-        candidate->ask = all & ~v.hit & ~v.miss;
+        candidate->fallback = all & ~v.hit & ~v.miss;
         if (v.hit == all)
             packet->last_occluder = candidate->prim;
     }
     return blocked;
 }
 
-/* Primitives that let light pass: which rays cross which, counted by two bits and one for more. A
- * ray that is asked is asked about all that it crosses. */
-static inline uint64_t fan_look_tints(struct pen_shadow_packet *packet, const double *a,
-                                      const double *b, int n, uint64_t open)
+/* Tests candidates that let light pass, for the rays in `open`, and returns those that need the
+ * scalar fallback: not decided, or intersecting more than twice in all, where the order of the
+ * products matters. one, two, more: a counter of two bits per ray, and its overflow. */
+static inline uint64_t test_transmissive(struct pen_shadow_packet *packet, const double *a,
+                                         const double *b, int n, uint64_t open)
 {
-    uint64_t one = 0, two = 0, more = 0, ask = 0;
+    uint64_t one = 0, two = 0, more = 0, fallback = 0;
     for (int i = 0; i < packet->transmissive_count; i++) {
         struct pen_candidate *candidate = &packet->candidate[packet->transmissive[i]];
         struct verdicts v = {0, 0, 0, 0};
         if (candidate->kind != PEN_CANDIDATE_FALLBACK)
-            fan_look_at(candidate, a, b, n, ~open, &v);
+            classify_rays(candidate, a, b, n, ~open, &v);
         candidate->once = v.once & open;
         candidate->twice = v.twice & open;
-        candidate->ask = open & ~(v.miss | v.once | v.twice);
+        candidate->fallback = open & ~(v.miss | v.once | v.twice);
         uint64_t carry = one & candidate->once;
         one ^= candidate->once;
         more |= (two & carry) | ((two ^ carry) & candidate->twice);
         two = two ^ carry ^ candidate->twice;
-        ask |= candidate->ask;
+        fallback |= candidate->fallback;
     }
-    return ask | more | (one & two);
+    return fallback | more | (one & two);
 }
 
 static uint64_t packet_test(struct pen_shadow_packet *packet, const double a[PEN_PACKET_RAYS],
-                            const double b[PEN_PACKET_RAYS], int n, uint64_t *ask)
+                            const double b[PEN_PACKET_RAYS], int n, uint64_t *fallback)
 {
     uint64_t all = n < 64 ? (UINT64_C(1) << n) - 1 : UINT64_MAX;
-    uint64_t blocked = fan_look_opaque(packet, a, b, n, all);
-    *ask = 0;
+    uint64_t blocked = test_opaque(packet, a, b, n, all);
+    *fallback = 0;
     if (blocked == all)
         return blocked;
-    *ask = fan_look_tints(packet, a, b, n, all & ~blocked);
+    *fallback = test_transmissive(packet, a, b, n, all & ~blocked);
     for (int i = 0; i < packet->candidate_count; i++)
         if (packet->candidate[i].opaque || packet->candidate[i].kind == PEN_CANDIDATE_FALLBACK)
-            *ask |= packet->candidate[i].ask;
-    *ask &= ~blocked;
-    for (int i = 0; *ask && i < packet->transmissive_count; i++) {
+            *fallback |= packet->candidate[i].fallback;
+    *fallback &= ~blocked;
+    for (int i = 0; *fallback && i < packet->transmissive_count; i++) {
         struct pen_candidate *candidate = &packet->candidate[packet->transmissive[i]];
-        candidate->ask |= *ask & (candidate->once | candidate->twice);
+        candidate->fallback |= *fallback & (candidate->once | candidate->twice);
     }
     return blocked;
 }
@@ -259,13 +261,13 @@ static uint64_t packet_test(struct pen_shadow_packet *packet, const double a[PEN
 static bool packet_ray(const struct pen_accel *accel, const struct pen_shadow_packet *packet,
                        const struct pen_ray *ray, int i, struct pen_shadow *query)
 {
-    struct trace w = begin_shadow(accel, ray, packet->origin, query);
+    struct trace w = trace_begin_shadow(accel, ray, packet->origin, query);
     for (int k = 0; k < packet->candidate_count; k++) {
         const struct pen_candidate *candidate = &packet->candidate[k];
-        if (!(candidate->ask >> i & 1))
+        if (!(candidate->fallback >> i & 1))
             continue;
-        if (candidate->near ? test_reference(&w, candidate->prim, true)
-                            : test_prim(&w, candidate->prim, true))
+        if (candidate->by_reference ? test_reference(&w, candidate->prim, true)
+                                    : test_prim(&w, candidate->prim, true))
             return true;
     }
     return false;

@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the primitives that some ray of a packet may meet. A box is left out if it is off the box
- * around all rays, or beyond one of four planes through the origin that hold the cone between them;
- * both are widened by the packet's delta and by what floats round. */
+/* Traverses the tree once for a packet and collects the primitives that some ray may hit. A box is
+ * skipped if it does not overlap the box around all rays, or lies beyond one of four planes through
+ * the origin that enclose the cone of rays; both are widened by the packet's delta and by the
+ * rounding of floats. */
 #ifndef PEN_ACCEL_INTERNAL_PACKET_TRAVERSE_H
 #define PEN_ACCEL_INTERNAL_PACKET_TRAVERSE_H
 
 #include "accel/internal/packet_candidate.h"
 #include "accel/internal/prim_test.h"
 
-/* A plane through the origin: boxes with n.x > off for all their points are beyond it. */
-struct fan_plane {
+/* A plane that encloses the rays: boxes with n.x > off for all their points lie beyond it. */
+struct packet_plane {
     float n[3], off;
-    int row[3]; /* of struct pen_node's planes: the end of the box that is least along n */
+    int row[3]; /* of struct pen_node's planes: the end of the box where n.x is least */
 };
 
-struct fan_box {
+struct packet_box {
     float lo[3], hi[3];
-    struct fan_plane plane[4];
+    struct packet_plane plane[4];
 };
 
-static inline void fan_box_axis(struct fan_box *box, int axis,
-                                const struct pen_shadow_packet *packet)
+static inline void packet_box_axis(struct packet_box *box, int axis,
+                                   const struct pen_shadow_packet *packet)
 {
     double o = pen_component(packet->o, axis), c = pen_component(packet->c, axis);
     double u = pen_component(packet->u, axis), v = pen_component(packet->v, axis);
@@ -34,12 +35,12 @@ static inline void fan_box_axis(struct fan_box *box, int axis,
     box->hi[axis] = pen_float_up(o + (high > 0 ? high : 0) + margin);
 }
 
-static inline struct fan_plane fan_plane_of(const struct pen_shadow_packet *packet,
-                                            struct pen_vec3 across)
+static inline struct packet_plane packet_plane_of(const struct pen_shadow_packet *packet,
+                                                  struct pen_vec3 across)
 {
     struct pen_vec3 n =
-        pen_along(pen_scale(across, packet->slope_cos), packet->l, -packet->slope_sin);
-    struct fan_plane plane;
+        pen_along(pen_scale(across, packet->cone_cos), packet->axis, -packet->cone_sin);
+    struct packet_plane plane;
     for (int axis = 0; axis < 3; axis++) {
         plane.n[axis] = pen_float_near(pen_component(n, axis));
         plane.row[axis] = axis + (plane.n[axis] < 0 ? 3 : 0);
@@ -49,20 +50,20 @@ static inline struct fan_plane fan_plane_of(const struct pen_shadow_packet *pack
     return plane;
 }
 
-static inline void fan_box_make(struct fan_box *box, const struct pen_shadow_packet *packet)
+static inline void packet_box_make(struct packet_box *box, const struct pen_shadow_packet *packet)
 {
     double radius = pen_length(packet->u), inv = radius > 0 ? 1 / radius : 0;
     struct pen_vec3 u = pen_scale(packet->u, inv), v = pen_scale(packet->v, inv);
     for (int axis = 0; axis < 3; axis++)
-        fan_box_axis(box, axis, packet);
-    box->plane[0] = fan_plane_of(packet, u);
-    box->plane[1] = fan_plane_of(packet, pen_neg(u));
-    box->plane[2] = fan_plane_of(packet, v);
-    box->plane[3] = fan_plane_of(packet, pen_neg(v));
+        packet_box_axis(box, axis, packet);
+    box->plane[0] = packet_plane_of(packet, u);
+    box->plane[1] = packet_plane_of(packet, pen_neg(u));
+    box->plane[2] = packet_plane_of(packet, v);
+    box->plane[3] = packet_plane_of(packet, pen_neg(v));
 }
 
-/* The node's boxes that the packet may enter. */
-static inline unsigned fan_enter(const struct pen_node *node, const struct fan_box *box)
+/* The node's boxes that some ray may enter. */
+static inline unsigned packet_enter_node(const struct pen_node *node, const struct packet_box *box)
 {
     mask8 in = {-1, -1, -1, -1, -1, -1, -1, -1};
     for (int axis = 0; axis < 3; axis++) {
@@ -71,7 +72,7 @@ static inline unsigned fan_enter(const struct pen_node *node, const struct fan_b
         in &= (*lo <= box->hi[axis]) & (*hi >= box->lo[axis]);
     }
     for (int i = 0; i < 4; i++) {
-        const struct fan_plane *plane = &box->plane[i];
+        const struct packet_plane *plane = &box->plane[i];
         float8 x = *(const float8 *)node->plane[plane->row[0]];
         float8 y = *(const float8 *)node->plane[plane->row[1]];
         float8 z = *(const float8 *)node->plane[plane->row[2]];
@@ -81,17 +82,17 @@ static inline unsigned fan_enter(const struct pen_node *node, const struct fan_b
     return mask8_bits(&in);
 }
 
-/* Adds a primitive's candidate. False if that ends the search. */
-static inline bool fan_add(const struct pen_accel *accel, struct pen_shadow_packet *packet,
-                           uint32_t prim, bool generic, enum pen_packet_visibility *fate)
+/* Adds a primitive's candidate. False if that ends the traversal. */
+static inline bool packet_add(const struct pen_accel *accel, struct pen_shadow_packet *packet,
+                              uint32_t prim, bool generic, enum pen_packet_visibility *visibility)
 {
-    enum pen_candidate_verdict say = pen_candidate_make(
+    enum pen_candidate_verdict sign = pen_candidate_make(
         packet, accel->prims, prim, generic, &packet->candidate[packet->candidate_count]);
-    if (say == PEN_CANDIDATE_NEVER)
+    if (sign == PEN_CANDIDATE_NEVER)
         return true;
-    if (say == PEN_CANDIDATE_ALWAYS) {
+    if (sign == PEN_CANDIDATE_ALWAYS) {
         packet->last_occluder = prim;
-        *fate = PEN_PACKET_ALL_OCCLUDED;
+        *visibility = PEN_PACKET_ALL_OCCLUDED;
         return false;
     }
     if (!packet->candidate[packet->candidate_count].opaque &&
@@ -101,18 +102,18 @@ static inline bool fan_add(const struct pen_accel *accel, struct pen_shadow_pack
         packet->candidate[packet->candidate_count].kind = PEN_CANDIDATE_FALLBACK;
     if (++packet->candidate_count < PEN_PACKET_CANDIDATES)
         return true;
-    *fate = PEN_PACKET_NOT_POSSIBLE;
+    *visibility = PEN_PACKET_NOT_POSSIBLE;
     return false;
 }
 
-static inline bool fan_add_leaf(const struct pen_accel *accel, struct pen_shadow_packet *packet,
-                                uint32_t first, enum pen_packet_visibility *fate)
+static inline bool packet_add_leaf(const struct pen_accel *accel, struct pen_shadow_packet *packet,
+                                   uint32_t first, enum pen_packet_visibility *visibility)
 {
     for (const uint32_t *item = &accel->items[first];; item++) {
         bool generic = PEN_ITEM_KIND(*item) == PEN_BLOCK_GENERIC;
         const uint32_t *prim = block_prims(accel, *item);
         for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
-            if (!fan_add(accel, packet, prim[lane], generic, fate))
+            if (!packet_add(accel, packet, prim[lane], generic, visibility))
                 return false;
         }
         if (*item & PEN_ITEM_LAST)
@@ -120,28 +121,28 @@ static inline bool fan_add_leaf(const struct pen_accel *accel, struct pen_shadow
     }
 }
 
-static inline void fan_search(const struct pen_accel *accel, struct pen_shadow_packet *packet,
-                              enum pen_packet_visibility *fate)
+static inline void packet_traverse(const struct pen_accel *accel, struct pen_shadow_packet *packet,
+                                   enum pen_packet_visibility *visibility)
 {
     uint32_t stack[(PEN_WIDE - 1) * PEN_MAX_DEPTH + 1];
     int top = 0;
-    struct fan_box box;
-    fan_box_make(&box, packet);
+    struct packet_box box;
+    packet_box_make(&box, packet);
     stack[top++] = 0;
     while (top > 0) {
         const struct pen_node *node = &accel->nodes[stack[--top]];
-        for (unsigned mask = fan_enter(node, &box); mask; mask &= mask - 1) {
+        for (unsigned mask = packet_enter_node(node, &box); mask; mask &= mask - 1) {
             uint32_t child = node->child[__builtin_ctz(mask)];
             if (!(child & PEN_CHILD_LEAF))
                 stack[top++] = child;
-            else if (!fan_add_leaf(accel, packet, child & ~PEN_CHILD_LEAF, fate))
+            else if (!packet_add_leaf(accel, packet, child & ~PEN_CHILD_LEAF, visibility))
                 return;
         }
     }
 }
 
-/* Whether the primitive that shut the last packet shuts this one too. */
-static inline bool fan_shut_again(const struct pen_accel *accel, struct pen_shadow_packet *packet)
+/* Whether the primitive that occluded all of the last packet occludes all of this one too. */
+static inline bool occluded_by_last(const struct pen_accel *accel, struct pen_shadow_packet *packet)
 {
     uint32_t last = packet->last_occluder;
     if (last >= accel->prims->count)
@@ -157,16 +158,17 @@ static inline bool fan_shut_again(const struct pen_accel *accel, struct pen_shad
 static enum pen_packet_visibility packet_begin(const struct pen_accel *accel,
                                                struct pen_shadow_packet *packet)
 {
-    enum pen_packet_visibility fate = PEN_PACKET_ALL_VISIBLE;
+    enum pen_packet_visibility visibility = PEN_PACKET_ALL_VISIBLE;
     if (accel->stats.kind != PEN_ACCEL_AUTO || !pen_packet_prepare(packet, accel->scale))
         return PEN_PACKET_NOT_POSSIBLE;
-    if (fan_shut_again(accel, packet))
+    if (occluded_by_last(accel, packet))
         return PEN_PACKET_ALL_OCCLUDED;
-    if (fan_add_leaf(accel, packet, accel->infinite, &fate) &&
-        (!accel->list || fan_add_leaf(accel, packet, accel->list, &fate)) &&
+    if (packet_add_leaf(accel, packet, accel->infinite, &visibility) &&
+        (!accel->list || packet_add_leaf(accel, packet, accel->list, &visibility)) &&
         accel->shape == PEN_SHAPE_WIDE)
-        fan_search(accel, packet, &fate);
-    return fate == PEN_PACKET_ALL_VISIBLE && packet->candidate_count > 0 ? PEN_PACKET_MIXED : fate;
+        packet_traverse(accel, packet, &visibility);
+    return visibility == PEN_PACKET_ALL_VISIBLE && packet->candidate_count > 0 ? PEN_PACKET_MIXED
+                                                                               : visibility;
 }
 
 #endif

@@ -26,8 +26,8 @@ struct trace {
     const struct pen_accel *accel;
     const struct pen_ray *ray;
     const struct pen_origin_surface *origin;
-    bool leaving;               /* the ray starts on a primitive */
-    bool at_origin;             /* and what is tested now may reach the place where it starts */
+    bool from_surface;          /* the ray starts on a primitive */
+    bool reaches_origin;        /* and what is tested now may reach the place where it starts */
     double slack;               /* then what touches it misses it by no more than this, */
     double grow;                /* and no border farther off than this is passed */
     double near_sq;             /* square of the t that is as far as grow */
@@ -86,7 +86,7 @@ static inline bool may_end_ray(const struct trace *w, struct pen_hit h)
 }
 
 /* Keeps a see-through intersection in order. */
-static inline void keep_crossing(struct pen_shadow *query, struct pen_hit h)
+static inline void keep_intersection(struct pen_shadow *query, struct pen_hit h)
 {
     if (query->count == PEN_SHADOW_MAX) {
         query->overflow = true;
@@ -114,7 +114,7 @@ static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part,
         pen_prim_ends_ray(w->accel->prims, h, w->ray, query->tmax, w->light_bound))
         return false;
     if (query->see_through && query->see_through[prim]) {
-        keep_crossing(query, h);
+        keep_intersection(query, h);
         return false;
     }
     query->last_occluder = prim;
@@ -144,13 +144,14 @@ static inline bool test_sphere(struct trace *w, uint32_t prim, const struct pen_
     double t[2];
     if (prim == w->origin->prim)
         return !pen_sphere_outward(s, w->ray) && test_reference(w, prim, any);
-    if (w->leaving && pen_sphere_touches(s, w->ray->o, w->origin->bound))
+    if (w->from_surface && pen_sphere_touches(s, w->ray->o, w->origin->bound))
         return test_reference(w, prim, any);
     return pen_sphere_roots(s, w->ray, t) && offer_pair(w, prim, t, any);
 }
 
-static inline bool test_tube(struct trace *w, uint32_t prim,
-                             const struct pen_infinite_cylinder *infinite_cylinder, bool any)
+static inline bool test_infinite_cylinder(struct trace *w, uint32_t prim,
+                                          const struct pen_infinite_cylinder *infinite_cylinder,
+                                          bool any)
 {
     double t[2];
     bool parallel;
@@ -158,9 +159,10 @@ static inline bool test_tube(struct trace *w, uint32_t prim,
         return test_reference(w, prim, any);
     if (!pen_cylinder_side_roots(&infinite_cylinder->round, w->ray, t, &parallel))
         return false;
-    if (w->leaving && pen_cylinder_side_touches(
-                          &infinite_cylinder->round, w->ray->o,
-                          w->origin->bound + pen_infinite_cylinder_rounding(infinite_cylinder)))
+    if (w->from_surface &&
+        pen_cylinder_side_touches(&infinite_cylinder->round, w->ray->o,
+                                  w->origin->bound +
+                                      pen_infinite_cylinder_rounding(infinite_cylinder)))
         return test_reference(w, prim, any);
     return offer_pair(w, prim, t, any);
 }
@@ -173,7 +175,7 @@ static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pe
         return !(w->origin->part == PEN_PART_SIDE &&
                  pen_cylinder_side_outward(&c->round, w->ray)) &&
                test_reference(w, prim, any);
-    if (w->leaving && pen_cylinder_touches(c, w->ray->o, w->origin->bound))
+    if (w->from_surface && pen_cylinder_touches(c, w->ray->o, w->origin->bound))
         return test_reference(w, prim, any);
     if (!pen_cylinder_interval(c, w->ray, &in))
         return false;
@@ -185,7 +187,7 @@ static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pe
 static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any)
 {
     bool late = t > (any ? w->shadow->tmax : w->best.t);
-    if (!w->leaving)
+    if (!w->from_surface)
         return t > 0 && !late && offer(w, prim, t, PEN_PART_SIDE, any);
     if (prim == w->origin->prim)
         return false;
@@ -206,7 +208,7 @@ static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any
 /* The same for a finite primitive, most of which are cheaply seen to be well behind. */
 static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool any)
 {
-    if (t < 0 && (!w->leaving || t * t > w->near_sq))
+    if (t < 0 && (!w->from_surface || t * t > w->near_sq))
         return false;
     return offer_flat(w, prim, t, any);
 }
@@ -221,7 +223,7 @@ static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
     case PEN_BLOCK_SPHERES:
         return test_sphere(w, prim, &prims->sphere[ref.index], any);
     case PEN_BLOCK_INFINITE_CYLINDERS:
-        return test_tube(w, prim, &prims->infinite_cylinder[ref.index], any);
+        return test_infinite_cylinder(w, prim, &prims->infinite_cylinder[ref.index], any);
     case PEN_BLOCK_CYLINDERS:
         return test_cylinder(w, prim, &prims->cylinder[ref.index], any);
     case PEN_BLOCK_PLANES:
@@ -273,7 +275,7 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
 static inline bool test_one(struct trace *w, uint32_t prim, bool any)
 {
     uint32_t kind = w->accel->prims->ref[prim].kind;
-    if (w->at_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
+    if (w->reaches_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
         return prim != w->origin->prim && test_reference(w, prim, any);
     return test_prim(w, prim, any);
 }

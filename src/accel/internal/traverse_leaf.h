@@ -23,9 +23,9 @@ static inline void count_prims(const struct trace *w, uint32_t item)
 
 /* Tests a leaf, or a list of items beside the nodes; true if a crossing ended the query. The ray
  * starts in the leaf's box if it enters it no later than the query begins. */
-static inline bool test_leaf(struct trace *w, uint32_t first, bool starts_in, bool any)
+static inline bool test_leaf(struct trace *w, uint32_t first, bool starts_inside, bool any)
 {
-    w->at_origin = w->leaving && starts_in;
+    w->reaches_origin = w->from_surface && starts_inside;
     for (const uint32_t *item = &w->accel->items[first];; item++) {
         if (COUNTING)
             count_prims(w, *item);

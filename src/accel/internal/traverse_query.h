@@ -34,11 +34,11 @@ static inline bool search(struct trace *w, double tmin, bool any)
     return false;
 }
 
-static inline struct trace begin(const struct pen_accel *accel, const struct pen_ray *ray,
-                                 const struct pen_origin_surface *origin)
+static inline struct trace trace_begin(const struct pen_accel *accel, const struct pen_ray *ray,
+                                       const struct pen_origin_surface *origin)
 {
     struct trace w = {.accel = accel, .ray = ray, .origin = origin};
-    w.leaving = origin->prim != PEN_NO_PRIM;
+    w.from_surface = origin->prim != PEN_NO_PRIM;
     w.slack = origin->bound + 8 * PEN_U * accel->scale;
     w.grow = 2 * PEN_NEARBY * w.slack;
     w.near_sq = w.grow * w.grow * ray->inv_dd;
@@ -49,7 +49,7 @@ static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
                     const struct pen_origin_surface *origin, const struct pen_t_interval *interval,
                     struct pen_hit *hit)
 {
-    struct trace w = begin(accel, ray, origin);
+    struct trace w = trace_begin(accel, ray, origin);
     w.after = interval->after;
     w.best = (struct pen_hit){interval->tmax, PEN_NO_PRIM, UINT8_MAX};
     search(&w, interval->after.t, false);
@@ -59,11 +59,12 @@ static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
     return true;
 }
 
-static inline struct trace begin_shadow(const struct pen_accel *accel, const struct pen_ray *ray,
-                                        const struct pen_origin_surface *origin,
-                                        struct pen_shadow *query)
+static inline struct trace trace_begin_shadow(const struct pen_accel *accel,
+                                              const struct pen_ray *ray,
+                                              const struct pen_origin_surface *origin,
+                                              struct pen_shadow *query)
 {
-    struct trace w = begin(accel, ray, origin);
+    struct trace w = trace_begin(accel, ray, origin);
     w.shadow = query;
     if (query->to_point) {
         w.light_bound = pen_shadow_light_bound(ray);
@@ -77,7 +78,7 @@ static inline struct trace begin_shadow(const struct pen_accel *accel, const str
 static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
                    const struct pen_origin_surface *origin, struct pen_shadow *query)
 {
-    struct trace w = begin_shadow(accel, ray, origin, query);
+    struct trace w = trace_begin_shadow(accel, ray, origin, query);
     uint32_t last = query->last_occluder;
     /* What the thread met before must not change what is counted. */
     if (!COUNTING && last < accel->prims->count &&

@@ -16,8 +16,8 @@ struct pen_array {
 };
 
 /* Room for `more` elements at the end, not zeroed; NULL when out of memory. */
-void *pen_array_add(struct pen_array *pool, uint32_t more);
-void pen_array_release(struct pen_array *pool);
+void *pen_array_add(struct pen_array *array, uint32_t more);
+void pen_array_release(struct pen_array *array);
 
 struct pen_leaf {
     uint32_t begin, count; /* in order[] */
@@ -32,7 +32,7 @@ struct pen_ref {
     uint8_t cost_class, lanes; /* see pen_leaf_cost */
 };
 
-struct pen_plan {
+struct pen_tree_layout {
     const struct pen_prims *prims;
     unsigned generic_kinds;  /* bit per enum pen_prim_kind: packed in generic blocks, although the
                               * kind has its own */
@@ -49,43 +49,45 @@ struct pen_plan {
 
 /* Lists the primitives in document order, finite ones with boxes rounded outward.
  * Fails: returns false when out of memory. */
-bool pen_plan_init(struct pen_plan *plan, const struct pen_prims *prims, unsigned generic_kinds);
-void pen_plan_release(struct pen_plan *plan);
+bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
+                          unsigned generic_kinds);
+void pen_tree_layout_release(struct pen_tree_layout *layout);
 
 /* Adds a leaf of a range of ref[]; returns the child, or PEN_NO_CHILD when out of memory. */
-uint32_t pen_plan_leaf(struct pen_plan *plan, uint32_t begin, uint32_t count);
+uint32_t pen_tree_layout_add_leaf(struct pen_tree_layout *layout, uint32_t begin, uint32_t count);
 #define PEN_NO_CHILD UINT32_MAX
 
 /* Nodes in a row whose lanes are all empty; NULL when out of memory. Nodes move when others are
  * added. */
-struct pen_node *pen_plan_nodes(struct pen_plan *plan, uint32_t count);
-struct pen_pair *pen_plan_pair(struct pen_plan *plan);
+struct pen_node *pen_tree_layout_add_nodes(struct pen_tree_layout *layout, uint32_t count);
+struct pen_pair *pen_tree_layout_add_pair(struct pen_tree_layout *layout);
 
 /* One child of a node and its box. */
-struct pen_lane {
+struct pen_child_box {
     float lo[3], hi[3];
     uint32_t child; /* without PEN_CHILD_MORE */
 };
 
-extern const struct pen_lane pen_lane_empty;
+extern const struct pen_child_box pen_child_box_empty;
 
 /* The box of a primitive; no child. */
-struct pen_lane pen_ref_lane(const struct pen_ref *ref);
+struct pen_child_box pen_ref_box(const struct pen_ref *ref);
 
 /* Grows the box of *sum to hold that of *in. */
-void pen_lane_add(struct pen_lane *sum, const struct pen_lane *in);
+void pen_child_box_grow(struct pen_child_box *sum, const struct pen_child_box *in);
 
-void pen_node_put(struct pen_node *node, int lane, const struct pen_lane *in);
-void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_lane *in);
+void pen_node_put(struct pen_node *node, int lane, const struct pen_child_box *in);
+void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_child_box *in);
 
 /* The lanes that nodes of the plan's shape have. */
-int pen_plan_width(const struct pen_plan *plan);
+int pen_tree_layout_width(const struct pen_tree_layout *layout);
 
 /* Reads a lane of a node; false if it is empty. */
-bool pen_plan_lane(const struct pen_plan *plan, uint32_t node, int lane, struct pen_lane *out);
+bool pen_tree_layout_child(const struct pen_tree_layout *layout, uint32_t node, int lane,
+                           struct pen_child_box *out);
 
 /* Whether the node after this one continues its list. */
-bool pen_plan_more(const struct pen_plan *plan, uint32_t node);
+bool pen_tree_layout_list_continues(const struct pen_tree_layout *layout, uint32_t node);
 
 /* Costs of tests, in units of one test of a block of triangles. A block costs the same however many
  * of its lanes are filled, so builders count lanes by class of cost. A primitive of a generic block
@@ -110,19 +112,20 @@ extern const float pen_node_cost;
 #define PEN_BOX_TEST_COST 0.15
 
 /* The surface-area heuristic. Fails: returns false when out of memory. */
-bool pen_build_sah(struct pen_plan *plan);
+bool pen_build_sah(struct pen_tree_layout *layout);
 
 /* Median split. Fails: returns false when out of memory. */
-bool pen_build_median(struct pen_plan *plan);
+bool pen_build_median(struct pen_tree_layout *layout);
 
 /* A list for each group, one for all without groups. Fails: returns false when out of memory. */
-bool pen_build_lists(struct pen_plan *plan, const struct pen_groups *groups);
+bool pen_build_lists(struct pen_tree_layout *layout, const struct pen_groups *groups);
 
 /* The expected cost of a ray, as pen_accel_stats defines it. */
-double pen_plan_cost(const struct pen_plan *plan);
+double pen_tree_layout_cost(const struct pen_tree_layout *layout);
 
 /* Fills in everything of *accel but stats.kind, sah_cost and build_ms. Owns: all in the arena.
  * Fails: returns false when out of memory. */
-bool pen_pack(const struct pen_plan *plan, struct pen_arena *arena, struct pen_accel *accel);
+bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
+                    struct pen_accel *accel);
 
 #endif

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The kernel: one primitive for all effects. `fx` is a constant in every instance (kernel_*.c), so
- * an instance holds only the effects of its mask, without a test at run time.
+/* The kernel: the radiance of a pixel, by the equations of src/shade/README.md. `fx` is a constant
+ * in every compiled kernel (kernel_list.h), so that each holds only the effects of its mask and
+ * tests none of them at run time.
  *
- * The tree of paths under a camera ray is walked without recursion: at a surface the mirrored path
- * is put aside and the transmitted one goes on; when a path ends, the one put aside last is taken
- * up. A path puts at most one other aside per surface it shades, and paths put aside later are
- * deeper, so max_depth places are enough.
+ * The tree of paths under a camera ray is traversed without recursion. At a surface the reflected
+ * path is put on a stack and the transmitted path goes on; when a path ends, the path on top of the
+ * stack continues. A path puts at most one other on the stack for each surface it shades, and paths
+ * on top are deeper than those below, so max_depth entries are enough.
  *
- * Every instance sums in this order, so that all give the same bits: the surfaces of a pixel
- * sample in the order of the walk; at each, emission, ambient, then the lights in document order,
+ * All kernels sum in this order, so that all give the same bits: the surfaces of a pixel sample in
+ * the order of the traversal; at each surface emission, ambient, then the lights in document order,
  * times the path's weight. What a mask leaves out is a term that would be 0, and adding 0 to a sum
  * that began with 0 changes no bit of it. */
 #ifndef PEN_SHADE_INTERNAL_KERNEL_BODY_H
@@ -16,10 +17,11 @@
 
 #include <float.h>
 
-#include "shade/internal/secondary.h"
-#include "shade/internal/soft.h"
+#include "shade/internal/secondary_rays.h"
+#include "shade/internal/soft_shadow.h"
 
-/* Emission, ambient (only seen directly) and lights, as the path's viewer sees them at s. */
+/* The radiance that surface s sends to the path's viewer: emission, ambient light (for primary rays
+ * only) and the lights. */
 static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input *input,
                                                    struct pen_kernel_scratch *scratch,
                                                    const struct surface *s, bool primary,
@@ -30,28 +32,28 @@ static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input
     if ((fx & PEN_FX_AMBIENT) && primary)
         sum = pen_add(sum, pen_mul(scene->ambient, s->material->ka));
     for (uint32_t i = 0; i < scene->light_count; i++) {
-        struct lit lit = light_unshadowed(&scene->lights[i], s, fx);
-        if (is_black(lit.term))
+        struct arriving_light arriving = light_unshadowed(&scene->lights[i], s, fx);
+        if (is_black(arriving.term))
             continue;
-        lit.light = i;
+        arriving.light = i;
         if ((fx & PEN_FX_HARD_SHADOWS) && scene->lights[i].shadows) {
             struct pen_vec3 t;
             if ((fx & PEN_FX_SOFT_SHADOWS) && scene->lights[i].soft) {
-                t = soft_transmittance(input, scratch, s, &lit, counts, fx);
+                t = soft_transmittance(input, scratch, s, &arriving, counts, fx);
             } else {
                 counts->shadow++;
-                t = hard_transmittance(input, scratch, s, &lit, fx);
+                t = hard_transmittance(input, scratch, s, &arriving, fx);
             }
             if (is_black(t))
                 continue;
-            lit.term = pen_mul(lit.term, t);
+            arriving.term = pen_mul(arriving.term, t);
         }
-        sum = pen_add(sum, lit.term);
+        sum = pen_add(sum, arriving.term);
     }
     return sum;
 }
 
-/* The light that comes back along a camera ray. */
+/* The radiance that arrives along a camera ray. */
 static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
                                                  const struct pen_ray *camera_ray,
@@ -63,7 +65,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     for (int waiting = 0;;) {
         const struct pen_t_interval interval = {path.after, INFINITY};
         struct pen_hit hit;
-        bool goes_on = false;
+        bool continues = false;
         if (!input->trace->nearest(scene->accel, &path.ray, &path.origin, &interval, &hit)) {
             sum = pen_add(sum, pen_mul(path.weight, scene->background));
         } else {
@@ -76,14 +78,14 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             sum = pen_add(sum, pen_mul(path.weight, here));
             bool deeper = path.depth + 1 < input->settings->max_depth;
             if ((fx & PEN_FX_MIRROR) && deeper &&
-                path_mirror(input, &path, &s, &scratch->waiting[waiting], fx)) {
+                path_reflect(input, &path, &s, &scratch->waiting[waiting], fx)) {
                 counts->reflection++;
                 waiting++;
             }
-            goes_on = (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, fx);
-            counts->transmission += goes_on;
+            continues = (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, fx);
+            counts->transmission += continues;
         }
-        if (goes_on)
+        if (continues)
             continue;
         if (waiting == 0)
             return sum;
@@ -110,7 +112,7 @@ static ALWAYS_INLINE struct pen_point2 pixel_point(uint64_t hash, int i, int sam
     return samples > 1 ? pen_sobol2(hash, (uint32_t)i) : (struct pen_point2){0.5, 0.5};
 }
 
-/* The mean of a pixel's samples; those that the film cannot hold are left out and counted. */
+/* The mean of a pixel's samples. Samples that the film cannot hold are left out and counted. */
 static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, int x, int y,
                                        double rgb[3], struct pen_ray_counts *counts,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The point that a ray hit, with all that shading asks about it. */
+/* The point that a ray hit, with what shading needs to know of it. */
 #ifndef PEN_SHADE_INTERNAL_SURFACE_H
 #define PEN_SHADE_INTERNAL_SURFACE_H
 
@@ -14,8 +14,8 @@ struct surface {
     struct pen_vec3 n;                /* unit, turned towards the viewer */
     struct pen_vec3 v;                /* unit, from the viewer to p */
     double nv;                        /* n.v <= 0 */
-    struct pen_origin_surface origin; /* what rays leave that go on from p at the viewer's side; its
-                               bound is how far p may be off by rounding */
+    struct pen_origin_surface origin; /* for rays that start at p on the viewer's side; its bound is
+                               how far p may be off by rounding */
 };
 
 static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
@@ -38,7 +38,7 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
     return s;
 }
 
-/* What a ray leaves that goes on from p: at the viewer's side, or `through` the surface. */
+/* The origin surface of a ray that starts at p, on the viewer's side or `through` the surface. */
 static ALWAYS_INLINE struct pen_origin_surface surface_origin(const struct surface *s, bool through)
 {
     struct pen_origin_surface origin = s->origin;
@@ -46,13 +46,15 @@ static ALWAYS_INLINE struct pen_origin_surface surface_origin(const struct surfa
     return origin;
 }
 
-/* Whether the point, the normal and the direction are finite: the bound contains the point. */
+/* Whether the point, the normal and the direction are finite. The bound is computed from the point,
+ * so it is not finite where the point is not. */
 static ALWAYS_INLINE bool surface_finite(const struct surface *s)
 {
     return fabs(s->nv - s->origin.bound) < INFINITY;
 }
 
-/* What stands for a sample that is none: the film cannot hold it, so it is left out and counted. */
+/* The value of a sample that cannot be computed. The film cannot hold it, so it is left out and
+ * counted. */
 static ALWAYS_INLINE struct pen_vec3 no_sample(void)
 {
     return pen_vec3(INFINITY, INFINITY, INFINITY);

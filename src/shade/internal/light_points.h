@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The points of a light's disk that are sampled from one shaded point, by the setting
- * light_pattern, some at a time. Which they are is said at struct pen_sample_key. */
-#ifndef PEN_SHADE_INTERNAL_POINTS_H
-#define PEN_SHADE_INTERNAL_POINTS_H
+ * light_pattern, in groups of up to PEN_PACKET_RAYS. struct pen_sample_key defines which points
+ * these are. */
+#ifndef PEN_SHADE_INTERNAL_LIGHT_POINTS_H
+#define PEN_SHADE_INTERNAL_LIGHT_POINTS_H
 
 #include <math.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 #include "accel/shadow_packet.h"
 #include "math/sample.h"
 #include "scene/settings.h"
-#include "shade/internal/points_lanes.h"
+#include "shade/internal/light_points4.h"
 
 struct points {
     uint64_t hash;
@@ -21,7 +22,7 @@ struct points {
     bool none;        /* grid: no point so far was in the circle */
 };
 
-/* Some of them, as coordinates on the unit disk. */
+/* A group of points, as coordinates on the unit disk. */
 struct point_list {
     double a[PEN_PACKET_RAYS], b[PEN_PACKET_RAYS];
     int count;
@@ -44,8 +45,8 @@ static inline struct points points_begin(const struct pen_settings *settings, ui
                            .none = grid};
 }
 
-/* Cells of a row of the grid: those in [out, stop) may have their point in the circle, those in
- * [in, in_stop) surely have. Symmetric, and cut with more than rounding to spare. */
+/* The columns of a row of the grid: those in [out, stop) may have their point in the circle, those
+ * in [in, in_stop) surely have. Symmetric; the margins are larger than rounding. */
 struct points_row {
     uint32_t out, in, in_stop, stop;
 };
@@ -72,22 +73,23 @@ static inline struct points_row points_row(uint32_t edge, uint32_t row)
 }
 
 /* The points of four cells of a row of the grid, in the square around the unit disk. */
-static inline void points_cells(const struct points *p, uint32_t row, uint32_t column, point4 *x,
-                                point4 *y)
+static inline void points_cells(const struct points *p, uint32_t row, uint32_t column, double4 *x,
+                                double4 *y)
 {
-    point4 columns = {column, column + 1., column + 2., column + 3.};
+    double4 columns = {column, column + 1., column + 2., column + 3.};
     points_random(p->hash, row * p->samples + column, x, y);
     *x = 2 * ((columns + *x) / p->samples) - 1;
     *y = 2 * ((row + *y) / p->samples) - 1;
 }
 
-/* Appends the points of four cells of a row that are in the disk, of those before `stop`. */
+/* Appends the points of four cells of a row that are in the disk and before column `stop`. Returns
+ * the length of the list. */
 static inline int points_add_cells(const struct points *p, uint32_t row, uint32_t column,
                                    uint32_t stop, struct point_list *list)
 {
-    point4 x, y;
+    double4 x, y;
     points_cells(p, row, column, &x, &y);
-    choice4 in = x * x + y * y <= 1;
+    mask4 in = x * x + y * y <= 1;
     for (uint32_t i = 0; i < 4 && column + i < stop; i++) {
         list->a[list->count] = x[i];
         list->b[list->count] = y[i];
@@ -96,7 +98,8 @@ static inline int points_add_cells(const struct points *p, uint32_t row, uint32_
     return list->count;
 }
 
-/* Rows are cut where the list is full. */
+/* Fills the list with the grid's next points; where it is full, a row is continued by the next
+ * call. A grid without any point in the circle has the centre. */
 static inline void points_fill_grid(struct points *p, struct point_list *list)
 {
     for (; p->next < p->samples; p->next++, p->column = 0) {
@@ -110,14 +113,14 @@ static inline void points_fill_grid(struct points *p, struct point_list *list)
                 p->none = false;
         }
     }
-    if (list->count == 0 && p->none) { /* the centre */
+    if (list->count == 0 && p->none) {
         p->none = false;
         list->a[0] = list->b[0] = 0;
         list->count = 1;
     }
 }
 
-/* The next points, up to PEN_PACKET_RAYS of them; 0 when there are no more. */
+/* Fills the list with the next points and returns their number; 0 when there are no more. */
 static inline int points_fill(struct points *p, struct point_list *list)
 {
     list->count = 0;
@@ -128,7 +131,7 @@ static inline int points_fill(struct points *p, struct point_list *list)
     uint32_t left = p->samples - p->next;
     list->count = left < PEN_PACKET_RAYS ? (int)left : PEN_PACKET_RAYS;
     for (int i = 0; i < list->count; i += 4) {
-        point4 x, y;
+        double4 x, y;
         if (p->pattern == PEN_PATTERN_SOBOL)
             points_sobol(p->hash, p->next + (uint32_t)i, &x, &y);
         else
@@ -141,14 +144,14 @@ static inline int points_fill(struct points *p, struct point_list *list)
     return list->count;
 }
 
-/* How many of the cells [column, stop) of a row have their point in the disk. */
+/* The number of cells [column, stop) of a row that have their point in the disk. */
 static inline uint32_t points_count_cells(const struct points *p, uint32_t row, uint32_t column,
                                           uint32_t stop)
 {
     uint32_t count = 0;
     for (; column < stop; column += 4) {
-        point4 x, y;
-        choice4 in, number = {0, 1, 2, 3};
+        double4 x, y;
+        mask4 in, number = {0, 1, 2, 3};
         points_cells(p, row, column, &x, &y);
         in = (x * x + y * y <= 1) & (number < (int64_t)(stop - column));
         count -= (uint32_t)(in[0] + in[1] + in[2] + in[3]);
@@ -156,7 +159,7 @@ static inline uint32_t points_count_cells(const struct points *p, uint32_t row, 
     return count;
 }
 
-/* How many points there are in all. */
+/* The number of all points. */
 static inline uint32_t points_count(const struct points *p)
 {
     uint32_t count = 0;

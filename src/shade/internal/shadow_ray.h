@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* The transmittance of a shadow ray: nothing, everything, or the colours of the sheets it crosses
- * multiplied in the order it crosses them. */
-#ifndef PEN_SHADE_INTERNAL_SHADOW_H
-#define PEN_SHADE_INTERNAL_SHADOW_H
+/* The transmittance of one shadow ray: black if an opaque surface occludes the light, else the
+ * product of kt over the surfaces that it intersects, multiplied in the order of the intersections.
+ */
+#ifndef PEN_SHADE_INTERNAL_SHADOW_RAY_H
+#define PEN_SHADE_INTERNAL_SHADOW_RAY_H
 
-#include "shade/internal/light.h"
+#include "shade/internal/unshadowed_light.h"
 
-/* A shadow ray from a shaded point. */
-struct shadow_way {
+/* A shadow ray from a shaded point, before it is traced. */
+struct shadow_ray {
     struct pen_vec3 d;
-    bool to_point;      /* it ends in the light at o + d; else it has no end */
-    bool through;       /* it leaves on the other side of the surface than the viewer's */
+    bool to_point;      /* it ends in the light at o + d; else it is infinite */
+    bool through;       /* it starts on the side of the surface away from the viewer */
     uint32_t light;     /* number in the frozen scene */
-    struct pen_vec3 in; /* what it carries when it leaves */
+    struct pen_vec3 in; /* its transmittance where it starts */
 };
 
 static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene, uint32_t prim,
@@ -21,12 +22,13 @@ static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene
     return pen_mul(t, scene->materials[scene->prim_material[prim]].kt);
 }
 
-/* Walks a ray that crosses more sheets than a query returns at once. */
+/* The transmittance of a ray with more transmissive intersections than a query returns, by tracing
+ * from one intersection to the next. */
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
                                 const struct pen_origin_surface *origin,
                                 const struct pen_shadow *query, struct pen_vec3 in);
 
-/* What a query of the kernel's asks for. */
+/* Fills in a query for a shadow ray. */
 static ALWAYS_INLINE void shadow_query(const struct pen_kernel_input *input,
                                        struct pen_shadow *query, bool to_point, const unsigned fx)
 {
@@ -36,7 +38,7 @@ static ALWAYS_INLINE void shadow_query(const struct pen_kernel_input *input,
     query->last_occluder = PEN_NO_PRIM;
 }
 
-/* What arrives of `in` along a ray that the query found not blocked. */
+/* The transmittance of a ray that starts with `in` and that the query found not blocked. */
 static ALWAYS_INLINE struct pen_vec3 shadow_colour(const struct pen_kernel_input *input,
                                                    const struct pen_ray *ray,
                                                    const struct pen_origin_surface *origin,
@@ -52,34 +54,37 @@ static ALWAYS_INLINE struct pen_vec3 shadow_colour(const struct pen_kernel_input
     return in;
 }
 
-/* What arrives of what the ray carries. The primitive that blocked it is remembered for its light.
- */
+/* Traces a shadow ray and returns its transmittance. The primitive that blocked it is remembered
+ * for its light. */
 static ALWAYS_INLINE struct pen_vec3
-shadow_ray(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
-           const struct surface *s, const struct shadow_way *direction, const unsigned fx)
+trace_shadow_ray(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
+                 const struct surface *s, const struct shadow_ray *shadow, const unsigned fx)
 {
     const struct pen_vec3 none = {0, 0, 0};
     struct pen_ray ray;
-    if (!pen_ray_make(&ray, s->p, direction->d))
+    if (!pen_ray_make(&ray, s->p, shadow->d))
         return no_sample(); /* the light is farther than rays go */
-    struct pen_origin_surface origin = surface_origin(s, direction->through);
+    struct pen_origin_surface origin = surface_origin(s, shadow->through);
     struct pen_shadow *query = &scratch->shadow;
-    shadow_query(input, query, direction->to_point, fx);
-    query->last_occluder = scratch->last_occluder[direction->light];
+    shadow_query(input, query, shadow->to_point, fx);
+    query->last_occluder = scratch->last_occluder[shadow->light];
     bool blocked = input->trace->shadow(input->scene->accel, &ray, &origin, query);
-    scratch->last_occluder[direction->light] = query->last_occluder;
-    return blocked ? none : shadow_colour(input, &ray, &origin, query, direction->in, fx);
+    scratch->last_occluder[shadow->light] = query->last_occluder;
+    return blocked ? none : shadow_colour(input, &ray, &origin, query, shadow->in, fx);
 }
 
-/* T(p) of a light without a disk: one ray. */
+/* T(p) of a light without a radius: one ray to its centre. */
 static ALWAYS_INLINE struct pen_vec3 hard_transmittance(const struct pen_kernel_input *input,
                                                         struct pen_kernel_scratch *scratch,
                                                         const struct surface *s,
-                                                        const struct lit *lit, const unsigned fx)
+                                                        const struct arriving_light *arriving,
+                                                        const unsigned fx)
 {
-    const struct shadow_way direction = {
-        .d = lit->to_light, .to_point = lit->to_point, .light = lit->light, .in = {1, 1, 1}};
-    return shadow_ray(input, scratch, s, &direction, fx);
+    const struct shadow_ray shadow = {.d = arriving->to_light,
+                                      .to_point = arriving->to_point,
+                                      .light = arriving->light,
+                                      .in = {1, 1, 1}};
+    return trace_shadow_ray(input, scratch, s, &shadow, fx);
 }
 
 #endif

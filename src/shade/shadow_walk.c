@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The rare shadow ray through more sheets than a query returns: intersection by crossing, by the
- * same rules: strictly before the light, and not in it. */
-#include "shade/internal/shadow.h"
+/* The rare shadow ray through more transmissive surfaces than a query returns: traced from one
+ * intersection to the next, by the same rules as the query: strictly before the light, and not on a
+ * surface that contains the light. */
+#include "shade/internal/shadow_ray.h"
 
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
                                 const struct pen_origin_surface *origin,
