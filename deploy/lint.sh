@@ -118,7 +118,7 @@ sed -i 's/$/: no SPDX line/' "$work/out"
 count "$work/out"
 
 # 8. No absolute epsilon where crossings are decided: no literal between 1e-3 and 1e-15 there, but for
-# powers of two that scale something (0x1p-22 in 1 + 0x1p-22, 0x1p-40 * size, mul_pd(all(0x1p-40), x)).
+# powers of two that scale something (0x1p-22 in 1 + 0x1p-22, 0x1p-40 * size, mul_pd(splat4(0x1p-40), x)).
 git ls-files 'src/geom/*.[ch]' 'src/accel/*.[ch]' 'src/shade/*.[ch]' >"$work/files"
 awk '
 FNR == 1 { comment = 0 }
@@ -136,7 +136,7 @@ FNR == 1 { comment = 0 }
             print FILENAME ":" FNR ": absolute epsilon? " number
     }
     line = tolower(line)
-    gsub(/(mul_p[sd]\(|fmadd_p[sd]\([a-z]+, )(_mm[0-9]*_set1_p[sd]|all)\(0x[0-9a-f.]+p-[0-9]+/, " ", line)
+    gsub(/(mul_p[sd]\(|fmadd_p[sd]\([a-z]+, )(_mm[0-9]*_set1_p[sd]|splat4)\(0x[0-9a-f.]+p-[0-9]+/, " ", line)
     gsub(/(1 [-+] |[^0-9. ] \* )0x[0-9a-f.]+p-[0-9]+/, " ", line)
     gsub(/0x[0-9a-f.]+p-[0-9]+f? \* [^0-9]/, " ", line)
     for (; match(line, /0x[0-9a-f.]+p-[0-9]+/); line = substr(line, RSTART + RLENGTH)) {

@@ -308,7 +308,7 @@ static bool faulty_shadow(const struct pen_accel *accel, const struct pen_ray *r
 }
 
 static enum pen_packet_visibility faulty_packet_begin(const struct pen_accel *accel,
-                                             struct pen_shadow_packet *packet)
+                                                      struct pen_shadow_packet *packet)
 {
     fault.shadow++;
     return fault.real->packet_begin(accel, packet);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Blocks of four primitives tested at once, in binary64. Every lane does the operations of the
- * primitive's header in their order, so t has the same bits; lanes that need anything unusual (the
- * ray leaves or touches them, or is parallel) are handed to the plain functions. */
+/* Tests of blocks, four primitives at once, in binary64. Every lane does the operations of the
+ * primitive's header in geom in the same order, so t has the same bits. Lanes with a special case
+ * (the ray starts on or touches the primitive, or is parallel to it) are tested by the scalar
+ * functions. The comment of a small function names the scalar function that it computes. */
 #ifndef PEN_ACCEL_INTERNAL_BLOCKS_AVX2_H
 #define PEN_ACCEL_INTERNAL_BLOCKS_AVX2_H
 
@@ -9,19 +10,19 @@
 
 #include "accel/internal/prim_test.h"
 
-/* Four vectors. */
+/* Four vectors, one per lane. */
 struct vec4 {
     __m256d x, y, z;
 };
 
-static inline __m256d all(double x)
+static inline __m256d splat4(double x)
 {
     return _mm256_set1_pd(x);
 }
 
-static inline struct vec4 all3(struct pen_vec3 v)
+static inline struct vec4 splat_vec4(struct pen_vec3 v)
 {
-    return (struct vec4){all(v.x), all(v.y), all(v.z)};
+    return (struct vec4){splat4(v.x), splat4(v.y), splat4(v.z)};
 }
 
 /* pen_permuted */
@@ -88,12 +89,12 @@ static inline struct vec4 along4(struct vec4 a, struct vec4 d, __m256d t)
 
 static inline __m256d neg4(__m256d x)
 {
-    return _mm256_xor_pd(x, all(-0.0));
+    return _mm256_xor_pd(x, splat4(-0.0));
 }
 
 static inline __m256d abs4(__m256d x)
 {
-    return _mm256_andnot_pd(all(-0.0), x);
+    return _mm256_andnot_pd(splat4(-0.0), x);
 }
 
 static inline unsigned bits(__m256d mask)
@@ -104,13 +105,13 @@ static inline unsigned bits(__m256d mask)
 #define LESS(a, b) _mm256_cmp_pd(a, b, _CMP_LT_OQ)
 #define LESS_EQUAL(a, b) _mm256_cmp_pd(a, b, _CMP_LE_OQ)
 
-/* The t beyond which intersections are of no use. */
-static inline __m256d end4(const struct trace *w, bool any)
+/* The t beyond which intersections do not count. */
+static inline __m256d tmax4(const struct trace *w, bool any)
 {
-    return all(any ? w->shadow->tmax : w->best.t);
+    return splat4(any ? w->shadow->tmax : w->best.t);
 }
 
-/* The lanes that the ray leaves. */
+/* The lane whose primitive the ray starts on, as a mask. */
 static inline unsigned origin_lanes(const struct trace *w, const uint32_t prim[PEN_LANES])
 {
     __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)prim),
@@ -118,22 +119,22 @@ static inline unsigned origin_lanes(const struct trace *w, const uint32_t prim[P
     return w->from_surface ? (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) : 0;
 }
 
-/* Lanes whose [t0, t1] reaches into what the query looks for. */
+/* Lanes whose interval [t0, t1] overlaps the query's. */
 static inline unsigned useful_pairs(const struct trace *w, __m256d t0, __m256d t1, bool any)
 {
-    __m256d after = all(any ? 0 : w->after.t);
+    __m256d after = splat4(any ? 0 : w->after.t);
     return bits(_mm256_and_pd(LESS(t0, t1),
-                              _mm256_and_pd(LESS_EQUAL(t0, end4(w, any)), LESS_EQUAL(after, t1))));
+                              _mm256_and_pd(LESS_EQUAL(t0, tmax4(w, any)), LESS_EQUAL(after, t1))));
 }
 
-/* The same, where t0 and t1 are only bounds, or NaN where there is none. */
+/* The same where t0 and t1 are only bounds, or NaN where there is no bound. */
 static inline unsigned overlaps4(const struct trace *w, __m256d t0, __m256d t1, bool any)
 {
-    __m256d out = _mm256_or_pd(LESS(end4(w, any), t0), LESS(t1, all(any ? 0 : w->after.t)));
+    __m256d out = _mm256_or_pd(LESS(tmax4(w, any), t0), LESS(t1, splat4(any ? 0 : w->after.t)));
     return 15 & ~bits(_mm256_or_pd(LESS(t1, t0), out));
 }
 
-/* Hands lanes to the plain function, but for empty ones. */
+/* Tests lanes by the scalar function; empty lanes are skipped. */
 static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
                               bool any)
 {
@@ -145,9 +146,9 @@ static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], u
     return false;
 }
 
-/* The same of flat primitives that may have the origin on their border. */
-static inline bool test_borders(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
-                                bool any)
+/* The same by the reference, for flat primitives that may have the ray's origin on their border. */
+static inline bool test_at_border(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
+                                  bool any)
 {
     for (; lanes; lanes &= lanes - 1) {
         uint32_t number = prim[__builtin_ctz(lanes)];
@@ -157,29 +158,29 @@ static inline bool test_borders(struct trace *w, const uint32_t prim[PEN_LANES],
     return false;
 }
 
-/* Lanes whose intersections the plain functions refine. */
+/* Lanes whose intersections the scalar functions refine. */
 static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256d rr)
 {
-    __m256d near = LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(all(PEN_NEAR), h));
-    return bits(_mm256_or_pd(near, LESS(abs4(disc), _mm256_mul_pd(all(PEN_GRAZING), rr))));
+    __m256d near = LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(splat4(PEN_NEAR), h));
+    return bits(_mm256_or_pd(near, LESS(abs4(disc), _mm256_mul_pd(splat4(PEN_GRAZING), rr))));
 }
 
 static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
 {
-    struct vec4 o = all3(w->ray->permuted_o), d = all3(w->ray->permuted_d),
+    struct vec4 o = splat_vec4(w->ray->permuted_o), d = splat_vec4(w->ray->permuted_d),
                 c = permuted4(w->ray, b->c);
     struct vec4 f = sub3(o, c);
     struct vec4 low = {difference_error4(o.x, c.x, f.x), difference_error4(o.y, c.y, f.y),
                        difference_error4(o.z, c.z, f.z)};
-    __m256d inv_dd = all(w->ray->inv_dd);
+    __m256d inv_dd = splat4(w->ray->inv_dd);
     __m256d tp = _mm256_mul_pd(neg4(dot4(f, d)), inv_dd);
     struct vec4 l = add3(along4(f, d, tp), low);
     __m256d rest = _mm256_mul_pd(neg4(dot4(l, d)), inv_dd);
     __m256d rr = _mm256_loadu_pd(b->rr);
     __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
     unsigned own = origin_lanes(w, b->prim);
-    /* Beyond the tangents, and surely so. */
-    if ((bits(LESS(_mm256_mul_pd(all(-PEN_GRAZING), rr), disc)) | own) == 0)
+    /* All lanes surely miss, by more than the refinement may change. */
+    if ((bits(LESS(_mm256_mul_pd(splat4(-PEN_GRAZING), rr), disc)) | own) == 0)
         return false;
     __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv_dd));
     double t[2][PEN_LANES];
@@ -192,8 +193,8 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
     if (w->reaches_origin) {
         __m256d r = _mm256_loadu_pd(b->r);
         __m256d near = _mm256_mul_pd(
-            all(4), _mm256_mul_pd(
-                        r, _mm256_add_pd(all(w->origin->bound), _mm256_mul_pd(all(8 * PEN_U), r))));
+            splat4(4), _mm256_mul_pd(r, _mm256_add_pd(splat4(w->origin->bound),
+                                                      _mm256_mul_pd(splat4(8 * PEN_U), r))));
         own |= bits(
             _mm256_and_pd(LESS_EQUAL(abs4(_mm256_sub_pd(dot4(f, f), rr)), near), LESS(t0, t1)));
         lanes &= ~own;
@@ -213,19 +214,19 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
 static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LANES])
 {
     const struct pen_ray *ray = w->ray;
-    struct vec4 f = sub3(permuted4(ray, v), all3(ray->permuted_o));
-    f.x = _mm256_sub_pd(f.x, _mm256_mul_pd(all(ray->sx), f.z));
-    f.y = _mm256_sub_pd(f.y, _mm256_mul_pd(all(ray->sy), f.z));
+    struct vec4 f = sub3(permuted4(ray, v), splat_vec4(ray->permuted_o));
+    f.x = _mm256_sub_pd(f.x, _mm256_mul_pd(splat4(ray->sx), f.z));
+    f.y = _mm256_sub_pd(f.y, _mm256_mul_pd(splat4(ray->sy), f.z));
     return f;
 }
 
-/* Offers the lanes of a flat block. */
+/* Offers the intersections of the lanes of a flat block. */
 static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], __m256d t,
                                unsigned lanes, bool any)
 {
-    __m256d useful = _mm256_and_pd(LESS(all(0), t), LESS_EQUAL(t, end4(w, any)));
+    __m256d useful = _mm256_and_pd(LESS(splat4(0), t), LESS_EQUAL(t, tmax4(w, any)));
     if (w->from_surface)
-        useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), all(w->near_sq)));
+        useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), splat4(w->near_sq)));
     lanes &= bits(useful);
     if (lanes == 0)
         return false;
@@ -239,23 +240,23 @@ static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], 
     return false;
 }
 
-/* The lanes whose edge from a to b passes the origin within what a border may miss it by, or
- * little more. In ray space distances across the ray are at most doubled by the shear. An edge that
- * is a single point there has a neighbour that is not, and passes as near. */
-static inline __m256d passes_origin4(const struct trace *w, struct vec4 a, struct vec4 b)
+/* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
+ * space the shear at most doubles distances across the ray. An edge that is a single point there
+ * has a neighbour that is not, and that passes as near. */
+static inline __m256d edge_passes_origin4(const struct trace *w, struct vec4 a, struct vec4 b)
 {
     __m256d size = _mm256_add_pd(abs4(_mm256_sub_pd(b.x, a.x)), abs4(_mm256_sub_pd(b.y, a.y)));
     __m256d area = _mm256_sub_pd(_mm256_mul_pd(a.x, b.y), _mm256_mul_pd(a.y, b.x));
-    return LESS(abs4(area), _mm256_mul_pd(all(16 * w->slack), size));
+    return LESS(abs4(area), _mm256_mul_pd(splat4(16 * w->slack), size));
 }
 
-/* A superset of the triangles with the origin on their border. */
+/* A superset of the triangles with the ray's origin on their border. */
 static __attribute__((noinline)) unsigned triangle_borders4(const struct trace *w,
                                                             const struct pen_triangles4 *block)
 {
     struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
-    __m256d ab = passes_origin4(w, a, b), bc = passes_origin4(w, b, c);
-    return bits(_mm256_or_pd(_mm256_or_pd(ab, bc), passes_origin4(w, c, a)));
+    __m256d ab = edge_passes_origin4(w, a, b), bc = edge_passes_origin4(w, b, c);
+    return bits(_mm256_or_pd(_mm256_or_pd(ab, bc), edge_passes_origin4(w, c, a)));
 }
 
 /* pen_triangle_grazed */
@@ -265,7 +266,7 @@ static inline unsigned grazed4(struct vec4 a, struct vec4 b, struct vec4 c, __m2
     __m256d size =
         _mm256_add_pd(_mm256_add_pd(abs4(e.x), abs4(e.y)), _mm256_add_pd(abs4(f.x), abs4(f.y)));
     __m256d spread = _mm256_add_pd(abs4(e.z), abs4(f.z));
-    return bits(LESS(_mm256_mul_pd(all(8), abs4(area)), _mm256_mul_pd(size, spread)));
+    return bits(LESS(_mm256_mul_pd(splat4(8), abs4(area)), _mm256_mul_pd(size, spread)));
 }
 
 /* pen_edge_even */
@@ -278,7 +279,7 @@ static inline __m256d edge_even4(struct vec4 p, struct vec4 q)
 
 static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 *block, bool any)
 {
-    const __m256d zero = all(0);
+    const __m256d zero = splat4(0);
     struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
     __m256d ew = dop4(a.x, b.y, a.y, b.x), eu = dop4(b.x, c.y, b.y, c.x);
     __m256d ev = minus_dop4(a.x, c.y, a.y, c.x);
@@ -296,7 +297,7 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
     unsigned lanes = bits(_mm256_xor_pd(up, down));
     if (w->reaches_origin) {
         unsigned border = triangle_borders4(w, block) & ~origin_lanes(w, block->prim);
-        if (border && test_borders(w, block->prim, border, any))
+        if (border && test_at_border(w, block->prim, border, any))
             return true;
         lanes &= ~border;
     }
@@ -312,17 +313,18 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
             return true;
         lanes &= ~grazed;
     }
-    __m256d t = _mm256_div_pd(_mm256_mul_pd(sum, all(w->ray->sz)), area);
+    __m256d t = _mm256_div_pd(_mm256_mul_pd(sum, splat4(w->ray->sz)), area);
     return offer_lanes(w, block->prim, t, lanes, any);
 }
 
-/* A superset of the polygons that wind around the ray, by the crossing rule of pen_polygon_root,
- * and if `border` is not NULL, of those with the origin on their border. Products that round to
- * different numbers are in that order, so only ties are left open. */
+/* A superset of the polygons that wind around the ray, by the winding rule of pen_polygon_root,
+ * and if `border` is not NULL, a superset of those with the ray's origin on their border. Two
+ * products that round to different numbers are in that order too before rounding, so only ties are
+ * undecided. */
 static inline unsigned polygons_entered4(const struct trace *w, const struct pen_polygons4 *block,
                                          unsigned *border)
 {
-    const __m256d zero = all(0);
+    const __m256d zero = splat4(0);
     const __m256i one = _mm256_set1_epi64x(1);
     const struct pen_corner4 *corner = &w->accel->corners[block->first];
     __m256i winding = _mm256_setzero_si256();
@@ -339,7 +341,7 @@ static inline unsigned polygons_entered4(const struct trace *w, const struct pen
         __m256i turn = _mm256_or_si256(_mm256_castpd_si256(a_low), one); /* up: -1, down: 1 */
         winding = _mm256_add_epi64(winding, _mm256_and_si256(_mm256_castpd_si256(right), turn));
         if (border)
-            near = _mm256_or_pd(near, passes_origin4(w, a, b));
+            near = _mm256_or_pd(near, edge_passes_origin4(w, a, b));
         a = b;
         a_low = b_low;
     }
@@ -354,7 +356,7 @@ test_polygons_at_origin(struct trace *w, const struct pen_polygons4 *block, bool
 {
     unsigned border, lanes = polygons_entered4(w, block, &border),
                      others = ~origin_lanes(w, block->prim);
-    return (border & others && test_borders(w, block->prim, border & others, any)) ||
+    return (border & others && test_at_border(w, block->prim, border & others, any)) ||
            test_lanes(w, block->prim, lanes & ~border & others, any);
 }
 
@@ -366,7 +368,7 @@ static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *b
     return lanes && test_lanes(w, block->prim, lanes & ~origin_lanes(w, block->prim), any);
 }
 
-/* a + b, and what was lost to rounding (Knuth), as in pen_dot2. */
+/* a + b, and the rounding error of that sum in *lost (Knuth), as in pen_dot2. */
 static inline __m256d sum4(__m256d a, __m256d b, __m256d *lost)
 {
     __m256d next = _mm256_add_pd(a, b), part = _mm256_sub_pd(next, a);
@@ -380,7 +382,7 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
     __m256d x = _mm256_mul_pd(a.x, b.x), y = _mm256_mul_pd(a.y, b.y), z = _mm256_mul_pd(a.z, b.z);
     __m256d sum = _mm256_add_pd(_mm256_add_pd(x, y), z);
     __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(x), abs4(y)), abs4(z));
-    __m256d plain = LESS_EQUAL(size, _mm256_mul_pd(abs4(sum), all(8)));
+    __m256d plain = LESS_EQUAL(size, _mm256_mul_pd(abs4(sum), splat4(8)));
     if (bits(plain) == 15)
         return sum;
     __m256d low = _mm256_fmsub_pd(a.x, b.x, x), lost;
@@ -394,18 +396,18 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
 static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bool any)
 {
     struct vec4 g = permuted4(w->ray, b->g),
-                f = sub3(permuted4(w->ray, b->q), all3(w->ray->permuted_o));
-    __m256d gd = dot_guarded4(g, all3(w->ray->permuted_d));
+                f = sub3(permuted4(w->ray, b->q), splat_vec4(w->ray->permuted_o));
+    __m256d gd = dot_guarded4(g, splat_vec4(w->ray->permuted_d));
     __m256d t = _mm256_div_pd(dot4(g, f), gd);
-    __m256d crossed = _mm256_cmp_pd(gd, all(0), _CMP_NEQ_OQ);
-    __m256d after = all(any ? 0 : w->after.t);
-    __m256d useful = _mm256_and_pd(LESS_EQUAL(after, t), LESS_EQUAL(t, end4(w, any)));
+    __m256d crossed = _mm256_cmp_pd(gd, splat4(0), _CMP_NEQ_OQ);
+    __m256d after = splat4(any ? 0 : w->after.t);
+    __m256d useful = _mm256_and_pd(LESS_EQUAL(after, t), LESS_EQUAL(t, tmax4(w, any)));
     unsigned lanes = bits(_mm256_and_pd(crossed, useful)), near = 0;
     if (w->from_surface) {
-        /* A superset of the lanes that touch the origin: |g| < 2. */
+        /* A superset of the lanes that the ray's origin touches; |g| < 2. */
         __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(f.x), abs4(f.y)), abs4(f.z));
-        __m256d bound = _mm256_fmadd_pd(all(8 * PEN_U), size, all(w->origin->bound));
-        __m256d touches = LESS_EQUAL(abs4(_mm256_mul_pd(t, gd)), _mm256_mul_pd(all(4), bound));
+        __m256d bound = _mm256_fmadd_pd(splat4(8 * PEN_U), size, splat4(w->origin->bound));
+        __m256d touches = LESS_EQUAL(abs4(_mm256_mul_pd(t, gd)), _mm256_mul_pd(splat4(4), bound));
         unsigned own = origin_lanes(w, b->prim);
         near = bits(_mm256_and_pd(crossed, touches)) & ~own;
         lanes &= ~(near | own);
@@ -427,26 +429,26 @@ static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bo
     return false;
 }
 
-/* The endless sides of four cylinders against a ray. */
+/* The intersections of a ray with four cylinders, continued without end. */
 struct side4 {
     __m256d t0, t1; /* as pen_cylinder_side_roots */
     __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
-    unsigned near;  /* lanes to be refined; t is within [least, most] there */
+    unsigned near;  /* lanes that the scalar function refines; t is within [least, most] there */
     __m256d least, most;
 };
 
 static inline struct side4 side_roots4(const struct trace *w, const struct pen_cylinders4 *b,
                                        struct vec4 f, struct vec4 a)
 {
-    struct vec4 o = all3(w->ray->permuted_o), q = permuted4(w->ray, b->q);
+    struct vec4 o = splat_vec4(w->ray->permuted_o), q = permuted4(w->ray, b->q);
     struct vec4 low = {difference_error4(o.x, q.x, f.x), difference_error4(o.y, q.y, f.y),
                        difference_error4(o.z, q.z, f.z)};
     struct vec4 rest3 = {_mm256_sub_pd(_mm256_mul_pd(low.y, a.z), _mm256_mul_pd(low.z, a.y)),
                          _mm256_sub_pd(_mm256_mul_pd(low.z, a.x), _mm256_mul_pd(low.x, a.z)),
                          _mm256_sub_pd(_mm256_mul_pd(low.x, a.y), _mm256_mul_pd(low.y, a.x))};
-    struct vec4 m = cross4(all3(w->ray->permuted_d), a), n = add3(cross4(f, a), rest3);
+    struct vec4 m = cross4(splat_vec4(w->ray->permuted_d), a), n = add3(cross4(f, a), rest3);
     struct side4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
-    __m256d inv = _mm256_div_pd(all(1), out.mm);
+    __m256d inv = _mm256_div_pd(splat4(1), out.mm);
     __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
     struct vec4 l = along4(n, m, tp);
     __m256d rest = _mm256_mul_pd(neg4(dot4(l, m)), inv);
@@ -457,7 +459,7 @@ static inline struct side4 side_roots4(const struct trace *w, const struct pen_c
     out.t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
     out.near = refined_lanes(tp, h, disc, rr);
     if (out.near) { /* the half chord is at most r / |m| */
-        __m256d reach = _mm256_sqrt_pd(_mm256_mul_pd(_mm256_mul_pd(all(2), rr), inv));
+        __m256d reach = _mm256_sqrt_pd(_mm256_mul_pd(_mm256_mul_pd(splat4(2), rr), inv));
         out.least = _mm256_sub_pd(tp, reach);
         out.most = _mm256_add_pd(tp, reach);
     }
@@ -471,16 +473,16 @@ static inline __m256d size4(struct vec4 a, struct vec4 b)
     return _mm256_add_pd(xy, abs4(_mm256_mul_pd(a.z, b.z)));
 }
 
-/* A superset of the lanes that the origin touches, as pen_cylinder_touches: |a| < 2. */
+/* A superset of the lanes that the ray's origin touches, as pen_cylinder_touches; |a| < 2. */
 static inline __m256d cylinder_touches4(const struct trace *w, const struct pen_cylinders4 *b,
                                         __m256d nn, __m256d fa)
 {
     __m256d size = _mm256_loadu_pd(b->size);
-    __m256d bound = _mm256_add_pd(all(w->origin->bound), _mm256_mul_pd(all(8 * PEN_U), size));
+    __m256d bound = _mm256_add_pd(splat4(w->origin->bound), _mm256_mul_pd(splat4(8 * PEN_U), size));
     __m256d off_side = abs4(_mm256_sub_pd(nn, _mm256_loadu_pd(b->rr)));
     __m256d off_top = abs4(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa));
-    __m256d twice = _mm256_mul_pd(all(2), bound);
-    return _mm256_or_pd(LESS_EQUAL(off_side, _mm256_mul_pd(all(16), _mm256_mul_pd(size, bound))),
+    __m256d twice = _mm256_mul_pd(splat4(2), bound);
+    return _mm256_or_pd(LESS_EQUAL(off_side, _mm256_mul_pd(splat4(16), _mm256_mul_pd(size, bound))),
                         _mm256_or_pd(LESS_EQUAL(abs4(fa), twice), LESS_EQUAL(off_top, twice)));
 }
 
@@ -488,8 +490,8 @@ static inline __m256d cylinder_touches4(const struct trace *w, const struct pen_
 static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylinders4 *b,
                                    struct vec4 f, struct vec4 a)
 {
-    const __m256d four = all(4);
-    struct vec4 d = all3(w->ray->permuted_d);
+    const __m256d four = splat4(4);
+    struct vec4 d = splat_vec4(w->ray->permuted_d);
     __m256d top = _mm256_loadu_pd(b->top), fa = dot4(f, a), da = dot4(d, a);
     __m256d rest = abs4(_mm256_sub_pd(top, fa)), least = _mm256_min_pd(rest, abs4(fa));
     return bits(_mm256_or_pd(LESS(_mm256_mul_pd(four, least), size4(f, a)),
@@ -497,7 +499,7 @@ static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylin
                                           LESS(_mm256_mul_pd(four, abs4(da)), size4(d, a)))));
 }
 
-/* Offers the ends of one cylinder's inside. */
+/* Offers the two ends of the ray's interval inside one cylinder. */
 static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b, int lane,
                                 const struct pen_interval *in, bool any)
 {
@@ -510,11 +512,11 @@ static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b,
 
 static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 *b, bool any)
 {
-    const __m256d zero = all(0);
-    struct vec4 a = permuted4(w->ray, b->a), o = all3(w->ray->permuted_o);
+    const __m256d zero = splat4(0);
+    struct vec4 a = permuted4(w->ray, b->a), o = splat_vec4(w->ray->permuted_o);
     struct vec4 f = sub3(o, permuted4(w->ray, b->q));
-    __m256d da = dot_guarded4(all3(w->ray->permuted_d), a), fa = dot4(f, a);
-    __m256d inv = _mm256_div_pd(all(1), da);
+    __m256d da = dot_guarded4(splat_vec4(w->ray->permuted_d), a), fa = dot4(f, a);
+    __m256d inv = _mm256_div_pd(splat4(1), da);
     __m256d base = _mm256_mul_pd(neg4(fa), inv);
     __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);
     __m256d forward = LESS(zero, da);
@@ -526,9 +528,9 @@ static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 
     __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
     unsigned lanes = bits(met);
     if (side.near | (lanes & ~plain)) {
-        /* What may be off by rounding, and then some. */
+        /* More than the rounding of lo and hi. */
         __m256d size = _mm256_add_pd(size4(f, a), _mm256_loadu_pd(b->top));
-        __m256d pad = _mm256_mul_pd(_mm256_mul_pd(all(0x1p-40), size), abs4(inv));
+        __m256d pad = _mm256_mul_pd(_mm256_mul_pd(splat4(0x1p-40), size), abs4(inv));
         if (side.near)
             plain |= side.near & overlaps4(w, _mm256_max_pd(side.least, _mm256_sub_pd(lo, pad)),
                                            _mm256_min_pd(side.most, _mm256_add_pd(hi, pad)), any);

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Boxes with AVX2 and FMA: a node's eight at once; see traverse.h. */
+/* Tests of boxes with AVX2 and FMA, the eight of a node at once; see prim_test.h. */
 #ifndef PEN_ACCEL_INTERNAL_BOXES_AVX2_H
 #define PEN_ACCEL_INTERNAL_BOXES_AVX2_H
 
 #include "accel/internal/blocks_avx2.h"
 
-/* How an axis's near or far planes are compared: which row of planes, and from where. */
+/* The near or far planes of an axis: their row in a node, and the ray's origin and reciprocal that
+ * they are compared with. */
 struct box_side {
     __m256 o, inv;
     size_t row;
@@ -23,12 +24,13 @@ static inline struct box_side box_side(float o, float inv, size_t row)
 }
 
 /* The nearest floats, kept finite. */
-static inline __m128 floats_near(__m256d x)
+static inline __m128 floats_nearest(__m256d x)
 {
-    return _mm256_cvtpd_ps(_mm256_max_pd(_mm256_min_pd(x, all(FLT_MAX)), all(-FLT_MAX)));
+    return _mm256_cvtpd_ps(_mm256_max_pd(_mm256_min_pd(x, splat4(FLT_MAX)), splat4(-FLT_MAX)));
 }
 
-/* More than the distance of a float from what was rounded to it, and from its neighbours. */
+/* A margin larger than the distance of a float from any number that rounds to it, and from its
+ * neighbours. */
 static inline __m128 floats_margin(__m128 f)
 {
     __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0f), f);
@@ -41,17 +43,17 @@ static inline void box_ray_make(struct box_ray *box, const struct pen_ray *ray, 
     const __m256i three = _mm256_set_epi64x(0, -1, -1, -1);
     box->scale = box_scale(ray);
     __m256d o = _mm256_maskload_pd(&ray->o.x, three), d = _mm256_maskload_pd(&ray->d.x, three);
-    __m128 low = floats_near(_mm256_sub_pd(o, all(grow)));
-    __m128 high = floats_near(_mm256_add_pd(o, all(grow)));
+    __m128 low = floats_nearest(_mm256_sub_pd(o, splat4(grow)));
+    __m128 high = floats_nearest(_mm256_add_pd(o, splat4(grow)));
     low = _mm_sub_ps(low, floats_margin(low));
     high = _mm_add_ps(high, floats_margin(high));
-    __m256d inv = _mm256_div_pd(all(box->scale), d);
-    __m128 far_inv = _mm256_cvtpd_ps(_mm256_mul_pd(inv, all(1 + 0x1p-22)));
+    __m256d inv = _mm256_div_pd(splat4(box->scale), d);
+    __m128 far_inv = _mm256_cvtpd_ps(_mm256_mul_pd(inv, splat4(1 + 0x1p-22)));
     /* Where d is negative or -0, the near plane is the high end. */
     float o_near[4], o_far[4], inv_near[4], inv_far[4];
     _mm_storeu_ps(o_near, _mm_blendv_ps(high, low, far_inv));
     _mm_storeu_ps(o_far, _mm_blendv_ps(low, high, far_inv));
-    _mm_storeu_ps(inv_near, floats_near(_mm256_mul_pd(inv, all(1 - 0x1p-22))));
+    _mm_storeu_ps(inv_near, floats_nearest(_mm256_mul_pd(inv, splat4(1 - 0x1p-22))));
     _mm_storeu_ps(inv_far, far_inv);
     size_t negative = (size_t)_mm_movemask_ps(far_inv);
     for (size_t axis = 0; axis < 3; axis++) {
@@ -68,7 +70,8 @@ static inline __m256 box_t(const struct pen_node *node, const struct box_side *s
                          side->inv);
 }
 
-/* Where a t is NaN, from 0 times infinity, the axis is left out. */
+/* An axis with a NaN, from 0 times infinity, does not count: max and min then give their second
+ * operand. */
 static inline unsigned enter_node(const struct pen_node *node, const struct box_ray *box,
                                   float limit, float near[PEN_WIDE])
 {

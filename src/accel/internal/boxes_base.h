@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Boxes in plain C, one by one; see traverse.h. Every float has the bits that boxes_avx2.h gives
- * it, so that both variants look into the same boxes. */
+/* Tests of boxes in plain C, one by one; see prim_test.h. Every float has the same bits as in
+ * boxes_avx2.h, so that both variants enter the same boxes and count the same tests. */
 #ifndef PEN_ACCEL_INTERNAL_BOXES_BASE_H
 #define PEN_ACCEL_INTERNAL_BOXES_BASE_H
 
@@ -14,7 +14,8 @@ struct box_ray {
     double scale;
 };
 
-/* More than the distance of a float from what was rounded to it, and from its neighbours. */
+/* A margin larger than the distance of a float from any number that rounds to it, and from its
+ * neighbours. */
 static inline float float_margin(float f)
 {
     return (float)((double)fabsf(f) * 0x1p-23 + (double)FLT_MIN);
@@ -50,7 +51,7 @@ static inline void box_ray_make(struct box_ray *box, const struct pen_ray *ray, 
     box->tmin = pen_float_down(tmin * box->scale);
 }
 
-/* One of the `width` boxes whose planes these are. */
+/* Whether the ray enters one of the `width` boxes that `plane` holds side by side. */
 static inline bool enter_box(const float *plane, int width, const struct box_ray *box, float limit,
                              float *near)
 {
@@ -60,7 +61,7 @@ static inline bool enter_box(const float *plane, int width, const struct box_ray
         float last = plane[width * (axis + (box->negative[axis] ? 0 : 3))];
         float a = (first - box->near_o[axis]) * box->near_inv[axis];
         float b = (last - box->far_o[axis]) * box->far_inv[axis];
-        t0 = a > t0 ? a : t0; /* NaN, from 0 times infinity, leaves the axis out */
+        t0 = a > t0 ? a : t0; /* an axis with a NaN, from 0 times infinity, does not count */
         t1 = b < t1 ? b : t1;
     }
     *near = t0;

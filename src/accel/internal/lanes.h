@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors of four doubles or eight floats as the compiler knows them, on any processor. What it
- * does not know is in lanes_base.h and lanes_avx2.h. */
+/* Vectors of four doubles or eight floats in the compiler's own vector types, which work on any
+ * processor. The operations that these types lack are in lanes_base.h and lanes_avx2.h. */
 #ifndef PEN_ACCEL_INTERNAL_LANES_H
 #define PEN_ACCEL_INTERNAL_LANES_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What lanes.h leaves open, for AVX2. */
+/* The operations that the types of lanes.h lack, for AVX2. */
 #ifndef PEN_ACCEL_INTERNAL_LANES_AVX2_H
 #define PEN_ACCEL_INTERNAL_LANES_AVX2_H
 

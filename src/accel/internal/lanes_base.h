@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What lanes.h leaves open, for any processor. */
+/* The operations that the types of lanes.h lack, for any processor. */
 #ifndef PEN_ACCEL_INTERNAL_LANES_BASE_H
 #define PEN_ACCEL_INTERNAL_LANES_BASE_H
 
 #include "accel/internal/lanes.h"
 
-/* A bit for each lane that is set. */
+/* The lanes that are set, as bits. */
 static inline unsigned mask4_bits(const mask4 *m)
 {
     unsigned bits = 0;

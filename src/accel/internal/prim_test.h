@@ -1,39 +1,48 @@
 /* SPDX-License-Identifier: MIT */
-/* Queries: the primitive that every variant compiles. The including file states how boxes and items
- * are tested, as struct box_ray { ...; double scale; }; static inline void box_ray_make(struct
- * box_ray *, const struct pen_ray *, double tmin, double grow); static inline unsigned
- * enter_node(const struct pen_node *, const struct box_ray *, float limit, float near[PEN_WIDE]);
- *     static inline unsigned enter_pair(const struct pen_pair *, const struct box_ray *,
- *                                       float limit, float near[2]);
- *     static inline bool test_item(struct trace *, uint32_t item, bool any);
- * and then includes traverse_walk.h. Whatever a variant does there, it offers the same
- * intersections: those that pen_prim_intersect states.
+/* One query in progress, and the tests of single primitives: what every compiled variant shares.
  *
- * A struct box_ray is a ray as boxes see it, in binary32, scaled by a power of two such that the
- * largest component of d is in [1, 2): a box's t is the ray's times `scale`. The near plane of an
- * axis is compared with an origin rounded to make the way to it shorter, the far plane with one
- * that makes it longer; reciprocals are off by 2^-22 to the same ends, more than the three
- * roundings of a slab take away. Boxes grow by `grow`, so that those are entered that hold what may
- * be met by touching it. */
+ * An instruction set's header (see isa_base.h) states how boxes and items are tested:
+ *
+ *   struct box_ray { ...; float tmin; double scale; };
+ *   static inline void box_ray_make(struct box_ray *, const struct pen_ray *, double tmin,
+ *                                   double grow);
+ *   static inline unsigned enter_node(const struct pen_node *, const struct box_ray *, float limit,
+ *                                     float near[PEN_WIDE]);
+ *   static inline unsigned enter_pair(const struct pen_pair *, const struct box_ray *, float limit,
+ *                                     float near[2]);
+ *   static inline bool test_item(struct trace *, uint32_t item, bool any);
+ *
+ * However a variant does that, it offers the same intersections: those of pen_prim_intersect.
+ *
+ * A struct box_ray is a ray in binary32 for tests of boxes, scaled by a power of two such that the
+ * largest component of d is in [1, 2): a box's t is the ray's t times `scale`. So that a box test
+ * never errs towards a miss:
+ *  1. the near plane of an axis is compared with an origin that is rounded towards that plane, the
+ *     far plane with one rounded away from it, so that rounding moves t of the near plane down and
+ *     t of the far plane up;
+ *  2. reciprocals are off by 2^-22 in the same directions, which is more than the three roundings
+ * of a slab test take away;
+ *  3. boxes grow by `grow`, so that a box is entered too if it holds a primitive that the ray's
+ *     origin only touches. */
 #ifndef PEN_ACCEL_INTERNAL_PRIM_TEST_H
 #define PEN_ACCEL_INTERNAL_PRIM_TEST_H
 
 #include "accel/internal/rounding.h"
 #include "accel/internal/structure.h"
 
-/* One query under way. */
+/* One query in progress. */
 struct trace {
     const struct pen_accel *accel;
     const struct pen_ray *ray;
     const struct pen_origin_surface *origin;
     bool from_surface;          /* the ray starts on a primitive */
-    bool reaches_origin;        /* and what is tested now may reach the place where it starts */
-    double slack;               /* then what touches it misses it by no more than this, */
-    double grow;                /* and no border farther off than this is passed */
-    double near_sq;             /* square of the t that is as far as grow */
-    struct pen_hit after, best; /* nearest: the crossing looked for is between them */
+    bool reaches_origin;        /* and the box of what is tested now contains the origin */
+    double slack;               /* a primitive that touches the origin misses it by at most this */
+    double grow;                /* the self-intersection rule reaches no farther than this */
+    double near_sq;             /* square of the t at distance grow */
+    struct pen_hit after, best; /* nearest: the intersection sought is between these */
     struct pen_shadow *shadow;
-    double light_bound;    /* shadow: by how much the light may miss a surface that contains it */
+    double light_bound;    /* shadow: how far the light may be off a surface that contains it */
     struct pen_vec3 light; /* shadow to a point: where the ray ends */
 };
 
@@ -68,8 +77,8 @@ static inline double flat_scale(const struct trace *w, struct pen_prim_ref ref, 
     return pen_norm1(pen_sub(p, w->accel->prims->plane[ref.index].q));
 }
 
-/* Whether pen_prim_ends_ray may be true: nearly always the light is seen to be off the surface at
- * less expense. */
+/* Whether pen_prim_ends_ray may be true. A cheaper test, which nearly always shows that the light
+ * is not on the surface. */
 static inline bool may_end_ray(const struct trace *w, struct pen_hit h)
 {
     const struct pen_prims *prims = w->accel->prims;
@@ -85,7 +94,7 @@ static inline bool may_end_ray(const struct trace *w, struct pen_hit h)
                1u << h.part;
 }
 
-/* Keeps a see-through intersection in order. */
+/* Inserts an intersection that lets light pass, in order. */
 static inline void keep_intersection(struct pen_shadow *query, struct pen_hit h)
 {
     if (query->count == PEN_SHADOW_MAX) {
@@ -98,7 +107,7 @@ static inline void keep_intersection(struct pen_shadow *query, struct pen_hit h)
     query->hit[at] = h;
 }
 
-/* Takes note of a crossing; true if it ends the query. */
+/* Records an intersection; true if it ends the query. */
 static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part, bool any)
 {
     struct pen_hit h = {t, prim, part};
@@ -122,7 +131,7 @@ static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part,
 }
 
 /* The intersections of any primitive, by the reference: for kinds without a test here, and for
- * primitives that the ray leaves or touches at its origin. */
+ * primitives that the ray's origin is on or touches. */
 static __attribute__((noinline)) bool test_reference(struct trace *w, uint32_t prim, bool any)
 {
     struct pen_intersections c;
@@ -183,7 +192,8 @@ static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pe
            ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(w, prim, in.hi, in.hi_part, any));
 }
 
-/* A intersection of a flat primitive at t. */
+/* Offers the intersection of the ray's line with a flat primitive at t, if the self-intersection
+ * rule does not decide otherwise. */
 static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any)
 {
     bool late = t > (any ? w->shadow->tmax : w->best.t);
@@ -205,7 +215,7 @@ static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any
     return offer(w, prim, t, PEN_PART_SIDE, any);
 }
 
-/* The same for a finite primitive, most of which are cheaply seen to be well behind. */
+/* The same for a finite primitive. Most of those behind the origin are dropped at once. */
 static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool any)
 {
     if (t < 0 && (!w->from_surface || t * t > w->near_sq))
@@ -213,7 +223,7 @@ static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool 
     return offer_flat(w, prim, t, any);
 }
 
-/* One primitive of any kind, by the functions of its header. */
+/* Tests one primitive of any kind, by the functions of its header or by the reference. */
 static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
 {
     const struct pen_prims *prims = w->accel->prims;
@@ -243,7 +253,7 @@ static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
     return test_reference(w, prim, any);
 }
 
-/* The primitives of a block, in order. */
+/* The primitives of a block, in order; NULL if the item is not a block. */
 static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_t item)
 {
     uint32_t index = PEN_ITEM_INDEX(item);
@@ -270,8 +280,8 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
     return NULL;
 }
 
-/* One primitive of a leaf. Where a flat primitive may have the origin on its border, that its
- * inside is missed is not the whole answer. */
+/* Tests one primitive of a leaf. A flat primitive with the ray's origin on its border may count as
+ * hit although the ray's line misses its inside, so the reference decides near the origin. */
 static inline bool test_one(struct trace *w, uint32_t prim, bool any)
 {
     uint32_t kind = w->accel->prims->ref[prim].kind;
@@ -280,7 +290,7 @@ static inline bool test_one(struct trace *w, uint32_t prim, bool any)
     return test_prim(w, prim, any);
 }
 
-/* A block's primitives, or a single one, one by one. */
+/* Tests the primitives of an item one by one. */
 static inline bool test_each(struct trace *w, uint32_t item, bool any)
 {
     if (PEN_ITEM_KIND(item) == PEN_BLOCK_SINGLE)

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* The walk through lists: every box of a list is tested, and what is in the boxes that the ray
- * enters is visited in the order of the document, a group with all that is inside it before the
- * next child. Boxes are tested eight at a time; one that a crossing found meanwhile has put out of
- * reach is left alone, as if it had been tested just then. */
+/* Traversal of lists. Every box of a list is tested, and the children whose boxes the ray enters
+ * are visited in document order, a group with all its contents before the next child. Boxes are
+ * tested eight at a time. A box that lies beyond an intersection found since its test is skipped,
+ * so that the result is as if boxes were tested one by one. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_LISTS_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_LISTS_H
 
 #include "accel/internal/traverse_leaf.h"
 
-/* Where the walk stands in a list. */
+/* The position of the traversal in one list. */
 struct list_level {
     uint32_t node;
-    unsigned mask; /* entered children that are still to be visited */
+    unsigned mask; /* children still to be visited */
     float near[PEN_WIDE];
 };
 
@@ -25,10 +25,10 @@ static inline void list_enter(const struct trace *w, const struct box_ray *box, 
     level->mask = enter_node(node, box, limit, level->near);
 }
 
-static inline bool walk_lists(struct trace *w, const struct box_ray *box, bool any)
+static inline bool traverse_lists(struct trace *w, const struct box_ray *box, bool any)
 {
     struct list_level stack[PEN_MAX_DEPTH];
-    float limit = walk_limit(w, box, any);
+    float limit = traverse_limit(w, box, any);
     int top = 0;
     list_enter(w, box, limit, 0, &stack[0]);
     while (top >= 0) {
@@ -52,7 +52,7 @@ static inline bool walk_lists(struct trace *w, const struct box_ray *box, bool a
         }
         if (test_leaf(w, child & ~PEN_CHILD_LEAF, level->near[lane] <= box->tmin, any))
             return true;
-        limit = walk_limit(w, box, any);
+        limit = traverse_limit(w, box, any);
     }
     return false;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The walk through a binary tree, the nearer child first. */
+/* Traversal of a binary tree, the nearer child first. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_PAIRS_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_PAIRS_H
 
@@ -10,12 +10,12 @@ struct pair_pending {
     uint32_t child;
 };
 
-static inline bool walk_pairs(struct trace *w, const struct box_ray *box, bool any)
+static inline bool traverse_pairs(struct trace *w, const struct box_ray *box, bool any)
 {
     struct pair_pending stack[PEN_MAX_DEPTH];
     int top = 0;
     stack[top++] = (struct pair_pending){0, 0};
-    float limit = walk_limit(w, box, any);
+    float limit = traverse_limit(w, box, any);
     while (top > 0) {
         struct pair_pending at = stack[--top];
         if (at.near > limit)
@@ -23,7 +23,7 @@ static inline bool walk_pairs(struct trace *w, const struct box_ray *box, bool a
         if (at.child & PEN_CHILD_LEAF) {
             if (test_leaf(w, at.child & ~PEN_CHILD_LEAF, at.near <= box->tmin, any))
                 return true;
-            limit = walk_limit(w, box, any);
+            limit = traverse_limit(w, box, any);
             continue;
         }
         const struct pen_pair *pair = &w->accel->pairs[at.child];

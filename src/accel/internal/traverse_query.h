@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The two queries: which walk answers them, and what they begin with. The including file includes
- * an instruction set's header first (see isa_base.h), and says whether tests are counted:
- * `enum { COUNTING = 0 };` or 1. */
+/* The two queries, nearest intersection and shadow ray: how they begin, and which traversal they
+ * use. The including file first includes an instruction set's header (see isa_base.h) and states
+ * whether tests are counted: `enum { COUNTING = 0 };` or 1. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_QUERY_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_QUERY_H
 
@@ -9,11 +9,13 @@
 #include "accel/internal/traverse_pairs.h"
 #include "accel/internal/traverse_wide.h"
 
-/* The other shapes, kept out of the way of the wide one. */
-static __attribute__((noinline)) bool walk_other(struct trace *w, const struct box_ray *box,
-                                                 bool any)
+/* The shapes that rays seldom traverse; not inlined, so that the code for wide trees stays small.
+ */
+static __attribute__((noinline)) bool traverse_other(struct trace *w, const struct box_ray *box,
+                                                     bool any)
 {
-    return w->accel->shape == PEN_SHAPE_PAIRS ? walk_pairs(w, box, any) : walk_lists(w, box, any);
+    return w->accel->shape == PEN_SHAPE_PAIRS ? traverse_pairs(w, box, any)
+                                              : traverse_lists(w, box, any);
 }
 
 static inline bool search(struct trace *w, double tmin, bool any)
@@ -27,10 +29,10 @@ static inline bool search(struct trace *w, double tmin, bool any)
     struct box_ray box;
     box_ray_make(&box, w->ray, tmin, w->grow);
     if (accel->shape != PEN_SHAPE_WIDE)
-        return walk_other(w, &box, any);
+        return traverse_other(w, &box, any);
     if (any)
-        return walk_any(w, &box);
-    walk_nearest(w, &box);
+        return traverse_any(w, &box);
+    traverse_nearest(w, &box);
     return false;
 }
 
@@ -80,7 +82,7 @@ static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
 {
     struct trace w = trace_begin_shadow(accel, ray, origin, query);
     uint32_t last = query->last_occluder;
-    /* What the thread met before must not change what is counted. */
+    /* Counts must not depend on the rays before this one, so the hint is not tried. */
     if (!COUNTING && last < accel->prims->count &&
         !(query->see_through && query->see_through[last]) && test_prim(&w, last, true))
         return true;

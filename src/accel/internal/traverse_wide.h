@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The walk through a tree of wide nodes. */
+/* Traversal of a tree of wide nodes: nearest boxes first for the nearest intersection, in any order
+ * for a shadow ray. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_WIDE_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_WIDE_H
 
 #include "accel/internal/traverse_leaf.h"
 
-/* Each node on the way down leaves at most seven others behind. */
+/* Each level of the tree adds at most seven pending children to the stack. */
 enum { STACK = (PEN_WIDE - 1) * PEN_MAX_DEPTH + 1 };
 
 struct pending {
@@ -29,9 +30,9 @@ static inline int push_children(struct pending *stack, int top, const struct pen
     return top;
 }
 
-/* Visits what the ray may meet, nearest boxes first. A box is entered when its near distance is
- * <= the best t, so that ties are decided by number. */
-static inline void walk_nearest(struct trace *w, const struct box_ray *box)
+/* Visits the boxes that the ray enters, nearest first. A box is entered if its near distance is <=
+ * the best t, so that of intersections at equal t the one with the lowest number wins. */
+static inline void traverse_nearest(struct trace *w, const struct box_ray *box)
 {
     struct pending stack[STACK];
     int top = 0;
@@ -64,8 +65,8 @@ static inline void walk_nearest(struct trace *w, const struct box_ray *box)
     }
 }
 
-/* Visits what the ray may meet, in any order; true if something ended the query. */
-static inline bool walk_any(struct trace *w, const struct box_ray *box)
+/* Visits the boxes that the ray enters, in any order; true if an intersection ended the query. */
+static inline bool traverse_any(struct trace *w, const struct box_ray *box)
 {
     uint32_t stack[STACK];
     int top = 0;
