@@ -12,8 +12,8 @@ bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_
 {
     if (!is_length(h) || !pen_cylinder_side_make(&c->round, base, axis, r))
         return false;
-    struct twofold3 a = tf_of3(c->round.a);
-    struct twofold top = tf_mul((struct twofold){h, 0}, tf_sqrt(tf_dot(a, a)));
+    struct dd3 a = dd_of3(c->round.a);
+    struct dd top = dd_mul((struct dd){h, 0}, dd_sqrt(dd_dot(a, a)));
     c->top = top.hi;
     c->top_low = top.lo;
     c->h = h;
@@ -24,10 +24,10 @@ bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_
 void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
                               struct pen_interval *in)
 {
-    struct twofold3 a = tf_of3(c->round.a);
-    struct twofold fa = tf_dot(tf_sub3(ray->o, c->round.q), a);
-    struct twofold rest = tf_add((struct twofold){c->top, c->top_low}, tf_neg(fa));
-    double da = tf_dot(tf_of3(ray->d), a).hi, base = -fa.hi / da, top = rest.hi / da;
+    struct dd3 a = dd_of3(c->round.a);
+    struct dd fa = dd_dot(dd_sub3(ray->o, c->round.q), a);
+    struct dd rest = dd_add((struct dd){c->top, c->top_low}, dd_neg(fa));
+    double da = dd_dot(dd_of3(ray->d), a).hi, base = -fa.hi / da, top = rest.hi / da;
     if (da == 0)
         return;
     if (da > 0)
@@ -148,8 +148,8 @@ static void add_ends(const struct pen_cylinder *c, const struct pen_interval *in
 
 static bool make(void *self, const struct pen_prim_source *from)
 {
-    return pen_cylinder_make(self, from->point, from->direction, from->radius, from->height,
-                             from->caps);
+    return pen_cylinder_make(self, from->point, from->direction, from->length[PEN_RADIUS],
+                             from->length[PEN_HEIGHT], from->caps);
 }
 
 static void intersect_line(const void *self, const struct pen_ray *ray,

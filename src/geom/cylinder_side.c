@@ -14,8 +14,8 @@ bool pen_cylinder_side_make(struct pen_cylinder_side *s, struct pen_vec3 origin,
     s->a = pen_scale_to_one(axis);
     s->r = r;
     s->length = pen_length(s->a);
-    struct twofold3 a = tf_of3(s->a);
-    struct twofold rr = tf_mul(two_prod(r, r), tf_dot(a, a));
+    struct dd3 a = dd_of3(s->a);
+    struct dd rr = dd_mul(two_prod(r, r), dd_dot(a, a));
     s->rr = rr.hi;
     s->rr_low = rr.lo;
     return true;
@@ -24,19 +24,19 @@ bool pen_cylinder_side_make(struct pen_cylinder_side *s, struct pen_vec3 origin,
 void pen_cylinder_side_refine(const struct pen_cylinder_side *s, const struct pen_ray *ray,
                               double t[2])
 {
-    struct twofold3 a = tf_of3(s->a), m = tf_cross(tf_of3(ray->d), a);
-    struct twofold3 n = tf_cross(tf_sub3(ray->o, s->q), a);
-    struct twofold minus_rr = {-s->rr, -s->rr_low};
-    tf_roots(tf_dot(m, m), tf_dot(m, n), tf_add(tf_dot(n, n), minus_rr), t);
+    struct dd3 a = dd_of3(s->a), m = dd_cross(dd_of3(ray->d), a);
+    struct dd3 n = dd_cross(dd_sub3(ray->o, s->q), a);
+    struct dd minus_rr = {-s->rr, -s->rr_low};
+    dd_roots(dd_dot(m, m), dd_dot(m, n), dd_add(dd_dot(n, n), minus_rr), t);
 }
 
 double pen_cylinder_side_chord(const struct pen_cylinder_side *s, const struct pen_ray *ray)
 {
-    struct twofold3 a = tf_of3(s->a);
-    struct twofold3 m = tf_cross(tf_of3(ray->d), a);
-    struct twofold3 n = tf_cross(tf_sub3(ray->o, s->q), a);
-    double mm = tf_dot(m, m).hi;
-    return mm == 0 ? 0 : -2 * tf_dot(m, n).hi / mm;
+    struct dd3 a = dd_of3(s->a);
+    struct dd3 m = dd_cross(dd_of3(ray->d), a);
+    struct dd3 n = dd_cross(dd_sub3(ray->o, s->q), a);
+    double mm = dd_dot(m, m).hi;
+    return mm == 0 ? 0 : -2 * dd_dot(m, n).hi / mm;
 }
 
 bool pen_cylinder_side_contains(const struct pen_cylinder_side *s, struct pen_vec3 p)

@@ -21,7 +21,7 @@ bool pen_infinite_cylinder_make(struct pen_infinite_cylinder *infinite_cylinder,
 
 static bool make(void *self, const struct pen_prim_source *from)
 {
-    return pen_infinite_cylinder_make(self, from->point, from->direction, from->radius);
+    return pen_infinite_cylinder_make(self, from->point, from->direction, from->length[PEN_RADIUS]);
 }
 
 static void intersect_line(const void *self, const struct pen_ray *ray,

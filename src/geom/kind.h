@@ -84,11 +84,14 @@ struct pen_outline {
     double extent; /* no corner is farther than this from another along an axis */
 };
 
+/* The lengths that a primitive may have. */
+enum pen_length { PEN_RADIUS, PEN_HEIGHT, PEN_LENGTHS };
+
 /* What a primitive is made from. Each kind reads its own numbers and ignores the rest. */
 struct pen_prim_source {
     struct pen_vec3 point;     /* centre; a point of a plane or of an axis; the base's middle */
     struct pen_vec3 direction; /* normal or axis, any length but zero */
-    double radius, height;
+    double length[PEN_LENGTHS];
     bool caps;
     uint32_t count; /* of vertices */
     const struct pen_vec3 *vertices;

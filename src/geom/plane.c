@@ -14,8 +14,8 @@ bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 
     p->g = pen_scale_to_one(normal);
     p->n = pen_unit_of(normal);
     /* The point nearest the origin, unless the given one, which is exact, is about as near. */
-    struct twofold3 g = tf_of3(p->g);
-    double s = tf_dot(g, tf_of3(point)).hi / tf_dot(g, g).hi;
+    struct dd3 g = dd_of3(p->g);
+    double s = dd_dot(g, dd_of3(point)).hi / dd_dot(g, g).hi;
     struct pen_vec3 foot = pen_scale(p->g, s);
     p->q = pen_norm1(point) <= 4 * pen_norm1(foot) ? point : foot;
     return is_finite3(p->q);

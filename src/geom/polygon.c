@@ -17,14 +17,14 @@ struct pen_box pen_polygon_bounds(const struct pen_polygon *p)
 /* Newell's normal, relative to the first vertex. */
 static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
 {
-    struct twofold3 sum = tf_of3(pen_vec3(0, 0, 0));
-    struct twofold3 e = tf_sub3(v[1], v[0]);
+    struct dd3 sum = dd_of3(pen_vec3(0, 0, 0));
+    struct dd3 e = dd_sub3(v[1], v[0]);
     for (uint32_t i = 2; i < count; i++) {
-        struct twofold3 f = tf_sub3(v[i], v[0]);
-        sum = tf_add3(sum, tf_cross(e, f));
+        struct dd3 f = dd_sub3(v[i], v[0]);
+        sum = dd_add3(sum, dd_cross(e, f));
         e = f;
     }
-    return tf_round3(sum);
+    return dd_round3(sum);
 }
 
 /* Whether each vertex is in the plane of the first with normal n, and whether the outline turns to

@@ -10,21 +10,21 @@ bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r)
 {
     if (!is_finite3(c) || !is_length(r))
         return false;
-    struct twofold rr = two_prod(r, r);
+    struct dd rr = two_prod(r, r);
     *s = (struct pen_sphere){c, r, rr.hi, rr.lo};
     return true;
 }
 
 void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, double t[2])
 {
-    struct twofold3 f = tf_sub3(ray->o, s->c), d = tf_of3(ray->d);
-    struct twofold minus_rr = {-s->rr, -s->rr_low};
-    tf_roots(tf_dot(d, d), tf_dot(f, d), tf_add(tf_dot(f, f), minus_rr), t);
+    struct dd3 f = dd_sub3(ray->o, s->c), d = dd_of3(ray->d);
+    struct dd minus_rr = {-s->rr, -s->rr_low};
+    dd_roots(dd_dot(d, d), dd_dot(f, d), dd_add(dd_dot(f, f), minus_rr), t);
 }
 
 double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray)
 {
-    struct twofold b = tf_dot(tf_sub3(ray->o, s->c), tf_of3(ray->d));
+    struct dd b = dd_dot(dd_sub3(ray->o, s->c), dd_of3(ray->d));
     return -2 * b.hi / pen_dot(ray->d, ray->d);
 }
 
@@ -36,7 +36,7 @@ struct pen_box pen_sphere_bounds(const struct pen_sphere *s)
 
 static bool make(void *self, const struct pen_prim_source *from)
 {
-    return pen_sphere_make(self, from->point, from->radius);
+    return pen_sphere_make(self, from->point, from->length[PEN_RADIUS]);
 }
 
 static void intersect_line(const void *self, const struct pen_ray *ray,

@@ -68,11 +68,11 @@ bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_v
     const struct pen_vec3 v[3] = {a, b, c};
     int first = first_corner(v);
     *tri = (struct pen_triangle){.v = {v[first], v[(first + 1) % 3], v[(first + 2) % 3]}};
-    struct twofold3 e = tf_sub3(tri->v[1], tri->v[0]), f = tf_sub3(tri->v[2], tri->v[0]);
-    struct pen_vec3 n = tf_round3(tf_cross(e, f));
+    struct dd3 e = dd_sub3(tri->v[1], tri->v[0]), f = dd_sub3(tri->v[2], tri->v[0]);
+    struct pen_vec3 n = dd_round3(dd_cross(e, f));
     /* Below these, the cross product may be nothing but its own rounding, and products of
      * coordinates across a ray may vanish. */
-    double least = 0x1p-90 * pen_largest3(tf_round3(e)) * pen_largest3(tf_round3(f));
+    double least = 0x1p-90 * pen_largest3(dd_round3(e)) * pen_largest3(dd_round3(f));
     if (!is_finite3(n) || !(pen_largest3(n) > least && pen_largest3(n) > 0x1p-900))
         return false;
     tri->n = pen_unit_of(n);
@@ -96,8 +96,8 @@ double pen_triangle_extent(const struct pen_triangle *tri)
 void pen_triangle_refine(const struct pen_triangle *tri, const struct pen_ray *ray, double *t)
 {
     const struct pen_vec3 *v = tri->v;
-    struct twofold3 n = tf_cross(tf_sub3(v[1], v[0]), tf_sub3(v[2], v[0]));
-    double far = tf_dot(n, tf_sub3(v[0], ray->o)).hi, nd = tf_dot(n, tf_of3(ray->d)).hi;
+    struct dd3 n = dd_cross(dd_sub3(v[1], v[0]), dd_sub3(v[2], v[0]));
+    double far = dd_dot(n, dd_sub3(v[0], ray->o)).hi, nd = dd_dot(n, dd_of3(ray->d)).hi;
     double plane = far / nd, least = INFINITY, most = -INFINITY;
     if (!(fabs(plane) < INFINITY)) /* seen edge-on */
         return;

@@ -57,8 +57,8 @@ static bool fill_shape(struct pen_freezer *f, struct filler *a, const struct pen
     struct pen_vec3 passed[PASSED_MAX];
     struct pen_prim_source from = placed->from;
     from.point = pen_local_point(&f->frame, from.point);
-    from.radius = pen_local_length(&f->frame, from.radius);
-    from.height = pen_local_length(&f->frame, from.height);
+    for (int i = 0; i < PEN_LENGTHS; i++)
+        from.length[i] = pen_local_length(&f->frame, from.length[i]);
     a->passed = passed;
     from.vertices = local_vertices(f, a, placed);
     return pen_freeze_in_range(from.point) &&

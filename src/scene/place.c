@@ -17,19 +17,20 @@ static struct pen_prim_source source_of(const struct pen_object_desc *o)
 {
     switch (o->kind) {
     case PEN_OBJECT_SPHERE:
-        return (struct pen_prim_source){.point = o->u.sphere.center, .radius = o->u.sphere.radius};
+        return (struct pen_prim_source){.point = o->u.sphere.center,
+                                        .length = {[PEN_RADIUS] = o->u.sphere.radius}};
     case PEN_OBJECT_PLANE:
         return (struct pen_prim_source){.point = o->u.plane.point, .direction = o->u.plane.normal};
     case PEN_OBJECT_INFINITE_CYLINDER:
         return (struct pen_prim_source){.point = o->u.infinite_cylinder.origin,
                                         .direction = o->u.infinite_cylinder.axis,
-                                        .radius = o->u.infinite_cylinder.radius};
+                                        .length = {[PEN_RADIUS] = o->u.infinite_cylinder.radius}};
     case PEN_OBJECT_CYLINDER:
-        return (struct pen_prim_source){.point = o->u.cylinder.base,
-                                        .direction = o->u.cylinder.axis,
-                                        .radius = o->u.cylinder.radius,
-                                        .height = o->u.cylinder.height,
-                                        .caps = o->u.cylinder.caps};
+        return (struct pen_prim_source){
+            .point = o->u.cylinder.base,
+            .direction = o->u.cylinder.axis,
+            .length = {[PEN_RADIUS] = o->u.cylinder.radius, [PEN_HEIGHT] = o->u.cylinder.height},
+            .caps = o->u.cylinder.caps};
     case PEN_OBJECT_TRIANGLE:
     case PEN_OBJECT_POLYGON:
         return (struct pen_prim_source){.count = o->u.polygon.count,
@@ -64,9 +65,12 @@ static bool move_plane(const struct pen_transform *f, struct pen_prim_source *p)
 static bool move_round(const struct pen_transform *f, double scale, struct pen_prim_source *p)
 {
     p->point = pen_transform_point(f, p->point);
-    p->radius *= scale;
-    p->height *= scale;
-    bool ok = finite_vec(p->point) && isfinite(p->radius) && isfinite(p->height) && p->radius > 0;
+    bool ok = finite_vec(p->point);
+    for (int i = 0; i < PEN_LENGTHS; i++) {
+        p->length[i] *= scale;
+        ok = ok && isfinite(p->length[i]);
+    }
+    ok = ok && p->length[PEN_RADIUS] > 0;
     if (vec_max_abs(p->direction) == 0)
         return ok;
     p->direction = pen_transform_vector(f, vec_normalize(p->direction));
@@ -108,7 +112,7 @@ void pen_survey_add(struct pen_survey *survey, const struct pen_placed *placed)
     survey->total++;
     if (pen_kinds[placed->kind].fn->keeps_vertices)
         survey->kept_vertices += from->count;
-    double reach = from->radius + from->height;
+    double reach = from->length[PEN_RADIUS] + from->length[PEN_HEIGHT];
     if (pen_prim_infinite(placed->kind)) {
         survey->infinite = pen_box_add_point(survey->infinite, from->point);
         survey->infinite_reach = pen_larger(survey->infinite_reach, reach);
