@@ -37,7 +37,8 @@ enum pen_kind_extent {
     KIND(TRIANGLE, triangle, "triangle", FLAT, FINITE, 1, 1.0F)                                    \
     KIND(POLYGON, polygon, "polygon", FLAT, FINITE, 1, 2.0F)                                       \
     KIND(INFINITE_CYLINDER, infinite_cylinder, "tube", ROUND, INFINITE, 2, 3.0F)                   \
-    KIND(CYLINDER, cylinder, "cylinder", ROUND, FINITE, 2, 3.0F)
+    KIND(CYLINDER, cylinder, "cylinder", ROUND, FINITE, 2, 3.0F)                                   \
+    KIND(CONE, cone, "cone", ROUND, FINITE, 2, 6.0F)
 
 enum pen_prim_kind {
 #define KIND(NAME, ...) PEN_PRIM_##NAME,
@@ -85,7 +86,7 @@ struct pen_outline {
 };
 
 /* The lengths that a primitive may have. */
-enum pen_length { PEN_RADIUS, PEN_HEIGHT, PEN_LENGTHS };
+enum pen_length { PEN_RADIUS, PEN_TOP_RADIUS, PEN_HEIGHT, PEN_LENGTHS };
 
 /* What a primitive is made from. Each kind reads its own numbers and ignores the rest. */
 struct pen_prim_source {

@@ -35,6 +35,7 @@
 
 #include <stdint.h>
 
+#include "geom/cone.h"
 #include "geom/cylinder.h"
 #include "geom/infinite_cylinder.h"
 #include "geom/kind.h"

@@ -76,6 +76,11 @@ struct pen_object_desc {
             bool caps;
         } cylinder;
         struct {
+            struct pen_vec3 base, axis;
+            double radius, top_radius, height; /* top_radius is 0 or more, and not radius */
+            bool caps;
+        } cone;
+        struct {
             uint32_t count;
             struct pen_object_desc *objects;
             bool has_transform;

@@ -31,6 +31,13 @@ static struct pen_prim_source source_of(const struct pen_object_desc *o)
             .direction = o->u.cylinder.axis,
             .length = {[PEN_RADIUS] = o->u.cylinder.radius, [PEN_HEIGHT] = o->u.cylinder.height},
             .caps = o->u.cylinder.caps};
+    case PEN_OBJECT_CONE:
+        return (struct pen_prim_source){.point = o->u.cone.base,
+                                        .direction = o->u.cone.axis,
+                                        .length = {[PEN_RADIUS] = o->u.cone.radius,
+                                                   [PEN_TOP_RADIUS] = o->u.cone.top_radius,
+                                                   [PEN_HEIGHT] = o->u.cone.height},
+                                        .caps = o->u.cone.caps};
     case PEN_OBJECT_TRIANGLE:
     case PEN_OBJECT_POLYGON:
         return (struct pen_prim_source){.count = o->u.polygon.count,
@@ -89,9 +96,10 @@ bool pen_place_primitive(const struct pen_desc_iter_item *item, struct pen_vec3 
         return true;
     bool flat = pen_prim_flat(placed->kind);
     if (!flat && !item->similar)
-        return pen_fail(st, PEN_INVALID,
-                        "a sphere, cylinder or tube can be turned, moved, mirrored and scaled, but "
-                        "not stretched: the transforms around it are not a similarity");
+        return pen_fail(
+            st, PEN_INVALID,
+            "a sphere, cylinder, cone or tube can be turned, moved, mirrored and scaled, but "
+            "not stretched: the transforms around it are not a similarity");
     bool ok = pen_prim_outlined(placed->kind) ? move_loop(item->transform, buffer, from)
               : flat                          ? move_plane(item->transform, from)
                                               : move_round(item->transform, item->scale, from);
@@ -112,7 +120,8 @@ void pen_survey_add(struct pen_survey *survey, const struct pen_placed *placed)
     survey->total++;
     if (pen_kinds[placed->kind].fn->keeps_vertices)
         survey->kept_vertices += from->count;
-    double reach = from->length[PEN_RADIUS] + from->length[PEN_HEIGHT];
+    double reach = pen_larger(from->length[PEN_RADIUS], from->length[PEN_TOP_RADIUS]) +
+                   from->length[PEN_HEIGHT];
     if (pen_prim_infinite(placed->kind)) {
         survey->infinite = pen_box_add_point(survey->infinite, from->point);
         survey->infinite_reach = pen_larger(survey->infinite_reach, reach);

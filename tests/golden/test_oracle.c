@@ -111,7 +111,7 @@ START_TEST(test_oracle__agrees_on_bodies)
 {
     static const char *const names[] = {"primitives", "transforms", "polygons-concave",
                                         "crowd",      "infinite",   "far-from-origin",
-                                        "empty"};
+                                        "empty",      "cones",      "inside-cone"};
     int different = 0;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char name[128];

@@ -55,7 +55,14 @@ struct oracle_material {
     real shininess;
 };
 
-enum oracle_kind { ORACLE_SPHERE, ORACLE_PLANE, ORACLE_RING, ORACLE_TUBE, ORACLE_CYLINDER };
+enum oracle_kind {
+    ORACLE_SPHERE,
+    ORACLE_PLANE,
+    ORACLE_RING,
+    ORACLE_TUBE,
+    ORACLE_CYLINDER,
+    ORACLE_CONE
+};
 
 /* A primitive in world space. */
 struct oracle_body {
@@ -65,6 +72,7 @@ struct oracle_body {
     struct point
         axis; /* unit: of the infinite cylinder or cylinder; the normal of a flat primitive */
     real radius, height;
+    real top; /* radius of a cone at its height */
     bool caps;
     int count; /* of a ring's corners: triangles and polygons */
     struct point *corners;

@@ -142,6 +142,7 @@ static bool body_read(const json_t *o, const struct map *m, struct oracle_body *
     real scale = map_scale(m);
     b->radius = number_or(o, "radius", 0) * scale;
     b->height = number_or(o, "height", 0) * scale;
+    b->top = number_or(o, "top_radius", 0) * scale;
     b->caps = !json_is_false(json_object_get(o, "caps"));
     if (!strcmp(type, "sphere")) {
         b->kind = ORACLE_SPHERE;
@@ -154,8 +155,8 @@ static bool body_read(const json_t *o, const struct map *m, struct oracle_body *
             fabsl(n.x) > fabsl(n.y) ? (struct point){-n.z, 0, n.x} : (struct point){0, n.z, -n.y};
         struct point u = map_way(m, side), v = map_way(m, point_cross(n, side));
         b->axis = point_unit(point_cross(u, v));
-    } else if (!strcmp(type, "tube") || !strcmp(type, "cylinder")) {
-        b->kind = type[0] == 't' ? ORACLE_TUBE : ORACLE_CYLINDER;
+    } else if (!strcmp(type, "tube") || !strcmp(type, "cylinder") || !strcmp(type, "cone")) {
+        b->kind = type[0] == 't' ? ORACLE_TUBE : type[1] == 'y' ? ORACLE_CYLINDER : ORACLE_CONE;
         const char *origin = type[0] == 't' ? "origin" : "base";
         b->origin = map_point(m, triple(json_object_get(o, origin)));
         b->axis = point_unit(map_way(m, triple(json_object_get(o, "axis"))));

@@ -98,6 +98,40 @@ static bool ring_holds(const struct oracle_body *b, struct point p)
     return inside;
 }
 
+/* The radius of a cone at height h: negative beyond its apex. */
+static real cone_radius(const struct oracle_body *b, real h)
+{
+    return b->radius + (b->top - b->radius) * h / b->height;
+}
+
+/* Where the squared distance from the axis is the squared radius, between base and top; then the
+ * caps. */
+static int cone_roots(const struct oracle_body *b, struct ray ray, real t[4])
+{
+    struct point m = point_difference(ray.from, b->origin);
+    real h = point_dot(m, b->axis), climb = point_dot(ray.direction, b->axis);
+    real grow = (b->top - b->radius) / b->height * climb, r = cone_radius(b, h);
+    struct point u = point_difference(ray.direction, point_times(b->axis, climb));
+    struct point f = point_difference(m, point_times(b->axis, h));
+    real qa = point_dot(u, u) - grow * grow, qb = point_dot(u, f) - grow * r;
+    real qc = point_dot(f, f) - r * r, disc = qb * qb - qa * qc;
+    int n = 0;
+    for (int sign = -1; disc >= 0 && sign <= 1; sign += 2) {
+        real q = -qb + sign * sqrtl(disc);
+        t[n] = fabsl(qa) > 1e-15L ? q / qa : -qc / (2 * qb);
+        real at = h + t[n] * climb;
+        n += at >= 0 && at <= b->height && (sign < 0 || fabsl(qa) > 1e-15L);
+    }
+    for (int end = 0; end < 2 && b->caps; end++) {
+        struct point center = point_sum(b->origin, point_times(b->axis, end ? b->height : 0));
+        if (!plane_root(center, b->axis, ray, t + n))
+            continue;
+        struct point off = point_difference(ray_at(ray, t[n]), center);
+        n += point_length(off) < (end ? b->top : b->radius);
+    }
+    return n;
+}
+
 static int roots(const struct oracle_body *b, struct ray ray, real t[4])
 {
     switch (b->kind) {
@@ -107,6 +141,8 @@ static int roots(const struct oracle_body *b, struct ray ray, real t[4])
         return side_roots(b, ray, t);
     case ORACLE_CYLINDER:
         return cylinder_roots(b, ray, t);
+    case ORACLE_CONE:
+        return cone_roots(b, ray, t);
     case ORACLE_PLANE:
         return plane_root(b->origin, b->axis, ray, t);
     default:
@@ -150,6 +186,13 @@ static struct point normal_at(const struct oracle_body *b, struct point p, real 
     if (b->kind == ORACLE_CYLINDER && b->caps && point_length(out) < b->radius - tie &&
         (fabsl(h) <= tie || fabsl(h - b->height) <= tie))
         return b->axis;
+    if (b->kind == ORACLE_CONE) {
+        if (b->caps && ((fabsl(h) <= tie && point_length(out) < b->radius - tie) ||
+                        (fabsl(h - b->height) <= tie && point_length(out) < b->top - tie)))
+            return b->axis;
+        return point_unit(point_difference(point_unit(out),
+                                           point_times(b->axis, (b->top - b->radius) / b->height)));
+    }
     return point_unit(out);
 }
 

@@ -12,7 +12,8 @@ void world_clear(struct world *w)
                                   .triangle = w->triangle,
                                   .polygon = w->polygon,
                                   .infinite_cylinder = w->infinite_cylinder,
-                                  .cylinder = w->cylinder};
+                                  .cylinder = w->cylinder,
+                                  .cone = w->cone};
 }
 
 static uint32_t add(struct world *w, uint32_t kind)
@@ -73,6 +74,14 @@ uint32_t world_cylinder(struct world *w, struct pen_vec3 base, struct pen_vec3 a
                         double h, bool caps)
 {
     ck_assert(pen_cylinder_make(&w->cylinder[add(w, PEN_PRIM_CYLINDER)], base, axis, r, h, caps));
+    return last(w);
+}
+
+uint32_t world_cone(struct world *w, struct pen_vec3 base, struct pen_vec3 axis,
+                    const double radius[2], double h, bool caps)
+{
+    ck_assert(
+        pen_cone_make(&w->cone[add(w, PEN_PRIM_CONE)], base, axis, radius[0], radius[1], h, caps));
     return last(w);
 }
 

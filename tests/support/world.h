@@ -19,6 +19,7 @@ struct world {
     struct pen_polygon polygon[WORLD_MAX];
     struct pen_infinite_cylinder infinite_cylinder[WORLD_MAX];
     struct pen_cylinder cylinder[WORLD_MAX];
+    struct pen_cone cone[WORLD_MAX];
     struct pen_vec3 corner[8 * WORLD_MAX];
     uint32_t corners;
 };
@@ -33,6 +34,8 @@ uint32_t world_polygon(struct world *w, const struct pen_vec3 *v, uint32_t count
 uint32_t world_tube(struct world *w, struct pen_vec3 origin, struct pen_vec3 axis, double r);
 uint32_t world_cylinder(struct world *w, struct pen_vec3 base, struct pen_vec3 axis, double r,
                         double h, bool caps);
+uint32_t world_cone(struct world *w, struct pen_vec3 base, struct pen_vec3 axis,
+                    const double radius[2], double h, bool caps); /* of the base, of the top */
 
 /* A world of its own: a sphere of 16 x 14 patches whose vertices have random radii of 1 ... 6, as
  * 420 triangles that close, as in pbrt's test. */

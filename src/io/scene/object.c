@@ -18,6 +18,7 @@ static const struct pen_word kinds[] = {{"sphere", PEN_OBJECT_SPHERE, NULL},
                                         {"polygon", PEN_OBJECT_POLYGON, NULL},
                                         {"tube", PEN_OBJECT_INFINITE_CYLINDER, NULL},
                                         {"cylinder", PEN_OBJECT_CYLINDER, NULL},
+                                        {"cone", PEN_OBJECT_CONE, NULL},
                                         {"group", PEN_OBJECT_GROUP, NULL},
                                         {"mesh", KIND_LATER, "the object type \"mesh\""},
                                         {"instance", KIND_LATER, "the object type \"instance\""},
@@ -71,25 +72,38 @@ const struct pen_field pen_cylinder_fields[] = {
     {"caps", PEN_FIELD_BOOL, .offset = MEMBER(u.cylinder.caps)},
     {0}};
 
+const struct pen_field pen_cone_fields[] = {
+    {"type", .type = PEN_FIELD_OTHER},
+    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
+    {"material", .type = PEN_FIELD_OTHER},
+    {"base", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.cone.base)},
+    {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.cone.axis)},
+    {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.cone.radius),
+     .range = &pen_range_positive},
+    {"top_radius", PEN_FIELD_NUMBER, .offset = MEMBER(u.cone.top_radius),
+     .range = &pen_range_not_negative},
+    {"height", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.cone.height),
+     .range = &pen_range_positive},
+    {"caps", PEN_FIELD_BOOL, .offset = MEMBER(u.cone.caps)},
+    {0}};
+
 const struct pen_field pen_group_fields[] = {{"type", .type = PEN_FIELD_OTHER},
                                              {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
                                              {"objects", PEN_FIELD_OTHER, .required = true},
                                              {"transform", .type = PEN_FIELD_OTHER},
                                              {0}};
 
-static const struct {
-    const char *name;
-    const struct pen_field *fields;
-    bool quadric;
-} by_kind[] = {
-    [PEN_OBJECT_SPHERE] = {"sphere", pen_sphere_fields, true},
-    [PEN_OBJECT_PLANE] = {"plane", pen_plane_fields, false},
-    [PEN_OBJECT_TRIANGLE] = {"triangle", pen_polygon_fields, false},
-    [PEN_OBJECT_POLYGON] = {"polygon", pen_polygon_fields, false},
-    [PEN_OBJECT_INFINITE_CYLINDER] = {"tube", pen_infinite_cylinder_fields, true},
-    [PEN_OBJECT_CYLINDER] = {"cylinder", pen_cylinder_fields, true},
-    [PEN_OBJECT_GROUP] = {"group", pen_group_fields, false},
+static const struct pen_field *const fields_of[] = {
+    [PEN_OBJECT_SPHERE] = pen_sphere_fields,
+    [PEN_OBJECT_PLANE] = pen_plane_fields,
+    [PEN_OBJECT_TRIANGLE] = pen_polygon_fields,
+    [PEN_OBJECT_POLYGON] = pen_polygon_fields,
+    [PEN_OBJECT_INFINITE_CYLINDER] = pen_infinite_cylinder_fields,
+    [PEN_OBJECT_CYLINDER] = pen_cylinder_fields,
+    [PEN_OBJECT_CONE] = pen_cone_fields,
+    [PEN_OBJECT_GROUP] = pen_group_fields,
 };
+_Static_assert(sizeof fields_of / sizeof *fields_of == PEN_OBJECT_GROUP + 1, "a row for each kind");
 
 static double largest(struct pen_vec3 v)
 {
@@ -167,6 +181,19 @@ static bool read_vertices(struct pen_reader *r, const struct pen_place *up, cons
     return ok && check_loop(r, &at, triangle, object);
 }
 
+static bool check_cone(struct pen_reader *r, const struct pen_place *up,
+                       const struct pen_object_desc *object)
+{
+    struct pen_place at = pen_place_key(up, "top_radius");
+    if (object->u.cone.top_radius != object->u.cone.radius)
+        return true;
+    struct pen_text found = pen_text_number(object->u.cone.top_radius);
+    return pen_reader_fail(r, &at, PEN_INVALID,
+                           "must not equal the radius, found %.30s for both: equal radii make a "
+                           "cylinder",
+                           found.text);
+}
+
 struct list {
     uint32_t count;
     struct pen_object_desc *objects;
@@ -211,10 +238,14 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
     object->kind = (enum pen_object_kind)kind;
     if (kind == PEN_OBJECT_CYLINDER)
         object->u.cylinder.caps = true;
-    const struct pen_field *fields = by_kind[kind].fields;
+    if (kind == PEN_OBJECT_CONE)
+        object->u.cone.caps = true;
+    const struct pen_field *fields = fields_of[kind];
     bool ok = pen_fields_read_whole(r, at, json, fields, object);
     if (kind == PEN_OBJECT_GROUP)
         return read_group(r, at, json, chain, object) && ok;
+    if (kind == PEN_OBJECT_CONE && ok)
+        ok = check_cone(r, at, object);
     r->primitive_count++;
     const json_t *material = json_object_get(json, "material");
     const json_t *vertices = json_object_get(json, "vertices");
@@ -223,8 +254,8 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
         ok &= pen_material_of(r, &material_at, material, &object->material);
     if (vertices && fields == pen_polygon_fields)
         ok &= read_vertices(r, at, vertices, kind == PEN_OBJECT_TRIANGLE, object);
-    if (ok && by_kind[kind].quadric && !chain->broken)
-        ok = pen_chain_takes_quadric(r, at, by_kind[kind].name, chain);
+    if (ok && !pen_prim_flat((uint32_t)kind) && !chain->broken)
+        ok = pen_chain_takes_quadric(r, at, pen_kinds[kind].name, chain);
     return ok;
 }
 

@@ -13,8 +13,8 @@ extern const struct pen_field pen_material_fields[];
 extern const struct pen_field pen_directional_fields[], pen_point_fields[], pen_spot_fields[];
 extern const struct pen_field pen_sphere_fields[], pen_plane_fields[];
 extern const struct pen_field pen_polygon_fields[]; /* of triangles, too */
-extern const struct pen_field pen_infinite_cylinder_fields[], pen_cylinder_fields[],
-    pen_group_fields[];
+extern const struct pen_field pen_infinite_cylinder_fields[], pen_cylinder_fields[];
+extern const struct pen_field pen_cone_fields[], pen_group_fields[];
 extern const struct pen_field pen_transform_fields[], pen_transform_rotate_fields[];
 
 #endif

@@ -40,6 +40,7 @@ static const struct pen_xml_attribute polygon_own[] = {
     {"material", PEN_XML_TEXT, "material"}, {"points", PEN_XML_POINTS, "vertices"}, {0}};
 static const struct pen_xml_attribute tube_own[] = {
     {"material", PEN_XML_TEXT, "material"}, {"direction", PEN_XML_TRIPLE, "axis"}, {0}};
+/* Of cones, too. */
 static const struct pen_xml_attribute cylinder_own[] = {{"material", PEN_XML_TEXT, "material"},
                                                         {"origin", PEN_XML_TRIPLE, "base"},
                                                         {"direction", PEN_XML_TRIPLE, "axis"},
@@ -97,6 +98,7 @@ static const struct pen_xml_element sphere = BODY(sphere, sphere_own, pen_sphere
 static const struct pen_xml_element polygon = BODY(polygon, polygon_own, pen_polygon_fields);
 static const struct pen_xml_element tube = BODY(tube, tube_own, pen_infinite_cylinder_fields);
 static const struct pen_xml_element cylinder = BODY(cylinder, cylinder_own, pen_cylinder_fields);
+static const struct pen_xml_element cone = BODY(cone, cylinder_own, pen_cone_fields);
 static const struct pen_xml_element triangle = {"triangle",
                                                 PEN_XML_ITEM,
                                                 "triangle",
@@ -117,10 +119,10 @@ static const struct pen_xml_element instance = {
     .name = "instance", .build = PEN_XML_LATER, .key = "the object type \"instance\""};
 static const struct pen_xml_element group;
 static const struct pen_xml_element *const bodies[] = {
-    &sphere, &triangle, &plane, &polygon, &tube, &cylinder, &group, &mesh, &instance, NULL};
+    &sphere, &triangle, &plane, &polygon, &tube, &cylinder, &cone, &group, &mesh, &instance, NULL};
 static const struct pen_xml_element *const group_children[] = {
-    &sphere, &triangle, &plane,    &polygon,   &tube, &cylinder,
-    &group,  &mesh,     &instance, &transform, NULL};
+    &sphere, &triangle, &plane, &polygon,  &tube,      &cylinder,
+    &cone,   &group,    &mesh,  &instance, &transform, NULL};
 static const struct pen_xml_element group = {"group",
                                              PEN_XML_ITEM,
                                              "group",

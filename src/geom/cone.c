@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: MIT */
+/* Cones. With f = o - q from the base's middle q, n(t) = (f + t d) x a and w(t) = |a| times the
+ * radius at the height of o + t d, the side is where |n|^2 = w^2, a quadratic equation
+ *   A t^2 + 2 B t + C = 0,   A = m.m - k^2,   B = m.n - k w,   C = n.n - w^2,
+ * with m = d x a, k = slope d.a, and n, w at t = 0. Inside is where it is negative.
+ *   A > 0  the line meets one nappe twice, or none: inside is between the roots.
+ *   A <= 0 the line meets both nappes, or runs along one: inside, on the nappe that counts, is
+ *          beyond the root on the side where w grows. */
+#include "geom/cone.h"
+
+#include "geom/internal/double_double.h"
+#include "geom/internal/kinds.h"
+#include "geom/internal/make.h"
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* (top_radius - base_radius) / height */
+static struct dd slope_of(double r, double top_r, double h)
+{
+    struct dd rise = two_sum(top_r, -r);
+    double slope = rise.hi / h;
+    return two_sum_fast(slope, (fma(-slope, h, rise.hi) + rise.lo) / h);
+}
+
+bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
+                   double top_r, double h, bool caps)
+{
+    if (!is_length(r) || !(top_r == 0 || is_length(top_r)) ||
+        !pen_cylinder_make(&c->hull, base, axis, larger(r, top_r), h, caps))
+        return false;
+    struct dd3 a = dd_of3(c->hull.round.a);
+    struct dd slope = slope_of(r, top_r, h);
+    struct dd width = dd_mul((struct dd){r, 0}, dd_sqrt(dd_dot(a, a)));
+    c->base_radius = r;
+    c->top_radius = top_r;
+    c->slope = slope.hi;
+    c->slope_low = slope.lo;
+    c->width = width.hi;
+    c->width_low = width.lo;
+    c->slant = sqrt(1 + slope.hi * slope.hi);
+    return slope.hi == 0 || (fabs(slope.hi) >= 0x1p-200 && fabs(slope.hi) <= 0x1p200);
+}
+
+/* The equation of the side for one ray. */
+struct equation {
+    struct dd a, b, c;
+    double grows; /* the sign of w's growth along the ray */
+};
+
+static struct equation equation_of(const struct pen_cone *cone, const struct pen_ray *ray)
+{
+    struct dd slope = {cone->slope, cone->slope_low}, width = {cone->width, cone->width_low};
+    struct dd3 a = dd_of3(cone->hull.round.a), d = dd_of3(ray->d);
+    struct dd3 f = dd_sub3(ray->o, cone->hull.round.q);
+    struct dd3 m = dd_cross(d, a), n = dd_cross(f, a);
+    struct dd k = dd_mul(slope, dd_dot(d, a)), w = dd_add(width, dd_mul(slope, dd_dot(f, a)));
+    return (struct equation){.a = dd_add(dd_dot(m, m), dd_neg(dd_mul(k, k))),
+                             .b = dd_add(dd_dot(m, n), dd_neg(dd_mul(k, w))),
+                             .c = dd_add(dd_dot(n, n), dd_neg(dd_mul(w, w))),
+                             .grows = k.hi};
+}
+
+/* What is inside the side on a line that is as steep as the side, or steeper: beyond the root on
+ * the side where w grows. Without growth the line is parallel to the side of what has no slope. */
+static bool steep_side(const struct equation *e, double side[2])
+{
+    double square = dd_add(dd_mul(e->b, e->b), dd_neg(dd_mul(e->a, e->c))).hi;
+    double root = square > 0 ? sqrt(square) : 0;
+    double q = e->b.hi < 0 ? root - e->b.hi : -root - e->b.hi;
+    double first = q / e->a.hi, second = q == 0 ? 0 : e->c.hi / q;
+    side[0] = -INFINITY;
+    side[1] = INFINITY;
+    if (e->grows == 0 || (e->a.hi == 0 && q == 0))
+        return e->c.hi < 0;
+    if (e->a.hi == 0)
+        side[q < 0] = second;
+    else if (e->grows > 0)
+        side[0] = larger(first, second);
+    else
+        side[1] = first < second ? first : second;
+    return side[0] < side[1];
+}
+
+/* The interval of the ray's line inside the side, in twice the precision. */
+static bool side_refined(const struct pen_cone *c, const struct pen_ray *ray, double side[2])
+{
+    struct equation e = equation_of(c, ray);
+    if (e.a.hi <= 0)
+        return steep_side(&e, side);
+    dd_roots(e.a, e.b, e.c, side);
+    return side[0] < side[1];
+}
+
+/* The interval of the ray's line inside the side; false if there is none: a tangent is a miss. The
+ * roots are taken about tp, where the equation is least, from the point there, as for cylinders. In
+ * twice the precision where that would lose digits:
+ *  - the line is steep: k^2 is a quarter of m.m or more;
+ *  - it passes near the apex: the radius at tp is less than an eighth of the largest;
+ *  - the ray starts near the side, or grazes it: as for cylinders. */
+static bool side_interval(const struct pen_cone *c, const struct pen_ray *ray, double side[2])
+{
+    struct pen_vec3 q = pen_permuted(ray, &c->hull.round.q),
+                    a = pen_permuted(ray, &c->hull.round.a);
+    struct pen_vec3 m = pen_cross(ray->permuted_d, a);
+    struct pen_vec3 n = pen_axis_across(ray->permuted_o, q, a);
+    double k = c->slope * pen_dot_guarded(ray->permuted_d, a), mm = pen_dot(m, m);
+    double w = c->width + c->slope * pen_dot2(pen_sub(ray->permuted_o, q), a);
+    if (!(4 * (k * k) < mm))
+        return side_refined(c, ray, side);
+    double inv = 1 / (mm - k * k), tp = (k * w - pen_dot(m, n)) * inv;
+    struct pen_vec3 l = pen_along_once(n, m, tp);
+    double wp = fma(k, tp, w), rest = (k * wp - pen_dot(l, m)) * inv;
+    double disc = wp * wp - pen_dot(l, l), h = sqrt(disc * inv); /* NaN for a miss */
+    side[0] = tp + (rest - h);
+    side[1] = tp + (rest + h);
+    double widest = c->hull.round.r * c->hull.round.length;
+    if (8 * fabs(wp) < widest || fabs(disc) < PEN_GRAZING * (wp * wp) ||
+        fabs(fabs(tp) - h) < PEN_NEAR * h)
+        return side_refined(c, ray, side);
+    return side[0] < side[1];
+}
+
+bool pen_cone_interval(const struct pen_cone *c, const struct pen_ray *ray, struct pen_interval *in)
+{
+    double side[2];
+    if (!pen_cylinder_slab(&c->hull, ray, in) || !side_interval(c, ray, side) ||
+        !pen_interval_cut(in, side))
+        return false;
+    if (!pen_cylinder_slab_loses(&c->hull, ray))
+        return true;
+    pen_cylinder_slab_refine(&c->hull, ray, in);
+    return pen_interval_cut(in, side);
+}
+
+/* Where a point is, in the half plane through the axis and the point. */
+struct place {
+    double outside; /* distance from the side, negative inside */
+    double height;  /* over the base */
+    double axis;    /* distance from the axis */
+    double radius;  /* of the cone at that height; negative beyond an apex */
+};
+
+static struct place place_of(const struct pen_cone *c, struct pen_vec3 p)
+{
+    const struct pen_cylinder_side *round = &c->hull.round;
+    struct place at;
+    at.height = pen_dot2(pen_sub(p, round->q), round->a) / round->length;
+    at.axis = pen_length(pen_cylinder_side_across(round, p)) / round->length;
+    at.radius = c->base_radius + c->slope * at.height;
+    at.outside = (at.axis - at.radius) / c->slant;
+    return at;
+}
+
+static double own_rounding(const struct pen_cone *c)
+{
+    return 8 * PEN_U * (c->hull.round.r + c->hull.h);
+}
+
+/* By how much a point that was put on the side may miss it: as pen_prim_rounding. */
+static double rounding_at(const struct pen_cone *c, struct pen_vec3 p)
+{
+    return 16 * PEN_U * pen_norm1(p) + 2 * own_rounding(c);
+}
+
+/* The parts that there are. */
+static unsigned parts(const struct pen_cone *c)
+{
+    unsigned caps = c->top_radius > 0 ? PEN_ON_BASE | PEN_ON_TOP : PEN_ON_BASE;
+    return c->hull.caps ? PEN_ON_SIDE | caps : PEN_ON_SIDE;
+}
+
+/* The parts that p lies on, up to b. */
+static unsigned parts_at(const struct pen_cone *c, struct pen_vec3 p, double b)
+{
+    struct place at = place_of(c, p);
+    if (!(-b <= at.height && at.height <= c->hull.h + b && at.outside <= b))
+        return 0;
+    unsigned on = at.outside >= -b ? PEN_ON_SIDE : 0;
+    if (at.height <= b)
+        on |= PEN_ON_BASE;
+    if (c->top_radius > 0 && c->hull.h - at.height <= b)
+        on |= PEN_ON_TOP;
+    return on;
+}
+
+/* Whether p is the apex, up to b: the side has no tangent plane there. */
+static bool at_apex(const struct pen_cone *c, struct pen_vec3 p, double b)
+{
+    struct place at = place_of(c, p);
+    return c->top_radius == 0 && fabs(at.height - c->hull.h) <= b && at.axis <= b;
+}
+
+/* The interval inside the side of a line through a point of it, the ray's origin, with one end
+ * there, exactly: C = 0. False where the line only touches the side. */
+static bool side_from(const struct pen_cone *c, const struct pen_ray *ray, double b, double side[2])
+{
+    struct equation e = equation_of(c, ray);
+    bool steep = e.a.hi <= 0, apex = at_apex(c, ray->o, b);
+    if (apex ? !steep || e.grows == 0 : e.b.hi == 0)
+        return false;
+    bool inward = apex ? e.grows > 0 : e.b.hi < 0;
+    double other = apex || steep ? INFINITY : fabs(2 * e.b.hi / e.a.hi);
+    side[0] = inward ? 0 : -other;
+    side[1] = inward ? other : 0;
+    return true;
+}
+
+/* As pen_cone_interval for a ray whose origin lies on the parts `on`, within b. */
+static bool interval_from(const struct pen_cone *c, const struct pen_ray *ray, unsigned on,
+                          double b, struct pen_interval *in)
+{
+    double side[2], da = pen_cylinder_along(&c->hull, ray);
+    bool slab = pen_cylinder_slab(&c->hull, ray, in);
+    if (on & (da > 0 ? PEN_ON_BASE : PEN_ON_TOP))
+        in->lo = 0;
+    if (on & (da > 0 ? PEN_ON_TOP : PEN_ON_BASE))
+        in->hi = 0;
+    if (!slab || (da == 0 && on & (PEN_ON_BASE | PEN_ON_TOP)))
+        return false;
+    bool inside = on & PEN_ON_SIDE ? side_from(c, ray, b, side) : side_interval(c, ray, side);
+    return inside && pen_interval_cut(in, side);
+}
+
+/* Whether a ray that leaves the cone at `part` goes inward; then in->hi is where it comes out again
+ * (hi <= 0: at once). */
+static bool goes_inward(const struct pen_cone *c, const struct pen_ray *ray, uint8_t part,
+                        struct pen_interval *in)
+{
+    double side[2] = {0, 0}, da = pen_cylinder_along(&c->hull, ray);
+    if (part == PEN_PART_SIDE && !(side_from(c, ray, rounding_at(c, ray->o), side) && side[1] > 0))
+        return false;
+    if ((part == PEN_PART_BASE && !(da > 0)) || (part == PEN_PART_TOP && !(da < 0)))
+        return false;
+    if (part != PEN_PART_SIDE && !side_interval(c, ray, side))
+        side[1] = 0;
+    pen_cylinder_slab(&c->hull, ray, in);
+    pen_interval_cut(in, side);
+    return true;
+}
+
+struct pen_vec3 pen_cone_normal(const struct pen_cone *c, uint8_t part, struct pen_vec3 p)
+{
+    const struct pen_cylinder_side *round = &c->hull.round;
+    if (part != PEN_PART_SIDE)
+        return pen_cylinder_normal(&c->hull, part, p);
+    struct pen_vec3 axis = pen_cylinder_normal(&c->hull, PEN_PART_TOP, p);
+    if (at_apex(c, p, rounding_at(c, p)))
+        return axis;
+    struct pen_vec3 away = pen_cylinder_side_normal(round, p);
+    return pen_normalize(pen_along(away, axis, -c->slope));
+}
+
+struct pen_vec3 pen_cone_project(const struct pen_cone *c, uint8_t part, struct pen_vec3 p)
+{
+    if (part != PEN_PART_SIDE)
+        return pen_cylinder_project(&c->hull, part, p);
+    return pen_along(p, pen_cone_normal(c, part, p), -place_of(c, p).outside);
+}
+
+struct pen_box pen_cone_bounds(const struct pen_cone *c)
+{
+    const struct pen_cylinder_side *round = &c->hull.round;
+    struct pen_vec3 axis = pen_cylinder_normal(&c->hull, PEN_PART_TOP, round->q);
+    struct pen_vec3 rim =
+        pen_vec3(sqrt(axis.y * axis.y + axis.z * axis.z), sqrt(axis.z * axis.z + axis.x * axis.x),
+                 sqrt(axis.x * axis.x + axis.y * axis.y));
+    struct pen_vec3 top = pen_along(round->q, axis, c->hull.h);
+    struct pen_box b = pen_box_empty();
+    b = pen_box_add_point(b, pen_along(round->q, rim, -c->base_radius));
+    b = pen_box_add_point(b, pen_along(round->q, rim, c->base_radius));
+    b = pen_box_add_point(b, pen_along(top, rim, -c->top_radius));
+    b = pen_box_add_point(b, pen_along(top, rim, c->top_radius));
+    return pen_box_grow(b, round->r + c->hull.h);
+}
+
+/* An end of the inside, except where it is open. The slab ends a pointed cone at its apex, which
+ * belongs to the side. */
+static void add_end(const struct pen_cone *c, double t, uint8_t part, struct pen_intersections *out)
+{
+    if (part == PEN_PART_TOP && c->top_radius == 0)
+        part = PEN_PART_SIDE;
+    if (parts(c) >> part & 1)
+        pen_intersections_add(out, t, part);
+}
+
+static void add_ends(const struct pen_cone *c, const struct pen_interval *in,
+                     struct pen_intersections *out)
+{
+    add_end(c, in->lo, in->lo_part, out);
+    add_end(c, in->hi, in->hi_part, out);
+}
+
+static bool make(void *self, const struct pen_prim_source *from)
+{
+    return pen_cone_make(self, from->point, from->direction, from->length[PEN_RADIUS],
+                         from->length[PEN_TOP_RADIUS], from->length[PEN_HEIGHT], from->caps);
+}
+
+static void intersect_line(const void *self, const struct pen_ray *ray,
+                           struct pen_intersections *out)
+{
+    struct pen_interval in;
+    if (pen_cone_interval(self, ray, &in))
+        add_ends(self, &in, out);
+}
+
+static struct pen_vec3 normal(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    return pen_cone_normal(self, part, p);
+}
+
+static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    return pen_cone_project(self, part, p);
+}
+
+static struct pen_box bounds(const void *self)
+{
+    return pen_cone_bounds(self);
+}
+
+static double scale(const void *self, struct pen_vec3 p)
+{
+    const struct pen_cone *c = self;
+    (void)p;
+    return c->hull.round.r + c->hull.h;
+}
+
+static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
+{
+    const struct pen_cone *c = self;
+    const struct pen_cylinder_side *round = &c->hull.round;
+    double along = pen_dot(n, round->a) / round->length;
+    double rim = pen_length(pen_cross(n, round->a)) / round->length;
+    return pen_dot(n, pen_sub(round->q, p)) +
+           larger(c->base_radius * rim, c->top_radius * rim + along * c->hull.h);
+}
+
+static unsigned touches(const void *self, struct pen_vec3 p, double bound)
+{
+    return parts_at(self, p, bound + own_rounding(self));
+}
+
+static void intersect_own(const void *self, const struct pen_ray *ray, uint8_t part,
+                          struct pen_intersections *out)
+{
+    struct pen_interval in;
+    if (goes_inward(self, ray, part, &in))
+        add_end(self, larger(in.hi, PEN_FIRST_T), in.hi_part, out);
+}
+
+/* A ray that merely grazes the rim of two parts, or the apex, meets the cone nowhere else. */
+static unsigned intersect_touching(const void *self, const struct pen_ray *ray, double bound,
+                                   struct pen_intersections *out)
+{
+    const struct pen_cone *c = self;
+    double b = bound + own_rounding(c);
+    unsigned on = parts_at(c, ray->o, b);
+    struct pen_interval in;
+    if (on == 0)
+        return 0;
+    out->count = 0;
+    if (interval_from(c, ray, on, b, &in))
+        add_ends(c, &in, out);
+    bool rim = on & PEN_ON_SIDE && (on & (PEN_ON_BASE | PEN_ON_TOP) || at_apex(c, ray->o, b));
+    return rim ? on & parts(c) : 0;
+}
+
+const struct pen_kind_functions pen_cone_functions = {
+    .make = make,
+    .intersect_line = intersect_line,
+    .normal = normal,
+    .project = project,
+    .bounds = bounds,
+    .scale = scale,
+    .reach = reach,
+    .touches = touches,
+    .intersect_own = intersect_own,
+    .intersect_touching = intersect_touching,
+};
