@@ -11,17 +11,22 @@ cd "$(dirname "$0")/.."
 jobs=${JOBS:-2}
 [ "$jobs" -le 4 ] || jobs=4
 
-# Run by themselves, when the others are done, since they hold times against limits or against each
-# other, and so would judge their neighbours:
-#   test_events, events    when news arrive, in milliseconds
-#   test_traffic           how often a worker goes to the store, which depends on how long work takes
+# Mostly wait, with limits of seconds that a busy machine keeps as well: one at a time beside the others.
+waiting='tests/cmd/crash_loop'
+
+# The others hold times against limits or against each other, and so would judge their neighbours.
+# They run when all of the above are done. Two at a time, since they need little of a processor:
 #   test_server            connections that must be closed within seconds, not before and not after
-#   test_bench, bench*     measure, and compare what they measured
+#   quarantine             deadlines of seconds for what takes many processes
+paired='tests/http/test_server tests/cmd/quarantine'
+# And one at a time:
+#   test_events, events    when changes are told, in milliseconds
+#   test_traffic           how often a worker calls the store, which depends on how long work takes
+#   test_bench, bench      measure, and compare what they measured
 #   readme                 waits a minute for large pictures, as the README's text does
-#   quarantine, supervisor deadlines of 2 s for what takes many processes to come about
-alone='tests/http/test_events tests/http/test_server tests/jobs/test_traffic tests/study/test_bench
-tests/cmd/bench tests/cmd/bench_jobs tests/cmd/quarantine tests/cmd/supervisor tests/e2e/events
-tests/e2e/readme'
+#   supervisor             deadlines of 2 s for what takes many processes
+alone='tests/http/test_events tests/jobs/test_traffic tests/study/test_bench tests/cmd/bench
+tests/cmd/supervisor tests/e2e/events tests/e2e/readme'
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -33,17 +38,19 @@ for file in tests/*/check_*.sh tests/cmd/*.sh tests/e2e/*.sh tests/*/test_*.c; d
     name=${file%.*}
     case $file in *'*'* | */lib.sh) continue ;; esac
     case $name in *"$part"*) ;; *) continue ;; esac
-    case " $(echo $alone) " in
-    *" $name "*) echo "$file" >>"$work/alone" ;;
-    *) echo "$file" >>"$work/together" ;;
-    esac
+    list=together
+    for special in waiting paired alone; do
+        eval "names=\$$special"
+        case " $(echo $names) " in *" $name "*) list=$special ;; esac
+    done
+    echo "$file" >>"$work/$list"
 done
-touch "$work/alone" "$work/together"
+touch "$work/together" "$work/waiting" "$work/paired" "$work/alone"
 
 # Reads the names of those that are done, and prints their reports as soon as their turn has come.
 report() {
     passed=0 failed=0 broken=
-    set -- $(cat "$work/together" "$work/alone")
+    set -- $(cat "$work/together" "$work/waiting" "$work/paired" "$work/alone")
     while read -r _; do
         while [ $# -gt 0 ] && [ -e "$work/$1/report" ]; do
             count "$1"
@@ -65,7 +72,13 @@ count() { # FILE: prints its report and adds it up
     [ "$bad" -eq 0 ] || broken="$broken ${1%.*}"
 }
 
+each() { # LIST COUNT: runs the files of a list, so many at a time
+    xargs -r -P "$2" -n 1 sh tests/run_one.sh "$work" "$build" <"$work/$1"
+}
 {
-    xargs -r -P "$jobs" -n 1 sh tests/run_one.sh "$work" "$build" <"$work/together"
-    xargs -r -n 1 sh tests/run_one.sh "$work" "$build" <"$work/alone"
+    each waiting 1 &
+    each together "$jobs"
+    wait
+    each paired 2
+    each alone 1
 } | report

@@ -4,10 +4,11 @@
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 "$penumbra" scenes forest | jq 'del(.views)' >scene.json
-# A job that takes a second or two, whatever the machine and the build.
+# A job that takes most of a second with two threads, whatever the machine and the build: long enough
+# to be met at work by a look every 20 ms.
 set -- --set width=300 --set height=200
 "$penumbra" render scene.json "$@" --stats stats.json
-set -- "$@" --set samples_per_pixel=$(jq '1500 / (.timing.render_ms + 1) | floor + 1' stats.json)
+set -- "$@" --set samples_per_pixel=$(jq '800 / (.timing.render_ms + 1) | floor + 1' stats.json)
 "$penumbra" render scene.json "$@" -o wanted.pfm
 running() { # ID: whether some of the job's pixels are committed, or it is at work
     [ "$("$penumbra" list --json --retry 0 | jq -r ".jobs[] | select(.id == \"$1\") | .state")" = running ]
@@ -163,37 +164,7 @@ expect "a stopped worker does not hold up the end" "$(($(date +%s) - begun < 10)
 expect "which is a good one" "$stopped" 0
 check "nothing is left over" all_gone
 
-# A program that cannot work: pauses, and readiness that says so
-start
-for _ in 1 2 3 4; do
-    within 5 child work
-    worker=$(child work)
-    kill -KILL "$worker"
-    within 2 gone "$worker"
-done
-code=$(curl -s -o ready.json -w '%{http_code}' "$url/readyz")
-expect "a worker that keeps dying is not ready" "$code" 503
-expect_match "and readiness says why" "$(jq -r .detail ready.json)" '*worker process ended*SIGKILL*'
-check "it is replaced all the same" within 10 child work
-check "the log says so" grep -q "(3 in a row)" "$work/log"
-check "and is forgotten once it lives" within 15 sh -c \
-    "[ \"\$(curl -s -o /dev/null -w '%{http_code}' '$url/readyz')\" = 200 ]"
-
-# An api that keeps dying says so once it answers again
-for _ in 1 2 3 4; do
-    within 8 child api
-    api=$(child api)
-    kill -KILL "$api"
-    within 2 gone "$api"
-done
-check "an api that keeps dying is not ready" within 8 sh -c \
-    "[ \"\$(curl -s -o ready.json -w '%{http_code}' '$url/readyz')\" = 503 ]"
-expect_match "and says so itself" "$(jq -r .detail ready.json)" '*api process ended*SIGKILL*'
-check "and forgets it once it lives" within 15 sh -c \
-    "[ \"\$(curl -s -o /dev/null -w '%{http_code}' '$url/readyz')\" = 200 ]"
-
 # One process alone
-daemon_stop
 "$build/penumbrad" --role worker --store "$store" >worker.out 2>>log &
 worker=$!
 daemon_start --role api

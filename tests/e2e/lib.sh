@@ -17,9 +17,9 @@ status= # of the last call
 daemon_stop() { # [SIGNAL]
     [ -n "$daemon" ] || return 0
     kill "-${1:-TERM}" "$daemon" 2>/dev/null
-    for _ in $(seq 100); do
+    for _ in $(seq 500); do
         kill -0 "$daemon" 2>/dev/null || break
-        sleep 0.1
+        sleep 0.02
     done
     kill -KILL "$daemon" 2>/dev/null
     wait "$daemon" 2>/dev/null
@@ -43,13 +43,13 @@ daemon_start() {
     "$build/penumbrad" --listen 127.0.0.1:0 --store "$store" --threads "${threads:-2}" "$@" \
         >"$work/out" 2>>"$work/log" &
     daemon=$!
-    for _ in $(seq 200); do
+    for _ in $(seq 500); do
         url=$(sed -n 's/^listening on \(http:.*\)$/\1/p' "$work/out")
         if [ -n "$url" ] && [ "$(curl -s -o /dev/null -w '%{http_code}' "$url/readyz")" = 200 ]; then
             return 0
         fi
         kill -0 "$daemon" 2>/dev/null || break
-        sleep 0.05
+        sleep 0.02
     done
     echo "the daemon does not start:"
     tail -n 20 "$work/log"

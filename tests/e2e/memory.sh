@@ -14,7 +14,7 @@ resident_kib() {
 }
 
 # Bodies of all sorts.
-awk 'BEGIN {printf "{\"scene\": ["; for (i = 0; i < 200000; i++) printf "[1,2],"; print "}"}' >"$work/syntax"
+awk 'BEGIN {printf "{\"scene\": ["; for (i = 0; i < 20000; i++) printf "[1,2],"; print "}"}' >"$work/syntax"
 awk 'BEGIN {for (i = 0; i < 100000; i++) printf "["}' >"$work/deep"
 awk 'BEGIN {
     printf "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0,0,9], \"look_at\": [0,0,0]}, \"objects\": ["
@@ -36,7 +36,7 @@ hundred() {
         for body in syntax deep invalid noise; do
             request $path "data-binary = @$work/$body"
         done
-        request $path "data-binary = @$work/large"
+        request $path "upload-file = $work/large" 'request = POST' # read only as far as it is sent
         request $path 'data = <scene>'
         request $path 'data = {}' 'header = "Content-Type: text/plain"'
         request $path 'data = {}' 'header = "Transfer-Encoding: chunked"'

@@ -23,11 +23,11 @@ state_of() { # ID
 is_running() { [ "$(state_of "$1")" = running ]; }
 is_ready() { [ "$(curl -s -o ready.json -w '%{http_code}' "$url/readyz")" = 200 ]; }
 now_ms() { date +%s%3N; }
-# A job that takes a second or so.
+# A job that takes most of a second with two threads.
 "$penumbra" scenes forest >scene.json
 set -- --set width=200 --set height=150
 "$penumbra" render scene.json "$@" --stats stats.json
-set -- "$@" --set samples_per_pixel=$(jq '1200 / (.timing.render_ms + 1) | floor + 1' stats.json)
+set -- "$@" --set samples_per_pixel=$(jq '700 / (.timing.render_ms + 1) | floor + 1' stats.json)
 "$penumbra" render scene.json "$@" -o wanted.pfm
 : >taken # every job that was answered with 202
 longest=0
