@@ -26,7 +26,8 @@ SERVICE_ROOMS := study store jobs http
 # A room's files: those in its folder and in folders of that.
 room_files = $(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c))
 
-WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla $(WERROR)
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla \
+    -Wswitch-enum $(WERROR)
 PIXEL_FLAGS := -std=c11 -ffp-contract=off -fno-math-errno
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
 CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc $(CPPFLAGS)

@@ -59,9 +59,10 @@ static const char *kind_name(enum pen_batch_kind kind)
         return "assemble";
     case PEN_BATCH_STUDY:
         return "benchmark";
-    default:
-        return "render";
+    case PEN_BATCH_RENDER:
+        break;
     }
+    return "render";
 }
 
 static json_t *batch_json(const struct pen_worker_record *worker)

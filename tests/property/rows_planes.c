@@ -54,9 +54,13 @@ static struct extent extent_of(uint32_t prim, int axis)
         return extent_of_cylinder(&world.cylinder[ref.index], axis);
     case PEN_PRIM_TRIANGLE:
         return extent_of_points(world.triangle[ref.index].v, 3, axis);
-    default:
-        return extent_of_points(world.polygon[ref.index].v, world.polygon[ref.index].count, axis);
+    case PEN_PRIM_POLYGON:
+    case PEN_PRIM_PLANE: /* the scenes of these rows have none that is infinite */
+    case PEN_PRIM_INFINITE_CYLINDER:
+    case PEN_PRIM_KIND_COUNT:
+        break;
     }
+    return extent_of_points(world.polygon[ref.index].v, world.polygon[ref.index].count, axis);
 }
 
 /* A box around a child: its planes are `step` floats apart. */
@@ -91,9 +95,14 @@ static const uint32_t *block_prims(const struct pen_accel *a, uint32_t item)
         return a->cylinders[index].prim;
     case PEN_BLOCK_GENERIC:
         return a->generic[index].prim;
-    default:
-        return NULL;
+    case PEN_BLOCK_PLANES:
+    case PEN_BLOCK_INFINITE_CYLINDERS:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_KIND_COUNT:
+        break;
     }
+    return NULL;
 }
 
 static int judge_leaf(struct row_verdict *v, const struct pen_accel *a, struct cover box,

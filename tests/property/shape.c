@@ -107,7 +107,7 @@ struct shape shape_mapped(const struct shape_map *m, const struct shape *s)
 
 bool shape_cross(const struct shape *s, struct pen_intersections *out)
 {
-    bool made;
+    bool made = false;
     world_clear(&world);
     world.prims.count = 1;
     world.ref[0].kind = (uint32_t)prim_kind[s->kind] & 15u;
@@ -129,8 +129,11 @@ bool shape_cross(const struct shape *s, struct pen_intersections *out)
         memcpy(world.corner, s->p, sizeof s->p);
         made = pen_polygon_make(&world.polygon[0], world.corner, 4);
         break;
-    default:
+    case SHAPE_PLANE:
         made = pen_plane_make(&world.plane[0], s->p[0], s->a);
+        break;
+    case SHAPE_KINDS:
+        return false;
     }
     if (!made || !pen_ray_make(&shot, s->o, s->d))
         return false;

@@ -145,9 +145,10 @@ static int roots(const struct oracle_body *b, struct ray ray, real t[4])
         return cone_roots(b, ray, t);
     case ORACLE_PLANE:
         return plane_root(b->origin, b->axis, ray, t);
-    default:
+    case ORACLE_RING:
         return plane_root(b->origin, b->axis, ray, t) && ring_holds(b, ray_at(ray, t[0]));
     }
+    return 0;
 }
 
 static bool comes_after(real t, int prim, struct place place, real tie)
