@@ -223,7 +223,7 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              ROW_TESTED, NULL},
     [102] = {"the same picture with and without AVX2",
              "test_count__variants_agree "
-             "test_kernel__every_instance_gives_the_same_bits "
+             "test_kernel__every_kernel_gives_the_same_bits "
              "test_packet__rays_together_are_rays_one_by_one",
              ROW_TESTED, NULL},
     [103] = {"the same picture from any compiler",
