@@ -55,7 +55,8 @@ static struct extent extent_of(uint32_t prim, int axis)
     case PEN_PRIM_TRIANGLE:
         return extent_of_points(world.triangle[ref.index].v, 3, axis);
     case PEN_PRIM_POLYGON:
-    case PEN_PRIM_PLANE: /* the scenes of these rows have none that is infinite */
+    case PEN_PRIM_CONE: /* the scenes of these rows have no cones and nothing infinite */
+    case PEN_PRIM_PLANE:
     case PEN_PRIM_INFINITE_CYLINDER:
     case PEN_PRIM_KIND_COUNT:
         break;
