@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Cones, pointed or truncated, capped or open. A cone is what a cylinder around it, its hull, holds
- * on the inner side of a slanting side: at the distance s along the axis from the base the radius
- * is base_radius + slope s. As for a cylinder, the part of the ray inside is the overlap of two
- * intervals, one of the side and one of the slab between base and top.
+/* Cones, pointed or truncated, capped or open. At distance s along the axis from the base the
+ * radius is base_radius + slope s. As for a cylinder, the part of a ray inside is the overlap of
+ * two t-intervals, one of the side and one of the slab between base and top; the slab is that of
+ * the hull, a cylinder around the cone.
  *
  * The equation of the side describes a double cone. Only one of its two nappes has a positive
  * radius, and between base and top every radius is positive or 0: the slab cuts the other nappe
@@ -30,14 +30,14 @@ struct pen_cone {
 bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                    double top_r, double h, bool caps);
 
-/* The part of the ray's line inside; false if there is none. Ends at the caps of an open cone are
- * no intersections: the caller drops them. */
+/* The t-interval of the ray's line inside; false if there is none. Ends at the caps of an open cone
+ * are no intersections: the caller drops them. */
 bool pen_cone_interval(const struct pen_cone *c, const struct pen_ray *ray,
                        struct pen_interval *in);
 
 struct pen_vec3 pen_cone_normal(const struct pen_cone *c, uint8_t part, struct pen_vec3 p);
 
-/* The point of the part's surface, endless, nearest p. */
+/* The point nearest p of the part's surface, continued without end. */
 struct pen_vec3 pen_cone_project(const struct pen_cone *c, uint8_t part, struct pen_vec3 p);
 
 struct pen_box pen_cone_bounds(const struct pen_cone *c);

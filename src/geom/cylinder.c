@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Cylinders: what is not hot. */
+/* Cylinders: the functions that are not hot. */
 #include "geom/cylinder.h"
 
 #include "geom/internal/cylinder_side.h"
@@ -36,7 +36,7 @@ void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray
         *in = (struct pen_interval){top, base, PEN_PART_TOP, PEN_PART_BASE};
 }
 
-/* The interval of the endless side with one end at the origin. */
+/* The t-interval of the infinite side with one end at the origin. */
 static bool side_from(const struct pen_cylinder_side *s, const struct pen_ray *ray, double side[2])
 {
     double chord = pen_cylinder_side_chord(s, ray);
@@ -136,7 +136,7 @@ static unsigned parts(const struct pen_cylinder *c)
     return c->caps ? PEN_ON_SIDE | PEN_ON_BASE | PEN_ON_TOP : PEN_ON_SIDE;
 }
 
-/* Both ends of the inside, except where it is open. */
+/* Adds both ends of the inside, except ends at caps of an open cylinder. */
 static void add_ends(const struct pen_cylinder *c, const struct pen_interval *in,
                      struct pen_intersections *out)
 {

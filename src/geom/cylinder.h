@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Cylinders with two ends, capped or open. A capped one is convex: the part of the ray inside is
- * the overlap of two intervals, one of the endless side and one of the slab between the caps, so
+/* Cylinders with two ends, capped or open. A capped one is convex: the part of a ray inside is the
+ * overlap of two t-intervals, one of the infinite side and one of the slab between the caps, so
  * entry and exit always pair up. Outward is away from the axis on the side and along the axis on
  * the caps. */
 #ifndef PEN_GEOM_CYLINDER_H
@@ -22,19 +22,19 @@ struct pen_cylinder {
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                        double h, bool caps);
 
-/* A part of the ray's line inside a primitive, and the part of the surface at each end. */
+/* A t-interval of the ray's line inside a primitive, and the part of the surface at each end. */
 struct pen_interval {
     double lo, hi;
     uint8_t lo_part, hi_part;
 };
 
-/* d.a: 0 if the ray is parallel to the caps, > 0 if it goes from the base to the top. */
+/* d.a: 0 if the ray is parallel to the caps, > 0 if it goes from the base towards the top. */
 static inline double pen_cylinder_along(const struct pen_cylinder *c, const struct pen_ray *ray)
 {
     return pen_dot_guarded(ray->permuted_d, pen_permuted(ray, &c->round.a));
 }
 
-/* The slab between the caps; false if the ray runs beside or along it. */
+/* The t-interval in the slab between the caps; false if the ray is parallel to them and outside. */
 static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct pen_ray *ray,
                                      struct pen_interval *in)
 {
@@ -52,8 +52,8 @@ static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct 
     return true;
 }
 
-/* Cuts the slab's interval down to the side's: the later entry and the earlier exit, the cap
- * where they are equal. False if nothing is left. */
+/* Intersects the slab's t-interval with the side's: the later entry and the earlier exit; where
+ * they are equal the cap wins. False if nothing is left. */
 static inline bool pen_interval_cut(struct pen_interval *in, const double side[2])
 {
     if (side[0] > in->lo) {
@@ -67,8 +67,8 @@ static inline bool pen_interval_cut(struct pen_interval *in, const double side[2
     return in->lo < in->hi;
 }
 
-/* Whether the plain slab loses more than two bits: the ray starts near a cap's plane, or runs along
- * it. */
+/* Whether pen_cylinder_slab loses more than two bits: the ray starts near a cap's plane, or is
+ * nearly parallel to it. */
 static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const struct pen_ray *ray)
 {
     struct pen_vec3 q = pen_permuted(ray, &c->round.q), a = pen_permuted(ray, &c->round.a);
@@ -80,13 +80,13 @@ static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const s
            4 * fabs(da) < fabs(d.x * a.x) + fabs(d.y * a.y) + fabs(d.z * a.z);
 }
 
-/* Replaces the ends by those of the slab in twice the precision, unless the ray is parallel to the
+/* Replaces the interval by that of the slab in double-double, unless the ray is parallel to the
  * caps. */
 void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
                               struct pen_interval *in);
 
-/* The part of the ray's line inside; false if there is none. Ends at caps of an open cylinder are
- * no intersections: the caller drops them. */
+/* The t-interval of the ray's line inside; false if there is none. Ends at caps of an open cylinder
+ * are no intersections: the caller drops them. */
 static inline bool pen_cylinder_interval(const struct pen_cylinder *c, const struct pen_ray *ray,
                                          struct pen_interval *in)
 {
@@ -130,14 +130,14 @@ static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct
 bool pen_cylinder_interval_from(const struct pen_cylinder *c, const struct pen_ray *ray,
                                 unsigned on, struct pen_interval *in);
 
-/* Whether a ray that leaves the cylinder at `part` goes inward; then in->hi, in->hi_part say where
- * it comes out again (hi <= 0: at once). */
+/* Whether a ray that starts on `part` of the cylinder goes inward; then in->hi, in->hi_part are
+ * where it comes out again (hi <= 0: at once). */
 bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
                          struct pen_interval *in);
 
 struct pen_vec3 pen_cylinder_normal(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
 
-/* The point of the part's surface, endless, nearest p. */
+/* The point nearest p of the part's surface, continued without end. */
 struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
 
 struct pen_box pen_cylinder_bounds(const struct pen_cylinder *c);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The round side of infinite cylinders and cylinders: what is not hot. */
+/* The round side of infinite cylinders and cylinders: the functions that are not hot. */
 #include "geom/internal/cylinder_side.h"
 
 #include "geom/internal/double_double.h"

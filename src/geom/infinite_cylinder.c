@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tubes: how they are made. */
+/* Infinite cylinders: how they are made, and the functions of their kind. */
 #include "geom/infinite_cylinder.h"
 
 #include "geom/internal/cylinder_side.h"
@@ -12,7 +12,7 @@ bool pen_infinite_cylinder_make(struct pen_infinite_cylinder *infinite_cylinder,
     struct pen_cylinder_side *s = &infinite_cylinder->round;
     if (!pen_cylinder_side_make(s, origin, axis, r))
         return false;
-    /* An error of `along` only slides the point on the axis. */
+    /* An error of `along` only moves the point along the axis. */
     double along = pen_dot2(s->a, origin) / pen_dot(s->a, s->a);
     infinite_cylinder->near = pen_vec3(fma(-along, s->a.x, origin.x), fma(-along, s->a.y, origin.y),
                                        fma(-along, s->a.z, origin.z));

@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Infinite infinite cylinders: cylinders without ends. Outward is away from the axis. Everything
- * happens in the plane across the axis, reached by cross products with differences of products, so
- * neither thin infinite cylinders nor rays nearly along the axis lose digits. */
+/* Infinite cylinders. Outward is away from the axis. Rays are projected to the plane across the
+ * axis, by cross products whose components are exact differences of products, so that neither thin
+ * cylinders nor rays nearly along the axis lose digits. */
 #ifndef PEN_GEOM_INFINITE_CYLINDER_H
 #define PEN_GEOM_INFINITE_CYLINDER_H
 
 #include "geom/ray.h"
 #include "math/box.h"
 
-/* The round side that infinite cylinders and capped cylinders share. */
+/* The round side that infinite cylinders, cylinders and the hulls of cones share. */
 struct pen_cylinder_side {
     struct pen_vec3 q; /* a point of the axis */
-    struct pen_vec3
-        a; /* along the axis: as given, times a power of two, largest part in [1/2, 1) */
+    struct pen_vec3 a; /* the axis as given, times a power of two: largest component in [1/2, 1) */
     double r;
     double rr, rr_low; /* (r |a|)^2, to twice the precision */
     double length;     /* |a| */
@@ -28,8 +27,8 @@ struct pen_infinite_cylinder {
 bool pen_infinite_cylinder_make(struct pen_infinite_cylinder *infinite_cylinder,
                                 struct pen_vec3 origin, struct pen_vec3 axis, double r);
 
-/* (p - q) x a: across the axis, turned by a right angle, times |a|. p - q is taken exactly, so
- * the distance from q along the axis does not matter. */
+/* (p - q) x a: the part of p - q across the axis, rotated by a right angle, times |a|. p - q is
+ * taken exactly, so the distance from q along the axis does not matter. */
 static inline struct pen_vec3 pen_axis_across(struct pen_vec3 p, struct pen_vec3 q,
                                               struct pen_vec3 a)
 {
@@ -49,9 +48,9 @@ static inline struct pen_vec3 pen_cylinder_side_across(const struct pen_cylinder
 void pen_cylinder_side_refine(const struct pen_cylinder_side *s, const struct pen_ray *ray,
                               double t[2]);
 
-/* The two intersections of the ray's line with the endless side, t[0] < t[1]; false if there are
- * none. Tangents and parallels are misses; *parallel tells them apart. As for spheres, in the
- * plane across the axis. */
+/* The two intersections of the ray's line with the infinite side, t[0] < t[1]; false if there are
+ * none. Tangents and lines parallel to the axis are misses; *parallel tells them apart. The method
+ * is that of pen_sphere_roots, in the plane across the axis. */
 static inline bool pen_cylinder_side_roots(const struct pen_cylinder_side *s,
                                            const struct pen_ray *ray, double t[2], bool *parallel)
 {
@@ -72,7 +71,8 @@ static inline bool pen_cylinder_side_roots(const struct pen_cylinder_side *s,
     return t[0] < t[1];
 }
 
-/* Whether p is on the endless side, up to `bound` (which includes the primitive's own rounding). */
+/* Whether p is on the infinite side, up to `bound` (which includes the primitive's own rounding).
+ */
 static inline bool pen_cylinder_side_touches(const struct pen_cylinder_side *s, struct pen_vec3 p,
                                              double bound)
 {
@@ -80,19 +80,19 @@ static inline bool pen_cylinder_side_touches(const struct pen_cylinder_side *s, 
     return fabs(pen_dot(n, n) - s->rr) <= 2 * s->r * bound * (s->length * s->length);
 }
 
-/* The infinite cylinder's own rounding. */
+/* By how much a computed point of the infinite cylinder may miss it. */
 static inline double
 pen_infinite_cylinder_rounding(const struct pen_infinite_cylinder *infinite_cylinder)
 {
     return 8 * PEN_U * (infinite_cylinder->round.r + pen_norm1(infinite_cylinder->near));
 }
 
-/* The other intersection of a ray whose origin is on the side by identity; 0 if parallel. */
+/* The t of the other intersection of a ray whose origin is on the side by identity; 0 if the ray is
+ * parallel to the axis. */
 double pen_cylinder_side_chord(const struct pen_cylinder_side *s, const struct pen_ray *ray);
 
-/* Whether pen_cylinder_side_chord is certainly not positive, for less than it costs. Its sign is
- * that of
- * -(d x a).(f x a) = (d.a)(f.a) - (d.f)(a.a), by Lagrange, and |a|^2 < 3. */
+/* Whether pen_cylinder_side_chord is certainly not positive: a cheaper test. The chord's sign is
+ * that of -(d x a).(f x a) = (d.a)(f.a) - (d.f)(a.a), by Lagrange's identity, and |a|^2 < 3. */
 static inline bool pen_cylinder_side_outward(const struct pen_cylinder_side *s,
                                              const struct pen_ray *ray)
 {
@@ -101,10 +101,10 @@ static inline bool pen_cylinder_side_outward(const struct pen_cylinder_side *s,
     return outward > 0x1p-40 * (pen_norm1(f) * pen_norm1(d));
 }
 
-/* Whether p is inside the endless side, off its surface. */
+/* Whether p is strictly inside the infinite side. */
 bool pen_cylinder_side_contains(const struct pen_cylinder_side *s, struct pen_vec3 p);
 
-/* Unit normal of the side at p. On the axis, where there is none, some unit vector across it. */
+/* Unit normal of the side at p. On the axis, which has no normal, some unit vector across it. */
 struct pen_vec3 pen_cylinder_side_normal(const struct pen_cylinder_side *s, struct pen_vec3 p);
 
 /* The point of the side nearest p. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What constructors share. */
+/* What constructors share: vectors scaled to one, boxes grown. */
 #include "geom/internal/make.h"
 
 #include <stdint.h>

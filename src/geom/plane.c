@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Planes: how they are made. */
+/* Planes: how they are made, and the functions of their kind. */
 #include "geom/plane.h"
 
 #include "geom/internal/double_double.h"
@@ -13,7 +13,7 @@ bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 
         return false;
     p->g = pen_scale_to_one(normal);
     p->n = pen_unit_of(normal);
-    /* The point nearest the origin, unless the given one, which is exact, is about as near. */
+    /* The point nearest the origin; but the given point, which is exact, if it is about as near. */
     struct dd3 g = dd_of3(p->g);
     double s = dd_dot(g, dd_of3(point)).hi / dd_dot(g, g).hi;
     struct pen_vec3 foot = pen_scale(p->g, s);

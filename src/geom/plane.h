@@ -6,9 +6,9 @@
 #include "geom/ray.h"
 
 struct pen_plane {
-    struct pen_vec3 q; /* a point of it near the origin */
-    struct pen_vec3 g; /* its normal as given, times a power of two: no rounding */
-    struct pen_vec3 n; /* its unit normal */
+    struct pen_vec3 q; /* a point of the plane near the origin */
+    struct pen_vec3 g; /* the normal as given, times a power of two: exact */
+    struct pen_vec3 n; /* the unit normal */
 };
 
 /* Fails: returns false if an argument is not finite or the normal is zero. */
@@ -29,7 +29,7 @@ static inline double pen_dot_guarded(struct pen_vec3 a, struct pen_vec3 b)
     return pen_dot2(a, b);
 }
 
-/* Where the ray's line crosses the plane; false if it is parallel. */
+/* The t at which the ray's line meets the plane; false if it is parallel. */
 static inline bool pen_plane_root(const struct pen_plane *p, const struct pen_ray *ray, double *t)
 {
     struct pen_vec3 g = pen_permuted(ray, &p->g);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Polygons: how they are made. */
+/* Polygons: how they are made, and the functions of their kind. */
 #include "geom/polygon.h"
 
 #include "geom/internal/double_double.h"
@@ -27,12 +27,11 @@ static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
     return dd_round3(sum);
 }
 
-/* Whether each vertex is in the plane of the first with normal n, and whether the outline turns to
- * the left at each, up to less than 2^-44 of all lengths; and the scale: an intersection is on a
- * surface between the vertices, its point is put on the plane, so what they are apart counts as
- * rounding.
- */
-static void judge_outline(struct pen_polygon *p)
+/* Sets flat, convex and scale. Flat: each vertex is in the plane of the first with normal n;
+ * convex: the outline turns left at each vertex; both up to less than 2^-44 of all lengths. Scale:
+ * an intersection lies on a surface between the vertices and its point is put on the plane, so the
+ * distance between the two counts as rounding. */
+static void classify_outline(struct pen_polygon *p)
 {
     double most = 0;
     p->flat = p->convex = true;
@@ -66,7 +65,7 @@ bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
     if (!is_finite3(n) || !(pen_largest3(n) > least && pen_largest3(n) > 0x1p-900))
         return false;
     p->n = pen_unit_of(n);
-    judge_outline(p);
+    classify_outline(p);
     return true;
 }
 

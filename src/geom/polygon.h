@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Flat polygons of any outline, convex or not. Inside is decided by the half-open winding of
- * geom/triangle.h; the depth is interpolated on the line y = 0 of ray space between the two
- * crossed edges nearest the ray, so it is a mean of the vertices' depths with weights in [0, 1],
- * at any angle, and neighbours that share an edge agree on it. Outward is the side from which the
- * vertices run counter-clockwise. */
+ * geom/triangle.h. The depth is interpolated on the line y = 0 of ray space, between the two edges
+ * nearest the ray that cross this line: so it is a mean of the vertices' depths with weights in
+ * [0, 1], at any angle, and neighbours that share an edge agree on it. Outward is the side from
+ * which the vertices run counter-clockwise. */
 #ifndef PEN_GEOM_POLYGON_H
 #define PEN_GEOM_POLYGON_H
 
@@ -15,12 +15,12 @@ struct pen_polygon {
     struct pen_vec3 n; /* unit */
     double extent;     /* no vertex is farther than this from another, in any axis */
     double scale;      /* pen_prim_scale: extent, and more if rounding put vertices off the plane */
-    bool flat, convex; /* up to rounding of its vertices; nothing relies on their being false */
+    bool flat, convex; /* up to rounding of the vertices; false may be wrong */
 };
 
 /* Fails: returns false if a coordinate is not finite, or not 0 and below PEN_LEAST, there are fewer
- * than three vertices, or the sum of signed areas is zero or below 2^-900. Simplicity and flatness
- * are the reader's business. Owns: borrows v. */
+ * than three vertices, or the sum of signed areas is zero or below 2^-900. The scene's reader has
+ * checked that the outline is simple and flat. Owns: borrows v. */
 bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count);
 
 /* One end of the segment of y = 0 that contains the ray: x = s / h, depth z = w / h. */
@@ -28,15 +28,15 @@ struct pen_scan_end {
     double s, w, h; /* h > 0; 0 if there is none yet */
 };
 
-/* Whether e is farther right than f; edges that cross in the same point are told apart, so that
- * t does not depend on where the outline starts, nor on its direction. */
+/* Whether e is farther right than f. Edges that cross y = 0 in the same point are ordered too, so
+ * that t depends neither on where the outline starts nor on its direction. */
 static inline bool pen_scan_right_of(struct pen_scan_end e, struct pen_scan_end f)
 {
     double ef = e.s * f.h, fe = f.s * e.h;
     return ef > fe || (ef == fe && (e.h > f.h || (e.h == f.h && e.w > f.w)));
 }
 
-/* Where the ray's line crosses the polygon; false if it does not. */
+/* The t at which the ray's line meets the polygon; false if it does not. */
 static inline bool pen_polygon_root(const struct pen_polygon *p, const struct pen_ray *ray,
                                     double *t)
 {
@@ -46,7 +46,7 @@ static inline bool pen_polygon_root(const struct pen_polygon *p, const struct pe
     for (uint32_t i = 0; i < p->count; i++) {
         struct pen_sheared b = pen_shear(ray, &p->v[i]);
         if ((a.y <= 0) != (b.y <= 0)) {
-            double up = a.y <= 0 ? 1 : -1; /* downward edges are turned round */
+            double up = a.y <= 0 ? 1 : -1; /* downward edges are reversed */
             struct pen_scan_end e = {up * pen_edge_even(a, b), up * (a.z * b.y - a.y * b.z),
                                      up * (b.y - a.y)};
             if (e.s > 0) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One primitive of any kind: its intersections without regard to what the ray leaves, normal,
- * projection, bounds, rounding bound. */
+/* One primitive of any kind, by the functions of its kind: the intersections with the ray's line,
+ * normal, projection, bounds, rounding bound. */
 #include "geom/prims.h"
 
 const struct pen_origin_surface pen_origin_none = {.prim = PEN_NO_PRIM};

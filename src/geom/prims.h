@@ -2,34 +2,10 @@
 /* The primitives of a frozen scene: one typed array per kind, in the local frame (coordinates
  * about 1). A primitive's number is its place in the document, depth first, and decides ties.
  *
- * One header per kind holds its struct, how it is made, and its hot functions, static inline:
- * where a ray's line crosses it, projection of a computed hit on the surface, bounds. Outward is
- * as scene-format.md says.
- *
- * Leaving (pen_origin_surface). Let a ray start at p on primitive P, arrived from the direction w
- * (`toward`), and let Q be another primitive that contains p within rounding, inside or on its
- * border: p misses Q by no more than the bounds of p and of Q's own test. On which side of Q
- * rounding has put p is an accident, and so is, at a border, whether the ray's line passes through
- * Q at all. So neither is asked. Q is crossed at p, at PEN_FIRST_T, if the ray does not go back to
- * the side of Q that it comes from, and if Q extends beyond P's tangent plane on the side where
- * the ray goes; else it is not crossed there. The ray comes from w's side, or where the way w began
- * within rounding of Q, from the side that the way before it began on (`before`); but after it
- * passed `through` P, or where neither tells, from the side where P lies, if it lies on one. So
- *  - in a wedge or a corner of walls, a ray into the other wall is stopped by it, and no light
- *    comes in at the seams of a closed room;
- *  - over a convex edge, or a seam between two boxes, no neighbour shades its neighbour;
- *  - coplanar and coincident surfaces neither shade each other nor are entered twice;
- *  - things resting on each other shade each other at the contact.
- * A ray that met a surface at PEN_FIRST_T has not moved: what it leaves next has the same w.
- *
- * Passing. A p that rounding has put behind its wall is outside the room, and its ray may go round
- * the foot of the next wall; over a convex edge it may meet the neighbour from within. So for a
- * triangle or polygon that is near p (PEN_NEARBY), but not at it, whose border the ray's line
- * passes within the same bounds, the line is not asked: it is met where the line meets its plane,
- * if it extends beyond P's tangent plane on the side where the ray goes, and else is not.
- *
- * A quadric that p touches has its other root at -2 b / a, as if it were left itself, so that
- * coincident quadrics agree bit for bit. Nothing else is dropped, however near it is. */
+ * geom/kind.h lists the kinds. The header of a kind holds its struct, how it is made, and its hot
+ * functions, static inline: the intersections with a ray's line, projection of a computed hit point
+ * on the surface, bounds. Conventions, numerics and the self-intersection rule, which
+ * pen_prim_intersect applies, are stated in src/geom/README.md. */
 #ifndef PEN_GEOM_PRIMS_H
 #define PEN_GEOM_PRIMS_H
 
@@ -114,17 +90,18 @@ struct pen_vec3 pen_prim_point(const struct pen_prims *prims, struct pen_hit hit
  * inside to within a relative error of 2^-24 of t. Only for finite kinds. */
 struct pen_box pen_prim_bounds(const struct pen_prims *prims, uint32_t prim);
 
-/* The length that the primitive's own rounding near p is proportional to. */
+/* The length to which the primitive's own rounding near p is proportional. */
 double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
 
 /* The rounding bound for rays that start at p: 16u (|p|_1 + the primitive's own scale). */
 double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
 
-/* What a ray leaves that starts at p, the hit point of a ray that left `left`, and goes on at the
- * side that the ray came from. Of the ways before, the longest is kept: it tells sides best. p =
- * o + t d misses its surface by the rounding of the sum before it is put back, and may miss others
- * there by as much: 16u covers the products, t and the sum. Where the ray has hardly moved, p is
- * also off by what o was. */
+/* The origin surface of a ray that starts at p and goes on at the side from which `ray` arrived: p
+ * is the point of `hit`, and `ray` itself started on `left`.
+ *  - before: of all earlier `toward`, the longest is kept, because it tells sides best.
+ *  - bound: p = o + t d misses its surface by the rounding of the sum before it is put back on it,
+ *    and may miss other surfaces there by as much; 16u covers the products, t and the sum. Where
+ *    the ray has hardly moved, p is also off by the bound of o. */
 static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *prims,
                                                       const struct pen_ray *ray,
                                                       const struct pen_origin_surface *left,
@@ -147,8 +124,8 @@ static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *pr
     return origin;
 }
 
-/* Whether an intersection is the ray's point at t_end, up to `bound` and the rounding of the
- * crossing itself: for rays that end in a light, where the light's own surface is not crossed. */
+/* Whether an intersection is the ray's point at t_end, up to `bound` and the intersection's own
+ * rounding. A ray that ends in a light does not count the surface that contains the light. */
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
                        double t_end, double bound);
 

@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays, intersections, and what a ray starts on. The words of every primitive file.
+/* Rays, intersections, and the origin surface of a ray: the terms of every primitive's file.
  *
- * A intersection is a point where a ray passes through a surface. Crossings of one ray are ordered
- * by (t, primitive number, part); at equal t the primitive that comes first in the document comes
- * first. t is a pure function of (ray, what it leaves, primitive), so no tree, thread or SIMD
+ * An intersection is a point where a ray passes through a surface. The intersections of one ray are
+ * ordered by (t, primitive number, part): at equal t the primitive that comes first in the document
+ * comes first. t is a pure function of (ray, origin surface, primitive), so no tree, thread or SIMD
  * width can change which intersection is nearest.
  *
- * Leaving a surface is decided by identity, never by an epsilon in scene units:
- *  - a flat primitive is not crossed again by a ray that starts on it;
- *  - a quadric that the ray starts on has one root that is 0 exactly; it is dropped by identity,
- *    and the other root, -2 b / a, is kept if it is positive;
- *  - another primitive that contains the origin within the rounding bound of the origin's own
- *    computation touches it: geom/prims.h states when that counts as a crossing. */
+ * What a ray meets near its origin is decided by identity and geometry, never by an epsilon in
+ * scene units: the self-intersection rule, src/geom/README.md. */
 #ifndef PEN_GEOM_RAY_H
 #define PEN_GEOM_RAY_H
 
@@ -33,27 +29,27 @@
 #define PEN_LEAST 0x1p-300
 #define PEN_LEAST_DIRECTION 0x1p-130
 
-/* The t of an intersection at the ray's origin that counts: behind nothing, before everything. */
+/* The t of an intersection at the ray's origin that counts: positive, and before all others. */
 #define PEN_FIRST_T 0x1p-1074
 
-/* A intersection of a quadric at tp - h is refined where it is nearer the origin than this share of
- * the half chord h: the subtraction would lose more than three bits. */
+/* An intersection with a quadric at tp - h is refined where it is nearer the origin than this share
+ * of the half chord h: the subtraction would lose more than three bits. */
 #define PEN_NEAR 0.125
 
-/* So are both where the ray passes so near the edge of a quadric that the discriminant is less than
- * this share of the squared radius: it keeps too few digits. */
+/* Both intersections are refined where the ray grazes a quadric, so that the discriminant is less
+ * than this share of the squared radius: it keeps too few digits. */
 #define PEN_GRAZING 0x1p-5
 
-/* Of a flat primitive whose border a ray passes within rounding, no farther from where it starts
- * than this many rounding bounds, the self-intersection rule says whether it is met. Beyond, that
- * would matter only to light at less than 2^-23 to the surface, which brings it no more than that
- * share of its strength. */
+/* Where a ray passes the border of a flat primitive within rounding, no farther from its origin
+ * than this many rounding bounds, the self-intersection rule decides whether it meets the
+ * primitive. Farther away that would matter only to light that arrives at less than 2^-23 to the
+ * surface, which brings it no more than that share of its strength. */
 #define PEN_NEARBY 0x1p23
 
 enum pen_part {
     PEN_PART_SIDE =
-        0, /* the only part of sphere, infinite cylinder and flat primitives; a cylinder's side */
-    PEN_PART_BASE = 1, /* a cylinder's cap at `base` */
+        0, /* the only part of sphere, infinite cylinder and flat kinds; the side of the others */
+    PEN_PART_BASE = 1, /* the cap of a cylinder or cone at `base` */
     PEN_PART_TOP = 2   /* the other cap */
 };
 
@@ -64,26 +60,27 @@ enum {
     PEN_ON_TOP = 1 << PEN_PART_TOP
 };
 
-/* A ray, with what primitives need once per ray: the shear that turns it into the z axis (Woop,
- * Benthin, Wald, JCGT 2(1), 2013, section 3.2) and 1/d.d. d has any length; t is in units of d. */
+/* A ray, with the values that primitive tests need once per ray: the shear that maps it to the z
+ * axis (Woop, Benthin, Wald, JCGT 2(1), 2013, section 3.2) and 1/d.d. d has any length; t is in
+ * units of d. */
 struct pen_ray {
     struct pen_vec3 o, d;
     double inv_dd;                          /* 1 / d.d */
     double sx, sy, sz;                      /* shear: d[kx]/d[kz], d[ky]/d[kz], 1/d[kz] */
     struct pen_vec3 permuted_o, permuted_d; /* pen_permuted of o and d */
-    int kx, ky, kz; /* axes turned round, not swapped, so that kz is d's largest component */
+    int kx, ky, kz; /* axes permuted cyclically, so that kz is d's largest component */
 };
 
 /* v with its axes in the ray's order. All sums over axes that decide t are taken of such vectors,
- * so that t has the same bits in a scene whose axes are turned round; only where all components of
- * d are of one size is no axis the ray's own. */
+ * so that t has the same bits in a scene whose axes are permuted cyclically. Only where all
+ * components of d are equal in size does the ray have no order of its own. */
 static inline struct pen_vec3 pen_permuted(const struct pen_ray *ray, const struct pen_vec3 *v)
 {
     const double *c = (const double *)v;
     return pen_vec3(c[ray->kx], c[ray->ky], c[ray->kz]);
 }
 
-/* v with components smaller than `least` made zeros of the same sign. */
+/* v with components smaller than `least` replaced by zeros of the same sign. */
 static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
 {
     return pen_vec3(fabs(v.x) < least ? copysign(0, v.x) : v.x,
@@ -97,7 +94,7 @@ static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
 static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d)
 {
     double ax = fabs(d.x), ay = fabs(d.y), az = fabs(d.z);
-    /* Of two equal ones the first, counting on from the third axis. */
+    /* Of two equal components, the first in the order z, x, y. */
     int kz = ax >= ay ? (ax > az ? 0 : 2) : (ay >= az ? 1 : 2);
     double largest = kz == 0 ? ax : kz == 1 ? ay : az;
     double poison = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (ax - ax) + (ay - ay) + (az - az);
@@ -119,7 +116,7 @@ static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct p
     return true;
 }
 
-/* What was lost to rounding in diff = a - b, exactly (Knuth). */
+/* The rounding error of diff = a - b, exactly (Knuth). */
 static inline double pen_difference_error(double a, double b, double diff)
 {
     double part = diff - a;
@@ -140,14 +137,14 @@ static inline struct pen_vec3 pen_along_once(struct pen_vec3 a, struct pen_vec3 
     return pen_vec3(fma(t, d.x, a.x), fma(t, d.y, a.y), fma(t, d.z, a.z));
 }
 
-/* What a ray starts on. prim is PEN_NO_PRIM for rays that start in free space. */
+/* The surface that a ray starts on. prim is PEN_NO_PRIM for rays that start in free space. */
 struct pen_origin_surface {
     uint32_t prim;
     uint8_t part;
-    bool through;           /* it goes on at the other side of the surface than it arrived from */
-    struct pen_vec3 toward; /* from the origin to where the arriving ray started; if it arrived at
-                               PEN_FIRST_T, to where the one before it did */
-    struct pen_vec3 before; /* the longest `toward` of what the path left before; or zero */
+    bool through;           /* the path passed through the surface: it arrived on the other side */
+    struct pen_vec3 toward; /* from the origin back to where the arriving ray started; if that ray
+                               arrived at PEN_FIRST_T, to where the one before it started */
+    struct pen_vec3 before; /* the longest `toward` of the path's earlier surfaces; or zero */
     double bound;           /* distance by which the origin may miss its surface: pen_origin_at */
 };
 
@@ -159,7 +156,7 @@ struct pen_hit {
     uint8_t part;
 };
 
-/* Whether intersection a is before crossing b. */
+/* Whether hit a comes before hit b on the ray. */
 static inline bool pen_hit_before(struct pen_hit a, struct pen_hit b)
 {
     if (a.t != b.t)

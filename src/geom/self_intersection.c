@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The intersections of a ray that starts on a surface: the rule stated in geom/prims.h. */
+/* The intersections of a ray that starts on a surface: the self-intersection rule, stated with a
+ * figure and a decision table in src/geom/README.md. Here P is the primitive that the ray starts on
+ * and Q another one. */
 #include <stddef.h>
 
 #include "geom/internal/kinds.h"
@@ -24,10 +26,11 @@ double pen_farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n,
     return far;
 }
 
-/* How far primitive q reaches along unit vector n beyond point p. */
-static double reach(const struct pen_prims *prims, uint32_t q, struct pen_vec3 n, struct pen_vec3 p)
+/* How far the primitive extends along unit vector n beyond point p. */
+static double reach(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
+                    struct pen_vec3 p)
 {
-    return pen_prim_row(prims, q)->fn->reach(pen_prim_self(prims, q), n, p);
+    return pen_prim_row(prims, prim)->fn->reach(pen_prim_self(prims, prim), n, p);
 }
 
 /* The corners of a flat primitive with an outline; none of other primitives. */
@@ -37,17 +40,17 @@ static struct pen_outline outline_of(const struct pen_prims *prims, uint32_t pri
     return fn->outline ? fn->outline(pen_prim_self(prims, prim)) : (struct pen_outline){NULL, 0, 0};
 }
 
-/* What is known of a primitive q at the origin of a ray that leaves another. */
+/* The contact of a primitive Q with the origin of a ray that starts on another primitive P. */
 struct contact {
     const struct pen_prims *prims;
-    const struct pen_origin_surface *origin;
-    struct pen_hit q;
-    struct pen_vec3 p, n; /* the origin, and q's unit normal there */
-    double slack;         /* by how much p may miss q */
-    double share;         /* d runs along q, for all that is known, if d.n is no more of |d| */
+    const struct pen_origin_surface *origin; /* P */
+    struct pen_hit q;                        /* Q and its part */
+    struct pen_vec3 p, n;                    /* the ray's origin, and Q's unit normal there */
+    double slack;                            /* by how much p may miss Q */
+    double share; /* d counts as parallel to Q where |d.n| is at most this share of |d| */
 };
 
-/* Flat primitives are known to `slack` over their whole length. */
+/* The plane of a flat primitive is known to `slack` over its whole extent: that bounds `share`. */
 static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q,
                                  const struct pen_ray *ray, const struct pen_origin_surface *origin)
 {
@@ -60,30 +63,30 @@ static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q
     return c;
 }
 
-/* d.n, or 0 if that is rounding. */
+/* d.n, or 0 where that is rounding. */
 static double across(const struct contact *c, struct pen_vec3 d)
 {
     double dn = pen_dot(d, c->n);
     return fabs(dn) <= c->share * pen_norm1(d) ? 0 : dn;
 }
 
-/* On which side of q a way to the origin began, as the sign of a product with n; 0 if it began as
- * near q as it ends. */
-static double side_before(const struct contact *c, struct pen_vec3 toward)
+/* The side of Q on which a ray to the origin began, as the sign of a product with n. `toward` is
+ * the vector from the origin back to that beginning. 0: it began within rounding of Q. */
+static double side_of_beginning(const struct contact *c, struct pen_vec3 toward)
 {
     double wn = across(c, toward);
     return fabs(wn) <= 2 * c->slack ? 0 : wn;
 }
 
-/* The side of q that the ray comes from, as the sign of a product with n: where the way to the
- * origin began, or else the one before it. That tells little after the primitive left was passed,
- * and nothing if both began at q: then it is where that primitive lies, if it lies on one side. 0
- * if it lies on neither: there the two are one surface. */
-static double side_of(const struct contact *c)
+/* The side of Q from which the ray comes, as the sign of a product with n:
+ *  1. where the arriving ray began, or, if that is within rounding of Q, the ray before it;
+ *  2. if neither tells, or the path passed through P: where P lies, if it lies on one side only;
+ *  3. 0 if P lies on neither side: P and Q are one surface there. */
+static double side_of_arrival(const struct contact *c)
 {
-    double wn = side_before(c, c->origin->toward);
+    double wn = side_of_beginning(c, c->origin->toward);
     if (wn == 0)
-        wn = side_before(c, c->origin->before);
+        wn = side_of_beginning(c, c->origin->before);
     if (!c->origin->through && wn != 0)
         return wn;
     bool out = reach(c->prims, c->origin->prim, c->n, c->p) > 2 * c->slack;
@@ -91,7 +94,7 @@ static double side_of(const struct contact *c)
     return out && in ? wn : (double)(out - in);
 }
 
-/* Whether q extends beyond the tangent plane of what the ray leaves, where it goes. */
+/* Whether Q extends beyond P's tangent plane, on the side to which the ray goes. */
 static bool rises(const struct contact *c, struct pen_vec3 d)
 {
     struct pen_hit left = {0, c->origin->prim, c->origin->part};
@@ -100,19 +103,19 @@ static bool rises(const struct contact *c, struct pen_vec3 d)
     return dm == 0 || reach(c->prims, c->q.prim, dm > 0 ? m : pen_neg(m), c->p) > c->slack;
 }
 
-/* Whether an intersection of q at the ray's origin counts. A ray along q does not get by. */
+/* Whether an intersection of Q at the ray's origin counts: the ray does not go back to the side
+ * from which it comes, and Q rises over P. A ray parallel to Q does not go back. */
 static bool origin_counts(const struct contact *c, struct pen_vec3 d)
 {
-    double side = side_of(c), dn = across(c, d);
+    double side = side_of_arrival(c), dn = across(c, d);
     if (side == 0 || (side > 0 && dn > 0) || (side < 0 && dn < 0))
         return false;
     return rises(c, d);
 }
 
-/* The intersections of the primitive that the ray leaves: a flat one is not met again, a round one
- * perhaps once more. */
-static void cross_own(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
-                      uint8_t part, struct pen_intersections *out)
+/* The intersections with P itself: a flat primitive is not met again, a round one perhaps once. */
+static void intersect_own(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                          uint8_t part, struct pen_intersections *out)
 {
     const struct pen_kind *kind = pen_prim_row(prims, prim);
     out->count = 0;
@@ -126,16 +129,15 @@ static void add_at_origin(const struct pen_prims *prims, struct pen_hit q,
                           struct pen_intersections *out)
 {
     const struct contact c = contact_at(prims, q, ray, origin);
-    if (!origin_counts(&c, ray->d))
-        return;
-    out->t[out->count] = q.t;
-    out->part[out->count++] = q.part;
+    if (origin_counts(&c, ray->d))
+        pen_intersections_add(out, q.t, q.part);
 }
 
 /* Replaces the intersections of a round primitive that contains the origin within the bounds: the
- * one that is the origin gets t = 0, exactly. */
-static void round_touching(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
-                           const struct pen_origin_surface *origin, struct pen_intersections *out)
+ * intersection at the origin gets t = 0 exactly. */
+static void intersect_touching(const struct pen_prims *prims, uint32_t prim,
+                               const struct pen_ray *ray, const struct pen_origin_surface *origin,
+                               struct pen_intersections *out)
 {
     unsigned rim =
         pen_prim_row(prims, prim)
@@ -157,32 +159,32 @@ static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p
 }
 
 /* Whether p is on a triangle or polygon with unit normal n, within b: on its border, or inside. */
-static bool on_body(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
-                    struct pen_vec3 p, double b)
+static bool contains_point(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
+                           struct pen_vec3 p, double b)
 {
     const struct pen_outline line = outline_of(prims, prim);
     for (uint32_t i = 0; i < line.count; i++) {
         if (near_segment(line.v[i], line.v[i + 1 < line.count ? i + 1 : 0], p, b))
             return true;
     }
-    struct pen_ray across;
+    struct pen_ray normal_ray;
     struct pen_intersections c;
     if (line.count == 0 || !(fabs(pen_dot(n, pen_sub(line.v[0], p))) <= 2 * b) ||
-        !pen_ray_make(&across, p, n))
+        !pen_ray_make(&normal_ray, p, n))
         return false;
-    pen_prim_intersect_line(prims, prim, &across, &c);
+    pen_prim_intersect_line(prims, prim, &normal_ray, &c);
     return c.count > 0 && fabs(c.t[0]) <= b;
 }
 
-/* A point as seen along the ray, from its origin. */
-static struct pen_vec3 seen_along(const struct pen_ray *ray, struct pen_vec3 v)
+/* A point relative to the ray's origin, projected along the ray. */
+static struct pen_vec3 projected(const struct pen_ray *ray, struct pen_vec3 v)
 {
     struct pen_vec3 f = pen_sub(v, ray->o);
     return pen_along(f, ray->d, -pen_dot(f, ray->d) * ray->inv_dd);
 }
 
-/* Whether the ray meets the plane of a triangle or polygon near its origin, at t, and passes its
- * border within b: then it is an accident whether its line meets the primitive. */
+/* Whether the ray meets the plane of a triangle or polygon near its origin, at t, and passes the
+ * border within b: whether its line meets the primitive is then an accident of rounding. */
 static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                           const struct pen_ray *ray, double b, double *t)
 {
@@ -193,9 +195,9 @@ static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct p
     *t = far / pen_dot(n, ray->d);
     if (!(fabs(far) > 0.5 * b && *t > 0 && *t * *t <= nearby * nearby * ray->inv_dd))
         return false;
-    struct pen_vec3 from = seen_along(ray, line.v[line.count - 1]);
+    struct pen_vec3 from = projected(ray, line.v[line.count - 1]);
     for (uint32_t i = 0; i < line.count; i++) {
-        struct pen_vec3 to = seen_along(ray, line.v[i]);
+        struct pen_vec3 to = projected(ray, line.v[i]);
         if (near_segment(from, to, pen_vec3(0, 0, 0), b))
             return true;
         from = to;
@@ -203,9 +205,10 @@ static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct p
     return false;
 }
 
-/* A primitive whose border is passed is met if it rises over what the ray leaves. */
-static void cross_border(const struct pen_prims *prims, struct pen_hit q, const struct pen_ray *ray,
-                         const struct pen_origin_surface *origin, struct pen_intersections *out)
+/* A primitive whose border the ray passes is met, in its plane, if it rises over P. */
+static void intersect_border(const struct pen_prims *prims, struct pen_hit q,
+                             const struct pen_ray *ray, const struct pen_origin_surface *origin,
+                             struct pen_intersections *out)
 {
     const struct contact c = contact_at(prims, q, ray, origin);
     if (!rises(&c, ray->d))
@@ -214,18 +217,18 @@ static void cross_border(const struct pen_prims *prims, struct pen_hit q, const 
         *out = (struct pen_intersections){1, {q.t}, {q.part}};
 }
 
-/* The intersection of a flat primitive by a ray that leaves another. A ray that starts on it may
- * miss it: at its border, or along it. */
-static void cross_flat(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
-                       const struct pen_origin_surface *origin, struct pen_intersections *out)
+/* Replaces the intersection with a flat primitive Q that is not P. The line of a ray that starts on
+ * Q may miss Q all the same: at its border, or where it is parallel. */
+static void intersect_flat(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                           const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
     double scale = pen_prim_scale(prims, prim, ray->o), b = origin->bound + 8 * PEN_U * scale;
     struct pen_hit hit = {out->count ? out->t[0] : 0, prim, PEN_PART_SIDE};
     struct pen_vec3 n = pen_prim_normal(prims, hit, ray->o);
     bool touches = out->count && pen_flat_touches(n, scale, ray, hit.t, origin->bound);
-    if (!touches && !(hit.t <= 0 && on_body(prims, prim, n, ray->o, b))) {
+    if (!touches && !(hit.t <= 0 && contains_point(prims, prim, n, ray->o, b))) {
         if (passes_border(prims, prim, n, ray, b, &hit.t))
-            cross_border(prims, hit, ray, origin, out);
+            intersect_border(prims, hit, ray, origin, out);
         return;
     }
     out->count = 0;
@@ -238,28 +241,25 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
                         const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
     if (prim == origin->prim) {
-        cross_own(prims, prim, ray, origin->part, out);
+        intersect_own(prims, prim, ray, origin->part, out);
         return;
     }
     pen_prim_intersect_line(prims, prim, ray, out);
     if (origin->prim == PEN_NO_PRIM)
         return;
     if (pen_prim_flat(prims->ref[prim].kind)) {
-        cross_flat(prims, prim, ray, origin, out);
+        intersect_flat(prims, prim, ray, origin, out);
         return;
     }
-    round_touching(prims, prim, ray, origin, out);
+    intersect_touching(prims, prim, ray, origin, out);
     struct pen_intersections all = *out;
     out->count = 0;
     for (int i = 0; i < all.count; i++) {
-        struct pen_hit hit = {all.t[i], prim, all.part[i]};
-        if (hit.t == 0) {
-            hit.t = PEN_FIRST_T;
-            add_at_origin(prims, hit, ray, origin, out);
-        } else {
-            out->t[out->count] = hit.t;
-            out->part[out->count++] = hit.part;
-        }
+        if (all.t[i] == 0)
+            add_at_origin(prims, (struct pen_hit){PEN_FIRST_T, prim, all.part[i]}, ray, origin,
+                          out);
+        else
+            pen_intersections_add(out, all.t[i], all.part[i]);
     }
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Spheres: what is not hot. */
+/* Spheres: the functions that are not hot. */
 #include "geom/sphere.h"
 
 #include "geom/internal/double_double.h"

@@ -15,15 +15,15 @@ struct pen_sphere {
 /* Fails: returns false if c is not finite or r is not in 2^-400 ... 2^400. */
 bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r);
 
-/* The intersections by the textbook's equation in twice the precision: for origins near the surface
- * and for grazing rays, where the short way of pen_sphere_roots loses digits. NaN for a miss. */
+/* The intersections by the quadratic equation in double-double: for origins near the surface and
+ * for grazing rays, where the quick method of pen_sphere_roots loses digits. NaN for a miss. */
 void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, double t[2]);
 
 /* The two intersections of the ray's line, t[0] < t[1]; false if there are none. A tangent is a
  * miss. The discriminant is taken at the point l of the line nearest the centre (Haines, Guenther,
  * Akenine-Moeller, Ray Tracing Gems, 2019, chapter 7). l is found to a unit roundoff of itself,
- * whatever the distance: o - c is kept exactly, o - c + tp d rounds once, and what is left of it
- * along d corrects tp. */
+ * whatever the distance: o - c is kept exactly, o - c + tp d rounds once, and its remaining
+ * component along d corrects tp. */
 static inline bool pen_sphere_roots(const struct pen_sphere *s, const struct pen_ray *ray,
                                     double t[2])
 {
@@ -48,11 +48,11 @@ static inline bool pen_sphere_touches(const struct pen_sphere *s, struct pen_vec
     return fabs(pen_dot(f, f) - s->rr) <= 2 * s->r * (bound + 8 * PEN_U * s->r);
 }
 
-/* The other intersection of a ray whose origin is on the sphere by identity: -2 b / a, with b exact
- * to the last bits. Its sign says inward (> 0) or outward. */
+/* The t of the other intersection of a ray whose origin is on the sphere by identity: -2 b / a,
+ * with b exact to the last bits. It is positive if the ray goes inward. */
 double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray);
 
-/* Whether pen_sphere_chord is certainly not positive, for less than it costs. */
+/* Whether pen_sphere_chord is certainly not positive: a cheaper test. */
 static inline bool pen_sphere_outward(const struct pen_sphere *s, const struct pen_ray *ray)
 {
     struct pen_vec3 f = pen_sub(ray->o, s->c);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Triangles: how they are made. */
+/* Triangles: how they are made, and the functions of their kind. */
 #include "geom/triangle.h"
 
 #include "geom/internal/double_double.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
 
-/* The lengths along x, y, z of the edge from p to q: the same in any mirror, and for the triangle
- * moved. */
-static struct pen_vec3 spans_of(struct pen_vec3 p, struct pen_vec3 q)
+/* The extents along x, y, z of the edge from p to q: the same after mirroring or moving the
+ * triangle. */
+static struct pen_vec3 edge_extents(struct pen_vec3 p, struct pen_vec3 q)
 {
     return pen_vec3(fabs(q.x - p.x), fabs(q.y - p.y), fabs(q.z - p.z));
 }
@@ -20,7 +20,7 @@ static struct pen_vec3 sorted(struct pen_vec3 s)
     return rest > low ? pen_vec3(most, rest, low) : pen_vec3(most, low, rest);
 }
 
-/* Below, at or above 0 as a comes before b, by x, then y, then z. */
+/* < 0, 0 or > 0 as a is before, equal to or after b in the order by x, then y, then z. */
 static int compare(struct pen_vec3 a, struct pen_vec3 b)
 {
     if (a.x != b.x)
@@ -30,9 +30,9 @@ static int compare(struct pen_vec3 a, struct pen_vec3 b)
     return (a.z > b.z) - (a.z < b.z);
 }
 
-/* The corner that one of three edges tells from the others: the one between two equal edges, or
- * across from the greatest. -1 if all are equal. Edge i is across from corner i. */
-static int told_by(const struct pen_vec3 edge[3])
+/* The corner that the edges distinguish: the one between two equal edges, or the one opposite the
+ * greatest. -1 if all are equal. Edge i is opposite corner i. */
+static int distinguished_by(const struct pen_vec3 edge[3])
 {
     int greatest = 0;
     for (int i = 0; i < 3; i++) {
@@ -45,19 +45,20 @@ static int told_by(const struct pen_vec3 edge[3])
     return greatest;
 }
 
-/* Which corner comes first, whatever the order they come in, where the triangle is, in any mirror,
- * and, unless all edges have the same spans but for the axes' names, with axes permuted. */
+/* The distinguished corner. It does not depend on the order of the corners, on the triangle's
+ * place, on mirroring, nor on a permutation of the axes, except where all edges have equal extents
+ * up to such a permutation. */
 static int first_corner(const struct pen_vec3 v[3])
 {
-    struct pen_vec3 edge[3], turned[3];
+    struct pen_vec3 edge[3], permuted[3];
     for (int i = 0; i < 3; i++) {
-        edge[i] = spans_of(v[(i + 1) % 3], v[(i + 2) % 3]);
-        turned[i] = sorted(edge[i]);
+        edge[i] = edge_extents(v[(i + 1) % 3], v[(i + 2) % 3]);
+        permuted[i] = sorted(edge[i]);
     }
-    int first = told_by(turned);
+    int first = distinguished_by(permuted);
     if (first < 0)
-        first = told_by(edge);
-    return first < 0 ? 0 : first; /* three points in one */
+        first = distinguished_by(edge);
+    return first < 0 ? 0 : first; /* three equal points */
 }
 
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,

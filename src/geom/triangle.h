@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Triangles, and the rule by which every flat primitive owns its border: half-open winding in
  * sheared ray space. Seen along the ray, an edge counts if it passes from y <= 0 to y > 0 (or back)
- * on the right of the ray; an edge shared by two primitives takes the same decision in both,
- * because the difference of products has an exact sign, so a ray through an edge or a vertex of a
- * closed surface crosses exactly one of the faces that meet there. Outward is the side from which
- * the vertices run counter-clockwise.
+ * on the right of the ray. An edge shared by two primitives takes the same decision in both,
+ * because the difference of products has an exact sign. So a ray through an edge or a vertex of a
+ * closed surface meets exactly one of the faces there. Outward is the side from which the vertices
+ * run counter-clockwise.
  *
  * t does not depend on the order that the vertices come in, on where the triangle is if all sums
- * are exact, nor on the signs of the axes: one vertex is told from the others by the lengths of
- * the edges along the axes, and the sums treat the other two alike.
+ * are exact, nor on the signs of the axes: the extents of the edges along the axes distinguish one
+ * vertex, and the sums treat the other two alike.
  * Source: Woop, Benthin, Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013, with the
  * differences of products of math/exact.h in place of its fallback. */
 #ifndef PEN_GEOM_TRIANGLE_H
@@ -18,7 +18,7 @@
 #include "math/box.h"
 
 struct pen_triangle {
-    struct pen_vec3 v[3]; /* in the order given, from the one that the edges tell from the others */
+    struct pen_vec3 v[3]; /* in the order given, beginning with the distinguished one */
     struct pen_vec3 n;    /* unit */
 };
 
@@ -53,15 +53,15 @@ static inline double pen_edge_even(struct pen_sheared p, struct pen_sheared q)
     return (a - b) + (fma(p.x, q.y, -a) - fma(p.y, q.x, -b));
 }
 
-/* Whether edge PQ, with s = pen_edge(p, q), counts to the winding: +1, -1 or 0. */
+/* What edge PQ, with s = pen_edge(p, q), adds to the winding number: +1, -1 or 0. */
 static inline int pen_edge_counts(struct pen_sheared p, struct pen_sheared q, double s)
 {
     return (p.y <= 0 && q.y > 0 && s > 0) - (p.y > 0 && q.y <= 0 && s < 0);
 }
 
-/* Whether the depth of a crossing, as a mean of the vertices' depths, loses digits: their spread
- * along the ray is more than twice the triangle's width across it, area / size. The same for a, b,
- * c as for a, c, b. */
+/* Whether the depth of an intersection, as a mean of the vertices' depths, loses digits: their
+ * spread along the ray is more than twice the triangle's width across it, area / size. Gives the
+ * same answer for a, b, c as for a, c, b. */
 static inline bool pen_triangle_grazed(struct pen_sheared a, struct pen_sheared b,
                                        struct pen_sheared c, double area)
 {
@@ -70,12 +70,12 @@ static inline bool pen_triangle_grazed(struct pen_sheared a, struct pen_sheared 
     return size * spread > 8 * fabs(area);
 }
 
-/* The same crossing as one of the plane, in twice the precision, kept among the vertices' depths.
- */
+/* Replaces *t by the intersection with the triangle's plane in double-double, clamped to the range
+ * of the vertices' depths. */
 void pen_triangle_refine(const struct pen_triangle *tri, const struct pen_ray *ray, double *t);
 
-/* Where the ray's line crosses the triangle; false if it does not. *t lies among the depths of
- * the vertices. */
+/* The t at which the ray's line meets the triangle; false if it does not. *t lies in the range of
+ * the vertices' depths. */
 static inline bool pen_triangle_root(const struct pen_triangle *tri, const struct pen_ray *ray,
                                      double *t)
 {
@@ -85,7 +85,7 @@ static inline bool pen_triangle_root(const struct pen_triangle *tri, const struc
     double w = pen_edge(a, b), u = pen_edge(b, c), v = -pen_edge(a, c);
     if (pen_edge_counts(a, b, w) + pen_edge_counts(b, c, u) + pen_edge_counts(c, a, v) == 0)
         return false;
-    u = pen_edge_even(b, c); /* so that b and c may change places, and v and w with them */
+    u = pen_edge_even(b, c); /* symmetric in b and c, as the sum below */
     double area = u + (v + w);
     *t = (u * a.z + (v * b.z + w * c.z)) * ray->sz / area;
     if (pen_triangle_grazed(a, b, c, area))

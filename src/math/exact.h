@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Differences of products with a right sign, and what is built on them.
+/* Differences of products with an exact sign, and functions built on them.
  * Source: Jeannerod, Louvet, Muller, "Further analysis of Kahan's algorithm for the accurate
  * computation of 2x2 determinants", Math. Comp. 82, 2013. */
 #ifndef PEN_MATH_EXACT_H

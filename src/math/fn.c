@@ -4,8 +4,8 @@
  * y log x, up to 745, on its way into the result's last bit. So the logarithm is an unevaluated
  * sum of two doubles, relative error below 2^-66, and the exponential takes such a sum.
  *
- * Products that must be exact are made so by cutting the factors to 26 bits, not with fma: on
- * the baseline x86-64 that would be a call, and slow. Arguments are reduced by tables (Tang, ACM
+ * Products that must be exact are formed from factors cut to 26 bits, not with fma, which on the
+ * baseline x86-64 would be a slow call. Arguments are reduced by tables (Tang, ACM
  * TOMS 15 and 16, 1989 and 1990) so finely that Taylor polynomials serve. */
 #include "math/fn.h"
 

@@ -18,13 +18,13 @@ enum pen_purpose {
     PEN_PURPOSE_TRANSMISSION = 5
 };
 
-/* What a set of samples is for. The keys are fixed for good: whoever changes what goes into one
+/* What a set of samples is for. The keys are fixed for good: a change of what goes into one
  * changes every picture that samples.
  *  - PEN_PURPOSE_PIXEL: point i is where camera ray i crosses the pixel; pixel_sample, node and
  *    light are 0.
  *  - PEN_PURPOSE_LIGHT: the points on the disk of one light as seen from one shaded point: those of
- *    pen_sobol2 or pen_random2 from 0 on, brought to the disk by pen_disk_of_square; or the cells
- * of pen_grid2, row by row, those whose point is in the circle. pixel_sample is the index of the
+ *    pen_sobol2 or pen_random2 from 0 on, mapped to the disk by pen_disk_of_square; or the cells
+ *    of pen_grid2, row by row, those whose point is in the circle. pixel_sample is the index of the
  *    camera ray that the path began with, node the shaded point's node, light the light's place in
  *    the document, from 0 on.
  * Nothing else may enter a key: not the tile, the thread, the accelerator, the number of samples.

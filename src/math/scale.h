@@ -21,7 +21,7 @@ static inline int pen_exponent(double x)
     return biased == 0 || biased == 0x7ff ? 0 : biased - 1022 - shift;
 }
 
-/* x 2^e: exact, but for one rounding where the result is subnormal and overflow to infinity. */
+/* x 2^e: exact, except for one rounding where the result is subnormal, and overflow to infinity. */
 static inline double pen_scale2(double x, int e)
 {
     for (int i = 0; i < 3 && e > 1023; i++, e -= 1023)

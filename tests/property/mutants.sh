@@ -217,7 +217,7 @@ judge
 
 mutant axis_order h079_permuted 100000 "sums for spheres are taken in the order of the axes' names"
 edit src/geom/sphere.h 1 \
-    's/^    struct pen_vec3 o = ray->turned_o, d = ray->turned_d, c = .*$/    struct pen_vec3 o = ray->o, d = ray->d, c = s->c;/'
+    's/^    struct pen_vec3 o = ray->permuted_o, d = ray->permuted_d, c = .*$/    struct pen_vec3 o = ray->o, d = ray->d, c = s->c;/'
 judge
 
 mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point state they inherit"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Numbers of twice the precision, hi + lo with |lo| <= ulp(hi)/2, for what is computed once at
- * load or once per secondary ray. Relative error of each operation: a few 2^-104.
- * Source: Dekker, "A floating-point technique for extending the available precision", Numer.
- * Math. 18, 1971; Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic building
- * blocks of double-word arithmetic", ACM TOMS 44(2), 2017. */
+/* Double-double arithmetic: numbers hi + lo with |lo| <= ulp(hi)/2, for values computed once at
+ * load or once per secondary ray, and for refinement. Relative error of each operation: a few
+ * 2^-104. Source: Dekker, "A floating-point technique for extending the available precision",
+ * Numer. Math. 18, 1971; Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic
+ * building blocks of double-word arithmetic", ACM TOMS 44(2), 2017. */
 #ifndef PEN_GEOM_INTERNAL_DOUBLE_DOUBLE_H
 #define PEN_GEOM_INTERNAL_DOUBLE_DOUBLE_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What constructors share: what counts as a usable number, unit vectors without rounding traps,
- * and boxes grown by a primitive's own rounding. */
+/* What constructors share: tests for usable numbers, unit vectors of vectors of any length, and
+ * boxes grown by a primitive's own rounding. */
 #ifndef PEN_GEOM_INTERNAL_MAKE_H
 #define PEN_GEOM_INTERNAL_MAKE_H
 
@@ -40,7 +40,7 @@ static inline double pen_largest3(struct pen_vec3 v)
 }
 
 /* v times the power of two that brings its largest component into [1/2, 1). v is finite and not
- * zero. Exact, but for components that are lost below 2^-1074. */
+ * zero. Exact, except that components vanish below 2^-1074. */
 struct pen_vec3 pen_scale_to_one(struct pen_vec3 v);
 
 /* The unit vector along v, finite and not zero: each component within 2 ulp. */
