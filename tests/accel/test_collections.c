@@ -43,7 +43,7 @@ struct crossing {
     uint32_t prim;
 };
 
-static void assert_crossings(vec3 o, vec3 d, const struct crossing *want, int wanted)
+static void assert_intersections(vec3 o, vec3 d, const struct crossing *want, int wanted)
 {
     for (int direction = 0; direction < WAYS; direction++) {
         struct pen_hit hit[MOST];
@@ -65,20 +65,20 @@ static void three_bodies(double plane_z)
     build();
 }
 
-START_TEST(test_collections__h033_crossings_of_several_bodies)
+START_TEST(test_collections__h033_intersections_of_several_primitives)
 {
     const vec3 up = {0, 0, 1}, beside = {5, 5, 0}, rim = {0, .6, 0}, through = {0, 0, 0};
     const struct crossing one[] = {{.5, 0}}, three[] = {{.5, 0}, {1.2, 1}, {2.8, 1}},
                           four[] = {{.5, 0}, {1, 1}, {3, 1}, {4, 2}};
     world_clear(&world);
     build();
-    assert_crossings(through, up, NULL, 0);
+    assert_intersections(through, up, NULL, 0);
     pen_arena_free(arena);
     three_bodies(.5);
-    assert_crossings(through, pen_vec3(1, 0, 0), NULL, 0);
-    assert_crossings(beside, up, one, 1);
-    assert_crossings(rim, up, three, 3);
-    assert_crossings(through, up, four, 4);
+    assert_intersections(through, pen_vec3(1, 0, 0), NULL, 0);
+    assert_intersections(beside, up, one, 1);
+    assert_intersections(rim, up, three, 3);
+    assert_intersections(through, up, four, 4);
     pen_arena_free(arena);
 }
 END_TEST
@@ -90,7 +90,7 @@ START_TEST(test_collections__h033_equal_distances)
                           far[] = {{1, 1}, {3, 0}, {3, 1}, {4, 2}};
     for (int i = 0; i < 2; i++) {
         three_bodies(i ? 3 : 1);
-        assert_crossings(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), i ? far : near, 4);
+        assert_intersections(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), i ? far : near, 4);
         pen_arena_free(arena);
     }
 }
@@ -109,13 +109,13 @@ START_TEST(test_collections__h034_nearest_wherever_it_is_in_the_document)
             want[order[i][k] - 1] = (struct crossing){order[i][k], k};
         }
         build();
-        assert_crossings(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), want, 3);
-        assert_crossings(pen_vec3(0, 0, 0), pen_vec3(0, 0, -1), NULL, 0);
+        assert_intersections(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), want, 3);
+        assert_intersections(pen_vec3(0, 0, 0), pen_vec3(0, 0, -1), NULL, 0);
         pen_arena_free(arena);
     }
 }
 END_TEST
 
-PEN_SUITE("collections", test_collections__h033_crossings_of_several_bodies,
+PEN_SUITE("collections", test_collections__h033_intersections_of_several_primitives,
           test_collections__h033_equal_distances,
           test_collections__h034_nearest_wherever_it_is_in_the_document)

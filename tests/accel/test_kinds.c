@@ -143,7 +143,7 @@ START_TEST(test_kinds__groups_of_nothing_and_of_infinite_bodies_have_no_box)
 {
     row(0, 3, 1);
     world_plane(&world, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0));
-    world_tube(&world, pen_vec3(0, 9, 0), pen_vec3(0, 0, 1), .1);
+    world_infinite_cylinder(&world, pen_vec3(0, 9, 0), pen_vec3(0, 0, 1), .1);
     world_sphere(&world, pen_vec3(8, 0, 0), 1);
     const struct pen_group_range interval[] = {{0, 0}, {1, 5}, {1, 1}, {3, 5}, {3, 4}, {6, 6}};
     check_stats(build_groups(interval, 6), 2, 4, 2);

@@ -141,7 +141,7 @@ static void follow_path(struct random *random, const struct ways *ways, const ui
         interval.tmax = nextafter(hit.t, 0);
         nearest(&world, ways, &ray, &origin, &interval);
         o = pen_prim_point(&world.prims, hit, &ray);
-        origin = world_leave(&world, hit, o, pen_scale(d, hit.t), false);
+        origin = world_origin_surface(&world, hit, o, pen_scale(d, hit.t), false);
         struct pen_vec3 n = pen_prim_normal(&world.prims, hit, o);
         struct pen_vec3 next = random_direction(random);
         origin.through = (pen_dot(next, n) > 0) != (pen_dot(origin.toward, n) > 0);

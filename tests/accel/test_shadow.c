@@ -79,7 +79,7 @@ START_TEST(test_shadow__a_ray_does_not_cross_where_it_starts)
         else if (kind == 1)
             world_plane(&world, pen_vec3(5, 5, 0), pen_vec3(0, 0, 1));
         else if (kind == 2)
-            world_tube(&world, pen_vec3(0, 0, -1), pen_vec3(1, 0, 0), 1);
+            world_infinite_cylinder(&world, pen_vec3(0, 0, -1), pen_vec3(1, 0, 0), 1);
         else
             world_cylinder(&world, pen_vec3(0, 0, -1), pen_vec3(0, 0, 1), 1, 1, true);
         ck_assert_msg(!ask(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query),
@@ -120,7 +120,7 @@ START_TEST(test_shadow__light_on_a_surface)
         vec3 o = pen_along(random_vec(&r, 1), a, -3);
         struct pen_ray ray = world_ray(o, pen_sub(light, o));
         struct pen_hit hit[3];
-        int before = world_crossings(&world, &ray, &pen_origin_none, 1 - 1e-9, hit, 3);
+        int before = world_intersections(&world, &ray, &pen_origin_none, 1 - 1e-9, hit, 3);
         if (before > 0 && hit[before - 1].t > .999)
             continue; /* a chord so short that it takes a closer look to tell its ends apart */
         ck_assert_msg(shaded(o, light) == (before > 0), "%d: %d before; seed %llu", i, before,
@@ -140,7 +140,7 @@ START_TEST(test_shadow__light_behind_or_beside_a_surface)
 }
 END_TEST
 
-START_TEST(test_shadow__see_through_crossings_come_in_order)
+START_TEST(test_shadow__see_through_intersections_come_in_order)
 {
     world_clear(&world);
     for (int i = 0; i < 20; i++) {
@@ -198,5 +198,5 @@ END_TEST
 PEN_SUITE("shadow", test_shadow__the_interval_is_open,
           test_shadow__a_ray_does_not_cross_where_it_starts, test_shadow__light_on_a_surface,
           test_shadow__light_behind_or_beside_a_surface,
-          test_shadow__see_through_crossings_come_in_order, test_shadow__too_many_to_keep,
+          test_shadow__see_through_intersections_come_in_order, test_shadow__too_many_to_keep,
           test_shadow__last_occluder_is_only_a_hint)

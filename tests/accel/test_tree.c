@@ -174,7 +174,7 @@ START_TEST(test_tree__h098_unbounded_mix)
     world_clear(&world);
     for (int i = 0; i < 3; i++) {
         world_plane(&world, random_vec(&r, 1), random_direction(&r));
-        world_tube(&world, random_vec(&r, 1), random_direction(&r), .1);
+        world_infinite_cylinder(&world, random_vec(&r, 1), random_direction(&r), .1);
     }
     for (int i = 0; i < 1500; i++) {
         vec3 c = random_vec(&r, 1);

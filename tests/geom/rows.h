@@ -42,7 +42,7 @@ static inline void row_check(const struct world *w, const struct pen_origin_surf
 {
     struct pen_hit hit[2];
     struct pen_ray ray = world_ray(row->o, row->d);
-    int count = world_crossings(w, &ray, origin, INFINITY, hit, 2);
+    int count = world_intersections(w, &ray, origin, INFINITY, hit, 2);
     ck_assert_msg(count == row->count, "row %d: %d crossings, not %d", number, count, row->count);
     for (int k = 0; k < count; k++) {
         vec3 p = pen_along(ray.o, ray.d, hit[k].t), off = pen_sub(p, row->point[k]);
@@ -66,7 +66,8 @@ static inline void rows_check_leaving(const struct world *w, const struct row *r
         struct pen_hit on = {0, 0, PEN_PART_SIDE};
         vec3 n = pen_prim_normal(&w->prims, on, row[i].o);
         bool through = pen_dot(n, row[i].d) < 0;
-        struct pen_origin_surface origin = world_leave(w, on, row[i].o, pen_neg(n), through);
+        struct pen_origin_surface origin =
+            world_origin_surface(w, on, row[i].o, pen_neg(n), through);
         row_check(w, &origin, &row[i], i, ulps);
     }
 }

@@ -223,7 +223,7 @@ static double size_of(const struct pen_cone *c)
 }
 
 /* Rays aimed at the surface enter and leave, or do neither; from inside they leave once. */
-START_TEST(test_cone__crossings_pair_up)
+START_TEST(test_cone__intersections_pair_up)
 {
     struct random r = random_begin(52);
     int hits = 0;
@@ -308,7 +308,7 @@ static double departure(const struct pen_cone *c, const struct pen_ray *ray, dou
 
 /* <= 16 ulp of t, or <= 4u (|f| + size) towards the part; wherever the ray starts and however it
  * meets the cone. */
-START_TEST(test_cone__crossings_match_quad)
+START_TEST(test_cone__intersections_match_quad)
 {
     struct random r = random_begin(53);
     int met_count = 0;
@@ -373,15 +373,15 @@ START_TEST(test_cone__is_not_met_where_it_is_left)
         vec3 v = pen_sub(surface_point(&r, &c), from);
         struct pen_ray ray = world_ray(from, v);
         struct pen_hit hit[3];
-        if (world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 3) == 0)
+        if (world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 3) == 0)
             continue;
         vec3 p = pen_prim_point(&world.prims, hit[0], &ray);
         vec3 n = pen_prim_normal(&world.prims, hit[0], p);
         bool through = (pen_dot(n, d) < 0) != (pen_dot(n, v) > 0);
-        struct pen_origin_surface origin = world_leave(&world, hit[0], p, v, through);
+        struct pen_origin_surface origin = world_origin_surface(&world, hit[0], p, v, through);
         ray = world_ray(p, d);
         int into = goes_into(&c, hit[0].part, p, d);
-        int count = world_crossings(&world, &ray, &origin, INFINITY, hit, 3);
+        int count = world_intersections(&world, &ray, &origin, INFINITY, hit, 3);
         if (into < 0)
             continue;
         seen[into]++;
@@ -405,7 +405,7 @@ START_TEST(test_cone__comes_out_where_quad_says)
         vec3 p = pen_cone_project(&c, PEN_PART_SIDE, surface_point(&r, &c));
         vec3 n = pen_cone_normal(&c, PEN_PART_SIDE, p), d = random_direction(&r);
         struct pen_hit on = {0, 0, PEN_PART_SIDE}, hit[2];
-        struct pen_origin_surface origin = world_leave(&world, on, p, n, true);
+        struct pen_origin_surface origin = world_origin_surface(&world, on, p, n, true);
         struct pen_ray ray = world_ray(p, d);
         quad truth[2];
         uint8_t part[2];
@@ -415,7 +415,7 @@ START_TEST(test_cone__comes_out_where_quad_says)
             continue;
         if (!(truth[1] > (quad)1e-6 * size_of(&c)))
             continue;
-        ck_assert_int_eq(world_crossings(&world, &ray, &origin, INFINITY, hit, 2), 1);
+        ck_assert_int_eq(world_intersections(&world, &ray, &origin, INFINITY, hit, 2), 1);
         ck_assert_msg(hit[0].part == part[1], "%d", i);
         double off = departure(&c, &ray, hit[0].t, truth[1], part[1]);
         ck_assert_msg(off <= 64, "%d: %g u", i, off);
@@ -469,6 +469,6 @@ END_TEST
 PEN_SUITE("cone", test_cone__normals_go_by_part, test_cone__a_pointed_one_is_met,
           test_cone__a_truncated_one_is_met, test_cone__an_open_one_has_no_caps,
           test_cone__bad_input_is_refused, test_cone__equal_radii_are_a_cylinder,
-          test_cone__crossings_pair_up, test_cone__crossings_match_quad,
+          test_cone__intersections_pair_up, test_cone__intersections_match_quad,
           test_cone__is_not_met_where_it_is_left, test_cone__comes_out_where_quad_says,
           test_cone__points_are_put_on_the_surface, test_cone__bounds_hold_what_is_met)

@@ -39,7 +39,7 @@ START_TEST(test_cylinder__h025_at_a_rim_the_cap_wins)
     for (int i = 0; i < 3; i++) {
         struct pen_hit hit[2];
         struct pen_ray ray = world_ray(o[i], d[i]);
-        int count = world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 2);
+        int count = world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 2);
         ck_assert_int_eq(count, i == 1 ? 0 : 2); /* (2,0,1)+(-1,0,1) only touches the rim */
         if (count > 0)
             ck_assert_int_eq(hit[0].part, PEN_PART_TOP);
@@ -58,9 +58,9 @@ START_TEST(test_cylinder__h026_tmax)
     struct pen_ray ray = world_ray(pen_vec3(1.5, 0, -2), pen_vec3(0, 0, 1));
     struct pen_hit hit[2];
     for (int i = 0; i < 7; i++)
-        ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, row[i].tmax, hit, 2),
+        ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, row[i].tmax, hit, 2),
                          row[i].count);
-    world_crossings(&world, &ray, &pen_origin_none, 10, hit, 2);
+    world_intersections(&world, &ray, &pen_origin_none, 10, hit, 2);
     ck_assert(hit[0].t == 1 && hit[1].t == 3);
 }
 END_TEST
@@ -124,7 +124,7 @@ static vec3 rim_point(struct random *r, const struct pen_cylinder *c)
 }
 
 /* D6: rays aimed at the rim enter and leave, or do neither; from inside they leave once. */
-START_TEST(test_cylinder__rim_crossings_pair_up)
+START_TEST(test_cylinder__rim_intersections_pair_up)
 {
     static const double radius[] = {1e-3, 1, 1e4};
     struct random r = random_begin(41);
@@ -172,7 +172,7 @@ static bool inside_quad(const struct pen_cylinder *c, const struct pen_ray *ray,
 }
 
 /* <= 16 ulp of t from 2 r away, else <= 8u (|f| + r) towards the part: the side and the caps. */
-START_TEST(test_cylinder__crossings_match_quad)
+START_TEST(test_cylinder__intersections_match_quad)
 {
     struct random r = random_begin(42);
     int met_count = 0;
@@ -211,5 +211,5 @@ END_TEST
 PEN_SUITE("cylinder", test_cylinder__h025_normals_go_by_part,
           test_cylinder__h025_at_a_rim_the_cap_wins, test_cylinder__h026_tmax,
           test_cylinder__caps_are_met_along_the_axis, test_cylinder__an_open_one_has_no_caps,
-          test_cylinder__bad_input_is_refused, test_cylinder__rim_crossings_pair_up,
-          test_cylinder__crossings_match_quad)
+          test_cylinder__bad_input_is_refused, test_cylinder__rim_intersections_pair_up,
+          test_cylinder__intersections_match_quad)

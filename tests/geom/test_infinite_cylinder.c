@@ -10,7 +10,7 @@ static struct world world;
 static void tube_z(double r, vec3 at)
 {
     world_clear(&world);
-    world_tube(&world, at, pen_vec3(0, 0, 1), r);
+    world_infinite_cylinder(&world, at, pen_vec3(0, 0, 1), r);
 }
 
 START_TEST(test_infinite_cylinder__h016_normal)
@@ -73,7 +73,7 @@ START_TEST(test_infinite_cylinder__h018_outside)
 {
     const struct row along_y[] = {{{1, 1, 2}, {1, 1, 0}, NONE}};
     world_clear(&world);
-    world_tube(&world, pen_vec3(1, 1, 1), pen_vec3(0, 1, 0), 1);
+    world_infinite_cylinder(&world, pen_vec3(1, 1, 1), pen_vec3(0, 1, 0), 1);
     rows_check(&world, along_y, 1, 0); /* tangent at r */
     tube_z(1, pen_vec3(1, 1, -7));
     rows_check(&world, outside, ROWS(outside), 0);
@@ -106,7 +106,7 @@ START_TEST(test_infinite_cylinder__h021_from_inside)
     tube_z(1, pen_vec3(0, 0, 0));
     struct pen_hit hit;
     struct pen_ray ray = world_ray(pen_vec3(0, 0, 0), pen_vec3(1, 0, 0));
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, 1.5, &hit, 1), 1);
+    ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, 1.5, &hit, 1), 1);
     ck_assert(hit.t == 1);
 }
 END_TEST
@@ -127,19 +127,19 @@ START_TEST(test_infinite_cylinder__h023_tmax)
     tube_z(1, pen_vec3(0, 0, 0));
     struct pen_ray ray = world_ray(pen_vec3(2, 0, -1), pen_vec3(-1, 0, 1));
     for (int i = 0; i < 4; i++)
-        ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, row[i].tmax, NULL, 0),
+        ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, row[i].tmax, NULL, 0),
                          row[i].count);
     ray = world_ray(pen_vec3(2, 2, 0), pen_vec3(1, 0, 0));
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, 10, NULL, 0), 0);
+    ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, 10, NULL, 0), 0);
     /* The same along a unit vector: t is the square root of 2, as it is computed. */
     struct pen_hit hit;
     ray = world_ray(pen_vec3(2, 0, -1), pen_normalize(pen_vec3(-1, 0, 1)));
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, 3, &hit, 1), 1);
+    ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, 3, &hit, 1), 1);
     ck_assert(quad_ulps(hit.t, quad_sqrt(2)) <= 2);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, .5, NULL, 0), 0);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, hit.t, NULL, 0), 1);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, nextafter(hit.t, 0), NULL, 0),
-                     0);
+    ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, .5, NULL, 0), 0);
+    ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, hit.t, NULL, 0), 1);
+    ck_assert_int_eq(
+        world_intersections(&world, &ray, &pen_origin_none, nextafter(hit.t, 0), NULL, 0), 0);
 }
 END_TEST
 
@@ -198,7 +198,7 @@ static struct pen_ray aimed(struct random *r, const struct pen_infinite_cylinder
 }
 
 /* <= 16 ulp of t from D >= 2 r, at any angle and radius; else <= 8u (|f| + r) across the axis. */
-START_TEST(test_infinite_cylinder__crossings_match_quad)
+START_TEST(test_infinite_cylinder__intersections_match_quad)
 {
     static const double distance[] = {0.3, 1 + 1e-9, 1.5, 2, 10, 1e4};
     static const double passing[] = {0, .5, .9, .99, .9999, .999999},
@@ -230,11 +230,12 @@ START_TEST(test_infinite_cylinder__crossings_match_quad)
 }
 END_TEST
 
-PEN_SUITE("tube", test_infinite_cylinder__h016_normal, test_infinite_cylinder__h017_parallel_rays,
-          test_infinite_cylinder__h018_outside, test_infinite_cylinder__h019_tangent,
-          test_infinite_cylinder__h020_start_on_it_inward, test_infinite_cylinder__h021_from_inside,
+PEN_SUITE("infinite_cylinder", test_infinite_cylinder__h016_normal,
+          test_infinite_cylinder__h017_parallel_rays, test_infinite_cylinder__h018_outside,
+          test_infinite_cylinder__h019_tangent, test_infinite_cylinder__h020_start_on_it_inward,
+          test_infinite_cylinder__h021_from_inside,
           test_infinite_cylinder__h022_start_on_it_outward, test_infinite_cylinder__h023_tmax,
           test_infinite_cylinder__h024_has_no_head,
           test_infinite_cylinder__h024_far_heads_of_slanted_tubes,
           test_infinite_cylinder__bad_input_is_refused,
-          test_infinite_cylinder__crossings_match_quad)
+          test_infinite_cylinder__intersections_match_quad)

@@ -16,7 +16,7 @@ static int cross_z(double height, vec3 o, vec3 d, double tmax, double *t)
     struct pen_ray ray = world_ray(o, d);
     world_clear(&world);
     world_plane(&world, pen_vec3(0, 0, height), pen_vec3(0, 0, 1));
-    int count = world_crossings(&world, &ray, &pen_origin_none, tmax, &hit, 1);
+    int count = world_intersections(&world, &ray, &pen_origin_none, tmax, &hit, 1);
     *t = hit.t;
     return count;
 }
@@ -108,7 +108,7 @@ START_TEST(test_plane__h007_tmax_is_inclusive)
 }
 END_TEST
 
-START_TEST(test_plane__h087_grazing_rays_have_finite_crossings_or_none)
+START_TEST(test_plane__h087_grazing_rays_have_finite_intersections_or_none)
 {
     double t;
     vec3 o = pen_vec3(0, 0, 0);
@@ -123,7 +123,7 @@ START_TEST(test_plane__h087_grazing_rays_have_finite_crossings_or_none)
 END_TEST
 
 /* The crossing does not lose digits to the slope, nor to a far away point of the plane. */
-START_TEST(test_plane__crossings_match_quad)
+START_TEST(test_plane__intersections_match_quad)
 {
     struct random r = random_begin(21);
     for (int i = 0; i < 10000; i++) {
@@ -152,5 +152,5 @@ PEN_SUITE("plane", test_plane__h001_normal_of_three_points,
           test_plane__zero_and_infinite_normals_are_refused,
           test_plane__h004_met_and_turned_away_from, test_plane__h005_parallel_rays,
           test_plane__h006_rays_that_start_on_it, test_plane__h007_tmax_is_inclusive,
-          test_plane__h087_grazing_rays_have_finite_crossings_or_none,
-          test_plane__crossings_match_quad)
+          test_plane__h087_grazing_rays_have_finite_intersections_or_none,
+          test_plane__intersections_match_quad)

@@ -64,8 +64,9 @@ START_TEST(test_polygon__h030_inside_outside_and_rim)
     for (int i = 0; i < 4; i++) {
         struct pen_ray in = world_ray(pen_vec3(0, 0, -1), pen_vec3(0, 0, 1));
         struct pen_ray out = world_ray(pen_vec3(2, 2, -1), pen_vec3(0, 0, 1));
-        ck_assert_int_eq(world_crossings(&world, &in, &pen_origin_none, tmax[i], NULL, 0), i < 2);
-        ck_assert_int_eq(world_crossings(&world, &out, &pen_origin_none, tmax[i], NULL, 0), 0);
+        ck_assert_int_eq(world_intersections(&world, &in, &pen_origin_none, tmax[i], NULL, 0),
+                         i < 2);
+        ck_assert_int_eq(world_intersections(&world, &out, &pen_origin_none, tmax[i], NULL, 0), 0);
     }
 }
 END_TEST
@@ -125,7 +126,7 @@ START_TEST(test_polygon__h052_concave_star)
             struct pen_ray ray = world_ray(pen_vec3(x, y, -100), pen_vec3(0, 0, 1));
             struct pen_hit hit;
             int truth = inside_exactly(star, 10, x, y);
-            int count = world_crossings(&world, &ray, &pen_origin_none, INFINITY, &hit, 1);
+            int count = world_intersections(&world, &ray, &pen_origin_none, INFINITY, &hit, 1);
             ck_assert_msg(truth == 0 || count == (truth > 0), "%d %d", x, y);
             if (count > 0)
                 ck_assert(fabs(hit.t - (100 - x - y)) <= 100 * 8 * PEN_U);

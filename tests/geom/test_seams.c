@@ -19,7 +19,7 @@ static bool stopped(enum world_room room, const struct pen_ray *ray,
                     const struct pen_origin_surface *origin, double tmax)
 {
     struct pen_hit hit[WAYS_ON];
-    int count = world_crossings(&world, ray, origin, tmax, hit, WAYS_ON);
+    int count = world_intersections(&world, ray, origin, tmax, hit, WAYS_ON);
     for (int i = 0; i < count && i < WAYS_ON; i++) {
         if (room != ROOM_PANE || hit[i].prim < world.prims.count - 1)
             return true;
@@ -164,9 +164,9 @@ START_TEST(test_seams__h073_light_round_the_foot_of_a_wall)
         world_polygon(&world, wall, 4);
         for (double far = 0x1p-46; far < 0x1p-25; far *= 2) { /* how far away the wall is */
             vec3 p = pen_vec3(1 - far, .25, -PEN_U), v = pen_vec3(.5, .25, -.5);
-            struct pen_origin_surface origin = world_leave(&world, hit, p, v, false);
+            struct pen_origin_surface origin = world_origin_surface(&world, hit, p, v, false);
             struct pen_ray ray = world_ray(p, pen_vec3(1, 0, .5 * PEN_U / far));
-            int met = world_crossings(&world, &ray, &origin, 1, NULL, 0);
+            int met = world_intersections(&world, &ray, &origin, 1, NULL, 0);
             ck_assert_msg(met == up, "wall at %a, upward %d: %d met", far, up, met);
         }
     }
@@ -184,11 +184,11 @@ START_TEST(test_seams__h073_the_way_before_tells_the_side)
     world_polygon(&world, wall, 4);
     for (int side = -1; side <= 1; side += 2) {
         vec3 p = pen_vec3(1, .25, 0), along = pen_vec3(2 * side * PEN_U, .1, -.1);
-        struct pen_origin_surface origin = world_leave(&world, hit, p, along, false);
+        struct pen_origin_surface origin = world_origin_surface(&world, hit, p, along, false);
         origin.before = pen_vec3(side * .5, 0, .5);
         for (int to = -1; to <= 1; to += 2) {
             struct pen_ray ray = world_ray(p, pen_vec3(.5 * to, 0, .5));
-            int met = world_crossings(&world, &ray, &origin, INFINITY, NULL, 0);
+            int met = world_intersections(&world, &ray, &origin, INFINITY, NULL, 0);
             ck_assert_msg(met == (to != side), "from %d to %d: %d met", side, to, met);
         }
     }

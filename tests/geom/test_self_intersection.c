@@ -19,7 +19,7 @@ static void make_round(struct random *r, int kind, double size, double far)
     if (kind == 0)
         world_sphere(&world, at, size);
     else if (kind == 1)
-        world_tube(&world, at, random_direction(r), size);
+        world_infinite_cylinder(&world, at, random_direction(r), size);
     else
         world_cylinder(&world, at, random_direction(r), size, size * random_in(r, .5, 3), true);
 }
@@ -85,9 +85,9 @@ START_TEST(test_self_intersection__h059_h061_round_bodies)
             bool in = pen_dot(d, n) < 0;
             if (fabs(pen_dot(d, n)) < 1e-6)
                 continue;
-            struct pen_origin_surface origin = world_leave(&world, hit, p, v, in);
+            struct pen_origin_surface origin = world_origin_surface(&world, hit, p, v, in);
             struct pen_ray ray = world_ray(p, d);
-            int count = world_crossings(&world, &ray, &origin, INFINITY, again, 3);
+            int count = world_intersections(&world, &ray, &origin, INFINITY, again, 3);
             ck_assert_msg(count == in, "kind %d r %g at %g: %d crossings; seed %llu", kind, size,
                           far, count, (unsigned long long)r.seed);
             inward += in;
@@ -127,8 +127,8 @@ START_TEST(test_self_intersection__h060_flat_bodies)
         vec3 from, p = meet(&r, size, pen_along(v[0], e, .5 * size), &hit, &from);
         for (int k = 0; k < 20; k++) {
             struct pen_ray ray = world_ray(p, random_direction(&r));
-            struct pen_origin_surface origin = world_leave(&world, hit, p, from, k & 1);
-            ck_assert_int_eq(world_crossings(&world, &ray, &origin, INFINITY, NULL, 0), 0);
+            struct pen_origin_surface origin = world_origin_surface(&world, hit, p, from, k & 1);
+            ck_assert_int_eq(world_intersections(&world, &ray, &origin, INFINITY, NULL, 0), 0);
         }
     }
 }
@@ -140,9 +140,9 @@ static bool blocked(uint32_t prim, vec3 eye, vec3 p, vec3 d)
     struct pen_hit on = {1, prim, PEN_PART_SIDE};
     vec3 n = pen_prim_normal(&world.prims, on, p), v = pen_sub(p, eye);
     bool through = (pen_dot(n, d) > 0) != (pen_dot(n, v) < 0);
-    struct pen_origin_surface origin = world_leave(&world, on, p, v, through);
+    struct pen_origin_surface origin = world_origin_surface(&world, on, p, v, through);
     struct pen_ray ray = world_ray(p, d);
-    return world_crossings(&world, &ray, &origin, INFINITY, NULL, 0) > 0;
+    return world_intersections(&world, &ray, &origin, INFINITY, NULL, 0) > 0;
 }
 
 /* H062: two triangles at 10^-k rad; from one, into the wedge, the other is met. */
@@ -183,21 +183,21 @@ START_TEST(test_self_intersection__h063_thin_shell)
             vec3 u = random_direction(&r), o = pen_scale(u, 3), v = pen_sub(random_vec(&r, .5), o);
             struct pen_ray ray = world_ray(o, v);
             struct pen_hit hit[4];
-            int n = world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 4);
+            int n = world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 4);
             ck_assert(n == 4 && hit[0].prim == 1 && hit[1].prim == 0);
             /* Bent into the glass: the inner sphere is next. */
             vec3 p = pen_prim_point(&world.prims, hit[0], &ray);
             vec3 d = pen_along(pen_normalize(v), random_direction(&r), .1);
-            struct pen_origin_surface origin = world_leave(&world, hit[0], p, v, true);
+            struct pen_origin_surface origin = world_origin_surface(&world, hit[0], p, v, true);
             struct pen_ray bent = world_ray(p, d);
-            n = world_crossings(&world, &bent, &origin, INFINITY, hit, 4);
+            n = world_intersections(&world, &bent, &origin, INFINITY, hit, 4);
             ck_assert_msg(n == 3 && hit[0].prim == 0, "gap %g: %d", gaps[g], n);
             /* From the inner one outward: the glass is met, and nothing else. */
             p = pen_prim_point(&world.prims, hit[0], &bent);
-            origin = world_leave(&world, hit[0], p, d, false);
+            origin = world_origin_surface(&world, hit[0], p, d, false);
             bent = world_ray(
                 p, pen_along(pen_sphere_normal(&world.sphere[0], p), random_direction(&r), .9));
-            n = world_crossings(&world, &bent, &origin, INFINITY, hit, 4);
+            n = world_intersections(&world, &bent, &origin, INFINITY, hit, 4);
             ck_assert_msg(n == 1 && hit[0].prim == 1, "gap %g: %d outward", gaps[g], n);
         }
     }
@@ -228,7 +228,7 @@ START_TEST(test_self_intersection__h068_h069_coincident)
             else if (kind == 3)
                 world_cylinder(&world, c, a, .5, .6, true);
             else
-                world_tube(&world, c, a, .5);
+                world_infinite_cylinder(&world, c, a, .5);
         }
         vec3 v, d = random_direction(&r);
         struct pen_hit hit, next[5];
@@ -236,9 +236,9 @@ START_TEST(test_self_intersection__h068_h069_coincident)
         ck_assert_uint_eq(hit.prim, 0);
         vec3 n = pen_prim_normal(&world.prims, hit, p);
         bool through = (pen_dot(n, d) > 0) != (pen_dot(n, v) < 0);
-        struct pen_origin_surface origin = world_leave(&world, hit, p, v, through);
+        struct pen_origin_surface origin = world_origin_surface(&world, hit, p, v, through);
         struct pen_ray ray = world_ray(p, d);
-        int count = world_crossings(&world, &ray, &origin, INFINITY, next, 5);
+        int count = world_intersections(&world, &ray, &origin, INFINITY, next, 5);
         bool in = kind > 1 && pen_dot(n, d) < 0;
         ck_assert_msg(count == (in ? 2 : 0), "kind %d: %d crossings %s; seed %llu", kind, count,
                       in ? "inward" : "outward", (unsigned long long)r.seed);
@@ -256,7 +256,7 @@ START_TEST(test_self_intersection__h071_touching_spheres)
     world_sphere(&world, pen_vec3(1, 0, 0), 1);
     world_sphere(&world, pen_vec3(-1, 0, 0), 1);
     struct pen_ray ray = world_ray(pen_vec3(-3, 0, 0), pen_vec3(1, 0, 0));
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 5), 4);
+    ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 5), 4);
     ck_assert(hit[0].t == 1 && hit[1].t == 3 && hit[2].t == 3 && hit[3].t == 5);
     ck_assert(hit[1].prim == 0 && hit[2].prim == 1);
     ck_assert_int_eq(world_count(&world, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0)), 0);
@@ -347,7 +347,7 @@ START_TEST(test_self_intersection__corners_stop_rays)
 }
 END_TEST
 
-PEN_SUITE("leave", test_self_intersection__h059_h061_round_bodies,
+PEN_SUITE("self_intersection", test_self_intersection__h059_h061_round_bodies,
           test_self_intersection__h060_flat_bodies, test_self_intersection__h062_dihedral,
           test_self_intersection__h063_thin_shell, test_self_intersection__h068_h069_coincident,
           test_self_intersection__h071_touching_spheres,

@@ -45,7 +45,7 @@ START_TEST(test_sphere__h010_missed_or_behind)
 }
 END_TEST
 
-START_TEST(test_sphere__h011_two_crossings_near_first)
+START_TEST(test_sphere__h011_two_intersections_near_first)
 {
     double w = sqrt(.75);
     const struct row rows[] = {{{0, 2, 1.5}, {0, -1, 0}, 2, {{0, w, 1.5}, {0, -w, 1.5}}},
@@ -83,9 +83,9 @@ START_TEST(test_sphere__h014_start_at_the_centre)
     struct pen_ray ray = world_ray(pen_vec3(0, 0, 1), pen_vec3(0, 1, 0));
     world_clear(&world);
     world_sphere(&world, pen_vec3(0, 0, 1), 1);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, INFINITY, &hit, 1), 1);
+    ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, INFINITY, &hit, 1), 1);
     ck_assert(hit.t == 1);
-    ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, .5, &hit, 1), 0);
+    ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, .5, &hit, 1), 0);
 }
 END_TEST
 
@@ -101,7 +101,7 @@ START_TEST(test_sphere__h015_tmax)
     world_sphere(&world, pen_vec3(0, 0, 0), 1);
     for (int i = 0; i < 6; i++) {
         struct pen_ray ray = world_ray(row[i].o, pen_vec3(1, 0, 0));
-        ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, row[i].tmax, NULL, 0),
+        ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, row[i].tmax, NULL, 0),
                          row[i].count);
     }
 }
@@ -131,7 +131,7 @@ static struct pen_ray aimed(struct random *r, const struct pen_sphere *s, double
 }
 
 /* <= 5 ulp of t from D >= 2 r, however far and however near a tangent; else <= 8u (|f| + r). */
-START_TEST(test_sphere__crossings_match_quad)
+START_TEST(test_sphere__intersections_match_quad)
 {
     static const double distance[] = {0.5, 1 + 1e-9, 1.5, 2, 10, 1e4, 1e8};
     static const double passing[] = {0, .5, .9, .97, .99, .9999, .999999, 1 - 1e-12};
@@ -270,10 +270,10 @@ START_TEST(test_ray__h088_poisoned_rays_are_refused)
 END_TEST
 
 PEN_SUITE("sphere", test_sphere__bounds, test_sphere__h008_normal, test_sphere__h009_from_inside,
-          test_sphere__h010_missed_or_behind, test_sphere__h011_two_crossings_near_first,
+          test_sphere__h010_missed_or_behind, test_sphere__h011_two_intersections_near_first,
           test_sphere__h012_a_tangent_is_a_miss, test_sphere__h013_start_on_it,
           test_sphere__h014_start_at_the_centre, test_sphere__h015_tmax,
-          test_sphere__bad_radii_are_refused, test_sphere__crossings_match_quad,
+          test_sphere__bad_radii_are_refused, test_sphere__intersections_match_quad,
           test_sphere__grazing_decisions_match_quad, test_sphere__h083_horizon_of_a_planet,
           test_sphere__h074_power_of_two_scale, test_sphere__h085_subnormal_directions,
           test_ray__h088_poisoned_rays_are_refused)

@@ -22,7 +22,8 @@ START_TEST(test_triangle__h032_inside_rim_and_outside)
     struct pen_ray ray = world_ray(pen_vec3(0, .5, -1), pen_vec3(0, 0, 1));
     static const double tmax[] = {3, 1, .5};
     for (int i = 0; i < 3; i++)
-        ck_assert_int_eq(world_crossings(&world, &ray, &pen_origin_none, tmax[i], NULL, 0), i < 2);
+        ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, tmax[i], NULL, 0),
+                         i < 2);
 }
 END_TEST
 

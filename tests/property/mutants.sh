@@ -160,7 +160,7 @@ edit src/accel/internal/blocks_avx2.h 1 \
     's/^    unsigned lanes = bits\(_mm256_xor_pd\(up, down\)\);$/& lanes \&= bits(_mm256_and_pd(LESS(zero, ew), _mm256_and_pd(LESS(zero, eu), LESS(zero, ev)))) | bits(_mm256_and_pd(LESS(ew, zero), _mm256_and_pd(LESS(eu, zero), LESS(ev, zero))));/'
 judge
 
-mutant tmin h063_thin_shell 20000 "crossings count from t = 1e-4 on"
+mutant tmin h063_thin_shell 20000 "intersections count from t = 1e-4 on"
 edit src/accel/build.c 1 's/pen_after_start = \{0,/pen_after_start = {1e-4,/'
 edit src/accel/internal/prim_test.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t > 1e-4 \&\& t < query->tmax))/'
 judge
@@ -179,7 +179,7 @@ mutant origin_offset h063_thin_shell 20000 "secondary rays start 1e-4 off the su
 edit src/geom/prims.c 1 's/^(    struct pen_vec3 p = pen_along\(ray->o, ray->d, hit.t\));$/\1, n = pen_prim_normal(prims, hit, p); p = pen_along(p, n, 1e-4); return p;/'
 judge
 
-mutant tie_epsilon h063_thin_shell 20000 "crossings closer than 1e-9 are one, in document order"
+mutant tie_epsilon h063_thin_shell 20000 "intersections closer than 1e-9 are one, in document order"
 edit src/geom/ray.h 1 's/if \(a\.t != b\.t\)/if (fabs(a.t - b.t) > 1e-9)/'
 judge
 
@@ -187,19 +187,19 @@ mutant small_box h091_planes 2000 "the box of a sphere is too small by 1e-6 of i
 edit src/geom/sphere.c 1 's/pen_vec3\(s->r, s->r, s->r\)/pen_scale(pen_vec3(s->r, s->r, s->r), 1 - 1e-6)/'
 judge
 
-mutant shadow_at_0 h094_shadow_span 5000 "a crossing at t = 0 is a shadow"
+mutant shadow_at_0 h094_shadow_span 5000 "an intersection at t = 0 is a shadow"
 edit src/accel/internal/prim_test.h 1 's/if \(!\(t > 0 && t < query->tmax\)\)/if (!(t >= 0 \&\& t < query->tmax))/'
 judge
 
-mutant no_leave h059_leave_round 20000 "a ray does not know what it leaves"
+mutant no_origin_surface h059_leave_round 20000 "a ray does not know its origin surface"
 edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim\) \{$/    origin = \&pen_origin_none;\n&/'
 judge
 
-mutant one_way_back h073_crossing_walls 4000 "after a second mirror it is forgotten where the path came from"
+mutant one_way_back h073_crossing_walls 4000 "after a second mirror the side that the path came from is forgotten"
 edit src/geom/prims.h 1 's/^            origin\.before = left->toward;$/            origin.before = pen_vec3(0, 0, 0);/'
 judge
 
-mutant line_decides h073_at_seams 1000 "at borders near its start the line of a ray decides what is met"
+mutant line_decides h073_at_seams 1000 "at borders near its start the line of a ray decides what it hits"
 edit src/geom/self_intersection.c 1 's/^        if \(passes_border\(/        if (0 \&\& passes_border(/'
 judge
 
@@ -221,7 +221,7 @@ edit src/geom/sphere.h 1 \
 judge
 
 mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point state they inherit"
-edit src/render/pool.c 1 's/^        fesetenv\(FE_DFL_ENV\);$//'
+edit src/base/thread_pool.c 1 's/^        fesetenv\(FE_DFL_ENV\);$//'
 judge
 
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"

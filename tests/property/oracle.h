@@ -45,7 +45,8 @@ struct oracle_round { /* a sphere has a = 0; an infinite cylinder has h = 0 */
 /* The name of the arithmetic behind it, for the report. */
 const char *oracle_arithmetic(void);
 
-/* Crossings of a sphere, an infinite cylinder through c along a, a capped cylinder from c along a.
+/* Intersections of a sphere, an infinite cylinder through c along a, a capped cylinder from c along
+ * a.
  */
 void oracle_sphere(const struct oracle_round *b, struct oracle_ray ray, struct oracle_roots *out);
 void oracle_tube(const struct oracle_round *b, struct oracle_ray ray, struct oracle_roots *out);

@@ -51,7 +51,7 @@ static struct planar planar_of(const struct oracle_round *b, struct oracle_ray r
     return p;
 }
 
-/* Crossings with radius r; false if there are none. */
+/* Intersections with radius r; false if there are none. */
 static bool planar_roots(const struct planar *p, quad r, quad t[2])
 {
     struct quad3 cross = q_cross(p->f, p->d);

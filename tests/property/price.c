@@ -57,7 +57,7 @@ static void make_body(struct random *r, int i)
     world_triangle(&set->world[PEN_PRIM_TRIANGLE], corner[0], corner[1], corner[2]);
     world_polygon(&set->world[PEN_PRIM_POLYGON], corner, 4);
     world_sphere(&set->world[PEN_PRIM_SPHERE], c, radius);
-    world_tube(&set->world[PEN_PRIM_INFINITE_CYLINDER], c, a, .2 * radius);
+    world_infinite_cylinder(&set->world[PEN_PRIM_INFINITE_CYLINDER], c, a, .2 * radius);
     world_cylinder(&set->world[PEN_PRIM_CYLINDER], c, a, radius, PRICE_HEIGHT, true);
     world_plane(&set->world[PEN_PRIM_PLANE], c, a);
 }

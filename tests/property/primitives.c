@@ -8,7 +8,7 @@
 typedef struct pen_vec3 vec3;
 
 /* Creases along x = 0, 2, 4 ...; between them flat, and exactly so: coefficients are dyadic. */
-vec3 bodies_sheet_point(double x, double y, vec3 at)
+vec3 primitives_sheet_point(double x, double y, vec3 at)
 {
     double fold = fabs(fmod(x, 4) - 2);
     return pen_add(at, pen_vec3(x + .125 * y, y, .75 * fold + .25 * y));
@@ -20,7 +20,7 @@ static void add_cell(struct world *w, struct random *r, double x, double y, vec3
     vec3 p[3][3];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            p[i][j] = bodies_sheet_point(x + .5 * i, y + .5 * j, at);
+            p[i][j] = primitives_sheet_point(x + .5 * i, y + .5 * j, at);
     const vec3 ell[8] = {p[0][0], p[1][0], p[2][0], p[2][1], p[1][1], p[1][2], p[0][2], p[0][1]};
     const vec3 square[4] = {p[1][1], p[2][1], p[2][2], p[1][2]};
     const vec3 house[7] = {p[0][0], p[1][0], p[2][0], p[2][1], p[2][2], p[1][1], p[0][1]};
@@ -45,7 +45,7 @@ static void add_cell(struct world *w, struct random *r, double x, double y, vec3
     }
 }
 
-void bodies_sheet(struct world *w, struct random *r, vec3 at)
+void primitives_sheet(struct world *w, struct random *r, vec3 at)
 {
     world_clear(w);
     for (int i = 0; i < 12; i++)
@@ -53,7 +53,7 @@ void bodies_sheet(struct world *w, struct random *r, vec3 at)
             add_cell(w, r, i, j, at);
 }
 
-int bodies_crossings(const struct world *w, vec3 o, vec3 d, struct pen_hit *first)
+int primitives_intersections(const struct world *w, vec3 o, vec3 d, struct pen_hit *first)
 {
     struct pen_ray ray;
     struct pen_intersections c;
@@ -75,8 +75,8 @@ int bodies_crossings(const struct world *w, vec3 o, vec3 d, struct pen_hit *firs
     return count;
 }
 
-void bodies_plant_kind(struct bodies_tree *tree, const struct pen_prims *prims,
-                       enum pen_accelerator kind)
+void primitives_build_kind(struct primitives_tree *tree, const struct pen_prims *prims,
+                           enum pen_accelerator kind)
 {
     struct pen_status st;
     if (tree->arena)
@@ -86,13 +86,13 @@ void bodies_plant_kind(struct bodies_tree *tree, const struct pen_prims *prims,
     ck_assert(tree->accel != NULL);
 }
 
-void bodies_plant(struct bodies_tree *tree, const struct pen_prims *prims)
+void primitives_build(struct primitives_tree *tree, const struct pen_prims *prims)
 {
-    bodies_plant_kind(tree, prims, PEN_ACCEL_AUTO);
+    primitives_build_kind(tree, prims, PEN_ACCEL_AUTO);
 }
 
-struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_ray *ray,
-                              const struct pen_origin_surface *origin, double tmax, bool *alike)
+struct pen_hit primitives_nearest(const struct primitives_tree *tree, const struct pen_ray *ray,
+                                  const struct pen_origin_surface *origin, double tmax, bool *alike)
 {
     struct pen_t_interval interval = {pen_after_start, tmax};
     struct pen_hit hit[2];
@@ -107,7 +107,7 @@ struct pen_hit bodies_nearest(const struct bodies_tree *tree, const struct pen_r
     return hit[0];
 }
 
-int bodies_walk(const struct bodies_tree *tree, const struct pen_ray *ray, int most)
+int primitives_walk(const struct primitives_tree *tree, const struct pen_ray *ray, int most)
 {
     const struct pen_trace_ops *ops = pen_trace_ops_get(pen_cpu_isa());
     struct pen_t_interval interval = {pen_after_start, INFINITY};
@@ -118,7 +118,7 @@ int bodies_walk(const struct bodies_tree *tree, const struct pen_ray *ray, int m
     return count;
 }
 
-void bodies_mesh_begin(struct bodies_mesh *mesh, uint32_t capacity)
+void primitives_mesh_begin(struct primitives_mesh *mesh, uint32_t capacity)
 {
     mesh->triangle = calloc(capacity, sizeof *mesh->triangle);
     mesh->ref = calloc(capacity, sizeof *mesh->ref);
@@ -126,13 +126,13 @@ void bodies_mesh_begin(struct bodies_mesh *mesh, uint32_t capacity)
     mesh->prims = (struct pen_prims){.ref = mesh->ref, .triangle = mesh->triangle};
 }
 
-void bodies_mesh_end(struct bodies_mesh *mesh)
+void primitives_mesh_end(struct primitives_mesh *mesh)
 {
     free(mesh->triangle);
     free(mesh->ref);
 }
 
-void bodies_mesh_add(struct bodies_mesh *mesh, vec3 a, vec3 b, vec3 c)
+void primitives_mesh_add(struct primitives_mesh *mesh, vec3 a, vec3 b, vec3 c)
 {
     uint32_t i = mesh->prims.count;
     if (!pen_triangle_make(&mesh->triangle[i], a, b, c))
@@ -142,28 +142,29 @@ void bodies_mesh_add(struct bodies_mesh *mesh, vec3 a, vec3 b, vec3 c)
     mesh->prims.count = mesh->prims.kind_count[PEN_PRIM_TRIANGLE] = i + 1;
 }
 
-void bodies_mesh_grid(struct bodies_mesh *mesh, int n, bodies_grid_fn *at, const void *user)
+void primitives_mesh_grid(struct primitives_mesh *mesh, int n, primitives_grid_fn *at,
+                          const void *user)
 {
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
             vec3 v[4] = {at(i, j, user), at(i + 1, j, user), at(i + 1, j + 1, user),
                          at(i, j + 1, user)};
             int s = (i ^ j) & 1;
-            bodies_mesh_add(mesh, v[s], v[s + 1], v[s + 2]);
-            bodies_mesh_add(mesh, v[s], v[s + 2], v[(s + 3) % 4]);
+            primitives_mesh_add(mesh, v[s], v[s + 1], v[s + 2]);
+            primitives_mesh_add(mesh, v[s], v[s + 2], v[(s + 3) % 4]);
         }
     }
 }
 
-bool bodies_ray(const struct row_case *c, int at, struct pen_ray *ray)
+bool primitives_ray(const struct row_case *c, int at, struct pen_ray *ray)
 {
     vec3 o = row_next3(c, &at);
     return pen_ray_make(ray, o, row_next3(c, &at));
 }
 
-void bodies_require(struct row_verdict *v, int count, int wanted)
+void primitives_require(struct row_verdict *v, int count, int wanted)
 {
     if (count != wanted)
-        row_fail(v, "%d crossings, not %d: %s", count, wanted,
+        row_fail(v, "%d intersections, not %d: %s", count, wanted,
                  count < wanted ? "leak" : "double hit");
 }

@@ -49,9 +49,9 @@ void rows_pbrt(struct pen_row_run *run);
 void rows_edge_on(struct pen_row_run *run);
 void rows_plane(struct pen_row_run *run);
 
-/* rows_leave.c, rows_coincident.c */
-void rows_leave_round(struct pen_row_run *run);
-void rows_leave_flat(struct pen_row_run *run);
+/* rows_self_intersection.c, rows_coincident.c */
+void rows_self_intersection_round(struct pen_row_run *run);
+void rows_self_intersection_flat(struct pen_row_run *run);
 void rows_way_out(struct pen_row_run *run);
 void rows_wedge(struct pen_row_run *run);
 void rows_shell(struct pen_row_run *run);
@@ -76,9 +76,9 @@ void rows_scaled(struct pen_row_run *run);
 void rows_moved(struct pen_row_run *run);
 void rows_mirrored(struct pen_row_run *run);
 void rows_mirrored_triangle(struct pen_row_run *run);
-void rows_turned(struct pen_row_run *run);
-void rows_turned_sums(struct pen_row_run *run);
-void rows_turned_tied(struct pen_row_run *run);
+void rows_permuted(struct pen_row_run *run);
+void rows_permuted_sums(struct pen_row_run *run);
+void rows_permuted_tied(struct pen_row_run *run);
 void rows_mixed(struct pen_row_run *run);
 void rows_far_camera(struct pen_row_run *run);
 void rows_planet(struct pen_row_run *run);

@@ -10,7 +10,7 @@
 #include "property/rows.h"
 
 static struct world world;
-static struct bodies_tree tree, other; /* of the other builders one after the other, by scene */
+static struct primitives_tree tree, other; /* of the other builders one after the other, by scene */
 
 enum { BOXES = 12 };
 static vec3 low[BOXES], high[BOXES];
@@ -49,9 +49,9 @@ static void build(enum flavour flavour, double scene, double offset)
         v[3] = flat == 2 ? pen_vec3(c.x, h.y, c.z) : pen_vec3(c.x, c.y, h.z);
         world_polygon(&world, v, 4);
     }
-    bodies_plant(&tree, &world.prims);
-    bodies_plant_kind(&other, &world.prims,
-                      (enum pen_accelerator)(1 + (uint64_t)scene / 4 % (PEN_ACCEL_COUNT - 1)));
+    primitives_build(&tree, &world.prims);
+    primitives_build_kind(&other, &world.prims,
+                          (enum pen_accelerator)(1 + (uint64_t)scene / 4 % (PEN_ACCEL_COUNT - 1)));
 }
 
 static void draw_scene(struct row_draw *d, struct row_case *c)
@@ -124,8 +124,8 @@ static void require_same(struct row_verdict *v, const struct pen_ray *ray, doubl
     struct pen_t_interval interval = {pen_after_start, tmax};
     *first = world_nearest(&world, ray, &pen_origin_none, &interval);
     for (int i = 0; i < 2; i++) {
-        const struct bodies_tree *by = i ? &other : &tree;
-        struct pen_hit hit = bodies_nearest(by, ray, &pen_origin_none, tmax, &alike);
+        const struct primitives_tree *by = i ? &other : &tree;
+        struct pen_hit hit = primitives_nearest(by, ray, &pen_origin_none, tmax, &alike);
         row_require(v, alike, "base and avx2 differ");
         if (!same_hit(hit, *first))
             row_fail(v, "%s: %s meets %d, trying all meets %d",
@@ -288,9 +288,9 @@ static void judge_tmax(const struct row_case *c, struct row_verdict *v)
         return;
     row_tally(v, "hit");
     require_same(v, &ray, hit.t, &again);
-    row_require(v, same_hit(hit, again), "tmax = t does not include the crossing");
+    row_require(v, same_hit(hit, again), "tmax = t does not include the intersection");
     require_same(v, &ray, nextafter(hit.t, 0), &again);
-    row_require(v, again.prim == PEN_NO_PRIM, "tmax below t includes the crossing");
+    row_require(v, again.prim == PEN_NO_PRIM, "tmax below t includes the intersection");
 }
 
 void rows_tmax(struct pen_row_run *run)

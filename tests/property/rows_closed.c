@@ -9,8 +9,8 @@
 #include "property/rows.h"
 
 static struct world world;
-static struct bodies_tree tree;
-static struct bodies_mesh mesh;
+static struct primitives_tree tree;
+static struct primitives_mesh mesh;
 
 /* H040: Embree's own set-up: a sphere of radius 2 and a square of side 12, each of 200 x 200
  * squares, at (148376, 1234, -223423). */
@@ -35,10 +35,10 @@ static void build_embree(void)
 {
     if (mesh.prims.count)
         return;
-    bodies_mesh_begin(&mesh, 4 * EMBREE * EMBREE);
-    bodies_mesh_grid(&mesh, EMBREE, on_embree_sphere, NULL);
-    bodies_mesh_grid(&mesh, EMBREE, on_embree_square, NULL);
-    bodies_plant(&tree, &mesh.prims);
+    primitives_mesh_begin(&mesh, 4 * EMBREE * EMBREE);
+    primitives_mesh_grid(&mesh, EMBREE, on_embree_sphere, NULL);
+    primitives_mesh_grid(&mesh, EMBREE, on_embree_square, NULL);
+    primitives_build(&tree, &mesh.prims);
 }
 
 /* At random, as Embree does, and at the corners and edges of its grids. */
@@ -69,7 +69,7 @@ static void draw_embree(struct row_draw *d, struct row_case *c)
 static void judge_embree(const struct row_case *c, struct row_verdict *v)
 {
     struct pen_ray ray;
-    if (!bodies_ray(c, 1, &ray)) {
+    if (!primitives_ray(c, 1, &ray)) {
         row_skip(v);
         return;
     }
@@ -80,10 +80,10 @@ static void judge_embree(const struct row_case *c, struct row_verdict *v)
             row_skip(v);
             return;
         }
-        int count = bodies_walk(&tree, &ray, 8); /* the sphere, and perhaps the square */
+        int count = primitives_walk(&tree, &ray, 8); /* the sphere, and perhaps the square */
         struct pen_hit hit;
         bool alike;
-        hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
+        hit = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
         row_require(v, alike, "base and avx2 differ");
         row_require(v, count >= 1 && hit.prim < 2u * EMBREE * EMBREE, "leak");
         row_require(v, count <= 2, "double hit");
@@ -93,7 +93,7 @@ static void judge_embree(const struct row_case *c, struct row_verdict *v)
     if (!(f.z < -2.5 && f.z > -7 && ray.d.z < 0 && fabs(x) < 5.9 && fabs(y) < 5.9))
         row_skip(v);
     else
-        bodies_require(v, bodies_walk(&tree, &ray, 8), 1);
+        primitives_require(v, primitives_walk(&tree, &ray, 8), 1);
 }
 
 void rows_embree(struct pen_row_run *run)
@@ -122,7 +122,7 @@ static void build_fan(void)
     world_triangle(&world, apex, rim[FAN], left);
     world_triangle(&world, apex, left, right);
     world_triangle(&world, apex, right, rim[0]);
-    bodies_plant(&tree, &world.prims);
+    primitives_build(&tree, &world.prims);
 }
 
 static void draw_fan(struct row_draw *d, struct row_case *c)
@@ -142,7 +142,7 @@ static void judge_fan(const struct row_case *c, struct row_verdict *v)
     struct pen_ray ray;
     struct pen_hit first;
     build_fan();
-    if (!bodies_ray(c, 0, &ray)) {
+    if (!primitives_ray(c, 0, &ray)) {
         row_skip(v);
         return;
     }
@@ -151,7 +151,7 @@ static void judge_fan(const struct row_case *c, struct row_verdict *v)
     if (!(f.z > 1 && ray.d.z < 0 && x > -1e-9 && x < .95 && fabs(y) < 4e-5))
         row_skip(v);
     else
-        bodies_require(v, bodies_crossings(&world, ray.o, ray.d, &first), 1);
+        primitives_require(v, primitives_intersections(&world, ray.o, ray.d, &first), 1);
 }
 
 void rows_fan(struct pen_row_run *run)
@@ -186,11 +186,11 @@ static void judge_tiling(const struct row_case *c, struct row_verdict *v)
 {
     struct pen_ray ray;
     if (mesh.prims.count == 0) {
-        bodies_mesh_begin(&mesh, 2 * TILES * TILES);
-        bodies_mesh_grid(&mesh, TILES, on_tiling, NULL);
-        bodies_plant(&tree, &mesh.prims);
+        primitives_mesh_begin(&mesh, 2 * TILES * TILES);
+        primitives_mesh_grid(&mesh, TILES, on_tiling, NULL);
+        primitives_build(&tree, &mesh.prims);
     }
-    if (!bodies_ray(c, 0, &ray)) {
+    if (!primitives_ray(c, 0, &ray)) {
         row_skip(v);
         return;
     }
@@ -198,7 +198,7 @@ static void judge_tiling(const struct row_case *c, struct row_verdict *v)
     if (!(t > 0 && x > .5 && y > .5 && x < TILES - .5 && y < TILES - .5))
         row_skip(v);
     else
-        bodies_require(v, bodies_walk(&tree, &ray, 8), 1);
+        primitives_require(v, primitives_walk(&tree, &ray, 8), 1);
 }
 
 void rows_tiling(struct pen_row_run *run)
@@ -234,7 +234,7 @@ static void judge_huge(const struct row_case *c, struct row_verdict *v)
     struct pen_triangle t;
     for (int i = 0; i < 4; i++)
         p[i] = row_next3(c, &at);
-    if (!bodies_ray(c, at, &ray)) {
+    if (!primitives_ray(c, at, &ray)) {
         row_skip(v);
         return;
     }
@@ -256,7 +256,7 @@ static void judge_huge(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    bodies_require(v, count, 2); /* the line, both ways */
+    primitives_require(v, count, 2); /* the line, both ways */
 }
 
 void rows_huge_small(struct pen_row_run *run)
@@ -306,7 +306,8 @@ static void judge_cube(const struct row_case *c, struct row_verdict *v)
     double size = fabs(row_next(c, &at));
     vec3 hi = pen_add(lo, pen_vec3(size, size, size));
     struct pen_ray ray;
-    if (!bodies_ray(c, at, &ray) || !(hi.x > lo.x && hi.y > lo.y && hi.z > lo.z) || size > 1e50) {
+    if (!primitives_ray(c, at, &ray) || !(hi.x > lo.x && hi.y > lo.y && hi.z > lo.z) ||
+        size > 1e50) {
         row_skip(v);
         return;
     }
@@ -316,7 +317,7 @@ static void judge_cube(const struct row_case *c, struct row_verdict *v)
         return;
     }
     make_cube(lo, hi);
-    bodies_plant(&tree, &world.prims);
+    primitives_build(&tree, &world.prims);
     for (int i = 0; i < 2; i++) {
         struct pen_shadow query = {
             .tmax = INFINITY, .see_through = clear, .last_occluder = PEN_NO_PRIM};

@@ -6,7 +6,7 @@
 #include "property/rows.h"
 
 static struct world world;
-static struct bodies_tree tree;
+static struct primitives_tree tree;
 
 /* H070: squares in one plane that overlap, one turned by some angle: which one is met may be
  * rounding's choice, but it is one that is there, and the same whatever looks for it. */
@@ -55,9 +55,9 @@ static void judge_overlap(const struct row_case *c, struct row_verdict *v)
         world_polygon(&world, p[k], 4);
         in[k] = oracle_winding(p[k], 4, (struct oracle_ray){o, d}, 8, &unsure[k]) != 0;
     }
-    bodies_plant(&tree, &world.prims);
-    bodies_crossings(&world, o, d, &first);
-    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
+    primitives_build(&tree, &world.prims);
+    primitives_intersections(&world, o, d, &first);
+    struct pen_hit hit = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     row_require(v, alike, "base and avx2 differ");
     row_require(v, hit.prim == first.prim && (hit.prim == PEN_NO_PRIM || hit.t == first.t),
                 "the tree and trying all differ");
@@ -96,13 +96,13 @@ static void judge_touching(const struct row_case *c, struct row_verdict *v)
     for (int k = 0; k < 2; k++)
         world_sphere(&world, turned(axis, (k ^ swap ? 1 : -1) * s, 0, 0), s);
     ray = world_ray(turned(axis, -3 * s, 0, 0), turned(axis, s, 0, 0));
-    int count = world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 5);
-    row_require(v, count == 4, "not four crossings along the axis");
+    int count = world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 5);
+    row_require(v, count == 4, "not four intersections along the axis");
     row_require(v, hit[0].t == 1 && hit[1].t == 3 && hit[2].t == 3 && hit[3].t == 5,
                 "not at 1, 3, 3 and 5");
     row_require(v, hit[1].prim == 0 && hit[2].prim == 1, "not in document order");
     ray = world_ray(turned(axis, 0, -s, 0), turned(axis, 0, s, 0));
-    row_require(v, world_crossings(&world, &ray, &pen_origin_none, INFINITY, hit, 5) == 0,
+    row_require(v, world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 5) == 0,
                 "the common tangent meets something");
 }
 

@@ -76,16 +76,16 @@ static bool shaded(const struct contact *k, double x, double z)
 {
     struct pen_hit hit[4], on = {0, PEN_NO_PRIM, 0};
     struct pen_ray down = world_ray(pen_vec3(k->x + x, 4 * k->r, z), pen_vec3(0, -1, 0));
-    int count = world_crossings(&world, &down, &pen_origin_none, INFINITY, hit, 4);
+    int count = world_intersections(&world, &down, &pen_origin_none, INFINITY, hit, 4);
     for (int i = 0; i < count && i < 4; i++)
         if (hit[i].prim == 0)
             on = hit[i];
     if (on.prim != 0)
         return false;
     vec3 p = pen_prim_point(&world.prims, on, &down);
-    struct pen_origin_surface origin = world_leave(&world, on, p, down.d, false);
+    struct pen_origin_surface origin = world_origin_surface(&world, on, p, down.d, false);
     struct pen_ray ray = world_ray(p, k->light);
-    return world_crossings(&world, &ray, &origin, INFINITY, NULL, 0) > 0;
+    return world_intersections(&world, &ray, &origin, INFINITY, NULL, 0) > 0;
 }
 
 enum { GRID = 100 };

@@ -67,8 +67,8 @@ static struct shape draw_aimed(struct random *r, enum shape_kind kind)
  * 8 times the order of a triangle's corners; the shape. */
 static void draw_mirrored(struct row_draw *d, struct row_case *c)
 {
-    static const enum shape_kind kinds[] = {SHAPE_SPHERE, SHAPE_TUBE, SHAPE_CYLINDER, SHAPE_POLYGON,
-                                            SHAPE_PLANE};
+    static const enum shape_kind kinds[] = {SHAPE_SPHERE, SHAPE_INFINITE_CYLINDER, SHAPE_CYLINDER,
+                                            SHAPE_POLYGON, SHAPE_PLANE};
     struct shape s = draw_aimed(&d->random, kinds[d->index % 5]);
     row_fixed(c, 1 + random_below(&d->random, 7));
     shape_put(c, &s);
@@ -111,7 +111,7 @@ static void judge_mirrored(const struct row_case *c, struct row_verdict *v)
     struct shape_map m = shape_map_identity;
     struct shape s, t;
     struct pen_intersections a, b;
-    vec3 there[2][2], here[2][2]; /* point and normal of each crossing */
+    vec3 there[2][2], here[2][2]; /* point and normal of each intersection */
     m.sign = pen_vec3(bits & 1 ? -1 : 1, bits & 2 ? -1 : 1, bits & 4 ? -1 : 1);
     if (!shape_get(c, &at, &s) || !shape_cross(&s, &a) || shape_on_border(&s)) {
         row_skip(v);
@@ -153,7 +153,7 @@ static void draw_turned_kind(struct random *r, enum shape_kind kind, struct row_
 
 static void draw_turned(struct row_draw *d, struct row_case *c)
 {
-    static const enum shape_kind kinds[] = {SHAPE_SPHERE, SHAPE_TUBE, SHAPE_POLYGON};
+    static const enum shape_kind kinds[] = {SHAPE_SPHERE, SHAPE_INFINITE_CYLINDER, SHAPE_POLYGON};
     draw_turned_kind(&d->random, kinds[d->index % 3], c);
 }
 
@@ -253,17 +253,17 @@ static void draw_turned_tied(struct row_draw *d, struct row_case *c)
     shape_put(c, &s);
 }
 
-void rows_turned(struct pen_row_run *run)
+void rows_permuted(struct pen_row_run *run)
 {
     row_each(run, draw_turned, judge_turned);
 }
 
-void rows_turned_sums(struct pen_row_run *run)
+void rows_permuted_sums(struct pen_row_run *run)
 {
     row_each(run, draw_turned_sums, judge_turned);
 }
 
-void rows_turned_tied(struct pen_row_run *run)
+void rows_permuted_tied(struct pen_row_run *run)
 {
     row_each(run, draw_turned_tied, judge_tied);
 }

@@ -50,7 +50,7 @@ static void judge_star(const struct row_case *c, struct row_verdict *v)
         f[i] = row_next3(c, &at);
     struct pen_ray ray;
     struct pen_hit first;
-    if (!bodies_ray(c, at, &ray) || !(deep >= 1 && deep <= 7) ||
+    if (!primitives_ray(c, at, &ray) || !(deep >= 1 && deep <= 7) ||
         !(pen_norm1(pen_cross(f[1], f[2])) > .1)) {
         row_skip(v);
         return;
@@ -74,7 +74,7 @@ static void judge_star(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    bodies_require(v, bodies_crossings(&world, ray.o, ray.d, &first), inside);
+    primitives_require(v, primitives_intersections(&world, ray.o, ray.d, &first), inside);
     if (inside && !near)
         row_require(v, (first.prim == 0) == in_star, "star or notch: wrong");
 }
@@ -127,7 +127,7 @@ static void judge_bent(const struct row_case *c, struct row_verdict *v)
 {
     struct pen_ray ray;
     struct pen_hit first;
-    if (!bodies_ray(c, 1, &ray) || !(ray.d.z < 0 && ray.o.z > 15)) {
+    if (!primitives_ray(c, 1, &ray) || !(ray.d.z < 0 && ray.o.z > 15)) {
         row_skip(v);
         return;
     }
@@ -140,7 +140,7 @@ static void judge_bent(const struct row_case *c, struct row_verdict *v)
         }
     }
     build_bent(c->arg[0]);
-    bodies_require(v, bodies_crossings(&world, ray.o, ray.d, &first), 1);
+    primitives_require(v, primitives_intersections(&world, ray.o, ray.d, &first), 1);
 }
 
 void rows_bent(struct pen_row_run *run)
@@ -190,7 +190,7 @@ static void judge_circle(const struct row_case *c, struct row_verdict *v)
     struct pen_ray ray;
     double t;
     build_circle();
-    if (!bodies_ray(c, 0, &ray) || !(fabs(ray.d.z) > 1e-3 * pen_length(ray.d))) {
+    if (!primitives_ray(c, 0, &ray) || !(fabs(ray.d.z) > 1e-3 * pen_length(ray.d))) {
         row_skip(v);
         return;
     }
@@ -198,7 +198,8 @@ static void judge_circle(const struct row_case *c, struct row_verdict *v)
     if (!(fabs(x) < 1.9 && fabs(y) < 1.9))
         row_skip(v);
     else
-        bodies_require(v, pen_polygon_root(&disc, &ray, &t) + pen_polygon_root(&rest, &ray, &t), 1);
+        primitives_require(v, pen_polygon_root(&disc, &ray, &t) + pen_polygon_root(&rest, &ray, &t),
+                           1);
 }
 
 void rows_circle(struct pen_row_run *run)

@@ -218,7 +218,7 @@ static void judge_planes(const struct row_case *c, struct row_verdict *v)
                              : 0;
         int seen = a->shape == PEN_SHAPE_NONE ? 0 : judge_node(v, a, 0);
         row_require(v, kind == PEN_ACCEL_NONE || seen + beside == BODIES,
-                    "not every body is in the structure once");
+                    "not every primitive is in the structure once");
         pen_arena_free(arena);
     }
 }

@@ -127,7 +127,7 @@ static void judge_mixed(const struct row_case *c, struct row_verdict *v)
     world_clear(&world);
     world_sphere(&world, big.c, big.r);
     world_sphere(&world, small.c, small.r);
-    int count = bodies_crossings(&world, o, d, &first);
+    int count = primitives_intersections(&world, o, d, &first);
     int see = oracle_sphere_class(&small, (struct oracle_ray){o, d}, 16);
     int ground = oracle_sphere_class(&big, (struct oracle_ray){o, d}, 16);
     struct oracle_roots roots;
@@ -149,12 +149,12 @@ static void judge_mixed(const struct row_case *c, struct row_verdict *v)
     if (!pen_ray_make(&ray, o, d))
         return;
     vec3 p = pen_prim_point(&world.prims, first, &ray), light = {0, 1e-4, 0};
-    struct pen_origin_surface on = world_leave(&world, first, p, d, false);
+    struct pen_origin_surface on = world_origin_surface(&world, first, p, d, false);
     vec3 up = pen_sub(light, p);
     if (!pen_ray_make(&ray, p, up))
         return;
     int dark = oracle_sphere_class(&small, (struct oracle_ray){p, up}, 16);
-    bool shaded = world_crossings(&world, &ray, &on, 1, NULL, 0) > 0;
+    bool shaded = world_intersections(&world, &ray, &on, 1, NULL, 0) > 0;
     if (dark != 0)
         row_require(v, shaded == (dark > 0), shaded ? "shaded in the light" : "lit in the shadow");
     row_tally(v, dark > 0 ? "in its shadow" : "beside its shadow");

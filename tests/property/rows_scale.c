@@ -63,7 +63,7 @@ static void judge_moved(const struct row_case *c, struct row_verdict *v)
     struct shape_map m = shape_map_identity;
     struct shape s, t;
     struct pen_intersections a, b;
-    if (!shape_get(c, &at, &s) || s.kind == SHAPE_TUBE || s.kind == SHAPE_PLANE ||
+    if (!shape_get(c, &at, &s) || s.kind == SHAPE_INFINITE_CYLINDER || s.kind == SHAPE_PLANE ||
         !is_snapped(&s) || !shape_cross(&s, &a)) {
         row_skip(v);
         return;

@@ -7,7 +7,7 @@
 #include "property/rows.h"
 
 static struct world world;
-static struct bodies_tree tree;
+static struct primitives_tree tree;
 
 enum kind { SPHERE, TUBE, CYLINDER, TRIANGLE, POLYGON, PLANE };
 
@@ -33,7 +33,7 @@ static void make_round(const struct oracle_round *b, enum kind kind)
     if (kind == SPHERE)
         world_sphere(&world, b->c, b->r);
     else if (kind == TUBE)
-        world_tube(&world, b->c, b->a, b->r);
+        world_infinite_cylinder(&world, b->c, b->a, b->r);
     else
         world_cylinder(&world, b->c, b->a, b->r, b->h, true);
 }
@@ -41,13 +41,13 @@ static void make_round(const struct oracle_round *b, enum kind kind)
 /* What a ray meets first, where, and the normal there. */
 struct meeting {
     struct pen_hit hit;
-    vec3 p, n, v; /* v: the way the ray went */
+    vec3 p, n, v; /* v: the ray's direction */
 };
 
 static bool meet(vec3 o, vec3 d, struct meeting *m)
 {
     struct pen_ray ray;
-    if (bodies_crossings(&world, o, d, &m->hit) <= 0 || !pen_ray_make(&ray, o, d))
+    if (primitives_intersections(&world, o, d, &m->hit) <= 0 || !pen_ray_make(&ray, o, d))
         return false;
     m->p = pen_prim_point(&world.prims, m->hit, &ray);
     m->n = pen_prim_normal(&world.prims, m->hit, m->p);
@@ -60,13 +60,14 @@ static int origin(const struct meeting *m, vec3 d, struct pen_hit *hit, int room
 {
     struct pen_ray ray;
     bool through = (pen_dot(m->n, d) > 0) != (pen_dot(m->n, m->v) < 0);
-    struct pen_origin_surface on = world_leave(&world, m->hit, m->p, m->v, through);
+    struct pen_origin_surface on = world_origin_surface(&world, m->hit, m->p, m->v, through);
     if (!pen_ray_make(&ray, m->p, d))
         return -1;
-    return world_crossings(&world, &ray, &on, INFINITY, hit, room);
+    return world_intersections(&world, &ray, &on, INFINITY, hit, room);
 }
 
-/* H059, H061: radii 1e-6 to 1e6, offsets 0 to 1e9. Arguments: kind; primitive; first ray; next way.
+/* H059, H061: radii 1e-6 to 1e6, offsets 0 to 1e9. Arguments: kind; primitive; first ray; next
+ * direction.
  */
 static void draw_round_at(struct random *r, enum kind kind, double offset, struct row_case *c)
 {
@@ -154,28 +155,28 @@ static void judge_departure(const struct row_case *c, struct row_verdict *v)
     if (in == 0)
         row_require(v, x.count <= 1, "met itself along the surface");
     else if (x.count > (in > 0))
-        row_fail(v, "%s met itself: %d crossings %s", name[x.kind], x.count,
+        row_fail(v, "%s met itself: %d intersections %s", name[x.kind], x.count,
                  in > 0 ? "inward" : "outward");
     else if (x.count < (in > 0))
-        row_fail(v, "%s: the way out was missed", name[x.kind]);
+        row_fail(v, "%s: the exit was missed", name[x.kind]);
 }
 
-void rows_leave_round(struct pen_row_run *run)
+void rows_self_intersection_round(struct pen_row_run *run)
 {
     row_each(run, draw_round, judge_departure);
 }
 
-/* H061: t of the way out. */
+/* H061: t of the exit. */
 static void judge_way_out(const struct row_case *c, struct row_verdict *v)
 {
-    static const char *const name[] = {"sphere, way out [ulp]", "tube, way out [ulp]",
+    static const char *const name[] = {"sphere, exit [ulp]", "tube, exit [ulp]",
                                        "cylinder, side to side [ulp]"};
     struct departure x;
     if (!depart(c, &x) || goes_in(&x) <= 0) {
         row_skip(v);
         return;
     }
-    if (!row_require(v, x.count == 1, "not exactly one way out"))
+    if (!row_require(v, x.count == 1, "not exactly one exit"))
         return;
     struct truth t = oracle_chord(&x.b, x.line);
     enum oracle_part part = (enum oracle_part)x.from.hit.part, at = ORACLE_SIDE;
@@ -185,11 +186,11 @@ static void judge_way_out(const struct row_case *c, struct row_verdict *v)
         row_measure(v, name[x.kind], truth_ulps(x.hit[0].t, t), 4);
         return;
     }
-    /* By way of a cap, or from one: across or along the axis within 8u of the primitive's size. */
+    /* Through a cap, or from one: across or along the axis within 8u of the primitive's size. */
     vec3 d = x.line.d, a = x.b.a;
     double speed = at == ORACLE_SIDE ? pen_length(pen_cross(d, a)) : fabs(pen_dot(d, a));
     double error = truth_error(x.hit[0].t, t) * speed / pen_length(a);
-    row_measure(v, "cylinder, by way of a cap [u(r+h)]", error / (0x1p-53 * (x.b.r + x.b.h)), 32);
+    row_measure(v, "cylinder, through a cap [u(r+h)]", error / (0x1p-53 * (x.b.r + x.b.h)), 32);
 }
 
 void rows_way_out(struct pen_row_run *run)
@@ -198,7 +199,7 @@ void rows_way_out(struct pen_row_run *run)
 }
 
 /* H060: flat primitives of sizes e^-8 to e^8, and planes. Arguments: kind, corner, two edges, first
- * ray, next way. */
+ * ray, next direction. */
 static void draw_flat(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
@@ -255,14 +256,14 @@ static void judge_flat(const struct row_case *c, struct row_verdict *v)
         row_fail(v, "%s met itself", name[kind - TRIANGLE]);
 }
 
-void rows_leave_flat(struct pen_row_run *run)
+void rows_self_intersection_flat(struct pen_row_run *run)
 {
     row_each(run, draw_flat, judge_flat);
 }
 
 /* H062: two triangles that share an edge at 10^-k rad, in any pose; from one, into the wedge, the
- * other is met. Arguments: k; origin; the edge's way, the first face's way across it; where on the
- * face; where to. */
+ * other is met. Arguments: k; origin; the direction of the edge, that of the first face across it;
+ * where on the face; where to. */
 static void draw_wedge(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
@@ -300,13 +301,13 @@ static void judge_wedge(const struct row_case *c, struct row_verdict *v)
     struct meeting m = {{1, 0, PEN_PART_SIDE}, p, world.triangle[0].n, pen_sub(p, eye)};
     m.p = pen_triangle_project(&world.triangle[0], p);
     /* Told what is true: the ray goes up into the wedge, and came from there. */
-    struct pen_origin_surface on = world_leave(&world, m.hit, m.p, m.v, false);
+    struct pen_origin_surface on = world_origin_surface(&world, m.hit, m.p, m.v, false);
     struct pen_ray ray;
     if (!pen_ray_make(&ray, m.p, pen_sub(to, m.p))) {
         row_skip(v);
         return;
     }
-    bool held = world_crossings(&world, &ray, &on, INFINITY, NULL, 0) == 1;
+    bool held = world_intersections(&world, &ray, &on, INFINITY, NULL, 0) == 1;
     row_tally(v, k <= 12 ? "tried at 1 to 1e-12 rad" : "tried at 1e-13 and 1e-14 rad");
     if (!held && k > 12)
         row_tally(v, lost[k - 13]);
@@ -383,9 +384,9 @@ void rows_shell(struct pen_row_run *run)
     row_each(run, draw_shell, judge_shell);
 }
 
-/* H068, H069: two equal primitives, the second turned round if it is flat; from afar the first in
- * the document is met; on leaving it the second is not met at the start, and both at the way out.
- */
+/* H068, H069: two equal primitives, the second turned round if it is flat; from afar a
+ * ray hits the first in the document; a ray that starts on it does not hit the second at the start,
+ * and hits both at the exit. */
 static void draw_twins(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
@@ -444,8 +445,8 @@ static void judge_twins(const struct row_case *c, struct row_verdict *v)
         return;
     }
     row_require(v, m.hit.prim == 7, "not the first in the document");
-    bodies_plant(&tree, &world.prims);
-    struct pen_hit by_tree = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
+    primitives_build(&tree, &world.prims);
+    struct pen_hit by_tree = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     row_require(v, alike && by_tree.prim == 7, "by the tree, not the first in the document");
     int count = origin(&m, next, hit, 5);
     bool in = kind <= CYLINDER && pen_dot(m.n, next) < 0;
@@ -454,10 +455,10 @@ static void judge_twins(const struct row_case *c, struct row_verdict *v)
     while (count > 0 && hit[count - 1].prim != 7 && hit[count - 1].prim != 9)
         count--; /* the others, far behind */
     if (count != (in ? 2 : 0))
-        row_fail(v, "%d crossings on leaving %s", count, in ? "inward" : "outward");
+        row_fail(v, "%d intersections on leaving %s", count, in ? "inward" : "outward");
     else if (in)
         row_require(v, hit[0].t == hit[1].t && hit[0].prim == 7 && hit[1].prim == 9,
-                    "the way out is not one event in document order");
+                    "the exit is not one event in document order");
 }
 
 void rows_twins(struct pen_row_run *run)

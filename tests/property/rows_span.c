@@ -8,7 +8,7 @@
 #include "property/rows.h"
 
 static struct world world;
-static struct bodies_tree tree;
+static struct primitives_tree tree;
 
 /* Arguments: a sphere's centre, the power of two that scales it, a point (3, 4, 0) or (5, 0, 0) of
  * its surface with axes and signs in any order, a direction, all dyadic. */
@@ -60,14 +60,14 @@ static void judge_span(const struct row_case *c, struct row_verdict *v)
     world_sphere(&world, centre, 5 * size);
     for (int i = 0; i < 6; i++)
         world_sphere(&world, pen_vec3(1e6, 1e6 + 3 * i, 1e6), 1);
-    bodies_plant(&tree, &world.prims);
+    primitives_build(&tree, &world.prims);
     bool in = pen_dot(f, d) < 0; /* exactly */
     row_tally(v, in ? "inward" : "outward or along");
     if (!in) {
         row_require(v, !dark(&ray, 1e4, v), "the surface at the start shades");
         return;
     }
-    hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
+    hit = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     if (!row_require(v, alike && hit.prim == 0 && hit.t > 0, "the far side is not met"))
         return;
     row_require(v, !dark(&ray, hit.t, v), "the surface at the end shades");

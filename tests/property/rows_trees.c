@@ -8,7 +8,7 @@
 #include "scene/settings.h"
 
 static struct world world;
-static struct bodies_tree tree, kinds[PEN_ACCEL_COUNT];
+static struct primitives_tree tree, kinds[PEN_ACCEL_COUNT];
 
 static bool same_hit(struct pen_hit a, struct pen_hit b)
 {
@@ -19,7 +19,7 @@ static bool same_hit(struct pen_hit a, struct pen_hit b)
 static void plant_all(void)
 {
     for (int k = 0; k < PEN_ACCEL_COUNT; k++)
-        bodies_plant_kind(&kinds[k], &world.prims, (enum pen_accelerator)k);
+        primitives_build_kind(&kinds[k], &world.prims, (enum pen_accelerator)k);
 }
 
 static void build_mixed(double scene)
@@ -60,7 +60,7 @@ static struct pen_hit require_same(struct row_verdict *v, const struct pen_ray *
     for (int k = 0; k < PEN_ACCEL_COUNT; k++) {
         bool alike;
         const char *name = pen_accelerator_name((enum pen_accelerator)k);
-        struct pen_hit hit = bodies_nearest(&kinds[k], ray, origin, tmax, &alike);
+        struct pen_hit hit = primitives_nearest(&kinds[k], ray, origin, tmax, &alike);
         if (!alike)
             row_fail(v, "%s: base and avx2 differ", name);
         if (!same_hit(hit, truth))
@@ -93,7 +93,8 @@ static void judge_path(const struct row_case *c, struct row_verdict *v)
         require_same(v, &ray, &origin, nextafter(hit.t, 0));
         o = pen_prim_point(&world.prims, hit, &ray);
         vec3 n = pen_prim_normal(&world.prims, hit, o);
-        origin = world_leave(&world, hit, o, d, (pen_dot(n, next) > 0) == (pen_dot(n, d) > 0));
+        origin =
+            world_origin_surface(&world, hit, o, d, (pen_dot(n, next) > 0) == (pen_dot(n, d) > 0));
         row_tally(v, "went on from a hit");
     }
 }
@@ -116,26 +117,26 @@ static void judge_copies(const struct row_case *c, struct row_verdict *v)
     int at = 0;
     uint32_t count = (uint32_t)row_next(c, &at);
     vec3 a = row_next3(c, &at), b = row_next3(c, &at), e = row_next3(c, &at);
-    struct bodies_mesh mesh;
+    struct primitives_mesh mesh;
     struct pen_ray ray;
     bool alike;
-    bodies_mesh_begin(&mesh, count);
+    primitives_mesh_begin(&mesh, count);
     for (uint32_t i = 0; i < count; i++)
-        bodies_mesh_add(&mesh, a, b, e);
+        primitives_mesh_add(&mesh, a, b, e);
     vec3 to = pen_scale(pen_add(pen_add(a, b), e), 1. / 3),
          n = pen_cross(pen_sub(b, a), pen_sub(e, a));
     if (mesh.prims.count != count || !pen_ray_make(&ray, pen_add(to, n), pen_neg(n))) {
-        bodies_mesh_end(&mesh);
+        primitives_mesh_end(&mesh);
         row_skip(v);
         return;
     }
-    bodies_plant(&tree, &mesh.prims);
+    primitives_build(&tree, &mesh.prims);
     row_require(v, pen_accel_get_stats(tree.accel)->depth < 64, "the tree is 64 deep or more");
-    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
+    struct pen_hit hit = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     row_require(v, alike && hit.prim == 0, "not the first copy");
-    int walked = bodies_walk(&tree, &ray, 40);
+    int walked = primitives_walk(&tree, &ray, 40);
     row_require(v, walked == (count < 40 ? (int)count : 40), "not every copy is met");
-    bodies_mesh_end(&mesh);
+    primitives_mesh_end(&mesh);
 }
 
 void rows_copies(struct pen_row_run *run)
@@ -146,7 +147,7 @@ void rows_copies(struct pen_row_run *run)
 /* H098: planes and infinite cylinders beside a tree of 1e5 triangles, against trying all. */
 enum { CROWD = 100000 };
 
-static void build_crowd(struct bodies_mesh *mesh)
+static void build_crowd(struct primitives_mesh *mesh)
 {
     struct random r = {98, 0};
     if (mesh->prims.count)
@@ -154,12 +155,13 @@ static void build_crowd(struct bodies_mesh *mesh)
     world_clear(&world);
     for (int i = 0; i < 3; i++) {
         world_plane(&world, pen_vec3(0, 0, -2 - i), random_direction(&r));
-        world_tube(&world, random_vec(&r, 1), random_direction(&r), .02);
+        world_infinite_cylinder(&world, random_vec(&r, 1), random_direction(&r), .02);
     }
-    bodies_mesh_begin(mesh, CROWD + 6);
+    primitives_mesh_begin(mesh, CROWD + 6);
     for (uint32_t i = 0; i < CROWD; i++) {
         vec3 p = random_vec(&r, 1);
-        bodies_mesh_add(mesh, p, pen_add(p, random_vec(&r, .05)), pen_add(p, random_vec(&r, .05)));
+        primitives_mesh_add(mesh, p, pen_add(p, random_vec(&r, .05)),
+                            pen_add(p, random_vec(&r, .05)));
     }
     for (uint32_t i = 0; i < 6; i++)
         mesh->ref[mesh->prims.count + i] = world.ref[i];
@@ -167,7 +169,7 @@ static void build_crowd(struct bodies_mesh *mesh)
     mesh->prims.plane = world.plane;
     mesh->prims.infinite_cylinder = world.infinite_cylinder;
     mesh->prims.kind_count[PEN_PRIM_PLANE] = mesh->prims.kind_count[PEN_PRIM_INFINITE_CYLINDER] = 3;
-    bodies_plant(&tree, &mesh->prims);
+    primitives_build(&tree, &mesh->prims);
 }
 
 static void draw_crowd(struct row_draw *d, struct row_case *c)
@@ -178,7 +180,7 @@ static void draw_crowd(struct row_draw *d, struct row_case *c)
 
 static void judge_crowd(const struct row_case *c, struct row_verdict *v)
 {
-    static struct bodies_mesh mesh;
+    static struct primitives_mesh mesh;
     int at = 0;
     vec3 o = row_next3(c, &at);
     struct pen_ray ray;
@@ -198,7 +200,7 @@ static void judge_crowd(const struct row_case *c, struct row_verdict *v)
                 truth = h;
         }
     }
-    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
+    struct pen_hit hit = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     row_require(v, alike && same_hit(hit, truth), "the tree and trying all differ");
     row_tally(v, truth.prim >= mesh.prims.count - 6 ? "met without bounds or nothing"
                                                     : "met a triangle");
@@ -234,7 +236,7 @@ static void judge_few(const struct row_case *c, struct row_verdict *v)
     if (bits & 8)
         world_plane(&world, pen_vec3(0, 0, 3), pen_vec3(0, 0, 1));
     if (bits & 16)
-        world_tube(&world, pen_vec3(1, 1, 0), pen_vec3(0, 1, 0), .5);
+        world_infinite_cylinder(&world, pen_vec3(1, 1, 0), pen_vec3(0, 1, 0), .5);
     if (bits & 32)
         world_cylinder(&world, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0), .5, 1, bits & 1);
     if (!pen_ray_make(&ray, o, row_next3(c, &at))) {

@@ -9,7 +9,7 @@
 #include "scene/settings.h"
 
 static struct world world;
-static struct bodies_tree kinds[PEN_ACCEL_COUNT];
+static struct primitives_tree kinds[PEN_ACCEL_COUNT];
 
 /* A number near no other: 0, some steps of the least subnormal, any power of two below 1, or a
  * multiple of a sixteenth, as it is or beside one. */
@@ -69,7 +69,7 @@ static void add_body(struct random *r)
         world_plane(&world, c, a);
         break;
     case 3:
-        world_tube(&world, c, a, random_in(r, .01, .1));
+        world_infinite_cylinder(&world, c, a, random_in(r, .01, .1));
         break;
     default:
         add_flat(r);
@@ -87,7 +87,7 @@ static void build(double scene)
     for (uint32_t i = 3 + random_below(&r, 20); i > 0; i--)
         add_body(&r);
     for (int k = 0; k < PEN_ACCEL_COUNT; k++)
-        bodies_plant_kind(&kinds[k], &world.prims, (enum pen_accelerator)k);
+        primitives_build_kind(&kinds[k], &world.prims, (enum pen_accelerator)k);
 }
 
 /* Arguments: scene, o, d. */
@@ -124,7 +124,8 @@ static void judge_vanishing(const struct row_case *c, struct row_verdict *v)
     for (int k = 0; k < PEN_ACCEL_COUNT; k++) {
         bool alike;
         const char *name = pen_accelerator_name((enum pen_accelerator)k);
-        struct pen_hit hit = bodies_nearest(&kinds[k], &ray, &pen_origin_none, INFINITY, &alike);
+        struct pen_hit hit =
+            primitives_nearest(&kinds[k], &ray, &pen_origin_none, INFINITY, &alike);
         if (!alike)
             row_fail(v, "%s: base and avx2 differ", name);
         if (hit.prim != truth.prim ||

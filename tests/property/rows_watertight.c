@@ -7,7 +7,7 @@
 #include "property/rows.h"
 
 static struct world world;
-static struct bodies_tree tree;
+static struct primitives_tree tree;
 static double built[2] = {-1, -1}; /* what the world holds: scene number, offset */
 
 typedef void make_fn(struct world *w, struct random *r, vec3 at);
@@ -19,7 +19,7 @@ static void make_once(make_fn *make, uint64_t salt, double scene, double offset)
         return;
     struct random r = {(uint64_t)scene * 0x9e3779b97f4a7c15u + salt, 0};
     make(&world, &r, gen_offset3(offset));
-    bodies_plant(&tree, &world.prims);
+    primitives_build(&tree, &world.prims);
     built[0] = key;
     built[1] = offset;
 }
@@ -76,7 +76,7 @@ static void require_tree_agrees(struct row_verdict *v, vec3 o, vec3 d, struct pe
     bool alike;
     if (!pen_ray_make(&ray, o, d))
         return;
-    struct pen_hit hit = bodies_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
+    struct pen_hit hit = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
     if (!alike || hit.prim != first.prim || (hit.prim != PEN_NO_PRIM && hit.t != first.t))
         row_fail(v, "the tree meets %u, trying all meets %u", hit.prim, first.prim);
 }
@@ -93,7 +93,7 @@ static void judge_bumpy(const struct row_case *c, struct row_verdict *v)
         return;
     }
     make_once(world_bumpy, 38, scene, offset);
-    int count = bodies_crossings(&world, o, d, &first);
+    int count = primitives_intersections(&world, o, d, &first);
     if (count < 0) {
         row_skip(v);
         return;
@@ -102,7 +102,7 @@ static void judge_bumpy(const struct row_case *c, struct row_verdict *v)
     if (count == 0)
         row_fail(v, "leak");
     else if (count % 2 == 0)
-        row_fail(v, "%d crossings: double hit", count);
+        row_fail(v, "%d intersections: double hit", count);
     require_tree_agrees(v, o, d, first);
 }
 
@@ -118,9 +118,9 @@ static void draw_sheet(struct row_draw *d, struct row_case *c)
     draw_scene(d, c);
     vec3 at = gen_offset3(c->arg[1]);
     double x = 1 + random_below(r, 20) / 2., y = 1 + random_below(r, 12) / 2.;
-    vec3 to = bodies_sheet_point(x, y, at);
+    vec3 to = primitives_sheet_point(x, y, at);
     uint32_t along = random_below(r, 3);
-    vec3 next = bodies_sheet_point(x + .5 * (along != 1), y + .5 * (along != 0), at);
+    vec3 next = primitives_sheet_point(x + .5 * (along != 1), y + .5 * (along != 0), at);
     if (random_below(r, 3))
         to = pen_along(to, pen_sub(next, to),
                        random_below(r, 2) ? random_unit(r) : random_below(r, 17) / 16.);
@@ -155,10 +155,10 @@ static void judge_sheet(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    make_once(bodies_sheet, 50, scene, offset);
-    int count = bodies_crossings(&world, o, d, &first);
+    make_once(primitives_sheet, 50, scene, offset);
+    int count = primitives_intersections(&world, o, d, &first);
     if (count != 1)
-        row_fail(v, count ? "%d crossings: double hit" : "leak", count);
+        row_fail(v, count ? "%d intersections: double hit" : "leak", count);
     require_tree_agrees(v, o, d, first);
 }
 

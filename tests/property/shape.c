@@ -116,7 +116,7 @@ bool shape_cross(const struct shape *s, struct pen_intersections *out)
     case SHAPE_SPHERE:
         made = pen_sphere_make(&world.sphere[0], s->p[0], s->r);
         break;
-    case SHAPE_TUBE:
+    case SHAPE_INFINITE_CYLINDER:
         made = pen_infinite_cylinder_make(&world.infinite_cylinder[0], s->p[0], s->a, s->r);
         break;
     case SHAPE_CYLINDER:
@@ -153,7 +153,7 @@ void shape_require_equal(struct row_verdict *v, enum shape_kind kind,
                          double factor)
 {
     if (a->count != b->count) {
-        row_fail(v, "%s: %d crossings became %d", shape_kind_name[kind], a->count, b->count);
+        row_fail(v, "%s: %d intersections became %d", shape_kind_name[kind], a->count, b->count);
         return;
     }
     for (int i = 0; i < a->count; i++) {

@@ -8,7 +8,7 @@
 
 enum shape_kind {
     SHAPE_SPHERE,
-    SHAPE_TUBE,
+    SHAPE_INFINITE_CYLINDER,
     SHAPE_CYLINDER,
     SHAPE_TRIANGLE,
     SHAPE_POLYGON,
@@ -55,7 +55,7 @@ struct shape shape_mapped(const struct shape_map *m, const struct shape *s);
 /* The intersections of the shape's own ray; false if the primitive or the ray can not be made. */
 bool shape_cross(const struct shape *s, struct pen_intersections *out);
 
-/* Where crossing i of what shape_cross was last asked about is, and the normal there. */
+/* Where intersection i of what shape_cross was last asked about is, and the normal there. */
 void shape_at(const struct pen_intersections *x, int i, vec3 *point, vec3 *normal);
 
 /* The same intersections, t multiplied by `factor`, bit for bit. */

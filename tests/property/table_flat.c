@@ -35,7 +35,7 @@ const struct row row_table_flat[] = {
         .name = "h042_roles",
         .what = "an outline begun at another vertex or reversed gives the same hit and the same t: "
                 "every vertex plays every role",
-        .oracle = "the body itself, bit for bit",
+        .oracle = "the primitive itself, bit for bit",
         .run = rows_roles,
     },
     {

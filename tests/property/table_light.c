@@ -28,7 +28,8 @@ const struct row row_table_light[] = {
     {
         .id = "H066",
         .name = "h066_acne",
-        .what = "a body without concave places alone, lit at 89.999 degrees and down to 1e-12 rad, "
+        .what = "a primitive without concave places alone, lit at 89.999 degrees and down to 1e-12 "
+                "rad, "
                 "tubes along their axis too, and from inside: the picture without shadows",
         .oracle = "itself, bit for bit",
         .run = rows_acne,

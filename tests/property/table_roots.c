@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Crossings against 113 bits: oracle O1. */
+/* Intersections against 113 bits: oracle O1. */
 #include <stddef.h>
 
 #include "property/rows.h"
 
-static const char roots_oracle[] = "113-bit roots; class by growing and shrinking the body";
+static const char roots_oracle[] = "113-bit roots; class by growing and shrinking the primitive";
 
 const struct row row_table_roots[] = {
     {
@@ -68,7 +68,7 @@ const struct row row_table_roots[] = {
     {
         .id = "O1 cylinder",
         .name = "o1_cylinder_caps",
-        .what = "crossings of the caps: t within 16 ulp from 2 r on, else within 8u (|f| + r)",
+        .what = "intersections of the caps: t within 16 ulp from 2 r on, else within 8u (|f| + r)",
         .oracle = roots_oracle,
         .run = rows_cylinder_caps,
     },

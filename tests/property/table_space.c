@@ -9,9 +9,9 @@ const struct row row_table_space[] = {
         .id = "H059",
         .name = "h059_leave_round",
         .what = "from a hit on a sphere, tube or cylinder of radius 1e-6 to 1e6 at offsets 0 to "
-                "1e9: no crossing outward, exactly one inward",
+                "1e9: no intersection outward, exactly one inward",
         .oracle = "sign of the chord; undecided only within 8u",
-        .run = rows_leave_round,
+        .run = rows_self_intersection_round,
         .full = 9000000,
     },
     {
@@ -21,7 +21,7 @@ const struct row row_table_space[] = {
             "from a hit on a triangle, a polygon or a plane of size e^-8 to e^8 at offsets 0 to "
             "1e9: it is not met again",
         .oracle = "count = 0",
-        .run = rows_leave_flat,
+        .run = rows_self_intersection_flat,
         .full = 5000000,
     },
     {
@@ -54,8 +54,9 @@ const struct row row_table_space[] = {
     {
         .id = "H068 H069",
         .name = "h068_coincident",
-        .what = "of two coincident bodies the first in the document is met, by the tree too; on "
-                "leaving it neither is met at the start",
+        .what =
+            "of two coincident primitives the first in the document is met, by the tree too; on "
+            "leaving it neither is met at the start",
         .oracle = "document order",
         .run = rows_twins,
     },
@@ -70,8 +71,9 @@ const struct row row_table_space[] = {
     {
         .id = "H071",
         .name = "h071_touching_spheres",
-        .what = "spheres that touch: crossings at 1, 3, 3, 5 in document order; the common tangent "
-                "misses both; scaled by 2^-200 to 2^200",
+        .what =
+            "spheres that touch: intersections at 1, 3, 3, 5 in document order; the common tangent "
+            "misses both; scaled by 2^-200 to 2^200",
         .oracle = "closed form",
         .run = rows_touching,
         .full = 10000,
@@ -90,8 +92,9 @@ const struct row row_table_space[] = {
     {
         .id = "H074",
         .name = "h074_scaled",
-        .what = "every kind of body and a ray times 2^k, k in -200 ... 200, the direction with it "
-                "or not: the same crossings",
+        .what =
+            "every kind of primitive and a ray times 2^k, k in -200 ... 200, the direction with it "
+            "or not: the same intersections",
         .oracle = "itself, bit for bit",
         .run = rows_scaled,
     },
@@ -120,7 +123,7 @@ const struct row row_table_space[] = {
         .id = "H076",
         .name = "h076_moved",
         .what = "coordinates that are multiples of 2^-12, moved by 2^20 and 2^30: the same "
-                "crossings",
+                "intersections",
         .oracle = "itself, bit for bit",
         .run = rows_moved,
     },
@@ -136,9 +139,10 @@ const struct row row_table_space[] = {
     {
         .id = "H077",
         .name = "h077_cornell",
-        .what = "a Cornell box of size 1 moved by 1e6 to 1e9: at most 4 pixels of 4096 differ by "
-                "1e-3 (another body), of the others the root mean square is at most ulp(offset) "
-                "over a pixel's size",
+        .what =
+            "a Cornell box of size 1 moved by 1e6 to 1e9: at most 4 pixels of 4096 differ by "
+            "1e-3 (another primitive), of the others the root mean square is at most ulp(offset) "
+            "over a pixel's size",
         .oracle = "itself",
         .run = rows_picture_cornell,
         .full = 400,
@@ -147,8 +151,9 @@ const struct row row_table_space[] = {
     {
         .id = "H078",
         .name = "h078_mirrored",
-        .what = "any coordinates negated: the same crossings, their points and normals the images, "
-                "off the borders of flat bodies; all kinds but triangles",
+        .what =
+            "any coordinates negated: the same intersections, their points and normals the images, "
+            "off the borders of flat primitives; all kinds but triangles",
         .oracle = "itself, bit for bit",
         .run = rows_mirrored,
     },
@@ -174,14 +179,14 @@ const struct row row_table_space[] = {
         .what = "spheres, tubes and polygons with axes permuted: hit or miss the same, t "
                 "within 2 ulp",
         .oracle = "itself",
-        .run = rows_turned,
+        .run = rows_permuted,
     },
     {
         .id = "H079",
         .name = "h079_permuted_sums",
         .what = "the same for triangles, cylinders and planes",
         .oracle = "itself",
-        .run = rows_turned_sums,
+        .run = rows_permuted_sums,
     },
     {
         .id = "H079",
@@ -190,9 +195,10 @@ const struct row row_table_space[] = {
                 "axis their own, and for triangles whose edges have the same lengths along the "
                 "axes but for the axes' names",
         .oracle = "itself",
-        .run = rows_turned_tied,
-        .known = "sums are reordered there: t of one flat body in 60 and of one cylinder in 200 "
-                 "differs by 3 to 7 ulp",
+        .run = rows_permuted_tied,
+        .known =
+            "sums are reordered there: t of one flat primitive in 60 and of one cylinder in 200 "
+            "differs by 3 to 7 ulp",
     },
     {
         .id = "H080",
@@ -254,15 +260,17 @@ const struct row row_table_space[] = {
     {
         .id = "H091",
         .name = "h091_planes",
-        .what = "every box that any of the accelerators stores contains the bodies and boxes in it",
-        .oracle = "extents from the bodies' definitions, 64 bits",
+        .what =
+            "every box that any of the accelerators stores contains the primitives and boxes in it",
+        .oracle = "extents from the primitives' definitions, 64 bits",
         .run = rows_planes,
     },
     {
         .id = "H091",
         .name = "h091_vanishing",
-        .what = "coordinates of bodies and rays down to the least subnormal, beside ones of unit "
-                "size: the structures of all builders meet what trying all meets",
+        .what =
+            "coordinates of primitives and rays down to the least subnormal, beside ones of unit "
+            "size: the structures of all builders meet what trying all meets",
         .oracle = "brute force, bit for bit",
         .run = rows_vanishing,
     },
@@ -283,8 +291,9 @@ const struct row row_table_space[] = {
     {
         .id = "H094",
         .name = "h094_tmax",
-        .what = "tmax equal to t of a crossing includes it, an ulp less does not, by tree and by "
-                "trying all",
+        .what =
+            "tmax equal to t of an intersection includes it, an ulp less does not, by tree and by "
+            "trying all",
         .oracle = "brute force, bit for bit",
         .run = rows_tmax,
     },

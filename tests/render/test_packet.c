@@ -199,4 +199,4 @@ START_TEST(test_packet__rays_together_are_rays_one_by_one)
 }
 END_TEST
 
-PEN_SUITE("fan", test_packet__rays_together_are_rays_one_by_one)
+PEN_SUITE("packet", test_packet__rays_together_are_rays_one_by_one)

@@ -181,7 +181,7 @@ START_TEST(test_kernel__effects_follow_the_scene)
 }
 END_TEST
 
-START_TEST(test_kernel__effects_need_a_body_that_shows_them)
+START_TEST(test_kernel__effects_need_a_primitive_that_shows_them)
 {
     kit_init(&kit);
     struct pen_material m = kit_matte(0.5);
@@ -424,7 +424,8 @@ END_TEST
 
 PEN_SUITE("kernel", test_kernel__every_kernel_gives_the_same_bits,
           test_kernel__select_takes_the_smallest, test_kernel__names_stay_as_statistics_show_them,
-          test_kernel__effects_follow_the_scene, test_kernel__effects_need_a_body_that_shows_them,
+          test_kernel__effects_follow_the_scene,
+          test_kernel__effects_need_a_primitive_that_shows_them,
           test_kernel__samples_are_the_sets_of_the_pixel, test_kernel__one_sample_is_the_centre,
           test_kernel__samples_beyond_the_film_are_left_out,
           test_kernel__h088_rays_that_are_none_are_refused_and_counted,

@@ -46,7 +46,8 @@ json_t *jobs_get(struct jobs_bed *bed, const char *id);
 struct pen_buf jobs_image(struct jobs_bed *bed, const char *id, const char *view,
                           const char *format);
 
-/* A scene of a few bodies with lights and a mirror; `more` goes before the closing brace, such as
+/* A scene of a few primitives with lights and a mirror; `more` goes before the closing brace, such
+ * as
  * ", \"render\": {…}". */
 const char *jobs_scene(const char *more);
 

@@ -59,13 +59,13 @@ enum oracle_kind {
     ORACLE_SPHERE,
     ORACLE_PLANE,
     ORACLE_RING,
-    ORACLE_TUBE,
+    ORACLE_INFINITE_CYLINDER,
     ORACLE_CYLINDER,
     ORACLE_CONE
 };
 
 /* A primitive in world space. */
-struct oracle_body {
+struct oracle_primitive {
     enum oracle_kind kind;
     struct oracle_material material;
     struct point origin; /* centre, a point of the plane or axis, the base's centre */
@@ -97,7 +97,7 @@ struct oracle_scene {
     real min_contribution;
     real tie; /* distances nearer than this are the same place */
     int body_count, body_capacity, light_count;
-    struct oracle_body *bodies;
+    struct oracle_primitive *primitives;
     struct oracle_light *lights;
 };
 

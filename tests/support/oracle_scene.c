@@ -101,23 +101,23 @@ static struct oracle_material material_read(const json_t *named, const json_t *m
                                     .shininess = number_or(m, "shininess", 1)};
 }
 
-static struct oracle_body *body_add(struct oracle_scene *s)
+static struct oracle_primitive *body_add(struct oracle_scene *s)
 {
     if (s->body_count == s->body_capacity) {
         int capacity = 2 * s->body_capacity + 16;
-        struct oracle_body *grown = realloc(s->bodies, (size_t)capacity * sizeof *grown);
+        struct oracle_primitive *grown = realloc(s->primitives, (size_t)capacity * sizeof *grown);
         if (!grown)
             return NULL;
-        s->bodies = grown;
+        s->primitives = grown;
         s->body_capacity = capacity;
     }
-    struct oracle_body *b = &s->bodies[s->body_count++];
+    struct oracle_primitive *b = &s->primitives[s->body_count++];
     memset(b, 0, sizeof *b);
     return b;
 }
 
 /* Corners to world space; the normal by Newell's sum about the first corner. */
-static bool ring_read(const json_t *o, const struct map *m, struct oracle_body *b)
+static bool ring_read(const json_t *o, const struct map *m, struct oracle_primitive *b)
 {
     const json_t *list = json_object_get(o, "vertices");
     size_t count = json_array_size(list);
@@ -136,7 +136,7 @@ static bool ring_read(const json_t *o, const struct map *m, struct oracle_body *
     return true;
 }
 
-static bool body_read(const json_t *o, const struct map *m, struct oracle_body *b)
+static bool body_read(const json_t *o, const struct map *m, struct oracle_primitive *b)
 {
     const char *type = json_string_value(json_object_get(o, "type"));
     real scale = map_scale(m);
@@ -156,7 +156,9 @@ static bool body_read(const json_t *o, const struct map *m, struct oracle_body *
         struct point u = map_way(m, side), v = map_way(m, point_cross(n, side));
         b->axis = point_unit(point_cross(u, v));
     } else if (!strcmp(type, "tube") || !strcmp(type, "cylinder") || !strcmp(type, "cone")) {
-        b->kind = type[0] == 't' ? ORACLE_TUBE : type[1] == 'y' ? ORACLE_CYLINDER : ORACLE_CONE;
+        b->kind = type[0] == 't'   ? ORACLE_INFINITE_CYLINDER
+                  : type[1] == 'y' ? ORACLE_CYLINDER
+                                   : ORACLE_CONE;
         const char *origin = type[0] == 't' ? "origin" : "base";
         b->origin = map_point(m, triple(json_object_get(o, origin)));
         b->axis = point_unit(map_way(m, triple(json_object_get(o, "axis"))));
@@ -180,7 +182,7 @@ static bool objects_read(struct oracle_scene *s, const json_t *named, const json
                 return false;
             continue;
         }
-        struct oracle_body *b = body_add(s);
+        struct oracle_primitive *b = body_add(s);
         if (!b || !body_read(o, outer, b))
             return false;
         b->material = material_read(named, json_object_get(o, "material"));
@@ -322,8 +324,8 @@ void oracle_free(struct oracle_scene *s)
     if (!s)
         return;
     for (int i = 0; i < s->body_count; i++)
-        free(s->bodies[i].corners);
-    free(s->bodies);
+        free(s->primitives[i].corners);
+    free(s->primitives);
     free(s->lights);
     free(s);
 }

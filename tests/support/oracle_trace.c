@@ -4,7 +4,7 @@
 #include "support/oracle_parts.h"
 
 struct ray {
-    struct point from, direction; /* way: unit */
+    struct point from, direction; /* direction: unit */
 };
 
 /* A place on a ray, ordered by distance and then by the document. */
@@ -18,7 +18,7 @@ static struct point ray_at(struct ray ray, real t)
     return point_sum(ray.from, point_times(ray.direction, t));
 }
 
-static int sphere_roots(const struct oracle_body *b, struct ray ray, real t[2])
+static int sphere_roots(const struct oracle_primitive *b, struct ray ray, real t[2])
 {
     struct point m = point_difference(b->origin, ray.from);
     real middle = point_dot(m, ray.direction);
@@ -32,7 +32,7 @@ static int sphere_roots(const struct oracle_body *b, struct ray ray, real t[2])
 }
 
 /* The side of an infinite cylinder or cylinder, as if infinite. */
-static int side_roots(const struct oracle_body *b, struct ray ray, real t[2])
+static int side_roots(const struct oracle_primitive *b, struct ray ray, real t[2])
 {
     struct point m = point_difference(ray.from, b->origin);
     struct point flat_way =
@@ -61,7 +61,7 @@ static int plane_root(struct point origin, struct point normal, struct ray ray, 
     return 1;
 }
 
-static int cylinder_roots(const struct oracle_body *b, struct ray ray, real t[4])
+static int cylinder_roots(const struct oracle_primitive *b, struct ray ray, real t[4])
 {
     real side[2];
     int n = 0;
@@ -82,7 +82,7 @@ static int cylinder_roots(const struct oracle_body *b, struct ray ray, real t[4]
 }
 
 /* Even-odd rule, seen along the normal's longest axis. */
-static bool ring_holds(const struct oracle_body *b, struct point p)
+static bool ring_holds(const struct oracle_primitive *b, struct point p)
 {
     real nx = fabsl(b->axis.x), ny = fabsl(b->axis.y), nz = fabsl(b->axis.z);
     bool drop_x = nx >= ny && nx >= nz, drop_y = !drop_x && ny >= nz;
@@ -99,14 +99,14 @@ static bool ring_holds(const struct oracle_body *b, struct point p)
 }
 
 /* The radius of a cone at height h: negative beyond its apex. */
-static real cone_radius(const struct oracle_body *b, real h)
+static real cone_radius(const struct oracle_primitive *b, real h)
 {
     return b->radius + (b->top - b->radius) * h / b->height;
 }
 
 /* Where the squared distance from the axis is the squared radius, between base and top; then the
  * caps. */
-static int cone_roots(const struct oracle_body *b, struct ray ray, real t[4])
+static int cone_roots(const struct oracle_primitive *b, struct ray ray, real t[4])
 {
     struct point m = point_difference(ray.from, b->origin);
     real h = point_dot(m, b->axis), climb = point_dot(ray.direction, b->axis);
@@ -132,12 +132,12 @@ static int cone_roots(const struct oracle_body *b, struct ray ray, real t[4])
     return n;
 }
 
-static int roots(const struct oracle_body *b, struct ray ray, real t[4])
+static int roots(const struct oracle_primitive *b, struct ray ray, real t[4])
 {
     switch (b->kind) {
     case ORACLE_SPHERE:
         return sphere_roots(b, ray, t);
-    case ORACLE_TUBE:
+    case ORACLE_INFINITE_CYLINDER:
         return side_roots(b, ray, t);
     case ORACLE_CYLINDER:
         return cylinder_roots(b, ray, t);
@@ -165,7 +165,7 @@ static bool next_hit(const struct oracle_scene *s, struct ray ray, struct place 
     hit->prim = -1;
     for (int i = 0; i < s->body_count; i++) {
         real t[4];
-        int n = roots(&s->bodies[i], ray, t);
+        int n = roots(&s->primitives[i], ray, t);
         for (int k = 0; k < n; k++)
             if (comes_after(t[k], i, after, s->tie) && (hit->prim < 0 || t[k] < hit->t - s->tie)) {
                 hit->t = t[k];
@@ -175,7 +175,7 @@ static bool next_hit(const struct oracle_scene *s, struct ray ray, struct place 
     return hit->prim >= 0;
 }
 
-static struct point normal_at(const struct oracle_body *b, struct point p, real tie)
+static struct point normal_at(const struct oracle_primitive *b, struct point p, real tie)
 {
     struct point m = point_difference(p, b->origin);
     real h = point_dot(m, b->axis);
@@ -205,10 +205,10 @@ static struct point transmittance(const struct oracle_scene *s, struct point p,
     struct ray ray = {p, direction};
     for (int i = 0; i < s->body_count; i++) {
         real t[4];
-        int n = roots(&s->bodies[i], ray, t);
+        int n = roots(&s->primitives[i], ray, t);
         for (int k = 0; k < n; k++)
             if (t[k] > s->tie && t[k] < reach - s->tie)
-                clear = point_product(clear, s->bodies[i].material.kt);
+                clear = point_product(clear, s->primitives[i].material.kt);
     }
     return clear;
 }
@@ -220,8 +220,9 @@ static struct point across(struct point n)
     return point_unit(point_cross(n, other));
 }
 
-/* T(p) of a light with a disk, by points of a sunflower's head: as many in equal areas, in no way
- * like those of the renderer. `way` is the unit direction to the disk's centre, `reach` how far. */
+/* T(p) of a light with a disk, by points in a sunflower pattern, which has equal areas per point
+ * and shares nothing with the renderer's sampling. `direction` is the unit direction to the disk's
+ * centre, `reach` how far. */
 static struct point disk_transmittance(const struct oracle_scene *s,
                                        const struct oracle_light *light,
                                        const struct oracle_material *m, struct point p,
@@ -306,7 +307,7 @@ static struct point seen(const struct oracle_scene *s, struct ray ray, struct pr
     struct place hit;
     if (!next_hit(s, ray, path.after, &hit))
         return s->background;
-    const struct oracle_body *b = &s->bodies[hit.prim];
+    const struct oracle_primitive *b = &s->primitives[hit.prim];
     const struct oracle_material *m = &b->material;
     struct point p = ray_at(ray, hit.t), n = normal_at(b, p, s->tie), sum = m->emission;
     if (point_dot(n, ray.direction) > 0)

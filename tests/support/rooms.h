@@ -32,12 +32,12 @@ struct stand {
     struct pen_origin_surface origin;
 };
 
-/* The place of a hit of a ray that left `leave`, as shading makes it. */
+/* The point of a hit of a ray that starts on `origin`, as shading computes it. */
 struct stand world_stand(const struct world *w, const struct pen_ray *ray,
                          const struct pen_origin_surface *origin, struct pen_hit hit);
 
-/* Some direction on the side of the surface that was seen (through: on the other), with what a ray
- * that way leaves. */
+/* A direction on the side of the surface that the ray came from (through: on the other side), and
+ * the origin surface of a ray in that direction. */
 struct pen_vec3 stand_turn(const struct stand *s, struct random *r, bool through,
                            struct pen_origin_surface *origin);
 

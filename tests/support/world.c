@@ -63,7 +63,8 @@ uint32_t world_polygon(struct world *w, const struct pen_vec3 *v, uint32_t count
     return last(w);
 }
 
-uint32_t world_tube(struct world *w, struct pen_vec3 origin, struct pen_vec3 axis, double r)
+uint32_t world_infinite_cylinder(struct world *w, struct pen_vec3 origin, struct pen_vec3 axis,
+                                 double r)
 {
     ck_assert(pen_infinite_cylinder_make(&w->infinite_cylinder[add(w, PEN_PRIM_INFINITE_CYLINDER)],
                                          origin, axis, r));
@@ -126,7 +127,7 @@ void world_random(struct world *w, struct random *random, uint32_t count, double
             world_plane(w, c, d);
             break;
         case 1:
-            world_tube(w, c, d, 0.1 * s);
+            world_infinite_cylinder(w, c, d, 0.1 * s);
             break;
         case 2:
         case 3:
@@ -159,8 +160,8 @@ struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d)
     return ray;
 }
 
-struct pen_origin_surface world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
-                                      struct pen_vec3 v, bool through)
+struct pen_origin_surface world_origin_surface(const struct world *w, struct pen_hit hit,
+                                               struct pen_vec3 p, struct pen_vec3 v, bool through)
 {
     return (struct pen_origin_surface){.prim = hit.prim,
                                        .part = hit.part,
@@ -186,9 +187,9 @@ struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
     return best;
 }
 
-int world_crossings(const struct world *w, const struct pen_ray *ray,
-                    const struct pen_origin_surface *origin, double tmax, struct pen_hit *hit,
-                    int room)
+int world_intersections(const struct world *w, const struct pen_ray *ray,
+                        const struct pen_origin_surface *origin, double tmax, struct pen_hit *hit,
+                        int room)
 {
     int count = 0;
     struct pen_t_interval interval = {pen_after_start, tmax};
@@ -204,7 +205,7 @@ int world_crossings(const struct world *w, const struct pen_ray *ray,
 int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d)
 {
     struct pen_ray ray = world_ray(o, d);
-    return world_crossings(w, &ray, &pen_origin_none, INFINITY, NULL, 0);
+    return world_intersections(w, &ray, &pen_origin_none, INFINITY, NULL, 0);
 }
 
 void world_bumpy(struct world *w, struct random *random, struct pen_vec3 middle)

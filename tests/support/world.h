@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Primitives by hand: what a test shoots rays at. */
+/* Primitives that a test makes by hand and shoots rays at. */
 #ifndef TESTS_SUPPORT_WORLD_H
 #define TESTS_SUPPORT_WORLD_H
 
@@ -26,12 +26,14 @@ struct world {
 
 void world_clear(struct world *w);
 
-/* Each adds one primitive and returns its number; they fail the test if it can not be made. */
+/* Each adds one primitive and returns its number; they fail the test if the primitive cannot be
+ * made. */
 uint32_t world_sphere(struct world *w, struct pen_vec3 c, double r);
 uint32_t world_plane(struct world *w, struct pen_vec3 point, struct pen_vec3 normal);
 uint32_t world_triangle(struct world *w, struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c);
 uint32_t world_polygon(struct world *w, const struct pen_vec3 *v, uint32_t count);
-uint32_t world_tube(struct world *w, struct pen_vec3 origin, struct pen_vec3 axis, double r);
+uint32_t world_infinite_cylinder(struct world *w, struct pen_vec3 origin, struct pen_vec3 axis,
+                                 double r);
 uint32_t world_cylinder(struct world *w, struct pen_vec3 base, struct pen_vec3 axis, double r,
                         double h, bool caps);
 uint32_t world_cone(struct world *w, struct pen_vec3 base, struct pen_vec3 axis,
@@ -47,12 +49,12 @@ void world_box(struct world *w, struct pen_vec3 lo, struct pen_vec3 hi);
 /* Adds `count` primitives of all kinds, of sizes up to `size`, inside a cube of half-width 1. */
 void world_random(struct world *w, struct random *random, uint32_t count, double size);
 
-/* A ray that must be one. */
+/* Makes a ray, and fails the test if that is impossible. */
 struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d);
 
-/* What a ray that starts at hit p of the world, reached by the way v, leaves. */
-struct pen_origin_surface world_leave(const struct world *w, struct pen_hit hit, struct pen_vec3 p,
-                                      struct pen_vec3 v, bool through);
+/* What a ray that starts at hit p of the world, reached along v, starts on: its origin surface. */
+struct pen_origin_surface world_origin_surface(const struct world *w, struct pen_hit hit,
+                                               struct pen_vec3 p, struct pen_vec3 v, bool through);
 
 /* First intersection after `after` with t <= tmax, by trying all primitives; prim = PEN_NO_PRIM if
  * there is none. */
@@ -61,9 +63,9 @@ struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
                              const struct pen_t_interval *interval);
 
 /* How many intersections with 0 < t <= tmax; the first `room` of them, in order, go to hit[]. */
-int world_crossings(const struct world *w, const struct pen_ray *ray,
-                    const struct pen_origin_surface *origin, double tmax, struct pen_hit *hit,
-                    int room);
+int world_intersections(const struct world *w, const struct pen_ray *ray,
+                        const struct pen_origin_surface *origin, double tmax, struct pen_hit *hit,
+                        int room);
 
 /* How many intersections with t > 0 a ray from free space has. */
 int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d);
