@@ -91,14 +91,14 @@ $(BUILD)/penumbra $(BUILD)/penumbrad:
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
 
 $(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
-# Loops over bytes of pixels, which the compiler makes vectors of from here on.
+# Loops over bytes of pixels, which the compiler vectorises at -O3.
 $(BUILD)/src/store/pixels.o: EXTRA := -O3
 $(BUILD)/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
 	$(Q)$(COMPILE) $(PKG_CFLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
 
-# Files that the programs carry inside themselves: scenes/*.json and api/*.
+# Files that are compiled into the programs: scenes/*.json and api/*.
 $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh --stem pen_builtin_files $(sort $(wildcard scenes/*.json)) > $@.tmp && mv $@.tmp $@
@@ -109,7 +109,7 @@ $(BUILD)/gen/%.o: $(BUILD)/gen/%.c
 	$(Q)$(COMPILE) -c -o $@ $<
 
 $(BUILD)/tests/support/%.o: EXTRA := $(CHECK_CFLAGS) -Itests
-# A library, so that a test links what it uses of it and of the rooms behind it.
+# A library, so that a test links only the members that it uses.
 $(TEST_SUPPORT_LIB): $(TEST_SUPPORT_OBJ)
 	@rm -f $@
 	$(call say,AR ,$@)
@@ -166,8 +166,8 @@ MATRIX ?=
 matrix:
 	@-nice -n 10 sh tests/property/matrix.sh $(BUILD) $(MATRIX)
 
-# Builds the renderer with one mistake at a time; each must be found by the row that is meant to:
-# some minutes. MUTANTS="NAME…": only these.
+# Builds the renderer with one deliberate mistake at a time, each of which its row must find: some
+# minutes. MUTANTS="NAME…": only these.
 MUTANTS ?=
 .PHONY: mutants
 mutants:
@@ -183,7 +183,8 @@ $(CRASH_TEST): $(CRASH_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
 crash: all $(CRASH_TEST)
 	$(CRASH_TEST) $(BUILD) $(ROUNDS) $(SEED)
 
-# A disk that fails, to be preloaded into a daemon; without sanitizers, which it stands before.
+# A failing disk, which a test preloads into a daemon. Compiled without sanitizers, since it is loaded
+# before their library.
 $(FAULTS): tests/faults/preload.c
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
@@ -220,7 +221,7 @@ demo:
 lint:
 	sh deploy/lint.sh $(BUILD)
 
-# Sanitizers look for what is undefined, which a part of the cases of heavy tests shows as well.
+# Sanitizers find undefined behaviour with a part of the cases of heavy tests as well.
 FEWER ?= 10
 ASAN := BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" OPT="-O1 -g"
 asan-build:
@@ -230,7 +231,7 @@ asan:
 tsan:
 	PEN_FEWER=$(FEWER) $(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" OPT="-O1 -g" run-tests
 
-# Feeds the reader of XML what libFuzzer finds, for SECONDS; needs clang.
+# Feeds inputs made by libFuzzer to the XML reader, for SECONDS; needs clang.
 SECONDS ?= 120
 FUZZ_SAN := -fsanitize=address,undefined -fno-sanitize-recover=undefined
 FUZZ := BUILD=$(BUILD)-fuzz CC=clang SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" OPT="-O1 -g"

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Renders scenes that another implementation of the shading model has rendered, and compares.
 #   tests/conformance.sh BUILD REF
-# REF holds pairs NAME.json, NAME.png; what is asked of a pair is said in
-# tests/conformance/compare_pair.c. Ends with `N passed, N failed`.
+# REF holds pairs NAME.json, NAME.png; tests/conformance/compare_pair.c states how
+# equal a pair must be. Ends with `N passed, N failed`.
 set -u
 build=${1:?usage: conformance.sh BUILD REF}
 ref=${2:?usage: conformance.sh BUILD REF: where the reference pairs are}

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Runs every test program and test script of a build and ends with `N passed, N failed`.
 #   tests/run.sh BUILD [NAME-PART]      only those whose path contains NAME-PART
-# JOBS of them run at a time (2, and not more than 4, since they have threads of their own). What
-# each says comes whole, in the order of the list, and the judging is in run_one.sh.
+# JOBS of them run at a time (2, and not more than 4, since they have threads of their own). Reports
+# are printed whole, in the order of the list; run_one.sh decides what has passed.
 set -u
 build=${1:-build}
 part=${2:-}
@@ -57,7 +57,7 @@ report() {
             shift
         done
     done
-    for file; do # cannot be, unless somebody kills
+    for file; do # never happens unless a process is killed from outside
         failed=$((failed + 1)) broken="$broken ${file%.*}"
     done
     [ -z "$broken" ] || echo "failed:$broken"

@@ -111,7 +111,7 @@ static void wait_until_ended(struct pen_store *store, const char *id)
         if (!pen_job_state_ended(state))
             pen_store_wait(store, PEN_SIGNAL_CHANGES, &seen, 100);
     }
-    usleep(20000); /* the last call's tally comes after its news */
+    usleep(20000); /* the last call is counted after its change is told */
 }
 
 static void read_times(struct pen_jobs *jobs, const char *id, struct run *run)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Writes a penumbra-scene/1 file as POV-Ray 3.7 scene text: the same bodies, camera, lights and
 image size, so that the two renderers can be given the same work. It decides how each of our terms
-is said in POV-Ray; pixels come out close, not equal.
+is expressed in POV-Ray; pixels come out close, not equal.
 
 What maps exactly: spheres, planes, triangles, polygons, cylinders and tubes (group transforms are
 applied here), the view plane, point, spot and parallel lights without shadows or with, attenuation

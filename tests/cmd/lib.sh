@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# What the tests of the programs share beside tests/e2e/lib.sh: running a command and looking at
-# what it said, and the processes of a daemon.
+# Shared by the tests of the programs, in addition to tests/e2e/lib.sh: running a command and checking
+# its output, and the processes of a daemon.
 . "$(dirname "$0")/../e2e/lib.sh"
 root=$(cd "$(dirname "$0")/../.." && pwd)
 penumbra=$build/penumbra
@@ -59,8 +59,8 @@ child() {
     pgrep -P "$daemon" -x "penumbrad-$1"
 }
 
-# gone PID…: none of the processes is there any more. A zombie is gone: whoever inherited it may
-# take his time.
+# gone PID…: none of the processes exists any more. A zombie counts as gone: its new parent may
+# collect it later.
 gone() {
     for pid; do
         case $(ps -o stat= -p "$pid") in

@@ -33,7 +33,15 @@ struct job {
     bool cancelled;                        /* asked for, and acknowledged */
 };
 
-enum deed { KILL_SUPERVISOR, KILL_API, KILL_WORKER, STOP_WORKER, DRAIN, CANCEL, DEEDS };
+enum disturbance {
+    KILL_SUPERVISOR,
+    KILL_API,
+    KILL_WORKER,
+    STOP_WORKER,
+    DRAIN,
+    CANCEL,
+    DISTURBANCES
+};
 
 struct test {
     struct daemon daemon;
@@ -41,7 +49,7 @@ struct test {
     struct outcome wanted[KINDS];
     uint64_t random; /* of the main thread */
     int round;
-    int done[DEEDS];
+    int done[DISTURBANCES];
     int child_kills; /* since the supervisor was started: its pauses grow */
     int submitted, acknowledged, succeeded, cancelled, extra_killed, repeats;
     atomic_int checks, failures; /* of both threads */
@@ -112,13 +120,13 @@ static void start(struct test *t)
         check(t, daemon_start(&t->daemon), "the daemon starts", t->daemon.store);
 }
 
-static void kill_child(struct test *t, const char *role, enum deed deed)
+static void kill_child(struct test *t, const char *role, enum disturbance disturbance)
 {
     pid_t pid = daemon_child(&t->daemon, role);
     if (pid == 0)
         return;
     kill(pid, SIGKILL);
-    t->done[deed]++;
+    t->done[disturbance]++;
     t->child_kills++;
 }
 
@@ -165,19 +173,19 @@ static void cancel_some(struct test *t)
 static void disturb(struct test *t)
 {
     pause_ms((int)draw(&t->random, 200));
-    enum deed deed = (enum deed)draw(&t->random, DEEDS);
+    enum disturbance disturbance = (enum disturbance)draw(&t->random, DISTURBANCES);
     if (t->child_kills >= 3)
-        deed = draw(&t->random, 2) ? KILL_SUPERVISOR : DRAIN;
-    switch (deed) {
+        disturbance = draw(&t->random, 2) ? KILL_SUPERVISOR : DRAIN;
+    switch (disturbance) {
     case KILL_SUPERVISOR:
         check(t, daemon_kill(&t->daemon), "children of a killed supervisor end within 2 s", "");
-        t->done[deed]++;
+        t->done[disturbance]++;
         break;
     case KILL_API:
-        kill_child(t, "api", deed);
+        kill_child(t, "api", disturbance);
         break;
     case KILL_WORKER:
-        kill_child(t, "work", deed);
+        kill_child(t, "work", disturbance);
         break;
     case STOP_WORKER:
         if (draw(&t->random, 3) == 0) /* they take long */
@@ -185,12 +193,12 @@ static void disturb(struct test *t)
         break;
     case DRAIN:
         check(t, daemon_drain(&t->daemon), "a drained daemon ends well within 10 s", "");
-        t->done[deed]++;
+        t->done[disturbance]++;
         break;
     case CANCEL:
         cancel_some(t);
         break;
-    case DEEDS:
+    case DISTURBANCES:
         break;
     }
     if (t->daemon.pid == 0)
@@ -376,7 +384,7 @@ static void open_bed(struct test *t, const char *build, char folder[])
     snprintf(lease, sizeof lease, "%d", LEASE_MS);
     setenv("PENUMBRA_LEASE_MS", lease, 1);
     t->daemon = (struct daemon){.program = program, .store = store, .log = log};
-    prctl(PR_SET_CHILD_SUBREAPER, 1); /* whom a killed supervisor leaves behind */
+    prctl(PR_SET_CHILD_SUBREAPER, 1); /* adopts the children of a killed supervisor */
     start(t);
     t->jobs = pen_jobs_open(store, &limits, &st);
     must(t->jobs != NULL, &st, store);

@@ -32,7 +32,7 @@ bool daemon_drain(struct daemon *daemon);
  * ended by itself with exit code 0. */
 bool process_end(pid_t pid, int ms);
 
-/* How many processes run the program, but for zombies. */
+/* How many processes run the program; zombies do not count. */
 int daemon_processes(const struct daemon *daemon);
 
 void pause_ms(int ms);

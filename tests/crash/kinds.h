@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The kinds of jobs that the crash test submits, and what each comes to. */
+/* The kinds of jobs that the crash test submits, and how each must end. */
 #ifndef TESTS_CRASH_KINDS_H
 #define TESTS_CRASH_KINDS_H
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-# What the end-to-end tests share: a daemon of their own on a free port with a temporary store,
+# Shared by the end-to-end tests: a daemon of the script's own on a free port with a temporary store,
 # requests through curl, and checks that print `ok NAME` or `not ok NAME: why`.
-# To be read with `.` by a script whose first argument is the build folder. Ends the daemon in a
-# trap; a script ends with `finish`.
+# A script whose first argument is the build folder reads this file with `.` and ends with `finish`.
+# A trap ends the daemon.
 set -u
 build=${1:-build}
 case $build in /*) ;; *) build=$PWD/$build ;; esac
@@ -120,11 +120,11 @@ submit() {
     job=$(header location)
 }
 
-# A small job, done in a blink; and one that is still at work whenever a test looks.
+# A small job, done within milliseconds; and one that is still running whenever a test checks it.
 small='{"scene": "builtin:spheres", "render": {"width": 64, "height": 48}}'
 long='{"scene": "builtin:spheres", "render": {"width": 4000, "height": 4000, "samples_per_pixel": 64}}'
 
-# What a daemon built with sanitizers had to say against itself, and leaks it found at its end.
+# Fails if a daemon built with sanitizers reported an error or a leak in its log.
 look_for_reports() {
     daemon_stop
     [ -e "$work/log" ] || return 0

@@ -2,7 +2,7 @@
 """Holds a running daemon against api/openapi.yaml: openapi.py URL.
 
 Each row of `samples` is a request to an operation and the status it must get. A status that is
-documented and not sampled is an error, but for those that need a sick or draining store: tests of
+documented and not sampled is an error, except those that need a failing or draining store: tests of
 the store room and tests/http provoke these.
 """
 import http.client

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A daemon whose disk fails: nothing is taken that could be lost, nothing is lost that was taken,
-# what can be read is served, and it goes on by itself once the disk works again. The disk is
+# A daemon whose disk fails: it accepts no job that could be lost, loses no accepted job, serves what
+# can be read, and recovers by itself when the disk works again. The disk is
 # preload.c; where tmpfs may be mounted, also one that is really full.
 . "$(dirname "$0")/../cmd/lib.sh"
 cd "$work" || exit 1
@@ -32,9 +32,9 @@ set -- "$@" --set samples_per_pixel=$(jq '700 / (.timing.render_ms + 1) | floor 
 : >taken # every job that was answered with 202
 longest=0
 
-# refuses NAME STATUS DETAIL-PATTERN: a submit is refused, and readiness says why.
+# refuses NAME STATUS DETAIL-PATTERN: a submit is refused, and readiness gives the reason.
 refuses() {
-    # Until the fault is met, a submit may still get through; then it counts.
+    # Before the daemon meets the fault, a submit may still be accepted; it counts then.
     for _ in 1 2 3 4 5 6 7 8; do
         submit "$small"
         [ "$status" = 202 ] || break
@@ -47,7 +47,7 @@ refuses() {
     expect_problem "$1: readiness" 503 '*the store does not take writes: *'
 }
 
-# serves NAME ID: what is there can be had.
+# serves NAME ID: stored jobs and pictures can be read.
 serves() {
     call "/v1/jobs/$2"
     expect "$1: a job is served" "$status $(body .state)" "200 succeeded"
@@ -77,7 +77,7 @@ heals() {
     expect "$1: by the same processes" "$(child api) $(child work)" "$children"
 }
 
-# strikes NAME FAULT STATUS DETAIL-PATTERN: while a job is at work.
+# strikes NAME FAULT STATUS DETAIL-PATTERN: the fault occurs while a job is running.
 strikes() {
     id=$("$penumbra" submit scene.json $args)
     echo "$id" >>taken
@@ -86,7 +86,7 @@ strikes() {
     fault "$2"
     refuses "$1" "$3" "$4"
     [ "$5" = unread ] || serves "$1" "$done_id"
-    sleep 1.5 # the worker meets it as well, and holds what it has
+    sleep 1.5 # the worker meets the fault as well, and keeps what it has rendered
     heals "$1"
     ends "$1: the job at work succeeds" 0 "$penumbra" wait "$id"
     "$penumbra" fetch "$id" -o got.pfm
@@ -106,7 +106,7 @@ strikes "fsync that finds no room" "sync ENOSPC" 507 '*could not be*No space lef
 strikes "read errors" "read EIO
 write EIO" 503 '*could not be*Input/output error*' unread
 
-# Every third sync fails for a while: what is taken is taken all the same
+# Every third sync fails for a while: an accepted job is on disk all the same
 fault "sync EIO 3"
 given=0
 for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
@@ -122,13 +122,13 @@ children="$(child api) $(child work)"
 heals "a disk that fails now and then"
 echo "# longest time to get ready: $longest ms"
 
-# The log is told, and not flooded
+# The log reports the failure, and is not flooded
 lines=$(grep -c 'trying again' log)
 expect "the log is not flooded" "$((lines < 60))" 1
 check "it says when the store fails" grep -q 'the store .* is ill: ' log
 check "and when it is mended" grep -q 'the store .* is mended: ' log
 
-# Stopped while the disk fails: in time, and nothing is lost
+# A daemon stopped while the disk fails ends in time and loses nothing
 id=$("$penumbra" submit scene.json $args)
 echo "$id" >>taken
 within 20 is_running "$id"
@@ -144,13 +144,13 @@ ends "the job goes on with the next start" 0 "$penumbra" wait "$id"
 "$penumbra" fetch "$id" -o got.pfm
 check "to the same bytes" cmp got.pfm wanted.pfm
 
-# All that was taken is there and has come to its end
+# Every accepted job is there and has ended
 ends "all that was taken succeeds" 0 "$penumbra" wait $(cat taken)
 "$penumbra" wait $(cat taken) >ends 2>>log
 expect "every one" "$(grep -c ' succeeded$' ends)" "$(sort -u taken | wc -l | tr -d ' ')"
 daemon_stop
 
-# Started with a disk that fails: said, not served
+# A daemon started with a failing disk reports that and ends
 fault "read EIO"
 ends "a store that cannot be read ends the start" 8 env LD_PRELOAD="$build/tests/faults/preload.so" \
     "$build/penumbrad" --listen 127.0.0.1:0 --store "$store"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A disk that fails on request, under a running daemon: preloaded, it stands before the system
- * calls that SQLite makes on files whose path begins with $FAULTS_STORE (but for the one ending in
+ * calls that SQLite makes on files whose path begins with $FAULTS_STORE (except the one ending in
  * -wake). The file $FAULTS_CONTROL says what fails, one line each, and is read at every call:
  *
  *     write ENOSPC       every write; or EIO, or SHORT: half is written, then the disk is full

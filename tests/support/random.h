@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Random numbers for property tests: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). A test prints
  * its seed with its failures, and PEN_SEED in the environment repeats it. PEN_FEWER=10 has heavy
- * tests try a tenth of their cases: for builds with sanitizers, which look for what is undefined,
- * and that does not hide in rare numbers. */
+ * tests try a tenth of their cases: for builds with sanitizers, which find undefined behaviour, and
+ * that does not need rare numbers. */
 #ifndef TESTS_SUPPORT_RANDOM_H
 #define TESTS_SUPPORT_RANDOM_H
 
