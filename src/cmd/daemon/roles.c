@@ -222,11 +222,16 @@ static void end_stuck(void *user)
     _exit(0);
 }
 
+#ifndef __has_feature
+#define __has_feature(name) 0 /* clang has it; gcc defines __SANITIZE_… instead */
+#endif
+
 /* Lets allocations fail from a limit on: `mib`, or most of what the machine has. Returns it in
  * bytes, 0 if there is none; sanitizers need more address space than any limit leaves. */
 static size_t limit_memory(int mib)
 {
-#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__ ||                                 \
+    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
     (void)mib;
     return 0;
 #else
