@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Building: which builder makes which kind of structure, and what it says about itself. */
+/* Building: which builder makes which kind of accelerator, and the statistics of what it built. */
 #include "accel/internal/build_generic.h"
 #include "accel/internal/tree_layout.h"
 #include "base/clock.h"
 
 const struct pen_hit pen_after_start = {0, PEN_NO_PRIM, UINT8_MAX};
 
-/* PEN_ACCEL_NONE: one list of all. */
-static bool build_nothing(struct pen_tree_layout *layout)
+/* PEN_ACCEL_NONE: one list of all primitives. */
+static bool build_none(struct pen_tree_layout *layout)
 {
     return layout->count == 0 || pen_tree_layout_add_leaf(layout, 0, layout->count) != PEN_NO_CHILD;
 }
@@ -17,7 +17,7 @@ static bool build_layout(struct pen_tree_layout *layout, enum pen_accelerator ki
 {
     switch (kind) {
     case PEN_ACCEL_NONE:
-        return build_nothing(layout);
+        return build_none(layout);
     case PEN_ACCEL_CBR:
         return pen_build_lists(layout, NULL);
     case PEN_ACCEL_MANUAL:

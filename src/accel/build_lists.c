@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The builder of `cbr` and `manual`, which take the document as it is: a list of the top level's
- * children in document order, each with its box; in `manual` a group is a child like any other, and
- * its box leads to a list of its own, in `cbr` there are no groups, and all primitives are in one
- * list. Children are single primitives: nothing is gathered, sorted or cut. Groups that hold no
- * finite primitive are left out, and those nested deeper than PEN_MAX_DEPTH give their children to
- * the group around them. Cost: linear. */
+/* The builder of `cbr` and `manual`, which keep the structure of the document.
+ *  - manual: the children of the document's top level are one list, in document order, each with
+ * its box. A group is a child like any other; its box leads to a list of its own.
+ *  - cbr: there are no groups, and all primitives are in one list.
+ * Children are single primitives: nothing is gathered, sorted or split. Groups without a finite
+ * primitive are left out; groups nested deeper than PEN_MAX_DEPTH give their children to the group
+ * around them. Cost: linear. */
 #include <stdlib.h>
 
 #include "accel/internal/tree_layout.h"
 
-/* A group, as a range of ref[], and the first group after it that is not inside. */
+/* A group as a range of ref[], and the number of the next group that is not inside it. */
 struct group_range {
     uint32_t begin, end, after;
 };
@@ -20,7 +21,7 @@ struct lists {
     uint32_t count;
 };
 
-/* The first of ref[] whose primitive is not before `prim`. */
+/* The index in ref[] of the first primitive with a number >= prim. */
 static uint32_t find_ref(const struct pen_tree_layout *layout, uint32_t prim)
 {
     uint32_t low = 0, high = layout->count;
@@ -55,14 +56,15 @@ static bool make_ranges(struct lists *l, const struct pen_groups *groups)
     return true;
 }
 
-/* Walks over the children of a list: of the references from `at` to `end`, and of the groups from
+/* An iterator over the children of a list: the references from `at` to `end`, and the groups from
  * `group` on, which begin no earlier than `at`. */
 struct children {
     uint32_t at, end, group;
 };
 
-/* Goes to the next child: a group if *group is less than the number of them, else the reference
- * *ref. With `flat` groups are looked through. */
+/* Advances to the next child; false at the end. The child is group *group, or if *group equals the
+ * number of groups the reference *ref. With `flat` the primitives of groups are children instead.
+ */
 static bool next_child(const struct lists *l, struct children *c, bool flat, uint32_t *ref,
                        uint32_t *group)
 {
@@ -97,7 +99,7 @@ static bool build_leaf(struct lists *l, uint32_t at, uint32_t depth, struct pen_
     return made->child != PEN_NO_CHILD;
 }
 
-/* Makes a list, `depth` boxes down; *made is the lane that the list around it gets. */
+/* Makes a list that is inside `depth` boxes; *made becomes its entry in the list around it. */
 static bool build_list(struct lists *l, struct children c, uint32_t depth,
                        struct pen_child_box *made)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The builder of `median`: a binary tree, each range of primitives cut in two halves at the median
- * of their boxes' centres on the axis along which the centres extend farthest, down to single
- * primitives, or to what is tested in one go: up to four triangles. Nothing is weighed: it is the
- * plain tree that others are compared with.
+/* The builder of `median`: a binary tree. Each range of primitives is split at the median of their
+ * boxes' centres, along the axis on which the centres extend farthest, down to single primitives or
+ * to up to four triangles, which are one block. No costs are estimated: this is the plain tree that
+ * others are compared with.
  *
  * The primitives are sorted once along each axis (by radix, stable, so that equal centres stay in
- * document order), and every cut divides the three orders stably, as a k-d tree is built by
+ * document order), and every split divides the three orders stably, as a k-d tree is built by
  * presorting (Bentley, "Multidimensional binary search trees used for associative searching", CACM
  * 18(9), 1975; Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in
  * O(N log N)", RT 2006). Cost: n log n for any input. A range's halves differ by one at most, also
@@ -19,10 +19,11 @@ enum { DIGITS = 1 << 8 };
 
 struct median {
     struct pen_tree_layout *layout;
-    const struct pen_ref *ref;  /* in document order, until all is built */
-    uint32_t *order[3], *spare; /* the first is the order of the leaves */
-    uint32_t *key;              /* of one axis, by ref */
-    uint8_t *left;              /* by ref: which half it goes to */
+    const struct pen_ref *ref; /* in document order until the tree is complete */
+    uint32_t *order[3]; /* indices into ref, sorted by axis; order[0] becomes that of leaves */
+    uint32_t *spare;    /* room for one order */
+    uint32_t *key;      /* sort keys for one axis, by index into ref */
+    uint8_t *left;      /* by index into ref: goes to the left half */
 };
 
 static float center(const struct pen_ref *ref, int axis)
@@ -30,11 +31,11 @@ static float center(const struct pen_ref *ref, int axis)
     return 0.5f * ref->lo[axis] + 0.5f * ref->hi[axis];
 }
 
-/* The bits of a float as a number with the float's order. */
+/* Maps a float to a number with the same order. */
 static uint32_t ordered(float f)
 {
     uint32_t bits;
-    f += 0.0f; /* both zeros are one place */
+    f += 0.0f; /* -0 and +0 are equal */
     memcpy(&bits, &f, sizeof bits);
     return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
 }
@@ -84,7 +85,7 @@ static int longest_axis(const struct median *m, uint32_t begin, uint32_t end)
     return longest;
 }
 
-/* Brings those that go left to the front of an order's range, both halves keeping theirs. */
+/* Moves the left half to the front of an order's range; both halves keep their order. */
 static void divide(struct median *m, uint32_t *order, uint32_t begin, uint32_t end)
 {
     uint32_t left = begin, right = 0;
@@ -97,8 +98,8 @@ static void divide(struct median *m, uint32_t *order, uint32_t begin, uint32_t e
     memcpy(&order[left], m->spare, right * sizeof *order);
 }
 
-/* Cuts a range at its median and returns where. */
-static uint32_t cut(struct median *m, uint32_t begin, uint32_t end)
+/* Splits a range at its median and returns the position. */
+static uint32_t split(struct median *m, uint32_t begin, uint32_t end)
 {
     int axis = longest_axis(m, begin, end);
     uint32_t middle = begin + (end - begin) / 2;
@@ -134,7 +135,7 @@ static bool build_leaf(struct median *m, uint32_t begin, uint32_t end, struct pe
     return made->child != PEN_NO_CHILD;
 }
 
-/* Makes the subtree of a range; *made is the lane that its parent gets. */
+/* Makes the subtree of a range; *made becomes its entry in the parent. */
 static bool build(struct median *m, uint32_t begin, uint32_t end, uint32_t depth,
                   struct pen_child_box *made)
 {
@@ -148,7 +149,7 @@ static bool build(struct median *m, uint32_t begin, uint32_t end, uint32_t depth
     uint32_t number = made->child;
     if (!pen_tree_layout_add_pair(m->layout))
         return false;
-    uint32_t middle = leaf ? end : cut(m, begin, end);
+    uint32_t middle = leaf ? end : split(m, begin, end);
     for (int lane = 0; lane < 2 && begin < end; lane++) {
         struct pen_child_box child;
         if (!build(m, begin, middle, depth + 1, &child))
@@ -161,7 +162,7 @@ static bool build(struct median *m, uint32_t begin, uint32_t end, uint32_t depth
     return true;
 }
 
-/* Puts the plan's references into the order of the leaves. */
+/* Brings the layout's references into the order of the leaves. */
 static bool reorder(struct median *m)
 {
     uint32_t count = m->layout->count;

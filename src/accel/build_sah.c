@@ -4,8 +4,8 @@
  * rid of packets", RT 2008; binning: Wald, "On fast construction of SAH-based BVHs", RT 2007).
  * Single-threaded, and so a pure function of the primitives.
  *
- * Below a depth of PEN_MAX_DEPTH / 2, and where centroids can not be told apart, ranges are cut in
- * half by number, so no input makes a tree deeper than PEN_MAX_DEPTH. */
+ * Below a depth of PEN_MAX_DEPTH / 2, and where all centroids are equal, ranges are split in half
+ * by number, so no input makes a tree deeper than PEN_MAX_DEPTH. */
 #include <float.h>
 #include <string.h>
 
@@ -23,7 +23,7 @@ struct range {
     struct bounds box;      /* of the primitives */
     struct bounds centroid; /* of lo + hi */
     uint32_t lanes[CLASSES];
-    bool leaf; /* splitting does not pay */
+    bool leaf; /* splitting does not reduce the cost */
 };
 
 struct bin {
@@ -76,14 +76,14 @@ static struct range measure(const struct pen_ref *ref, uint32_t begin, uint32_t 
     return r;
 }
 
-/* Where along its axis a primitive falls. */
+/* The bin that a primitive falls into. */
 static int bin_of(const struct pen_ref *ref, int axis, float start, float scale)
 {
     int bin = (int)((ref->lo[axis] + ref->hi[axis] - start) * scale);
     return bin < BINS ? bin : BINS - 1;
 }
 
-/* Bins per unit of centroid; 0 where the axis can not be binned. */
+/* Bins per unit of centroid; 0 where the axis cannot be binned. */
 static float bin_scale(const struct range *r, int axis)
 {
     float extent = r->centroid.hi[axis] - r->centroid.lo[axis];
@@ -116,7 +116,7 @@ static void add_bin(struct bin *sum, const struct bin *b)
         sum->lanes[k] += b->lanes[k];
 }
 
-/* The best plane among one axis's bins. */
+/* Finds the cheapest split between one axis's bins, if it is cheaper than *best. */
 static void sweep(const struct bin bins[BINS], int axis, struct cut *best)
 {
     float right[BINS];
@@ -146,7 +146,8 @@ static struct cut find_cut(const struct pen_ref *ref, const struct range *r, con
     return best;
 }
 
-/* Moves what falls left of the cut to the front, keeping neither side's order, and measures. */
+/* Moves the primitives left of the split to the front, not keeping the order, and measures both
+ * sides. */
 static void divide(struct pen_ref *ref, const struct range *r, const struct cut *cut, float scale,
                    struct range *left, struct range *right)
 {
@@ -169,7 +170,7 @@ static void divide(struct pen_ref *ref, const struct range *r, const struct cut 
     right->end = r->end;
 }
 
-/* Splits a range in two; false if a leaf is better (and marks it). */
+/* Splits a range in two; if a leaf is cheaper, marks the range as one and returns false. */
 static bool split(struct pen_tree_layout *layout, struct range *r, uint32_t depth,
                   struct range *right)
 {
@@ -200,7 +201,7 @@ static bool split(struct pen_tree_layout *layout, struct range *r, uint32_t dept
     return true;
 }
 
-/* Splits the largest of the ranges until there are eight or all are leaves. */
+/* Splits the range with the largest surface until there are eight or all are leaves. */
 static int widen(struct pen_tree_layout *layout, struct range *child, uint32_t depth)
 {
     int count = 1;
@@ -254,7 +255,7 @@ bool pen_build_sah(struct pen_tree_layout *layout)
     uint32_t root = build(layout, &all, 0);
     if (root == PEN_NO_CHILD || !(root & PEN_CHILD_LEAF))
         return root != PEN_NO_CHILD;
-    /* One leaf: it gets a node of its own, so that its box is tested. */
+    /* A single leaf gets a node, so that its box is tested. */
     struct pen_node *node = pen_tree_layout_add_nodes(layout, 1);
     if (!node)
         return false;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The expected cost of a ray, by the surface-area heuristic: a random line that meets the box
- * around everything meets a convex box inside it with the probability that their surfaces are to
- * each other (Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing",
- * IEEE CG&A 7(5), 1987). It is computed from what was built, in the same way for every kind. */
+ * around all primitives meets a convex box inside it with a probability that is the ratio of their
+ * surfaces (Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", IEEE
+ * CG&A 7(5), 1987). It is computed from the finished layout, in the same way for every kind. */
 #include "accel/internal/tree_layout.h"
 
 static double half_area(const struct pen_child_box *box)
@@ -12,7 +12,7 @@ static double half_area(const struct pen_child_box *box)
     return x >= 0 ? x * y + y * z + z * x : 0;
 }
 
-/* The box around all that the first list or node holds. */
+/* The box around all children of the first list or node. */
 static struct pen_child_box whole(const struct pen_tree_layout *layout)
 {
     struct pen_child_box sum = pen_child_box_empty;
@@ -27,7 +27,7 @@ static struct pen_child_box whole(const struct pen_tree_layout *layout)
     return sum;
 }
 
-/* The boxes that are tested where a child is entered, and its primitives. */
+/* The cost of entering a child: of the boxes of a node, or the primitives of a leaf. */
 static double cost_of_child(const struct pen_tree_layout *layout, uint32_t child)
 {
     const struct pen_leaf *leaves = layout->leaves.data;

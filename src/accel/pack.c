@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Packing: from a plan to the frozen structure in an arena. */
+/* Packing: turns a tree layout into the frozen structure in an arena. The primitives of each leaf
+ * are packed into SIMD blocks, kind by kind. It runs twice: the first pass only counts. */
 #include <string.h>
 
 #include "accel/internal/tree_layout.h"
 
-/* What is being packed, and how much of each array is filled. */
+/* The arrays being filled, and how far each is. In the first pass `items` is NULL. */
 struct packer {
-    bool singles; /* a leaf of one primitive holds no block; not in wide shapes, where shadow-ray
-                   * packets read blocks */
+    bool singles; /* a leaf of one primitive is that primitive, not a block; never in wide trees,
+                   * because shadow-ray packets read blocks only */
     const struct pen_prims *prims;
     const struct pen_ref *ref;
     uint32_t *items;
@@ -22,7 +23,7 @@ struct packer {
     uint32_t item_count, corner_count, block_count[PEN_BLOCK_KIND_COUNT];
 };
 
-/* Up to four primitives of one kind: what goes into one block. */
+/* The primitives that go into one block: up to four of one kind. */
 struct lanes {
     uint32_t prim[PEN_LANES], index[PEN_LANES];
     int count;
@@ -35,7 +36,7 @@ static void put(double to[3][PEN_LANES], int lane, struct pen_vec3 v)
     to[2][lane] = v.z;
 }
 
-/* Lanes beyond the last are all zero: a point, which no ray crosses. */
+/* Empty lanes are all zero: a triangle of one point, which no ray intersects. */
 static void pack_triangles(struct packer *p, const struct lanes *in, uint32_t block)
 {
     struct pen_triangles4 *b = &p->triangles[block];
@@ -103,7 +104,7 @@ static void pack_cylinders(struct packer *p, const struct lanes *in, uint32_t bl
     }
 }
 
-/* Lanes beyond the last have a zero normal, which every ray is parallel to. */
+/* Empty lanes have a normal of zero: every ray is parallel to such a plane. */
 static void pack_planes(struct packer *p, const struct lanes *in, uint32_t block)
 {
     struct pen_planes4 *b = &p->planes[block];
@@ -114,7 +115,7 @@ static void pack_planes(struct packer *p, const struct lanes *in, uint32_t block
     }
 }
 
-/* Packs one block, in the second pass, or only counts it, in the first. */
+/* Packs one block in the second pass; counts it in the first. */
 static void pack_block(struct packer *p, const struct lanes *in, enum pen_block_kind kind)
 {
     uint32_t block = p->block_count[kind]++, item = p->item_count++;
@@ -153,7 +154,7 @@ static void pack_block(struct packer *p, const struct lanes *in, enum pen_block_
     }
 }
 
-/* A leaf of one primitive, which stays where it is. */
+/* Packs a leaf of one primitive, which is read where the scene keeps it. */
 static uint32_t pack_single(struct packer *p, uint32_t ref)
 {
     uint32_t item = p->item_count++;
@@ -162,7 +163,7 @@ static uint32_t pack_single(struct packer *p, uint32_t ref)
     return item;
 }
 
-/* Packs a leaf, kind by kind, and returns its first item. */
+/* Packs the blocks of a leaf, kind by kind, and returns its first item. */
 static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
 {
     uint32_t first = p->item_count;
@@ -192,7 +193,8 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
     return first;
 }
 
-/* Item 0 is a leaf of nothing; then come the infinite primitives, and the plan's leaves. */
+/* Item 0 is an empty leaf; item 1 begins the list of infinite primitives; the layout's leaves
+ * follow. */
 static void pack_leaves(struct packer *p, const struct pen_tree_layout *layout,
                         uint32_t *first_item)
 {
@@ -225,7 +227,8 @@ static bool allocate(struct packer *p, const struct packer *counted, struct pen_
            p->planes && p->infinite_cylinders && p->generic;
 }
 
-/* Replaces leaf numbers by first items. */
+/* Replaces the numbers of leaves by those of their first items, and empty children by the empty
+ * leaf. */
 static void pack_children(uint32_t *child, int count, const uint32_t *first_item)
 {
     for (int lane = 0; lane < count; lane++) {
@@ -261,7 +264,7 @@ static bool pack_nodes(const struct pen_tree_layout *layout, const uint32_t *fir
     return true;
 }
 
-/* The largest length that roundings of finite primitives are proportional to. */
+/* The largest pen_prim_scale of a finite primitive. */
 static double largest_scale(const struct pen_tree_layout *layout)
 {
     double largest = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Plans: the list of finite primitives that builders sort, and growing arrays. */
+/* Tree layouts: the list of primitives that builders sort, their nodes and leaves, and costs. */
 #include "accel/internal/tree_layout.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A test door: builds structures that keep some kinds of primitives in generic blocks, as a kind is
- * kept that has no block of its own yet. */
+/* A test door: builds structures that keep chosen kinds of primitives in generic blocks, like a
+ * kind that has no block of its own. */
 #ifndef PEN_ACCEL_INTERNAL_BUILD_GENERIC_H
 #define PEN_ACCEL_INTERNAL_BUILD_GENERIC_H
 

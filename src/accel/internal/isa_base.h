@@ -6,7 +6,7 @@
  *   box_ray_make              makes it from a ray;
  *   enter_node, enter_pair    which boxes of a node a struct box_ray enters, and at which t;
  *   test_item                 tests the block, or the single primitive, of an item;
- *   mask4_bits, mask8_bits, sqrt4   what lanes.h leaves open (for packets).
+ *   mask4_bits, mask8_bits, sqrt4   what the types of lanes.h lack (for packets).
  *
  * Nodes, blocks and counts are the same for all instruction sets; what prim_test.h says of
  * box_ray, of enter_node and of the intersections that test_item offers holds for each. */

@@ -1,21 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/* Inside of the acceleration structure, shared by builders and traversals.
+/* The frozen acceleration structure, which builders fill and traversals read. src/accel/README.md
+ * describes it as a whole.
  *
- * A structure has nodes whose children each have a box in binary32 rounded outward, and leaves that
- * are short lists of blocks. A block holds up to four primitives of one kind, lane by lane, as a
- * copy of what their test reads. Primitives without bounds, and all of them for PEN_ACCEL_NONE, are
- * in lists beside the nodes. What a node is depends on the structure's shape:
+ * A structure has nodes whose children each have a box in binary32, rounded outward, and leaves
+ * that are short lists of items. An item is a block of up to four primitives of one kind, which
+ * holds a copy of what their test reads, lane by lane; or a single primitive, which is read where
+ * the scene keeps it. Infinite primitives are in a list beside the nodes; with PEN_ACCEL_NONE so
+ * are all others. What a node is depends on the structure's shape:
  *
  *   wide   (auto) up to eight children, entered nearest first;
  *   pairs  (median) two children, entered nearest first; a leaf is a block of triangles, or a
- *          single primitive, read where the scene keeps it;
- *   lists  (cbr, manual) any number of children, eight to a node and nodes in a row, entered in the
- *          document's order; cbr is one list, manual has one for each group. A leaf is a single
+ *          single primitive;
+ *   lists  (cbr, manual) any number of children, eight to a node in consecutive nodes, entered in
+ *          document order; cbr is one list, manual has one for each group. A leaf is a single
  *          primitive.
  *
- * Why boxes never hide a crossing: a crossing's point is a mean of vertices with weights in [0, 1]
- * (flat primitives) or lies within the box's own margin (quadrics), up to errors of a few 2^-53 of
- * t and of the vertices' distance from the box's faces; the box test leaves at least 2^-24 of t. */
+ * Why boxes never hide an intersection: the point of an intersection is a mean of vertices with
+ * weights in [0, 1] (flat primitives) or lies within the box's own margin (quadrics), up to errors
+ * of a few 2^-53 of t and of the vertices' distance from the box's faces; the box test leaves a
+ * margin of at least 2^-24 of t. */
 #ifndef PEN_ACCEL_INTERNAL_STRUCTURE_H
 #define PEN_ACCEL_INTERNAL_STRUCTURE_H
 
@@ -23,9 +26,9 @@
 
 enum { PEN_WIDE = 8, PEN_LANES = 4, PEN_MAX_DEPTH = 64 };
 
-/* A child is a node, or a leaf's first item with this bit set. */
+/* A child is the number of a node, or with this bit set the number of a leaf's first item. */
 #define PEN_CHILD_LEAF 0x80000000u
-/* In a list, the first child of a node has this bit set too if the next node continues it. */
+/* In lists, the first child of a node has this bit set too if the next node continues the list. */
 #define PEN_CHILD_MORE 0x40000000u
 
 /* What an item of a leaf is: a block, or a single primitive. Leaves hold their blocks in this
@@ -40,8 +43,8 @@ enum pen_block_kind {
     PEN_BLOCK_CYLINDERS,
     PEN_BLOCK_PLANES,
     PEN_BLOCK_INFINITE_CYLINDERS,
-    PEN_BLOCK_NOTHING,
-    PEN_BLOCK_SINGLE, /* the index is the primitive's number */
+    PEN_BLOCK_NOTHING, /* in the empty leaf */
+    PEN_BLOCK_SINGLE,  /* the index is the primitive's number */
     PEN_BLOCK_KIND_COUNT
 };
 
@@ -75,14 +78,14 @@ static inline enum pen_block_kind pen_block_of(uint32_t prim_kind)
     return (enum pen_block_kind)block[prim_kind];
 }
 
-/* Empty lanes hold boxes that nothing enters, and a child that is a leaf of nothing:
- * PEN_CHILD_LEAF itself. */
+/* An empty lane holds a box that no ray enters, and the empty leaf as its child: PEN_CHILD_LEAF,
+ * item 0. */
 struct pen_node {
     float plane[6][PEN_WIDE]; /* the boxes: low ends by axis, then high ends by axis */
     uint32_t child[PEN_WIDE];
 };
 
-/* The same for two. */
+/* A node of two children. */
 struct pen_pair {
     float plane[6][2];
     uint32_t child[2];
@@ -90,14 +93,14 @@ struct pen_pair {
 
 enum pen_shape { PEN_SHAPE_NONE, PEN_SHAPE_WIDE, PEN_SHAPE_PAIRS, PEN_SHAPE_LISTS };
 
-/* Lanes beyond the last primitive have prim = PEN_NO_PRIM and data that nothing crosses. */
+/* Blocks. A lane without a primitive has prim = PEN_NO_PRIM and data that no ray intersects. */
 struct pen_triangles4 {
     double v[3][3][PEN_LANES]; /* vertex, axis, lane */
     uint32_t prim[PEN_LANES];
 };
 
 struct pen_polygons4 {
-    uint32_t first, count; /* vertices in `corners`; short outlines repeat their last vertex */
+    uint32_t first, count; /* in `corners`; polygons with fewer vertices repeat their last one */
     uint32_t prim[PEN_LANES];
 };
 
@@ -134,8 +137,8 @@ struct pen_accel {
     enum pen_shape shape;
     const struct pen_node *nodes; /* wide, lists; the root, or its list, is the first */
     const struct pen_pair *pairs; /* pairs; the root is the first */
-    uint32_t infinite;            /* first item of the list of primitives without bounds */
-    uint32_t list; /* the same of finite primitives beside the tree; 0 if there are none */
+    uint32_t infinite;            /* first item of the list of infinite primitives */
+    uint32_t list; /* first item of the list of finite primitives; 0 if they are in nodes */
     const uint32_t *items;
     const struct pen_triangles4 *triangles;
     const struct pen_polygons4 *polygons;

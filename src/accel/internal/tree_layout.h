@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What a builder decides: an order of the finite primitives, leaves as ranges of that order, and
- * nodes over them. Packing turns a plan into the frozen structure. */
+/* Tree layouts: what a builder decides. A layout is an order of the finite primitives, leaves as
+ * ranges of that order, and nodes over the leaves. pen_accel_pack turns it into the frozen
+ * structure. */
 #ifndef PEN_ACCEL_INTERNAL_TREE_LAYOUT_H
 #define PEN_ACCEL_INTERNAL_TREE_LAYOUT_H
 
@@ -15,15 +16,15 @@ struct pen_array {
     uint32_t count, capacity;
 };
 
-/* Room for `more` elements at the end, not zeroed; NULL when out of memory. */
+/* Appends `more` elements, not zeroed, and returns the first; NULL when out of memory. */
 void *pen_array_add(struct pen_array *array, uint32_t more);
 void pen_array_release(struct pen_array *array);
 
 struct pen_leaf {
-    uint32_t begin, count; /* in order[] */
+    uint32_t begin, count; /* in ref[] */
 };
 
-/* What a builder reads of a primitive. */
+/* What a builder needs to know of a primitive. */
 struct pen_ref {
     float lo[3];
     uint32_t prim;
@@ -34,35 +35,36 @@ struct pen_ref {
 
 struct pen_tree_layout {
     const struct pen_prims *prims;
-    unsigned generic_kinds;  /* bit per enum pen_prim_kind: packed in generic blocks, although the
-                              * kind has its own */
-    struct pen_ref *ref;     /* first the finite primitives; builders bring them into their order */
-    uint32_t count;          /* of these */
-    uint32_t infinite;       /* count of those without bounds, which come after */
-    enum pen_shape shape;    /* none as long as there are no nodes */
+    unsigned generic_kinds; /* bit 1 << enum pen_prim_kind: packed in generic blocks although the
+                             * kind has a block of its own; 0 but in tests */
+    struct pen_ref *ref; /* the finite primitives, which builders reorder, then the infinite ones */
+    uint32_t count;      /* of finite primitives */
+    uint32_t infinite;   /* count of infinite primitives */
+    enum pen_shape shape;    /* PEN_SHAPE_NONE as long as there are no nodes */
     struct pen_array nodes;  /* struct pen_node, or pen_pair where the shape is pairs; leaf children
                               * hold PEN_CHILD_LEAF | leaf number */
-    struct pen_array leaves; /* struct pen_leaf; of one primitive where the shape is lists */
-    uint32_t lists;          /* how many, where the shape is lists */
+    struct pen_array leaves; /* struct pen_leaf; of one primitive each where the shape is lists */
+    uint32_t lists;          /* number of lists, where the shape is lists */
     uint32_t depth;          /* boxes around the innermost primitive */
 };
 
-/* Lists the primitives in document order, finite ones with boxes rounded outward.
+/* Begins a layout with the primitives in document order, finite ones with boxes rounded outward.
  * Fails: returns false when out of memory. */
 bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
                           unsigned generic_kinds);
 void pen_tree_layout_release(struct pen_tree_layout *layout);
 
-/* Adds a leaf of a range of ref[]; returns the child, or PEN_NO_CHILD when out of memory. */
+/* Adds a leaf that is a range of ref[]; returns it as a child, or PEN_NO_CHILD when out of memory.
+ */
 uint32_t pen_tree_layout_add_leaf(struct pen_tree_layout *layout, uint32_t begin, uint32_t count);
 #define PEN_NO_CHILD UINT32_MAX
 
-/* Nodes in a row whose lanes are all empty; NULL when out of memory. Nodes move when others are
- * added. */
+/* Adds `count` consecutive nodes without children and returns the first; NULL when out of memory.
+ * Adding nodes may move earlier ones. */
 struct pen_node *pen_tree_layout_add_nodes(struct pen_tree_layout *layout, uint32_t count);
 struct pen_pair *pen_tree_layout_add_pair(struct pen_tree_layout *layout);
 
-/* One child of a node and its box. */
+/* A child of a node, with its box. */
 struct pen_child_box {
     float lo[3], hi[3];
     uint32_t child; /* without PEN_CHILD_MORE */
@@ -70,16 +72,17 @@ struct pen_child_box {
 
 extern const struct pen_child_box pen_child_box_empty;
 
-/* The box of a primitive; no child. */
+/* The box of a primitive; its child is PEN_NO_CHILD. */
 struct pen_child_box pen_ref_box(const struct pen_ref *ref);
 
-/* Grows the box of *sum to hold that of *in. */
+/* Grows the box of *sum to contain that of *in. */
 void pen_child_box_grow(struct pen_child_box *sum, const struct pen_child_box *in);
 
+/* Sets the child and the box in one lane of a node. */
 void pen_node_put(struct pen_node *node, int lane, const struct pen_child_box *in);
 void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_child_box *in);
 
-/* The lanes that nodes of the plan's shape have. */
+/* The number of lanes that nodes of the layout's shape have. */
 int pen_tree_layout_width(const struct pen_tree_layout *layout);
 
 /* Reads a lane of a node; false if it is empty. */
@@ -89,10 +92,10 @@ bool pen_tree_layout_child(const struct pen_tree_layout *layout, uint32_t node, 
 /* Whether the node after this one continues its list. */
 bool pen_tree_layout_list_continues(const struct pen_tree_layout *layout, uint32_t node);
 
-/* Costs of tests, in units of one test of a block of triangles. A block costs the same however many
- * of its lanes are filled, so builders count lanes by class of cost. A primitive of a generic block
- * is tested alone: it counts as so many full blocks of triangles as its kind's row in pen_kinds
- * says that it costs. */
+/* Costs are in units of one test of a block of triangles. A block costs the same however many of
+ * its lanes are filled, so builders count filled lanes, by class of cost. A primitive of a generic
+ * block is tested alone: it counts as full blocks of triangles, as many as its kind costs
+ * (pen_kinds). */
 enum pen_cost_class {
     PEN_COST_TRIANGLES,
     PEN_COST_POLYGONS,
@@ -104,26 +107,27 @@ enum pen_cost_class {
 /* The expected cost of the tests in a leaf with so many filled lanes of each class. */
 float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT]);
 
-/* That of the boxes of a node. */
+/* The cost of the box tests of one wide node. */
 extern const float pen_node_cost;
 
-/* The cost of one box test in primitive tests, in statistics: pen_node_cost is that of eight, in
- * tests of four triangles. */
+/* The cost of one box test in primitive tests, as statistics define it: pen_node_cost (0.3) is that
+ * of eight boxes in tests of four triangles, and 0.3 / 8 * 4 = 0.15. */
 #define PEN_BOX_TEST_COST 0.15
 
-/* The surface-area heuristic. Fails: returns false when out of memory. */
+/* Builds by the surface-area heuristic. Fails: returns false when out of memory. */
 bool pen_build_sah(struct pen_tree_layout *layout);
 
-/* Median split. Fails: returns false when out of memory. */
+/* Builds by median split. Fails: returns false when out of memory. */
 bool pen_build_median(struct pen_tree_layout *layout);
 
-/* A list for each group, one for all without groups. Fails: returns false when out of memory. */
+/* Builds one list for each group; without groups (NULL) one list of all. Fails: returns false when
+ * out of memory. */
 bool pen_build_lists(struct pen_tree_layout *layout, const struct pen_groups *groups);
 
 /* The expected cost of a ray, as pen_accel_stats defines it. */
 double pen_tree_layout_cost(const struct pen_tree_layout *layout);
 
-/* Fills in everything of *accel but stats.kind, sah_cost and build_ms. Owns: all in the arena.
+/* Fills in *accel, except stats.kind, stats.sah_cost and stats.build_ms. Owns: all in the arena.
  * Fails: returns false when out of memory. */
 bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
                     struct pen_accel *accel);
