@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Writing errors of failed jobs, and logging them. */
 #include "jobs/internal/failure.h"
 
 #include <stdio.h>
@@ -6,11 +7,13 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "jobs/internal/job_json.h"
 #include "jobs/internal/jobs.h"
+#include "jobs/internal/stored_request.h"
 
 enum { LOG_LINES = 12, LOG_BYTES = 4096 };
 
-/* Of a batch that failed. x < 0: the pixel is not known. */
+/* Where a job failed: a batch, and its pixel. x < 0: the pixel is not known. */
 struct place {
     const struct pen_claim *claim;
     int x, y;
@@ -24,7 +27,7 @@ static struct place place_of(const struct pen_claim *claim, const struct pen_tra
     return place;
 }
 
-/* In quotes for a shell. */
+/* Appends a text in quotes for a shell. */
 static void add_quoted(struct pen_buf *out, const char *text)
 {
     pen_buf_puts(out, "'");
@@ -33,6 +36,7 @@ static void add_quoted(struct pen_buf *out, const char *text)
     pen_buf_puts(out, "'");
 }
 
+/* Appends a value of a setting as the command line takes it: strings without quotes. */
 static void add_value(struct pen_buf *out, const json_t *value)
 {
     char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
@@ -45,7 +49,7 @@ static void add_value(struct pen_buf *out, const json_t *value)
     free(text);
 }
 
-/* All settings: the scene's own may be others than the job's. */
+/* Appends all settings: the scene's own may differ from the job's. */
 static void add_settings(struct pen_buf *out, const json_t *settings)
 {
     const char *key;
@@ -78,11 +82,11 @@ static void add_matrix(struct pen_buf *out, const json_t *request)
 }
 
 static void add_views(struct pen_buf *out, const struct place *place,
-                      const struct pen_job_plan *plan)
+                      const struct pen_stored_request *request)
 {
     bool all = place->claim->kind == PEN_BATCH_STUDY;
-    for (int i = 0; i < plan->view_count; i++) {
-        const char *view = pen_job_plan_view(plan, i);
+    for (int i = 0; i < request->view_count; i++) {
+        const char *view = pen_stored_request_view(request, i);
         if (!all && i != place->claim->view)
             continue;
         pen_buf_puts(out, " --view ");
@@ -90,16 +94,17 @@ static void add_views(struct pen_buf *out, const struct place *place,
     }
 }
 
-static json_t *repeat_json(const struct place *place, const struct pen_job_plan *plan)
+/* The command line that repeats what failed. */
+static json_t *repeat_json(const struct place *place, const struct pen_stored_request *request)
 {
     struct pen_buf line = {0};
-    bool study = place->claim->kind == PEN_BATCH_STUDY;
+    bool benchmark = place->claim->kind == PEN_BATCH_STUDY;
     pen_buf_printf(&line, "curl -s \"$PENUMBRA_URL/v1/jobs/%s/scene\" | penumbra %s -",
-                   place->claim->job_id, study ? "bench" : "render");
-    add_views(&line, place, plan);
-    add_settings(&line, json_object_get(plan->request, "render"));
-    if (study)
-        add_matrix(&line, plan->request);
+                   place->claim->job_id, benchmark ? "bench" : "render");
+    add_views(&line, place, request);
+    add_settings(&line, json_object_get(request->json, "render"));
+    if (benchmark)
+        add_matrix(&line, request->json);
     else if (place->x >= 0)
         pen_buf_printf(&line, " --pixel %d,%d", place->x, place->y);
     else
@@ -130,11 +135,12 @@ bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim, c
     return true;
 }
 
+/* Adds the members that say where the job failed. */
 static void add_place(json_t *problem, const struct place *place, struct pen_store *store)
 {
     const struct pen_claim *claim = place->claim;
     struct pen_job_record job;
-    struct pen_job_plan plan;
+    struct pen_stored_request request;
     struct pen_status st;
     json_object_set_new(problem, "batch",
                         json_pack("{s:i, s:i, s:i, s:I}", "view", claim->view, "first_tile",
@@ -144,12 +150,12 @@ static void add_place(json_t *problem, const struct place *place, struct pen_sto
         json_object_set_new(problem, "pixel", json_pack("[i, i]", place->x, place->y));
     if (claim->kind == PEN_BATCH_ASSEMBLE || !pen_store_job(store, claim->job_id, &job, &st))
         return;
-    bool known = pen_job_plan_read(job.request, &plan, &st);
+    bool known = pen_stored_request_read(job.request, &request, &st);
     pen_job_record_release(&job);
     if (!known)
         return;
-    json_object_set_new(problem, "repeat", repeat_json(place, &plan));
-    json_decref(plan.request);
+    json_object_set_new(problem, "repeat", repeat_json(place, &request));
+    pen_stored_request_release(&request);
 }
 
 static char *write_problem(struct pen_store *store, const struct place *place, json_t *problem)
@@ -201,7 +207,7 @@ static json_t *log_json(const struct pen_trace *trace)
 }
 
 struct death {
-    const struct pen_worker_report *obituary;
+    const struct pen_worker_report *report;
     struct pen_store *store;
     struct pen_claim claim; /* out: of the job that failed */
     char *error;            /* out: NULL if none did */
@@ -210,26 +216,26 @@ struct death {
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
 {
     struct death *death = user;
-    const struct pen_worker_report *obituary = death->obituary;
-    struct place place = place_of(claim, obituary->trace);
+    const struct pen_worker_report *report = death->report;
+    struct place place = place_of(claim, report->trace);
     struct pen_status why;
     char where[48], name[16] = "";
     int number = 0;
     pen_fail(&why, PEN_RENDER_FAILED,
              "%d worker process%s in a row died over this job alone, the last by %s, at %s of view "
              "%d%s",
-             charges, charges == 1 ? "" : "es", obituary->how,
+             charges, charges == 1 ? "" : "es", report->how,
              claim->kind == PEN_BATCH_ASSEMBLE ? "the picture"
              : claim->kind == PEN_BATCH_STUDY  ? "a run of the benchmark"
                                                : "tiles",
              claim->view, at_pixel(&place, where, sizeof where));
     json_t *problem = pen_problem(&why);
-    if (problem && sscanf(obituary->how, "signal %*d (%15[A-Z0-9])", name) == 1)
+    if (problem && sscanf(report->how, "signal %*d (%15[A-Z0-9])", name) == 1)
         json_object_set_new(problem, "signal", json_string(name));
-    else if (problem && sscanf(obituary->how, "exit code %d", &number) == 1)
+    else if (problem && sscanf(report->how, "exit code %d", &number) == 1)
         json_object_set_new(problem, "exit_code", json_integer(number));
-    if (problem && obituary->trace)
-        json_object_set_new(problem, "log", log_json(obituary->trace));
+    if (problem && report->trace)
+        json_object_set_new(problem, "log", log_json(report->trace));
     char *error = write_problem(death->store, &place, problem);
     free(death->error);
     death->error = error ? strdup(error) : NULL;
@@ -237,12 +243,12 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
     return error;
 }
 
-bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_worker_report *obituary,
+bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_worker_report *report,
                            int *opened, struct pen_status *st)
 {
-    struct death user = {.obituary = obituary, .store = store};
+    struct death user = {.report = report, .store = store};
     struct pen_worker_death death = {
-        .worker = obituary->worker, .end = obituary->end, .error = death_error, .user = &user};
+        .worker = report->worker, .end = report->end, .error = death_error, .user = &user};
     bool ok = pen_store_worker_ended(store, &death, opened, st);
     if (ok && user.error)
         log_failure(&user.claim, user.error);

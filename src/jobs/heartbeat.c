@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The thread looks five times a second: most looks only read (pen_store_heartbeat), so a cancel
- * is seen at once and the lease costs a write every few seconds. A claim that comes and goes
- * between two looks costs two locks. The thread sleeps for good while there is none. */
+/* The thread checks the claim five times a second. Most checks only read the store
+ * (pen_store_heartbeat), so a cancel is noticed at once while the lease costs a write every few
+ * seconds. A claim that begins and ends between two checks costs two locks. The thread sleeps for
+ * good while there is no claim. */
 #include "jobs/internal/heartbeat.h"
 
 #include <pthread.h>
@@ -14,43 +15,43 @@
 #include "jobs/internal/jobs.h"
 
 enum {
-    LOOK_MS = 200,
-    SAY_MS = 10000, /* between lines of the log about a store that does not answer */
-    STUCK_MS = 700  /* render threads look at the flag before each pixel */
+    CHECK_MS = 200,
+    LOG_MS = 10000, /* between log lines about a store that does not answer */
+    STUCK_MS = 700  /* render threads check the flag before each pixel */
 };
 
 struct pen_heartbeat {
-    struct pen_store *store; /* of the thread */
+    struct pen_store *store; /* used by the thread alone */
     const struct pen_worker_options *options;
     int64_t lease_ms;
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
-    int64_t said_ns;         /* the thread's: when it last said that the store does not answer */
-    bool quit, asleep;       /* guarded by lock */
-    bool settle;             /* guarded by lock; the store is to be settled */
-    bool active;             /* guarded by lock */
-    struct pen_claim claim;  /* guarded by lock; of the active claim */
-    const atomic_bool *stop; /* guarded by lock; NULL: the batch is finished first */
-    uint64_t turn;           /* guarded by lock; grows with every claim */
-    int64_t deadline_ns;     /* guarded by lock; INT64_MAX: none */
-    enum pen_beat_end ended; /* guarded by lock */
-    int64_t ended_ns;        /* guarded by lock; when, if it has */
-    bool failed;             /* guarded by lock; the job was failed for its time */
-    atomic_bool flag;        /* atomic: relaxed, the render threads only need to see it soon */
+    int64_t logged_ns;        /* used by the thread alone; when it last logged a failing store */
+    bool quit, asleep;        /* guarded by lock */
+    bool settle;              /* guarded by lock; the store is to be settled */
+    bool active;              /* guarded by lock */
+    struct pen_claim claim;   /* guarded by lock; of the active claim */
+    const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
+    uint64_t claims;          /* guarded by lock; the number of claims so far */
+    int64_t deadline_ns;      /* guarded by lock; INT64_MAX: none */
+    enum pen_claim_end ended; /* guarded by lock */
+    int64_t ended_ns;         /* guarded by lock; when it ended */
+    bool failed;              /* guarded by lock; the store has the job as failed for its timeout */
+    atomic_bool flag;         /* atomic: relaxed, the render threads only need to see it soon */
 };
 
-/* Notes an end, unless the claim it is about is over. */
-static void end_turn(struct pen_heartbeat *heart, uint64_t turn, enum pen_beat_end ended)
+/* Notes that a claim has ended, unless it is not the active one or has ended already. */
+static void end_claim(struct pen_heartbeat *heart, uint64_t claim_number, enum pen_claim_end ended)
 {
-    if (!heart->active || heart->turn != turn || heart->ended != PEN_BEAT_HELD)
+    if (!heart->active || heart->claims != claim_number || heart->ended != PEN_CLAIM_HELD)
         return;
     heart->ended = ended;
     heart->ended_ns = pen_clock_ns();
     atomic_store_explicit(&heart->flag, true, memory_order_relaxed);
 }
 
-/* Fails the job, if the worker has not done so yet. Returns whether that is settled. */
+/* Fails the job in the store, unless the worker has done so. Returns whether it is failed. */
 static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *claim)
 {
     struct pen_status st;
@@ -60,20 +61,22 @@ static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *c
     return ok;
 }
 
-/* For a turn that has ended, while its render threads still are at work. Called and returns with
- * the lock held. */
-static void settle(struct pen_heartbeat *heart, const struct pen_claim *claim, uint64_t turn)
+/* Handles a claim that has ended while its render threads still work: fails the job if its time is
+ * up, and reports the threads as stuck if they do not stop. Called and returns with the lock held.
+ */
+static void settle_claim(struct pen_heartbeat *heart, const struct pen_claim *claim,
+                         uint64_t claim_number)
 {
-    bool fail = heart->ended == PEN_BEAT_TIME_UP && !heart->failed;
+    bool fail = heart->ended == PEN_CLAIM_TIMED_OUT && !heart->failed;
     if (fail) {
         pthread_mutex_unlock(&heart->lock);
         bool failed = fail_late_job(heart, claim);
         pthread_mutex_lock(&heart->lock);
-        if (heart->turn == turn)
+        if (heart->claims == claim_number)
             heart->failed = failed;
     }
-    bool settled = heart->ended == PEN_BEAT_LOST || heart->failed;
-    if (!heart->active || heart->turn != turn || !settled || !heart->options->stuck ||
+    bool settled = heart->ended == PEN_CLAIM_LOST || heart->failed;
+    if (!heart->active || heart->claims != claim_number || !settled || !heart->options->stuck ||
         pen_clock_ns() - heart->ended_ns < (int64_t)STUCK_MS * 1000000)
         return;
     struct pen_log_about about = pen_claim_about(claim);
@@ -81,39 +84,39 @@ static void settle(struct pen_heartbeat *heart, const struct pen_claim *claim, u
     heart->options->stuck(heart->options->stuck_user);
 }
 
-static void say(struct pen_heartbeat *heart, const struct pen_log_about *about,
-                const struct pen_status *st)
+static void log_failure(struct pen_heartbeat *heart, const struct pen_log_about *about,
+                        const struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
-    if (heart->said_ns && now_ns - heart->said_ns < (int64_t)SAY_MS * 1000000)
+    if (heart->logged_ns && now_ns - heart->logged_ns < (int64_t)LOG_MS * 1000000)
         return;
-    heart->said_ns = now_ns;
+    heart->logged_ns = now_ns;
     pen_log_about(PEN_LOG_WARN, about, "heartbeat: %s", st->msg);
 }
 
-/* Looks after the active claim. Called and returns with the lock held; the store is asked without
- * it. A store that cannot be asked just now changes nothing: the lease may outlive that. */
-static void look(struct pen_heartbeat *heart)
+/* Checks the active claim. Called and returns with the lock held; the store is called without it.
+ * A store that does not answer ends nothing: it may answer again while the lease lasts. */
+static void check_claim(struct pen_heartbeat *heart)
 {
     struct pen_claim claim = heart->claim;
     struct pen_log_about about = pen_claim_about(&claim);
-    uint64_t turn = heart->turn;
+    uint64_t claim_number = heart->claims;
     struct pen_status st;
     bool held = true;
-    if (heart->ended != PEN_BEAT_HELD) {
-        settle(heart, &claim, turn);
+    if (heart->ended != PEN_CLAIM_HELD) {
+        settle_claim(heart, &claim, claim_number);
         return;
     }
     if (pen_clock_ns() >= heart->deadline_ns)
-        end_turn(heart, turn, PEN_BEAT_TIME_UP);
+        end_claim(heart, claim_number, PEN_CLAIM_TIMED_OUT);
     if (heart->stop && atomic_load_explicit(heart->stop, memory_order_relaxed))
-        end_turn(heart, turn, PEN_BEAT_STOPPED);
+        end_claim(heart, claim_number, PEN_CLAIM_STOPPED);
     pthread_mutex_unlock(&heart->lock);
     if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st))
-        say(heart, &about, &st);
+        log_failure(heart, &about, &st);
     pthread_mutex_lock(&heart->lock);
     if (!held)
-        end_turn(heart, turn, PEN_BEAT_LOST);
+        end_claim(heart, claim_number, PEN_CLAIM_LOST);
 }
 
 /* Settles the store, beside the render threads. Called and returns with the lock held. */
@@ -137,7 +140,7 @@ static struct timespec after_ms(int64_t ms)
     return time;
 }
 
-/* Waits for the next look: for a while, or for the next claim when there was none for a while. */
+/* Waits until the next check, or, with `sleep`, until the next claim. */
 static void pause_thread(struct pen_heartbeat *heart, bool sleep)
 {
     if (sleep) {
@@ -146,21 +149,21 @@ static void pause_thread(struct pen_heartbeat *heart, bool sleep)
         heart->asleep = false;
         return;
     }
-    struct timespec until = after_ms(LOOK_MS);
+    struct timespec until = after_ms(CHECK_MS);
     pthread_cond_timedwait(&heart->change, &heart->lock, &until);
 }
 
-static void *beat(void *user)
+static void *run(void *user)
 {
     struct pen_heartbeat *heart = user;
-    uint64_t last_turn = 0;
+    uint64_t last_claim = 0;
     pthread_mutex_lock(&heart->lock);
     while (!heart->quit) {
-        bool idle = !heart->active && heart->turn == last_turn;
-        bool seen_before = heart->active && heart->turn == last_turn;
-        last_turn = heart->turn;
+        bool idle = !heart->active && heart->claims == last_claim;
+        bool seen_before = heart->active && heart->claims == last_claim;
+        last_claim = heart->claims;
         if (seen_before)
-            look(heart);
+            check_claim(heart);
         while (heart->settle)
             settle_store(heart);
         if (!heart->quit)
@@ -194,7 +197,7 @@ struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options
     if (heart->store)
         pen_store_observe(heart->store, options->observer);
     init_locks(heart);
-    if (heart->store && pthread_create(&heart->thread, NULL, beat, heart) == 0)
+    if (heart->store && pthread_create(&heart->thread, NULL, run, heart) == 0)
         return heart;
     if (heart->store)
         pen_fail(st, PEN_NO_MEMORY, "the heartbeat's thread cannot be started");
@@ -228,8 +231,8 @@ void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *cl
     heart->claim = *claim;
     heart->stop = stop;
     heart->active = true;
-    heart->turn++;
-    heart->ended = PEN_BEAT_HELD;
+    heart->claims++;
+    heart->ended = PEN_CLAIM_HELD;
     heart->failed = false;
     heart->deadline_ns = claim->timeout_ms ? pen_clock_ns() + left_ms * 1000000 : INT64_MAX;
     atomic_store_explicit(&heart->flag, false, memory_order_relaxed);
@@ -252,8 +255,8 @@ bool pen_heartbeat_is_late(struct pen_heartbeat *heart)
 {
     pthread_mutex_lock(&heart->lock);
     if (pen_clock_ns() >= heart->deadline_ns)
-        end_turn(heart, heart->turn, PEN_BEAT_TIME_UP);
-    bool late = heart->ended == PEN_BEAT_TIME_UP;
+        end_claim(heart, heart->claims, PEN_CLAIM_TIMED_OUT);
+    bool late = heart->ended == PEN_CLAIM_TIMED_OUT;
     pthread_mutex_unlock(&heart->lock);
     return late;
 }
@@ -267,11 +270,11 @@ void pen_heartbeat_settle(struct pen_heartbeat *heart)
     pthread_mutex_unlock(&heart->lock);
 }
 
-enum pen_beat_end pen_heartbeat_end(struct pen_heartbeat *heart)
+enum pen_claim_end pen_heartbeat_end(struct pen_heartbeat *heart)
 {
     pthread_mutex_lock(&heart->lock);
     heart->active = false;
-    enum pen_beat_end ended = heart->ended;
+    enum pen_claim_end ended = heart->ended;
     pthread_mutex_unlock(&heart->lock);
     return ended;
 }

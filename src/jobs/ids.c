@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "jobs/internal/jobs.h"
+#include "jobs/internal/ids.h"
 
 bool pen_ids_init(struct pen_status *st)
 {
@@ -25,12 +25,12 @@ void pen_id_make(int64_t wall_ms, char out[PEN_ID_BYTES])
              b[15]);
 }
 
-void pen_sha256(const void *data, size_t bytes, unsigned char out[32])
+void pen_sha256(const void *data, size_t bytes, unsigned char out[PEN_SHA256_BYTES])
 {
     crypto_hash_sha256(out, bytes ? data : (const void *)"", bytes);
 }
 
-void pen_etag_make(const void *data, size_t bytes, char out[72])
+void pen_etag_make(const void *data, size_t bytes, char out[PEN_ETAG_BYTES])
 {
     unsigned char hash[24];
     crypto_generichash(hash, sizeof hash, bytes ? data : (const void *)"", bytes, NULL, 0);

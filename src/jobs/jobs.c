@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs as they stand: get, list, cancel, delete, the scene as accepted, and the built-in ones. */
+/* Reading, listing, cancelling and deleting jobs; their scenes, and the built-in ones. */
 #include "jobs/internal/jobs.h"
 
 #include <inttypes.h>
@@ -8,6 +8,8 @@
 #include <string.h>
 
 #include "io/builtin.h"
+#include "jobs/internal/ids.h"
+#include "jobs/internal/job_json.h"
 
 struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *limits,
                                struct pen_status *st)
@@ -52,8 +54,8 @@ bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot
     return out->json != NULL;
 }
 
-/* A cursor is the number below which the next page begins, behind a letter that keeps people from
- * counting on it. */
+/* A cursor is a letter and the number of the last job on its page. The letter shows that the number
+ * is not for clients to compute. */
 static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *st)
 {
     char *end = NULL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The life of a job as the API sees it: submit, look, list, cancel, delete, results. Bytes in,
- * JSON out; no HTTP here. The api process never renders: it validates, queues and answers.
+/* The life of a job as the API sees it: submit, read, list, cancel, delete, results. Bytes in, JSON
+ * out; no HTTP here. The api process never renders: it validates, queues and answers.
  *
  * Threads: a pen_jobs handle is used by one thread at a time (it owns a store handle). */
 #ifndef PEN_JOBS_JOBS_H
@@ -50,7 +50,7 @@ bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, j
                        struct pen_errors *errors);
 
 struct pen_job_snapshot {
-    json_t *json; /* the job object of http-api.md; the caller json_decref()s */
+    json_t *json; /* the job object (api/http-api.md); the caller json_decref()s */
     enum pen_job_state state;
     int64_t revision;
 };
@@ -62,7 +62,7 @@ struct pen_list_query {
     int state;          /* enum pen_job_state or -1 */
     const char *kind;   /* or NULL */
     int limit;          /* 1…500 */
-    const char *cursor; /* opaque, or NULL. A cursor that is none of ours: PEN_USAGE */
+    const char *cursor; /* `next` of an earlier list, or NULL. Any other text: PEN_USAGE */
 };
 
 /* {jobs: […], next: cursor | null}. */
@@ -90,11 +90,11 @@ struct pen_image {
 bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                     struct pen_image *out, struct pen_status *st);
 
-/* What is committed so far, RGBA PNG, pixels not committed transparent. */
+/* The committed pixels as an RGBA PNG; the others are transparent. */
 bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
                       struct pen_image *out, struct pen_status *st);
 
-/* A rectangle of a view whose pixels a commit has added. */
+/* A rectangle of a view whose pixels were added by one commit. */
 struct pen_job_tile {
     int64_t revision; /* the one the commit gave the job */
     int part;         /* 1 … PEN_JOB_TILE_PARTS: its place among those of the same commit */
@@ -103,8 +103,8 @@ struct pen_job_tile {
 };
 enum { PEN_JOB_TILE_PARTS = 3 };
 
-/* Calls `each` for what was committed after a revision, in the order of the commits; stops when it
- * returns false. Fails: PEN_NOT_FOUND, PEN_STORAGE. */
+/* Calls `each` for the rectangles committed after a revision, in the order of the commits; stops
+ * when it returns false. Fails: PEN_NOT_FOUND, PEN_STORAGE. */
 typedef bool pen_job_tile_fn(void *user, const struct pen_job_tile *tile);
 bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_job_tile_fn *each,
                     void *user, struct pen_status *st);
@@ -112,13 +112,13 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
 /* The statistics object. Fails: PEN_CONFLICT until the job has ended. */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* The report of a job that measured, in one of pen_study_forms. Fails: PEN_CONFLICT (unfinished,
+/* The report of a benchmark, in one of pen_study_forms. Fails: PEN_CONFLICT (unfinished,
  * failed, cancelled), PEN_NOT_FOUND (no such job, or of a kind without a report). */
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
                      struct pen_status *st);
 
-/* The scene as accepted: the bytes of a bare scene, XML too (pen_text_is_xml tells), or the JSON
- * of a job's. */
+/* The scene as it was sent, in JSON or XML (pen_text_is_xml tells which), or the text of a built-in
+ * one. */
 bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
                     struct pen_status *st);
 

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Problem documents, RFC 9457. The type is urn:penumbra:problem:NAME with the name of the code;
- * it is an identifier, not an address. Where the input is at fault, `errors` says where: a JSON
- * Pointer into what was sent, or line and column of its text. */
+/* Problem documents (RFC 9457). The type is urn:penumbra:problem:NAME with the name of the code; it
+ * is an identifier, not an address. For invalid input `errors` lists the places: each a JSON
+ * Pointer into the document that was sent, or line and column of its text. */
 #include <stdio.h>
 #include <string.h>
 
+#include "jobs/internal/job_json.h"
 #include "jobs/internal/jobs.h"
 
 static bool about_input(const struct pen_status *st)

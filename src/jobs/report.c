@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports of jobs. The JSON is stored with the job's commit; the other forms are made of it when
- * they are asked for. */
+/* Reports of jobs. The JSON is stored with the job's commit; the other formats are made from it at
+ * each request. */
 #include <string.h>
 
+#include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
 #include "study/report.h"
 
-/* Whether a job is of a kind that has a report, and has it. */
+/* Fails unless the job is of a kind that has a report, and has succeeded. */
 static bool check_job(const struct pen_job_record *job, struct pen_status *st)
 {
     if (strcmp(job->kind, "benchmark") != 0)
@@ -18,9 +19,8 @@ static bool check_job(const struct pen_job_record *job, struct pen_status *st)
                     pen_job_state_name(job->state));
 }
 
-/* The stored report in another form, in its place. */
-static bool transform(const char *id, const char *form, struct pen_buf *bytes,
-                      struct pen_status *st)
+/* Replaces the JSON of a report by another format. */
+static bool convert(const char *id, const char *form, struct pen_buf *bytes, struct pen_status *st)
 {
     json_error_t error;
     json_t *report = json_loadb((const char *)bytes->data, bytes->bytes, 0, &error);
@@ -44,7 +44,7 @@ bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, st
     ok = ok && pen_store_artefact(jobs->store, id, 0, PEN_REPORT_LAYER, PEN_REPORT_FORMAT,
                                   &out->bytes, st);
     if (ok && strcmp(form, PEN_REPORT_FORMAT) != 0)
-        ok = transform(id, form, &out->bytes, st);
+        ok = convert(id, form, &out->bytes, st);
     if (!ok) {
         pen_buf_release(&out->bytes);
         return false;

@@ -1,18 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* A submission as a whole: what kind of document it is, its scene, its views, its limits. */
+/* Reading a submission: the kind of its document, its scene, views, settings and limits. */
 #include "jobs/internal/request.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "io/builtin.h"
+#include "jobs/internal/json_member.h"
+#include "jobs/internal/request_errors.h"
 
 static const char builtin_prefix[] = "builtin:";
-
-static void add_status(struct pen_errors *errors, const struct pen_status *st)
-{
-    pen_errors_add(errors, st);
-}
 
 static void fail_unknown_scene(const char *name, struct pen_errors *errors)
 {
@@ -36,34 +33,40 @@ static void find_builtin(struct pen_request *request, const char *text,
     }
     request->builtin = pen_json_parse(document, bytes, limits, &st);
     if (!request->builtin)
-        add_status(errors, &st);
+        pen_errors_add(errors, &st);
     request->scene = request->builtin;
+    request->scene_text = document;
+    request->scene_bytes = bytes;
 }
 
 /* Finds the scene document in the body; leaves request->scene NULL after an error. */
-static void find_scene(struct pen_request *request, const struct pen_limits *limits,
-                       struct pen_errors *errors)
+static void find_scene(struct pen_request *request, const struct pen_submission *in,
+                       const struct pen_limits *limits, struct pen_errors *errors)
 {
     const json_t *scene = json_object_get(request->body, "scene");
     const char *text = json_string_value(scene);
     request->bare = !scene && json_object_get(request->body, "format");
     request->scene_at = request->bare ? "" : "/scene";
-    if (request->bare)
+    if (request->bare) {
         request->scene = request->body;
-    else if (json_is_object(scene))
+        request->scene_text = in->body;
+        request->scene_bytes = in->bytes;
+    } else if (json_is_object(scene)) {
         request->scene = scene;
-    else if (text && strncmp(text, builtin_prefix, strlen(builtin_prefix)) == 0)
+        request->scene_text = pen_json_member(in->body, in->bytes, "scene", &request->scene_bytes);
+    } else if (text && strncmp(text, builtin_prefix, strlen(builtin_prefix)) == 0) {
         find_builtin(request, text, limits, errors);
-    else if (scene)
+    } else if (scene) {
         pen_request_fail(errors, PEN_INVALID, "", "scene",
                          "must be a scene, or \"builtin:\" and a name, found %s",
                          pen_found(scene).text);
-    else
+    } else {
         pen_request_fail(errors, PEN_INVALID, "", NULL,
                          "must be a job, an object with \"scene\", or a scene, an object with "
                          "\"format\"; found %s",
                          json_is_object(request->body) ? "neither key"
                                                        : pen_found(request->body).text);
+    }
 }
 
 /* The number of the scene's view that entry i of `views` names, or -1 after an error. */
@@ -118,7 +121,7 @@ static bool choose_views(struct pen_request *request, struct pen_errors *errors)
     request->views = pen_arena_alloc(request->arena, count, sizeof *request->views);
     if (!request->views) {
         pen_fail(&st, PEN_NO_MEMORY, "no memory for %u views", count);
-        add_status(errors, &st);
+        pen_errors_add(errors, &st);
         return false;
     }
     if (list) {
@@ -130,7 +133,8 @@ static bool choose_views(struct pen_request *request, struct pen_errors *errors)
     return true;
 }
 
-/* Where the size and the samples were asked for: the job's `render`, else the scene's. */
+/* The JSON Pointer to the settings that set size and samples: the job's `render`, else the scene's.
+ */
 static void limits_place(const struct pen_request *request, char *at, size_t bytes)
 {
     if (!request->bare && json_object_get(request->body, "render"))
@@ -146,14 +150,14 @@ static void check_limits(struct pen_request *request, const struct pen_limits *l
     char at[16];
     struct pen_status st;
     limits_place(request, at, sizeof at);
-    bool ok = request->benchmark ? pen_bench_spec_check(&request->order, limits, &request->desc,
+    bool ok = request->benchmark ? pen_bench_spec_check(&request->spec, limits, &request->desc,
                                                         request->view_count, &st)
                                  : pen_limits_check(limits, &request->desc, &request->settings,
                                                     (uint32_t)request->view_count, at, &st);
     if (ok)
         return;
     pen_document_locate(&request->document, &st);
-    add_status(errors, &st);
+    pen_errors_add(errors, &st);
 }
 
 static void read_scene(struct pen_request *request, const struct pen_limits *limits,
@@ -168,7 +172,7 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
     if (render)
         pen_settings_read(render, "/render", &request->settings, errors);
     if (request->benchmark)
-        pen_bench_spec_read(request->body, &request->settings, &request->order, errors);
+        pen_bench_spec_read(request->body, &request->settings, &request->spec, errors);
     if (ok && choose_views(request, errors) && errors->count == 0)
         check_limits(request, limits, errors);
 }
@@ -184,10 +188,10 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
     if (out->body && !out->arena)
         pen_fail(&st, PEN_NO_MEMORY, "no memory to read a scene");
     if (!out->arena) {
-        add_status(errors, &st);
+        pen_errors_add(errors, &st);
         return false;
     }
-    find_scene(out, limits, errors);
+    find_scene(out, in, limits, errors);
     if (!out->bare && json_object_get(out->body, "scene"))
         pen_request_keys_read(out, errors);
     if (out->scene)
@@ -199,7 +203,7 @@ void pen_request_release(struct pen_request *request)
 {
     pen_arena_free(request->arena);
     pen_document_release(&request->document);
-    pen_bench_spec_release(&request->order);
+    pen_bench_spec_release(&request->spec);
     json_decref(request->builtin);
     *request = (struct pen_request){0};
 }

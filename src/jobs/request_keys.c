@@ -1,59 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* The keys of a job, by one table: which there are, who reads each, and which belong to kinds of
- * job that are still to come. */
+/* The keys of a job, in one table: the function that reads each, and the kind of job it belongs
+ * to. Keys of kinds that are not supported yet are refused as such. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "jobs/internal/request.h"
+#include "jobs/internal/request_errors.h"
 
 static const char benchmark[] = "benchmark";
 
-enum { TIMEOUT_MAX_S = 1000000000, AT_BYTES = 2 * PEN_AT_BYTES, POSITION_BYTES = 24 };
+enum { TIMEOUT_MAX_S = 1000000000, POSITION_BYTES = 24 };
 
 typedef void key_fn(struct pen_request *request, const json_t *value, struct pen_errors *errors);
 
-/* "/a~b" -> "/a~0b": RFC 6901. */
-static void append_token(char *at, size_t bytes, const char *key)
-{
-    size_t used = strlen(at);
-    if (used + 1 < bytes)
-        at[used++] = '/';
-    for (; *key && used + 2 < bytes; key++) {
-        if (*key == '~' || *key == '/') {
-            at[used++] = '~';
-            at[used++] = *key == '~' ? '0' : '1';
-        } else {
-            at[used++] = *key;
-        }
-    }
-    at[used] = '\0';
-}
-
-void pen_request_fail(struct pen_errors *errors, enum pen_code code, const char *up,
-                      const char *key, const char *format, ...)
-{
-    char at[AT_BYTES], text[2 * PEN_MSG_BYTES];
-    struct pen_status st;
-    va_list args;
-    snprintf(at, sizeof at, "%s", up);
-    if (key)
-        append_token(at, sizeof at, key);
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    pen_fail_at(&st, code, at, "%s", text);
-    pen_errors_add(errors, &st);
-}
-
-struct pen_found pen_found(const json_t *value)
-{
-    struct pen_found found;
-    pen_value_describe(value, found.text, sizeof found.text);
-    return found;
-}
-
-/* An integer key takes any number of integral value. */
+/* Reads an integer; 3.0 is one. */
 static bool read_integer(const json_t *value, const char *key, int lo, int hi, int *out,
                          struct pen_errors *errors)
 {
@@ -67,7 +28,8 @@ static bool read_integer(const json_t *value, const char *key, int lo, int hi, i
     return true;
 }
 
-/* The word of names[] that the value is; reports anything else with the nearest one. */
+/* Reads a word that must be one of names[]. Returns that name; NULL after an error, which names the
+ * nearest one. */
 static const char *read_word(const json_t *value, const char *up, const char *key,
                              const char *const *names, struct pen_errors *errors)
 {
@@ -203,8 +165,8 @@ static void read_timeout(struct pen_request *request, const json_t *value,
 
 static const struct {
     const char *key;
-    key_fn *read;      /* NULL: read elsewhere */
-    const char *later; /* the kind that will bring it */
+    key_fn *read;      /* NULL: request.c reads it */
+    const char *later; /* the kind, not supported yet, that it belongs to; NULL: it is supported */
     const char *of;    /* the kind it belongs to; NULL: all */
 } keys[] = {
     {.key = "scene"},
@@ -242,7 +204,7 @@ static void refuse_key(const char *key, struct pen_errors *errors)
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
 }
 
-/* Keys that mean nothing to a job of this kind are no less wrong than those that mean nothing. */
+/* A key of another kind of job is an error as an unknown key is. */
 static void refuse_foreign_keys(const struct pen_request *request, struct pen_errors *errors)
 {
     for (int i = 0; i < KEY_COUNT; i++) {

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of jobs. The PNG of a view is stored with the job's last commit; the other formats, and
- * the contact sheet of all views, are made from the committed pixels when they are first asked
- * for, and stored then. The preview is made anew each time: it is of a moment. */
+/* Pictures of jobs. The PNG of a view is stored with the view's last commit. The other formats, and
+ * the contact sheet of all views, are made from the committed pixels at their first request, and
+ * stored then. The preview is made anew at each request, since it may be another each time. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
+#include "jobs/internal/stats.h"
+#include "jobs/internal/stored_request.h"
+#include "jobs/internal/view_pixels.h"
 
 enum { ALL_VIEWS = -1, SHEET_PIXELS_MAX = 16 * 1024 * 1024 };
 
@@ -14,26 +18,26 @@ static const char beauty[] = "beauty";
 static const char *const formats[] = {"png", "png16", "pfm"};
 static const char *const types[] = {"image/png", "image/png", "image/x-portable-floatmap"};
 
-/* What is asked for, resolved against the job. */
+/* A request for a picture, resolved against the job. */
 struct wanted {
     const char *id;
-    struct pen_job_plan plan;
+    struct pen_stored_request request;
     int view; /* ALL_VIEWS: the contact sheet */
     int format;
 };
 
-static bool read_job(struct pen_jobs *jobs, const char *id, struct pen_job_plan *plan,
+static bool read_job(struct pen_jobs *jobs, const char *id, struct pen_stored_request *request,
                      enum pen_job_state *state, struct pen_status *st)
 {
     struct pen_job_record job;
     if (!pen_store_job(jobs->store, id, &job, st))
         return false;
     *state = job.state;
-    bool ok = pen_job_plan_read(job.request, plan, st);
+    bool ok = pen_stored_request_read(job.request, request, st);
     pen_job_record_release(&job);
-    if (!ok || !plan->benchmark)
+    if (!ok || !request->benchmark)
         return ok;
-    json_decref(plan->request);
+    pen_stored_request_release(request);
     return pen_fail(st, PEN_NOT_FOUND, "job %s is a benchmark: it has a report and no picture", id);
 }
 
@@ -45,10 +49,10 @@ static bool resolve_view(struct wanted *want, const char *name, bool sheet, stru
     want->view = ALL_VIEWS;
     if (sheet && strcmp(name, "all") == 0)
         return true;
-    want->view = pen_job_plan_find_view(&want->plan, name);
+    want->view = pen_stored_request_find_view(&want->request, name);
     return want->view >= 0 ||
            pen_fail(st, PEN_NOT_FOUND, "job %s has no view \"%.60s\"; its first is \"%s\"",
-                    want->id, name, pen_job_plan_view(&want->plan, 0));
+                    want->id, name, pen_stored_request_view(&want->request, 0));
 }
 
 static bool resolve_layer(const char *layer, struct pen_status *st)
@@ -79,14 +83,15 @@ static bool load_view(struct pen_jobs *jobs, const struct wanted *want, int view
                       struct pen_film *film, struct pen_status *st)
 {
     int64_t filled = 0;
-    if (!pen_canvas_load(jobs->store, want->id, view, &want->plan.settings, film, NULL, &filled,
-                         st))
+    if (!pen_view_pixels_load(jobs->store, want->id, view, &want->request.settings, film, NULL,
+                              &filled, st))
         return false;
     return filled == (int64_t)film->width * film->height ||
            pen_fail(st, PEN_STORAGE, "job %s lacks pixels of a view", want->id);
 }
 
-/* Puts a view into its cell of a sheet, `shrink` pixels averaged to one in each direction. */
+/* Copies a view into its cell of a contact sheet; squares of shrink × shrink pixels are averaged.
+ */
 static void shrink_into(const struct pen_film *view, int shrink, int x0, int y0,
                         struct pen_film *sheet)
 {
@@ -105,45 +110,46 @@ static void shrink_into(const struct pen_film *view, int shrink, int x0, int y0,
     }
 }
 
-/* Places of views on a contact sheet: as square a grid as fits, with black gaps between the views,
- * and these shrunk by a whole number where the sheet would become too large. */
-struct grid {
+/* The layout of a contact sheet: cells in a grid that is as square as the number of views allows,
+ * with black gaps between them. Where the sheet would become too large all views are shrunk by the
+ * same integer factor. */
+struct sheet_layout {
     int columns, rows, shrink, gap;
     int width, height;             /* of a cell */
     int sheet_width, sheet_height; /* all in pixels */
 };
 
-static struct grid plan_grid(const struct pen_job_plan *plan)
+static struct sheet_layout sheet_layout_of(const struct pen_stored_request *request)
 {
-    struct grid grid = {.columns = 1};
-    while (grid.columns * grid.columns < plan->view_count)
-        grid.columns++;
-    grid.rows = (plan->view_count + grid.columns - 1) / grid.columns;
+    struct sheet_layout layout = {.columns = 1};
+    while (layout.columns * layout.columns < request->view_count)
+        layout.columns++;
+    layout.rows = (request->view_count + layout.columns - 1) / layout.columns;
     do {
-        grid.shrink++;
-        grid.width = plan->settings.width / grid.shrink;
-        grid.height = plan->settings.height / grid.shrink;
-        grid.gap = 1 + grid.width / 128;
-        grid.sheet_width = (grid.width + grid.gap) * grid.columns - grid.gap;
-        grid.sheet_height = (grid.height + grid.gap) * grid.rows - grid.gap;
-    } while ((double)grid.sheet_width * grid.sheet_height > SHEET_PIXELS_MAX && grid.width > 1 &&
-             grid.height > 1);
-    return grid;
+        layout.shrink++;
+        layout.width = request->settings.width / layout.shrink;
+        layout.height = request->settings.height / layout.shrink;
+        layout.gap = 1 + layout.width / 128;
+        layout.sheet_width = (layout.width + layout.gap) * layout.columns - layout.gap;
+        layout.sheet_height = (layout.height + layout.gap) * layout.rows - layout.gap;
+    } while ((double)layout.sheet_width * layout.sheet_height > SHEET_PIXELS_MAX &&
+             layout.width > 1 && layout.height > 1);
+    return layout;
 }
 
 static struct pen_film *make_sheet(struct pen_jobs *jobs, const struct wanted *want,
                                    struct pen_status *st)
 {
-    const struct pen_settings *s = &want->plan.settings;
-    struct grid grid = plan_grid(&want->plan);
-    struct pen_film *sheet = pen_film_new(grid.sheet_width, grid.sheet_height, st);
+    const struct pen_settings *s = &want->request.settings;
+    struct sheet_layout layout = sheet_layout_of(&want->request);
+    struct pen_film *sheet = pen_film_new(layout.sheet_width, layout.sheet_height, st);
     struct pen_film *view = sheet ? pen_film_new(s->width, s->height, st) : NULL;
     bool ok = view != NULL;
-    for (int i = 0; ok && i < want->plan.view_count; i++) {
+    for (int i = 0; ok && i < want->request.view_count; i++) {
         ok = load_view(jobs, want, i, view, st);
         if (ok)
-            shrink_into(view, grid.shrink, i % grid.columns * (grid.width + grid.gap),
-                        i / grid.columns * (grid.height + grid.gap), sheet);
+            shrink_into(view, layout.shrink, i % layout.columns * (layout.width + layout.gap),
+                        i / layout.columns * (layout.height + layout.gap), sheet);
     }
     pen_film_free(view);
     if (ok)
@@ -155,7 +161,7 @@ static struct pen_film *make_sheet(struct pen_jobs *jobs, const struct wanted *w
 static struct pen_film *make_view(struct pen_jobs *jobs, const struct wanted *want,
                                   struct pen_status *st)
 {
-    const struct pen_settings *s = &want->plan.settings;
+    const struct pen_settings *s = &want->request.settings;
     struct pen_film *film = pen_film_new(s->width, s->height, st);
     if (film && load_view(jobs, want, want->view, film, st))
         return film;
@@ -168,13 +174,14 @@ static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struc
 {
     struct pen_film *film =
         want->view == ALL_VIEWS ? make_sheet(jobs, want, st) : make_view(jobs, want, st);
-    bool ok = film && pen_canvas_encode(film, &want->plan.settings, formats[want->format], out, st);
+    bool ok =
+        film && pen_view_encode(film, &want->request.settings, formats[want->format], out, st);
     pen_film_free(film);
     return ok;
 }
 
-/* The stored picture, or a new one, which is then stored. That it cannot be stored, because the
- * disk is full or the job was just deleted, is no reason not to answer. */
+/* The stored picture, or a new one, which is then stored. A failure to store it, because the disk
+ * is full or the job was just deleted, does not matter to the answer. */
 static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                         struct pen_status *st)
 {
@@ -211,12 +218,12 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
     struct wanted want = {.id = id};
     enum pen_job_state state;
     *out = (struct pen_image){0};
-    if (!resolve_format(&want, query->format, st) || !read_job(jobs, id, &want.plan, &state, st))
+    if (!resolve_format(&want, query->format, st) || !read_job(jobs, id, &want.request, &state, st))
         return false;
     bool ok = resolve_layer(query->layer, st) && resolve_view(&want, query->view, true, st) &&
               check_succeeded(id, state, st) && get_picture(jobs, &want, &out->bytes, st) &&
               fill_image(out, types[want.format]);
-    json_decref(want.plan.request);
+    pen_stored_request_release(&want.request);
     if (!ok)
         pen_buf_release(&out->bytes);
     return ok;
@@ -225,15 +232,15 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
 static bool make_preview(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                          struct pen_status *st)
 {
-    const struct pen_settings *s = &want->plan.settings;
+    const struct pen_settings *s = &want->request.settings;
     int64_t filled;
     struct pen_film *film = pen_film_new(s->width, s->height, st);
     unsigned char *mask = film ? calloc((size_t)s->width, (size_t)s->height) : NULL;
     if (film && !mask)
         pen_fail(st, PEN_NO_MEMORY, "no memory for a preview");
-    struct pen_png_options options = {.bits = 8, .transfer = pen_canvas_transfer(s), .mask = mask};
+    struct pen_png_options options = {.bits = 8, .transfer = pen_view_transfer(s), .mask = mask};
     bool ok = mask &&
-              pen_canvas_load(jobs->store, want->id, want->view, s, film, mask, &filled, st) &&
+              pen_view_pixels_load(jobs->store, want->id, want->view, s, film, mask, &filled, st) &&
               pen_png_write(film, &options, out, st);
     free(mask);
     pen_film_free(film);
@@ -246,11 +253,11 @@ bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
     struct wanted want = {.id = id};
     enum pen_job_state state;
     *out = (struct pen_image){0};
-    if (!read_job(jobs, id, &want.plan, &state, st))
+    if (!read_job(jobs, id, &want.request, &state, st))
         return false;
     bool ok = resolve_view(&want, view, false, st) && make_preview(jobs, &want, &out->bytes, st) &&
               fill_image(out, types[0]);
-    json_decref(want.plan.request);
+    pen_stored_request_release(&want.request);
     if (!ok)
         pen_buf_release(&out->bytes);
     return ok;

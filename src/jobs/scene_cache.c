@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A short list, the scene used last in front; scenes at its end go when there are too many or when
- * they take too much memory together. The one in use always stays. */
+/* A short list with the most recently used scene in front. Scenes at its end are freed when there
+ * are too many, or when together they take too much memory; the one in use always stays. */
 #include "jobs/internal/scene_cache.h"
 
 #include <math.h>
@@ -64,7 +64,7 @@ static void put_in_front(struct pen_scene_cache *cache, int from)
     cache->entry[0] = entry;
 }
 
-static void make_room(struct pen_scene_cache *cache, size_t bytes)
+static void evict_for(struct pen_scene_cache *cache, size_t bytes)
 {
     for (int i = 0; i < cache->count; i++)
         bytes += cache->entry[i].bytes;
@@ -79,8 +79,8 @@ static double ms_since(int64_t begin_ns)
     return (double)(pen_clock_ns() - begin_ns) * 1e-6;
 }
 
-/* The document was accepted under the limits of the process that took it; here only what guards
- * the parser itself applies. */
+/* The api process has accepted the document under its own limits; here only the limits that protect
+ * the parser itself apply. */
 static struct pen_limits open_limits(void)
 {
     struct pen_limits limits = pen_limits_default();
@@ -166,7 +166,7 @@ const struct pen_scene *pen_scene_cache_get(struct pen_scene_cache *cache, struc
     struct entry entry = {
         .accelerator = accelerator, .scene = scene, .bytes = pen_arena_used(scene->arena)};
     memcpy(entry.sha256, claim->scene_sha256, sizeof entry.sha256);
-    make_room(cache, entry.bytes);
+    evict_for(cache, entry.bytes);
     cache->entry[cache->count++] = entry;
     put_in_front(cache, cache->count - 1);
     return scene;

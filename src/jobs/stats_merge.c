@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The statistics of a job from those of its committed batches. Times and rays are sums over the
- * batches (so with several workers at once render_ms may exceed the time that went by), threads
- * and memory the largest, percentiles those of all tiles together. queue_ms and total_ms are the
- * job's own. store_ms is what workers waited for the store; the last commit, which is in no later
- * batch's statistics, counts until its transaction was about to end. */
+/* The statistics of a job from those of its committed batches:
+ *   times, rays             sums over the batches; with several workers at once render_ms may
+ * exceed the time that has passed threads, memory         the largest percentiles             of
+ * all tiles together queue_ms, total_ms      from the times of the job itself store_ms how long
+ * workers waited for the store. The last commit is in no later batch's statistics: it counts up to
+ * the wall clock that its transaction stores */
 #include <stdlib.h>
 #include <string.h>
 
 #include "io/figures.h"
-#include "jobs/internal/jobs.h"
+#include "io/stats_json.h"
 #include "jobs/internal/stats.h"
 
 struct sum {
@@ -21,8 +22,9 @@ struct sum {
     uint64_t tile_count;
     struct pen_weighted_time *times;
     size_t time_count, time_capacity;
-    json_t *accelerator, *kernel, *effects, *host; /* of the last batch that has them; owned */
-    json_t *precision;                             /* of the view that has the least; owned */
+    json_t *accelerator, *kernel, *effects,
+        *host;         /* those of the last batch that has them; owned */
+    json_t *precision; /* that of the view with the lowest resolution; owned */
     bool no_memory, damaged;
 };
 
@@ -99,7 +101,7 @@ static void keep_last(json_t **kept, const json_t *stats, const char *key)
     *kept = json_incref(value);
 }
 
-static void keep_least_precision(struct sum *sum, const json_t *stats)
+static void keep_lowest_precision(struct sum *sum, const json_t *stats)
 {
     const json_t *more = json_object_get(stats, "precision");
     if (more &&
@@ -120,7 +122,7 @@ static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
     keep_last(&sum->kernel, stats, "kernel");
     keep_last(&sum->effects, stats, "effects");
     keep_last(&sum->host, stats, "host");
-    keep_least_precision(sum, stats);
+    keep_lowest_precision(sum, stats);
 }
 
 static bool take_batch(void *user, const struct pen_batch_stats *batch)
@@ -146,7 +148,7 @@ static json_t *timing_json(const struct sum *sum, const struct pen_job_record *j
                      pen_figure(sum->cpu_ms));
 }
 
-/* Null stands for what is not known: no batch was committed. */
+/* A member is null if it is not known, because no batch was committed. */
 static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
 {
     struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);

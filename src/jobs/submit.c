@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* Accepting and checking submissions. The answer is made before the job is stored, because it is
- * stored with it: a repeat of the same request gets the same bytes. */
+ * stored with the job: a repeated submit with the same Idempotency-Key gets the same bytes.
+ *
+ * A submission is parsed once. The scene is stored as the text that was sent, and the answer is
+ * made from the JSON of the request, not from its stored text. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
 #include "io/figures.h"
 #include "io/settings_json.h"
+#include "jobs/internal/batch_layout.h"
+#include "jobs/internal/ids.h"
+#include "jobs/internal/job_json.h"
 #include "jobs/internal/jobs.h"
-#include "jobs/internal/plan.h"
 #include "jobs/internal/request.h"
 #include "scene/scene.h"
 
@@ -41,28 +46,28 @@ static json_t *common_json(const struct pen_request *request)
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
 
-/* What a benchmark adds to that. */
-static json_t *order_json(const struct pen_bench_spec *order)
+/* The members that a benchmark adds to that. */
+static json_t *bench_spec_json(const struct pen_bench_spec *spec)
 {
-    return json_pack("{s:O, s:i, s:i, s:O}", "matrix", order->matrix, "repeats", order->repeats,
-                     "warmup", order->warmup, "baseline", order->rows[order->baseline].chosen);
+    return json_pack("{s:O, s:i, s:i, s:O}", "matrix", spec->matrix, "repeats", spec->repeats,
+                     "warmup", spec->warmup, "baseline", spec->rows[spec->baseline].chosen);
 }
 
 static json_t *request_json(const struct pen_request *request)
 {
     json_t *json = common_json(request);
-    json_t *order = json && request->benchmark ? order_json(&request->order) : NULL;
-    if (json && request->benchmark && (!order || json_object_update(json, order) != 0)) {
+    json_t *spec = json && request->benchmark ? bench_spec_json(&request->spec) : NULL;
+    if (json && request->benchmark && (!spec || json_object_update(json, spec) != 0)) {
         json_decref(json);
         json = NULL;
     }
-    json_decref(order);
+    json_decref(spec);
     return json;
 }
 
-/* What is put together for one call of pen_store_submit. */
-struct parcel {
-    struct pen_job_new job;
+/* A job ready to be stored, and the memory that it points into. */
+struct prepared {
+    struct pen_job_new new;
     char id[PEN_ID_BYTES];
     char *request, *answer, *scene;
     unsigned char scene_sha256[32], body_sha256[32];
@@ -70,43 +75,36 @@ struct parcel {
     struct pen_batch_new *batches;
 };
 
-static void parcel_release(struct parcel *parcel)
+static void prepared_release(struct prepared *job)
 {
-    free(parcel->request);
-    free(parcel->answer);
-    free(parcel->scene);
-    free(parcel->views);
-    free(parcel->batches);
+    free(job->request);
+    free(job->answer);
+    free(job->scene);
+    free(job->views);
+    free(job->batches);
 }
 
-/* The scene's own bytes: as sent, in JSON or XML, if the body is the scene. */
-static bool pack_scene(struct parcel *parcel, const struct pen_submission *in,
-                       const struct pen_request *request)
+/* The scene as it was sent, in JSON or XML; written anew only if its text was not found. */
+static bool prepare_scene(struct prepared *job, const struct pen_request *request)
 {
-    if (!request->bare) {
-        parcel->scene = json_dumps(request->scene, PEN_JSON_STORED);
-        if (!parcel->scene)
-            return false;
-    }
-    parcel->job.scene = request->bare ? in->body : parcel->scene;
-    parcel->job.scene_bytes = request->bare ? in->bytes : strlen(parcel->scene);
-    pen_sha256(parcel->job.scene, parcel->job.scene_bytes, parcel->scene_sha256);
-    parcel->job.scene_sha256 = parcel->scene_sha256;
+    if (!request->scene_text && !(job->scene = json_dumps(request->scene, PEN_JSON_STORED)))
+        return false;
+    job->new.scene = job->scene ? job->scene : request->scene_text;
+    job->new.scene_bytes = job->scene ? strlen(job->scene) : request->scene_bytes;
     return true;
 }
 
 /* The answer to the client: the job as it will be when it is stored. */
-static char *make_answer(const struct parcel *parcel, struct pen_status *st)
+static char *make_answer(const struct prepared *job, json_t *request, struct pen_status *st)
 {
     struct pen_job_record record = {.state = PEN_JOB_QUEUED,
                                     .revision = 1,
-                                    .kind = (char *)(uintptr_t)parcel->job.kind,
-                                    .request = parcel->request,
-                                    .created_ms = parcel->job.created_ms};
-    memcpy(record.id, parcel->id, sizeof record.id);
-    for (int i = 0; i < parcel->job.batch_count; i++)
-        record.total_pixels += parcel->job.batches[i].pixels;
-    json_t *json = pen_job_json(&record, st);
+                                    .kind = (char *)(uintptr_t)job->new.kind,
+                                    .created_ms = job->new.created_ms};
+    memcpy(record.id, job->id, sizeof record.id);
+    for (int i = 0; i < job->new.batch_count; i++)
+        record.total_pixels += job->new.batches[i].pixels;
+    json_t *json = pen_job_json_of(&record, request, st);
     char *text = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
     if (json && !text)
         pen_fail(st, PEN_NO_MEMORY, "no memory for an answer");
@@ -114,45 +112,57 @@ static char *make_answer(const struct parcel *parcel, struct pen_status *st)
     return text;
 }
 
-static bool pack_views(struct parcel *parcel, const struct pen_request *request,
-                       struct pen_status *st)
+static bool prepare_views(struct prepared *job, const struct pen_request *request,
+                          struct pen_status *st)
 {
-    parcel->views = calloc((size_t)request->view_count, sizeof *parcel->views);
-    if (!parcel->views)
+    job->views = calloc((size_t)request->view_count, sizeof *job->views);
+    if (!job->views)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %d views", request->view_count);
     for (int i = 0; i < request->view_count; i++)
-        parcel->views[i] = (struct pen_view_new){request->desc.views[request->views[i]].name,
-                                                 request->settings.width, request->settings.height};
-    parcel->job.views = parcel->views;
-    parcel->job.view_count = request->benchmark ? 1 : request->view_count;
-    if (!pen_plan_batches(request, &parcel->batches, &parcel->job.batch_count, st))
+        job->views[i] = (struct pen_view_new){request->desc.views[request->views[i]].name,
+                                              request->settings.width, request->settings.height};
+    job->new.views = job->views;
+    job->new.view_count = request->benchmark ? 1 : request->view_count;
+    if (!pen_batch_layout(request, &job->batches, &job->new.batch_count, st))
         return false;
-    parcel->job.batches = parcel->batches;
+    job->new.batches = job->batches;
     return true;
 }
 
-static bool pack(struct parcel *parcel, const struct pen_submission *in,
-                 const struct pen_request *request, struct pen_status *st)
+/* The two stored hashes; a bare scene is the whole body, which is then hashed once. */
+static void hash(struct prepared *job, const struct pen_submission *in)
+{
+    pen_sha256(in->body, in->bytes, job->body_sha256);
+    if (job->new.scene == in->body && job->new.scene_bytes == in->bytes)
+        memcpy(job->scene_sha256, job->body_sha256, sizeof job->scene_sha256);
+    else
+        pen_sha256(job->new.scene, job->new.scene_bytes, job->scene_sha256);
+    job->new.body_sha256 = job->body_sha256;
+    job->new.scene_sha256 = job->scene_sha256;
+}
+
+static bool prepare(struct prepared *job, const struct pen_submission *in,
+                    const struct pen_request *request, struct pen_status *st)
 {
     json_t *json = request_json(request);
-    parcel->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
+    job->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
+    job->new = (struct pen_job_new){.id = job->id,
+                                    .created_ms = pen_clock_wall_ms(),
+                                    .kind = request->kind,
+                                    .request = job->request,
+                                    .priority = request->priority,
+                                    .max_attempts = request->max_attempts,
+                                    .timeout_ms = request->timeout_ms,
+                                    .idempotency_key = in->idempotency_key};
+    pen_id_make(job->new.created_ms, job->id);
+    bool ok = (job->request && prepare_scene(job, request)) ||
+              pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
+    ok = ok && prepare_views(job, request, st) && (job->answer = make_answer(job, json, st));
     json_decref(json);
-    parcel->job = (struct pen_job_new){.id = parcel->id,
-                                       .created_ms = pen_clock_wall_ms(),
-                                       .kind = request->kind,
-                                       .request = parcel->request,
-                                       .priority = request->priority,
-                                       .max_attempts = request->max_attempts,
-                                       .timeout_ms = request->timeout_ms,
-                                       .idempotency_key = in->idempotency_key};
-    pen_id_make(parcel->job.created_ms, parcel->id);
-    if (!parcel->request || !pack_scene(parcel, in, request))
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
-    if (!pack_views(parcel, request, st) || !(parcel->answer = make_answer(parcel, st)))
+    if (!ok)
         return false;
-    pen_sha256(in->body, in->bytes, parcel->body_sha256);
-    parcel->job.body_sha256 = parcel->body_sha256;
-    parcel->job.answer = parcel->answer;
+    hash(job, in);
+    job->new.answer = job->answer;
     return true;
 }
 
@@ -168,19 +178,19 @@ static bool take_first_answer(struct pen_submitted *out, struct pen_status *st)
     return ok || pen_fail(st, PEN_STORAGE, "the answer stored with the key is damaged");
 }
 
-static bool store_parcel(struct pen_jobs *jobs, const struct parcel *parcel,
-                         struct pen_submitted *out, struct pen_status *st)
+static bool store_job(struct pen_jobs *jobs, const struct prepared *job, struct pen_submitted *out,
+                      struct pen_status *st)
 {
     enum pen_submit_result result;
-    if (!pen_store_submit(jobs->store, &parcel->job, &result, &out->answer, st))
+    if (!pen_store_submit(jobs->store, &job->new, &result, &out->answer, st))
         return false;
     if (result == PEN_SUBMIT_REUSED)
         return pen_fail(st, PEN_INVALID,
                         "this Idempotency-Key was used with another body; take a new key");
     if (result == PEN_SUBMIT_REPEATED)
         return take_first_answer(out, st);
-    memcpy(out->id, parcel->id, sizeof out->id);
-    return pen_buf_puts(&out->answer, parcel->answer) ||
+    memcpy(out->id, job->id, sizeof out->id);
+    return pen_buf_puts(&out->answer, job->answer) ||
            pen_fail(st, PEN_NO_MEMORY, "no memory for an answer");
 }
 
@@ -198,20 +208,20 @@ bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
                      struct pen_submitted *out, struct pen_errors *errors)
 {
     struct pen_request request;
-    struct parcel parcel = {0};
+    struct prepared job = {0};
     struct pen_status st;
     *out = (struct pen_submitted){0};
     if (!check_key(in->idempotency_key, errors))
         return false;
     bool ok = pen_request_read(in, &jobs->limits, &request, errors);
     if (ok) {
-        ok = pack(&parcel, in, &request, &st) && store_parcel(jobs, &parcel, out, &st);
+        ok = prepare(&job, in, &request, &st) && store_job(jobs, &job, out, &st);
         if (!ok)
             pen_errors_add(errors, &st);
     }
     if (!ok)
         pen_buf_release(&out->answer);
-    parcel_release(&parcel);
+    prepared_release(&job);
     pen_request_release(&request);
     return ok;
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What a worker is at, in memory that can be shared with another process and outlives the worker:
- * where each render thread is, which of them crashed, the last lines of the log. All zeros at
- * first. Written by the worker, read by whoever is to say what it died of.
+/* What a worker is doing, in memory that the supervisor shares and that outlives the worker: the
+ * pixel of each render thread, the thread that crashed, the last lines of the log. All zeros at
+ * first. The worker writes it; the supervisor reads it to report why the worker died.
  *
- * Threads: a place is written by its render thread alone; all fields are atomic and relaxed, since
- * a reader wants only to know about where things stood. */
+ * Threads: only its render thread writes a place. All fields are atomic and relaxed: a reader needs
+ * no more than roughly the last state. */
 #ifndef PEN_JOBS_TRACE_H
 #define PEN_JOBS_TRACE_H
 
@@ -18,7 +18,7 @@ enum { PEN_TRACE_THREADS = 256 };
 
 struct pen_trace_place {
     atomic_uintptr_t thread;    /* pthread_self() of the thread; 0: none */
-    atomic_uint_fast64_t pixel; /* 1 + (y << 32 | x); 0: at none */
+    atomic_uint_fast64_t pixel; /* 1 + (y << 32 | x); 0: no pixel */
 };
 
 struct pen_trace {
@@ -30,14 +30,14 @@ struct pen_trace {
 /* Notes that a thread is about to begin a pixel. */
 void pen_trace_pixel(struct pen_trace *trace, int thread, int x, int y);
 
-/* Notes that no thread is at any. */
+/* Notes that no thread is rendering a pixel. */
 void pen_trace_idle(struct pen_trace *trace);
 
 /* Notes that the calling thread has crashed. May be called in a signal handler. */
 void pen_trace_crash(struct pen_trace *trace);
 
-/* Where the thread that crashed was, or, if it is not known which did, the only one that was
- * anywhere. Returns false if that is not known either. */
+/* The pixel of the thread that crashed; if that thread is not known, the pixel of the only thread
+ * that was rendering one. Returns false if neither is known. */
 bool pen_trace_where(const struct pen_trace *trace, int *x, int *y);
 
 #endif

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* The worker's loop, and what it does when something goes wrong:
  *
- *   the job's fault (scene, memory, time)   the job fails with the problem
- *   the lease is lost, the job cancelled    the result is thrown away
- *   it is to end in mid benchmark           the benchmark is given back, to begin anew elsewhere
- *   the store is busy, full or ill          it tries again, holding what it has; the store mends
- *                                           itself under such calls once its disk works again
- *   the store could not be read meanwhile   the batch is begun again once it can
+ *   the job is at fault (scene, memory, time)   fails the job with the problem
+ *   the lease is lost, the job cancelled        drops the result
+ *   it is to stop during a benchmark            gives the benchmark back; it begins anew elsewhere
+ *   the store is busy, full or failing          tries again and keeps the result; such calls also
+ *                                               let the store recover once its disk works again
+ *   the store could not be read for a batch     begins the batch again once it can be read
  *
- * A result is kept until the store has said that it is stored or not wanted: an unknown outcome is
- * asked again, since a commit may be repeated. */
+ * A result is kept until the store has stored or refused it: a commit whose outcome is unknown is
+ * repeated, which does no harm. */
 #include "jobs/worker.h"
 
 #include <stdlib.h>
@@ -23,14 +23,14 @@
 
 enum {
     LEASE_MS = 15000,
-    IDLE_MS = 1000,       /* how long to wait for a hint before looking anyway */
+    IDLE_MS = 1000,       /* until an idle worker tries to claim without a wake-up */
     RETRY_MS = 250,       /* between tries of a busy or failing store */
-    SAY_MS = 10000,       /* between lines of the log about the same failure */
-    READ_TRIES = 5,       /* of a batch that the store could not be read for */
-    MEMORY_TRIES = 20,    /* of what there was no memory for; memory held here does not come back */
-    SWEEP_MS = 1000,      /* between looks for leases that ran out */
-    TIDY_MS = 600000,     /* between housekeepings */
-    SEEN_MS = 15000,      /* between signs of life in the list of workers */
+    LOG_MS = 10000,       /* between log lines about the same failure */
+    READ_TRIES = 5,       /* of a batch for which the store could not be read */
+    MEMORY_TRIES = 20,    /* of a store call without memory; it may be this process that holds it */
+    EXPIRE_MS = 1000,     /* between calls of pen_store_expire_leases */
+    PURGE_MS = 600000,    /* between calls of pen_store_purge */
+    SEEN_MS = 15000,      /* between updates of this worker's row in the list of workers */
     KEY_AGE_MS = 86400000 /* idempotency keys hold for 24 hours */
 };
 
@@ -39,12 +39,12 @@ struct worker {
     const atomic_bool *stop;
     int64_t lease_ms;
     struct pen_store *store;
-    struct pen_batch_room room;
-    int64_t swept_ns, tidied_ns, seen_ns;
-    int memory_tries; /* in a row */
-    int64_t said_ns;  /* when a failure of the store was last logged */
-    enum pen_code said;
-    uint32_t seen; /* the last hint */
+    struct pen_batch_context context;
+    int64_t expired_ns, purged_ns, seen_ns;
+    int memory_tries;  /* in a row */
+    int64_t logged_ns; /* when a failure of the store was last logged */
+    enum pen_code logged;
+    uint32_t wakeups; /* the store's PEN_SIGNAL_WORK counter, as last seen */
 };
 
 static bool stopped(const struct worker *w)
@@ -58,31 +58,31 @@ static void pause_ms(int ms)
     nanosleep(&time, NULL);
 }
 
-/* Whether waiting may help. */
-static bool is_passing(const struct pen_status *st)
+/* Whether the failure may be over after a while. */
+static bool is_temporary(const struct pen_status *st)
 {
     return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_STORAGE ||
            st->code == PEN_NO_MEMORY;
 }
 
-/* A store may be ill for hours: the log is told now and then. */
-static void say(struct worker *w, const char *what, const struct pen_status *st)
+/* Logs a failure of the store, which may last for hours, every LOG_MS. */
+static void log_failure(struct worker *w, const char *what, const struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
-    if (w->said == st->code && now_ns - w->said_ns < (int64_t)SAY_MS * 1000000)
+    if (w->logged == st->code && now_ns - w->logged_ns < (int64_t)LOG_MS * 1000000)
         return;
-    w->said = st->code;
-    w->said_ns = now_ns;
+    w->logged = st->code;
+    w->logged_ns = now_ns;
     pen_log(PEN_LOG_WARN, "%s: %s; trying again", what, st->msg);
 }
 
-/* Waits before the next try of what the store refused. Returns whether to try at all. */
+/* Waits before the next try of a call that the store has failed. Returns whether to try again. */
 static bool wait_to_retry(struct worker *w, const char *what, const struct pen_status *st)
 {
     w->memory_tries = st->code == PEN_NO_MEMORY ? w->memory_tries + 1 : 0;
-    if (!is_passing(st) || stopped(w) || w->memory_tries > MEMORY_TRIES)
+    if (!is_temporary(st) || stopped(w) || w->memory_tries > MEMORY_TRIES)
         return false;
-    say(w, what, st);
+    log_failure(w, what, st);
     pause_ms(RETRY_MS);
     return true;
 }
@@ -104,47 +104,49 @@ static bool fail_job(struct worker *w, const struct pen_claim *claim, char *erro
 
 static bool release(struct worker *w, const struct pen_claim *claim, struct pen_status *st)
 {
-    return pen_store_release(w->store, claim, st) || is_passing(st);
+    return pen_store_release(w->store, claim, st) || is_temporary(st);
 }
 
 /* Commits; the next claim comes in the same transaction unless the worker is to stop. */
 static bool commit(struct worker *w, const struct pen_claim *claim,
-                   const struct pen_batch_work *work, struct pen_next *next, struct pen_status *st)
+                   const struct pen_batch_output *output, struct pen_next *next,
+                   struct pen_status *st)
 {
     struct pen_log_about about = pen_claim_about(claim);
     int64_t begin_ns = pen_clock_ns();
     bool ok;
     do {
         if (stopped(w))
-            ok = pen_store_commit(w->store, claim, &work->result, st);
+            ok = pen_store_commit(w->store, claim, &output->result, st);
         else
-            ok = pen_store_commit_and_claim(w->store, claim, &work->result, next, st);
+            ok = pen_store_commit_and_claim(w->store, claim, &output->result, next, st);
     } while (!ok && wait_to_retry(w, "committing a batch", st));
-    w->room.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
+    w->context.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
     if (pen_store_checkpoint_due(w->store))
-        pen_heartbeat_settle(w->room.heart);
+        pen_heartbeat_settle(w->context.heart);
     if (!ok && st->code == PEN_STALE)
         pen_log_about(PEN_LOG_INFO, &about, "the batch was no longer wanted");
     return ok || st->code == PEN_STALE;
 }
 
-/* What to do about a batch that did not come out. */
-static bool give_up(struct worker *w, const struct pen_claim *claim, enum pen_beat_end ended,
-                    const struct pen_status *why, struct pen_status *st)
+/* Ends a claim whose batch has failed: fails the job, gives the batch back, or does nothing if the
+ * claim is no longer held. */
+static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen_claim_end ended,
+                       const struct pen_status *why, struct pen_status *st)
 {
-    if (ended == PEN_BEAT_LOST || why->code == PEN_NOT_FOUND || why->code == PEN_STALE)
+    if (ended == PEN_CLAIM_LOST || why->code == PEN_NOT_FOUND || why->code == PEN_STALE)
         return true;
-    if (ended == PEN_BEAT_TIME_UP)
+    if (ended == PEN_CLAIM_TIMED_OUT)
         return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
-    bool stopped_ill = why->code == PEN_STORAGE && stopped(w);
-    if (ended == PEN_BEAT_STOPPED || why->code == PEN_UNAVAILABLE ||
-        why->code == PEN_STORAGE_FULL || stopped_ill)
+    bool stopped_failing = why->code == PEN_STORAGE && stopped(w);
+    if (ended == PEN_CLAIM_STOPPED || why->code == PEN_UNAVAILABLE ||
+        why->code == PEN_STORAGE_FULL || stopped_failing)
         return release(w, claim, st);
     return fail_job(w, claim, pen_failure_of(w->store, claim, why), st);
 }
 
-/* Whether the job had no time left when this claim was taken; the heartbeat sees only those who
- * run out of it while they work. */
+/* Whether the job's time was up when this claim was taken; the heartbeat notices jobs whose time is
+ * up later. */
 static bool is_late(const struct pen_claim *claim)
 {
     return claim->timeout_ms && claim->claimed_ms - claim->started_ms >= claim->timeout_ms;
@@ -161,37 +163,38 @@ static bool wait_for_store(struct worker *w)
     return true;
 }
 
-/* What scenes of earlier jobs take is not this job's fault: without them it gets a second try. */
-static bool do_batch(struct worker *w, const struct pen_claim *claim, struct pen_batch_work *work,
-                     struct pen_status *why)
+/* Runs the batch. Memory that caches for earlier jobs hold is not this job's fault: if memory runs
+ * out they are dropped, and the batch is tried once more. */
+static bool run_batch(struct worker *w, const struct pen_claim *claim,
+                      struct pen_batch_output *output, struct pen_status *why)
 {
-    if (pen_batch_do(&w->room, claim, work, why))
+    if (pen_batch_run(&w->context, claim, output, why))
         return true;
     if (why->code != PEN_NO_MEMORY ||
-        atomic_load_explicit(&w->room.exhausted, memory_order_relaxed))
+        atomic_load_explicit(&w->context.exhausted, memory_order_relaxed))
         return false;
-    pen_batch_room_empty(&w->room);
-    return pen_batch_do(&w->room, claim, work, why);
+    pen_batch_context_drop_caches(&w->context);
+    return pen_batch_run(&w->context, claim, output, why);
 }
 
-/* What the store could not be read for is tried again; what is wrong with a store that is well is
- * wrong with what it has of this job. */
-static bool do_batch_with_patience(struct worker *w, const struct pen_claim *claim,
-                                   struct pen_batch_work *work, struct pen_status *why)
+/* The same, again whenever the store could not be read. If reads fail while the store takes writes,
+ * what it has of this job is damaged: the last error stands. */
+static bool run_batch_with_retries(struct worker *w, const struct pen_claim *claim,
+                                   struct pen_batch_output *output, struct pen_status *why)
 {
     for (int tries = 1;; tries++) {
-        if (do_batch(w, claim, work, why))
+        if (run_batch(w, claim, output, why))
             return true;
         if (why->code != PEN_STORAGE || tries == READ_TRIES || !wait_for_store(w))
             return false;
     }
 }
 
-/* Works on a claim. *next is the claim after it, if one came along. */
+/* Handles a claim from batch to commit. *next is the claim after it, if the commit took one. */
 static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_next *next,
                     struct pen_status *st)
 {
-    struct pen_batch_work work;
+    struct pen_batch_output output;
     struct pen_status why;
     if (is_late(claim))
         return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
@@ -203,75 +206,77 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
                       claim->view, claim->first_tile);
     else
         pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
-    /* A study takes too long to be waited for. */
-    pen_heartbeat_begin(w->room.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
-    bool done = do_batch_with_patience(w, claim, &work, &why);
-    if (done && pen_heartbeat_is_late(w->room.heart)) {
-        pen_batch_work_release(&work);
+    /* A stop does not wait for a benchmark, which may take long. */
+    pen_heartbeat_begin(w->context.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
+    bool done = run_batch_with_retries(w, claim, &output, &why);
+    if (done && pen_heartbeat_is_late(w->context.heart)) {
+        pen_batch_output_release(&output);
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");
     }
-    bool ok = !done || commit(w, claim, &work, next, st);
-    enum pen_beat_end ended = pen_heartbeat_end(w->room.heart);
+    bool ok = !done || commit(w, claim, &output, next, st);
+    enum pen_claim_end ended = pen_heartbeat_end(w->context.heart);
     if (!done)
-        return give_up(w, claim, ended, &why, st);
-    pen_batch_work_release(&work);
+        return end_failed(w, claim, ended, &why, st);
+    pen_batch_output_release(&output);
     return ok;
 }
 
-/* Says that it is there. Nothing depends on it: the next time will do. */
-static void show_up(struct worker *w, int64_t now_ns)
+/* Updates this worker's row in the list of workers. A failure does not matter: the next update may
+ * succeed. */
+static void update_row(struct worker *w, int64_t now_ns)
 {
     struct pen_status ignored;
     if (w->seen_ns && now_ns - w->seen_ns < (int64_t)SEEN_MS * 1000000)
         return;
     w->seen_ns = now_ns;
-    pen_store_worker_seen(w->store, w->options->name, pen_thread_pool_size(w->room.pool),
+    pen_store_worker_seen(w->store, w->options->name, pen_thread_pool_size(w->context.pool),
                           w->lease_ms, &ignored);
 }
 
-static bool sweep_and_tidy(struct worker *w, struct pen_status *st)
+/* Everything that is due now and then: this worker's row, expired leases, the purge. */
+static bool maintain(struct worker *w, struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
     int opened = 0;
-    show_up(w, now_ns);
-    if (now_ns - w->swept_ns >= (int64_t)SWEEP_MS * 1000000) {
-        w->swept_ns = now_ns;
+    update_row(w, now_ns);
+    if (now_ns - w->expired_ns >= (int64_t)EXPIRE_MS * 1000000) {
+        w->expired_ns = now_ns;
         if (!pen_store_expire_leases(w->store, NULL, &opened, st))
-            return is_passing(st);
+            return is_temporary(st);
         if (opened > 0)
             pen_log(PEN_LOG_WARN, "%d batches were opened again: their leases ran out", opened);
     }
-    if (now_ns - w->tidied_ns >= (int64_t)TIDY_MS * 1000000) {
-        w->tidied_ns = now_ns;
+    if (now_ns - w->purged_ns >= (int64_t)PURGE_MS * 1000000) {
+        w->purged_ns = now_ns;
         if (!pen_store_purge(w->store, KEY_AGE_MS, st))
-            return is_passing(st);
+            return is_temporary(st);
     }
     return true;
 }
 
-/* Claims, waiting for a hint or a while when there is nothing. */
+/* Claims a batch; if there is none, waits for a wake-up, or IDLE_MS. */
 static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_status *st)
 {
     next->found = false;
     if (!pen_store_claim(w->store, next->worker, next->lease_ms, &next->claim, &next->found, st))
-        return wait_to_retry(w, "claiming a batch", st) || is_passing(st);
+        return wait_to_retry(w, "claiming a batch", st) || is_temporary(st);
     if (!next->found && !stopped(w))
-        pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->seen, IDLE_MS);
+        pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, IDLE_MS);
     return true;
 }
 
 static bool run(struct worker *w, struct pen_status *st)
 {
     struct pen_next next = {.worker = w->options->name, .lease_ms = w->lease_ms};
-    pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->seen, 0);
-    w->tidied_ns = pen_clock_ns();
+    pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, 0);
+    w->purged_ns = pen_clock_ns();
     while (!stopped(w)) {
-        if (!sweep_and_tidy(w, st) || !claim_or_wait(w, &next, st))
+        if (!maintain(w, st) || !claim_or_wait(w, &next, st))
             return false;
         while (next.found && !stopped(w)) {
             struct pen_claim claim = next.claim;
             next.found = false;
-            if (!work_on(w, &claim, &next, st) || !sweep_and_tidy(w, st))
+            if (!work_on(w, &claim, &next, st) || !maintain(w, st))
                 return false;
         }
         if (next.found && !release(w, &next.claim, st))
@@ -284,27 +289,27 @@ static bool set_up(struct worker *w, struct pen_status *st)
 {
     const struct pen_worker_options *o = w->options;
     w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
-    w->room.trace = o->trace;
-    w->room.fault = o->fault;
-    w->store = w->room.store = pen_store_open(o->store_url, st);
-    if (!w->store || !(w->room.pool = pen_thread_pool_new(o->threads, st)) ||
-        !(w->room.heart = pen_heartbeat_new(o, w->lease_ms, st)))
+    w->context.trace = o->trace;
+    w->context.fault = o->fault;
+    w->store = w->context.store = pen_store_open(o->store_url, st);
+    if (!w->store || !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
+        !(w->context.heart = pen_heartbeat_new(o, w->lease_ms, st)))
         return false;
     pen_store_observe(w->store, o->observer);
     pen_store_delegate_checkpoints(w->store);
-    if (!(w->room.packing = pen_packing_new(o->observer, st)))
+    if (!(w->context.compressor = pen_pixel_compressor_new(o->observer, st)))
         return false;
-    w->room.scenes = pen_scene_cache_new(o->scene_cap_bytes);
-    return w->room.scenes || pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
+    w->context.scenes = pen_scene_cache_new(o->scene_cap_bytes);
+    return w->context.scenes || pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
 }
 
 static void tear_down(struct worker *w)
 {
-    pen_heartbeat_free(w->room.heart);
-    pen_packing_free(w->room.packing);
-    pen_thread_pool_free(w->room.pool);
-    pen_scene_cache_free(w->room.scenes);
-    pen_batch_room_release(&w->room);
+    pen_heartbeat_free(w->context.heart);
+    pen_pixel_compressor_free(w->context.compressor);
+    pen_thread_pool_free(w->context.pool);
+    pen_scene_cache_free(w->context.scenes);
+    pen_batch_context_release(&w->context);
     pen_store_close(w->store);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The worker: claims batches, renders them on one pool of threads, commits pixels. It holds no
- * state that matters: killed anywhere, it costs at most the batches in flight. */
+/* The worker: claims batches, renders them on one thread pool, commits pixels. It holds no state of
+ * its own: killed at any point it loses at most the batches in flight. */
 #ifndef PEN_JOBS_WORKER_H
 #define PEN_JOBS_WORKER_H
 
@@ -13,9 +13,9 @@
 #include "scene/scene.h"
 #include "store/store.h"
 
-/* For tests: a renderer that fails. `wanted` is asked once per batch with the job's name (NULL:
- * none); if it says so, `pixel` is called before each pixel and returns false when it has run out
- * of memory. */
+/* For tests: a renderer that fails. `wanted` is called once per batch with the job's name (NULL:
+ * none); if it returns true, `pixel` is called before each pixel and returns false when it has run
+ * out of memory. */
 struct pen_worker_fault {
     bool (*wanted)(void *user, const char *job_name);
     bool (*pixel)(void *user, int x, int y);
@@ -28,21 +28,21 @@ struct pen_worker_options {
     int threads;             /* 0: one per processor */
     size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
     int64_t lease_ms;        /* 0: 15 s */
-    struct pen_trace *trace; /* where to say what it is at; may be NULL */
-    /* Called when render threads do not come back though their batch is not wanted any more: it
-     * has been settled with the store, and only the end of the process can end them. Must not
-     * return; NULL: they are waited for. */
+    struct pen_trace *trace; /* where the worker notes what it is doing; may be NULL */
+    /* Called when render threads do not stop although their claim has ended: the store is up to
+     * date, and only the end of the process can end them. Must not return; NULL: the worker waits
+     * for them. */
     void (*stuck)(void *user);
     void *stuck_user;
     const struct pen_worker_fault *fault; /* NULL: none */
-    /* Told of the worker's calls on the store, also from the heartbeat's thread, and of packing
-     * ("pack", once per batch, from a third); NULL: none. */
+    /* Gets the worker's calls of the store, also those of the heartbeat's thread, and pixel
+     * compression ("compress", once per batch, from a third thread); NULL: none. */
     const struct pen_store_observer *observer;
 };
 
-/* Works until *stop becomes true: then the batch in flight is finished, a benchmark given back.
- * Wake the store's PEN_SIGNAL_WORK after setting *stop. Fails: the store cannot be opened or broke.
- */
+/* Works until *stop becomes true: then it finishes the batch in flight, or gives a benchmark back.
+ * Wake the store's PEN_SIGNAL_WORK after setting *stop. Fails: the store cannot be opened, or a
+ * call of it fails for good. */
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What whoever watches over a worker says when it has ended. */
+/* The worker death report: what the supervisor knows of a worker that has ended. */
 #ifndef PEN_JOBS_WORKER_REPORT_H
 #define PEN_JOBS_WORKER_REPORT_H
 
@@ -13,8 +13,9 @@ struct pen_worker_report {
     const struct pen_trace *trace; /* its own; NULL: none */
 };
 
-/* Opens what the worker held, and charges and fails jobs as pen_store_worker_ended says. */
-bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_worker_report *obituary,
+/* Opens the batches that the worker held again, and charges and fails jobs, by the rules of
+ * pen_store_worker_ended. *opened: the number of batches. */
+bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_worker_report *report,
                            int *opened, struct pen_status *st);
 
 #endif

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Who renders, as the API shows it. A worker that has not been seen for a minute is not shown: it
- * died in a way that nobody noticed, or its host is gone. */
+/* The render workers, as the API lists them. A worker that has not been seen for a minute is left
+ * out: it died unnoticed, or its host is gone. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "jobs/internal/job_json.h"
 #include "jobs/internal/jobs.h"
 
 enum { SHOWN_MS = 60000 };
@@ -14,7 +15,7 @@ enum { SHOWN_MS = 60000 };
 struct listing {
     json_t *list;
     int64_t now_ms;
-    char last[256]; /* the worker that the list ends with */
+    char last[256]; /* name of the last worker in the list */
     bool ok;
 };
 
@@ -34,13 +35,6 @@ static void split_name(const char *name, char host[200], json_int_t *pid)
     *pid = strtoll(number + 1, NULL, 10);
 }
 
-static json_t *time_json(int64_t ms)
-{
-    char text[25];
-    pen_clock_format(ms, text);
-    return json_string(text);
-}
-
 static json_t *worker_json(const struct pen_worker_record *worker)
 {
     char host[200];
@@ -48,19 +42,19 @@ static json_t *worker_json(const struct pen_worker_record *worker)
     split_name(worker->name, host, &pid);
     return json_pack("{s:s, s:s, s:I, s:i, s:o, s:o, s:[]}", "name", worker->name, "host", host,
                      "pid", pid, "threads", worker->threads, "started_at",
-                     time_json(worker->started_ms), "last_seen_at", time_json(worker->seen_ms),
-                     "batches");
+                     pen_time_json(worker->started_ms), "last_seen_at",
+                     pen_time_json(worker->seen_ms), "batches");
 }
 
 static const char *kind_name(enum pen_batch_kind kind)
 {
     switch (kind) {
+    case PEN_BATCH_RENDER:
+        break;
     case PEN_BATCH_ASSEMBLE:
         return "assemble";
     case PEN_BATCH_STUDY:
         return "benchmark";
-    case PEN_BATCH_RENDER:
-        break;
     }
     return "render";
 }
@@ -72,7 +66,7 @@ static json_t *batch_json(const struct pen_worker_record *worker)
                      "kind", kind_name(worker->kind), "pixels", (json_int_t)worker->pixels);
 }
 
-/* Rows of one worker follow each other, one for each batch it holds. */
+/* The store gives one row for each batch that a worker holds, those of one worker together. */
 static bool add_row(void *user, const struct pen_worker_record *worker)
 {
     struct listing *listing = user;

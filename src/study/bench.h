@@ -84,9 +84,9 @@ bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *resul
                    struct pen_status *st);
 void pen_bench_result_release(const struct pen_bench *bench, struct pen_bench_result *result);
 
-/* The report of http-api.md as JSON. `head` has what the benchmark does not know, such as the
- * scene's name; its members come first. Takes the reference to it.
- * Fails: NULL when out of memory. */
+/* The report of a benchmark as JSON (api/openapi.yaml, schema Report). `head` has what the
+ * benchmark does not know, such as the scene's name; its members come first. Takes the reference to
+ * it. Fails: NULL when out of memory. */
 json_t *pen_bench_report(const struct pen_bench *bench, const struct pen_bench_result *result,
                          json_t *head);
 

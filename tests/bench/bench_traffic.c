@@ -36,8 +36,8 @@ struct tally {
     double wall_ms, cpu_ms;
 };
 enum { COMMIT, CLAIM, READ, HEARTBEAT, PACK, CHECKPOINT, OTHER, KINDS };
-static const char *const kind_names[KINDS] = {"commit", "claim",      "read", "heartbeat",
-                                              "pack",   "checkpoint", "other"};
+static const char *const kind_names[KINDS] = {"commit",   "claim",      "read", "heartbeat",
+                                              "compress", "checkpoint", "other"};
 
 /* One run of a job. */
 struct run {
@@ -58,7 +58,7 @@ static int kind_of(const char *name)
         return CLAIM;
     if (strcmp(name, "job") == 0 || strcmp(name, "scene") == 0 || strcmp(name, "pixels") == 0)
         return READ;
-    if (strcmp(name, "pack") == 0)
+    if (strcmp(name, "compress") == 0)
         return PACK;
     if (strcmp(name, "checkpoint") == 0)
         return CHECKPOINT;

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "jobs/benchmark.h"
+#include "jobs/bench_spec.h"
 #include "support/suite.h"
 
 static struct pen_bench_spec order;

@@ -8,7 +8,8 @@
 static struct jobs_bed bed;
 
 enum { CLAIM, COMMIT, FAIL, RELEASE, HEARTBEAT, PACK, OTHER, KINDS };
-static const char *const names[OTHER] = {"claim", "commit", "fail", "release", "heartbeat", "pack"};
+static const char *const names[OTHER] = {"claim",   "commit",    "fail",
+                                         "release", "heartbeat", "compress"};
 
 static struct {
     pthread_mutex_t lock;

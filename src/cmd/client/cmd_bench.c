@@ -11,7 +11,7 @@
 #include "cmd/client/progress.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
-#include "jobs/benchmark.h"
+#include "jobs/bench_spec.h"
 #include "study/report.h"
 
 struct values {

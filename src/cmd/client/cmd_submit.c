@@ -14,7 +14,7 @@
 #include "cmd/files.h"
 #include "cmd/report.h"
 #include "io/document.h"
-#include "jobs/benchmark.h"
+#include "jobs/bench_spec.h"
 
 struct values {
     struct pen_remote remote;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Frozen scenes of a worker, by the content of their document and the accelerator: a scene that is
+/* A worker's frozen scenes, by the hash of their document and the accelerator: a scene that is
  * rendered again, from another view or in another batch, is neither parsed nor built again. */
 #ifndef PEN_JOBS_INTERNAL_SCENE_CACHE_H
 #define PEN_JOBS_INTERNAL_SCENE_CACHE_H
@@ -9,7 +9,7 @@
 
 struct pen_scene_cache;
 
-/* What getting a scene took; 0 when it was there. */
+/* The time that getting a scene took; 0 if it was cached. */
 struct pen_scene_times {
     double parse_ms, build_ms;
 };
@@ -21,10 +21,10 @@ void pen_scene_cache_free(struct pen_scene_cache *cache);
 
 size_t pen_scene_cache_cap(const struct pen_scene_cache *cache);
 
-/* Lets all scenes go. */
+/* Frees all scenes. */
 void pen_scene_cache_empty(struct pen_scene_cache *cache);
 
-/* The scene of a claim. Owns: the cache keeps it; it is there until the next call. Fails: as
+/* The scene of a claim. Owns: the cache; valid until the next call. Fails: as
  * pen_store_scene, pen_scene_load and pen_scene_freeze. */
 const struct pen_scene *pen_scene_cache_get(struct pen_scene_cache *cache, struct pen_store *store,
                                             const struct pen_claim *claim,

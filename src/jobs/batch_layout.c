@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* A batch is what a crash costs at most and what a cancel, a preview and a farm see of a job's
- * progress: about one second of work. Work is known only as an upper bound of primary and shadow
- * rays, and the worker's speed not at all, so a batch is a fixed number of such rays. */
-#include "jobs/internal/plan.h"
+/* A batch is the work that a crash loses at most, and the step in which a job progresses for
+ * cancel, preview and several workers: about one second of work. Only an upper bound of a job's
+ * primary and shadow rays is known beforehand, and nothing of the worker's speed, so a batch is a
+ * fixed number of such rays. */
+#include "jobs/internal/batch_layout.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+#include "jobs/internal/view_pixels.h"
 #include "render/render.h"
 
 /* Two threads do some 4 million rays a second in a scene like the built-in room. */
 static const double batch_rays = 4e6;
 
-/* However long a job takes, its rows in the store stay few. */
+/* Bounds the rows of a job in the store, however much work it is. */
 enum { JOB_BATCHES_MAX = 16384 };
 
 static int batches_of_view(const struct pen_request *request, int tiles)
@@ -26,13 +28,13 @@ static int batches_of_view(const struct pen_request *request, int tiles)
     return wanted < most ? (int)wanted : most;
 }
 
-static struct pen_batch_new study_of(const struct pen_request *request)
+static struct pen_batch_new benchmark_batch(const struct pen_request *request)
 {
-    struct pen_bench bench = pen_bench_of_spec(&request->order);
+    struct pen_bench bench = pen_bench_of_spec(&request->spec);
     return (struct pen_batch_new){.kind = PEN_BATCH_STUDY, .pixels = pen_bench_runs(&bench)};
 }
 
-bool pen_plan_batches(const struct pen_request *request, struct pen_batch_new **batches, int *count,
+bool pen_batch_layout(const struct pen_request *request, struct pen_batch_new **batches, int *count,
                       struct pen_status *st)
 {
     const struct pen_settings *s = &request->settings;
@@ -43,7 +45,7 @@ bool pen_plan_batches(const struct pen_request *request, struct pen_batch_new **
     if (!*batches)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %d batches", *count);
     if (request->benchmark)
-        **batches = study_of(request);
+        **batches = benchmark_batch(request);
     for (int i = 0; i < *count && !request->benchmark; i++) {
         int first = (int)((int64_t)tiles * (i % each) / each);
         int end = (int)((int64_t)tiles * (i % each + 1) / each);

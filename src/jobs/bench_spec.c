@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading the members of a benchmark, and the rows its matrix makes. A value of the matrix is read
- * by the reader of `render` objects, so what is allowed there is allowed here. */
-#include "jobs/benchmark.h"
+/* Reading a benchmark spec, and making the rows of its matrix. The reader of `render` objects reads
+ * each value of the matrix, so the same values are allowed in both. */
+#include "jobs/bench_spec.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/json_build.h"
 #include "io/settings_json.h"
-#include "jobs/internal/jobs.h"
-#include "jobs/internal/request.h"
+#include "jobs/internal/request_errors.h"
 
 enum { UP_BYTES = PEN_AT_BYTES };
 
 static const char matrix_at[] = "/matrix";
 
-/* Whether an error of the reader is about a key and not about its value. */
+/* Whether an error of that reader is about a key and not about its value. */
 static bool is_about_key(const struct pen_status *error)
 {
     return strncmp(error->msg, "unknown key", strlen("unknown key")) == 0;
 }
 
-/* Puts one setting on top of *settings. Returns false after an error, *known false too if there is
- * no such setting. `i` is its place in the list. */
+/* Reads one setting, entry i of its list, into *settings. Returns false after an error, with *known
+ * false if there is no such setting. */
 static bool read_value(const char *key, const json_t *value, size_t i,
                        struct pen_settings *settings, bool *known, struct pen_errors *errors)
 {
@@ -78,20 +78,20 @@ static bool check_list(const char *key, const json_t *list, struct pen_errors *e
 }
 
 /* Checks the matrix and counts its rows. */
-static bool check_matrix(struct pen_bench_spec *order, struct pen_errors *errors)
+static bool check_matrix(struct pen_bench_spec *spec, struct pen_errors *errors)
 {
     const char *key;
     json_t *list;
     double rows = 1;
     bool ok = true;
-    if (!json_is_object(order->matrix)) {
+    if (!json_is_object(spec->matrix)) {
         pen_request_fail(errors, PEN_INVALID, "", "matrix",
                          "must be an object of render settings, each with an array of values, "
                          "found %s",
-                         pen_found(order->matrix).text);
+                         pen_found(spec->matrix).text);
         return false;
     }
-    json_object_foreach(order->matrix, key, list)
+    json_object_foreach(spec->matrix, key, list)
     {
         ok &= check_list(key, list, errors);
         rows *= (double)json_array_size(list);
@@ -101,20 +101,20 @@ static bool check_matrix(struct pen_bench_spec *order, struct pen_errors *errors
                          "makes %.0f rows, at most %d are allowed", rows, (int)PEN_BENCH_ROWS_MAX);
         return false;
     }
-    order->row_count = ok ? (int)rows : 0;
+    spec->row_count = ok ? (int)rows : 0;
     return ok;
 }
 
-/* Fills row number `number`: what it chooses from each list, and its settings. */
-static bool fill_row(const struct pen_bench_spec *order, const struct pen_settings *base,
-                     int number, struct pen_bench_row *row)
+/* Fills row number `number`: its value from each list, and its settings. */
+static bool fill_row(const struct pen_bench_spec *spec, const struct pen_settings *base, int number,
+                     struct pen_bench_row *row)
 {
     const char *key;
     json_t *list, *chosen = json_object();
     struct pen_errors none = {0};
-    int left = order->row_count;
+    int left = spec->row_count;
     *row = (struct pen_bench_row){.settings = *base, .chosen = chosen};
-    json_object_foreach(order->matrix, key, list)
+    json_object_foreach(spec->matrix, key, list)
     {
         left /= (int)json_array_size(list);
         if (json_object_set(chosen, key, json_array_get(list, (size_t)(number / left))) != 0)
@@ -124,16 +124,15 @@ static bool fill_row(const struct pen_bench_spec *order, const struct pen_settin
     return chosen && pen_settings_read(chosen, "", &row->settings, &none);
 }
 
-static bool make_rows(struct pen_bench_spec *order, const struct pen_settings *base,
+static bool make_rows(struct pen_bench_spec *spec, const struct pen_settings *base,
                       struct pen_errors *errors)
 {
-    order->rows = calloc((size_t)order->row_count, sizeof *order->rows);
-    bool ok = order->rows != NULL;
-    for (int i = 0; ok && i < order->row_count; i++)
-        ok = fill_row(order, base, i, &order->rows[i]);
+    spec->rows = calloc((size_t)spec->row_count, sizeof *spec->rows);
+    bool ok = spec->rows != NULL;
+    for (int i = 0; ok && i < spec->row_count; i++)
+        ok = fill_row(spec, base, i, &spec->rows[i]);
     if (!ok)
-        pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for %d rows",
-                         order->row_count);
+        pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for %d rows", spec->row_count);
     return ok;
 }
 
@@ -165,7 +164,7 @@ static bool is_listed(const json_t *list, const json_t *value)
     return false;
 }
 
-static bool check_baseline(const struct pen_bench_spec *order, const json_t *baseline,
+static bool check_baseline(const struct pen_bench_spec *spec, const json_t *baseline,
                            struct pen_errors *errors)
 {
     const char *key;
@@ -173,7 +172,7 @@ static bool check_baseline(const struct pen_bench_spec *order, const json_t *bas
     bool ok = true;
     json_object_foreach((json_t *)(uintptr_t)baseline, key, value)
     {
-        const json_t *list = json_object_get(order->matrix, key);
+        const json_t *list = json_object_get(spec->matrix, key);
         if (list && is_listed(list, value))
             continue;
         pen_request_fail(errors, PEN_INVALID, "/baseline", key,
@@ -198,7 +197,7 @@ static bool row_has(const struct pen_bench_row *row, const json_t *wanted)
 }
 
 /* The first row that has all the values that the baseline names. */
-static bool read_baseline(struct pen_bench_spec *order, const json_t *baseline,
+static bool read_baseline(struct pen_bench_spec *spec, const json_t *baseline,
                           struct pen_errors *errors)
 {
     if (!baseline || json_is_null(baseline))
@@ -209,76 +208,76 @@ static bool read_baseline(struct pen_bench_spec *order, const json_t *baseline,
                          pen_found(baseline).text);
         return false;
     }
-    if (!check_baseline(order, baseline, errors))
+    if (!check_baseline(spec, baseline, errors))
         return false;
-    while (!row_has(&order->rows[order->baseline], baseline))
-        order->baseline++;
+    while (!row_has(&spec->rows[spec->baseline], baseline))
+        spec->baseline++;
     return true;
 }
 
 bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
-                         struct pen_bench_spec *order, struct pen_errors *errors)
+                         struct pen_bench_spec *spec, struct pen_errors *errors)
 {
     json_t *matrix = json_object_get(members, "matrix");
-    *order = (struct pen_bench_spec){.repeats = 3, .warmup = 1};
-    order->matrix = matrix ? json_incref(matrix) : json_object();
-    if (!order->matrix) {
+    *spec = (struct pen_bench_spec){.repeats = 3, .warmup = 1};
+    spec->matrix = matrix ? json_incref(matrix) : json_object();
+    if (!spec->matrix) {
         pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for a matrix");
         return false;
     }
-    bool ok = read_count(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, &order->repeats, errors);
-    ok &= read_count(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &order->warmup, errors);
-    if (!check_matrix(order, errors) || !make_rows(order, base, errors))
+    bool ok = read_count(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, &spec->repeats, errors);
+    ok &= read_count(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &spec->warmup, errors);
+    if (!check_matrix(spec, errors) || !make_rows(spec, base, errors))
         return false;
-    return read_baseline(order, json_object_get(members, "baseline"), errors) && ok;
+    return read_baseline(spec, json_object_get(members, "baseline"), errors) && ok;
 }
 
-void pen_bench_spec_release(struct pen_bench_spec *order)
+void pen_bench_spec_release(struct pen_bench_spec *spec)
 {
-    for (int i = 0; order->rows && i < order->row_count; i++)
-        json_decref((json_t *)(uintptr_t)order->rows[i].chosen);
-    free(order->rows);
-    json_decref(order->matrix);
-    *order = (struct pen_bench_spec){0};
+    for (int i = 0; spec->rows && i < spec->row_count; i++)
+        json_decref((json_t *)(uintptr_t)spec->rows[i].chosen);
+    free(spec->rows);
+    json_decref(spec->matrix);
+    *spec = (struct pen_bench_spec){0};
 }
 
-struct pen_bench pen_bench_of_spec(const struct pen_bench_spec *order)
+struct pen_bench pen_bench_of_spec(const struct pen_bench_spec *spec)
 {
-    return (struct pen_bench){.rows = order->rows,
-                              .row_count = order->row_count,
-                              .baseline = order->baseline,
-                              .repeats = order->repeats,
-                              .warmup = order->warmup};
+    return (struct pen_bench){.rows = spec->rows,
+                              .row_count = spec->row_count,
+                              .baseline = spec->baseline,
+                              .repeats = spec->repeats,
+                              .warmup = spec->warmup};
 }
 
-/* One run more than those that are timed: the one that counts tests. */
-static double work_of(const struct pen_bench_spec *order, const struct pen_scene_desc *desc,
+/* Primary and shadow rays of all runs: those that are timed, and one more, which counts tests. */
+static double work_of(const struct pen_bench_spec *spec, const struct pen_scene_desc *desc,
                       int views)
 {
     double work = 0;
-    for (int i = 0; i < order->row_count; i++) {
-        const struct pen_settings *s = &order->rows[i].settings;
+    for (int i = 0; i < spec->row_count; i++) {
+        const struct pen_settings *s = &spec->rows[i].settings;
         work += (double)s->width * s->height * pen_work_per_pixel(desc, s);
     }
-    return work * views * (order->repeats + order->warmup + 1);
+    return work * views * (spec->repeats + spec->warmup + 1);
 }
 
-bool pen_bench_spec_check(const struct pen_bench_spec *order, const struct pen_limits *limits,
+bool pen_bench_spec_check(const struct pen_bench_spec *spec, const struct pen_limits *limits,
                           const struct pen_scene_desc *desc, int views, struct pen_status *st)
 {
-    struct pen_bench bench = pen_bench_of_spec(order);
+    struct pen_bench bench = pen_bench_of_spec(spec);
     bench.view_count = views;
-    for (int i = 0; i < order->row_count; i++) {
-        if (!pen_limits_check(limits, desc, &order->rows[i].settings, (uint32_t)views, matrix_at,
+    for (int i = 0; i < spec->row_count; i++) {
+        if (!pen_limits_check(limits, desc, &spec->rows[i].settings, (uint32_t)views, matrix_at,
                               st))
             return false;
     }
-    double work = work_of(order, desc, views), kept = pen_bench_kept_pixels(&bench);
+    double work = work_of(spec, desc, views), kept = pen_bench_kept_pixels(&bench);
     if (work > limits->work)
         return pen_fail_at(st, PEN_TOO_LARGE, matrix_at,
                            "all runs of %d rows together take up to %.3g primary and shadow rays, "
                            "at most %.3g are allowed",
-                           order->row_count, work, limits->work);
+                           spec->row_count, work, limits->work);
     if (kept > (double)limits->pixels_per_view)
         return pen_fail_at(st, PEN_TOO_LARGE, matrix_at,
                            "the pictures to be compared have %.0f pixels together, at most %llu "
@@ -288,19 +287,19 @@ bool pen_bench_spec_check(const struct pen_bench_spec *order, const struct pen_l
 }
 
 /* The settings without those that the matrix varies. */
-static json_t *shared_settings(const struct pen_bench_spec *order, const struct pen_settings *base)
+static json_t *shared_settings(const struct pen_bench_spec *spec, const struct pen_settings *base)
 {
     json_t *render = pen_settings_json(base);
     const char *key;
     json_t *list;
-    json_object_foreach(order->matrix, key, list)
+    json_object_foreach(spec->matrix, key, list)
     {
         json_object_del(render, key);
     }
     return render;
 }
 
-json_t *pen_bench_spec_head(const struct pen_bench_spec *order, const struct pen_bench *bench,
+json_t *pen_bench_spec_head(const struct pen_bench_spec *spec, const struct pen_bench *bench,
                             const struct pen_settings *base)
 {
     const char *name = bench->desc->name;
@@ -309,6 +308,6 @@ json_t *pen_bench_spec_head(const struct pen_bench_spec *order, const struct pen
         json_array_append_new(views, json_string(bench->desc->views[bench->views[i]].name));
     return json_pack("{s:s, s:s, s:o, s:I, s:O, s:o}", "kind", "benchmark", "scene",
                      name ? name : "", "views", pen_json_all(views, (size_t)bench->view_count),
-                     "primitives", (json_int_t)bench->desc->primitive_count, "matrix",
-                     order->matrix, "render", shared_settings(order, base));
+                     "primitives", (json_int_t)bench->desc->primitive_count, "matrix", spec->matrix,
+                     "render", shared_settings(spec, base));
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Tiles are done in nearly the order of the batch. The thread packs a run of them, a slice of the
- * store's, as soon as all of the run and all before it are done; what is left when the last tile
- * is done is at most about one slice. It sleeps while there is nothing to pack. */
-#include "jobs/internal/packing.h"
+/* Tiles are finished in nearly the order of the batch. The thread compresses a slice of the
+ * store's, which is a run of tiles, as soon as all tiles up to its end are finished; so when the
+ * last tile is finished at most about one slice is left. The thread sleeps while there is nothing
+ * to compress. */
+#include "jobs/internal/pixel_compressor.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -10,25 +11,26 @@
 #include <time.h>
 
 #include "base/clock.h"
-#include "jobs/internal/jobs.h"
+#include "jobs/internal/view_pixels.h"
 
-struct pen_packing {
+struct pen_pixel_compressor {
     const struct pen_store_observer *observer;
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t more, idle;
-    struct pen_pixels *pixels; /* the thread's while active, else the caller's */
+    struct pen_pixels *pixels; /* used by the thread while active, else by the caller */
     float *tiles;              /* of one slice; likewise */
-    size_t tiles_pixels;       /* what it has room for */
+    size_t tiles_pixels;       /* the capacity of tiles */
     struct pen_tile_run run;   /* set while not active */
     int slice_tiles;           /* likewise */
     unsigned char *done;       /* guarded by lock; by tile from run.first on */
     int done_capacity;
-    int ready, packed;       /* guarded by lock; so many tiles from run.first on are done, packed */
-    bool active, drop, quit; /* guarded by lock */
-    bool failed;             /* guarded by lock; with status */
+    int ready;                 /* guarded by lock; so many tiles from run.first on are finished */
+    int compressed;            /* guarded by lock; so many of them are compressed */
+    bool active, cancel, quit; /* guarded by lock */
+    bool failed;               /* guarded by lock; with status */
     struct pen_status status;
-    struct pen_store_call spent; /* the thread's; on this batch */
+    struct pen_store_call spent; /* used by the thread alone; on this batch */
 };
 
 static int64_t thread_cpu_ns(void)
@@ -38,14 +40,15 @@ static int64_t thread_cpu_ns(void)
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-/* The end of the slice after `packed`. */
-static int slice_end(const struct pen_packing *p)
+/* The end of the slice that comes next, as a number of tiles from run.first. */
+static int slice_end(const struct pen_pixel_compressor *p)
 {
-    int left = p->run.count - p->packed;
-    return p->packed + (left < p->slice_tiles ? left : p->slice_tiles);
+    int left = p->run.count - p->compressed;
+    return p->compressed + (left < p->slice_tiles ? left : p->slice_tiles);
 }
 
-static bool pack_slice(struct pen_packing *p, int first, int count, struct pen_status *st)
+static bool compress_slice(struct pen_pixel_compressor *p, int first, int count,
+                           struct pen_status *st)
 {
     int64_t wall_ns = pen_clock_ns(), cpu_ns = thread_cpu_ns();
     pen_tiles_gather(p->run.settings, first, count, p->run.image, p->tiles);
@@ -56,7 +59,7 @@ static bool pack_slice(struct pen_packing *p, int first, int count, struct pen_s
     return ok;
 }
 
-static void finish(struct pen_packing *p)
+static void finish(struct pen_pixel_compressor *p)
 {
     if (p->observer)
         p->observer->called(p->observer->user, &p->spent);
@@ -64,11 +67,11 @@ static void finish(struct pen_packing *p)
     pthread_cond_signal(&p->idle);
 }
 
-/* Packs the next slice, or waits for it. Called and returns with the lock held. */
-static void step(struct pen_packing *p)
+/* Compresses the next slice, or waits for it. Called and returns with the lock held. */
+static void step(struct pen_pixel_compressor *p)
 {
-    int begin = p->packed, end = slice_end(p);
-    if (p->drop || p->failed || begin == p->run.count) {
+    int begin = p->compressed, end = slice_end(p);
+    if (p->cancel || p->failed || begin == p->run.count) {
         finish(p);
         return;
     }
@@ -78,9 +81,9 @@ static void step(struct pen_packing *p)
     }
     struct pen_status st;
     pthread_mutex_unlock(&p->lock);
-    bool ok = pack_slice(p, p->run.first + begin, end - begin, &st);
+    bool ok = compress_slice(p, p->run.first + begin, end - begin, &st);
     pthread_mutex_lock(&p->lock);
-    p->packed = end;
+    p->compressed = end;
     if (!ok) {
         p->failed = true;
         p->status = st;
@@ -89,7 +92,7 @@ static void step(struct pen_packing *p)
 
 static void *work(void *user)
 {
-    struct pen_packing *p = user;
+    struct pen_pixel_compressor *p = user;
     pthread_mutex_lock(&p->lock);
     while (!p->quit) {
         if (p->active)
@@ -101,10 +104,10 @@ static void *work(void *user)
     return NULL;
 }
 
-struct pen_packing *pen_packing_new(const struct pen_store_observer *observer,
-                                    struct pen_status *st)
+struct pen_pixel_compressor *pen_pixel_compressor_new(const struct pen_store_observer *observer,
+                                                      struct pen_status *st)
 {
-    struct pen_packing *p = calloc(1, sizeof *p);
+    struct pen_pixel_compressor *p = calloc(1, sizeof *p);
     struct pen_pixels *pixels = p ? pen_pixels_new() : NULL;
     if (pixels) {
         p->observer = observer;
@@ -118,13 +121,13 @@ struct pen_packing *pen_packing_new(const struct pen_store_observer *observer,
         pthread_cond_destroy(&p->more);
         pthread_mutex_destroy(&p->lock);
     }
-    pen_fail(st, PEN_NO_MEMORY, "no memory for the thread that packs pixels");
+    pen_fail(st, PEN_NO_MEMORY, "no memory for the thread that compresses pixels");
     pen_pixels_free(pixels);
     free(p);
     return NULL;
 }
 
-void pen_packing_free(struct pen_packing *p)
+void pen_pixel_compressor_free(struct pen_pixel_compressor *p)
 {
     if (!p)
         return;
@@ -149,7 +152,8 @@ static int64_t tile_pixels(const struct pen_settings *s)
            (s->tile < s->height ? s->tile : s->height);
 }
 
-static bool make_room(struct pen_packing *p, const struct pen_tile_run *run, struct pen_status *st)
+static bool reserve(struct pen_pixel_compressor *p, const struct pen_tile_run *run,
+                    struct pen_status *st)
 {
     int tiles = p->slice_tiles < run->count ? p->slice_tiles : run->count;
     size_t pixels = (size_t)tiles * (size_t)tile_pixels(run->settings);
@@ -164,30 +168,31 @@ static bool make_room(struct pen_packing *p, const struct pen_tile_run *run, str
         p->done = malloc((size_t)run->count);
         p->done_capacity = p->done ? run->count : 0;
     }
-    return (p->tiles && p->done) || pen_fail(st, PEN_NO_MEMORY, "no memory to pack pixels");
+    return (p->tiles && p->done) || pen_fail(st, PEN_NO_MEMORY, "no memory to compress pixels");
 }
 
-bool pen_packing_begin(struct pen_packing *p, const struct pen_tile_run *run, struct pen_status *st)
+bool pen_pixel_compressor_begin(struct pen_pixel_compressor *p, const struct pen_tile_run *run,
+                                struct pen_status *st)
 {
     int64_t each = tile_pixels(run->settings);
     p->slice_tiles = each < PEN_PIXELS_SLICE ? (int)(PEN_PIXELS_SLICE / each) : 1;
-    if (!make_room(p, run, st))
+    if (!reserve(p, run, st))
         return false;
     pen_pixels_begin(p->pixels);
     memset(p->done, 0, (size_t)run->count);
     pthread_mutex_lock(&p->lock);
     p->run = *run;
-    p->ready = p->packed = 0;
-    p->failed = p->drop = false;
-    p->spent = (struct pen_store_call){.name = "pack"};
+    p->ready = p->compressed = 0;
+    p->failed = p->cancel = false;
+    p->spent = (struct pen_store_call){.name = "compress"};
     p->active = true;
     pthread_mutex_unlock(&p->lock);
     return true;
 }
 
-void pen_packing_tile_done(void *packing, struct pen_rect rect)
+void pen_pixel_compressor_tile_done(void *compressor, struct pen_rect rect)
 {
-    struct pen_packing *p = packing;
+    struct pen_pixel_compressor *p = compressor;
     const struct pen_settings *s = p->run.settings;
     int tile = rect.y / s->tile * pen_tile_count(s->width, 1, s->tile) + rect.x / s->tile;
     pthread_mutex_lock(&p->lock);
@@ -199,26 +204,27 @@ void pen_packing_tile_done(void *packing, struct pen_rect rect)
     pthread_mutex_unlock(&p->lock);
 }
 
-static void wait_until_idle(struct pen_packing *p, bool drop)
+static void wait_until_idle(struct pen_pixel_compressor *p, bool cancel)
 {
     pthread_mutex_lock(&p->lock);
-    p->drop = drop;
+    p->cancel = cancel;
     pthread_cond_signal(&p->more);
     while (p->active)
         pthread_cond_wait(&p->idle, &p->lock);
     pthread_mutex_unlock(&p->lock);
 }
 
-bool pen_packing_end(struct pen_packing *p, const struct pen_pixels **packed, struct pen_status *st)
+bool pen_pixel_compressor_end(struct pen_pixel_compressor *p, const struct pen_pixels **encoded,
+                              struct pen_status *st)
 {
     wait_until_idle(p, false);
-    *packed = p->pixels;
+    *encoded = p->pixels;
     if (p->failed)
         *st = p->status;
     return !p->failed;
 }
 
-void pen_packing_drop(struct pen_packing *p)
+void pen_pixel_compressor_cancel(struct pen_pixel_compressor *p)
 {
     wait_until_idle(p, true);
 }

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Committed pixels stand in the order of tiles, each its rows from the top: a batch is then one
- * run of values whatever the image's width. Here they are brought to rows and back. */
+/* Committed pixels are stored tile by tile, each tile row by row from the top: a batch is then one
+ * run of values whatever the image's width. */
 #include <string.h>
 
-#include "jobs/internal/jobs.h"
+#include "jobs/internal/view_pixels.h"
+
 #include "render/render.h"
 
-/* Pixels of the tiles before tile number `index`. Every row of tiles but the last is full. */
+/* Pixels of the tiles before tile number `index`. All rows of tiles have the full height, except
+ * possibly the last. */
 static int64_t pixels_before(const struct pen_settings *s, int index)
 {
     int across = pen_tile_count(s->width, 1, s->tile);
@@ -52,7 +54,7 @@ struct loading {
     struct pen_film *film;
     unsigned char *mask;
     int64_t filled;
-    bool odd; /* a batch did not fit the image */
+    bool misfit; /* a batch lies outside the image */
 };
 
 static void mark_tiles(const struct loading *load, int first, int count)
@@ -70,9 +72,9 @@ static bool place_batch(void *user, int first, int count, const float *rgb, int6
     struct loading *load = user;
     const struct pen_settings *s = load->settings;
     int total = pen_tile_count(s->width, s->height, s->tile);
-    load->odd = first < 0 || count < 0 || first > total || count > total - first ||
-                pixels != pen_tiles_pixels(s, first, count);
-    if (load->odd)
+    load->misfit = first < 0 || count < 0 || first > total || count > total - first ||
+                   pixels != pen_tiles_pixels(s, first, count);
+    if (load->misfit)
         return false;
     pen_tiles_scatter(s, first, count, rgb, load->film->rgb);
     if (load->mask)
@@ -81,27 +83,27 @@ static bool place_batch(void *user, int first, int count, const float *rgb, int6
     return true;
 }
 
-bool pen_canvas_load(struct pen_store *store, const char *id, int view,
-                     const struct pen_settings *settings, struct pen_film *film,
-                     unsigned char *mask, int64_t *filled, struct pen_status *st)
+bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
+                          const struct pen_settings *settings, struct pen_film *film,
+                          unsigned char *mask, int64_t *filled, struct pen_status *st)
 {
     struct loading load = {.settings = settings, .film = film, .mask = mask};
     if (!pen_store_pixels(store, id, view, place_batch, &load, st))
         return false;
     *filled = load.filled;
-    return !load.odd || pen_fail(st, PEN_STORAGE, "job %s has pixels that its image lacks", id);
+    return !load.misfit || pen_fail(st, PEN_STORAGE, "job %s has pixels that its image lacks", id);
 }
 
-enum pen_transfer pen_canvas_transfer(const struct pen_settings *settings)
+enum pen_transfer pen_view_transfer(const struct pen_settings *settings)
 {
     return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
 }
 
-bool pen_canvas_encode(const struct pen_film *film, const struct pen_settings *settings,
-                       const char *format, struct pen_buf *out, struct pen_status *st)
+bool pen_view_encode(const struct pen_film *film, const struct pen_settings *settings,
+                     const char *format, struct pen_buf *out, struct pen_status *st)
 {
     struct pen_png_options options = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
-                                      .transfer = pen_canvas_transfer(settings)};
+                                      .transfer = pen_view_transfer(settings)};
     if (strcmp(format, "pfm") == 0)
         return pen_pfm_write(film, out, st);
     return pen_png_write(film, &options, out, st);

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT */
+#include "jobs/internal/batch_context.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "io/figures.h"
+
+void pen_batch_output_release(struct pen_batch_output *output)
+{
+    pen_buf_release(&output->artefact);
+    free(output->stats);
+    *output = (struct pen_batch_output){0};
+}
+
+bool pen_batch_context_load(struct pen_batch_context *context, const struct pen_claim *claim,
+                            struct pen_status *st)
+{
+    struct pen_job_record job;
+    if (strcmp(context->job_id, claim->job_id) == 0)
+        return true;
+    context->job_id[0] = '\0';
+    context->store_ms = 0;
+    pen_stored_request_release(&context->request);
+    if (!pen_store_job(context->store, claim->job_id, &job, st))
+        return false;
+    bool ok = pen_stored_request_read(job.request, &context->request, st);
+    pen_job_record_release(&job);
+    if (ok)
+        memcpy(context->job_id, claim->job_id, sizeof context->job_id);
+    return ok;
+}
+
+void pen_batch_context_drop_caches(struct pen_batch_context *context)
+{
+    pen_scene_cache_empty(context->scenes);
+    free(context->image);
+    context->image = NULL;
+    context->image_pixels = 0;
+}
+
+void pen_batch_context_release(struct pen_batch_context *context)
+{
+    pen_stored_request_release(&context->request);
+    free(context->image);
+}
+
+bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
+                           struct pen_batch_output *output, struct pen_status *st)
+{
+    stats = pen_json_with(stats, "store_before_ms", pen_figure(context->store_ms));
+    context->store_ms = 0;
+    stats = pen_json_with(stats, "commit_ms", json_integer(pen_clock_wall_ms()));
+    output->stats = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
+    json_decref(stats);
+    output->result.stats = output->stats;
+    return output->stats || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
+}
+
+static void trace_pixel(void *user, int thread, int x, int y)
+{
+    struct pen_batch_context *context = user;
+    pen_trace_pixel(context->trace, thread, x, y);
+}
+
+/* The same, with the fault under test. */
+static void try_pixel(void *user, int thread, int x, int y)
+{
+    struct pen_batch_context *context = user;
+    if (context->trace)
+        pen_trace_pixel(context->trace, thread, x, y);
+    if (!context->fault->pixel(context->fault->user, x, y)) {
+        atomic_store_explicit(&context->exhausted, true, memory_order_relaxed);
+        pen_heartbeat_stop(context->heart);
+    }
+}
+
+pen_batch_pixel_fn *pen_batch_pixel_hook(struct pen_batch_context *context)
+{
+    const char *name = json_string_value(json_object_get(context->request.json, "name"));
+    atomic_store_explicit(&context->exhausted, false, memory_order_relaxed);
+    if (context->fault && context->fault->wanted(context->fault->user, name))
+        return try_pixel;
+    return context->trace ? trace_pixel : NULL;
+}
+
+bool pen_batch_hook_done(struct pen_batch_context *context, bool ok, struct pen_status *st)
+{
+    if (context->trace)
+        pen_trace_idle(context->trace);
+    if (!ok && atomic_load_explicit(&context->exhausted, memory_order_relaxed))
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory while rendering");
+    return ok;
+}

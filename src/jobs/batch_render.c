@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+/* Rendering tiles, and assembling the picture of a view. The picture of a view of several batches
+ * is made from committed pixels alone, in an assemble batch; that of a view of one batch is made
+ * from the pixels that are committed with it (src/store/README.md says why). */
+#include "jobs/internal/batch.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "io/figures.h"
+#include "io/stats_json.h"
+#include "jobs/internal/stats.h"
+#include "jobs/internal/view_pixels.h"
+
+static double ms_since(int64_t begin_ns)
+{
+    return (double)(pen_clock_ns() - begin_ns) * 1e-6;
+}
+
+/* Makes the image large enough for a view of the job. */
+static bool reserve_image(struct pen_batch_context *context, struct pen_status *st)
+{
+    size_t wanted =
+        (size_t)context->request.settings.width * (size_t)context->request.settings.height;
+    if (wanted <= context->image_pixels)
+        return true;
+    free(context->image);
+    context->image_pixels = 0;
+    context->image = wanted < SIZE_MAX / 3 / sizeof *context->image
+                         ? malloc(wanted * 3 * sizeof *context->image)
+                         : NULL;
+    if (!context->image)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu pixels", wanted);
+    context->image_pixels = wanted;
+    return true;
+}
+
+static bool encode(struct pen_batch_context *context, struct pen_film film,
+                   struct pen_batch_output *output, double *encode_ms, struct pen_status *st)
+{
+    int64_t begin_ns = pen_clock_ns();
+    if (!pen_view_encode(&film, &context->request.settings, "png", &output->artefact, st))
+        return false;
+    output->result.layer = "beauty";
+    output->result.format = "png";
+    output->result.artefact = output->artefact.data;
+    output->result.artefact_bytes = output->artefact.bytes;
+    *encode_ms = ms_since(begin_ns);
+    return true;
+}
+
+/* Renders; finished tiles are compressed meanwhile. */
+static bool run_task(struct pen_batch_context *context, const struct pen_render_task *task,
+                     struct pen_render_stats *stats, struct pen_status *st)
+{
+    struct pen_tile_run run = {task->settings, task->first_tile, task->tile_count, task->rgb};
+    if (!pen_pixel_compressor_begin(context->compressor, &run, st))
+        return false;
+    bool ok = pen_render_run(context->pool, task, stats, st);
+    if (!ok)
+        pen_pixel_compressor_cancel(context->compressor);
+    return pen_batch_hook_done(context, ok, st);
+}
+
+/* The claim's view in the scene, or -1. */
+static int view_of(const struct pen_batch_context *context, const struct pen_claim *claim,
+                   const struct pen_scene *scene)
+{
+    const char *view = pen_stored_request_view(&context->request, claim->view);
+    return view ? pen_scene_find_view(scene, view) : -1;
+}
+
+static bool run_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
+                      const struct pen_scene *scene, struct pen_render_stats *stats,
+                      struct pen_status *st)
+{
+    const struct pen_settings *s = &context->request.settings;
+    struct pen_render_task task = {.scene = scene,
+                                   .view = view_of(context, claim, scene),
+                                   .settings = s,
+                                   .first_tile = claim->first_tile,
+                                   .tile_count = claim->tile_count,
+                                   .rgb = context->image,
+                                   .cancel = pen_heartbeat_flag(context->heart),
+                                   .tile_done = pen_pixel_compressor_tile_done,
+                                   .user = context->compressor,
+                                   .pixel_begins = pen_batch_pixel_hook(context),
+                                   .pixel_user = context,
+                                   .keep_tile_ms = true};
+    if (task.view < 0)
+        return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
+    return run_task(context, &task, stats, st);
+}
+
+static bool take_compressed(struct pen_batch_context *context, struct pen_batch_output *output,
+                            struct pen_status *st)
+{
+    int64_t begin_ns = pen_clock_ns();
+    bool ok = pen_pixel_compressor_end(context->compressor, &output->result.encoded, st);
+    context->store_ms += ms_since(begin_ns);
+    return ok;
+}
+
+static bool find_precision(const struct pen_batch_context *context, const struct pen_claim *claim,
+                           const struct pen_scene *scene, struct pen_scene_precision *precision)
+{
+    const struct pen_settings *s = &context->request.settings;
+    return pen_scene_precision(scene, view_of(context, claim, scene), s->width, s->height,
+                               precision);
+}
+
+bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim *claim,
+                      struct pen_batch_output *output, struct pen_status *st)
+{
+    const struct pen_settings *s = &context->request.settings;
+    struct pen_scene_times times;
+    struct pen_render_stats stats;
+    struct pen_scene_precision precision;
+    const struct pen_scene *scene = pen_scene_cache_get(
+        context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
+    if (!scene || !reserve_image(context, st) || !run_tiles(context, claim, scene, &stats, st))
+        return false;
+    output->result.pixels = claim->pixels;
+    struct pen_stats_input in = {.parse_ms = times.parse_ms,
+                                 .build_ms = times.build_ms,
+                                 .render = &stats,
+                                 .accel = pen_accel_get_stats(scene->accel)};
+    if (find_precision(context, claim, scene, &precision))
+        in.precision = &precision;
+    bool ok = claim->view_batches > 1 ||
+              encode(context, (struct pen_film){s->width, s->height, context->image}, output,
+                     &in.encode_ms, st);
+    if (ok)
+        ok = take_compressed(context, output, st);
+    else
+        pen_pixel_compressor_cancel(context->compressor);
+    json_t *json = ok ? pen_stats_json(&in) : NULL;
+    if (ok)
+        json = pen_json_with(json, "tile_ms", pen_tile_times(stats.tile_ms, stats.tile_count));
+    free(stats.tile_ms);
+    return ok && pen_batch_write_stats(context, json, output, st);
+}
+
+bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
+                        struct pen_batch_output *output, struct pen_status *st)
+{
+    const struct pen_settings *s = &context->request.settings;
+    double encode_ms = 0;
+    int64_t filled = 0;
+    if (!reserve_image(context, st))
+        return false;
+    struct pen_film film = {s->width, s->height, context->image};
+    int64_t begin_ns = pen_clock_ns();
+    bool ok = pen_view_pixels_load(context->store, claim->job_id, claim->view, s, &film, NULL,
+                                   &filled, st);
+    context->store_ms += ms_since(begin_ns);
+    if (ok && filled != (int64_t)s->width * s->height)
+        ok =
+            pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", claim->job_id, claim->view);
+    ok = ok && encode(context, film, output, &encode_ms, st);
+    return ok && pen_batch_write_stats(
+                     context, json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms)),
+                     output, st);
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/* What a worker keeps from batch to batch, and what the kinds of batches share. */
+#ifndef PEN_JOBS_INTERNAL_BATCH_CONTEXT_H
+#define PEN_JOBS_INTERNAL_BATCH_CONTEXT_H
+
+#include "jobs/internal/heartbeat.h"
+#include "jobs/internal/jobs.h"
+#include "jobs/internal/pixel_compressor.h"
+#include "jobs/internal/scene_cache.h"
+#include "jobs/internal/stored_request.h"
+#include "jobs/worker.h"
+#include "render/render.h"
+
+struct pen_batch_context {
+    struct pen_store *store;
+    struct pen_thread_pool *pool;
+    struct pen_heartbeat *heart;
+    struct pen_scene_cache *scenes;
+    struct pen_pixel_compressor *compressor;
+    struct pen_trace *trace;              /* may be NULL */
+    const struct pen_worker_fault *fault; /* NULL: none */
+    atomic_bool exhausted;                /* atomic: relaxed; the fault ran out of memory */
+    char job_id[PEN_ID_BYTES];            /* the job of `request`, "" if there is none */
+    struct pen_stored_request request;
+    float *image;        /* of the view being rendered, by rows */
+    size_t image_pixels; /* the capacity of image */
+    double store_ms;     /* time waited for the store for this job, not in its statistics yet */
+};
+
+/* A finished batch; its pixels stay in the context. Owns: release it. */
+struct pen_batch_output {
+    struct pen_result result;
+    struct pen_buf artefact; /* owns the bytes of result.artefact */
+    char *stats;             /* owns the text of result.stats */
+};
+void pen_batch_output_release(struct pen_batch_output *output);
+
+/* Makes `request` that of the claim's job; batches of one job mostly follow each other. Fails: as
+ * pen_store_job and pen_stored_request_read. */
+bool pen_batch_context_load(struct pen_batch_context *context, const struct pen_claim *claim,
+                            struct pen_status *st);
+
+/* Frees what is kept only to save time: scenes and the image. */
+void pen_batch_context_drop_caches(struct pen_batch_context *context);
+
+void pen_batch_context_release(struct pen_batch_context *context);
+
+/* Puts statistics into the output as they are stored, with commit_ms and store_before_ms (stats.h).
+ * Takes the reference; NULL is an allocation that failed. Fails: PEN_NO_MEMORY. */
+bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
+                           struct pen_batch_output *output, struct pen_status *st);
+
+/* The function to be called before each pixel (pixel_begins of a render task, with the context as
+ * its user): it notes the pixel in the trace, and makes the fault under test. May be NULL. */
+typedef void pen_batch_pixel_fn(void *user, int thread, int x, int y);
+pen_batch_pixel_fn *pen_batch_pixel_hook(struct pen_batch_context *context);
+
+/* Call it after the render, with its outcome; returns that outcome. Fails: PEN_NO_MEMORY instead of
+ * the render's error if it was the fault that stopped the render. */
+bool pen_batch_hook_done(struct pen_batch_context *context, bool ok, struct pen_status *st);
+
+#endif

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* The pixels of a view, between the order in which they are committed, tile by tile, and that of
+ * an image, row by row. */
+#ifndef PEN_JOBS_INTERNAL_VIEW_PIXELS_H
+#define PEN_JOBS_INTERNAL_VIEW_PIXELS_H
+
+#include "film/encode.h"
+#include "film/film.h"
+#include "scene/settings.h"
+#include "store/store.h"
+
+/* Pixels of tiles first … first + count - 1. */
+int64_t pen_tiles_pixels(const struct pen_settings *settings, int first, int count);
+
+/* Copies tiles first … first + count - 1 out of an image, or into one. */
+void pen_tiles_gather(const struct pen_settings *settings, int first, int count, const float *image,
+                      float *tiles);
+void pen_tiles_scatter(const struct pen_settings *settings, int first, int count,
+                       const float *tiles, float *image);
+
+/* Fills a film with the committed pixels of a view; sets mask (may be NULL) to 1 where there are
+ * some, and *filled to their number. Fails: as pen_store_pixels; PEN_STORAGE. */
+bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
+                          const struct pen_settings *settings, struct pen_film *film,
+                          unsigned char *mask, int64_t *filled, struct pen_status *st);
+
+/* The transfer function of the settings. */
+enum pen_transfer pen_view_transfer(const struct pen_settings *settings);
+
+/* Encodes a film in one of the formats png, png16, pfm. */
+bool pen_view_encode(const struct pen_film *film, const struct pen_settings *settings,
+                     const char *format, struct pen_buf *out, struct pen_status *st);
+
+#endif
