@@ -62,6 +62,16 @@ int oracle_cylinder_class(const struct oracle_round *b, struct oracle_ray ray, d
 double oracle_passing(const struct oracle_round *b, struct oracle_ray ray);
 double oracle_distance(const struct oracle_round *b, struct oracle_ray ray);
 
+/* A cone from q along a, of radius r[0] there and r[1] at the height h (oracle_cone.c): crossings
+ * and class as above; and the largest p.n of its points, n unit. */
+struct oracle_cone {
+    struct pen_vec3 q, a;
+    double r[2], h;
+};
+void oracle_cone(const struct oracle_cone *b, struct oracle_ray ray, struct oracle_roots *out);
+int oracle_cone_class(const struct oracle_cone *b, struct oracle_ray ray, double k);
+double oracle_cone_reach(const struct oracle_cone *b, struct pen_vec3 n);
+
 /* How far o + t d is from the sphere's or the infinite cylinder's surface, in u (|f| + r + |t d|),
  * f = o - c. */
 double oracle_round_residual(const struct oracle_round *b, struct oracle_ray ray, double t);

@@ -7,7 +7,7 @@
 
 /* The parts of the table, in its order; each ends with a row without an id. */
 extern const struct row row_table_flat[], row_table_space[], row_table_roots[], row_table_light[],
-    row_table_same[];
+    row_table_same[], row_table_cone[];
 
 /* rows_watertight.c */
 void rows_bumpy(struct pen_row_run *run);
@@ -23,6 +23,12 @@ void rows_cylinder_roots(struct pen_row_run *run);
 void rows_cylinder_caps(struct pen_row_run *run);
 void rows_cylinder_grazing(struct pen_row_run *run);
 void rows_oracle(struct pen_row_run *run);
+
+/* rows_cone.c */
+void rows_cone_roots(struct pen_row_run *run);
+void rows_cone_left(struct pen_row_run *run);
+void rows_cone_boxes(struct pen_row_run *run);
+void rows_cone_trees(struct pen_row_run *run);
 
 /* rows_closed.c, rows_outlines.c */
 void rows_embree(struct pen_row_run *run);

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/* Cones. */
+#include <stddef.h>
+
+#include "property/rows.h"
+
+const struct row row_table_cone[] = {
+    {
+        .id = "O1 cone",
+        .name = "o1_cone",
+        .what =
+            "cones of any shape, aimed at sides, caps, rims and the apex, along the axis and the "
+            "side: t within 16 ulp or 4u (|f| + size) towards the part; no wrong hit or miss "
+            "outside BE(8)",
+        .oracle = "113-bit roots; class by growing and shrinking the body",
+        .run = rows_cone_roots,
+    },
+    {
+        .id = "H059 cone",
+        .name = "cone_left",
+        .what = "a ray that goes on from a cone does not meet it outward, and meets it once inward",
+        .oracle = "the normal at the point",
+        .run = rows_cone_left,
+    },
+    {
+        .id = "H091 cone",
+        .name = "cone_boxes",
+        .what = "the box holds the cone and reaches at most 128 u beyond it",
+        .oracle = "113-bit support function",
+        .run = rows_cone_boxes,
+    },
+    {
+        .id = "H095 H096 cone",
+        .name = "cone_trees",
+        .what = "paths among cones: every tree, both variants, and shadow rays say what trying all "
+                "primitives says",
+        .oracle = "all primitives, one by one",
+        .run = rows_cone_trees,
+    },
+    {.id = NULL},
+};
