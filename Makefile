@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Builds Penumbra: build/penumbrad, build/penumbra, build/libpenumbra.a.
+# Builds Penumbra: build/penumbrad, build/penumbra, build/libpenumbra.a, build/libpenumbra.so.
 # Results depend on the flags in PIXEL_FLAGS: no contraction, no fast-math, on every file.
 # Files named *_avx2.c are compiled with -mavx2 -mfma and are entered only after a cpuid check.
 
@@ -21,7 +21,7 @@ CC := gcc
 endif
 
 VERSION := 0.1.0
-RENDER_ROOMS := base math geom accel scene shade film render io
+RENDER_ROOMS := base math geom accel scene shade film render io embed
 SERVICE_ROOMS := study store jobs http
 # A room's files: those in its folder and in folders of that.
 room_files = $(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c))
@@ -30,13 +30,15 @@ WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmis
     -Wswitch-enum $(WERROR)
 PIXEL_FLAGS := -std=c11 -ffp-contract=off -fno-math-errno
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
-CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc $(CPPFLAGS)
+CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc -Iinclude $(CPPFLAGS)
 COMPILE = $(CC) $(CPP) $(OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
 LINK = $(CC) $(SAN) -pthread $(LDFLAGS)
 
 PKGS := libmicrohttpd jansson expat libpng sqlite3 libzstd libsodium libcurl
 PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 PKG_LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm
+LIBRARY_PKGS := jansson expat libpng
+LIBRARY_LIBS := $(shell pkg-config --libs $(LIBRARY_PKGS) 2>/dev/null) -lm
 CHECK_CFLAGS := $(shell pkg-config --cflags check 2>/dev/null)
 CHECK_LIBS := $(shell pkg-config --libs check 2>/dev/null)
 
@@ -44,6 +46,12 @@ MACHINE := $(shell $(CC) -dumpmachine 2>/dev/null)
 ifneq ($(findstring x86_64,$(MACHINE)),)
 AVX2_FLAGS := -mavx2 -mfma
 endif
+
+# libpenumbra, for other programs. A sanitizer's runtime belongs to a program, so those builds make no
+# shared library.
+SONAME := libpenumbra.so.0
+SHARED := $(BUILD)/libpenumbra.so.$(VERSION)
+LIBRARIES := $(BUILD)/libpenumbra.a $(if $(SAN),,$(SHARED))
 
 LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(call room_files,$(r)))
 SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r)))
@@ -60,9 +68,9 @@ TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
 TEST_SUPPORT_LIB := $(BUILD)/tests/libsupport.a
 
 .PHONY: asan-build have-deps all golden tests check run-tests demo lint asan tsan clean install conformance
-all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(BUILD)/libpenumbra.a
-.PHONY: libpenumbra
-libpenumbra: $(BUILD)/libpenumbra.a
+all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(LIBRARIES)
+.PHONY: librender
+librender: $(BUILD)/librender.a
 CRASH_TEST := $(BUILD)/tests/crash/crash
 STABILITY := $(BUILD)/tests/property/stability
 FILMS := $(BUILD)/tests/property/films
@@ -73,17 +81,35 @@ have-deps:
 	@pkg-config --exists $(PKGS) || { \
 	    echo "libraries are missing (wanted: $(PKGS)): run sh deploy/install-deps.sh" >&2; exit 1; }
 
-$(BUILD)/libpenumbra.a: $(LIB_OBJ)
+# Objects of the renderer serve the programs and both libraries. Only what penumbra.h declares is
+# visible outside libpenumbra.
+$(LIB_OBJ): LIB_FLAGS := -fPIC -fvisibility=hidden
+
+# For programs and tests of this tree: every symbol of the rooms.
+$(BUILD)/librender.a: $(LIB_OBJ)
 	@rm -f $@
 	$(call say,AR ,$@)
 	$(Q)ar rcs $@ $(LIB_OBJ)
+
+# For others: one object whose internal symbols are local, so that they clash with nobody's.
+$(BUILD)/libpenumbra.a: $(LIB_OBJ)
+	@rm -f $@
+	$(call say,AR ,$@)
+	$(Q)ld -r -o $(BUILD)/libpenumbra.o $(LIB_OBJ)
+	$(Q)objcopy --localize-hidden $(BUILD)/libpenumbra.o
+	$(Q)ar rcs $@ $(BUILD)/libpenumbra.o
+
+$(SHARED): $(LIB_OBJ)
+	$(call say,LD ,$@)
+	$(Q)$(LINK) -shared -Wl,-soname,$(SONAME) -Wl,-z,defs -o $@ $(LIB_OBJ) $(LIBRARY_LIBS)
+	$(Q)ln -sf $(@F) $(BUILD)/$(SONAME) && ln -sf $(SONAME) $(BUILD)/libpenumbra.so
 
 $(BUILD)/libservice.a: $(SVC_OBJ)
 	@rm -f $@
 	$(call say,AR ,$@)
 	$(Q)ar rcs $@ $(SVC_OBJ)
 
-PROGRAM_LIBS := $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+PROGRAM_LIBS := $(BUILD)/libservice.a $(BUILD)/librender.a
 $(BUILD)/penumbra: $(CLIENT_OBJ) $(CMD_OBJ) $(PROGRAM_LIBS)
 $(BUILD)/penumbrad: $(DAEMON_OBJ) $(CMD_OBJ) $(PROGRAM_LIBS)
 $(BUILD)/penumbra $(BUILD)/penumbrad:
@@ -96,7 +122,7 @@ $(BUILD)/src/store/pixels.o: EXTRA := -O3
 $(BUILD)/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
-	$(Q)$(COMPILE) $(PKG_CFLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
+	$(Q)$(COMPILE) $(PKG_CFLAGS) $(LIB_FLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
 
 # Files that are compiled into the programs: scenes/*.json and api/*.
 $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
@@ -105,8 +131,8 @@ $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
 $(BUILD)/gen/api_files.c: $(sort $(wildcard api/*.yaml api/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@
-$(BUILD)/gen/%.o: $(BUILD)/gen/%.c
-	$(Q)$(COMPILE) -c -o $@ $<
+$(BUILD)/gen/%.o: $(BUILD)/gen/%.c Makefile
+	$(Q)$(COMPILE) $(LIB_FLAGS) -c -o $@ $<
 
 $(BUILD)/tests/support/%.o: EXTRA := $(CHECK_CFLAGS) -Itests
 # A library, so that a test links only the members that it uses.
@@ -114,11 +140,11 @@ $(TEST_SUPPORT_LIB): $(TEST_SUPPORT_OBJ)
 	@rm -f $@
 	$(call say,AR ,$@)
 	$(Q)ar rcs $@ $^
-$(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+$(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/librender.a
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
 	$(Q)$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
-	    $(TEST_FIRST) $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
+	    $(TEST_FIRST) $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/librender.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
 
 # The stability suite: rows of properties, their oracles, the program that runs them in parallel and
@@ -142,12 +168,12 @@ PROPERTY_TEST := $(filter $(BUILD)/tests/property/%,$(TEST_BIN))
 $(PROPERTY_TEST): $(PROPERTY_LIB)
 $(PROPERTY_TEST): TEST_FIRST := $(PROPERTY_LIB)
 $(PROPERTY_TEST): TEST_LIBS := $(MPFR_LIBS)
-$(STABILITY): $(STABILITY_OBJ) $(PROPERTY_LIB) $(TEST_SUPPORT_LIB) $(BUILD)/libpenumbra.a
+$(STABILITY): $(STABILITY_OBJ) $(PROPERTY_LIB) $(TEST_SUPPORT_LIB) $(BUILD)/librender.a
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS) $(MPFR_LIBS)
 
 # The golden films alone, quickly built: for comparing builds.
-$(FILMS): $(FILMS:%/films=%/main_films.o) $(FILMS).o $(BUILD)/libpenumbra.a
+$(FILMS): $(FILMS:%/films=%/main_films.o) $(FILMS).o $(BUILD)/librender.a
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
 
@@ -177,7 +203,7 @@ mutants:
 ROUNDS ?= 200
 SEED ?=
 CRASH_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/crash/*.c)))
-$(CRASH_TEST): $(CRASH_OBJ) $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+$(CRASH_TEST): $(CRASH_OBJ) $(BUILD)/libservice.a $(BUILD)/librender.a
 	$(LINK) -o $@ $^ $(PKG_LIBS)
 .PHONY: crash
 crash: all $(CRASH_TEST)
@@ -191,11 +217,11 @@ $(FAULTS): tests/faults/preload.c
 	$(Q)$(CC) $(CPP) $(OPT) $(WARN) -std=c11 -fPIC -shared -o $@ $< -ldl
 
 # Benchmarks, one program each.
-$(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/libpenumbra.a
+$(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/librender.a
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
 	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< $(BUILD)/libservice.a \
-	    $(BUILD)/libpenumbra.a $(PKG_LIBS)
+	    $(BUILD)/librender.a $(PKG_LIBS)
 
 # The table of accelerators and threads, see tests/bench/table.sh: some minutes.
 .PHONY: table
@@ -238,15 +264,15 @@ FUZZ := BUILD=$(BUILD)-fuzz CC=clang SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link"
 FUZZ_DIR := $(BUILD)-fuzz/tests/fuzz
 .PHONY: fuzz
 fuzz:
-	$(MAKE) $(FUZZ) libpenumbra
+	$(MAKE) $(FUZZ) librender
 	@mkdir -p $(FUZZ_DIR)/found
 	clang $(CPP) $(FUZZ_SAN) -fsanitize=fuzzer -O1 -g -pthread -o $(FUZZ_DIR)/xml tests/fuzz/fuzz_xml.c \
-	    $(BUILD)-fuzz/libpenumbra.a $(PKG_LIBS)
+	    $(BUILD)-fuzz/librender.a $(PKG_LIBS)
 	$(FUZZ_DIR)/xml -max_total_time=$(SECONDS) -timeout=10 -rss_limit_mb=2048 \
 	    -dict=tests/fuzz/xml.dict -artifact_prefix=$(FUZZ_DIR)/ -print_final_stats=1 \
 	    $(FUZZ_DIR)/found tests/io/corpus/xml-good tests/io/corpus/xml-bad tests/golden/xml
 
-$(BUILD)/tests/conformance/compare_pair: tests/conformance/compare_pair.c $(BUILD)/libpenumbra.a
+$(BUILD)/tests/conformance/compare_pair: tests/conformance/compare_pair.c $(BUILD)/librender.a
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
 	$(Q)$(COMPILE) -pthread $(LDFLAGS) -o $@ $^ $(PKG_LIBS)
@@ -254,10 +280,27 @@ $(BUILD)/tests/conformance/compare_pair: tests/conformance/compare_pair.c $(BUIL
 conformance: all $(BUILD)/tests/conformance/compare_pair
 	sh tests/conformance.sh $(BUILD) $(REF)
 
+# Where things go. `make uninstall` with the same PREFIX and DESTDIR removes the same list.
+LIBDIR ?= $(PREFIX)/lib
+INCLUDEDIR ?= $(PREFIX)/include
+INSTALLED := $(PREFIX)/bin/penumbra $(PREFIX)/bin/penumbrad $(INCLUDEDIR)/penumbra.h $(LIBDIR)/libpenumbra.a \
+    $(LIBDIR)/libpenumbra.so.$(VERSION) $(LIBDIR)/$(SONAME) $(LIBDIR)/libpenumbra.so \
+    $(LIBDIR)/pkgconfig/penumbra.pc
+.PHONY: uninstall
 install: all
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include
+	$(if $(SAN),$(error a build with sanitizers is not for installing))
+	install -d $(addprefix $(DESTDIR),$(PREFIX)/bin $(LIBDIR)/pkgconfig $(INCLUDEDIR))
 	install $(BUILD)/penumbrad $(BUILD)/penumbra $(DESTDIR)$(PREFIX)/bin
-	install -m 644 $(BUILD)/libpenumbra.a $(DESTDIR)$(PREFIX)/lib
+	install -m 644 include/penumbra.h $(DESTDIR)$(INCLUDEDIR)
+	install -m 644 $(BUILD)/libpenumbra.a $(SHARED) $(DESTDIR)$(LIBDIR)
+	ln -sf libpenumbra.so.$(VERSION) $(DESTDIR)$(LIBDIR)/$(SONAME)
+	ln -sf $(SONAME) $(DESTDIR)$(LIBDIR)/libpenumbra.so
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@INCLUDEDIR@|$(INCLUDEDIR)|' \
+	    -e 's|@VERSION@|$(VERSION)|' -e 's|@REQUIRES@|$(LIBRARY_PKGS)|' deploy/penumbra.pc.in \
+	    > $(DESTDIR)$(LIBDIR)/pkgconfig/penumbra.pc
+
+uninstall:
+	rm -f $(addprefix $(DESTDIR),$(INSTALLED))
 
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan $(BUILD)-fuzz

@@ -49,7 +49,7 @@ FNR == 1 {
         if ((target in known) && part[1] != "tests" && !allowed[target, room])
             print FILENAME ":" FNR ": room " room " must not use " target
     } else if (!(t[1] in rooms)) {
-        if (part[1] == "src" && target != "penumbra.h")
+        if (part[1] == "src" && !(target == "penumbra.h" && part[2] == "embed"))
             print FILENAME ":" FNR ": write the path from src/: " target
     } else if (depth > 2 && t[1] != room) {
         if (!allowed[target, FILENAME]) print FILENAME ":" FNR ": private header of room " t[1] ": " target
@@ -83,19 +83,27 @@ git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' | xargs -P "$jobs" -n 40 
 sed -i 's/$/: not formatted (clang-format -i)/' "$work/out"
 count "$work/out"
 
-# 4. Exported symbols begin with pen_; the renderer calls no libm but sqrt,
+# 4. Exported symbols begin with pen_, those of room embed also with penumbra_; the renderer calls no libm but sqrt,
 # fma and rounding (H104).
 make -s all BUILD="$build" >/dev/null
-nm -g --defined-only "$build/libpenumbra.a" "$build/libservice.a" 2>/dev/null |
-    awk 'NF == 3 && $3 !~ /^pen_/ && $3 !~ /^_?_?(asan|ubsan|odr_asan)/ { print "exported symbol without pen_: " $3 }' |
+nm -A -g --defined-only "$build"/src/[a-z]*/*.o "$build"/src/[a-z]*/*/*.o "$build"/gen/*.o 2>/dev/null |
+    grep -v "^$build/src/cmd/" | sed "s|^$build/||" |
+    awk 'NF == 3 && $3 !~ /^pen_/ && !($1 ~ /^src\/embed\// && $3 ~ /^penumbra_/) && $3 !~ /^_?_?(asan|ubsan|odr_asan)/ { print "exported symbol without pen_: " $3 }' |
     sort -u >"$work/out"
 count "$work/out"
+# libpenumbra exports what penumbra.h declares, no more and no less.
+sed -n 's/^PENUMBRA_API.*[ *]\(penumbra_[a-z_]*\)(.*/\1/p' include/penumbra.h | sort >"$work/declared"
+for library in "-D $build"/libpenumbra.so.*.*.* "-g $build/libpenumbra.a"; do
+    nm --defined-only $library | awk 'NF == 3 { print $3 }' | sort | diff "$work/declared" - |
+        sed -n "s|^[<>]|exported and declared symbols differ: $library:|p" >"$work/out"
+    count "$work/out"
+done
 sh deploy/libm.sh "$build/libpenumbra.a" >"$work/out"
 sed -i 's/$/: libm symbol in libpenumbra.a/' "$work/out"
 count "$work/out"
 
 # One name, one definition: an archive member that defines it again would be left out in silence.
-nm -g --defined-only "$build/libpenumbra.a" "$build/libservice.a" "$build"/src/cmd/*.o 2>/dev/null |
+nm -g --defined-only "$build/librender.a" "$build/libservice.a" "$build"/src/cmd/*.o 2>/dev/null |
     awk 'NF == 3 && $3 ~ /^pen_/ { print $3 }' | sort | uniq -d >"$work/out"
 sed -i 's/$/: defined more than once/' "$work/out"
 count "$work/out"

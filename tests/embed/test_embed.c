@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: MIT */
+/* libpenumbra through its public header: errors with places, callbacks, threads, memory. Only the
+ * bound on memory is compared with what the rooms below really take. */
+#include <fenv.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+
+#include "base/arena.h"
+#include "base/buf.h"
+#include "io/builtin.h"
+#include "io/scene_json.h"
+#include "penumbra.h"
+#include "scene/scene.h"
+#include "support/alloc.h"
+#include "support/suite.h"
+
+static struct penumbra_error first_error(const struct penumbra_errors *errors)
+{
+    struct penumbra_error error = {.size = sizeof error};
+    ck_assert_int_eq(penumbra_errors_get(errors, 0, &error), 1);
+    return error;
+}
+
+static struct penumbra_scene *small_scene(const char *name)
+{
+    struct penumbra_scene *scene = penumbra_scene_builtin(name, NULL);
+    ck_assert_ptr_nonnull(scene);
+    ck_assert(penumbra_scene_set(scene, "width=64", NULL));
+    ck_assert(penumbra_scene_set(scene, "height=48", NULL));
+    return scene;
+}
+
+static void check_place(const char *text, const char *code, const char *pointer, int line)
+{
+    struct penumbra_errors *errors = NULL;
+    ck_assert_ptr_null(penumbra_scene_load(text, strlen(text), &errors));
+    struct penumbra_error error = first_error(errors);
+    ck_assert_str_eq(error.code, code);
+    ck_assert_str_eq(error.pointer, pointer);
+    ck_assert_int_eq(error.line, line);
+    ck_assert_ptr_nonnull(strstr(error.text, error.message));
+    ck_assert(penumbra_errors_count(errors) >= 1);
+    ck_assert_int_eq(penumbra_errors_get(errors, penumbra_errors_count(errors), &error), 0);
+    penumbra_errors_free(errors);
+    ck_assert_ptr_null(penumbra_scene_load(text, strlen(text), NULL)); /* nobody wants the errors */
+}
+
+START_TEST(test_embed__errors_have_their_places)
+{
+    check_place("{\n\"format\": }", "syntax", "", 2);
+    check_place("{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9],"
+                " \"look_at\": [0, 0, 0]}, \"objects\": [{\"type\": \"sphere\","
+                " \"center\": [0, 0, 0], \"radius\": -1}]}",
+                "invalid-scene", "/objects/0/radius", 0);
+    check_place("<scene>\n  <nothing/>\n", "syntax", "", 3);
+}
+END_TEST
+
+START_TEST(test_embed__bad_arguments_are_errors)
+{
+    struct penumbra_scene *scene = small_scene("spheres");
+    struct penumbra_errors *errors = NULL;
+    ck_assert_ptr_null(penumbra_scene_builtin("sphere", &errors));
+    ck_assert_str_eq(first_error(errors).code, "not-found");
+    ck_assert_ptr_nonnull(strstr(first_error(errors).message, "\"spheres\""));
+    penumbra_errors_free(errors);
+    ck_assert_int_eq(penumbra_scene_set(scene, "widht=3", &errors), 0);
+    ck_assert_str_eq(first_error(errors).code, "usage");
+    penumbra_errors_free(errors);
+    ck_assert_ptr_null(penumbra_render(scene, "nowhere", NULL, &errors));
+    ck_assert_str_eq(first_error(errors).code, "not-found");
+    penumbra_errors_free(errors);
+    static const struct penumbra_render_options wrong[] = {
+        {.size = sizeof wrong[0], .threads = -1},
+        {.size = sizeof wrong[0], .threads = 1025},
+        {.size = 0}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        ck_assert_ptr_null(penumbra_render(scene, NULL, &wrong[i], &errors));
+        ck_assert_str_eq(first_error(errors).code, "usage");
+        penumbra_errors_free(errors);
+    }
+    struct penumbra_image *image = penumbra_render(scene, NULL, NULL, NULL);
+    size_t bytes;
+    ck_assert_ptr_null(penumbra_image_encode(image, "jpeg", &bytes, &errors));
+    ck_assert_str_eq(first_error(errors).code, "usage");
+    penumbra_errors_free(errors);
+    penumbra_image_free(image);
+    penumbra_scene_free(scene);
+}
+END_TEST
+
+/* A structure of a later version: a member behind the ones that this version knows. */
+START_TEST(test_embed__structures_of_other_sizes_are_taken)
+{
+    struct {
+        struct penumbra_render_options known;
+        uint64_t later;
+    } options = {.known = {.size = sizeof options}};
+    struct penumbra_scene *scene = small_scene("spheres");
+    struct penumbra_image *image = penumbra_render(scene, NULL, &options.known, NULL);
+    ck_assert_ptr_nonnull(image);
+    penumbra_image_free(image);
+    options.later = 1;
+    ck_assert_ptr_null(penumbra_render(scene, NULL, &options.known, NULL));
+    struct penumbra_estimate estimate = {.size = offsetof(struct penumbra_estimate, rays),
+                                         .rays = -1};
+    ck_assert(penumbra_estimate(scene, &estimate, NULL));
+    ck_assert(estimate.width == 64 && estimate.height == 48 && estimate.rays == -1);
+    penumbra_scene_free(scene);
+}
+END_TEST
+
+START_TEST(test_embed__estimates_bound_what_is_rendered)
+{
+    static const enum pen_accelerator kinds[] = {PEN_ACCEL_AUTO, PEN_ACCEL_NONE, PEN_ACCEL_CBR,
+                                                 PEN_ACCEL_MANUAL, PEN_ACCEL_MEDIAN};
+    const char *name;
+    for (size_t i = 0; (name = penumbra_builtin_name(i)); i++) {
+        struct penumbra_scene *scene = penumbra_scene_builtin(name, NULL);
+        struct penumbra_estimate estimate = {.size = sizeof estimate};
+        ck_assert(penumbra_estimate(scene, &estimate, NULL));
+        penumbra_scene_free(scene);
+        size_t bytes;
+        const char *text = pen_builtin_find(name, &bytes);
+        struct pen_limits limits = pen_limits_default();
+        struct pen_errors errors = {0};
+        struct pen_scene_desc desc;
+        struct pen_status st;
+        struct pen_arena *arena = pen_arena_new(0);
+        ck_assert(pen_scene_load(text, bytes, &limits, arena, &desc, &errors));
+        for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+            struct pen_scene *frozen = pen_scene_freeze(&desc, kinds[k], 0, &st);
+            ck_assert_ptr_nonnull(frozen);
+            ck_assert_uint_le(pen_arena_used(arena) + pen_arena_used(frozen->arena),
+                              estimate.scene_bytes);
+            pen_scene_free(frozen);
+        }
+        pen_arena_free(arena);
+    }
+}
+END_TEST
+
+struct watcher {
+    int calls, stop_after;
+    double last;
+};
+
+static void note_progress(void *user, double done)
+{
+    struct watcher *watcher = user;
+    ck_assert(done > watcher->last && done <= 1);
+    watcher->last = done;
+    watcher->calls++;
+}
+
+static int stops(void *user)
+{
+    const struct watcher *watcher = user;
+    return watcher->stop_after > 0 && watcher->calls >= watcher->stop_after;
+}
+
+START_TEST(test_embed__progress_grows_to_one_and_cancel_stops)
+{
+    struct penumbra_scene *scene = small_scene("room");
+    ck_assert(penumbra_scene_set(scene, "tile=16", NULL));
+    struct watcher watcher = {0};
+    struct penumbra_render_options options = {.size = sizeof options,
+                                              .threads = 2,
+                                              .progress = note_progress,
+                                              .cancel = stops,
+                                              .user = &watcher};
+    struct penumbra_image *image = penumbra_render(scene, NULL, &options, NULL);
+    ck_assert_ptr_nonnull(image);
+    ck_assert(watcher.last == 1 && watcher.calls == 12);
+    penumbra_image_free(image);
+    struct penumbra_errors *errors = NULL;
+    watcher = (struct watcher){.stop_after = 3};
+    ck_assert_ptr_null(penumbra_render(scene, NULL, &options, &errors));
+    ck_assert_str_eq(first_error(errors).code, "cancelled");
+    ck_assert_int_lt(watcher.calls, 12);
+    penumbra_errors_free(errors);
+    penumbra_scene_free(scene);
+}
+END_TEST
+
+static void *render_png(void *user)
+{
+    struct penumbra_scene *scene = small_scene(user);
+    struct penumbra_render_options options = {.size = sizeof options, .threads = 2};
+    fesetround(FE_UPWARD);
+    struct penumbra_image *image = penumbra_render(scene, NULL, &options, NULL);
+    size_t bytes;
+    void *png = penumbra_image_encode(image, "png", &bytes, NULL);
+    ck_assert_int_eq(fegetround(), FE_UPWARD);
+    fesetround(FE_TONEAREST);
+    struct pen_buf *out = calloc(1, sizeof *out);
+    pen_buf_add(out, png, bytes);
+    penumbra_free(png);
+    penumbra_image_free(image);
+    penumbra_scene_free(scene);
+    return out;
+}
+
+/* What `penumbra render` writes, which goes by the rooms directly. */
+static void check_like_program(const char *name, struct pen_buf *got)
+{
+    const char *program = getenv("PENUMBRA_PROGRAM");
+    char command[512], bytes[1 << 16];
+    snprintf(command, sizeof command,
+             "%s render builtin:%s --format png -o - -q --set width=64 --set height=48",
+             program ? program : "build/penumbra", name);
+    FILE *pipe = popen(command, "r");
+    size_t count = fread(bytes, 1, sizeof bytes, pipe);
+    ck_assert_int_eq(pclose(pipe), 0);
+    ck_assert_uint_eq(count, got->bytes);
+    ck_assert_mem_eq(bytes, got->data, count);
+    pen_buf_release(got);
+    free(got);
+}
+
+START_TEST(test_embed__two_threads_give_the_bytes_of_the_program)
+{
+    static char room[] = "room", spheres[] = "spheres";
+    pthread_t thread[2];
+    void *png[2];
+    ck_assert_int_eq(pthread_create(&thread[0], NULL, render_png, room), 0);
+    ck_assert_int_eq(pthread_create(&thread[1], NULL, render_png, spheres), 0);
+    for (int i = 0; i < 2; i++)
+        ck_assert_int_eq(pthread_join(thread[i], &png[i]), 0);
+    check_like_program(room, png[0]);
+    check_like_program(spheres, png[1]);
+}
+END_TEST
+
+/* Everything a program does, once; true if nothing failed. *told: whether errors say so exactly
+ * then. Libcheck allocates, so nothing is asserted here. */
+static bool work(bool *told)
+{
+    struct penumbra_errors *errors = NULL;
+    struct penumbra_scene *scene = penumbra_scene_builtin("spheres", &errors);
+    struct penumbra_render_options options = {.size = sizeof options, .threads = 1};
+    bool ok = scene && penumbra_scene_set(scene, "width=8", &errors) &&
+              penumbra_scene_set(scene, "height=8", &errors);
+    struct penumbra_image *image = ok ? penumbra_render(scene, NULL, &options, &errors) : NULL;
+    size_t bytes;
+    void *png = image ? penumbra_image_encode(image, "png", &bytes, &errors) : NULL;
+    char *settings = png ? penumbra_scene_settings(scene, &errors) : NULL;
+    ok = settings != NULL;
+    struct penumbra_error error = {.size = sizeof error};
+    *told =
+        ok ? errors == NULL : errors && penumbra_errors_get(errors, 0, &error) && error.message[0];
+    penumbra_free(settings);
+    penumbra_free(png);
+    penumbra_image_free(image);
+    penumbra_scene_free(scene);
+    penumbra_errors_free(errors);
+    return ok;
+}
+
+START_TEST(test_embed__no_allocation_is_taken_for_granted)
+{
+    bool told;
+    ck_assert(work(&told)); /* the C library allocates for good at its first use of some parts */
+    for (long n = 0;; n++) {
+        alloc_fail_after(n);
+        bool ok = work(&told);
+        bool refused = alloc_succeed();
+        ck_assert_msg(told, "allocation %ld", n);
+        if (!refused) {
+            ck_assert(ok);
+            ck_assert_int_gt(n, 40);
+            break;
+        }
+    }
+}
+END_TEST
+
+PEN_SUITE("embed", test_embed__errors_have_their_places, test_embed__bad_arguments_are_errors,
+          test_embed__structures_of_other_sizes_are_taken,
+          test_embed__estimates_bound_what_is_rendered,
+          test_embed__progress_grows_to_one_and_cancel_stops,
+          test_embed__two_threads_give_the_bytes_of_the_program,
+          test_embed__no_allocation_is_taken_for_granted)
