@@ -141,13 +141,16 @@ static void hash(struct prepared *job, const struct pen_submission *in)
     job->new.scene_sha256 = job->scene_sha256;
 }
 
-static bool prepare(struct prepared *job, const struct pen_submission *in,
+static bool prepare(struct pen_store *store, struct prepared *job, const struct pen_submission *in,
                     const struct pen_request *request, struct pen_status *st)
 {
+    int64_t now_ms;
+    if (!pen_store_now(store, &now_ms, st))
+        return false;
     json_t *json = request_json(request);
     job->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
     job->new = (struct pen_job_new){.id = job->id,
-                                    .created_ms = pen_clock_wall_ms(),
+                                    .created_ms = now_ms,
                                     .kind = request->kind,
                                     .request = job->request,
                                     .priority = request->priority,
@@ -178,11 +181,21 @@ static bool take_first_answer(struct pen_submitted *out, struct pen_status *st)
     return ok || pen_fail(st, PEN_STORAGE, "the answer stored with the key is damaged");
 }
 
+/* A submit whose outcome is unknown is repeated once: the store recognises the job by its id. */
+static bool try_submit(struct pen_store *store, const struct pen_job_new *job,
+                       enum pen_submit_result *result, struct pen_buf *first_answer,
+                       struct pen_status *st)
+{
+    return pen_store_submit(store, job, result, first_answer, st) ||
+           (pen_store_failure(store, st) == PEN_FAILURE_UNKNOWN &&
+            pen_store_submit(store, job, result, first_answer, st));
+}
+
 static bool store_job(struct pen_jobs *jobs, const struct prepared *job, struct pen_submitted *out,
                       struct pen_status *st)
 {
     enum pen_submit_result result;
-    if (!pen_store_submit(jobs->store, &job->new, &result, &out->answer, st))
+    if (!try_submit(jobs->store, &job->new, &result, &out->answer, st))
         return false;
     if (result == PEN_SUBMIT_REUSED)
         return pen_fail(st, PEN_INVALID,
@@ -215,7 +228,7 @@ bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
         return false;
     bool ok = pen_request_read(in, &jobs->limits, &request, errors);
     if (ok) {
-        ok = prepare(&job, in, &request, &st) && store_job(jobs, &job, out, &st);
+        ok = prepare(jobs->store, &job, in, &request, &st) && store_job(jobs, &job, out, &st);
         if (!ok)
             pen_errors_add(errors, &st);
     }

@@ -13,7 +13,9 @@
 #include "jobs/worker.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -38,6 +40,7 @@ struct worker {
     const struct pen_worker_options *options;
     const atomic_bool *stop;
     int64_t lease_ms;
+    char host[65];
     struct pen_store *store;
     struct pen_batch_context context;
     int64_t expired_ns, purged_ns, seen_ns;
@@ -229,8 +232,12 @@ static void update_row(struct worker *w, int64_t now_ns)
     if (w->seen_ns && now_ns - w->seen_ns < (int64_t)SEEN_MS * 1000000)
         return;
     w->seen_ns = now_ns;
-    pen_store_worker_seen(w->store, w->options->name, pen_thread_pool_size(w->context.pool),
-                          w->lease_ms, &ignored);
+    struct pen_worker_new worker = {.id = w->options->id,
+                                    .host = w->host,
+                                    .pid = getpid(),
+                                    .threads = pen_thread_pool_size(w->context.pool),
+                                    .lease_ms = w->lease_ms};
+    pen_store_worker_seen(w->store, &worker, &ignored);
 }
 
 /* Everything that is due now and then: this worker's row, expired leases, the purge. */
@@ -267,7 +274,7 @@ static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_st
 
 static bool run(struct worker *w, struct pen_status *st)
 {
-    struct pen_next next = {.worker = w->options->name, .lease_ms = w->lease_ms};
+    struct pen_next next = {.worker = w->options->id, .lease_ms = w->lease_ms};
     pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, 0);
     w->purged_ns = pen_clock_ns();
     while (!stopped(w)) {
@@ -292,7 +299,10 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->context.trace = o->trace;
     w->context.fault = o->fault;
     w->store = w->context.store = pen_store_open(o->store_url, st);
-    if (!w->store || !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
+    if (gethostname(w->host, sizeof w->host - 1) != 0 || !w->host[0])
+        strcpy(w->host, "localhost");
+    if (!w->store || !pen_store_worker_lock(w->store, o->id, st) ||
+        !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
         !(w->context.heart = pen_heartbeat_new(o, w->lease_ms, st)))
         return false;
     pen_store_observe(w->store, o->observer);
@@ -320,7 +330,7 @@ bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool 
     bool ok = set_up(&w, st) && run(&w, st);
     struct pen_status ignored;
     if (w.store)
-        pen_store_worker_gone(w.store, options->name, &ignored);
+        pen_store_worker_gone(w.store, options->id, &ignored);
     tear_down(&w);
     return ok;
 }

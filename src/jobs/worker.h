@@ -24,7 +24,7 @@ struct pen_worker_fault {
 
 struct pen_worker_options {
     const char *store_url;
-    const char *name;        /* unique among running workers: host:pid:start */
+    const char *id;          /* see pen_worker_id_make */
     int threads;             /* 0: one per processor */
     size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
     int64_t lease_ms;        /* 0: 15 s */

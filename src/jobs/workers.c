@@ -19,30 +19,11 @@ struct listing {
     bool ok;
 };
 
-/* "host:pid:start" in two parts; a host may have colons in it. */
-static void split_name(const char *name, char host[200], json_int_t *pid)
-{
-    snprintf(host, 200, "%s", name);
-    *pid = 0;
-    char *start = strrchr(host, ':');
-    if (!start)
-        return;
-    *start = '\0';
-    char *number = strrchr(host, ':');
-    if (!number)
-        return;
-    *number = '\0';
-    *pid = strtoll(number + 1, NULL, 10);
-}
-
 static json_t *worker_json(const struct pen_worker_record *worker)
 {
-    char host[200];
-    json_int_t pid;
-    split_name(worker->name, host, &pid);
-    return json_pack("{s:s, s:s, s:I, s:i, s:o, s:o, s:[]}", "name", worker->name, "host", host,
-                     "pid", pid, "threads", worker->threads, "started_at",
-                     pen_time_json(worker->started_ms), "last_seen_at",
+    return json_pack("{s:s, s:s, s:I, s:i, s:o, s:o, s:[]}", "name", worker->id, "host",
+                     worker->host, "pid", (json_int_t)worker->pid, "threads", worker->threads,
+                     "started_at", pen_time_json(worker->started_ms), "last_seen_at",
                      pen_time_json(worker->seen_ms), "batches");
 }
 
@@ -72,8 +53,8 @@ static bool add_row(void *user, const struct pen_worker_record *worker)
     struct listing *listing = user;
     if (listing->now_ms - worker->seen_ms > SHOWN_MS)
         return true;
-    if (strcmp(listing->last, worker->name) != 0) {
-        snprintf(listing->last, sizeof listing->last, "%s", worker->name);
+    if (strcmp(listing->last, worker->id) != 0) {
+        snprintf(listing->last, sizeof listing->last, "%s", worker->id);
         listing->ok = json_array_append_new(listing->list, worker_json(worker)) == 0;
     }
     json_t *last = json_array_get(listing->list, json_array_size(listing->list) - 1);
@@ -85,8 +66,9 @@ static bool add_row(void *user, const struct pen_worker_record *worker)
 
 json_t *pen_jobs_workers(struct pen_jobs *jobs, struct pen_status *st)
 {
-    struct listing listing = {.list = json_array(), .now_ms = pen_clock_wall_ms(), .ok = true};
-    bool read = pen_store_workers(jobs->store, add_row, &listing, st);
+    struct listing listing = {.list = json_array(), .ok = true};
+    bool read = pen_store_now(jobs->store, &listing.now_ms, st) &&
+                pen_store_workers(jobs->store, add_row, &listing, st);
     json_t *answer = read && listing.ok ? json_pack("{s:O}", "workers", listing.list) : NULL;
     json_decref(listing.list);
     if (read && !answer)

@@ -6,7 +6,6 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "store/internal/wake.h"
 
 enum {
     AGAIN_MS = 500, /* between tries to mend */
@@ -24,11 +23,11 @@ enum {
     WORD_AGAIN_MS = WORD_ERRNO + PEN_FAULT_COUNT, /* monotonic: when to try again */
     WORD_COUNT
 };
-_Static_assert((int)WORD_COUNT <= (int)PEN_WAKE_WORDS, "the shared page has fewer words");
+_Static_assert((int)WORD_COUNT <= (int)PEN_HEALTH_WORDS, "the shared page has fewer words");
 
 static _Atomic uint32_t *word(const struct pen_store *store, int index)
 {
-    return pen_wake_words(store->wake) + index;
+    return store->driver->ops->health_words(store->driver) + index;
 }
 
 static uint32_t met(const struct pen_store *store, enum pen_fault fault)
@@ -75,7 +74,7 @@ void pen_health_begin(struct pen_store *store)
 }
 
 static const char *const illness[PEN_FAULT_COUNT] = {
-    [PEN_FAULT_FULL] = "it has no room left",
+    [PEN_FAULT_FULL] = "it has no space left",
     [PEN_FAULT_IO] = "it could not be read or written",
     [PEN_FAULT_DAMAGE] = "it is damaged",
 };
@@ -83,21 +82,21 @@ static const char *const illness[PEN_FAULT_COUNT] = {
 static void note(struct pen_store *store, enum pen_fault fault)
 {
     if (!is_ill(store, fault))
-        pen_log(PEN_LOG_ERROR, "the store %s is ill: %s%s%s", store->name, illness[fault],
-                store->fault_errno ? ": " : "",
-                store->fault_errno ? strerror(store->fault_errno) : "");
-    atomic_store(word(store, WORD_ERRNO + (int)fault), (uint32_t)store->fault_errno);
+        pen_log(PEN_LOG_ERROR, "the store %s is ill: %s%s%s", store->driver->name, illness[fault],
+                store->driver->fault_errno ? ": " : "",
+                store->driver->fault_errno ? strerror(store->driver->fault_errno) : "");
+    atomic_store(word(store, WORD_ERRNO + (int)fault), (uint32_t)store->driver->fault_errno);
     atomic_fetch_add(word(store, WORD_MET + (int)fault), 1);
 }
 
 static void note_all(struct pen_store *store)
 {
     for (int fault = 0; fault < PEN_FAULT_COUNT; fault++) {
-        if (store->faults >> fault & 1)
+        if (store->driver->faults >> fault & 1)
             note(store, (enum pen_fault)fault);
     }
-    store->faults = 0;
-    store->fault_errno = 0;
+    store->driver->faults = 0;
+    store->driver->fault_errno = 0;
 }
 
 /* Why a call is refused that has not tried for itself. */
@@ -109,34 +108,35 @@ static bool refuse(const struct pen_store *store, struct pen_status *st)
         return pen_fail(st, PEN_STORAGE,
                         "the store %s is damaged; it is not served until a check finds it whole: "
                         "stop Penumbra and restore a backup",
-                        store->name);
+                        store->driver->name);
     if (is_ill(store, PEN_FAULT_IO))
         return pen_fail(st, full ? PEN_STORAGE_FULL : PEN_STORAGE,
                         "the store %s could not be read or written (%s); it takes nothing until a "
                         "trial write and a check succeed",
-                        store->name, error ? strerror(error) : "input/output error");
-    return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no room left", store->name);
+                        store->driver->name, error ? strerror(error) : "input/output error");
+    return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space left", store->driver->name);
 }
 
 static bool reopen(struct pen_store *store, struct pen_status *st)
 {
     uint32_t now = epoch(store);
-    store->closed = !store->ops->reopen(store, st);
-    if (!store->closed)
+    store->driver->closed = !store->driver->ops->reopen(store->driver, st);
+    if (!store->driver->closed)
         store->epoch = now;
-    return !store->closed;
+    return !store->driver->closed;
 }
 
 /* A damaged store is checked before it is written to; else the cheap trial comes first. */
 static bool examine(struct pen_store *store, struct pen_status *st)
 {
-    const struct pen_store_ops *ops = store->ops;
+    struct pen_driver *driver = store->driver;
+    const struct pen_driver_ops *ops = driver->ops;
     bool damage = is_ill(store, PEN_FAULT_DAMAGE);
     if (!damage && !is_ill(store, PEN_FAULT_IO))
         return true;
-    if (!reopen(store, st) || (damage && !ops->check(store, st)) || !ops->probe(store, st))
+    if (!reopen(store, st) || (damage && !ops->check(driver, st)) || !ops->probe(driver, st))
         return false;
-    return damage || ops->check(store, st);
+    return damage || ops->check(driver, st);
 }
 
 /* Faults met by a try are news only where they are of another kind. */
@@ -144,7 +144,7 @@ static void forget_known(struct pen_store *store)
 {
     for (int fault = 0; fault < PEN_FAULT_COUNT; fault++) {
         if (is_ill(store, (enum pen_fault)fault))
-            store->faults &= ~(1u << fault);
+            store->driver->faults &= ~(1u << fault);
     }
     note_all(store);
 }
@@ -153,7 +153,7 @@ static void forget_known(struct pen_store *store)
 static void settle(struct pen_store *store, enum pen_fault fault, uint32_t seen)
 {
     if (is_ill(store, fault))
-        pen_log(PEN_LOG_INFO, "the store %s is mended: %s", store->name, illness[fault]);
+        pen_log(PEN_LOG_INFO, "the store %s is mended: %s", store->driver->name, illness[fault]);
     atomic_store(word(store, WORD_MENDED + (int)fault), seen);
 }
 
@@ -168,7 +168,7 @@ static bool try_to_mend(struct pen_store *store, enum pen_need need, struct pen_
     settle(store, PEN_FAULT_DAMAGE, seen[PEN_FAULT_DAMAGE]);
     if (need < PEN_NEED_SPACE || !is_ill(store, PEN_FAULT_FULL))
         return true;
-    if (!store->ops->space(store, st))
+    if (!store->driver->ops->space(store->driver, st))
         return false;
     settle(store, PEN_FAULT_FULL, seen[PEN_FAULT_FULL]);
     return true;
@@ -177,14 +177,14 @@ static bool try_to_mend(struct pen_store *store, enum pen_need need, struct pen_
 static bool mend(struct pen_store *store, enum pen_need need, struct pen_status *st)
 {
     int lock;
-    if (!is_due(store) || !pen_wake_try_lock(store->wake, &lock))
+    if (!is_due(store) || !store->driver->ops->repair_lock(store->driver, &lock))
         return refuse(store, st);
     uint32_t begun_ms = now_ms();
     bool ok = try_to_mend(store, need, st);
     forget_known(store);
     if (!ok)
         set_due(store, begun_ms, st->code == PEN_NO_MEMORY);
-    pen_wake_unlock(lock);
+    store->driver->ops->repair_unlock(store->driver, lock);
     return ok;
 }
 
@@ -205,7 +205,7 @@ bool pen_health_enter(struct pen_store *store, enum pen_need need, struct pen_st
     if (store->depth == 0) {
         if (stands_in_the_way(store, need) && !mend(store, need, st))
             return false;
-        if ((store->closed || store->epoch != epoch(store)) && !reopen(store, st)) {
+        if ((store->driver->closed || store->epoch != epoch(store)) && !reopen(store, st)) {
             forget_known(store);
             return false;
         }
@@ -218,7 +218,7 @@ bool pen_health_exit(struct pen_store *store)
 {
     if (--store->depth > 0)
         return false;
-    if (store->faults)
+    if (store->driver->faults)
         note_all(store);
     return true;
 }

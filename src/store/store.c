@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The door: picks the engine by the URL, hands each call to it if the store's health allows, and
- * gives the wake-up hints that the call has earned. Hints are given after the engine is done, so
- * whoever wakes sees the change. */
+/* The door: chooses the driver by the URL, hands each call to the policy if the store's health
+ * allows, and gives the signals that the call has earned. Signals are given after the transaction,
+ * so that a reader who is woken sees the change. */
 #include "store/store.h"
 
 #include <stdlib.h>
@@ -10,8 +10,10 @@
 
 #include "base/clock.h"
 #include "store/internal/health.h"
-#include "store/internal/ops.h"
-#include "store/internal/wake.h"
+#include "store/internal/policy.h"
+
+/* Of zstd, for scene documents: they are written once. */
+enum { DOCUMENT_LEVEL = 1 };
 
 static bool has_prefix(const char *text, const char *prefix)
 {
@@ -28,7 +30,21 @@ static bool is_file(const char *url, struct pen_status *st)
 
 struct pen_store *pen_store_open(const char *url, struct pen_status *st)
 {
-    return is_file(url, st) ? pen_sqlite_open(url, st) : NULL;
+    if (!is_file(url, st))
+        return NULL;
+    struct pen_store *store = calloc(1, sizeof *store);
+    if (store)
+        store->compressor = pen_compressor_new(DOCUMENT_LEVEL);
+    if (!store || !store->compressor)
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    else
+        store->driver = pen_sqlite_open(url, st);
+    if (!store || !store->driver) {
+        pen_store_close(store);
+        return NULL;
+    }
+    pen_health_begin(store);
+    return store;
 }
 
 bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
@@ -41,9 +57,13 @@ void pen_store_close(struct pen_store *store)
 {
     if (!store)
         return;
-    struct pen_wake *wake = store->wake;
-    store->ops->close(store);
-    pen_wake_close(wake);
+    if (store->driver)
+        store->driver->ops->close(store->driver);
+    pen_compressor_free(store->compressor);
+    pen_pixels_free(store->pixels);
+    pen_buf_release(&store->blob);
+    free(store->rgb);
+    free(store);
 }
 
 void pen_store_observe(struct pen_store *store, const struct pen_store_observer *observer)
@@ -68,46 +88,64 @@ static struct span begin(const struct pen_store *store, const char *name)
 {
     if (!store->observer)
         return (struct span){0};
-    return (struct span){name, store->transactions, pen_clock_ns(), thread_cpu_ns()};
+    return (struct span){name, store->driver->transactions, pen_clock_ns(), thread_cpu_ns()};
 }
 
 static bool end(const struct pen_store *store, const struct span *span, bool ok)
 {
     if (!span->name)
         return ok;
-    struct pen_store_call call = {span->name, store->transactions - span->transactions,
+    struct pen_store_call call = {span->name, store->driver->transactions - span->transactions,
                                   pen_clock_ns() - span->wall_ns, thread_cpu_ns() - span->cpu_ns};
     store->observer->called(store->observer->user, &call);
     return ok;
 }
 
-/* A call of the engine is `enter(…) && leave(store, span, call)`: see health.h. */
+/* A call of the policy is `enter(…) && leave(store, span, call, st)`: see health.h. */
 static bool enter(struct pen_store *store, enum pen_need need, struct pen_status *st)
 {
+    if (store->depth == 0)
+        store->outcome_unknown = false;
     return pen_health_enter(store, need, st);
 }
 
-static void give_hints(struct pen_store *store)
+static void give_signals(struct pen_store *store)
 {
+    struct pen_driver *driver = store->driver;
     if (store->work)
-        pen_wake_all(store->wake, PEN_SIGNAL_WORK);
+        driver->ops->wake(driver, PEN_SIGNAL_WORK);
     if (store->changed)
-        pen_wake_all(store->wake, PEN_SIGNAL_CHANGES);
+        driver->ops->wake(driver, PEN_SIGNAL_CHANGES);
     store->work = store->changed = false;
 }
 
-/* Takes note of faults, gives the hints due, and passes the call's outcome through. Within another
- * call there are no hints yet: its transaction may still go on. */
+/* Takes note of faults, gives the signals due, and passes the call's outcome through. */
 static bool leave(struct pen_store *store, const struct span *span, bool ok)
 {
     if (pen_health_exit(store))
-        give_hints(store);
+        give_signals(store);
     return span ? end(store, span, ok) : ok;
+}
+
+enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st)
+{
+    if (store->outcome_unknown)
+        return PEN_FAILURE_UNKNOWN;
+    bool passing = st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL ||
+                   st->code == PEN_STORAGE || st->code == PEN_NO_MEMORY;
+    return passing ? PEN_FAILURE_RETRY : PEN_FAILURE_REFUSED;
+}
+
+bool pen_store_now(struct pen_store *store, int64_t *now_ms, struct pen_status *st)
+{
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->driver->ops->now(store->driver, now_ms, st));
 }
 
 bool pen_store_check(struct pen_store *store, struct pen_status *st)
 {
-    if (!enter(store, PEN_NEED_CHECK, st) || !leave(store, NULL, store->ops->check(store, st)))
+    if (!enter(store, PEN_NEED_CHECK, st) ||
+        !leave(store, NULL, store->driver->ops->check(store->driver, st)))
         return false;
     pen_health_found_whole(store);
     return true;
@@ -115,7 +153,8 @@ bool pen_store_check(struct pen_store *store, struct pen_status *st)
 
 bool pen_store_probe(struct pen_store *store, struct pen_status *st)
 {
-    return enter(store, PEN_NEED_SPACE, st) && leave(store, NULL, store->ops->probe(store, st));
+    return enter(store, PEN_NEED_SPACE, st) &&
+           leave(store, NULL, store->driver->ops->probe(store->driver, st));
 }
 
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
@@ -124,7 +163,7 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
 {
     struct span span = begin(store, "submit");
     return enter(store, PEN_NEED_SPACE, st) &&
-           leave(store, &span, store->ops->submit(store, job, result, first_answer, st));
+           leave(store, &span, pen_policy_submit(store, job, result, first_answer, st));
 }
 
 void pen_job_record_release(struct pen_job_record *job)
@@ -140,14 +179,14 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
 {
     struct span span = begin(store, "job");
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, &span, store->ops->job(store, id, job, st));
+           leave(store, &span, pen_policy_job(store, id, job, st));
 }
 
 bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
                     struct pen_job_record **jobs, int *count, struct pen_status *st)
 {
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, store->ops->jobs(store, filter, jobs, count, st));
+           leave(store, NULL, pen_policy_jobs(store, filter, jobs, count, st));
 }
 
 void pen_job_records_free(struct pen_job_record *jobs, int count)
@@ -157,26 +196,32 @@ void pen_job_records_free(struct pen_job_record *jobs, int count)
     free(jobs);
 }
 
+bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st)
+{
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->driver->ops->job_counts(store->driver, counts, st));
+}
+
 bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                      struct pen_status *st)
 {
     struct span span = begin(store, "scene");
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, &span, store->ops->scene(store, id, scene, st));
+           leave(store, &span, pen_policy_scene(store, id, scene, st));
 }
 
 bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st)
 {
     struct span span = begin(store, "cancel");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->cancel(store, id, st));
+           leave(store, &span, pen_policy_cancel(store, id, st));
 }
 
 bool pen_store_delete(struct pen_store *store, const char *id, struct pen_status *st)
 {
-    struct span span = begin(store, "remove");
+    struct span span = begin(store, "delete");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->remove(store, id, st));
+           leave(store, &span, pen_policy_delete(store, id, st));
 }
 
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
@@ -184,7 +229,7 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
 {
     struct span span = begin(store, "claim");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->claim(store, worker, lease_ms, claim, found, st));
+           leave(store, &span, pen_policy_claim(store, worker, lease_ms, claim, found, st));
 }
 
 bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
@@ -192,7 +237,7 @@ bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
 {
     struct span span = begin(store, "commit");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->commit(store, claim, result, NULL, st));
+           leave(store, &span, pen_policy_commit(store, claim, result, NULL, st));
 }
 
 bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
@@ -201,7 +246,7 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
 {
     struct span span = begin(store, "commit");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->commit(store, claim, result, next, st));
+           leave(store, &span, pen_policy_commit(store, claim, result, next, st));
 }
 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
@@ -209,7 +254,7 @@ bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, 
 {
     struct span span = begin(store, "progress");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->progress(store, claim, done, st));
+           leave(store, &span, pen_policy_progress(store, claim, done, st));
 }
 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
@@ -217,7 +262,7 @@ bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
 {
     struct span span = begin(store, "release");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->release(store, claim, st));
+           leave(store, &span, pen_policy_release(store, claim, st));
 }
 
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
@@ -225,7 +270,7 @@ bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, cons
 {
     struct span span = begin(store, "fail");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->fail(store, claim, error, st));
+           leave(store, &span, pen_policy_fail(store, claim, error, st));
 }
 
 bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
@@ -233,7 +278,7 @@ bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim,
 {
     struct span span = begin(store, "heartbeat");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->heartbeat(store, claim, lease_ms, held, st));
+           leave(store, &span, pen_policy_heartbeat(store, claim, lease_ms, held, st));
 }
 
 bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
@@ -241,7 +286,14 @@ bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, i
 {
     struct span span = begin(store, "expire_leases");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->expire_leases(store, dead_worker, opened, st));
+           leave(store, &span, pen_policy_expire_leases(store, dead_worker, opened, st));
+}
+
+bool pen_store_release_dead(struct pen_store *store, int *opened, struct pen_status *st)
+{
+    struct span span = begin(store, "release_dead");
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &span, pen_policy_release_dead(store, opened, st));
 }
 
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
@@ -249,7 +301,7 @@ bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_dea
 {
     struct span span = begin(store, "worker_ended");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->worker_ended(store, death, opened, st));
+           leave(store, &span, pen_policy_worker_ended(store, death, opened, st));
 }
 
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
@@ -257,57 +309,62 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
 {
     struct span span = begin(store, "pixels");
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, &span, store->ops->pixels(store, id, view, each, user, st));
+           leave(store, &span, pen_policy_pixels(store, id, view, each, user, st));
 }
 
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
                      struct pen_status *st)
 {
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, store->ops->stats(store, id, each, user, st));
+           leave(store, NULL, pen_policy_stats(store, id, each, user, st));
 }
 
 bool pen_store_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
                        struct pen_status *st)
 {
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, store->ops->batches(store, id, each, user, st));
+           leave(store, NULL, pen_policy_batches(store, id, each, user, st));
 }
 
 bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
                        void *user, struct pen_status *st)
 {
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, store->ops->commits(store, id, after, each, user, st));
+           leave(store, NULL, pen_policy_commits(store, id, after, each, user, st));
 }
 
-bool pen_store_worker_seen(struct pen_store *store, const char *name, int threads, int64_t lease_ms,
+bool pen_store_worker_lock(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    return store->driver->ops->worker_lock(store->driver, id, st);
+}
+
+bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
                            struct pen_status *st)
 {
     struct span span = begin(store, "worker_seen");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->worker_seen(store, name, threads, lease_ms, st));
+           leave(store, &span, pen_policy_worker_seen(store, worker, st));
 }
 
-bool pen_store_worker_gone(struct pen_store *store, const char *name, struct pen_status *st)
+bool pen_store_worker_gone(struct pen_store *store, const char *id, struct pen_status *st)
 {
     struct span span = begin(store, "worker_gone");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->worker_gone(store, name, st));
+           leave(store, &span, pen_policy_worker_gone(store, id, st));
 }
 
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                        struct pen_status *st)
 {
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, store->ops->workers(store, each, user, st));
+           leave(store, NULL, pen_policy_workers(store, each, user, st));
 }
 
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st)
 {
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, store->ops->artefact(store, id, view, layer, format, out, st));
+           leave(store, NULL, pen_policy_artefact(store, id, view, layer, format, out, st));
 }
 
 bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
@@ -316,46 +373,46 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
 {
     return enter(store, PEN_NEED_WRITE, st) &&
            leave(store, NULL,
-                 store->ops->artefact_put(store, id, view, layer, format, data, bytes, st));
+                 pen_policy_artefact_put(store, id, view, layer, format, data, bytes, st));
 }
 
 void pen_store_delegate_checkpoints(struct pen_store *store)
 {
-    store->others_checkpoint = true;
+    store->driver->delegates_checkpoints = true;
 }
 
 bool pen_store_checkpoint_due(const struct pen_store *store)
 {
-    return store->checkpoint_due;
+    return store->driver->checkpoint_due;
 }
 
 bool pen_store_checkpoint(struct pen_store *store, struct pen_status *st)
 {
     struct span span = begin(store, "checkpoint");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->checkpoint(store, st));
+           leave(store, &span, store->driver->ops->checkpoint(store->driver, st));
 }
 
 bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
 {
     struct span span = begin(store, "purge");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->ops->purge(store, key_age_ms, st));
+           leave(store, &span, pen_policy_purge(store, key_age_ms, st));
 }
 
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                      struct pen_status *st)
 {
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, store->ops->audit(store, each, user, found, st));
+           leave(store, NULL, pen_policy_audit(store, each, user, found, st));
 }
 
 void pen_store_wait(struct pen_store *store, enum pen_signal signal, uint32_t *seen, int timeout_ms)
 {
-    pen_wake_wait(store->wake, signal, seen, timeout_ms);
+    store->driver->ops->wait(store->driver, signal, seen, timeout_ms);
 }
 
 void pen_store_wake(struct pen_store *store, enum pen_signal signal)
 {
-    pen_wake_all(store->wake, signal);
+    store->driver->ops->wake(store->driver, signal);
 }

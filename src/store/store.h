@@ -1,19 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /* The durable store: the only door between the api process and the workers. Jobs, their scene
  * documents, batches with leases, committed pixels, artefacts, idempotency keys and workers.
- * SQLite is the first implementation; PostgreSQL comes behind this same header (src/store/ops.h
- * holds the table that pen_store_* calls go through).
+ * src/store/README.md has the rules: the states of jobs and batches, who may claim and commit, what
+ * a failure means. The policy is written once (src/store) over a driver (src/store/sqlite; the
+ * interface is src/store/internal/driver.h).
  *
  * What it promises
- *  - A function that returned true has its effect on disk (WAL, synchronous=FULL).
+ *  - A function that returned true has its effect on disk (SQLite: WAL, synchronous=FULL).
  *  - A commit is one transaction: pixels, statistics, artefact and state together. It is refused
  *    with PEN_STALE unless the batch is still leased under the same attempt number.
- *  - A commit repeated with the same claim succeeds as a duplicate and changes nothing.
- *  - After a failed read, write or fsync, or when the disk is full, what the call cannot promise it
+ *  - A commit repeated with the same claim succeeds as a duplicate and changes nothing; so does a
+ *    submit repeated with the same id.
+ *  - After a failed call pen_store_failure tells whether nothing has happened or the outcome is
+ *    unknown.
+ *  - After a failed read, write or sync, or when the disk is full, what the call cannot promise it
  *    refuses (PEN_STORAGE, PEN_STORAGE_FULL), for all handles of all processes, and the store is
  *    used again as soon as it was reopened, checked and written to: handles stay valid, callers
- *    just call again (src/store/health.h has the rules).
- *  - Leases use the store's clock only.
+ *    just call again (src/store/internal/health.h has the rules).
+ *  - Time is the store's clock (pen_store_now), never a caller's.
+ *  - A caller's function is never called inside a transaction: it may use the same handle.
  *  - Everything stored as text is opaque here (JSON written by room jobs).
  *
  * Threads: a handle is used by one thread at a time; open one per thread. Handles of different
@@ -29,7 +34,7 @@
 #include "base/status.h"
 #include "store/pixels.h"
 
-enum { PEN_ID_BYTES = 37 }; /* UUID text and its end */
+enum { PEN_ID_BYTES = 37, /* UUID text and its end */ PEN_WORKER_ID_BYTES = 33 };
 
 enum pen_job_state {
     PEN_JOB_QUEUED,
@@ -78,8 +83,22 @@ bool pen_store_check(struct pen_store *store, struct pen_status *st);
 /* Whether new work gets to disk now; the reason if not. */
 bool pen_store_probe(struct pen_store *store, struct pen_status *st);
 
-/* One call that was made on a handle, as whoever looks on is told: for tests and benches. Told of
- * are the calls that change a store and those that a worker makes. */
+/* The store's clock. Units: ms since 1970. Fails: as reading. */
+bool pen_store_now(struct pen_store *store, int64_t *now_ms, struct pen_status *st);
+
+/* What a failed call has done. */
+enum pen_failure {
+    PEN_FAILURE_REFUSED, /* nothing; the same call would be refused again */
+    PEN_FAILURE_RETRY,   /* nothing; the same call may succeed later */
+    PEN_FAILURE_UNKNOWN  /* all or nothing. A submit or a commit may be repeated: if it had its
+                            effect, that is recognised */
+};
+
+/* Of the call that has just failed on this handle with this status. */
+enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st);
+
+/* One call that was made on a handle, for tests and benches. An observer receives the calls that
+ * change a store and those that a worker makes. */
 struct pen_store_call {
     const char *name;        /* "claim", "commit", … */
     int64_t transactions;    /* writing ones that it committed */
@@ -90,8 +109,8 @@ struct pen_store_observer {
     void *user;
 };
 
-/* Has an observer told of every such call, from its thread. It must stay until the handle is
- * closed; NULL: none. */
+/* Reports every such call to an observer, in the thread of the call. The observer must stay until
+ * the handle is closed; NULL: none. */
 void pen_store_observe(struct pen_store *store, const struct pen_store_observer *observer);
 
 struct pen_backup {
@@ -121,7 +140,7 @@ struct pen_batch_new {
 
 struct pen_job_new {
     const char *id;     /* UUIDv7 */
-    int64_t created_ms; /* wall clock; the time in the id and in the answer */
+    int64_t created_ms; /* by pen_store_now; the time in the id and in the answer */
     const char *kind;
     const char *request; /* the job as accepted, without its scene: JSON */
     const void *scene;   /* the scene document as sent; stored once per content */
@@ -134,18 +153,20 @@ struct pen_job_new {
     int batch_count;
     const struct pen_batch_new *batches;
     const char *idempotency_key;      /* NULL: none */
-    const unsigned char *body_sha256; /* 32 bytes; with a key */
+    const unsigned char *body_sha256; /* 32 bytes; needed with a key */
     const char *answer;               /* stored with the key, given back on a repeat */
 };
 
 enum pen_submit_result {
     PEN_SUBMIT_CREATED,
-    PEN_SUBMIT_REPEATED, /* same key, same body: *first_answer is the answer of then */
+    PEN_SUBMIT_KNOWN,    /* this job is stored: an earlier try of the same submit had its effect */
+    PEN_SUBMIT_REPEATED, /* same key, same body: *first_answer is the answer given first */
     PEN_SUBMIT_REUSED    /* same key, another body: nothing was stored */
 };
 
-/* Stores a job. Owns: *first_answer is appended to a caller's buffer. Fails: PEN_STORAGE_FULL,
- * PEN_STORAGE, PEN_UNAVAILABLE (busy too long). */
+/* Stores a job. A caller who does not know the outcome repeats the call with the same job. Owns:
+ * *first_answer is appended to a caller's buffer. Fails: PEN_STORAGE_FULL, PEN_STORAGE,
+ * PEN_UNAVAILABLE (busy too long), PEN_CONFLICT (another job has this id). */
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st);
@@ -185,6 +206,13 @@ bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter
                     struct pen_job_record **jobs, int *count, struct pen_status *st);
 void pen_job_records_free(struct pen_job_record *jobs, int count);
 
+/* How many jobs there are in each state, and batches of jobs that have not ended. */
+struct pen_counts {
+    int64_t jobs[PEN_JOB_STATE_COUNT];
+    int64_t open_batches, leased_batches;
+};
+bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st);
+
 /* The scene document as sent. */
 bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                      struct pen_status *st);
@@ -211,14 +239,14 @@ struct pen_claim {
     int64_t timeout_ms; /* of the job, from started_ms; 0: none */
 };
 
-/* Claims the next batch by (priority, age), but see pen_store_worker_ended about quarantined
- * batches; the job becomes running. A study whose turn it is waits for the worker to hold nothing,
- * and until then, as long as it is held, there is nothing else for that worker. Returns true with
- * *found = false when there is nothing to do. */
+/* Claims the next batch by (priority, age), with the exceptions that src/store/README.md lists for
+ * quarantined batches and paused jobs; the job becomes running. A study that is next waits until
+ * the worker holds nothing; until then, and while the worker holds the study, this returns nothing
+ * else. Returns true with *found = false when there is nothing to do. */
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                      struct pen_claim *claim, bool *found, struct pen_status *st);
 
-/* What a batch came to. */
+/* The result of a batch. */
 struct pen_result {
     const float *rgb; /* tiles in order, each its rows; pixels * 3 values; or NULL */
     int64_t pixels;
@@ -232,8 +260,8 @@ struct pen_result {
 /* Commits a batch. The commit that leaves no open render batch in a view of several batches adds
  * an assemble batch; the one that ends the last view makes the job succeeded. The batch that ends
  * a view (its only one, or the assemble batch) brings the view's picture, a study its report.
- * Fails: PEN_STALE; PEN_STORAGE_FULL, PEN_STORAGE, PEN_UNAVAILABLE (nothing was changed, or the
- * outcome is unknown: commit again); PEN_INTERNAL (a result that does not fit the batch). */
+ * Fails: PEN_STALE; PEN_STORAGE_FULL, PEN_STORAGE, PEN_UNAVAILABLE (see pen_store_failure; the same
+ * commit may be repeated in any case); PEN_INTERNAL (a result that does not fit the batch). */
 bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
                       const struct pen_result *result, struct pen_status *st);
 
@@ -250,7 +278,7 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
                                 const struct pen_result *result, struct pen_next *next,
                                 struct pen_status *st);
 
-/* Says how many of its runs a study has made, for readers to see. Fails: PEN_STALE. */
+/* Stores how many of its runs a study has made, for readers. Fails: PEN_STALE. */
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                         struct pen_status *st);
 
@@ -263,27 +291,33 @@ bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                     struct pen_status *st);
 
-/* Asks whether the claim still holds, and extends its lease once a third of it has gone, so it
- * may be called often: most calls only read. *held = false: cancelled, taken or ended; stop
- * working on it. */
+/* Tells whether the claim still holds, and extends its lease once a third of it has gone, so it
+ * may be called often: most calls only read. *held = false: the job was cancelled or has ended, or
+ * the batch was taken; stop working on it. */
 bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st);
 
 /* Opens batches whose lease has run out, and those of a worker that is known to be gone (NULL:
- * none), as quarantined batches, see pen_store_worker_ended. Nothing is charged: how the worker
- * went is not known. *opened is their number. */
+ * none), as quarantined batches. Nothing is charged: how the worker ended is not known. *opened is
+ * their number. */
 bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
                              struct pen_status *st);
 
+/* Opens the batches of all workers that do not live, as pen_store_expire_leases does, and removes
+ * those workers from the list: a worker lives while a handle holds its lock
+ * (pen_store_worker_lock). Leases of dead workers would run out anyway: this only saves the wait,
+ * when everything was killed at once and no supervisor is left to report its worker. */
+bool pen_store_release_dead(struct pen_store *store, int *opened, struct pen_status *st);
+
 enum pen_worker_end {
     PEN_WORKER_LEFT,   /* told to, and leaves its work to others */
-    PEN_WORKER_DIED,   /* by somebody else's doing, or nobody knows */
-    PEN_WORKER_CRASHED /* by the doing of what it worked on */
+    PEN_WORKER_DIED,   /* killed by another process, or for an unknown reason */
+    PEN_WORKER_CRASHED /* by what it worked on */
 };
 
-/* Makes the error of a job that has used up its attempts, from the batch that its worker was at;
- * called inside the transaction: it may read from the store. Owns: a malloc()ed text, NULL when out
- * of memory. */
+/* Makes the error of a job that has used up its attempts, from the batch that its worker worked
+ * on; called outside any transaction: it may read from the store. Owns: a malloc()ed text, NULL
+ * when out of memory. */
 typedef char *pen_death_error_fn(void *user, const struct pen_claim *claim, int charges);
 
 struct pen_worker_death {
@@ -293,12 +327,12 @@ struct pen_worker_death {
     void *user;
 };
 
-/* What to do about the batches of a worker that has ended. Unless it left, they become quarantined
- * batches: a suspect is handed only to a worker that holds nothing else, which then gets nothing
- * else until it is done with it; and a job whose batches keep coming back this way lets all others
- * go first for a while that doubles each time. A crash is charged to the job if nothing but its
- * batches was held; max_attempts charges in a row end it as failed. A commit takes all of this
- * back. *opened is the number of batches that are open again. */
+/* Opens the batches of a worker that has ended; *opened is their number. Unless the worker left,
+ * they are quarantined: a quarantined batch is leased only to a worker that holds nothing else, and
+ * that worker gets nothing else meanwhile. A job that lost workers repeatedly is paused for a time
+ * that doubles with each loss, so that other jobs go first. A crash is charged to the job if the
+ * worker held batches of that job alone; max_attempts charges in a row end the job as failed. A
+ * commit ends the quarantine of its batch, and the pause and the charges of its job. */
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
                             int *opened, struct pen_status *st);
 
@@ -329,27 +363,28 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st);
 
-/* Housekeeping: idempotency keys and workers older than key_age_ms go, unused scene documents go,
- * room no longer needed is given back to the file system. */
+/* Removes idempotency keys and workers older than key_age_ms and unused scene documents, and gives
+ * space no longer needed back to the file system. */
 bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
 
-/* An engine first writes changes to a log and later brings them to their place. A commit does that
- * itself now and then, and takes the longer for it; a handle can leave it to another one, whose
- * caller has the time: pen_store_checkpoint_due says after a commit that it is due, and the other
- * calls pen_store_checkpoint, which keeps nobody from reading or writing. Where that does not
- * happen, a commit does it in the end. Fails: PEN_STORAGE, PEN_STORAGE_FULL; nothing is lost. */
+/* A database first writes changes to a log and later copies them to their place: a checkpoint. A
+ * commit does that itself now and then, and takes longer for it. A handle can leave it to another
+ * one: pen_store_checkpoint_due returns true after a commit that calls for a checkpoint, and the
+ * other handle calls pen_store_checkpoint, which blocks neither readers nor writers. If nobody
+ * does, a later commit makes the checkpoint. Fails: PEN_STORAGE, PEN_STORAGE_FULL; nothing is lost.
+ */
 void pen_store_delegate_checkpoints(struct pen_store *store);
 bool pen_store_checkpoint_due(const struct pen_store *store);
 bool pen_store_checkpoint(struct pen_store *store, struct pen_status *st);
 
-/* One batch as stored, for looking on. */
+/* One batch as stored. */
 struct pen_batch_record {
     int64_t batch, attempt;
     enum pen_batch_kind kind;
     enum pen_batch_state state;
     int view, first_tile, tile_count;
     int64_t pixels;
-    const char *worker; /* who holds it, NULL unless leased */
+    const char *worker; /* the id of its holder, NULL unless leased */
     bool quarantined;   /* a worker ended while it held this batch */
 };
 
@@ -372,19 +407,37 @@ typedef bool pen_commit_fn(void *user, const struct pen_commit_record *commit);
 bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
                        void *user, struct pen_status *st);
 
-/* Notes that a worker is there. It says so from time to time; lease_ms is what it claims with, so
- * that a lease tells when it was last extended. */
-bool pen_store_worker_seen(struct pen_store *store, const char *name, int threads, int64_t lease_ms,
+/* A worker as it presents itself. */
+struct pen_worker_new {
+    const char *id;   /* random, see pen_worker_id_make */
+    const char *host; /* for readers; with pid it says where the worker runs */
+    int64_t pid;
+    int threads;
+    int64_t lease_ms; /* that it claims with, so that a lease tells when it was last extended */
+};
+
+/* Makes the id of a worker: 128 random bits in hexadecimal digits. Fails: PEN_IO (the system gives
+ * no random bytes). */
+bool pen_worker_id_make(char id[PEN_WORKER_ID_BYTES], struct pen_status *st);
+
+/* Takes a lock that marks the worker as living, for as long as this handle is open; the end of the
+ * process ends it too. Fails: PEN_CONFLICT (another handle has it), PEN_STORAGE. */
+bool pen_store_worker_lock(struct pen_store *store, const char *id, struct pen_status *st);
+
+/* Stores that a worker is there. To be repeated from time to time. */
+bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
                            struct pen_status *st);
 
-/* Forgets a worker, if it is known. */
-bool pen_store_worker_gone(struct pen_store *store, const char *name, struct pen_status *st);
+/* Removes a worker from the list, if it is there. */
+bool pen_store_worker_gone(struct pen_store *store, const char *id, struct pen_status *st);
 
 /* A worker and a batch that it holds. */
 struct pen_worker_record {
-    const char *name;
+    const char *id, *host;
+    int64_t pid;
     int threads;
-    int64_t started_ms, seen_ms; /* wall clock; seen: said so, or extended this lease */
+    int64_t started_ms, seen_ms; /* by the store's clock; seen: reported itself, or extended this
+                                    lease */
     const char *job_id;          /* NULL: it holds none, and what follows means nothing */
     const char *view;
     int64_t batch, attempt;
@@ -392,21 +445,22 @@ struct pen_worker_record {
     int64_t pixels;
 };
 
-/* Calls `each` for every worker, oldest first, and there once for every batch it holds; stops when
- * it returns false. Workers that have died unnoticed are among them. */
+/* Calls `each` for every worker, oldest first, once for every batch that it holds, and once if it
+ * holds none; stops when it returns false. Workers that have died unnoticed are among them. */
 typedef bool pen_worker_fn(void *user, const struct pen_worker_record *worker);
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                        struct pen_status *st);
 
-/* Looks for what must never be: rows without an owner, states that contradict each other, sums
- * that do not add up. Calls `each` with a sentence for every one found; *found is their number.
- * For tests and after a crash. Cost: reads everything but pixels and pictures. */
+/* Looks for contradictions: rows without an owner, states that contradict each other, sums that do
+ * not add up. Calls `each` with a sentence for every one found; *found is their number. For tests
+ * and after a crash. Cost: reads everything but pixels and pictures. */
 typedef void pen_audit_fn(void *user, const char *finding);
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                      struct pen_status *st);
 
-/* Wake-up hints across processes: two counters that only grow. WORK grows when a batch may be
- * claimed, NEWS when any job changed. A hint may be lost; polling is the safety net. */
+/* Signals between all handles of a store: two counters that only grow. PEN_SIGNAL_WORK grows when a
+ * batch may be claimed, PEN_SIGNAL_CHANGES (the change notification) when any job changed. A signal
+ * may be lost: callers also look at the store from time to time. */
 enum pen_signal { PEN_SIGNAL_WORK, PEN_SIGNAL_CHANGES };
 
 /* Waits until the counter differs from *seen or the time is up; *seen becomes its value.
@@ -414,7 +468,7 @@ enum pen_signal { PEN_SIGNAL_WORK, PEN_SIGNAL_CHANGES };
 void pen_store_wait(struct pen_store *store, enum pen_signal signal, uint32_t *seen,
                     int timeout_ms);
 
-/* Wakes all waiters of the store in all processes (used at shutdown). */
+/* Wakes all who wait for a signal, in all processes. */
 void pen_store_wake(struct pen_store *store, enum pen_signal signal);
 
 #endif

@@ -84,8 +84,7 @@ static void die(const char *what, const struct pen_status *st)
 }
 
 static const struct pen_store_observer observer = {.called = called};
-static struct pen_worker_options options = {
-    .name = "bench:1:1", .threads = 2, .observer = &observer};
+static struct pen_worker_options options = {.id = "bench:1:1", .threads = 2, .observer = &observer};
 static atomic_bool stop;
 
 static void *work(void *user)

@@ -230,8 +230,10 @@ START_TEST(test_list__workers_are_shown_with_host_and_work)
 {
     struct pen_status st;
     jobs_bed_open(&bed);
-    store_must(pen_store_worker_seen(bed.bed.store, "fe80::1:77:1234", 8, 60000, &st), &st, "seen");
-    store_must(pen_store_worker_seen(bed.bed.store, "odd", 2, 60000, &st), &st, "seen");
+    struct pen_worker_new eight = {
+        .id = "eight", .host = "fe80::1", .pid = 77, .threads = 8, .lease_ms = 60000};
+    store_must(pen_store_worker_seen(bed.bed.store, &eight, &st), &st, "seen");
+    store_worker_seen(bed.bed.store, "odd");
     jobs_submit(&bed, jobs_scene(", \"render\": {\"width\": 24, \"height\": 18}"), id);
     struct pen_claim claim = store_claim(bed.bed.store, "odd");
     json_t *answer = pen_jobs_workers(bed.jobs, &st);
@@ -242,7 +244,8 @@ START_TEST(test_list__workers_are_shown_with_host_and_work)
     ck_assert_int_eq(json_integer_value(json_object_get(first, "pid")), 77);
     ck_assert_int_eq(json_integer_value(json_object_get(first, "threads")), 8);
     ck_assert_uint_eq(json_array_size(json_object_get(first, "batches")), 0);
-    ck_assert_str_eq(json_string_value(json_object_get(second, "host")), "odd");
+    ck_assert_str_eq(json_string_value(json_object_get(first, "name")), "eight");
+    ck_assert_str_eq(json_string_value(json_object_get(second, "name")), "odd");
     json_t *batch = json_array_get(json_object_get(second, "batches"), 0);
     ck_assert_str_eq(json_string_value(json_object_get(batch, "job")), id);
     ck_assert_str_eq(json_string_value(json_object_get(batch, "kind")), "render");

@@ -36,7 +36,7 @@ static void *work(void *user)
 {
     struct jobs_bed *b = user;
     struct pen_worker_options options = {
-        .store_url = b->bed.url, .name = "test:1:1", .threads = 2, .observer = &observer};
+        .store_url = b->bed.url, .id = "test:1:1", .threads = 2, .observer = &observer};
     struct pen_status st;
     return pen_worker_run(&options, &b->stop, &st) ? b : NULL;
 }

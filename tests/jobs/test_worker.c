@@ -278,7 +278,7 @@ static void *stop_when_ended(void *stop)
 START_TEST(test_worker__scene_beyond_the_memory_cap_fails_its_job_alone)
 {
     struct pen_status st;
-    struct pen_worker_options options = {.name = "small:1:1", .threads = 1, .scene_cap_bytes = 500};
+    struct pen_worker_options options = {.id = "small:1:1", .threads = 1, .scene_cap_bytes = 500};
     atomic_bool stop = false;
     jobs_bed_open(&bed);
     options.store_url = bed.bed.url;

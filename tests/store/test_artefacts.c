@@ -84,13 +84,12 @@ START_TEST(test_artefacts__missing_and_added_bytes_are_noticed)
 }
 END_TEST
 
-/* What was stored before there were sums has none, and is given out as it is. */
+/* What was stored before there were checksums has none, and is given out as it is. */
 START_TEST(test_artefacts__of_a_store_from_before)
 {
     put("old", 3);
     pen_store_close(bed.store);
-    store_run_sql(&bed, "ALTER TABLE artefact DROP COLUMN sum", NULL, 0);
-    store_run_sql(&bed, "PRAGMA user_version = 6", NULL, 0);
+    store_downgrade(bed.url, 6);
     bed.store = store_bed_handle(&bed);
     check_got("old", 3);
     store_bed_close(&bed);

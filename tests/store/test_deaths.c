@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Workers that end: whose batches are suspects, who gets those, what is charged to whom. */
-#include <sqlite3.h>
+/* Workers that end: whose batches are quarantined, who gets those, what is charged. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
@@ -56,17 +56,18 @@ static int attempts(const struct store_job *in)
     return count;
 }
 
-static bool count_suspect(void *user, const struct pen_batch_record *batch)
+static bool count_quarantined(void *user, const struct pen_batch_record *batch)
 {
     *(int *)user += batch->quarantined;
     return true;
 }
 
-static int suspects(const struct store_job *in)
+static int quarantined_batches(const struct store_job *in)
 {
     struct pen_status st;
     int count = 0;
-    store_must(pen_store_batches(bed.store, in->id, count_suspect, &count, &st), &st, "batches");
+    store_must(pen_store_batches(bed.store, in->id, count_quarantined, &count, &st), &st,
+               "batches");
     return count;
 }
 
@@ -107,12 +108,12 @@ START_TEST(test_deaths__other_ends_are_not_charged)
     for (int i = 0; i < 4; i++) {
         store_claim(bed.store, "w");
         ck_assert_int_eq(end_worker("w", PEN_WORKER_LEFT), 1);
-        ck_assert_int_eq(suspects(&in), 0);
+        ck_assert_int_eq(quarantined_batches(&in), 0);
     }
     for (int i = 0; i < 4; i++) {
         store_claim(bed.store, "w");
         ck_assert_int_eq(end_worker("w", PEN_WORKER_DIED), 1);
-        ck_assert_int_eq(suspects(&in), 1);
+        ck_assert_int_eq(quarantined_batches(&in), 1);
         store_claim(bed.store, "w");
         store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "sweep");
         ck_assert_int_eq(opened, 1);
@@ -121,12 +122,12 @@ START_TEST(test_deaths__other_ends_are_not_charged)
     ck_assert_int_eq(end_worker("nobody", PEN_WORKER_CRASHED), 0);
     store_work_off(bed.store, "w");
     ck_assert_int_eq(store_job_state(bed.store, in.id), PEN_JOB_SUCCEEDED);
-    ck_assert_int_eq(suspects(&in), 0);
+    ck_assert_int_eq(quarantined_batches(&in), 0);
     store_bed_close(&bed);
 }
 END_TEST
 
-START_TEST(test_deaths__crash_over_two_jobs_charges_neither_and_suspects_are_tried_alone)
+START_TEST(test_deaths__crash_over_two_jobs_charges_neither_and_quarantined_batches_are_tried_alone)
 {
     struct store_job bad, good, other;
     struct pen_claim one, two, claim;
@@ -138,9 +139,9 @@ START_TEST(test_deaths__crash_over_two_jobs_charges_neither_and_suspects_are_tri
     two = store_claim(bed.store, "w");
     ck_assert_str_eq(two.job_id, good.id);
     ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 2);
-    ck_assert_int_eq(suspects(&bad) + suspects(&good), 2);
+    ck_assert_int_eq(quarantined_batches(&bad) + quarantined_batches(&good), 2);
 
-    /* One suspect per worker, and nothing beside it; others pass by. */
+    /* One quarantined batch per worker, and nothing beside it; others pass by. */
     one = store_claim(bed.store, "w");
     ck_assert_str_eq(one.job_id, bad.id);
     ck_assert(!claim_any("w", &claim));
@@ -151,7 +152,7 @@ START_TEST(test_deaths__crash_over_two_jobs_charges_neither_and_suspects_are_tri
     ck_assert_str_eq(claim.job_id, other.id);
     store_audit_clean(bed.store);
 
-    /* Who holds something gets no suspect, but the next of the others. */
+    /* Who holds something gets no quarantined batch, but the next of the others. */
     end_worker("v", PEN_WORKER_LEFT);
     claim = store_claim(bed.store, "u");
     ck_assert_str_eq(claim.job_id, other.id);
@@ -221,28 +222,14 @@ START_TEST(test_deaths__job_that_keeps_losing_workers_lets_others_go_first_for_a
 }
 END_TEST
 
-static void run_sql(sqlite3 *db, const char *sql)
-{
-    ck_assert_msg(sqlite3_exec(db, sql, NULL, NULL, NULL) == SQLITE_OK, "%s: %s", sql,
-                  sqlite3_errmsg(db));
-}
-
 START_TEST(test_deaths__store_of_the_first_schema_goes_on)
 {
     struct store_job in;
-    sqlite3 *db;
     store_bed_open(&bed);
     submit(&in, 1, 3, 3);
     store_claim(bed.store, "w");
     pen_store_close(bed.store);
-    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
-    run_sql(
-        db,
-        "DROP TABLE worker; DROP INDEX batch_by_revision; ALTER TABLE batch DROP COLUMN revision;"
-        "ALTER TABLE job DROP COLUMN deaths; ALTER TABLE job DROP COLUMN rest_until_ms;"
-        "ALTER TABLE batch DROP COLUMN suspect; ALTER TABLE artefact DROP COLUMN sum; PRAGMA "
-        "user_version = 1");
-    sqlite3_close(db);
+    store_downgrade(bed.url, 1);
     bed.store = store_bed_handle(&bed);
     ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 1);
     ck_assert_int_eq(store_work_off(bed.store, "w"), 4);
@@ -253,7 +240,7 @@ END_TEST
 
 PEN_SUITE("store deaths", test_deaths__crash_over_one_job_is_charged_up_to_its_failure,
           test_deaths__other_ends_are_not_charged,
-          test_deaths__crash_over_two_jobs_charges_neither_and_suspects_are_tried_alone,
+          test_deaths__crash_over_two_jobs_charges_neither_and_quarantined_batches_are_tried_alone,
           test_deaths__any_commit_of_the_job_takes_its_charges_back,
           test_deaths__job_that_keeps_losing_workers_lets_others_go_first_for_a_while,
           test_deaths__store_of_the_first_schema_goes_on)

@@ -22,14 +22,14 @@ static const char dump_sql[] =
     "SELECT 'job', id, state, revision, done_pixels, open_views, error IS NULL, charges, deaths"
     " FROM job UNION ALL "
     "SELECT 'view', job, view, batches, open_batches, 0, 0, 0, 0 FROM view UNION ALL "
-    "SELECT 'batch', id, state, attempt, worker, kind, stats, suspect, revision FROM batch"
+    "SELECT 'batch', id, state, attempt, worker, kind, stats, quarantined, revision FROM batch"
     " UNION ALL "
     "SELECT 'pixels', batch, hex(data), 0, 0, 0, 0, 0, 0 FROM pixels UNION ALL "
     "SELECT 'artefact', job, view, layer, format, hex(data), 0, 0, 0 FROM artefact UNION ALL "
     "SELECT 'key', key, answer, hex(body_sha256), 0, 0, 0, 0, 0 FROM idempotency WHERE key <> ''"
     " UNION ALL "
     "SELECT 'scene', id, hex(sha256), hex(document), 0, 0, 0, 0, 0 FROM scene UNION ALL "
-    "SELECT 'worker', name, threads, lease_ms, 0, 0, 0, 0, 0 FROM worker";
+    "SELECT 'worker', id, threads, lease_ms, 0, 0, 0, 0, 0 FROM worker";
 
 static int dump_row(void *user, int columns, char **value, char **name)
 {

@@ -175,8 +175,7 @@ START_TEST(test_pixels__of_the_version_before_are_read)
     ck_assert_int_eq(commit(&claim, &result), PEN_OK);
     pen_store_close(bed.store);
     store_run_sql(&bed, "UPDATE pixels SET data = ?", old, bytes);
-    store_run_sql(&bed, "ALTER TABLE artefact DROP COLUMN sum", NULL, 0);
-    store_run_sql(&bed, "PRAGMA user_version = 4", NULL, 0);
+    store_downgrade(bed.url, 4);
     bed.store = store_bed_handle(&bed);
     check_stored(PIXELS);
     store_bed_close(&bed);

@@ -117,9 +117,10 @@ static void apply(struct pen_store *store, const char *operation, const struct s
     enum pen_submit_result result;
     bool flag;
     int opened;
-    if (strcmp(operation, "pen_store_submit") == 0)
-        ck_assert(!pen_store_submit(store, &in->job, &result, &answer, &st));
-    else if (strcmp(operation, "pen_store_claim") == 0)
+    if (strcmp(operation, "pen_store_submit") == 0) {
+        store_must(pen_store_submit(store, &in->job, &result, &answer, &st), &st, "submit");
+        ck_assert_int_eq(result, PEN_SUBMIT_KNOWN);
+    } else if (strcmp(operation, "pen_store_claim") == 0)
         pen_store_claim(store, "x", 1000, &claim, &flag, &st);
     else if (strcmp(operation, "pen_store_commit") == 0)
         store_commit(store, last);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Studies: who gets them and what else, how far they are, and what becomes of them when their
  * worker dies. */
-#include <sqlite3.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
@@ -205,43 +205,18 @@ START_TEST(test_studies__crashes_are_charged_though_progress_was_told)
 }
 END_TEST
 
-/* Takes the store back to the schema before studies. */
-static void make_old(void)
-{
-    sqlite3 *db;
-    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
-    ck_assert_int_eq(sqlite3_exec(db,
-                                  "ALTER TABLE artefact DROP COLUMN sum; PRAGMA user_version = 5",
-                                  NULL, NULL, NULL),
-                     SQLITE_OK);
-    sqlite3_close(db);
-}
-
-static int version(void)
-{
-    sqlite3 *db;
-    sqlite3_stmt *stmt;
-    ck_assert_int_eq(sqlite3_open(bed.url, &db), SQLITE_OK);
-    ck_assert_int_eq(sqlite3_prepare_v2(db, "PRAGMA user_version", -1, &stmt, NULL), SQLITE_OK);
-    ck_assert_int_eq(sqlite3_step(stmt), SQLITE_ROW);
-    int value = sqlite3_column_int(stmt, 0);
-    sqlite3_finalize(stmt);
-    sqlite3_close(db);
-    return value;
-}
-
 START_TEST(test_studies__store_from_before_takes_them_once_it_was_opened)
 {
     store_bed_open(&bed);
-    int current = version();
+    int current = store_schema_version(bed.url);
     ck_assert_int_ge(current, 6);
     submit_job(&first, 1, 2);
     struct pen_claim claim = store_claim(bed.store, "w");
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     pen_store_close(bed.store);
-    make_old();
+    store_downgrade(bed.url, 5);
     bed.store = store_bed_handle(&bed);
-    ck_assert_int_eq(version(), current);
+    ck_assert_int_eq(store_schema_version(bed.url), current);
     submit_study(2);
     ck_assert_int_eq(store_work_off(bed.store, "w"), 3);
     ck_assert_int_eq(store_job_state(bed.store, first.id), PEN_JOB_SUCCEEDED);

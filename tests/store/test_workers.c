@@ -22,7 +22,7 @@ static bool note_row(void *user, const struct pen_worker_record *worker)
     struct rows *rows = user;
     struct row *row = &rows->row[rows->count++];
     *row = (struct row){.worker = *worker};
-    snprintf(row->name, sizeof row->name, "%s", worker->name);
+    snprintf(row->name, sizeof row->name, "%s", worker->id);
     snprintf(row->job_id, sizeof row->job_id, "%s", worker->job_id ? worker->job_id : "");
     snprintf(row->view, sizeof row->view, "%s", worker->job_id ? worker->view : "");
     return rows->count < 8;
@@ -39,7 +39,9 @@ static struct rows list(struct pen_store *store)
 static void show_up(struct pen_store *store, const char *name, int threads, int64_t lease_ms)
 {
     struct pen_status st;
-    store_must(pen_store_worker_seen(store, name, threads, lease_ms, &st), &st, "seen");
+    struct pen_worker_new worker = {
+        .id = name, .host = "host", .pid = 77, .threads = threads, .lease_ms = lease_ms};
+    store_must(pen_store_worker_seen(store, &worker, &st), &st, "seen");
 }
 
 START_TEST(test_workers__are_listed_with_what_they_hold)

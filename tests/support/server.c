@@ -35,7 +35,7 @@ static void *work(void *arg)
     struct server *server = arg;
     struct pen_status st;
     const struct pen_worker_options options = {
-        .store_url = server->store, .name = "test:1:1", .threads = 2};
+        .store_url = server->store, .id = "test:1:1", .threads = 2};
     ck_assert_msg(pen_worker_run(&options, &server->stop_worker, &st), "%s", st.msg);
     return NULL;
 }

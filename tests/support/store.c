@@ -175,6 +175,14 @@ int store_work_off(struct pen_store *store, const char *worker)
     }
 }
 
+void store_worker_seen(struct pen_store *store, const char *id)
+{
+    struct pen_status st;
+    struct pen_worker_new worker = {
+        .id = id, .host = "host", .pid = 1, .threads = 2, .lease_ms = 60000};
+    store_must(pen_store_worker_seen(store, &worker, &st), &st, "seen");
+}
+
 struct pen_job_record store_job_get(struct pen_store *store, const char *id)
 {
     struct pen_status st;

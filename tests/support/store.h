@@ -58,6 +58,9 @@ enum pen_code store_commit(struct pen_store *store, const struct pen_claim *clai
 /* Claims and commits until nothing is left; returns the number of batches. */
 int store_work_off(struct pen_store *store, const char *worker);
 
+/* Puts a worker with two threads on the list of workers. */
+void store_worker_seen(struct pen_store *store, const char *id);
+
 /* The job; the caller releases it. */
 struct pen_job_record store_job_get(struct pen_store *store, const char *id);
 enum pen_job_state store_job_state(struct pen_store *store, const char *id);

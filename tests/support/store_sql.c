@@ -3,6 +3,7 @@
 
 #include <check.h>
 #include <sqlite3.h>
+#include <stdio.h>
 
 void store_run_sql(const struct store_bed *bed, const char *sql, const void *blob, size_t bytes)
 {
@@ -14,5 +15,52 @@ void store_run_sql(const struct store_bed *bed, const char *sql, const void *blo
         sqlite3_bind_blob(stmt, 1, blob, (int)bytes, SQLITE_STATIC);
     ck_assert_msg(sqlite3_step(stmt) == SQLITE_DONE, "%s: %s", sql, sqlite3_errmsg(db));
     sqlite3_finalize(stmt);
+    sqlite3_close(db);
+}
+
+/* What undoes the step to schema i + 2; "" for a step that changed no table. */
+static const char *const undo[] = {
+    "ALTER TABLE job DROP COLUMN deaths; ALTER TABLE job DROP COLUMN rest_until_ms;"
+    "ALTER TABLE batch DROP COLUMN suspect",
+    "DROP INDEX batch_by_revision; ALTER TABLE batch DROP COLUMN revision",
+    "DROP TABLE worker",
+    "",
+    "",
+    "ALTER TABLE artefact DROP COLUMN sum",
+    "ALTER TABLE batch RENAME COLUMN quarantined TO suspect;"
+    "ALTER TABLE job RENAME COLUMN paused_until_ms TO rest_until_ms;"
+    "ALTER TABLE artefact RENAME COLUMN checksum TO sum; DROP INDEX batch_assemble;"
+    "DROP TABLE worker; CREATE TABLE worker (name TEXT PRIMARY KEY, threads INTEGER NOT NULL,"
+    " lease_ms INTEGER NOT NULL, started_ms INTEGER NOT NULL, seen_ms INTEGER NOT NULL)"
+    " STRICT, WITHOUT ROWID",
+};
+enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
+
+int store_schema_version(const char *file)
+{
+    sqlite3 *db;
+    sqlite3_stmt *stmt;
+    ck_assert_int_eq(sqlite3_open_v2(file, &db, SQLITE_OPEN_READWRITE, "unix"), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_prepare_v2(db, "PRAGMA user_version", -1, &stmt, NULL), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_step(stmt), SQLITE_ROW);
+    int version = sqlite3_column_int(stmt, 0);
+    sqlite3_finalize(stmt);
+    sqlite3_close(db);
+    return version;
+}
+
+void store_downgrade(const char *file, int version)
+{
+    char mark[64];
+    char *error = NULL;
+    sqlite3 *db;
+    ck_assert_int_eq(store_schema_version(file), NEWEST);
+    ck_assert_int_eq(sqlite3_open_v2(file, &db, SQLITE_OPEN_READWRITE, "unix"), SQLITE_OK);
+    for (int i = NEWEST; i > version; i--) {
+        sqlite3_exec(db, undo[i - 2], NULL, NULL, &error);
+        ck_assert_msg(!error, "schema %d: %s", i, error);
+    }
+    snprintf(mark, sizeof mark, "PRAGMA user_version = %d", version);
+    ck_assert_int_eq(sqlite3_exec(db, mark, NULL, NULL, NULL), SQLITE_OK);
     sqlite3_close(db);
 }

@@ -10,4 +10,10 @@
 /* Runs one statement without results, with a blob (or NULL) for its first parameter. */
 void store_run_sql(const struct store_bed *bed, const char *sql, const void *blob, size_t bytes);
 
+/* Takes the file of a store, which no handle has open, back to an earlier schema. */
+void store_downgrade(const char *file, int version);
+
+/* The version of its schema. */
+int store_schema_version(const char *file);
+
 #endif

@@ -16,7 +16,6 @@
 #include "base/log.h"
 #include "cmd/daemon/crash_record.h"
 #include "cmd/daemon/oom.h"
-#include "cmd/daemon/roles.h"
 #include "cmd/daemon/worker_exit.h"
 
 /* A process that lived so long was no crash at the start. */
@@ -155,12 +154,16 @@ static int64_t schedule(struct pen_child *child)
 void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd)
 {
     int pair[2];
-    long long start_ms = (long long)pen_clock_wall_ms();
     child->started_ns = pen_clock_ns();
     child->ready = child->stopping = child->killed = false;
     pid_t pid = -1;
     close_fd(&child->trace_fd);
     if (is_worker(child)) {
+        struct pen_status st;
+        if (!pen_worker_id_make(child->name, &st)) { /* the worker makes its own id then */
+            pen_log(PEN_LOG_WARN, "%s", st.msg);
+            child->name[0] = '\0';
+        }
         child->trace_fd = pen_crash_record_new();
         child->oom_kills = pen_oom_kills();
     }
@@ -168,8 +171,6 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
         pid = fork();
         if (pid == 0) {
             struct arguments arguments;
-            if (is_worker(child))
-                pen_worker_name(getpid(), start_ms, child->name, sizeof child->name);
             make_arguments(&arguments, child, config, pair[1], listen_fd);
             become(&arguments, child, pair[1], listen_fd);
         }
@@ -186,8 +187,6 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     }
     child->pid = pid;
     child->control_fd = pair[0];
-    if (is_worker(child))
-        pen_worker_name(pid, start_ms, child->name, sizeof child->name);
     pen_log(PEN_LOG_DEBUG, "started the %s process %d", child->role, (int)pid);
 }
 

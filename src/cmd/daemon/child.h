@@ -20,14 +20,14 @@ struct pen_child {
     bool killed;                     /* by the supervisor */
     int64_t started_ns, start_at_ns; /* when it was, or is to be started */
     int failures;                    /* ends in a row, each soon after the start */
-    char name[160];                  /* worker: its name in the store */
+    char name[PEN_WORKER_ID_BYTES];  /* worker: its id in the store, "": it makes one */
     char last_end[96];               /* "signal 11 (SIGSEGV)", "" at first */
     /* Of a worker; see blackbox.h and oom.h. */
     int trace_fd;      /* -1: none */
     int64_t oom_kills; /* when it was started */
     /* A predecessor whose leases are not taken back yet; name "": none. */
     struct {
-        char name[160], how[96];
+        char name[PEN_WORKER_ID_BYTES], how[96];
         enum pen_worker_end end;
         int trace_fd;
     } dead;

@@ -17,7 +17,6 @@
 #include "cmd/daemon/control.h"
 #include "cmd/daemon/crash_record.h"
 #include "cmd/daemon/fault_injection.h"
-#include "cmd/daemon/orphans.h"
 #include "http/server.h"
 #include "jobs/worker.h"
 #include "jobs/worker_report.h"
@@ -25,14 +24,6 @@
 
 /* How long the api may take to end its answers before it is ended by force. */
 enum { STOP_API_S = 3 };
-
-void pen_worker_name(int pid, long long start_ms, char *out, size_t bytes)
-{
-    char host[65] = "";
-    if (gethostname(host, sizeof host - 1) != 0 || !host[0])
-        snprintf(host, sizeof host, "localhost");
-    snprintf(out, bytes, "%s:%d:%lld", host, pid, start_ms);
-}
 
 /* "LEVEL FORMAT FILE" from the supervisor; after a bare SIGHUP the configuration stays. */
 static void reopen_log(const struct pen_config *config, const char *text)
@@ -149,26 +140,27 @@ static void *run_worker(void *user)
     return NULL;
 }
 
-/* What died holding leases cannot give them back: its successor does, and reports what its
- * predecessor died of. */
-static bool bury(struct pen_store *store, const struct pen_config *config, struct pen_status *st)
+/* Releases the leases of workers that are dead: of the predecessor, whose end the supervisor has
+ * reported and which may be charged, and of all others that hold no lock any more. */
+static bool release_dead(struct pen_store *store, const struct pen_config *config,
+                         struct pen_status *st)
 {
-    int opened = 0;
+    int opened = 0, others = 0;
     const char *dead = config->dead_worker;
-    struct pen_worker_report obituary = {.worker = dead,
-                                         .end = PEN_WORKER_DIED,
-                                         .how = config->dead_how ? config->dead_how : "?",
-                                         .trace = pen_crash_record_map(config->dead_trace_fd)};
+    struct pen_worker_report report = {.worker = dead,
+                                       .end = PEN_WORKER_DIED,
+                                       .how = config->dead_how ? config->dead_how : "?",
+                                       .trace = pen_crash_record_map(config->dead_trace_fd)};
     if (config->dead_end && strcmp(config->dead_end, "crashed") == 0)
-        obituary.end = PEN_WORKER_CRASHED;
-    if (dead ? !pen_jobs_worker_ended(store, &obituary, &opened, st)
-             : !pen_orphans_sweep(store, &opened, st))
+        report.end = PEN_WORKER_CRASHED;
+    if (dead && !pen_jobs_worker_ended(store, &report, &opened, st))
         return false;
-    if (!pen_orphans_forget(store, st))
+    if (!pen_store_release_dead(store, &others, st))
         return false;
     if (opened > 0)
-        pen_log(PEN_LOG_INFO, "took back %d batches of %s", opened,
-                dead ? dead : "workers that are no more");
+        pen_log(PEN_LOG_INFO, "took back %d batches of worker %s", opened, dead);
+    if (others > 0)
+        pen_log(PEN_LOG_INFO, "took back %d batches of workers that are no more", others);
     return true;
 }
 
@@ -177,7 +169,7 @@ static bool bury(struct pen_store *store, const struct pen_config *config, struc
 static void give_up(struct pen_store *store, const struct work *work)
 {
     struct pen_status st;
-    struct pen_worker_death left = {.worker = work->options.name, .end = PEN_WORKER_LEFT};
+    struct pen_worker_death left = {.worker = work->options.id, .end = PEN_WORKER_LEFT};
     int opened;
     end_within(1);
     pen_log(PEN_LOG_WARN, "the batch in hand is given back unfinished");
@@ -266,11 +258,11 @@ static bool take_test_settings(struct pen_worker_options *options, struct pen_fa
 }
 
 static int work_until_told(const struct pen_config *config, struct pen_event_source *watch,
-                           struct pen_store *store, const char *name)
+                           struct pen_store *store, const char *id)
 {
     struct work work = {.watch = watch,
                         .options = {.store_url = config->store,
-                                    .name = name,
+                                    .id = id,
                                     .threads = config->threads,
                                     .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
                                     .trace = pen_crash_record_map(config->trace_fd),
@@ -280,13 +272,13 @@ static int work_until_told(const struct pen_config *config, struct pen_event_sou
     pthread_t thread;
     if (work.options.trace)
         pen_crash_record_install(work.options.trace);
-    if (!take_test_settings(&work.options, &hook, &st) || !bury(store, config, &st))
+    if (!take_test_settings(&work.options, &hook, &st) || !release_dead(store, config, &st))
         return fail(&st);
     if (pthread_create(&thread, NULL, run_worker, &work) != 0) {
         pen_fail(&st, PEN_NO_MEMORY, "cannot start a thread");
         return fail(&st);
     }
-    pen_log(PEN_LOG_INFO, "working as %s", name);
+    pen_log(PEN_LOG_INFO, "working as %s", id);
     pen_control_send(watch->control_fd, "ready");
     attend(config, watch, &work, store);
     pthread_join(thread, NULL);
@@ -300,17 +292,16 @@ int pen_role_worker(const struct pen_config *config)
 {
     struct pen_event_source watch;
     struct pen_status st;
-    char name[160];
+    char made[PEN_WORKER_ID_BYTES];
+    const char *id = config->worker_name;
     pen_log_set_name("worker");
     prctl(PR_SET_NAME, PEN_WORKER_PROCESS);
-    if (config->worker_name)
-        snprintf(name, sizeof name, "%s", config->worker_name);
-    else
-        pen_worker_name(getpid(), pen_clock_wall_ms(), name, sizeof name);
+    if (!id && !pen_worker_id_make(made, &st))
+        return fail(&st);
     if (!pen_event_source_open(&watch, config->control_fd, &st))
         return fail(&st);
     struct pen_store *store = pen_store_open(config->store, &st);
-    int code = store ? work_until_told(config, &watch, store, name) : fail(&st);
+    int code = store ? work_until_told(config, &watch, store, id ? id : made) : fail(&st);
     pen_store_close(store);
     pen_event_source_close(&watch);
     return code;

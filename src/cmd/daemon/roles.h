@@ -21,7 +21,4 @@ int pen_role_api(const struct pen_config *config, int listen_fd);
 /* Works until told to stop. Returns the exit code. */
 int pen_role_worker(const struct pen_config *config);
 
-/* The name of a worker, unique among all that ever were: host:pid:start in ms since 1970. */
-void pen_worker_name(int pid, long long start_ms, char *out, size_t bytes);
-
 #endif

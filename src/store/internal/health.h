@@ -39,7 +39,7 @@
 #ifndef PEN_STORE_INTERNAL_HEALTH_H
 #define PEN_STORE_INTERNAL_HEALTH_H
 
-#include "store/internal/ops.h"
+#include "store/internal/policy.h"
 
 enum pen_need {
     PEN_NEED_CHECK, /* looks for damage: never refused for it */

@@ -2,8 +2,6 @@
 /* The audit: one query per rule, each selecting what breaks it. State numbers are those of
  * store.h: jobs 0 queued, 1 running, 2 succeeded, 3 failed, 4 cancelled; batches 0 open, 1 leased,
  * 2 done, 3 ended; kinds 0 render, 1 assemble, 2 study. */
-#include <stdio.h>
-
 #include "store/sqlite/sqlite.h"
 
 struct rule {
@@ -85,26 +83,20 @@ static const struct rule rules[] = {
      "SELECT id FROM job WHERE charges NOT BETWEEN 0 AND min(deaths, max_attempts)"},
     {"a job that has used up its attempts and goes on",
      "SELECT id FROM job WHERE charges >= max_attempts AND state IN (0, 1)"},
-    {"a job that lets others go first though no worker was lost over it",
-     "SELECT id FROM job WHERE deaths < 2 AND rest_until_ms <> 0"},
-    {"a suspect batch that was never attempted, or has come to its end",
-     "SELECT id FROM batch WHERE suspect = 1 AND (attempt = 0 OR state IN (2, 3))"},
-    {"a worker that holds more than a suspect batch, or than a study",
-     "SELECT a.worker FROM batch a WHERE a.state = 1 AND (a.suspect = 1 OR a.kind = 2)"
+    {"a job that is paused though no worker was lost over it",
+     "SELECT id FROM job WHERE deaths < 2 AND paused_until_ms <> 0"},
+    {"a quarantined batch that was never attempted, or has come to its end",
+     "SELECT id FROM batch WHERE quarantined = 1 AND (attempt = 0 OR state IN (2, 3))"},
+    {"a worker that holds more than a quarantined batch, or than a study",
+     "SELECT a.worker FROM batch a WHERE a.state = 1 AND (a.quarantined = 1 OR a.kind = 2)"
      " AND EXISTS (SELECT 1"
      " FROM batch b WHERE b.state = 1 AND b.worker = a.worker AND b.id <> a.id)"},
     {"a scene document that no job names",
      "SELECT id FROM scene WHERE id NOT IN (SELECT scene FROM job)"},
 };
 
-struct audit {
-    pen_audit_fn *each;
-    void *user;
-    int found;
-};
-
-static bool apply_rule(struct pen_sqlite_store *store, const struct rule *rule, struct audit *audit,
-                       struct pen_status *st)
+static bool apply_rule(struct pen_sqlite_store *store, const struct rule *rule,
+                       struct pen_buf *findings, int *found, struct pen_status *st)
 {
     sqlite3_stmt *stmt = NULL;
     int rc = sqlite3_prepare_v2(store->db, rule->sql, -1, &stmt, NULL);
@@ -112,32 +104,22 @@ static bool apply_rule(struct pen_sqlite_store *store, const struct rule *rule, 
         rc = sqlite3_step(stmt);
         if (rc != SQLITE_ROW)
             break;
-        char finding[256];
         const char *what = (const char *)sqlite3_column_text(stmt, 0);
-        snprintf(finding, sizeof finding, "%s: %s", rule->finding, what ? what : "?");
-        audit->found++;
-        if (audit->each)
-            audit->each(audit->user, finding);
+        pen_buf_printf(findings, "%s: %.200s", rule->finding, what ? what : "?");
+        pen_buf_add(findings, "", 1);
+        ++*found;
     }
     sqlite3_finalize(stmt);
     return rc == SQLITE_DONE || pen_sqlite_error(store, rc, st);
 }
 
-static bool read_audit(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
-{
-    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
-        if (!apply_rule(store, &rules[i], arg, st))
-            return false;
-    }
-    return true;
-}
-
-bool pen_sqlite_audit(struct pen_store *base, pen_audit_fn *each, void *user, int *found,
+bool pen_sqlite_audit(struct pen_driver *driver, struct pen_buf *findings, int *found,
                       struct pen_status *st)
 {
-    struct audit audit = {.each = each, .user = user};
-    if (!pen_sqlite_snapshot(pen_sqlite_of(base), read_audit, &audit, st))
-        return false;
-    *found = audit.found;
-    return true;
+    bool ok = pen_sqlite_begin_read(driver, st);
+    *found = 0;
+    for (size_t i = 0; ok && i < sizeof rules / sizeof rules[0]; i++)
+        ok = apply_rule(pen_sqlite_of(driver), &rules[i], findings, found, st);
+    pen_sqlite_rollback(driver);
+    return ok;
 }

@@ -74,8 +74,8 @@ static bool check_schema(struct pen_sqlite_store *store, struct pen_status *st)
     return true;
 }
 
-bool pen_sqlite_check(struct pen_store *base, struct pen_status *st)
+bool pen_sqlite_check(struct pen_driver *driver, struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(base);
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
     return pen_sqlite_check_file(store, st) && check_schema(store, st);
 }

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs as readers see them, and their end by request: get, list, scene, cancel, delete, tidy. */
-#include <stdlib.h>
+/* Rows of jobs, their keys, scenes and views. */
+#include <string.h>
 
-#include "base/clock.h"
 #include "store/sqlite/sqlite.h"
 
-/* Pages given back by one transaction (SQL_VACUUM: 2048, 8 MiB), and transactions by one tidy. */
-enum { VACUUM_ROUNDS = 128 };
-
-/* The columns of JOB_COLUMNS (sqlite_sql.c), in order. */
+/* The columns of JOB_COLUMNS (sql.c), in order. */
 enum {
     COL_NUMBER,
     COL_ID,
@@ -26,209 +22,313 @@ enum {
     COL_FINISHED,
     COL_UPDATED,
     COL_DONE,
-    COL_TOTAL
+    COL_TOTAL,
+    COL_SCENE
 };
 
-/* The attempt a job is on; charges are deaths, the last of which may have ended it. */
-static int attempts_of(const struct pen_job_record *job, int64_t charges)
-{
-    int64_t attempts = job->started_ms ? charges + 1 : 0;
-    return (int)(attempts < job->max_attempts ? attempts : job->max_attempts);
-}
-
-static bool fill_record(const struct pen_sqlite_query *row, struct pen_job_record *job,
+bool pen_sqlite_key_add(struct pen_driver *driver, const struct pen_key_row *key, bool *added,
                         struct pen_status *st)
 {
-    bool ok = true;
-    *job = (struct pen_job_record){
-        .number = pen_sqlite_column_int(row, COL_NUMBER),
-        .state = (enum pen_job_state)pen_sqlite_column_int(row, COL_STATE),
-        .revision = pen_sqlite_column_int(row, COL_REVISION),
-        .kind = pen_sqlite_column_dup(row, COL_KIND, &ok),
-        .request = pen_sqlite_column_dup(row, COL_REQUEST, &ok),
-        .error = pen_sqlite_column_dup(row, COL_ERROR, &ok),
-        .priority = (int)pen_sqlite_column_int(row, COL_PRIORITY),
-        .max_attempts = (int)pen_sqlite_column_int(row, COL_MAX_ATTEMPTS),
-        .timeout_ms = pen_sqlite_column_int(row, COL_TIMEOUT),
-        .created_ms = pen_sqlite_column_int(row, COL_CREATED),
-        .started_ms = pen_sqlite_column_int(row, COL_STARTED),
-        .finished_ms = pen_sqlite_column_int(row, COL_FINISHED),
-        .updated_ms = pen_sqlite_column_int(row, COL_UPDATED),
-        .done_pixels = pen_sqlite_column_int(row, COL_DONE),
-        .total_pixels = pen_sqlite_column_int(row, COL_TOTAL),
-    };
-    job->attempts = attempts_of(job, pen_sqlite_column_int(row, COL_CHARGES));
-    const char *id = pen_sqlite_column_text(row, COL_ID);
-    for (int i = 0; id && id[i] && i < PEN_ID_BYTES - 1; i++)
-        job->id[i] = id[i];
-    if (ok)
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_KEY_ADD);
+    pen_sqlite_text(&query, key->key);
+    pen_sqlite_blob(&query, key->body_sha256, 32);
+    pen_sqlite_text(&query, key->answer);
+    pen_sqlite_int(&query, key->created_ms);
+    return pen_sqlite_run_changed(&query, added, st);
+}
+
+bool pen_sqlite_key_get(struct pen_driver *driver, const char *key, unsigned char body_sha256[32],
+                        struct pen_buf *answer, bool *found, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_KEY_GET);
+    pen_sqlite_text(&query, key);
+    if (!pen_sqlite_next(&query, found, st))
+        return false;
+    if (!*found)
         return true;
-    pen_job_record_release(job);
+    struct pen_bytes body = pen_sqlite_column_blob(&query, 0);
+    const char *text = pen_sqlite_column_text(&query, 1);
+    memset(body_sha256, 0, 32);
+    if (body.bytes == 32)
+        memcpy(body_sha256, body.data, 32);
+    bool ok = !answer || (text && pen_buf_puts(answer, text));
+    pen_sqlite_end(&query);
+    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for the answer");
+}
+
+bool pen_sqlite_keys_remove(struct pen_driver *driver, int64_t before_ms, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_KEYS_REMOVE);
+    pen_sqlite_int(&query, before_ms);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_scene_find(struct pen_driver *driver, const unsigned char sha256[32],
+                           int64_t *number, bool *found, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_SCENE_FIND);
+    pen_sqlite_blob(&query, sha256, 32);
+    if (!pen_sqlite_next(&query, found, st))
+        return false;
+    if (*found) {
+        *number = pen_sqlite_column_int(&query, 0);
+        pen_sqlite_end(&query);
+    }
+    return true;
+}
+
+bool pen_sqlite_scene_remove_unused(struct pen_driver *driver, int64_t number,
+                                    struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(
+        pen_sqlite_of(driver), number ? SQL_SCENE_REMOVE_UNUSED : SQL_SCENES_REMOVE_UNUSED);
+    if (number)
+        pen_sqlite_int(&query, number);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_job_add(struct pen_driver *driver, const struct pen_job_new *job, int64_t scene,
+                        int64_t total_pixels, int64_t *number, bool *added, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_ADD);
+    pen_sqlite_text(&query, job->id);
+    pen_sqlite_text(&query, job->kind);
+    pen_sqlite_int(&query, scene);
+    pen_sqlite_int(&query, job->priority);
+    pen_sqlite_int(&query, job->max_attempts);
+    pen_sqlite_int(&query, job->timeout_ms);
+    pen_sqlite_int(&query, job->created_ms);
+    pen_sqlite_int(&query, total_pixels);
+    pen_sqlite_int(&query, job->view_count);
+    pen_sqlite_text(&query, job->request);
+    if (!pen_sqlite_run_changed(&query, added, st))
+        return false;
+    *number = sqlite3_last_insert_rowid(store->db);
+    return true;
+}
+
+bool pen_sqlite_view_add(struct pen_driver *driver, int64_t job, int view,
+                         const struct pen_view_new *what, int batches, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_VIEW_ADD);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, view);
+    pen_sqlite_text(&query, what->name);
+    pen_sqlite_int(&query, what->width);
+    pen_sqlite_int(&query, what->height);
+    pen_sqlite_int(&query, batches);
+    return pen_sqlite_run(&query, st);
+}
+
+static bool fill_row(const struct pen_sqlite_query *query, struct pen_job_row *row,
+                     struct pen_status *st)
+{
+    bool ok = true;
+    *row = (struct pen_job_row){
+        .charges = pen_sqlite_column_int(query, COL_CHARGES),
+        .scene = pen_sqlite_column_int(query, COL_SCENE),
+        .record = {
+            .number = pen_sqlite_column_int(query, COL_NUMBER),
+            .state = (enum pen_job_state)pen_sqlite_column_int(query, COL_STATE),
+            .revision = pen_sqlite_column_int(query, COL_REVISION),
+            .kind = pen_sqlite_column_dup(query, COL_KIND, &ok),
+            .request = pen_sqlite_column_dup(query, COL_REQUEST, &ok),
+            .error = pen_sqlite_column_dup(query, COL_ERROR, &ok),
+            .priority = (int)pen_sqlite_column_int(query, COL_PRIORITY),
+            .max_attempts = (int)pen_sqlite_column_int(query, COL_MAX_ATTEMPTS),
+            .timeout_ms = pen_sqlite_column_int(query, COL_TIMEOUT),
+            .created_ms = pen_sqlite_column_int(query, COL_CREATED),
+            .started_ms = pen_sqlite_column_int(query, COL_STARTED),
+            .finished_ms = pen_sqlite_column_int(query, COL_FINISHED),
+            .updated_ms = pen_sqlite_column_int(query, COL_UPDATED),
+            .done_pixels = pen_sqlite_column_int(query, COL_DONE),
+            .total_pixels = pen_sqlite_column_int(query, COL_TOTAL),
+        }};
+    const char *id = pen_sqlite_column_text(query, COL_ID);
+    size_t length = id ? strlen(id) : 0;
+    if (length < sizeof row->record.id)
+        memcpy(row->record.id, id ? id : "", length + 1);
+    if (ok && id)
+        return true;
+    pen_job_record_release(&row->record);
     return pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
 }
 
-bool pen_sqlite_job(struct pen_store *base, const char *id, struct pen_job_record *job,
-                    struct pen_status *st)
+bool pen_sqlite_job_get(struct pen_driver *driver, const char *id, struct pen_job_row *job,
+                        bool *found, struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(base), SQL_JOB_GET);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_GET);
     pen_sqlite_text(&query, id);
-    bool row;
-    if (!pen_sqlite_next(&query, &row, st))
+    if (!pen_sqlite_next(&query, found, st))
         return false;
-    if (!row)
-        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
-    bool ok = fill_record(&query, job, st);
+    if (!*found)
+        return true;
+    bool ok = fill_row(&query, job, st);
     pen_sqlite_end(&query);
     return ok;
 }
 
-bool pen_sqlite_jobs(struct pen_store *base, const struct pen_job_filter *filter,
-                     struct pen_job_record **jobs, int *count, struct pen_status *st)
+bool pen_sqlite_job_page(struct pen_driver *driver, const struct pen_job_filter *filter,
+                         struct pen_job_row *rows, int *count, struct pen_status *st)
 {
-    int limit = filter->limit > 0 ? filter->limit : 1;
-    struct pen_job_record *list = calloc((size_t)limit, sizeof *list);
-    if (!list)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
     struct pen_sqlite_query query = pen_sqlite_query(
-        pen_sqlite_of(base), filter->state < 0 ? SQL_JOB_LIST : SQL_JOB_LIST_STATE);
+        pen_sqlite_of(driver), filter->state < 0 ? SQL_JOB_LIST : SQL_JOB_LIST_STATE);
     pen_sqlite_int(&query, filter->below ? filter->below : INT64_MAX);
     pen_sqlite_text(&query, filter->kind);
-    pen_sqlite_int(&query, limit);
+    pen_sqlite_int(&query, filter->limit);
     if (filter->state >= 0)
         pen_sqlite_int(&query, filter->state);
-    int n = 0;
     bool row = true, ok = true;
-    while (ok && row) {
+    *count = 0;
+    while (ok && row && *count < filter->limit) {
         ok = pen_sqlite_next(&query, &row, st);
         if (ok && row)
-            ok = fill_record(&query, &list[n], st) && ++n;
+            ok = fill_row(&query, &rows[*count], st) && ++*count;
     }
     pen_sqlite_end(&query);
-    if (!ok) {
-        pen_job_records_free(list, n);
-        return false;
-    }
-    *jobs = list;
-    *count = n;
-    return true;
+    while (!ok && *count > 0)
+        pen_job_record_release(&rows[--*count].record);
+    return ok;
 }
 
-bool pen_sqlite_scene(struct pen_store *base, const char *id, struct pen_buf *scene,
-                      struct pen_status *st)
+bool pen_sqlite_job_find(struct pen_driver *driver, const char *id, struct pen_job_key *job,
+                         bool *found, struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(base);
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_SCENE_GET);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_FIND);
     pen_sqlite_text(&query, id);
-    bool row;
-    if (!pen_sqlite_next(&query, &row, st))
+    if (!pen_sqlite_next(&query, found, st))
         return false;
-    if (!row)
-        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
-    struct pen_bytes packed = pen_sqlite_column_blob(&query, 0), document;
-    bool ok = pen_decompress(store->packer, packed.data, packed.bytes, &document, st);
-    pen_sqlite_end(&query);
-    if (!ok)
-        return false;
-    return pen_buf_add(scene, document.data, document.bytes) ||
-           pen_fail(st, PEN_NO_MEMORY, "no memory for a scene");
-}
-
-bool pen_sqlite_end_job(struct pen_sqlite_store *store, int64_t number, enum pen_job_state state,
-                        const char *error, struct pen_status *st)
-{
-    struct pen_sqlite_query job = pen_sqlite_query(store, SQL_JOB_END);
-    pen_sqlite_int(&job, number);
-    pen_sqlite_int(&job, state);
-    pen_sqlite_text(&job, error);
-    pen_sqlite_int(&job, pen_clock_wall_ms());
-    if (!pen_sqlite_run(&job, st))
-        return false;
-    if (pen_sqlite_changes(store) == 0)
+    if (!*found)
         return true;
-    store->base.changed = true;
-    struct pen_sqlite_query batches = pen_sqlite_query(store, SQL_BATCHES_END);
-    pen_sqlite_int(&batches, number);
-    return pen_sqlite_run(&batches, st);
+    *job = (struct pen_job_key){.number = pen_sqlite_column_int(&query, 0),
+                                .state = (enum pen_job_state)pen_sqlite_column_int(&query, 1),
+                                .scene = pen_sqlite_column_int(&query, 2)};
+    pen_sqlite_end(&query);
+    return true;
 }
 
-static bool write_cancel(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
+static bool count_batches(struct pen_sqlite_store *store, struct pen_counts *counts,
+                          struct pen_status *st)
 {
-    int64_t number;
-    return pen_sqlite_job_number(store, arg, &number, st) &&
-           pen_sqlite_end_job(store, number, PEN_JOB_CANCELLED, NULL, st);
-}
-
-bool pen_sqlite_cancel(struct pen_store *base, const char *id, struct pen_status *st)
-{
-    return pen_sqlite_transaction(pen_sqlite_of(base), write_cancel, (void *)(uintptr_t)id, st);
-}
-
-static bool write_remove(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
-{
-    const char *id = arg;
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_NUMBER);
-    pen_sqlite_text(&query, id);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_BATCH_COUNTS);
     bool row;
     if (!pen_sqlite_next(&query, &row, st))
         return false;
-    if (!row)
-        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
-    int64_t number = pen_sqlite_column_int(&query, 0), scene = pen_sqlite_column_int(&query, 2);
-    enum pen_job_state state = (enum pen_job_state)pen_sqlite_column_int(&query, 1);
-    pen_sqlite_end(&query);
-    if (!pen_job_state_ended(state))
-        return pen_fail(st, PEN_CONFLICT, "job %s is %s; cancel it before deleting it", id,
-                        pen_job_state_name(state));
-    struct pen_sqlite_query job = pen_sqlite_query(store, SQL_JOB_REMOVE);
-    pen_sqlite_int(&job, number);
-    struct pen_sqlite_query unused = pen_sqlite_query(store, SQL_SCENE_REMOVE_UNUSED);
-    pen_sqlite_int(&unused, scene);
-    store->base.changed = true;
-    return pen_sqlite_run(&job, st) && pen_sqlite_run(&unused, st);
-}
-
-bool pen_sqlite_remove(struct pen_store *base, const char *id, struct pen_status *st)
-{
-    return pen_sqlite_transaction(pen_sqlite_of(base), write_remove, (void *)(uintptr_t)id, st);
-}
-
-static bool write_tidy(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
-{
-    int64_t before_ms = pen_clock_wall_ms() - *(const int64_t *)arg;
-    struct pen_sqlite_query keys = pen_sqlite_query(store, SQL_TIDY_KEYS);
-    pen_sqlite_int(&keys, before_ms);
-    struct pen_sqlite_query workers = pen_sqlite_query(store, SQL_TIDY_WORKERS);
-    pen_sqlite_int(&workers, before_ms);
-    struct pen_sqlite_query scenes = pen_sqlite_query(store, SQL_TIDY_SCENES);
-    return pen_sqlite_run(&keys, st) && pen_sqlite_run(&workers, st) && pen_sqlite_run(&scenes, st);
-}
-
-/* Moves the file's end into its gaps, a bounded number of pages at a time so that writers get in
- * between; the file itself shrinks when the log is wound back. */
-static bool give_room_back(struct pen_sqlite_store *store, struct pen_status *st)
-{
-    for (int round = 0; round < VACUUM_ROUNDS; round++) {
-        struct pen_sqlite_query free_pages = pen_sqlite_query(store, SQL_FREE_PAGES);
-        bool row;
-        if (!pen_sqlite_next(&free_pages, &row, st))
-            return false;
-        int64_t count = row ? pen_sqlite_column_int(&free_pages, 0) : 0;
-        pen_sqlite_end(&free_pages);
-        if (count == 0)
-            return true;
-        struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
-        if (!pen_sqlite_run(&vacuum, st))
-            return false;
-        pen_sqlite_wind_back_log(store);
+    if (row) {
+        counts->open_batches = pen_sqlite_column_int(&query, 0);
+        counts->leased_batches = pen_sqlite_column_int(&query, 1);
+        pen_sqlite_end(&query);
     }
     return true;
 }
 
-bool pen_sqlite_purge(struct pen_store *base, int64_t key_age_ms, struct pen_status *st)
+bool pen_sqlite_job_counts(struct pen_driver *driver, struct pen_counts *counts,
+                           struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(base);
-    if (!pen_sqlite_transaction(store, write_tidy, &key_age_ms, st) || !give_room_back(store, st))
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_COUNTS);
+    bool row = true;
+    *counts = (struct pen_counts){0};
+    while (row) {
+        if (!pen_sqlite_next(&query, &row, st))
+            return false;
+        int64_t state = row ? pen_sqlite_column_int(&query, 0) : -1;
+        if (state >= 0 && state < PEN_JOB_STATE_COUNT)
+            counts->jobs[state] = pen_sqlite_column_int(&query, 1);
+    }
+    return count_batches(store, counts, st);
+}
+
+bool pen_sqlite_job_start(struct pen_driver *driver, int64_t job, int64_t now_ms, bool *changed,
+                          struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_START);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, now_ms);
+    return pen_sqlite_run_changed(&query, changed, st);
+}
+
+bool pen_sqlite_job_progress(struct pen_driver *driver, const struct pen_progress *progress,
+                             struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_PROGRESS);
+    pen_sqlite_int(&query, progress->job);
+    pen_sqlite_int(&query, progress->pixels);
+    pen_sqlite_int(&query, progress->add);
+    pen_sqlite_int(&query, progress->now_ms);
+    pen_sqlite_int(&query, progress->forgive);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_job_view_ended(struct pen_driver *driver, int64_t job, int64_t *open_views,
+                               struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_VIEW_ENDED);
+    bool row;
+    pen_sqlite_int(&query, job);
+    if (!pen_sqlite_next(&query, &row, st))
         return false;
-    pen_sqlite_wind_back_log(store);
-    return true;
+    if (!row)
+        return pen_fail(st, PEN_STORAGE, "a batch without a job");
+    *open_views = pen_sqlite_column_int(&query, 0);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_job_succeed(struct pen_driver *driver, int64_t job, int64_t now_ms,
+                            struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_SUCCEED);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, now_ms);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_job_end(struct pen_driver *driver, int64_t job, enum pen_job_state state,
+                        const char *error, int64_t now_ms, bool *changed, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_END);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, state);
+    pen_sqlite_text(&query, error);
+    pen_sqlite_int(&query, now_ms);
+    return pen_sqlite_run_changed(&query, changed, st);
+}
+
+static bool run_for_job(struct pen_driver *driver, enum pen_sqlite_sql sql, int64_t job,
+                        struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), sql);
+    pen_sqlite_int(&query, job);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_job_end_batches(struct pen_driver *driver, int64_t job, struct pen_status *st)
+{
+    return run_for_job(driver, SQL_JOB_END_BATCHES, job, st);
+}
+
+bool pen_sqlite_job_remove(struct pen_driver *driver, int64_t job, struct pen_status *st)
+{
+    return run_for_job(driver, SQL_JOB_REMOVE, job, st);
+}
+
+bool pen_sqlite_job_set_deaths(struct pen_driver *driver, int64_t job, int64_t deaths,
+                               int64_t paused_until_ms, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_SET_DEATHS);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, deaths);
+    pen_sqlite_int(&query, paused_until_ms);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_job_set_charges(struct pen_driver *driver, int64_t job, int64_t charges,
+                                int64_t now_ms, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_SET_CHARGES);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, charges);
+    pen_sqlite_int(&query, now_ms);
+    return pen_sqlite_run(&query, st);
 }

@@ -16,11 +16,10 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "store/internal/health.h"
-#include "store/internal/wake.h"
 #include "store/sqlite/sqlite.h"
+#include "store/sqlite/wake.h"
 
-enum { PATIENCE_MS = 5000, DOCUMENT_LEVEL = 1 /* of zstd: they are written once */ };
+enum { PATIENCE_MS = 5000 };
 
 /* A log without content is removed by the last to close; nothing is written for that. */
 static bool has_log(const struct pen_sqlite_store *store)
@@ -46,46 +45,15 @@ static void close_database(struct pen_sqlite_store *store)
     store->sound = false;
 }
 
-static void pen_sqlite_close(struct pen_store *base)
+void pen_sqlite_close(struct pen_driver *driver)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(base);
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
     close_database(store);
-    pen_compressor_free(store->packer);
-    pen_pixels_free(store->pixels);
-    free(store->rgb);
+    pen_wake_close(store->wake);
+    if (store->lock_fd >= 0)
+        close(store->lock_fd);
     free(store->path);
     free(store);
-}
-
-static bool write_probe(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
-{
-    (void)arg;
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_PROBE);
-    pen_sqlite_int(&query, pen_clock_wall_ms());
-    return pen_sqlite_run(&query, st);
-}
-
-static bool pen_sqlite_probe(struct pen_store *base, struct pen_status *st)
-{
-    return pen_sqlite_transaction(pen_sqlite_of(base), write_probe, NULL, st);
-}
-
-static bool write_large_probe(struct pen_sqlite_store *store, void *arg, struct pen_status *st)
-{
-    (void)arg;
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_PROBE_LARGE);
-    pen_sqlite_int(&query, pen_clock_wall_ms());
-    return pen_sqlite_run(&query, st);
-}
-
-/* The large row and then the small one in its place. A log that is there to be overwritten proves
- * nothing of the room on the disk, so it is given back first. */
-static bool pen_sqlite_space(struct pen_store *base, struct pen_status *st)
-{
-    struct pen_sqlite_store *store = pen_sqlite_of(base);
-    pen_sqlite_wind_back_log(store);
-    return pen_sqlite_transaction(store, write_large_probe, NULL, st) &&
-           pen_sqlite_transaction(store, write_probe, NULL, st);
 }
 
 static bool open_database(struct pen_sqlite_store *store, struct pen_status *st);
@@ -107,9 +75,9 @@ static bool is_same_file(const struct pen_sqlite_store *store, struct pen_status
 /* The new connection comes before the old one goes: were there none in between, the next would
  * read the whole log again and find a transaction there whose sync had failed, after others saw
  * the store without it. */
-static bool pen_sqlite_reopen(struct pen_store *base, struct pen_status *st)
+bool pen_sqlite_reopen(struct pen_driver *driver, struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(base), old = *store;
+    struct pen_sqlite_store *store = pen_sqlite_of(driver), old = *store;
     if (!is_same_file(store, st))
         return false;
     store->db = NULL;
@@ -119,40 +87,6 @@ static bool pen_sqlite_reopen(struct pen_store *base, struct pen_status *st)
     close_database(&old);
     return ok;
 }
-
-static const struct pen_store_ops ops = {
-    .close = pen_sqlite_close,
-    .check = pen_sqlite_check,
-    .probe = pen_sqlite_probe,
-    .space = pen_sqlite_space,
-    .reopen = pen_sqlite_reopen,
-    .submit = pen_sqlite_submit,
-    .job = pen_sqlite_job,
-    .jobs = pen_sqlite_jobs,
-    .scene = pen_sqlite_scene,
-    .cancel = pen_sqlite_cancel,
-    .remove = pen_sqlite_remove,
-    .claim = pen_sqlite_claim,
-    .commit = pen_sqlite_commit,
-    .progress = pen_sqlite_progress,
-    .release = pen_sqlite_release,
-    .fail = pen_sqlite_fail,
-    .heartbeat = pen_sqlite_heartbeat,
-    .expire_leases = pen_sqlite_expire_leases,
-    .worker_ended = pen_sqlite_worker_ended,
-    .pixels = pen_sqlite_pixels,
-    .stats = pen_sqlite_stats,
-    .batches = pen_sqlite_batches,
-    .commits = pen_sqlite_commits,
-    .worker_seen = pen_sqlite_worker_seen,
-    .worker_gone = pen_sqlite_worker_gone,
-    .workers = pen_sqlite_workers,
-    .artefact = pen_sqlite_artefact,
-    .artefact_put = pen_sqlite_artefact_put,
-    .checkpoint = pen_sqlite_checkpoint,
-    .purge = pen_sqlite_purge,
-    .audit = pen_sqlite_audit,
-};
 
 /* Makes the folders above `path`, private to the user. */
 static bool make_folders(char *path, struct pen_status *st)
@@ -356,14 +290,11 @@ static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
     close(lock);
     if (!ok)
         return false;
-    store->base.wake = pen_wake_open(lock_path);
-    if (!store->base.wake)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
-    pen_health_begin(&store->base);
-    return true;
+    store->wake = pen_wake_open(lock_path);
+    return store->wake || pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
 }
 
-struct pen_store *pen_sqlite_open(const char *path, struct pen_status *st)
+struct pen_driver *pen_sqlite_open(const char *path, struct pen_status *st)
 {
     char lock_path[4096];
     if ((size_t)snprintf(lock_path, sizeof lock_path, "%s-wake", path) >= sizeof lock_path) {
@@ -371,17 +302,18 @@ struct pen_store *pen_sqlite_open(const char *path, struct pen_status *st)
         return NULL;
     }
     struct pen_sqlite_store *store = calloc(1, sizeof *store);
-    if (store) {
-        store->base.ops = &ops;
-        store->patience_ms = PATIENCE_MS;
-        store->base.name = store->path = strdup(path);
-        store->packer = pen_compressor_new(DOCUMENT_LEVEL);
+    if (!store) {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+        return NULL;
     }
-    if (!store || !store->path || !store->packer)
+    store->base.ops = pen_sqlite_ops();
+    store->patience_ms = PATIENCE_MS;
+    store->lock_fd = -1;
+    store->base.name = store->path = strdup(path);
+    if (!store->path)
         pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     else if (open_locked(store, lock_path, st))
         return &store->base;
-    if (store)
-        pen_sqlite_close(&store->base);
+    pen_sqlite_close(&store->base);
     return NULL;
 }

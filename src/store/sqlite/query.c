@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Statements, transactions and errors of the SQLite engine. Also here: how the write-ahead log is
+/* Statements, transactions and errors of the SQLite driver. Also here: how the write-ahead log is
  * kept short. SQLite's own rule (a passive checkpoint every so many pages) lets the log grow for
  * as long as readers overlap; beyond a second mark the log is wound back with a short wait for
  * readers instead. */
@@ -80,6 +80,14 @@ bool pen_sqlite_run(struct pen_sqlite_query *query, struct pen_status *st)
     return true;
 }
 
+bool pen_sqlite_run_changed(struct pen_sqlite_query *query, bool *changed, struct pen_status *st)
+{
+    if (!pen_sqlite_run(query, st))
+        return false;
+    *changed = sqlite3_changes(query->store->db) > 0;
+    return true;
+}
+
 int pen_sqlite_changes(const struct pen_sqlite_store *store)
 {
     return sqlite3_changes(store->db);
@@ -107,6 +115,18 @@ char *pen_sqlite_column_dup(const struct pen_sqlite_query *query, int column, bo
         return NULL;
     const char *text = pen_sqlite_column_text(query, column);
     char *copy = text ? strdup(text) : NULL;
+    if (!copy)
+        *ok = false;
+    return copy;
+}
+
+const char *pen_sqlite_column_keep(const struct pen_sqlite_query *query, int column,
+                                   struct pen_arena *arena, bool *ok)
+{
+    if (sqlite3_column_type(query->stmt, column) == SQLITE_NULL)
+        return NULL;
+    const char *text = pen_sqlite_column_text(query, column);
+    const char *copy = text ? pen_arena_strdup(arena, text) : NULL;
     if (!copy)
         *ok = false;
     return copy;
@@ -165,7 +185,7 @@ bool pen_sqlite_io_error(struct pen_sqlite_store *store, int rc, int error, stru
     bool sync = rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC;
     note_fault(store, full && !sync ? PEN_FAULT_FULL : PEN_FAULT_IO, error);
     if (full && !sync)
-        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no room left", store->path);
+        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space left", store->path);
     return pen_fail(st, full ? PEN_STORAGE_FULL : PEN_STORAGE, "the store %s could not %s: %s",
                     store->path, what_failed(rc), error ? strerror(error) : sqlite3_errstr(rc));
 }
@@ -265,9 +285,9 @@ void pen_sqlite_wind_back_log(struct pen_sqlite_store *store)
     checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
 }
 
-bool pen_sqlite_checkpoint(struct pen_store *base, struct pen_status *st)
+bool pen_sqlite_checkpoint(struct pen_driver *driver, struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(base);
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
     int rc = sqlite3_wal_checkpoint_v2(store->db, "main", SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
     return rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY || pen_sqlite_error(store, rc, st);
 }
@@ -277,7 +297,7 @@ static void keep_log_short(struct pen_sqlite_store *store)
     store->base.checkpoint_due = store->wal_pages >= WAL_CHECKPOINT_PAGES;
     if (store->wal_pages >= WAL_TRUNCATE_PAGES)
         checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
-    else if (store->base.checkpoint_due && !store->base.others_checkpoint)
+    else if (store->base.checkpoint_due && !store->base.delegates_checkpoints)
         checkpoint(store, SQLITE_CHECKPOINT_PASSIVE);
 }
 
@@ -336,42 +356,35 @@ static bool has_name(struct pen_sqlite_store *store, struct pen_status *st)
                     store->path);
 }
 
-bool pen_sqlite_transaction(struct pen_sqlite_store *store, pen_sqlite_body *body, void *arg,
-                            struct pen_status *st)
+bool pen_sqlite_begin_read(struct pen_driver *driver, struct pen_status *st)
 {
-    if (!has_name(store, st) || !begin(store, SQL_BEGIN_WRITE, st))
+    return begin(pen_sqlite_of(driver), SQL_BEGIN_READ, st);
+}
+
+bool pen_sqlite_begin_write(struct pen_driver *driver, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    driver->outcome_unknown = false;
+    return has_name(store, st) && begin(store, SQL_BEGIN_WRITE, st);
+}
+
+/* A commit whose log could not be written or synced may be found in the log by a recovery. */
+bool pen_sqlite_commit(struct pen_driver *driver, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    unsigned faults = driver->faults;
+    driver->faults = 0;
+    bool ok = run_plain(store, SQL_COMMIT, st);
+    driver->outcome_unknown = !ok && (driver->faults >> PEN_FAULT_IO & 1);
+    driver->faults |= faults;
+    if (!ok)
         return false;
-    if (!body(store, arg, st) || !run_plain(store, SQL_COMMIT, st)) {
-        roll_back(store);
-        store->base.work = store->base.changed = false;
-        return false;
-    }
-    store->base.transactions++;
+    driver->transactions++;
     keep_log_short(store);
     return true;
 }
 
-bool pen_sqlite_snapshot(struct pen_sqlite_store *store, pen_sqlite_body *body, void *arg,
-                         struct pen_status *st)
+void pen_sqlite_rollback(struct pen_driver *driver)
 {
-    if (!begin(store, SQL_BEGIN_READ, st))
-        return false;
-    bool ok = body(store, arg, st);
-    roll_back(store);
-    return ok;
-}
-
-bool pen_sqlite_job_number(struct pen_sqlite_store *store, const char *id, int64_t *number,
-                           struct pen_status *st)
-{
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_NUMBER);
-    pen_sqlite_text(&query, id);
-    bool row;
-    if (!pen_sqlite_next(&query, &row, st))
-        return false;
-    if (!row)
-        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
-    *number = pen_sqlite_column_int(&query, 0);
-    pen_sqlite_end(&query);
-    return true;
+    roll_back(pen_sqlite_of(driver));
 }

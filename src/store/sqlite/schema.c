@@ -142,7 +142,25 @@ static const char step_6[] = "";
 /* Sums of artefacts; those from before have none. */
 static const char step_7[] = "ALTER TABLE artefact ADD COLUMN sum INTEGER;";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5, step_6, step_7};
+/* Names that say what they mean; workers with random ids instead of names made of host and process,
+ * none of which is left from before; and no second assemble batch of a view, by a constraint. */
+static const char step_8[] =
+    "ALTER TABLE batch RENAME COLUMN suspect TO quarantined;"
+    "ALTER TABLE job RENAME COLUMN rest_until_ms TO paused_until_ms;"
+    "ALTER TABLE artefact RENAME COLUMN sum TO checksum;"
+    "CREATE UNIQUE INDEX batch_assemble ON batch(job, view) WHERE kind = 1;"
+    "DROP TABLE worker;"
+    "CREATE TABLE worker ("
+    " id TEXT PRIMARY KEY,"
+    " host TEXT NOT NULL,"
+    " pid INTEGER NOT NULL,"
+    " threads INTEGER NOT NULL,"
+    " lease_ms INTEGER NOT NULL,"
+    " started_ms INTEGER NOT NULL,"
+    " seen_ms INTEGER NOT NULL"
+    ") STRICT, WITHOUT ROWID;";
+
+static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5, step_6, step_7, step_8};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,

@@ -3,7 +3,7 @@
  * miss what came after: it either sees another value or the futex wakes it. The file keeps its
  * length for ever (it is extended when short, never truncated), because a mapping of a file that
  * shrinks faults. */
-#include "store/internal/wake.h"
+#include "store/sqlite/wake.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -27,7 +27,7 @@ struct pen_wake {
     char *path;
     _Atomic uint32_t *counter; /* SIGNAL_COUNT of them; atomic: release with the wake, acquire in
                                   the wait. The words of health.h follow at FIRST_WORD */
-    _Atomic uint32_t own[FIRST_WORD + PEN_WAKE_WORDS]; /* used where the file is not */
+    _Atomic uint32_t own[FIRST_WORD + PEN_HEALTH_WORDS]; /* used where the file is not */
 };
 
 /* Extends a short file with written zeros: a hole could not be filled on a full disk, and storing

@@ -3,13 +3,13 @@
  * mapped by all of them, and futexes to wait on. Nothing depends on a hint: where the file cannot
  * be made or mapped, waiting is just sleeping. The same page has words by which the processes tell
  * each other of faults of the store (health.h); without the file every handle has its own. */
-#ifndef PEN_STORE_INTERNAL_WAKE_H
-#define PEN_STORE_INTERNAL_WAKE_H
+#ifndef PEN_STORE_SQLITE_WAKE_H
+#define PEN_STORE_SQLITE_WAKE_H
 
 #include <stdatomic.h>
 #include <stdint.h>
 
-#include "store/store.h"
+#include "store/internal/driver.h"
 
 struct pen_wake;
 
@@ -23,7 +23,6 @@ void pen_wake_wait(struct pen_wake *wake, enum pen_signal signal, uint32_t *seen
 void pen_wake_all(struct pen_wake *wake, enum pen_signal signal);
 
 /* The words of health.h, zero in a new file. */
-enum { PEN_WAKE_WORDS = 16 };
 _Atomic uint32_t *pen_wake_words(struct pen_wake *wake);
 
 /* Takes the lock on the file, unless somebody has it. *lock is for pen_wake_unlock. A file that

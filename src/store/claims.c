@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT */
+/* Leases: claim, heartbeat, progress, release, fail. A lease is (batch, attempt); the attempt grows
+ * with every claim, and everything that a holder does names both (README.md, "Fencing"). */
+#include "store/internal/policy.h"
+
+/* What a worker may be given besides what it holds. */
+struct allowance {
+    bool any;   /* it holds no batch that must be held alone */
+    bool alone; /* it holds nothing: also quarantined batches and studies */
+};
+
+static bool read_allowance(struct pen_driver *driver, const char *worker,
+                           struct allowance *allowance, struct pen_status *st)
+{
+    int count, alone;
+    if (!driver->ops->held_by(driver, worker, &count, &alone, st))
+        return false;
+    *allowance = (struct allowance){.any = alone == 0, .alone = count == 0};
+    return true;
+}
+
+/* The open batch that is next. Jobs that are paused come after all others. */
+static bool find_open(struct pen_driver *driver, int64_t now_ms, bool alone, struct pen_next *next,
+                      int64_t *job, struct pen_status *st)
+{
+    const struct pen_driver_ops *ops = driver->ops;
+    struct pen_claim *claim = &next->claim;
+    if (!ops->next_open(driver, now_ms, alone, claim, job, &next->found, st))
+        return false;
+    return next->found || ops->next_open(driver, INT64_MAX, alone, claim, job, &next->found, st);
+}
+
+static bool lease(struct pen_store *store, struct pen_next *next, int64_t job, int64_t now_ms,
+                  struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    struct pen_claim *claim = &next->claim;
+    bool started;
+    claim->attempt++;
+    claim->claimed_ms = now_ms;
+    if (claim->started_ms == 0)
+        claim->started_ms = now_ms;
+    if (!driver->ops->batch_lease(driver, claim->batch, claim->attempt, next->worker,
+                                  now_ms + next->lease_ms, &next->found, st))
+        return false;
+    if (!next->found)
+        return true;
+    if (!driver->ops->job_start(driver, job, now_ms, &started, st))
+        return false;
+    store->changed = store->changed || started;
+    return true;
+}
+
+bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    struct allowance allowance;
+    int64_t now_ms, job = 0;
+    next->found = false;
+    if (!driver->ops->now(driver, &now_ms, st) ||
+        !read_allowance(driver, next->worker, &allowance, st))
+        return false;
+    if (!allowance.any)
+        return true;
+    if (!find_open(driver, now_ms, allowance.alone, next, &job, st))
+        return false;
+    /* A study is not passed over: the worker becomes idle for it. */
+    if (next->found && next->claim.kind == PEN_BATCH_STUDY && !allowance.alone)
+        next->found = false;
+    return !next->found || lease(store, next, job, now_ms, st);
+}
+
+static bool write_claim(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    return pen_take_next(store, arg, st);
+}
+
+/* Reads first: an idle worker does not write. */
+bool pen_policy_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
+                      struct pen_claim *claim, bool *found, struct pen_status *st)
+{
+    struct pen_next next = {.worker = worker, .lease_ms = lease_ms};
+    bool any;
+    *found = false;
+    if (!store->driver->ops->any_open(store->driver, &any, st))
+        return false;
+    if (!any)
+        return true;
+    if (!pen_store_write(store, write_claim, &next, st))
+        return false;
+    *found = next.found;
+    if (next.found)
+        *claim = next.claim;
+    return true;
+}
+
+bool pen_claim_standing(struct pen_store *store, const struct pen_claim *claim,
+                        struct pen_batch_row *row, bool *held, struct pen_status *st)
+{
+    bool found;
+    *row = (struct pen_batch_row){.state = PEN_BATCH_STATE_COUNT};
+    if (!store->driver->ops->batch_get(store->driver, claim->batch, row, &found, st))
+        return false;
+    *held = found && row->state == PEN_BATCH_LEASED && row->attempt == claim->attempt;
+    return true;
+}
+
+struct progress {
+    const struct pen_claim *claim;
+    int64_t done;
+};
+
+static bool write_progress(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    const struct progress *in = arg;
+    struct pen_driver *driver = store->driver;
+    struct pen_batch_row batch;
+    struct pen_progress progress = {.pixels = in->done};
+    bool held;
+    if (!pen_claim_standing(store, in->claim, &batch, &held, st) ||
+        !driver->ops->now(driver, &progress.now_ms, st))
+        return false;
+    if (!held)
+        return pen_fail(st, PEN_STALE, "the batch is no longer held; its progress was refused");
+    progress.job = batch.job;
+    store->changed = true;
+    return driver->ops->job_progress(driver, &progress, st);
+}
+
+bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
+                         struct pen_status *st)
+{
+    struct progress progress = {claim, done};
+    return pen_store_write(store, write_progress, &progress, st);
+}
+
+static bool write_release(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    const struct pen_claim *claim = arg;
+    return store->driver->ops->batch_open(store->driver, claim->batch, claim->attempt, &store->work,
+                                          st);
+}
+
+bool pen_policy_release(struct pen_store *store, const struct pen_claim *claim,
+                        struct pen_status *st)
+{
+    return pen_store_write(store, write_release, (void *)(uintptr_t)claim, st);
+}
+
+struct failure {
+    const struct pen_claim *claim;
+    const char *error;
+};
+
+static bool write_failure(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    const struct failure *failure = arg;
+    struct pen_batch_row batch;
+    bool held;
+    if (!pen_claim_standing(store, failure->claim, &batch, &held, st))
+        return false;
+    if (!held)
+        return pen_fail(st, PEN_STALE, "the batch is no longer held; its job was left as it is");
+    return pen_end_job(store, batch.job, PEN_JOB_FAILED, failure->error, st);
+}
+
+bool pen_policy_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                     struct pen_status *st)
+{
+    struct failure failure = {claim, error};
+    return pen_store_write(store, write_failure, &failure, st);
+}
+
+struct extension {
+    const struct pen_claim *claim;
+    int64_t until_ms;
+    bool held;
+};
+
+static bool write_extension(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    struct extension *extension = arg;
+    return store->driver->ops->batch_extend(store->driver, extension->claim->batch,
+                                            extension->claim->attempt, extension->until_ms,
+                                            &extension->held, st);
+}
+
+bool pen_policy_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
+                          bool *held, struct pen_status *st)
+{
+    struct pen_batch_row batch;
+    int64_t now_ms;
+    if (!pen_claim_standing(store, claim, &batch, held, st) ||
+        !store->driver->ops->now(store->driver, &now_ms, st))
+        return false;
+    if (!*held || batch.lease_until_ms - now_ms >= lease_ms - lease_ms / 3)
+        return true;
+    struct extension extension = {.claim = claim, .until_ms = now_ms + lease_ms};
+    if (!pen_store_write(store, write_extension, &extension, st))
+        return false;
+    *held = extension.held;
+    return true;
+}

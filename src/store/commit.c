@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT */
+/* The commit of a batch (README.md, "Commit"): fenced by the attempt, pixels and state in one
+ * transaction, idempotent, and pictures made from committed pixels alone. */
+#include "store/internal/policy.h"
+
+struct commit {
+    const struct pen_claim *claim;
+    const struct pen_result *result;
+    struct pen_bytes pixels; /* encoded */
+    struct pen_next *next;   /* NULL: none wanted */
+    struct pen_batch_row batch;
+    int64_t now_ms;
+};
+
+static bool add_progress(struct pen_driver *driver, const struct commit *commit,
+                         struct pen_status *st)
+{
+    const struct pen_batch_row *batch = &commit->batch;
+    struct pen_progress progress = {
+        .job = batch->job,
+        .pixels = batch->kind == PEN_BATCH_ASSEMBLE ? 0 : batch->pixels,
+        .now_ms = commit->now_ms,
+        .add = batch->kind != PEN_BATCH_STUDY, /* a study has stored its progress all along */
+        .forgive = true,
+    };
+    return driver->ops->job_progress(driver, &progress, st);
+}
+
+static bool add_pixels(struct pen_store *store, const struct commit *commit, struct pen_status *st)
+{
+    const struct pen_bytes *pixels = &commit->pixels;
+    struct pen_blob_start start = pen_blob_begin(pixels->data, pixels->bytes);
+    int64_t batch = commit->claim->batch;
+    return store->driver->ops->pixels_add(store->driver, batch, &start, st) &&
+           pen_blob_finish(store, PEN_BLOB_PIXELS, batch, pixels->data, pixels->bytes, st);
+}
+
+static bool add_artefact(struct pen_store *store, const struct commit *commit,
+                         struct pen_status *st)
+{
+    const struct pen_result *result = commit->result;
+    struct pen_artefact_key key = {commit->batch.job, commit->batch.view, result->layer,
+                                   result->format};
+    return pen_put_artefact(store, &key, result->artefact, result->artefact_bytes, st);
+}
+
+/* The unique index on assemble batches would refuse a second one: there is one already then. */
+static bool add_assemble_batch(struct pen_store *store, const struct commit *commit,
+                               struct pen_status *st)
+{
+    struct pen_batch_add add = {.job = commit->batch.job,
+                                .batch = {.view = commit->batch.view, .kind = PEN_BATCH_ASSEMBLE}};
+    bool added;
+    store->work = true;
+    return store->driver->ops->batch_add(store->driver, &add, &added, st);
+}
+
+static bool end_view(struct pen_store *store, const struct commit *commit, struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    int64_t open_views;
+    if (!commit->result->artefact)
+        return pen_fail(st, PEN_INTERNAL,
+                        "the batch that ends a view was committed without its picture or report");
+    if (!driver->ops->job_view_ended(driver, commit->batch.job, &open_views, st))
+        return false;
+    return open_views > 0 ||
+           driver->ops->job_succeed(driver, commit->batch.job, commit->now_ms, st);
+}
+
+/* Counts a batch off its view. The last one of several calls for an assemble batch. */
+static bool count_down(struct pen_store *store, const struct commit *commit, struct pen_status *st)
+{
+    int64_t batches, open;
+    if (!store->driver->ops->view_batch_done(store->driver, commit->batch.job, commit->batch.view,
+                                             &batches, &open, st))
+        return false;
+    if (open > 0)
+        return true;
+    return batches == 1 ? end_view(store, commit, st) : add_assemble_batch(store, commit, st);
+}
+
+static bool write_result(struct pen_store *store, const struct commit *commit,
+                         struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    enum pen_batch_kind kind = commit->batch.kind;
+    bool done;
+    store->changed = true;
+    /* Progress first: the batch takes note of the revision that it gives the job. */
+    if (!add_progress(driver, commit, st) ||
+        !driver->ops->batch_done(driver, commit->claim->batch, commit->claim->attempt,
+                                 commit->result->stats, commit->now_ms, &done, st))
+        return false;
+    if (!done)
+        return pen_fail(st, PEN_STALE, "the batch is no longer held; its result was refused");
+    if ((kind == PEN_BATCH_RENDER && !add_pixels(store, commit, st)) ||
+        (commit->result->artefact && !add_artefact(store, commit, st)))
+        return false;
+    return kind == PEN_BATCH_ASSEMBLE ? end_view(store, commit, st) : count_down(store, commit, st);
+}
+
+/* Whether the result is one for this batch: a claim names both, so a mistake is the caller's. */
+static bool check_result(const struct commit *commit, struct pen_status *st)
+{
+    const struct pen_result *result = commit->result;
+    bool render = commit->batch.kind == PEN_BATCH_RENDER;
+    bool any = commit->pixels.bytes > 0;
+    if (render ? !any || result->pixels != commit->batch.pixels : any)
+        return pen_fail(st, PEN_INTERNAL, "a result of %lld pixels for a batch of %lld",
+                        (long long)result->pixels, (long long)commit->batch.pixels);
+    return true;
+}
+
+static bool write_commit(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    struct commit *commit = arg;
+    const struct pen_batch_row *batch = &commit->batch;
+    bool held;
+    if (!pen_claim_standing(store, commit->claim, &commit->batch, &held, st) ||
+        !store->driver->ops->now(store->driver, &commit->now_ms, st))
+        return false;
+    bool duplicate = batch->state == PEN_BATCH_DONE && batch->attempt == commit->claim->attempt;
+    if (!duplicate) {
+        if (!held)
+            return pen_fail(st, PEN_STALE, "the batch is no longer held; its result was refused");
+        if (!check_result(commit, st) || !write_result(store, commit, st))
+            return false;
+    }
+    return !commit->next || pen_take_next(store, commit->next, st);
+}
+
+/* Encodes the pixels, unless they come encoded. */
+static bool encode_result(struct pen_store *store, struct commit *commit, struct pen_status *st)
+{
+    const struct pen_result *result = commit->result;
+    const struct pen_pixels *encoded = result->encoded;
+    if (!encoded && !result->rgb)
+        return true;
+    if (!encoded) {
+        if (!store->pixels && !(store->pixels = pen_pixels_new()))
+            return pen_fail(st, PEN_NO_MEMORY, "no memory to encode pixels");
+        pen_pixels_begin(store->pixels);
+        if (!pen_pixels_add(store->pixels, result->rgb, result->pixels, st))
+            return false;
+        encoded = store->pixels;
+    }
+    if (pen_pixels_count(encoded) != result->pixels)
+        return pen_fail(st, PEN_INTERNAL, "%lld encoded pixels in a result of %lld",
+                        (long long)pen_pixels_count(encoded), (long long)result->pixels);
+    commit->pixels = pen_pixels_encoded(encoded);
+    return true;
+}
+
+bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,
+                       const struct pen_result *result, struct pen_next *next,
+                       struct pen_status *st)
+{
+    struct commit commit = {.claim = claim, .result = result, .next = next};
+    if (next)
+        next->found = false;
+    return encode_result(store, &commit, st) && pen_store_write(store, write_commit, &commit, st);
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/* The policy of the store: the handle behind store.h, and the calls of store.h without what
+ * store.c adds to every one of them (health, signals, observers). README.md has the rules. */
+#ifndef PEN_STORE_INTERNAL_POLICY_H
+#define PEN_STORE_INTERNAL_POLICY_H
+
+#include "store/internal/compress.h"
+#include "store/internal/driver.h"
+
+struct pen_store {
+    struct pen_driver *driver;
+    struct pen_compressor *compressor;
+    struct pen_pixels *pixels; /* of results that come as floats; NULL before the first */
+    struct pen_buf blob;       /* the blob last read, as stored */
+    float *rgb;                /* decoded pixels, kept from batch to batch */
+    size_t rgb_pixels;         /* capacity of rgb */
+    bool work;                 /* this call made a batch claimable */
+    bool changed;              /* this call changed a job */
+    bool outcome_unknown;      /* of the last call: it failed and may have happened */
+    const struct pen_store_observer *observer; /* NULL: none */
+    /* health.c's: */
+    int depth;      /* of calls: callbacks may call again */
+    uint32_t epoch; /* the store's faults when the driver's handle was opened */
+};
+
+/* Runs `body` in a write transaction: committed if it returns true, else rolled back. */
+typedef bool pen_body(struct pen_store *store, void *arg, struct pen_status *st);
+bool pen_store_write(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st);
+
+/* Runs `body` against one unchanging state of the database. */
+bool pen_store_read(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st);
+
+/* Finds a job. Fails: PEN_NOT_FOUND. */
+bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *job,
+                  struct pen_status *st);
+
+/* Ends a job as cancelled or failed, with its open and leased batches; inside a transaction. */
+bool pen_end_job(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
+                 struct pen_status *st);
+
+/* Leases the next open batch to a worker; inside a transaction. */
+bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_status *st);
+
+/* Whether a batch is leased under the attempt of a claim; inside a transaction or before one.
+ * *row.state is PEN_BATCH_STATE_COUNT if there is no such batch. */
+bool pen_claim_standing(struct pen_store *store, const struct pen_claim *claim,
+                        struct pen_batch_row *row, bool *held, struct pen_status *st);
+
+/* Blobs: the first range, which is written with its row; the others; the whole, read into
+ * store->blob. */
+struct pen_blob_start pen_blob_begin(const void *data, size_t bytes);
+bool pen_blob_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t number,
+                     const void *data, size_t bytes, struct pen_status *st);
+bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t number, size_t bytes,
+                   struct pen_status *st);
+
+/* Stores an artefact; inside a transaction. */
+bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key, const void *data,
+                      size_t bytes, struct pen_status *st);
+
+/* The calls of store.h. */
+bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,
+                       enum pen_submit_result *result, struct pen_buf *first_answer,
+                       struct pen_status *st);
+bool pen_policy_job(struct pen_store *store, const char *id, struct pen_job_record *job,
+                    struct pen_status *st);
+bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filter,
+                     struct pen_job_record **jobs, int *count, struct pen_status *st);
+bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
+                      struct pen_status *st);
+bool pen_policy_cancel(struct pen_store *store, const char *id, struct pen_status *st);
+bool pen_policy_delete(struct pen_store *store, const char *id, struct pen_status *st);
+bool pen_policy_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+bool pen_policy_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
+                      struct pen_claim *claim, bool *found, struct pen_status *st);
+bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,
+                       const struct pen_result *result, struct pen_next *next,
+                       struct pen_status *st);
+bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
+                         struct pen_status *st);
+bool pen_policy_release(struct pen_store *store, const struct pen_claim *claim,
+                        struct pen_status *st);
+bool pen_policy_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                     struct pen_status *st);
+bool pen_policy_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
+                          bool *held, struct pen_status *st);
+bool pen_policy_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
+                              struct pen_status *st);
+bool pen_policy_release_dead(struct pen_store *store, int *opened, struct pen_status *st);
+bool pen_policy_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
+                             int *opened, struct pen_status *st);
+bool pen_policy_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
+                       void *user, struct pen_status *st);
+bool pen_policy_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
+                      struct pen_status *st);
+bool pen_policy_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
+                        struct pen_status *st);
+bool pen_policy_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                        void *user, struct pen_status *st);
+bool pen_policy_artefact(struct pen_store *store, const char *id, int view, const char *layer,
+                         const char *format, struct pen_buf *out, struct pen_status *st);
+bool pen_policy_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
+                             const char *format, const void *data, size_t bytes,
+                             struct pen_status *st);
+bool pen_policy_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
+                            struct pen_status *st);
+bool pen_policy_worker_gone(struct pen_store *store, const char *id, struct pen_status *st);
+bool pen_policy_workers(struct pen_store *store, pen_worker_fn *each, void *user,
+                        struct pen_status *st);
+bool pen_policy_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
+                      struct pen_status *st);
+
+#endif

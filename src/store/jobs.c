@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT */
+/* Jobs as readers see them, and their end by request: get, list, scene, cancel, delete, purge. */
+#include <stdlib.h>
+
+#include "store/internal/policy.h"
+
+bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *job,
+                  struct pen_status *st)
+{
+    bool found;
+    return store->driver->ops->job_find(store->driver, id, job, &found, st) &&
+           (found || pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id));
+}
+
+/* The attempt that a job is on: one more than its charges, the last of which may have ended it. */
+static void set_attempts(struct pen_job_row *row)
+{
+    struct pen_job_record *job = &row->record;
+    int64_t attempts = job->started_ms ? row->charges + 1 : 0;
+    job->attempts = (int)(attempts < job->max_attempts ? attempts : job->max_attempts);
+}
+
+bool pen_policy_job(struct pen_store *store, const char *id, struct pen_job_record *job,
+                    struct pen_status *st)
+{
+    struct pen_job_row row;
+    bool found;
+    if (!store->driver->ops->job_get(store->driver, id, &row, &found, st))
+        return false;
+    if (!found)
+        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
+    set_attempts(&row);
+    *job = row.record;
+    return true;
+}
+
+bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filter,
+                     struct pen_job_record **jobs, int *count, struct pen_status *st)
+{
+    struct pen_job_filter bounded = *filter;
+    bounded.limit = filter->limit > 0 ? filter->limit : 1;
+    size_t capacity = (size_t)bounded.limit;
+    struct pen_job_row *rows = malloc(capacity * sizeof *rows);
+    struct pen_job_record *list = malloc(capacity * sizeof *list);
+    bool ok = rows && list;
+    if (!ok)
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
+    ok = ok && store->driver->ops->job_page(store->driver, &bounded, rows, count, st);
+    for (int i = 0; ok && i < *count; i++) {
+        set_attempts(&rows[i]);
+        list[i] = rows[i].record;
+    }
+    free(rows);
+    *jobs = ok ? list : NULL;
+    if (!ok)
+        free(list);
+    return ok;
+}
+
+struct scene_read {
+    const char *id;
+    struct pen_buf *out;
+};
+
+static bool read_scene(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    const struct scene_read *in = arg;
+    int64_t number;
+    size_t bytes;
+    bool found;
+    if (!store->driver->ops->scene_of_job(store->driver, in->id, &number, &bytes, &found, st))
+        return false;
+    if (!found)
+        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", in->id);
+    return pen_blob_load(store, PEN_BLOB_SCENE, number, bytes, st);
+}
+
+bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
+                      struct pen_status *st)
+{
+    struct scene_read in = {id, scene};
+    struct pen_bytes document;
+    if (!pen_store_read(store, read_scene, &in, st) ||
+        !pen_decompress(store->compressor, store->blob.data, store->blob.bytes, &document, st))
+        return false;
+    return pen_buf_add(scene, document.data, document.bytes) ||
+           pen_fail(st, PEN_NO_MEMORY, "no memory for a scene");
+}
+
+bool pen_end_job(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
+                 struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    int64_t now_ms;
+    bool changed;
+    if (!driver->ops->now(driver, &now_ms, st) ||
+        !driver->ops->job_end(driver, job, state, error, now_ms, &changed, st))
+        return false;
+    if (!changed)
+        return true;
+    store->changed = true;
+    return driver->ops->job_end_batches(driver, job, st);
+}
+
+static bool write_cancel(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    struct pen_job_key job;
+    return pen_find_job(store, arg, &job, st) &&
+           pen_end_job(store, job.number, PEN_JOB_CANCELLED, NULL, st);
+}
+
+bool pen_policy_cancel(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    return pen_store_write(store, write_cancel, (void *)(uintptr_t)id, st);
+}
+
+static bool write_delete(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    const char *id = arg;
+    struct pen_job_key job;
+    if (!pen_find_job(store, id, &job, st))
+        return false;
+    if (!pen_job_state_ended(job.state))
+        return pen_fail(st, PEN_CONFLICT, "job %s is %s; cancel it before deleting it", id,
+                        pen_job_state_name(job.state));
+    store->changed = true;
+    return driver->ops->job_remove(driver, job.number, st) &&
+           driver->ops->scene_remove_unused(driver, job.scene, st);
+}
+
+bool pen_policy_delete(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    return pen_store_write(store, write_delete, (void *)(uintptr_t)id, st);
+}
+
+static bool write_purge(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    int64_t before_ms;
+    if (!driver->ops->now(driver, &before_ms, st))
+        return false;
+    before_ms -= *(const int64_t *)arg;
+    return driver->ops->keys_remove(driver, before_ms, st) &&
+           driver->ops->workers_remove(driver, before_ms, st) &&
+           driver->ops->scene_remove_unused(driver, 0, st);
+}
+
+bool pen_policy_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
+{
+    return pen_store_write(store, write_purge, &key_age_ms, st) &&
+           store->driver->ops->reclaim(store->driver, st);
+}

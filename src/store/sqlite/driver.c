@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+/* The table of the driver's operations, and those that concern the handle as a whole: clock,
+ * signals, trial writes, space. */
+#include "base/clock.h"
+#include "store/sqlite/sqlite.h"
+#include "store/sqlite/wake.h"
+
+#define ENTRY(name) .name = pen_sqlite_##name,
+#define COUNT(name) +1
+
+const struct pen_driver_ops *pen_sqlite_ops(void)
+{
+    static const struct pen_driver_ops ops = {PEN_SQLITE_OPS(ENTRY)};
+    _Static_assert((0 PEN_SQLITE_OPS(COUNT)) * sizeof(void (*)(void)) == sizeof ops,
+                   "an operation is missing in PEN_SQLITE_OPS");
+    return &ops;
+}
+
+/* Transactions of one reclaim, each of SQL_VACUUM's 2048 pages (8 MiB). */
+enum { RECLAIM_STEPS = 128 };
+
+bool pen_sqlite_now(struct pen_driver *driver, int64_t *now_ms, struct pen_status *st)
+{
+    (void)driver;
+    (void)st;
+    *now_ms = pen_clock_wall_ms();
+    return true;
+}
+
+void pen_sqlite_wait(struct pen_driver *driver, enum pen_signal signal, uint32_t *seen,
+                     int timeout_ms)
+{
+    pen_wake_wait(pen_sqlite_of(driver)->wake, signal, seen, timeout_ms);
+}
+
+void pen_sqlite_wake(struct pen_driver *driver, enum pen_signal signal)
+{
+    pen_wake_all(pen_sqlite_of(driver)->wake, signal);
+}
+
+_Atomic uint32_t *pen_sqlite_health_words(struct pen_driver *driver)
+{
+    return pen_wake_words(pen_sqlite_of(driver)->wake);
+}
+
+bool pen_sqlite_repair_lock(struct pen_driver *driver, int *lock)
+{
+    return pen_wake_try_lock(pen_sqlite_of(driver)->wake, lock);
+}
+
+void pen_sqlite_repair_unlock(struct pen_driver *driver, int lock)
+{
+    (void)driver;
+    pen_wake_unlock(lock);
+}
+
+static bool write_probe(struct pen_driver *driver, enum pen_sqlite_sql sql, struct pen_status *st)
+{
+    if (!pen_sqlite_begin_write(driver, st))
+        return false;
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), sql);
+    pen_sqlite_int(&query, pen_clock_wall_ms());
+    if (pen_sqlite_run(&query, st) && pen_sqlite_commit(driver, st))
+        return true;
+    pen_sqlite_rollback(driver);
+    return false;
+}
+
+bool pen_sqlite_probe(struct pen_driver *driver, struct pen_status *st)
+{
+    return write_probe(driver, SQL_PROBE, st);
+}
+
+/* The large row and then the small one in its place. A log that is there to be overwritten proves
+ * nothing about space on the disk, so it is given back first. */
+bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
+{
+    pen_sqlite_wind_back_log(pen_sqlite_of(driver));
+    return write_probe(driver, SQL_PROBE_LARGE, st) && write_probe(driver, SQL_PROBE, st);
+}
+
+static bool count_free_pages(struct pen_sqlite_store *store, int64_t *count, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_FREE_PAGES);
+    bool row;
+    if (!pen_sqlite_next(&query, &row, st))
+        return false;
+    *count = row ? pen_sqlite_column_int(&query, 0) : 0;
+    pen_sqlite_end(&query);
+    return true;
+}
+
+/* Moves the file's end into its gaps, a bounded number of pages at a time so that writers get in
+ * between; the file itself shrinks when the log is wound back. */
+bool pen_sqlite_reclaim(struct pen_driver *driver, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    for (int i = 0; i < RECLAIM_STEPS; i++) {
+        int64_t pages;
+        if (!count_free_pages(store, &pages, st))
+            return false;
+        if (pages == 0)
+            break;
+        struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
+        if (!pen_sqlite_run(&vacuum, st))
+            return false;
+        pen_sqlite_wind_back_log(store);
+    }
+    pen_sqlite_wind_back_log(store);
+    return true;
+}
