@@ -192,24 +192,72 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(reopen)                                                                                     \
     OP(check)                                                                                      \
     OP(probe)                                                                                      \
-    OP(space) OP(checkpoint) OP(reclaim) OP(audit) OP(now) OP(wait) OP(wake) OP(health_words)      \
-        OP(repair_lock) OP(repair_unlock) OP(begin_read) OP(begin_write) OP(commit) OP(rollback)   \
-            OP(key_add) OP(key_get) OP(scene_find) OP(scene_add) OP(job_add) OP(view_add)          \
-                OP(batch_add) OP(job_get) OP(job_page) OP(job_find) OP(job_counts) OP(job_start)   \
-                    OP(job_progress) OP(job_view_ended) OP(job_succeed) OP(job_end)                \
-                        OP(job_end_batches) OP(job_remove) OP(scene_remove_unused) OP(keys_remove) \
-                            OP(any_open) OP(next_open) OP(held_by) OP(first_held) OP(batch_get)    \
-                                OP(batch_lease) OP(batch_open) OP(batch_done) OP(batch_extend)     \
-                                    OP(view_batch_done) OP(any_lost) OP(lost_jobs) OP(open_lost)   \
-                                        OP(job_set_deaths) OP(job_set_charges) OP(blob_write)      \
-                                            OP(blob_read) OP(pixels_add) OP(pixels_page)           \
-                                                OP(artefact_put) OP(artefact_find)                 \
-                                                    OP(scene_of_job) OP(stats_page) OP(batch_page) \
-                                                        OP(commit_page) OP(worker_put)             \
-                                                            OP(worker_remove) OP(workers_remove)   \
-                                                                OP(worker_list) OP(worker_id_page) \
-                                                                    OP(worker_lock)                \
-                                                                        OP(worker_lives)
+    OP(space)                                                                                      \
+    OP(checkpoint)                                                                                 \
+    OP(reclaim)                                                                                    \
+    OP(audit)                                                                                      \
+    OP(now)                                                                                        \
+    OP(wait)                                                                                       \
+    OP(wake)                                                                                       \
+    OP(health_words)                                                                               \
+    OP(repair_lock)                                                                                \
+    OP(repair_unlock)                                                                              \
+    OP(begin_read)                                                                                 \
+    OP(begin_write)                                                                                \
+    OP(commit)                                                                                     \
+    OP(rollback)                                                                                   \
+    OP(key_add)                                                                                    \
+    OP(key_get)                                                                                    \
+    OP(scene_find)                                                                                 \
+    OP(scene_add)                                                                                  \
+    OP(job_add)                                                                                    \
+    OP(view_add)                                                                                   \
+    OP(batch_add)                                                                                  \
+    OP(job_get)                                                                                    \
+    OP(job_page)                                                                                   \
+    OP(job_find)                                                                                   \
+    OP(job_counts)                                                                                 \
+    OP(job_start)                                                                                  \
+    OP(job_progress)                                                                               \
+    OP(job_view_ended)                                                                             \
+    OP(job_succeed)                                                                                \
+    OP(job_end)                                                                                    \
+    OP(job_end_batches)                                                                            \
+    OP(job_remove)                                                                                 \
+    OP(scene_remove_unused)                                                                        \
+    OP(keys_remove)                                                                                \
+    OP(any_open)                                                                                   \
+    OP(next_open)                                                                                  \
+    OP(held_by)                                                                                    \
+    OP(first_held)                                                                                 \
+    OP(batch_get)                                                                                  \
+    OP(batch_lease)                                                                                \
+    OP(batch_open)                                                                                 \
+    OP(batch_done)                                                                                 \
+    OP(batch_extend)                                                                               \
+    OP(view_batch_done)                                                                            \
+    OP(any_lost)                                                                                   \
+    OP(lost_jobs)                                                                                  \
+    OP(open_lost)                                                                                  \
+    OP(job_set_deaths)                                                                             \
+    OP(job_set_charges)                                                                            \
+    OP(blob_write)                                                                                 \
+    OP(blob_read)                                                                                  \
+    OP(pixels_add)                                                                                 \
+    OP(pixels_page)                                                                                \
+    OP(artefact_put)                                                                               \
+    OP(artefact_find)                                                                              \
+    OP(scene_of_job)                                                                               \
+    OP(stats_page)                                                                                 \
+    OP(batch_page)                                                                                 \
+    OP(commit_page)                                                                                \
+    OP(worker_put)                                                                                 \
+    OP(worker_remove)                                                                              \
+    OP(workers_remove)                                                                             \
+    OP(worker_list)                                                                                \
+    OP(worker_id_page)                                                                             \
+    OP(worker_lock)                                                                                \
+    OP(worker_lives)
 #define PEN_SQLITE_DECLARE(name) __typeof__(*((struct pen_driver_ops *)0)->name) pen_sqlite_##name;
 PEN_SQLITE_OPS(PEN_SQLITE_DECLARE)
 #undef PEN_SQLITE_DECLARE
