@@ -98,8 +98,8 @@ start
 done_id=$("$penumbra" submit builtin:spheres --set width=32 --set height=32 --wait -o first.png)
 done_id=$("$penumbra" list --json | jq -r '.jobs[0].id')
 echo "$done_id" >>taken
-strikes "full disk" "write ENOSPC" 507 '*no room left*' read
-strikes "disk that fills in mid write" "write SHORT" 507 '*no room left*' read
+strikes "full disk" "write ENOSPC" 507 '*no space left*' read
+strikes "disk that fills in mid write" "write SHORT" 507 '*no space left*' read
 strikes "write errors" "write EIO" 503 '*could not be*Input/output error*' read
 strikes "failed fsync" "sync EIO" 503 '*could not be*Input/output error*' read
 strikes "fsync that finds no room" "sync ENOSPC" 507 '*could not be*No space left*' read
@@ -178,9 +178,9 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
         [ "$status" = 202 ] || break
         taken=$((taken + 1))
     done
-    expect_problem "a disk that is really full" 507 '*no room left*'
+    expect_problem "a disk that is really full" 507 '*no space left*'
     call /readyz
-    expect_problem "makes the daemon unready" 503 '*no room left*'
+    expect_problem "makes the daemon unready" 503 '*no space left*'
     call "/v1/jobs/$first"
     expect "and what is there is served" "$status" 200
     rm "$full/ballast"
