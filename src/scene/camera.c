@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* Cameras: from what a document says to a frame, and from a frame to the rays of an image.
- * A frame is made from the keys, then the moves apply in order; after every turn it is made
- * orthonormal again, so any number of moves leaves a camera that does not skew the picture. */
+/* Cameras: from a description to a frame, and from a frame to the rays of an image. The frame is
+ * made from the camera's keys, then the moves are applied in order. After every rotation the frame
+ * is made orthonormal again, so rounding cannot skew the picture after any number of moves. */
 #include "math/exact.h"
 #include "math/fn.h"
 #include "math/scale.h"
 #include "scene/internal/vec.h"
 #include "scene/scene.h"
 
-/* The sine of the smallest angle between view direction and `up` that still says which way is up:
- * below it the difference is rounding of the numbers in the document. */
+/* The sine of the smallest angle between view direction and `up` that is accepted. At a smaller
+ * angle, the rounding of the numbers in the document may decide where up is. */
 static const double PARALLEL_SINE = 0x1p-40;
 
-/* Makes right and up orthonormal to forward (unit). False if up is parallel to forward. */
+/* Makes right and up orthonormal to forward, a unit vector. Returns false if up is parallel to
+ * forward. */
 static bool orthonormalize(struct pen_camera_frame *frame, struct pen_vec3 up)
 {
     struct pen_vec3 right = pen_cross(frame->forward, vec_normalize(up));
@@ -26,7 +27,7 @@ static bool orthonormalize(struct pen_camera_frame *frame, struct pen_vec3 up)
 static void turn(struct pen_camera_frame *frame, struct pen_vec3 axis, double degrees)
 {
     if (degrees == 0)
-        return; /* not even a rounding */
+        return; /* the frame keeps its bits */
     frame->forward = vec_normalize(pen_rotate(frame->forward, axis, degrees));
     orthonormalize(frame, pen_rotate(frame->up, axis, degrees));
 }
@@ -102,7 +103,7 @@ struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, in
         plane_height = 2 * sine;
         plane_width = plane_height * width / height;
     }
-    /* A direction has any length: brought to about 1 by a power of two, which rounds nothing. */
+    /* Directions may have any length. A power of two, which does not round, brings them near 1. */
     int exponent = pen_exponent(pen_larger(distance, pen_larger(plane_width, plane_height)));
     double step_x = pen_scale2(plane_width, -exponent) / width;
     double step_y = pen_scale2(plane_height, -exponent) / height;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The walk over groups: a stack of levels, the innermost group last. Transforms are composed in
- * double, outermost first; where no group has one, nothing is multiplied and nothing rounded. */
+/* The iterator's stack has a level for each group around the current object, the innermost last.
+ * Transforms are composed in double, outermost first. Where no group has a transform nothing is
+ * multiplied, hence nothing rounded. */
 #include "scene/internal/desc_iter.h"
 
 #include <stdio.h>

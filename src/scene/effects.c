@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Which effects a scene calls for: those that some primitive, light or setting can make visible. A
- * kernel is picked by this set, so a bit must be set whenever leaving the effect out could change
- * one bit of the picture; only what is written in the document decides, never a threshold. */
+/* Which effects a scene needs: those that some primitive, light or setting can make visible. The
+ * kernel is chosen by this set, so a bit must be set whenever leaving the effect out could change
+ * one bit of the picture. The values in the document alone decide, never a threshold. */
 #include "scene/internal/effects.h"
 
 #include "scene/internal/vec.h"
@@ -15,11 +15,11 @@ const char *pen_effect_name(int bit)
     return bit >= 0 && bit < PEN_FX_COUNT ? names[bit] : "unknown";
 }
 
-/* What is known of a scene while its primitives are looked through. */
+/* What is known of a scene while its primitives are visited. */
 struct survey {
-    bool ambient_light, lights; /* lights: lit ones */
-    unsigned shadows;           /* the kinds of shadows that lit ones cast */
-    bool see_through;           /* a primitive lets light pass */
+    bool ambient_light, lights; /* lights: one with intensity > 0 */
+    unsigned shadows;           /* the kinds of shadows that such lights cast */
+    bool see_through;           /* a primitive has kt > 0 */
     unsigned effects;
 };
 
@@ -28,7 +28,7 @@ static unsigned shadow_kind(bool shadows, bool soft)
     return !shadows ? 0u : soft ? PEN_FX_SOFT_SHADOWS : PEN_FX_HARD_SHADOWS;
 }
 
-/* Adds what one primitive's material calls for; materials that no primitive has do not count. */
+/* Adds the effects of one primitive's material; materials that no primitive has do not count. */
 static void add_material(struct survey *survey, const struct pen_material *m)
 {
     if (survey->ambient_light && color_is_lit(m->ka))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Freezing: description -> what kernels read. Two walks over the primitives: the first counts them
- * and finds the local frame, the second fills the typed arrays in it. Everything that lasts lives
- * in the scene's arena, whose cap is the job's limit on memory. */
+/* Freezing: from the description to the scene that kernels read. Two passes over the primitives:
+ * the first counts them and finds the local frame, the second (freeze_prims.c) fills the typed
+ * arrays. All memory that the scene keeps is in its arena, whose cap is the job's memory limit. */
 #include "scene/internal/freeze.h"
 
 #include <fenv.h>
@@ -27,7 +27,7 @@ static bool survey_primitive(struct pen_freezer *f, const struct pen_placed *pla
     return true;
 }
 
-/* The views: names, cameras as written, and their frames. */
+/* Copies the views: names, cameras as described, and their frames. */
 static bool freeze_views(struct pen_freezer *f)
 {
     struct pen_arena *arena = f->scene->arena;
@@ -44,7 +44,7 @@ static bool freeze_views(struct pen_freezer *f)
         if (!pen_camera_frame_make(&view->camera, &views[i].frame, f->st))
             return false;
         views[i].camera = view->camera;
-        views[i].camera.moves = NULL; /* they are in the frame */
+        views[i].camera.moves = NULL; /* already applied to the frame */
         views[i].camera.move_count = 0;
         f->cameras[i] = views[i].frame;
     }
@@ -59,7 +59,7 @@ static bool freeze_frame(struct pen_freezer *f)
     if (!pen_freeze_each(f, survey_primitive, NULL))
         return false;
     if (!pen_local_frame_make(&f->survey, f->cameras, f->desc->view_count, &f->frame))
-        return pen_fail(f->st, PEN_INVALID, "the scene is larger than numbers can say");
+        return pen_fail(f->st, PEN_INVALID, "the scene's extent overflows a double");
     f->scene->center = f->frame.center;
     f->scene->exponent = f->frame.exponent;
     for (uint32_t i = 0; i < f->desc->view_count; i++)
@@ -69,7 +69,7 @@ static bool freeze_frame(struct pen_freezer *f)
     return true;
 }
 
-/* Copies the materials; behind them comes the one of primitives without any. */
+/* Copies the materials and appends the default one, for primitives without a material. */
 static bool freeze_materials(struct pen_freezer *f)
 {
     uint32_t count = f->desc->material_count;
@@ -85,7 +85,7 @@ static bool freeze_materials(struct pen_freezer *f)
     return true;
 }
 
-/* A light in the local frame, where a distance is 2^-exponent of what it was. */
+/* A light in the local frame, where distances are multiplied by 2^-exponent. */
 static struct pen_light local_light(const struct pen_freezer *f, const struct pen_light_desc *desc)
 {
     struct pen_light light = {
@@ -112,7 +112,7 @@ static struct pen_light local_light(const struct pen_freezer *f, const struct pe
     return light;
 }
 
-/* Puts the light's place in the document before the error. */
+/* An error at a key of a light. */
 static bool fail_light(struct pen_freezer *f, uint32_t index, const char *key, const char *what)
 {
     pen_fail(f->st, PEN_INVALID, "%s", what);
@@ -120,7 +120,7 @@ static bool fail_light(struct pen_freezer *f, uint32_t index, const char *key, c
     return false;
 }
 
-/* Lights that shine, in document order. */
+/* Keeps the lights with intensity above 0 in some channel, in document order. */
 static bool freeze_lights(struct pen_freezer *f)
 {
     uint32_t count = f->desc->light_count, kept = 0;
@@ -170,7 +170,7 @@ struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
         return NULL;
     }
     scene->arena = arena;
-    fenv_t caller; /* a scene is the same whatever the caller's rounding */
+    fenv_t caller; /* the scene must not depend on the caller's rounding mode */
     fegetenv(&caller);
     fesetenv(FE_DFL_ENV);
     bool ok = freeze_all(&f);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The groups of a document as ranges of primitive numbers. Primitives are numbered depth first, so
- * a group is a range, and one that holds no primitive is none. The walk that numbers them shows the
- * path to each primitive; groups open and close where the path changes. */
+/* The groups of a document as ranges of primitive numbers, for the accelerator `manual`. Primitives
+ * are numbered depth first, so the primitives of a group are a range; a group without primitives is
+ * left out. The iterator gives the path to each primitive; groups begin and end where it changes.
+ */
 #include <stdlib.h>
 
 #include "scene/internal/freeze.h"
 
-/* A group around the primitive at hand. */
+/* A group around the current primitive. */
 struct open_group {
     uint32_t place; /* in the group around it: what the walk's level there says is next */
     uint32_t span;
@@ -48,8 +49,8 @@ static void close_groups(struct gatherer *g, uint32_t depth, uint32_t prim)
         g->span[g->open[--g->depth].span].end = prim;
 }
 
-/* Closes the groups that primitive number `prim` is not in, and opens those that it is the first
- * of. */
+/* Closes the groups that primitive number `prim` is not in, and opens those whose first primitive
+ * it is. */
 static bool follow(struct gatherer *g, const struct pen_desc_iter *iter, uint32_t prim)
 {
     uint32_t same = 0;

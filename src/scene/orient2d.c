@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Orientation of three points by floating-point arithmetic with a bound on its error, and where
- * the bound does not decide, by the exact value as a sum of doubles that do not overlap.
+/* The sign of the orientation determinant: in floating-point arithmetic with an error bound and,
+ * where the bound does not decide, exactly, as a sum of doubles that do not overlap.
  * Source: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
  * predicates", Discrete & Computational Geometry 18, 1997: the bound of figure 21 (A), and
  * Grow-Expansion of figure 6. */
@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* Products of the determinant written out, each as a rounded value and its exact remainder. */
+/* The six products of the expanded determinant, each as a rounded value and its exact remainder. */
 enum { TERMS = 12 };
 
 static int sign(double x)
@@ -16,7 +16,7 @@ static int sign(double x)
     return (x > 0) - (x < 0);
 }
 
-/* Adds b to an expansion of n terms, smallest first; it then has n + 1. */
+/* Adds b to an expansion of n terms, smallest first, which then has n + 1 terms. */
 static void grow(double *expansion, int n, double b)
 {
     double q = b;

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether a loop of vertices is a polygon: distinct vertices, an area, one plane, no edge that
- * meets another. The plane is that of the largest triangle among a first vertex, the one farthest
- * from it and the one farthest from their line; unlike a sum over the edges it is there also for a
- * loop that crosses itself, which then is refused for what it is. Whether edges meet is decided
- * exactly, after dropping the coordinate that the plane's normal is longest in. */
+/* Whether a loop of vertices is a valid polygon:
+ *  1. no two vertices are equal;
+ *  2. the area is not zero;
+ *  3. all vertices are in one plane, within PLANARITY;
+ *  4. no two edges intersect or touch.
+ * The plane is that of a large triangle: the first vertex, the one farthest from it, and the one
+ * farthest from the line through those two. Unlike a normal summed over the edges, it also exists
+ * for a loop that intersects itself, so that such a loop is refused for rule 4 and not for rule 2.
+ * Rule 4 is decided exactly, in the projection along the axis of the normal's longest component. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -15,7 +19,7 @@
 #include "scene/internal/simple_loop.h"
 #include "scene/internal/vec.h"
 
-/* How far a vertex may be from the plane, in parts of the polygon's extent. */
+/* The largest distance of a vertex from the plane, relative to the polygon's extent. */
 static const double PLANARITY = 1e-6;
 
 struct keyed {
@@ -25,8 +29,8 @@ struct keyed {
 
 struct loop {
     uint32_t count;
-    double extent;           /* the longest side of the bounds of `points` */
-    struct pen_vec3 *points; /* the vertices, shifted by a power of two to be at most 1 */
+    double extent;           /* the longest side of the bounding box of `points` */
+    struct pen_vec3 *points; /* the vertices, scaled by a power of two to be at most 1 */
     struct keyed *sorted;
     struct pen_point2 *flat;
     uint32_t *order;
@@ -43,7 +47,7 @@ static int compare_keyed(const void *a, const void *b)
     return k->vertex < l->vertex ? -1 : 1;
 }
 
-/* Sorts the vertices; refuses two that are equal in all coordinates sorted by. */
+/* Sorts the vertices; refuses two whose sorted coordinates are all equal. */
 static bool check_distinct(struct loop *loop, struct pen_status *st)
 {
     struct keyed *s = loop->sorted;
@@ -59,7 +63,7 @@ static bool check_distinct(struct loop *loop, struct pen_status *st)
     return true;
 }
 
-/* From vertex 0 to vertex i, in units of about the extent. */
+/* The vector from vertex 0 to vertex i, in units of about the extent. */
 static struct pen_vec3 arm(const struct loop *loop, uint32_t i)
 {
     int exponent = pen_exponent(loop->extent);
@@ -83,8 +87,8 @@ static struct pen_vec3 largest_normal(const struct loop *loop)
     return normal;
 }
 
-/* The first normal that three vertices in the order of the document give: whoever reads the
- * message takes the plane from the vertices that come first. */
+/* The normal of the first three vertices, in document order, that are not on one line. The error
+ * message uses it, because a reader expects the first vertices to define the plane. */
 static struct pen_vec3 first_normal(const struct loop *loop)
 {
     for (uint32_t i = 2; i < loop->count; i++) {
@@ -127,7 +131,8 @@ static bool check_planar(const struct loop *loop, struct pen_vec3 normal, struct
                        (blame > allowed ? blame : off) / loop->extent, PLANARITY);
 }
 
-/* Shifts one coordinate of the flat points to be at most 1: sides of a line stay what they are. */
+/* Scales one coordinate of the points by a power of two to be at most 1, which leaves all
+ * orientations as they are. */
 static void shift_axis(double *first, uint32_t count)
 {
     const uint32_t stride = sizeof(struct pen_point2) / sizeof(double);
@@ -139,7 +144,7 @@ static void shift_axis(double *first, uint32_t count)
         first[i * stride] = pen_scale2(first[i * stride], -exponent);
 }
 
-/* Fills the flat points: the coordinate along the longest part of the normal is dropped. */
+/* Projects the points to the plane: drops the coordinate in which the normal is longest. */
 static void flatten(struct loop *loop, struct pen_vec3 normal)
 {
     double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
@@ -174,7 +179,7 @@ static bool check_simple(struct loop *loop, struct pen_vec3 normal, struct pen_s
                        result.edge[1], result.edge[0]);
 }
 
-/* Copies the vertices, shifted to be at most 1 so that no difference overflows. */
+/* Copies the vertices, scaled to be at most 1 so that no difference overflows. */
 static void copy_vertices(struct loop *loop, const struct pen_vec3 *vertices)
 {
     double largest = 0;

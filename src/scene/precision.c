@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How fine a scene's coordinates are beside its pixels. The primitives are measured in the local
- * frame, where nothing over- or underflows; only the results are turned into scene units. */
+/* The resolution of a scene's coordinates compared with its pixels. Primitives are measured in the
+ * local frame, where nothing over- or underflows; only the results are converted to scene units. */
 #include "scene/precision.h"
 
 #include <stdio.h>
@@ -8,7 +8,7 @@
 #include "math/scale.h"
 #include "scene/internal/vec.h"
 
-/* A primitive is not taken to be seen nearer than this part of its size. */
+/* The least distance at which a primitive is assumed to be seen, relative to its size. */
 #define NEAREST_PART 0x1p-10
 
 static double gap(double lo, double hi, double x)
@@ -45,7 +45,7 @@ static struct pen_box all_bounds(const struct pen_prims *prims)
     return all;
 }
 
-/* From the eye to the nearest primitive. */
+/* The distance from the eye to the nearest primitive. */
 static double nearest(const struct pen_prims *prims, double extent, struct pen_vec3 eye)
 {
     double least = INFINITY;
@@ -103,11 +103,12 @@ bool pen_precision_warning(const struct pen_scene_precision *precision, char *ou
 {
     if (!(precision->resolution < PEN_PRECISION_ENOUGH))
         return false;
-    snprintf(out, bytes,
-             "coordinates reach to %.3g, where numbers are %.2g apart, and a pixel at the nearest "
-             "body is %.2g wide: %.3g of their steps, below %g rounding may show; put the scene "
-             "nearer to the origin, or leave out what is far away",
-             precision->coordinate_max, precision->ulp, precision->pixel_footprint,
-             precision->resolution, PEN_PRECISION_ENOUGH);
+    snprintf(
+        out, bytes,
+        "coordinates reach to %.3g, where numbers are %.2g apart, and a pixel at the nearest "
+        "primitive is %.2g wide: %.3g of their steps, below %g rounding may show; put the scene "
+        "nearer to the origin, or leave out what is far away",
+        precision->coordinate_max, precision->ulp, precision->pixel_footprint,
+        precision->resolution, PEN_PRECISION_ENOUGH);
     return true;
 }

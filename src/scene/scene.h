@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The frozen scene: what kernels read. Typed arrays in the local frame, materials, lights,
- * cameras, the acceleration structure, and the set of effects that the scene calls for.
+/* The frozen scene, as kernels read it: typed arrays of primitives in the local frame, materials,
+ * lights, cameras, the acceleration structure, and the set of effects that the scene needs.
  * Immutable after pen_scene_freeze; any number of threads may use it.
  *
  * Local frame: p_local = (p - center) * 2^-exponent. center is a multiple of 2^exponent near the
@@ -16,8 +16,8 @@
 #include "accel/accel.h"
 #include "scene/desc.h"
 
-/* Effects: what a kernel may be asked to simulate. A bit is set if the scene, seen with these
- * settings, calls for it; see http-api.md for the names. */
+/* Effects that a kernel may simulate. A bit is set if the scene, rendered with given settings,
+ * needs the effect. pen_effect_name has the names that statistics use. */
 enum pen_effect {
     PEN_FX_AMBIENT = 1 << 0,
     PEN_FX_HARD_SHADOWS = 1 << 1,
@@ -36,18 +36,18 @@ const char *pen_effect_name(int bit);
 struct pen_light {
     enum pen_light_kind kind;
     bool shadows;
-    bool soft; /* it casts shadows and has a radius above 0 */
+    bool soft; /* the light casts shadows and its radius is above 0 */
     struct pen_vec3 intensity;
     struct pen_vec3 position;  /* local frame */
     struct pen_vec3 direction; /* unit */
     double kc, kl, kq;         /* for local distances */
     double beam_exponent;
-    double radius; /* of its disk, local frame; directional: at unit distance */
+    double radius; /* of the light's disk, local frame; directional: at unit distance */
 };
 
-/* A pinhole: the ray through the image point (px, py), in pixels from the top left corner, has
- * direction middle + (px - half_width) dx + (py - half_height) dy (not normalised). Measured from
- * the middle, so that mirrored pixels have exactly mirrored rays. */
+/* A pinhole camera: the ray through the image point (px, py), in pixels from the top left corner,
+ * has direction middle + (px - half_width) dx + (py - half_height) dy (not normalised). Offsets are
+ * measured from the middle of the image, so that mirrored pixels have exactly mirrored rays. */
 struct pen_pinhole {
     struct pen_vec3 eye; /* local frame */
     struct pen_vec3 middle, dx, dy;
@@ -62,7 +62,7 @@ struct pen_scene_view {
 
 struct pen_scene {
     struct pen_arena *arena;
-    struct pen_vec3 center; /* of the local frame, scene units */
+    struct pen_vec3 center; /* origin of the local frame, scene units */
     int exponent;
     struct pen_vec3 background, ambient;
     struct pen_prims prims;
@@ -72,18 +72,20 @@ struct pen_scene {
     const struct pen_material *materials;
     uint32_t material_count;
     const struct pen_light *lights; /* those with intensity > 0 in some channel, in order */
-    const uint32_t *light_index;    /* their places in the document: part of the sample key */
+    const uint32_t *light_index;    /* their indices in the document, part of the sampling key */
     uint32_t light_count;
     const struct pen_scene_view *views;
     uint32_t view_count;
     const struct pen_accel *accel;
-    unsigned effects; /* PEN_FX_* the scene itself calls for, whatever the settings */
-    double freeze_ms; /* without the tree */
+    unsigned effects; /* PEN_FX_* that the scene needs with any settings */
+    double freeze_ms; /* without building the acceleration structure */
 };
 
-/* Freezes: transforms primitives once, in double, makes the local frame, builds the tree.
- * Owns: the scene has its own arena (cap_bytes, 0: none) and keeps nothing of `desc`.
- * Fails: PEN_NO_MEMORY, PEN_UNSUPPORTED, PEN_INVALID (a scene that overflows the local frame). */
+/* Makes a frozen scene of a description: transforms each primitive once, in double, chooses the
+ * local frame and builds the acceleration structure.
+ * Owns: the scene has its own arena of at most cap_bytes (0: unlimited) and keeps no pointer into
+ * `desc`. Fails: NULL; PEN_NO_MEMORY, PEN_UNSUPPORTED, PEN_INVALID (a scene that overflows the
+ * local frame). */
 struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
                                    enum pen_accelerator accelerator, size_t cap_bytes,
                                    struct pen_status *st);
@@ -97,10 +99,10 @@ int pen_scene_find_view(const struct pen_scene *scene, const char *name);
 struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, int width,
                                      int height);
 
-/* The effects that a render with these settings really simulates. */
+/* The effects that a render with these settings simulates. */
 unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_settings *settings);
 
-/* The same of a scene that is not frozen: equal to what pen_scene_effects says once it is. */
+/* The same for a description: equal to pen_scene_effects of the scene frozen from it. */
 unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The defaults of everything a document may leave out: render settings and materials. They are
- * the tables of the scene format, in one place. */
+/* The defaults of render settings and materials, from the tables of api/scene-format.md. */
 #include "scene/settings.h"
 #include "scene/desc.h"
 

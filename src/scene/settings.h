@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Render settings: the `render` object of a scene or a job. Names, defaults and ranges are those
- * of scene-format.md; precedence is applied by the reader (pen/io). */
+ * of api/scene-format.md; the reader in room io applies the precedence of several such objects. */
 #ifndef PEN_SCENE_SETTINGS_H
 #define PEN_SCENE_SETTINGS_H
 
@@ -15,10 +15,10 @@ enum pen_precision { PEN_PRECISION_ROBUST, PEN_PRECISION_FAST };
 struct pen_settings {
     int width, height;     /* pixels */
     int samples_per_pixel; /* 1: the pixel's centre */
-    int light_samples;     /* shadow rays per soft light and point */
+    int light_samples;     /* shadow rays per soft light and shaded point */
     int light_pattern;     /* enum pen_light_pattern */
     int blur_samples, lens_samples, max_samples;
-    int max_depth;           /* surfaces a path shades at most */
+    int max_depth;           /* a path shades at most this many surfaces */
     double min_contribution; /* weight below which a secondary ray is not traced */
     double target_error;     /* 0: fixed sample counts */
     int precision;           /* enum pen_precision */
@@ -26,10 +26,10 @@ struct pen_settings {
     int transfer;            /* enum pen_transfer_name */
     uint64_t seed;
     int tile;    /* tile edge, pixels */
-    int threads; /* 0: the whole pool */
+    int threads; /* at most this many of the thread pool; 0: all */
 };
 
-/* The defaults of scene-format.md. */
+/* The defaults of api/scene-format.md. */
 struct pen_settings pen_settings_default(void);
 
 /* "auto", "none", … */

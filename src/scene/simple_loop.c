@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Shamos & Hoey, "Geometric intersection problems", FOCS 1976: a line sweeps over the points in
- * order, the edges it cuts are kept sorted from bottom to top, and two edges that meet are
- * neighbours in that order before they do; so each edge is tested against new neighbours only,
- * and the first meeting ends the sweep. All decisions are signs of exact orientations, so nothing
- * is left to a tolerance. The order of the sweep (x, then y) is that of a line tilted by as
- * little as you like, which is why vertical edges need no case of their own.
+/* The sweep-line test of Shamos & Hoey, "Geometric intersection problems", FOCS 1976. A vertical
+ * line sweeps over the points from left to right. The edges that it cuts are kept sorted from
+ * bottom to top. Two edges that intersect become neighbours in that order before the line reaches
+ * the intersection, so each edge is tested only against new neighbours, and the first intersection
+ * found ends the sweep. All decisions are signs of exact orientations; there is no tolerance.
+ * Points are ordered by x, then by y, which is the order of a line tilted by an infinitesimal
+ * angle; so vertical edges need no case of their own.
  *
  * The sorted edges are a treap (a binary tree ordered by position, a heap by priority) threaded
- * as a list. Priorities are a hash of the edge's number and of all points, so that no input can be
- * made for which the tree is deep. */
+ * as a list. Priorities are a hash of the edge's number and of all points, so that an input cannot
+ * be constructed for which the tree is deep. */
 #include "scene/internal/simple_loop.h"
 
 #include <stdlib.h>
@@ -52,7 +53,7 @@ static uint32_t next_of(const struct sweep *s, uint32_t i)
     return i + 1 == s->count ? 0 : i + 1;
 }
 
-/* The end of an edge that the sweep meets first (last = 0) or last (last = 1). */
+/* The end of an edge that the sweep line reaches first (last = 0) or last (last = 1). */
 static uint32_t edge_end(const struct sweep *s, uint32_t e, int last)
 {
     uint32_t a = e, b = next_of(s, e);
@@ -68,7 +69,7 @@ static bool meet(struct sweep *s, uint32_t e, uint32_t f)
     return true;
 }
 
-/* Whether two edges share more than a common end. */
+/* Whether two edges intersect or touch elsewhere than in a common end. */
 static bool check_pair(struct sweep *s, uint32_t e, uint32_t f)
 {
     if (e == NONE || f == NONE)
@@ -99,7 +100,7 @@ static void link_child(struct sweep *s, uint32_t parent, uint32_t old, uint32_t 
         s->node[child].parent = parent;
 }
 
-/* Lifts an edge above its parent. */
+/* Rotates an edge above its parent in the treap. */
 static void rotate(struct sweep *s, uint32_t e)
 {
     uint32_t parent = s->node[e].parent;
@@ -113,7 +114,7 @@ static void rotate(struct sweep *s, uint32_t e)
     s->node[parent].parent = e;
 }
 
-/* Threads an edge between two neighbours. */
+/* Links an edge between two neighbours of the list. */
 static void thread_between(struct sweep *s, uint32_t below, uint32_t e, uint32_t above)
 {
     s->node[e].near[0] = below;
@@ -141,7 +142,7 @@ static void place(struct sweep *s, uint32_t e, uint32_t parent, int side)
         rotate(s, e);
 }
 
-/* Adds an edge that begins at point v. Returns whether a meeting was found. */
+/* Adds an edge that begins at point v. Returns whether an intersection was found. */
 static bool insert(struct sweep *s, uint32_t e, uint32_t v)
 {
     const struct pen_point2 *p = s->points;
@@ -176,7 +177,7 @@ static bool erase(struct sweep *s, uint32_t e)
     return check_pair(s, below, above);
 }
 
-/* Puts an edge in the place of the one that ends where it begins. */
+/* Replaces the edge `old` by the edge e, which begins where `old` ends. */
 static bool replace(struct sweep *s, uint32_t old, uint32_t e)
 {
     uint32_t priority = s->node[old].priority;
@@ -190,7 +191,7 @@ static bool replace(struct sweep *s, uint32_t old, uint32_t e)
     return check_pair(s, e, s->node[e].near[0]) || check_pair(s, e, s->node[e].near[1]);
 }
 
-/* Handles one point: its two edges begin, end, or one follows the other. */
+/* Handles one point: both of its edges begin, both end, or one ends and the other begins. */
 static bool advance(struct sweep *s, uint32_t v)
 {
     uint32_t edges[2] = {v == 0 ? s->count - 1 : v - 1, v};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The primitives of a description in the order of the document, depth first, each with the composed
- * transform of the groups around it. The walk keeps its own stack: a document cannot make it
- * overflow the thread's. */
+/* An iterator over the primitives of a description in document order, depth first, each with the
+ * composed transform of the groups around it. It keeps a stack of its own on the heap, so that a
+ * deeply nested document cannot overflow the thread's stack. */
 #ifndef PEN_SCENE_INTERNAL_DESC_ITER_H
 #define PEN_SCENE_INTERNAL_DESC_ITER_H
 
@@ -10,9 +10,9 @@
 struct pen_desc_iter_level {
     const struct pen_object_desc *objects;
     uint32_t count, next;
-    bool moved; /* `transform` is not the identity */
+    bool moved; /* false: no group around it has a transform, and `transform` is not set */
     struct pen_transform transform;
-    bool similar; /* the transform may place quadrics, and scales them by `scale` */
+    bool similar; /* `transform` is a similarity, so quadrics may have it; it scales by `scale` */
     double scale;
 };
 
@@ -21,12 +21,12 @@ struct pen_desc_iter {
     uint32_t depth, capacity;
 };
 
-/* What the walk stands at. */
+/* A primitive of the iteration. */
 struct pen_desc_iter_item {
     const struct pen_object_desc *object; /* never a group */
     bool moved;
     const struct pen_transform *transform; /* to scene units; valid until the next step */
-    bool similar;                          /* it may place quadrics, and scales them by `scale` */
+    bool similar;                          /* as in pen_desc_iter_level */
     double scale;
 };
 
@@ -37,11 +37,11 @@ void pen_desc_iter_release(struct pen_desc_iter *iter);
 
 enum pen_desc_iter_step { PEN_ITER_PRIMITIVE, PEN_ITER_END, PEN_ITER_FAILED };
 
-/* Goes to the next primitive. Fails: PEN_NO_MEMORY. */
+/* Steps to the next primitive. Fails: PEN_NO_MEMORY. */
 enum pen_desc_iter_step pen_desc_iter_next(struct pen_desc_iter *iter,
                                            struct pen_desc_iter_item *item, struct pen_status *st);
 
-/* The JSON Pointer of the primitive the walk stands at: "/objects/3/objects/0". Cut if too long. */
+/* Writes the JSON Pointer of the current primitive: "/objects/3/objects/0". Cut if too long. */
 void pen_desc_iter_pointer(const struct pen_desc_iter *iter, char *out, size_t bytes);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The effects that a frozen scene calls for by itself, before any settings. */
+/* The effects that a frozen scene needs with any settings. */
 #ifndef PEN_SCENE_INTERNAL_EFFECTS_H
 #define PEN_SCENE_INTERNAL_EFFECTS_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the steps of freezing share: the scene while it is being filled. */
+/* State shared by the steps of freezing: the scene while it is being filled. */
 #ifndef PEN_SCENE_INTERNAL_FREEZE_H
 #define PEN_SCENE_INTERNAL_FREEZE_H
 
@@ -7,7 +7,8 @@
 #include "scene/internal/vec.h"
 #include "scene/scene.h"
 
-/* The largest local coordinate. Beyond it squares overflow; no picture shows what is there. */
+/* The largest local coordinate. Beyond it squares may overflow, and a pixel covers more than the
+ * whole scene. */
 #define FREEZE_LOCAL_MAX 0x1p400
 
 struct pen_freezer {
@@ -17,7 +18,7 @@ struct pen_freezer {
     struct pen_survey survey;
     struct pen_local_frame frame;
     struct pen_camera_frame *cameras; /* by view, scene units */
-    struct pen_vec3 *buffer;          /* of malloc: the vertices of the primitive at hand, moved */
+    struct pen_vec3 *buffer; /* malloced: the transformed vertices of the current primitive */
     uint32_t buffer_capacity;
 };
 
@@ -32,15 +33,16 @@ static inline bool pen_freeze_in_range(struct pen_vec3 local)
            fabs(local.z) <= FREEZE_LOCAL_MAX;
 }
 
-/* Calls fn for every primitive, placed, in document order. An error gets the primitive's place. */
+/* Calls fn for every primitive, in scene units, in document order, until fn returns false. The
+ * status of an error gets the primitive's JSON Pointer. */
 typedef bool pen_freeze_primitive(struct pen_freezer *f, const struct pen_placed *placed,
                                   void *user);
 bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user);
 
-/* The typed arrays of the primitives; needs the survey and the local frame. */
+/* Fills the typed arrays of the primitives; needs the survey and the local frame. */
 bool pen_freeze_prims(struct pen_freezer *f);
 
-/* The accelerator `manual`; needs the typed arrays. NULL, and the status, as pen_accel_build. */
+/* Builds the accelerator `manual`; needs the typed arrays. Fails: as pen_accel_build. */
 struct pen_accel *pen_freeze_manual(struct pen_freezer *f);
 
 #endif

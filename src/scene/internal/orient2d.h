@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The exact side of a point against a line through two others, for the checks of vertex loops. */
+/* The exact orientation of three points in the plane, for the checks of vertex loops. */
 #ifndef PEN_SCENE_INTERNAL_ORIENT2D_H
 #define PEN_SCENE_INTERNAL_ORIENT2D_H
 
@@ -7,11 +7,11 @@ struct pen_point2 {
     double x, y;
 };
 
-/* 1 if a, b, c turn left (counter-clockwise), -1 if right, 0 if they are on one line. Exact for
- * coordinates that are 0 or within 2^-480 .. 2^480. */
+/* 1 if a, b, c run counter-clockwise, -1 if clockwise, 0 if they are on one line. Exact for
+ * coordinates that are 0 or have magnitudes within 2^-480 .. 2^480. */
 int pen_orient2d(struct pen_point2 a, struct pen_point2 b, struct pen_point2 c);
 
-/* The order of a sweep: by x, then by y. */
+/* The order in which a sweep line passes points: by x, then by y. */
 static inline int pen_point2_compare(struct pen_point2 a, struct pen_point2 b)
 {
     if (a.x != b.x)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether a closed loop of edges in the plane is simple. */
+/* Whether a closed polygon in the plane is simple, that is, does not intersect or touch itself. */
 #ifndef PEN_SCENE_INTERNAL_SIMPLE_LOOP_H
 #define PEN_SCENE_INTERNAL_SIMPLE_LOOP_H
 
@@ -10,7 +10,7 @@
 
 struct pen_simple_loop_result {
     bool simple;
-    uint32_t edge[2]; /* if not: two edges, by their first vertex, that meet where they must not */
+    uint32_t edge[2]; /* if not: two edges, by their first vertex, that intersect or touch */
 };
 
 /* Edge i runs from point i to point i + 1, the last one back to point 0. Points are distinct and

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a document gives, made usable: unit vectors of vectors, whose lengths may be anything a
- * double holds. */
+/* Operations on vectors from a document, whose lengths may be anything that a double can hold. */
 #ifndef PEN_SCENE_INTERNAL_VEC_H
 #define PEN_SCENE_INTERNAL_VEC_H
 
@@ -9,7 +8,7 @@
 #include "math/scale.h"
 #include "math/vec3.h"
 
-/* The largest component, without its sign. */
+/* The largest absolute value of a component. */
 static inline double vec_max_abs(struct pen_vec3 a)
 {
     return pen_larger(fabs(a.x), pen_larger(fabs(a.y), fabs(a.z)));
@@ -22,9 +21,10 @@ static inline struct pen_vec3 vec_scale2_down(struct pen_vec3 a, int exponent)
                     pen_scale2(a.z, -exponent));
 }
 
-/* The unit vector along a, which is finite and not zero. Dividing (instead of multiplying by the
- * reciprocal) makes the unit vector of (0, 0, x) exactly (0, 0, 1); the shift first makes vectors
- * that differ by a power of two give the same bits, and keeps squares in range. */
+/* The unit vector along a, which must be finite and not zero. Dividing (instead of multiplying by
+ * the reciprocal) makes the unit vector of (0, 0, x) exactly (0, 0, 1). Scaling by a power of two
+ * first makes vectors that differ by a power of two give the same bits, and keeps squares in range.
+ */
 static inline struct pen_vec3 vec_normalize(struct pen_vec3 a)
 {
     int exponent = pen_exponent(vec_max_abs(a));
@@ -33,7 +33,7 @@ static inline struct pen_vec3 vec_normalize(struct pen_vec3 a)
     return pen_vec3(a.x / length, a.y / length, a.z / length);
 }
 
-/* Whether a colour is more than black. */
+/* Whether a colour is above 0 in some channel. */
 static inline bool color_is_lit(struct pen_vec3 c)
 {
     return c.x > 0 || c.y > 0 || c.z > 0;
