@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One door for both dialects. */
+/* The entrance for documents in JSON and XML. */
 #include "io/document.h"
 
 #include <stdlib.h>

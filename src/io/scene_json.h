@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads `penumbra-scene/1` and the render settings of jobs: bytes in memory -> pen_scene_desc,
- * with every error located. Nothing is repaired silently.
+/* Reads scenes (`penumbra-scene/1`, see api/scene-format.md) and the render settings of jobs from
+ * memory into pen_scene_desc and pen_settings. Every error has a place; nothing is repaired
+ * silently.
  *
  * Syntax errors (malformed JSON, duplicate keys, NaN, overflowing numbers) are reported alone,
  * as PEN_SYNTAX with line and column: both count from 1, a column is a character, and the place is
- * where the offending piece begins. Everything else is collected, up to PEN_ERRORS_MAX, each with
- * a JSON Pointer: PEN_INVALID, PEN_UNSUPPORTED for what the format knows and this version does
- * not, and PEN_NO_MEMORY for a full arena. Messages say what is allowed and what was found.
- *
- * Beyond what scene-format.md says, no number is larger than 1e100 in magnitude, no angle turns
- * farther than 1e6 degrees, and `tile` and `max_depth` are at most 65536. api/scene.schema.json
- * says all that a schema can. */
+ * where the offending token begins. All other errors are collected, up to PEN_ERRORS_MAX, each with
+ * a JSON Pointer: PEN_INVALID, PEN_UNSUPPORTED for what the format has and this version does not
+ * support, and PEN_NO_MEMORY for a full arena. Messages name what is allowed and what was found. */
 #ifndef PEN_IO_SCENE_JSON_H
 #define PEN_IO_SCENE_JSON_H
 
@@ -23,7 +20,7 @@
 #include "io/message.h"
 #include "scene/desc.h"
 
-/* Limits, scene-format.md; pen_limits_default gives the defaults. */
+/* Limits of api/scene-format.md; pen_limits_default gives the defaults. */
 struct pen_limits {
     size_t body_bytes;
     size_t parsed_bytes; /* memory that the values of a document may take, by an estimate */
@@ -69,11 +66,11 @@ bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_de
 /* Upper bound of primary and shadow rays of one pixel, from counts alone. */
 double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_settings *settings);
 
-/* Notes on a valid scene that a person may want to know: a T-junction (searched among up to 20 000
- * edges), a named material that nothing uses, a light without light, a picture that will be empty
- * or black, a view that asks for more than doubles give (scene/precision.h). Each has code
- * PEN_OK, a JSON Pointer and a sentence. `document` is what *desc was read from, with the same
- * `at`. Without memory there are fewer notes. */
+/* Adds warnings about a valid scene: T-junctions (scene/tjunction.h), named materials that no
+ * object uses, lights of intensity 0, a picture that will be empty or black, views for which double
+ * precision is too coarse (scene/precision.h). Each has code PEN_OK, a JSON Pointer and a sentence.
+ * `document` is what *desc was read from, with the same `at`. When memory runs out, some warnings
+ * are missing. */
 void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
                         struct pen_errors *warnings);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A scene as its document says it: scene units, degrees, nothing transformed. Readers (pen/io)
- * fill it after checking everything that scene-format.md says is refused; pen_scene_freeze turns
- * it into what kernels use. All memory belongs to one arena, given by the reader. */
+/* The description of a scene, as its document gives it: scene units, degrees, nothing transformed.
+ * The readers in room io fill it after refusing everything that api/scene-format.md forbids;
+ * pen_scene_freeze makes of it what kernels read. All memory belongs to the reader's arena. */
 #ifndef PEN_SCENE_DESC_H
 #define PEN_SCENE_DESC_H
 

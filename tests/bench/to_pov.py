@@ -190,7 +190,7 @@ def bodies(objects, t, materials, out):
 
 
 class Camera:
-    """The frame of scene-format.md, with its transforms applied in order."""
+    """The frame of api/scene-format.md, with its transforms applied in order."""
 
     def __init__(self, c, aspect):
         self.eye = tuple(map(float, c["position"]))

@@ -22,7 +22,7 @@ struct pen_child {
     int failures;                    /* ends in a row, each soon after the start */
     char name[PEN_WORKER_ID_BYTES];  /* worker: its id in the store, "": it makes one */
     char last_end[96];               /* "signal 11 (SIGSEGV)", "" at first */
-    /* Of a worker; see blackbox.h and oom.h. */
+    /* Of a worker; see crash_record.h and oom.h. */
     int trace_fd;      /* -1: none */
     int64_t oom_kills; /* when it was started */
     /* A predecessor whose leases are not taken back yet; name "": none. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The worker's trace as a file in memory: made by the supervisor, written by the worker, read by
- * the next worker, which reports what its predecessor died of. */
+/* The worker's crash record (struct pen_trace) in a memory file: the supervisor creates it, the
+ * worker writes it, and the next worker reads it to report why its predecessor died. */
 #ifndef PEN_CMD_DAEMON_CRASH_RECORD_H
 #define PEN_CMD_DAEMON_CRASH_RECORD_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the end of a process means. */
+/* The wait status of a process in words, and whether a worker's end was caused by its work. */
 #ifndef PEN_CMD_DAEMON_WORKER_EXIT_H
 #define PEN_CMD_DAEMON_WORKER_EXIT_H
 
@@ -13,8 +13,9 @@ enum { PEN_EXEC_FAILED = 127 };
 /* "signal 11 (SIGSEGV)", "exit code 3". */
 void pen_exit_describe(int wait_status, char *out, size_t bytes);
 
-/* Whose doing the end of a worker was. oom: the kernel ended processes for want of memory
- * meanwhile. An end that the store has caused is not the doing of what was rendered. */
+/* PEN_WORKER_CRASHED if what was rendered caused the worker's end, else PEN_WORKER_DIED. oom: the
+ * kernel's OOM killer ended processes while the worker lived. An exit with a store error is not
+ * caused by what was rendered. */
 enum pen_worker_end pen_exit_worker_end(int wait_status, bool oom);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The making of a document out of elements, as they open: xml_parse.c has the order of things,
- * xml_build.c what each becomes, xml_complain.c what is said. */
+/* Building the document's JSON values from XML elements as they open: parse.c has expat's events,
+ * build.c makes the value of each element, errors.c reports errors. */
 #ifndef PEN_IO_XML_BUILD_H
 #define PEN_IO_XML_BUILD_H
 
@@ -15,7 +15,7 @@ struct pen_xml_frame {
     size_t tag;            /* offset of its tag */
     json_t *object, *list; /* where members and items go; NULL: there are none. Borrowed. */
     int depth;             /* of the object in the document */
-    bool said;             /* that text is not allowed */
+    bool text_reported;    /* the error that text is not allowed in this element */
 };
 
 struct pen_xml_builder {
@@ -31,21 +31,22 @@ struct pen_xml_builder {
     json_t *image; /* the value of <camera image="…">; NULL: none */
     struct pen_buf scratch;
     size_t room;  /* bytes that further values may take */
-    bool stopped; /* for the reason in *st: nothing is made any more */
+    bool stopped; /* parsing has ended with the error in *st */
 };
 
-/* The value; NULL, for want of memory, ends the work. */
+/* Returns the value; NULL means out of memory and stops parsing. */
 json_t *pen_xml_check_value(struct pen_xml_builder *b, json_t *value);
 void pen_xml_require(struct pen_xml_builder *b, bool done);
 
-/* Takes what values are about to need; too much ends the work. Returns whether there was room. */
+/* Reserves memory for values about to be made; parsing stops when the limit is exceeded. Returns
+ * whether it was not. */
 bool pen_xml_reserve(struct pen_xml_builder *b, size_t bytes);
 
-/* Adds a fault; the work goes on. */
+/* Adds an error; parsing goes on. */
 void pen_xml_error(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
                    ...) __attribute__((format(printf, 4, 5)));
 
-/* Ends the work. */
+/* Stops parsing with an error. */
 void pen_xml_abort(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
                    ...) __attribute__((format(printf, 4, 5)));
 
@@ -67,8 +68,8 @@ void pen_xml_unknown_attribute(struct pen_xml_builder *b, const struct pen_xml_f
 void pen_xml_unknown_element(struct pen_xml_builder *b, const struct pen_xml_frame *up,
                              const char *name, size_t tag);
 
-/* Makes what the element of *frame becomes, inside that of *up. Returns it, borrowed, or NULL if
- * it is to be ignored with all that is in it. Attributes are names and values in turn. */
+/* Makes the value of the element of *frame inside that of *up. Returns it, borrowed, or NULL if the
+ * element is to be skipped with its content. `attributes` alternates names and values. */
 json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
                       struct pen_xml_frame *frame, const char *const *attributes);
 
@@ -80,8 +81,8 @@ void pen_xml_attribute_read(struct pen_xml_builder *b, const struct pen_xml_fram
 void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
                     const char *const *attributes);
 
-/* After the last element: what the dialect says where the document is silent, and the parts of the
- * scene in the order in which the format describes them. */
+/* After the last element: adds the XML dialect's defaults and puts the scene's parts into the order
+ * of the format. */
 void pen_xml_document_end(struct pen_xml_builder *b);
 
 #endif

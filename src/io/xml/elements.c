@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The words of the XML dialect. A list of the JSON format is an element that holds its members, an
- * object in an object is an element in an element, and all other keys are attributes. */
+/* The elements and attributes of the XML dialect. A list of the JSON format is an element that
+ * holds its members, an object in an object is an element in an element, and all other keys are
+ * attributes. */
 #include <stdio.h>
 #include <string.h>
 
@@ -89,16 +90,19 @@ static const struct pen_xml_element transform = {
     "transform",       PEN_XML_MEMBER_OBJECT,          "transform",
     .own = matrix_own, .fields = pen_transform_fields, .children = transform_children};
 
-#define BODY(kind, own_rows, own_fields)                                                           \
+#define OBJECT_ELEMENT(kind, own_rows, own_fields)                                                 \
     {                                                                                              \
 #kind, PEN_XML_ITEM, #kind, .own = own_rows, .fields = own_fields,                         \
                                     .material = pen_material_fields                                \
     }
-static const struct pen_xml_element sphere = BODY(sphere, sphere_own, pen_sphere_fields);
-static const struct pen_xml_element polygon = BODY(polygon, polygon_own, pen_polygon_fields);
-static const struct pen_xml_element tube = BODY(tube, tube_own, pen_infinite_cylinder_fields);
-static const struct pen_xml_element cylinder = BODY(cylinder, cylinder_own, pen_cylinder_fields);
-static const struct pen_xml_element cone = BODY(cone, cylinder_own, pen_cone_fields);
+static const struct pen_xml_element sphere = OBJECT_ELEMENT(sphere, sphere_own, pen_sphere_fields);
+static const struct pen_xml_element polygon =
+    OBJECT_ELEMENT(polygon, polygon_own, pen_polygon_fields);
+static const struct pen_xml_element tube =
+    OBJECT_ELEMENT(tube, tube_own, pen_infinite_cylinder_fields);
+static const struct pen_xml_element cylinder =
+    OBJECT_ELEMENT(cylinder, cylinder_own, pen_cylinder_fields);
+static const struct pen_xml_element cone = OBJECT_ELEMENT(cone, cylinder_own, pen_cone_fields);
 static const struct pen_xml_element triangle = {"triangle",
                                                 PEN_XML_ITEM,
                                                 "triangle",
@@ -118,7 +122,7 @@ static const struct pen_xml_element mesh = {
 static const struct pen_xml_element instance = {
     .name = "instance", .build = PEN_XML_LATER, .key = "the object type \"instance\""};
 static const struct pen_xml_element group;
-static const struct pen_xml_element *const bodies[] = {
+static const struct pen_xml_element *const objects[] = {
     &sphere, &triangle, &plane, &polygon, &tube, &cylinder, &cone, &group, &mesh, &instance, NULL};
 static const struct pen_xml_element *const group_children[] = {
     &sphere, &triangle, &plane, &polygon,  &tube,      &cylinder,
@@ -143,7 +147,7 @@ static const struct pen_xml_element materials = {"materials", PEN_XML_MEMBER_OBJ
 static const struct pen_xml_element lights = {"lights", PEN_XML_MEMBER_LIST, "lights",
                                               .children = lights_children};
 static const struct pen_xml_element geometries = {"geometries", PEN_XML_MEMBER_LIST, "objects",
-                                                  .children = bodies};
+                                                  .children = objects};
 static const struct pen_xml_element definitions = {
     .name = "definitions", .build = PEN_XML_LATER, .key = "definitions of groups for instances"};
 static const struct pen_xml_element render = {"render", PEN_XML_MEMBER_OBJECT, "render",

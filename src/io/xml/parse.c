@@ -123,10 +123,10 @@ static void XMLCALL on_text(void *user, const XML_Char *text, int bytes)
     struct pen_xml_frame *frame = b->count ? &b->frame[b->count - 1] : NULL;
     char word[SHOWN + 1];
     size_t start, end;
-    if (b->stopped || b->skipped || !frame || frame->said ||
+    if (b->stopped || b->skipped || !frame || frame->text_reported ||
         !pen_xml_token(text, (size_t)bytes, 0, &start, &end))
         return;
-    frame->said = true;
+    frame->text_reported = true;
     snprintf(word, sizeof word, "%.*s", (int)(end - start), text + start);
     pen_xml_error(b, offset_now(b) + start, PEN_INVALID,
                   "<%s>: text is not allowed here, found %s; values stand in attributes",
