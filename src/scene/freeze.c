@@ -59,7 +59,7 @@ static bool freeze_frame(struct pen_freezer *f)
     if (!pen_freeze_each(f, survey_primitive, NULL))
         return false;
     if (!pen_local_frame_make(&f->survey, f->cameras, f->desc->view_count, &f->frame))
-        return pen_fail(f->st, PEN_INVALID, "the scene's extent overflows a double");
+        return pen_fail(f->st, PEN_INVALID, "the scene is larger than a double can hold");
     f->scene->center = f->frame.center;
     f->scene->exponent = f->frame.exponent;
     for (uint32_t i = 0; i < f->desc->view_count; i++)
