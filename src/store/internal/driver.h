@@ -2,7 +2,7 @@
 /* What a database must do for the store. The policy (src/store: who may claim, what a commit
  * changes, who is charged for a crash) is written once over these operations; a driver
  * (src/store/sqlite/) runs one or a few statements for each and decides nothing. The rules of the
- * policy are in src/store/README.md, and the contract of a driver is tests/store/driver_contract.c.
+ * policy are in src/store/README.md.
  *
  * Transactions
  *  - An operation that changes rows is called between begin_write and commit, unless it says
