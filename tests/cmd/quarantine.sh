@@ -56,7 +56,7 @@ expect "on their first attempt" \
     "$("$penumbra" list --json | jq -c '[.jobs[] | select(.name != "bad") | .attempts] | unique')" "[1]"
 expect "in a queue of 21" "$("$penumbra" list --json | jq '.jobs | length')" 21
 daemon_stop
-[ -z "$sanitized" ] || sed -i '/fault\.c:.*runtime error: store to null pointer/d' log # as wanted
+forget_injected_segv
 
 # Other ways to go
 for kind in abort exit; do
