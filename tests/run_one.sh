@@ -5,12 +5,17 @@
 # writes FOLDER/FILE/counts (passed, failed) and then FOLDER/FILE/report (what to print), and prints
 # FILE when that is done.
 # A program or script closes with libcheck's line `P%: Checks: N, Failures: F, Errors: E`; one that
-# does not counts as one failure, whatever it printed.
+# does not counts as one failure, whatever it printed. A script that cannot test a build of this kind
+# prints `skipped: WHY` and ends with code 77; it counts neither as passed nor as failed.
 set -u
 folder=$1/$3 build=$2 file=$3
 name=${file%.*}
 out=$folder/out
 mkdir -p "$folder"
+
+# The program that a test compares with.
+PENUMBRA_PROGRAM=$build/penumbra
+export PENUMBRA_PROGRAM
 
 start=$(date +%s)
 case $file in
@@ -25,7 +30,11 @@ checks=$(printf '%s' "$line" | sed -n 's/.*Checks: \([0-9]*\),.*/\1/p')
 bad=$(printf '%s' "$line" | sed -n 's/.*Failures: \([0-9]*\), Errors: \([0-9]*\).*/\1 + \2/p')
 bad=$((${bad:-0}))
 checks=${checks:-0}
-if [ "$code" -ne 0 ] && [ "$bad" -eq 0 ]; then
+skipped=
+[ "$code" -ne 77 ] || skipped=$(sed -n 's/^skipped: //p' "$out" | tail -n 1)
+if [ -n "$skipped" ]; then
+    bad=0 checks=0
+elif [ "$code" -ne 0 ] && [ "$bad" -eq 0 ]; then
     bad=1
     checks=$((checks + 1))
 elif [ "$checks" -eq 0 ]; then
@@ -33,7 +42,9 @@ elif [ "$checks" -eq 0 ]; then
     echo "printed no closing line" >>"$out"
 fi
 
-if [ "$bad" -gt 0 ]; then
+if [ -n "$skipped" ]; then
+    printf 'skip %-44s %s\n' "$name" "$skipped"
+elif [ "$bad" -gt 0 ]; then
     printf 'FAIL %-44s %4d of %d failed (exit %d)\n' "$name" "$bad" "$checks" "$code"
     grep -aE '^not ok|:[FE]:' "$out" | head -n 30 | sed 's/^/    /'
     echo "    … the end of what it printed:"

@@ -1,0 +1,74 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# An installed copy as another program sees it: `make install` into a folder, the example compiled
+# with what pkg-config prints, what the shared library exports, and `make uninstall`.
+case $(echo "${1:-build}"/libpenumbra.so.*.*.*) in
+*'*')
+    echo "skipped: a build with sanitizers has no shared library and is not for installing"
+    exit 77
+    ;;
+esac
+. "$(dirname "$0")/../e2e/lib.sh"
+cd "$(dirname "$0")/../.." || exit 1
+unset MAKEFLAGS MFLAGS MAKELEVEL CPATH LIBRARY_PATH
+copy=$work/copy
+installed=$copy/usr/local
+export PKG_CONFIG_SYSROOT_DIR="$copy" PKG_CONFIG_PATH="$installed/lib/pkgconfig"
+
+succeeds() { # NAME COMMAND…
+    name=$1
+    shift
+    if "$@" >"$work/printed" 2>&1; then
+        ok "$name"
+    else
+        not_ok "$name" "exit $? of: $* $(tail -n 20 "$work/printed")"
+    fi
+}
+
+in_copy() { # TARGET: make install or uninstall
+    make --no-print-directory BUILD="$build" DESTDIR="$copy" PREFIX=/usr/local "$1"
+}
+
+# Compiles the example and renders with it: a folder for each way, with the program and its picture.
+warnings='-Wall -Wextra -Wpedantic -Werror'
+try() { # NAME COMPILER-AND-LANGUAGE LINK-OPTIONS [PKG-CONFIG-OPTION]
+    flags=$(pkg-config --cflags penumbra) libs=$(pkg-config $4 --libs penumbra)
+    mkdir "$work/$1"
+    # shellcheck disable=SC2086
+    succeeds "compiles: $1" $2 $warnings $flags api/examples/embed.c -o "$work/$1/embed" $3 -x none $libs
+    LD_LIBRARY_PATH=$installed/lib succeeds "runs: $1" "$work/$1/embed" spheres "$work/$1/out.png"
+    succeeds "renders what penumbra renders: $1" cmp "$work/$1/out.png" "$work/program.png"
+    needed=$(readelf -d "$work/$1/embed" | grep -c 'NEEDED.*libpenumbra\.so\.0\]')
+    expect "loads the shared library: $1" "$needed" "$([ -n "$4" ] && echo 0 || echo 1)"
+}
+
+succeeds "make install" in_copy install
+expect "compiles nothing again" "$(grep -cE '^  (CC|AR|LD) ' "$work/printed")" 0
+succeeds "the program renders" "$installed/bin/penumbra" render builtin:spheres -q -o "$work/program.png"
+try c-shared 'gcc -std=c11 -x c' '' ''
+try cpp-shared 'g++ -std=c++11 -x c++' '' ''
+try c-static 'gcc -std=c11 -x c' -static --static
+try cpp-static 'g++ -std=c++11 -x c++' -static --static
+LD_LIBRARY_PATH=$installed/lib "$work/c-shared/embed" sphere "$work/none.png" 2>"$work/printed"
+expect "an unknown scene ends the example with code 1" $? 1
+expect_match "and with the library's words" "$(cat "$work/printed")" '*"sphere", nearest is "spheres"'
+expect "the example is short" "$(($(wc -l <api/examples/embed.c) <= 40))" 1
+
+library=$installed/lib/libpenumbra.so
+gcc -E -P "$installed/include/penumbra.h" | grep -o 'penumbra_[a-z0-9_]*(' | tr -d '(' | sort >"$work/declared"
+nm -D --defined-only "$library" | awk '{ print $3 }' | sort >"$work/exported"
+expect "penumbra.h declares functions" "$(($(wc -l <"$work/declared") >= 15))" 1
+succeeds "the shared library exports what penumbra.h declares" diff "$work/declared" "$work/exported"
+nm -g --defined-only "$installed/lib/libpenumbra.a" | awk 'NF == 3 { print $3 }' | sort >"$work/exported"
+succeeds "and the archive" diff "$work/declared" "$work/exported"
+expect "penumbra.h includes the C library alone" \
+    "$(sed -n 's/^ *# *include *//p' include/penumbra.h | sort | tr '\n' ' ')" '<stddef.h> <stdint.h> '
+expect "SONAME" "$(readelf -d "$library" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')" libpenumbra.so.0
+expect "the SONAME leads to the library" "$(readlink -f "$installed/lib/libpenumbra.so.0")" \
+    "$(readlink -f "$library")"
+expect "pkg-config knows the version" "penumbra $(pkg-config --modversion penumbra)" \
+    "$("$installed/bin/penumbra" --version)"
+
+succeeds "make uninstall" in_copy uninstall
+expect "leaves no file" "$(find "$copy" ! -type d)" ""
+finish
