@@ -107,10 +107,11 @@ static bool run(struct benchmark *benchmark, struct pen_status *st)
 static bool write_report(struct benchmark *benchmark, struct pen_batch_output *output,
                          struct pen_status *st)
 {
-    json_t *report = pen_bench_report(&benchmark->bench, &benchmark->result,
-                                      pen_bench_spec_head(&benchmark->spec, &benchmark->bench,
-                                                          &benchmark->context->request.settings));
-    bool ok = report ? pen_study_write(report, "json", &output->artefact, st)
+    json_t *report =
+        pen_bench_report_new(&benchmark->bench, &benchmark->result,
+                             pen_bench_spec_head(&benchmark->spec, &benchmark->bench,
+                                                 &benchmark->context->request.settings));
+    bool ok = report ? pen_bench_report_write(report, "json", &output->artefact, st)
                      : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
     json_decref(report);
     output->result.layer = PEN_REPORT_LAYER;
@@ -124,9 +125,9 @@ static bool write_report(struct benchmark *benchmark, struct pen_batch_output *o
 static bool write_stats(struct benchmark *benchmark, struct pen_batch_output *output,
                         struct pen_status *st)
 {
-    const struct pen_bench_outcome *row = &benchmark->result.rows[benchmark->spec.baseline];
+    const struct pen_bench_row_result *row = &benchmark->result.rows[benchmark->spec.baseline];
     struct pen_stats_input in = {.parse_ms = benchmark->parse_ms,
-                                 .build_ms = row->laps[benchmark->spec.repeats - 1].build_ms,
+                                 .build_ms = row->runs[benchmark->spec.repeats - 1].build_ms,
                                  .render = &row->stats,
                                  .accel = &row->accel};
     json_t *json = pen_stats_json(&in);

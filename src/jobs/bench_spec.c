@@ -113,7 +113,7 @@ static bool fill_row(const struct pen_bench_spec *spec, const struct pen_setting
     json_t *list, *chosen = json_object();
     struct pen_errors none = {0};
     int left = spec->row_count;
-    *row = (struct pen_bench_row){.settings = *base, .chosen = chosen};
+    *row = (struct pen_bench_row){.settings = *base, .varied = chosen};
     json_object_foreach(spec->matrix, key, list)
     {
         left /= (int)json_array_size(list);
@@ -190,7 +190,7 @@ static bool row_has(const struct pen_bench_row *row, const json_t *wanted)
     json_t *value;
     json_object_foreach((json_t *)(uintptr_t)wanted, key, value)
     {
-        if (!json_equal(json_object_get(row->chosen, key), value))
+        if (!json_equal(json_object_get(row->varied, key), value))
             return false;
     }
     return true;
@@ -235,7 +235,7 @@ bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
 void pen_bench_spec_release(struct pen_bench_spec *spec)
 {
     for (int i = 0; spec->rows && i < spec->row_count; i++)
-        json_decref((json_t *)(uintptr_t)spec->rows[i].chosen);
+        json_decref((json_t *)(uintptr_t)spec->rows[i].varied);
     free(spec->rows);
     json_decref(spec->matrix);
     *spec = (struct pen_bench_spec){0};
@@ -272,7 +272,7 @@ bool pen_bench_spec_check(const struct pen_bench_spec *spec, const struct pen_li
                               st))
             return false;
     }
-    double work = work_of(spec, desc, views), kept = pen_bench_kept_pixels(&bench);
+    double work = work_of(spec, desc, views), kept = pen_bench_reference_pixels(&bench);
     if (work > limits->work)
         return pen_fail_at(st, PEN_TOO_LARGE, matrix_at,
                            "all runs of %d rows together take up to %.3g primary and shadow rays, "

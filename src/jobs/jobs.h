@@ -112,7 +112,7 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
 /* The statistics object. Fails: PEN_CONFLICT until the job has ended. */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* The report of a benchmark, in one of pen_study_forms. Fails: PEN_CONFLICT (unfinished,
+/* The report of a benchmark, in one of pen_bench_report_formats. Fails: PEN_CONFLICT (unfinished,
  * failed, cancelled), PEN_NOT_FOUND (no such job, or of a kind without a report). */
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
                      struct pen_status *st);

@@ -25,7 +25,7 @@ static bool convert(const char *id, const char *form, struct pen_buf *bytes, str
     json_error_t error;
     json_t *report = json_loadb((const char *)bytes->data, bytes->bytes, 0, &error);
     pen_buf_release(bytes);
-    bool ok = report ? pen_study_write(report, form, bytes, st)
+    bool ok = report ? pen_bench_report_write(report, form, bytes, st)
                      : pen_fail(st, PEN_STORAGE, "the stored report of job %s is damaged: %s", id,
                                 error.text);
     json_decref(report);
@@ -49,7 +49,7 @@ bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, st
         pen_buf_release(&out->bytes);
         return false;
     }
-    strcpy(out->type, pen_study_media_type(form));
+    strcpy(out->type, pen_bench_report_media_type(form));
     pen_etag_make(out->bytes.data, out->bytes.bytes, out->etag);
     return true;
 }

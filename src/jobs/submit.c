@@ -50,7 +50,7 @@ static json_t *common_json(const struct pen_request *request)
 static json_t *bench_spec_json(const struct pen_bench_spec *spec)
 {
     return json_pack("{s:O, s:i, s:i, s:O}", "matrix", spec->matrix, "repeats", spec->repeats,
-                     "warmup", spec->warmup, "baseline", spec->rows[spec->baseline].chosen);
+                     "warmup", spec->warmup, "baseline", spec->rows[spec->baseline].varied);
 }
 
 static json_t *request_json(const struct pen_request *request)

@@ -1,28 +1,29 @@
 /* SPDX-License-Identifier: MIT */
-/* The order of runs, and the clock around each. Nothing but freezing and rendering happens while a
- * run is timed: pictures are compared, and progress is told, between runs. */
+/* Makes the runs in their order and times each. Nothing but freezing and rendering happens while a
+ * run is timed: pictures are compared and progress is reported between runs. */
 #include "study/bench.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
-#include "study/internal/compare.h"
+#include "study/internal/pictures.h"
 
 struct state {
     const struct pen_bench *bench;
     struct pen_bench_result *result;
-    struct pen_gallery *gallery;
-    double *tile_ms; /* of the baseline's last counted run */
-    int done, total;
+    struct pen_bench_pictures *pictures;
+    double *tile_ms; /* of the baseline's last repeat, one view behind the other */
+    int done, total; /* runs */
 };
 
-/* A run as it came out. */
+/* A run. The caller sets stats.tests_counted to have tests counted, and tile_ms to an array to have
+ * the times of tiles stored there, one view behind the other; make_run fills the rest. */
 struct run {
     double build_ms;
-    struct pen_render_stats stats; /* in: tests_counted, whether to count */
+    struct pen_render_stats stats; /* all views together */
     struct pen_accel_stats accel;
-    double *tile_ms; /* in: where the times of tiles go, one view behind the other; NULL: nowhere */
+    double *tile_ms;
 };
 
 static bool cancelled(const struct pen_bench *bench)
@@ -48,7 +49,7 @@ static void add_stats(struct pen_render_stats *sum, const struct pen_render_stat
     sum->effects |= view->effects;
 }
 
-/* Renders all views of a frozen scene; the pictures are left in the gallery's hands. */
+/* Renders all views of a frozen scene into the targets of state->pictures. */
 static bool render_views(struct state *state, const struct pen_settings *settings,
                          const struct pen_scene *scene, struct run *run, struct pen_status *st)
 {
@@ -59,7 +60,7 @@ static bool render_views(struct state *state, const struct pen_settings *setting
                                        .view = bench->views[i],
                                        .settings = settings,
                                        .tile_count = -1,
-                                       .rgb = pen_gallery_canvas(state->gallery, i),
+                                       .rgb = pen_bench_pictures_target(state->pictures, i),
                                        .cancel = bench->cancel,
                                        .pixel_begins = bench->pixel_begins,
                                        .pixel_user = bench->pixel_user,
@@ -76,7 +77,7 @@ static bool render_views(struct state *state, const struct pen_settings *setting
     return true;
 }
 
-/* One run: what it took, and its pictures. */
+/* Freezes the scene and renders its views under the given settings. */
 static bool make_run(struct state *state, const struct pen_settings *settings, struct run *run,
                      struct pen_status *st)
 {
@@ -96,23 +97,23 @@ static bool make_run(struct state *state, const struct pen_settings *settings, s
     return ok;
 }
 
-static void tell(struct state *state)
+static void report_progress(struct state *state)
 {
     if (state->bench->progress)
         state->bench->progress(state->bench->user, state->done, state->total);
 }
 
-/* Makes a run of a row and looks at its pictures. */
+/* Makes a run of a row and checks its pictures. */
 static bool run_row(struct state *state, int row, struct run *run, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
     bool ok = make_run(state, &bench->rows[row].settings, run, st);
     for (int i = 0; ok && bench->tamper && i < bench->view_count; i++)
-        bench->tamper(bench->user, row, i, pen_gallery_canvas(state->gallery, i));
-    if (!ok || !pen_gallery_hang(state->gallery, row, st))
+        bench->tamper(bench->user, row, i, pen_bench_pictures_target(state->pictures, i));
+    if (!ok || !pen_bench_pictures_check(state->pictures, row, st))
         return false;
     state->done++;
-    tell(state);
+    report_progress(state);
     return true;
 }
 
@@ -128,33 +129,33 @@ static bool warm_up(struct state *state, struct pen_status *st)
     return true;
 }
 
-static void note_run(struct state *state, int row, int turn, const struct run *run)
+static void record_run(struct state *state, int row, int repeat, const struct run *run)
 {
-    struct pen_bench_outcome *out = &state->result->rows[row];
-    out->laps[turn] =
-        (struct pen_bench_lap){run->build_ms, run->stats.render_ms, run->stats.cpu_ms};
+    struct pen_bench_row_result *out = &state->result->rows[row];
+    out->runs[repeat] = (struct pen_bench_times){
+        .build_ms = run->build_ms, .render_ms = run->stats.render_ms, .cpu_ms = run->stats.cpu_ms};
     out->stats = run->stats;
     out->accel = run->accel;
 }
 
-static bool run_all(struct state *state, struct pen_status *st)
+static bool repeat_runs(struct state *state, struct pen_status *st)
 {
-    for (int turn = 0; turn < state->bench->repeats; turn++) {
+    for (int repeat = 0; repeat < state->bench->repeats; repeat++) {
         for (int row = 0; row < state->bench->row_count; row++) {
             struct run run = {.tile_ms = row == state->bench->baseline ? state->tile_ms : NULL};
             if (!run_row(state, row, &run, st))
                 return false;
-            note_run(state, row, turn, &run);
+            record_run(state, row, repeat, &run);
         }
     }
     return true;
 }
 
-/* The row whose tests stand for those of `row`: threads and tiles do not change them. */
-static int counted_with(const struct pen_bench *bench, int row)
+/* The first row whose test counts are those of `row` too. */
+static int first_with_same_work(const struct pen_bench *bench, int row)
 {
     int first = 0;
-    while (!pen_rows_same_work(&bench->rows[first], &bench->rows[row]))
+    while (!pen_bench_rows_same_work(&bench->rows[first], &bench->rows[row]))
         first++;
     return first;
 }
@@ -163,28 +164,30 @@ int pen_bench_runs(const struct pen_bench *bench)
 {
     int runs = bench->row_count * (bench->warmup + bench->repeats);
     for (int row = 0; row < bench->row_count; row++)
-        runs += counted_with(bench, row) == row;
+        runs += first_with_same_work(bench, row) == row;
     return runs;
 }
 
-/* Counts with all threads: the counts are the same for any number, and it is sooner done. */
+/* Counts the tests of each row's work once. Uses all threads, which is quicker: the counts are the
+ * same for any number of threads. */
 static bool count_tests(struct state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
     for (int row = 0; row < bench->row_count; row++) {
         struct pen_render_stats *stats = &state->result->rows[row].stats;
-        int first = counted_with(bench, row);
+        int first = first_with_same_work(bench, row);
         if (first < row) {
             stats->tests = state->result->rows[first].stats.tests;
         } else {
             struct pen_settings settings = bench->rows[row].settings;
             struct run run = {.stats.tests_counted = true};
             settings.threads = 0;
-            if (!make_run(state, &settings, &run, st) || !pen_gallery_hang(state->gallery, row, st))
+            if (!make_run(state, &settings, &run, st) ||
+                !pen_bench_pictures_check(state->pictures, row, st))
                 return false;
             stats->tests = run.stats.tests;
             state->done++;
-            tell(state);
+            report_progress(state);
         }
         stats->tests_counted = true;
     }
@@ -197,94 +200,94 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Of one part of a row's laps: their median, least and largest. */
 struct spread {
     double median, min, max;
 };
 
-static double total_of(const struct pen_bench_lap *lap)
+static double total_of(const struct pen_bench_times *run)
 {
-    return lap->build_ms + lap->render_ms;
+    return run->build_ms + run->render_ms;
 }
 
-static double build_of(const struct pen_bench_lap *lap)
+static double build_of(const struct pen_bench_times *run)
 {
-    return lap->build_ms;
+    return run->build_ms;
 }
 
-static double render_of(const struct pen_bench_lap *lap)
+static double render_of(const struct pen_bench_times *run)
 {
-    return lap->render_ms;
+    return run->render_ms;
 }
 
-static double cpu_of(const struct pen_bench_lap *lap)
+static double cpu_of(const struct pen_bench_times *run)
 {
-    return lap->cpu_ms;
+    return run->cpu_ms;
 }
 
-/* `values` has room for `count` of them. */
-static struct spread spread_of(const struct pen_bench_lap *laps, int count,
-                               double (*part)(const struct pen_bench_lap *), double *values)
+/* The spread of one part of a row's times. `values` is scratch space for `count` numbers. */
+static struct spread spread_of(const struct pen_bench_times *runs, int count,
+                               double (*part)(const struct pen_bench_times *), double *values)
 {
     for (int i = 0; i < count; i++)
-        values[i] = part(&laps[i]);
+        values[i] = part(&runs[i]);
     qsort(values, (size_t)count, sizeof *values, by_value);
-    return (struct spread){(values[(count - 1) / 2] + values[count / 2]) / 2, values[0],
-                           values[count - 1]};
+    return (struct spread){.median = (values[(count - 1) / 2] + values[count / 2]) / 2,
+                           .min = values[0],
+                           .max = values[count - 1]};
 }
 
-static void sum_up_row(struct pen_bench_outcome *row, int count, double *values)
+static void summarize_row(struct pen_bench_row_result *row, int count, double *values)
 {
-    struct spread total = spread_of(row->laps, count, total_of, values);
+    struct spread total = spread_of(row->runs, count, total_of, values);
     row->median_ms = total.median;
     row->min_ms = total.min;
     row->max_ms = total.max;
-    row->build_ms = spread_of(row->laps, count, build_of, values).median;
-    row->render_ms = spread_of(row->laps, count, render_of, values).median;
-    row->cpu_ms = spread_of(row->laps, count, cpu_of, values).median;
+    row->build_ms = spread_of(row->runs, count, build_of, values).median;
+    row->render_ms = spread_of(row->runs, count, render_of, values).median;
+    row->cpu_ms = spread_of(row->runs, count, cpu_of, values).median;
 }
 
-static bool sum_up(struct state *state, struct pen_status *st)
+static bool summarize(struct state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
-    struct pen_bench_outcome *rows = state->result->rows;
+    struct pen_bench_row_result *rows = state->result->rows;
     double *values = malloc((size_t)bench->repeats * sizeof *values);
     if (!values)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the medians");
     for (int row = 0; row < bench->row_count; row++)
-        sum_up_row(&rows[row], bench->repeats, values);
+        summarize_row(&rows[row], bench->repeats, values);
     free(values);
     rows[bench->baseline].stats.tile_ms = state->tile_ms;
     state->tile_ms = NULL;
     for (int row = 0; row < bench->row_count; row++) {
         rows[row].speedup = rows[bench->baseline].median_ms / rows[row].median_ms;
-        if (!pen_gallery_compare(state->gallery, row, &rows[row], st))
+        if (!pen_bench_pictures_measure(state->pictures, row, &rows[row], st))
             return false;
     }
     return true;
 }
 
-/* Of all views of a row. */
-static size_t tiles_of(const struct pen_bench *bench, int row)
+/* The tiles of all views of a row. */
+static size_t row_tile_count(const struct pen_bench *bench, int row)
 {
     const struct pen_settings *s = &bench->rows[row].settings;
     return (size_t)pen_tile_count(s->width, s->height, s->tile) * (size_t)bench->view_count;
 }
 
-static bool make_room(struct state *state, struct pen_status *st)
+static bool allocate(struct state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
     size_t rows = (size_t)bench->row_count;
-    struct pen_bench_outcome *outcomes = calloc(rows, sizeof *outcomes);
-    state->result->rows = outcomes;
-    bool ok = outcomes != NULL;
+    struct pen_bench_row_result *results = calloc(rows, sizeof *results);
+    state->result->rows = results;
+    bool ok = results != NULL;
     for (size_t i = 0; ok && i < rows; i++) {
-        outcomes[i].laps = calloc((size_t)bench->repeats, sizeof *outcomes[i].laps);
-        ok = outcomes[i].laps != NULL;
+        results[i].runs = calloc((size_t)bench->repeats, sizeof *results[i].runs);
+        ok = results[i].runs != NULL;
     }
-    state->gallery = ok ? pen_gallery_new(bench) : NULL;
-    state->tile_ms = calloc(tiles_of(bench, bench->baseline), sizeof *state->tile_ms);
-    return (state->gallery && state->tile_ms) ||
+    state->pictures = ok ? pen_bench_pictures_new(bench) : NULL;
+    state->tile_ms = calloc(row_tile_count(bench, bench->baseline), sizeof *state->tile_ms);
+    return (state->pictures && state->tile_ms) ||
            pen_fail(st, PEN_NO_MEMORY, "no memory for a benchmark of %zu rows", rows);
 }
 
@@ -300,14 +303,14 @@ bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *resul
     struct state state = {.bench = bench, .result = result, .total = pen_bench_runs(bench)};
     *result =
         (struct pen_bench_result){.load_before = load_average(), .began_ms = pen_clock_wall_ms()};
-    bool ok = make_room(&state, st);
+    bool ok = allocate(&state, st);
     if (ok)
-        tell(&state);
-    ok = ok && warm_up(&state, st) && run_all(&state, st) && count_tests(&state, st) &&
-         sum_up(&state, st);
+        report_progress(&state);
+    ok = ok && warm_up(&state, st) && repeat_runs(&state, st) && count_tests(&state, st) &&
+         summarize(&state, st);
     result->load_after = load_average();
     result->ended_ms = pen_clock_wall_ms();
-    pen_gallery_free(state.gallery);
+    pen_bench_pictures_free(state.pictures);
     free(state.tile_ms);
     return ok;
 }
@@ -315,7 +318,7 @@ bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *resul
 void pen_bench_result_release(const struct pen_bench *bench, struct pen_bench_result *result)
 {
     for (int row = 0; result->rows && row < bench->row_count; row++) {
-        free(result->rows[row].laps);
+        free(result->rows[row].runs);
         free(result->rows[row].stats.tile_ms);
     }
     free(result->rows);

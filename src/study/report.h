@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* A report in the forms that people and programs read: the JSON of bench.h as it is, as CSV (one
- * line a row), as Markdown, as a page of HTML that needs nothing else, and as a table of text.
+/* Writes a report, the JSON of bench.h, in the formats that people and programs read: JSON, CSV
+ * with one line for each row, Markdown, a self-contained HTML page, and plain text.
  *
- * A report may come out of a store or a network: whatever text it holds is escaped, and whatever
- * is missing or of the wrong type in it reads as nothing. */
+ * A report may come from a store or a network. All text in it is escaped as the format needs; a
+ * member that is missing or of the wrong type reads as 0, "" or an empty list. */
 #ifndef PEN_STUDY_REPORT_H
 #define PEN_STUDY_REPORT_H
 
@@ -12,20 +12,18 @@
 #include "base/buf.h"
 #include "base/status.h"
 
-/* "json", "csv", "md", "html", NULL. */
-extern const char *const pen_study_forms[];
+/* The names of the formats: "json", "csv", "md", "html", NULL. */
+extern const char *const pen_bench_report_formats[];
 
-/* The media type of a form. */
-const char *pen_study_media_type(const char *form);
+/* The media type of a format. */
+const char *pen_bench_report_media_type(const char *format);
 
-/* Appends a report in one of the forms. Fails: PEN_NO_MEMORY, PEN_INTERNAL (no such form). */
-bool pen_study_write(const json_t *report, const char *form, struct pen_buf *out,
-                     struct pen_status *st);
+/* Appends a report in one of the formats. Fails: PEN_NO_MEMORY, PEN_INTERNAL (no such format). */
+bool pen_bench_report_write(const json_t *report, const char *format, struct pen_buf *out,
+                            struct pen_status *st);
 
-/* The forms one by one; out->failed tells of want of memory. */
-void pen_study_csv(const json_t *report, struct pen_buf *out);
-void pen_study_markdown(const json_t *report, struct pen_buf *out);
-void pen_study_html(const json_t *report, struct pen_buf *out);
-void pen_study_plain(const json_t *report, struct pen_buf *out); /* for a terminal */
+/* Appends a report as plain text for a terminal, without control characters but line feeds;
+ * out->failed tells that memory ran out. */
+void pen_bench_report_write_text(const json_t *report, struct pen_buf *out);
 
 #endif

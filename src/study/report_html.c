@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* A report as one page of HTML: no script, nothing loaded, light and dark by the reader's choice.
- */
-#include <string.h>
-
-#include "study/internal/grid.h"
+/* A report as one page of HTML without scripts or references to other files. Its colours are light
+ * or dark as the reader's browser prefers. */
 #include "study/internal/html.h"
-#include "study/report.h"
+#include "study/internal/report_formats.h"
+#include "study/internal/table.h"
 
 static const char style[] =
     ":root{color-scheme:light dark;--ink:#1b1f24;--soft:#5a6370;--line:#d6dbe1;--paper:#fff;"
@@ -30,32 +28,7 @@ static const char style[] =
     "th{font-weight:600;color:var(--soft)}.w{text-align:left}"
     "caption{text-align:left;color:var(--soft);padding-bottom:.3rem}";
 
-void pen_html_text(const char *text, struct pen_buf *out)
-{
-    for (; *text; text++) {
-        switch (*text) {
-        case '<':
-            pen_buf_puts(out, "&lt;");
-            break;
-        case '>':
-            pen_buf_puts(out, "&gt;");
-            break;
-        case '&':
-            pen_buf_puts(out, "&amp;");
-            break;
-        case '"':
-            pen_buf_puts(out, "&quot;");
-            break;
-        case '\'':
-            pen_buf_puts(out, "&#39;");
-            break;
-        default:
-            pen_buf_add(out, text, 1);
-        }
-    }
-}
-
-/* A paragraph of what `write` says. */
+/* A paragraph with the text that `write` appends. */
 static void write_paragraph(const json_t *report, const char *class,
                             void (*write)(const json_t *report, struct pen_buf *out),
                             struct pen_buf *out)
@@ -63,43 +36,43 @@ static void write_paragraph(const json_t *report, const char *class,
     struct pen_buf text = {0};
     write(report, &text);
     pen_buf_printf(out, "<p class=\"%s\">", class);
-    pen_html_text(text.data ? (const char *)text.data : "", out);
+    pen_html_escape(text.data ? (const char *)text.data : "", out);
     pen_buf_puts(out, "</p>\n");
     out->failed |= text.failed;
     pen_buf_release(&text);
 }
 
-static void write_cells(const struct pen_grid *grid, size_t row, struct pen_buf *out)
+static void write_cells(const struct pen_bench_table *table, size_t row, struct pen_buf *out)
 {
     pen_buf_puts(out, "<tr>");
-    for (size_t column = 0; column < grid->columns; column++) {
+    for (size_t column = 0; column < table->columns; column++) {
         const char *tag = row == 0 || column == 0 ? "th" : "td";
-        pen_buf_printf(out, "<%s%s%s>", tag, grid->words[column] ? " class=\"w\"" : "",
+        pen_buf_printf(out, "<%s%s%s>", tag, table->words[column] ? " class=\"w\"" : "",
                        row == 0      ? " scope=\"col\""
                        : column == 0 ? " scope=\"row\""
                                      : "");
-        pen_html_text(pen_grid_text(grid, row, column), out);
+        pen_html_escape(pen_bench_table_cell(table, row, column), out);
         pen_buf_printf(out, "</%s>", tag);
     }
     pen_buf_puts(out, "</tr>\n");
 }
 
-static void write_table(const json_t *report, const struct pen_column *columns, const char *caption,
-                        struct pen_buf *out)
+static void write_table(const json_t *report, const struct pen_bench_column *columns,
+                        const char *caption, struct pen_buf *out)
 {
-    struct pen_grid grid;
-    bool ok = pen_grid_make(report, columns, &grid);
+    struct pen_bench_table table;
+    bool ok = pen_bench_table_init(report, columns, &table);
     pen_buf_printf(out,
                    "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"%s\"><table>"
                    "<caption>%s</caption>\n<thead>",
                    caption, caption);
-    for (size_t row = 0; ok && row < grid.rows; row++) {
-        write_cells(&grid, row, out);
+    for (size_t row = 0; ok && row < table.rows; row++) {
+        write_cells(&table, row, out);
         if (row == 0)
             pen_buf_puts(out, "</thead>\n<tbody>");
     }
     pen_buf_puts(out, "</tbody></table></div>\n");
-    pen_grid_release(&grid);
+    pen_bench_table_release(&table);
     out->failed |= !ok;
 }
 
@@ -114,7 +87,7 @@ static void write_notes(const json_t *report, struct pen_buf *out)
     json_array_foreach(notes, i, note)
     {
         pen_buf_puts(out, "<li>");
-        pen_html_text(json_string_value(note) ? json_string_value(note) : "", out);
+        pen_html_escape(json_string_value(note) ? json_string_value(note) : "", out);
         pen_buf_puts(out, "</li>");
     }
     pen_buf_puts(out, "</ul>\n");
@@ -123,17 +96,17 @@ static void write_notes(const json_t *report, struct pen_buf *out)
 /* The settings that all rows share. */
 static void write_settings(const json_t *report, struct pen_buf *out)
 {
-    const char *key, *gap = "";
+    const char *key, *separator = "";
     json_t *value;
     struct pen_buf text = {0};
     json_object_foreach((json_t *)(uintptr_t)json_object_get(report, "render"), key, value)
     {
-        pen_buf_printf(&text, "%s%s ", gap, key);
-        pen_write_value(value, &text);
-        gap = ", ";
+        pen_buf_printf(&text, "%s%s ", separator, key);
+        pen_bench_write_value(value, &text);
+        separator = ", ";
     }
     pen_buf_puts(out, "<h2>Settings of all rows</h2>\n<p>");
-    pen_html_text(text.data ? (const char *)text.data : "", out);
+    pen_html_escape(text.data ? (const char *)text.data : "", out);
     pen_buf_puts(out, "</p>\n");
     out->failed |= text.failed;
     pen_buf_release(&text);
@@ -141,30 +114,30 @@ static void write_settings(const json_t *report, struct pen_buf *out)
 
 static void write_heading(const json_t *report, struct pen_buf *out)
 {
-    const char *scene = pen_study_text(report, "scene");
+    const char *scene = pen_bench_report_string(report, "scene");
     pen_buf_puts(out, "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
                       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
                       "<title>Benchmark: ");
-    pen_html_text(scene, out);
+    pen_html_escape(scene, out);
     pen_buf_printf(out, "</title>\n<style>%s</style>\n</head>\n<body>\n<h1>Benchmark: ", style);
-    pen_html_text(scene, out);
+    pen_html_escape(scene, out);
     pen_buf_puts(out, "</h1>\n");
 }
 
-void pen_study_html(const json_t *report, struct pen_buf *out)
+void pen_bench_report_write_html(const json_t *report, struct pen_buf *out)
 {
     write_heading(report, out);
-    write_paragraph(report, "soft", pen_write_method, out);
+    write_paragraph(report, "soft", pen_bench_write_method, out);
     pen_buf_puts(out, "<figure>");
-    pen_html_chart(report, out);
+    pen_bench_chart_write(report, out);
     pen_buf_puts(out, "<figcaption>Bar: median. Whisker: least to largest. Grey: the row that "
                       "speed-ups refer to.</figcaption></figure>\n");
-    write_table(report, pen_time_columns, "Times, tests and pictures", out);
+    write_table(report, pen_bench_time_columns, "Times, tests and pictures", out);
     pen_buf_puts(out, "<h2>Rays and trees</h2>\n");
-    write_table(report, pen_ray_columns, "Rays by kind, and the accelerator", out);
+    write_table(report, pen_bench_ray_columns, "Rays by kind, and the accelerator", out);
     write_notes(report, out);
     pen_buf_puts(out, "<h2>Machine</h2>\n");
-    write_paragraph(report, "", pen_write_host, out);
+    write_paragraph(report, "", pen_bench_write_host, out);
     write_settings(report, out);
     pen_buf_puts(out, "</body>\n</html>\n");
 }

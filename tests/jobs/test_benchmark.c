@@ -112,7 +112,7 @@ START_TEST(test_benchmark__rows_come_in_the_order_of_the_document)
         ck_assert_int_eq(order.rows[i].settings.accelerator, rows[i].accelerator);
         ck_assert_int_eq(order.rows[i].settings.width, 800);
     }
-    char *chosen = json_dumps(order.rows[5].chosen, 0);
+    char *chosen = json_dumps(order.rows[5].varied, 0);
     ck_assert_str_eq(chosen, "{\"tile\": 32, \"threads\": 1, \"accelerator\": \"auto\"}");
     free(chosen);
     pen_bench_spec_release(&order);

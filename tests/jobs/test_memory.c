@@ -197,8 +197,8 @@ START_TEST(test_memory__of_benchmarks_too)
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
     jobs_worker_stop(&bed);
     starve("stats", work_stats);
-    for (int i = 0; pen_study_forms[i]; i++) {
-        form = pen_study_forms[i];
+    for (int i = 0; pen_bench_report_formats[i]; i++) {
+        form = pen_bench_report_formats[i];
         starve(form, work_report);
     }
     jobs_bed_close(&bed);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The order of runs, medians, the pictures' comparison, and what stops a benchmark. */
+/* The order of runs, medians, the comparison of pictures, and what ends a benchmark early. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,8 +18,8 @@ static struct pen_bench_result result;
 static struct pen_status st;
 static const int views[] = {0};
 
-/* What the hooks saw. */
-static int seen[SEEN_MAX], seen_count, told[SEEN_MAX], told_count, total;
+/* What the hooks recorded: the rows whose pictures were checked, and the progress reported. */
+static int seen[SEEN_MAX], seen_count, progress[SEEN_MAX], progress_count, total;
 
 static void note_row(void *user, int row, int view, float *rgb)
 {
@@ -32,11 +32,11 @@ static void note_row(void *user, int row, int view, float *rgb)
 static void note_progress(void *user, int done, int all)
 {
     (void)user;
-    told[told_count++] = done;
+    progress[progress_count++] = done;
     total = all;
 }
 
-/* A benchmark of the medley; rows are added one by one. */
+/* A benchmark of the kit's medley scene; the test adds rows one by one. */
 static void set_up(int threads)
 {
     kit_medley(&kit);
@@ -49,15 +49,15 @@ static void set_up(int threads)
                                .progress = note_progress,
                                .pool = pen_thread_pool_new(threads, &st)};
     ck_assert_ptr_nonnull(bench.pool);
-    seen_count = told_count = 0;
+    seen_count = progress_count = 0;
 }
 
-static struct pen_settings *add_row(const char *chosen)
+static struct pen_settings *add_row(const char *varied)
 {
     struct pen_bench_row *row = &rows[bench.row_count++];
     row->settings = kit.settings;
-    row->chosen = json_loads(chosen, 0, NULL);
-    ck_assert_ptr_nonnull(row->chosen);
+    row->varied = json_loads(varied, 0, NULL);
+    ck_assert_ptr_nonnull(row->varied);
     return &row->settings;
 }
 
@@ -65,7 +65,7 @@ static void tear_down(void)
 {
     pen_bench_result_release(&bench, &result);
     for (int i = 0; i < bench.row_count; i++)
-        json_decref((json_t *)(uintptr_t)rows[i].chosen);
+        json_decref((json_t *)(uintptr_t)rows[i].varied);
     pen_thread_pool_free(bench.pool);
 }
 
@@ -92,9 +92,9 @@ START_TEST(test_bench__runs_are_interleaved_after_the_warm_up)
     ck_assert_mem_eq(seen, order, sizeof order);
     ck_assert_int_eq(total, 10);
     ck_assert_int_eq(pen_bench_runs(&bench), 10);
-    ck_assert_int_eq(told_count, 11);
-    for (int i = 0; i < told_count; i++)
-        ck_assert_int_eq(told[i], i);
+    ck_assert_int_eq(progress_count, 11);
+    for (int i = 0; i < progress_count; i++)
+        ck_assert_int_eq(progress[i], i);
     tear_down();
 }
 END_TEST
@@ -105,7 +105,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-START_TEST(test_bench__medians_and_speedups_are_those_of_the_laps)
+START_TEST(test_bench__medians_and_speedups_are_those_of_the_runs)
 {
     set_up(2);
     add_none_and_auto();
@@ -114,10 +114,10 @@ START_TEST(test_bench__medians_and_speedups_are_those_of_the_laps)
     bench.baseline = 1;
     run();
     for (int i = 0; i < 2; i++) {
-        const struct pen_bench_outcome *row = &result.rows[i];
+        const struct pen_bench_row_result *row = &result.rows[i];
         double ms[4];
         for (int k = 0; k < 4; k++)
-            ms[k] = row->laps[k].build_ms + row->laps[k].render_ms;
+            ms[k] = row->runs[k].build_ms + row->runs[k].render_ms;
         qsort(ms, 4, sizeof *ms, by_value);
         ck_assert(ms[0] > 0);
         ck_assert(row->min_ms == ms[0] && row->max_ms == ms[3]);
@@ -154,7 +154,7 @@ START_TEST(test_bench__rays_and_tests_are_those_of_a_plain_render)
         ck_assert_uint_eq(stats->rays.transmission, rays.transmission);
         ck_assert(stats->tests_counted);
     }
-    /* Without a tree there are no boxes, and more bodies are tested than with one. */
+    /* Without a tree there are no boxes, and more primitives are tested than with one. */
     ck_assert_uint_eq(result.rows[0].stats.tests.boxes, 0);
     ck_assert_uint_gt(result.rows[1].stats.tests.boxes, 0);
     ck_assert_uint_gt(result.rows[0].stats.tests.primitives, result.rows[1].stats.tests.primitives);
@@ -163,7 +163,7 @@ START_TEST(test_bench__rays_and_tests_are_those_of_a_plain_render)
 }
 END_TEST
 
-START_TEST(test_bench__threads_beyond_the_pool_are_capped_and_said)
+START_TEST(test_bench__threads_beyond_the_pool_are_capped_and_noted)
 {
     set_up(2);
     kit.settings.tile = 4;
@@ -175,7 +175,7 @@ START_TEST(test_bench__threads_beyond_the_pool_are_capped_and_said)
     ck_assert_int_eq(result.rows[1].stats.threads, 2);
     ck_assert_int_eq(result.rows[2].stats.threads, 2);
     ck_assert_int_eq(pen_bench_runs(&bench), 13); /* tests are counted once */
-    json_t *report = pen_bench_report(&bench, &result, json_object());
+    json_t *report = pen_bench_report_new(&bench, &result, json_object());
     char *notes = json_dumps(json_object_get(report, "notes"), 0);
     ck_assert_ptr_nonnull(strstr(notes, "row 2 asks for 64 threads; the pool has 2"));
     ck_assert_ptr_null(strstr(notes, "row 1"));
@@ -196,7 +196,7 @@ START_TEST(test_bench__other_pictures_are_measured_against_the_first_of_their_si
     run();
     static const int with[] = {0, 0, 2, 2};
     for (int i = 0; i < 4; i++) {
-        const struct pen_bench_outcome *row = &result.rows[i];
+        const struct pen_bench_row_result *row = &result.rows[i];
         ck_assert_int_eq(row->compared_with, with[i]);
         ck_assert_int_eq(row->same_as, i);
         ck_assert(row->identical == (i % 2 == 0));
@@ -204,7 +204,7 @@ START_TEST(test_bench__other_pictures_are_measured_against_the_first_of_their_si
         ck_assert((row->rmse > 0) == (i % 2 == 1));
         ck_assert(row->rmse <= row->max_difference);
     }
-    ck_assert(pen_bench_kept_pixels(&bench) == 2 * (40.0 + 20.0) * kit.settings.height);
+    ck_assert(pen_bench_reference_pixels(&bench) == 2 * (40.0 + 20.0) * kit.settings.height);
     tear_down();
 }
 END_TEST
@@ -255,12 +255,12 @@ START_TEST(test_bench__cancel_ends_it_between_runs_and_within_one)
     atomic_store(&cancel, false);
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);
-    ck_assert_int_eq(told[told_count - 1], 5);
+    ck_assert_int_eq(progress[progress_count - 1], 5);
     tear_down();
 }
 END_TEST
 
-START_TEST(test_bench__report_has_what_the_api_promises)
+START_TEST(test_bench__report_has_the_members_of_the_api)
 {
     static const char *const keys[] = {
         "settings", "threads",   "median_ms", "min_ms",           "max_ms",
@@ -269,13 +269,13 @@ START_TEST(test_bench__report_has_what_the_api_promises)
     set_up(2);
     add_none_and_auto();
     run();
-    json_t *report = pen_bench_report(&bench, &result, json_pack("{s:s}", "scene", "medley"));
+    json_t *report = pen_bench_report_new(&bench, &result, json_pack("{s:s}", "scene", "medley"));
     ck_assert_ptr_nonnull(report);
     json_t *row = json_array_get(json_object_get(report, "rows"), 1);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
         ck_assert_msg(json_object_get(row, keys[i]) != NULL, "no %s", keys[i]);
     ck_assert_uint_eq(json_array_size(json_object_get(row, "runs_ms")), 3);
-    ck_assert(json_equal(json_object_get(row, "settings"), rows[1].chosen));
+    ck_assert(json_equal(json_object_get(row, "settings"), rows[1].varied));
     json_t *accelerator = json_object_get(row, "accelerator");
     ck_assert(json_real_value(json_object_get(accelerator, "box_tests_per_ray")) > 0);
     ck_assert(json_real_value(json_object_get(accelerator, "primitive_tests_per_ray")) > 0);
@@ -288,10 +288,10 @@ START_TEST(test_bench__report_has_what_the_api_promises)
 END_TEST
 
 PEN_SUITE("bench", test_bench__runs_are_interleaved_after_the_warm_up,
-          test_bench__medians_and_speedups_are_those_of_the_laps,
+          test_bench__medians_and_speedups_are_those_of_the_runs,
           test_bench__rays_and_tests_are_those_of_a_plain_render,
-          test_bench__threads_beyond_the_pool_are_capped_and_said,
+          test_bench__threads_beyond_the_pool_are_capped_and_noted,
           test_bench__other_pictures_are_measured_against_the_first_of_their_size,
           test_bench__one_bit_of_difference_fails_it_and_is_named,
           test_bench__cancel_ends_it_between_runs_and_within_one,
-          test_bench__report_has_what_the_api_promises)
+          test_bench__report_has_the_members_of_the_api)

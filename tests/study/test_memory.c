@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Out of memory at any allocation of a benchmark: it says so, and leaks nothing (the sanitizer run
- * sees to that). */
+/* A benchmark fails with PEN_NO_MEMORY wherever an allocation fails; the sanitizers' run shows that
+ * it leaks nothing. */
 #include <stdio.h>
 #include <string.h>
 
@@ -12,17 +12,17 @@
 
 static struct kit kit;
 
-/* Runs it and writes every form. */
+/* Runs a benchmark and writes its report in every format. */
 static bool work(const struct pen_bench *bench, struct pen_status *st)
 {
     struct pen_bench_result result;
     struct pen_buf text = {0};
     bool ok = pen_bench_run(bench, &result, st);
-    json_t *report = ok ? pen_bench_report(bench, &result, json_object()) : NULL;
+    json_t *report = ok ? pen_bench_report_new(bench, &result, json_object()) : NULL;
     if (ok && !report)
         ok = pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
-    for (int i = 0; ok && pen_study_forms[i]; i++) {
-        ok = pen_study_write(report, pen_study_forms[i], &text, st);
+    for (int i = 0; ok && pen_bench_report_formats[i]; i++) {
+        ok = pen_bench_report_write(report, pen_bench_report_formats[i], &text, st);
         pen_buf_release(&text);
     }
     json_decref(report);
@@ -30,7 +30,7 @@ static bool work(const struct pen_bench *bench, struct pen_status *st)
     return ok;
 }
 
-START_TEST(test_memory__of_a_benchmark)
+START_TEST(test_memory__every_failed_allocation_is_reported)
 {
     static const int views[] = {0};
     struct pen_bench_row rows[2];
@@ -40,7 +40,7 @@ START_TEST(test_memory__of_a_benchmark)
     for (int i = 0; i < 2; i++) {
         rows[i].settings = kit.settings;
         rows[i].settings.max_depth = i + 1;
-        rows[i].chosen = json_pack("{s:i, s:s}", "max_depth", i + 1, "transfer", "srgb");
+        rows[i].varied = json_pack("{s:i, s:s}", "max_depth", i + 1, "transfer", "srgb");
     }
     struct pen_bench bench = {.desc = &kit.desc,
                               .views = views,
@@ -49,7 +49,7 @@ START_TEST(test_memory__of_a_benchmark)
                               .row_count = 2,
                               .repeats = 2,
                               .pool = pen_thread_pool_new(1, &st)};
-    ck_assert(work(&bench, &st)); /* by the end of which the pool's thread has begun */
+    ck_assert(work(&bench, &st)); /* waits until the pool's thread has started, which allocates */
     for (long n = 0;; n++) {
         ck_assert_int_lt(n, 100000);
         alloc_fail_after(n);
@@ -62,8 +62,8 @@ START_TEST(test_memory__of_a_benchmark)
     }
     pen_thread_pool_free(bench.pool);
     for (int i = 0; i < 2; i++)
-        json_decref((json_t *)(uintptr_t)rows[i].chosen);
+        json_decref((json_t *)(uintptr_t)rows[i].varied);
 }
 END_TEST
 
-PEN_SUITE("memory", test_memory__of_a_benchmark)
+PEN_SUITE("memory", test_memory__every_failed_allocation_is_reported)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports in all forms: what is in them, that nothing in them is taken for markup, and that any
- * JSON at all can be written. */
+/* Reports in all formats: their contents, the escaping of markup, and that any JSON value can be
+ * written. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 
 static struct pen_buf out;
 
-/* A report of two rows; SCENE stands for the scene's name. */
+/* A report of two rows. The words in capitals are replaced, see report_with. */
 static const char sample[] =
     "{\"kind\": \"benchmark\", \"scene\": \"SCENE\", \"views\": [\"main\"], \"repeats\": 3,"
     " \"warmup\": 1, \"baseline\": 0, \"render\": {\"width\": 800}, \"rows\": ["
@@ -35,7 +35,8 @@ static void replace(char *text, size_t bytes, const char *word, const char *by)
     }
 }
 
-/* The sample with texts in place of its words; they are written as JSON strings' insides. */
+/* The sample with `text` for SCENE, NOTE and CPU, and `fast` for FAST. Both are inserted into JSON
+ * as they are. */
 static json_t *report_with(const char *text, const char *fast)
 {
     char document[4096];
@@ -50,11 +51,11 @@ static json_t *report_with(const char *text, const char *fast)
     return report;
 }
 
-static const char *write_as(const json_t *report, const char *form)
+static const char *write_as(const json_t *report, const char *format)
 {
     struct pen_status st;
     pen_buf_release(&out);
-    ck_assert(pen_study_write(report, form, &out, &st));
+    ck_assert(pen_bench_report_write(report, format, &out, &st));
     return (const char *)out.data;
 }
 
@@ -90,7 +91,7 @@ START_TEST(test_report__csv_has_a_line_for_each_row)
 }
 END_TEST
 
-START_TEST(test_report__csv_quotes_what_would_break_a_cell)
+START_TEST(test_report__csv_quotes_separators_and_line_feeds)
 {
     json_t *report = report_with("room", "123.5");
     json_t *row = json_array_get(json_object_get(report, "rows"), 0);
@@ -111,7 +112,7 @@ START_TEST(test_report__json_reads_back_as_itself)
 }
 END_TEST
 
-START_TEST(test_report__people_read_times_and_ratios)
+START_TEST(test_report__markdown_has_rounded_times_and_ratios)
 {
     json_t *report = report_with("room", "123.5");
     const char *text = write_as(report, "md");
@@ -126,7 +127,7 @@ START_TEST(test_report__people_read_times_and_ratios)
 }
 END_TEST
 
-START_TEST(test_report__text_from_a_scene_is_never_markup)
+START_TEST(test_report__text_from_a_scene_is_escaped)
 {
     static const char evil[] =
         "</title></svg><script>alert(1)</script><img src=x onerror='x'>&amp;`*_[a](b)|\\n# h\\\"";
@@ -151,11 +152,11 @@ START_TEST(test_report__text_from_a_scene_is_never_markup)
 }
 END_TEST
 
-START_TEST(test_report__terminal_gets_no_control_characters)
+START_TEST(test_report__text_has_no_control_characters)
 {
     json_t *report = report_with("\\u001b[2Jroom\\u0007", "123.5");
     struct pen_buf text = {0};
-    pen_study_plain(report, &text);
+    pen_bench_report_write_text(report, &text);
     ck_assert(!text.failed);
     for (const unsigned char *c = text.data; *c; c++)
         ck_assert(*c >= 0x20 || *c == '\n');
@@ -164,7 +165,7 @@ START_TEST(test_report__terminal_gets_no_control_characters)
 }
 END_TEST
 
-START_TEST(test_report__page_needs_nothing_else)
+START_TEST(test_report__page_is_self_contained)
 {
     json_t *report = report_with("room", "123.5");
     const char *text = write_as(report, "html");
@@ -180,7 +181,7 @@ START_TEST(test_report__page_needs_nothing_else)
 }
 END_TEST
 
-START_TEST(test_report__axis_is_logarithmic_where_the_spread_asks_for_it)
+START_TEST(test_report__axis_is_logarithmic_where_times_spread_widely)
 {
     json_t *report = report_with("room", "123.5");
     has(write_as(report, "html"), "logarithmic axis");
@@ -193,7 +194,7 @@ START_TEST(test_report__axis_is_logarithmic_where_the_spread_asks_for_it)
 }
 END_TEST
 
-/* Numbers of an attribute such as width="12.5", in turn. */
+/* The number after the next `before`, as in width="12.5"; moves *text to it. */
 static double next_number(const char **text, const char *before)
 {
     const char *at = strstr(*text, before);
@@ -217,7 +218,7 @@ START_TEST(test_report__bars_are_as_long_as_the_times)
 }
 END_TEST
 
-/* Any value, also where another is expected. */
+/* Any JSON value, with the keys of a report at random places. */
 static json_t *any_value(struct random *r, int depth)
 {
     static const char *const keys[] = {"rows",  "settings", "row",       "median_ms", "min_ms",
@@ -254,11 +255,12 @@ START_TEST(test_report__any_json_can_be_written)
     struct random r = random_begin(41);
     for (int i = 0; i < 2000; i++) {
         json_t *report = any_value(&r, 5);
-        for (int form = 0; pen_study_forms[form]; form++) {
+        for (int format = 0; pen_bench_report_formats[format]; format++) {
             struct pen_status st;
             pen_buf_release(&out);
-            ck_assert_msg(pen_study_write(report, pen_study_forms[form], &out, &st),
-                          "PEN_SEED=%llu: %s", (unsigned long long)r.seed, st.msg);
+            ck_assert_msg(
+                pen_bench_report_write(report, pen_bench_report_formats[format], &out, &st),
+                "PEN_SEED=%llu: %s", (unsigned long long)r.seed, st.msg);
         }
         json_decref(report);
     }
@@ -266,8 +268,9 @@ START_TEST(test_report__any_json_can_be_written)
 END_TEST
 
 PEN_SUITE("report", test_report__csv_has_a_line_for_each_row,
-          test_report__csv_quotes_what_would_break_a_cell, test_report__json_reads_back_as_itself,
-          test_report__people_read_times_and_ratios, test_report__text_from_a_scene_is_never_markup,
-          test_report__terminal_gets_no_control_characters, test_report__page_needs_nothing_else,
-          test_report__axis_is_logarithmic_where_the_spread_asks_for_it,
+          test_report__csv_quotes_separators_and_line_feeds, test_report__json_reads_back_as_itself,
+          test_report__markdown_has_rounded_times_and_ratios,
+          test_report__text_from_a_scene_is_escaped, test_report__text_has_no_control_characters,
+          test_report__page_is_self_contained,
+          test_report__axis_is_logarithmic_where_times_spread_widely,
           test_report__bars_are_as_long_as_the_times, test_report__any_json_can_be_written)

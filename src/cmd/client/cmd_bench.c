@@ -73,7 +73,7 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, format),
      .value = "json|csv|md|html",
-     .choices = pen_study_forms,
+     .choices = pen_bench_report_formats,
      .help = "whatever the ending of OUT says"},
     {.name = "csv",
      .kind = PEN_OPTION_TEXT,
@@ -233,8 +233,8 @@ static bool measure(struct study *s, struct pen_status *st)
     bool ok = pen_bench_run(&s->bench, &s->result, st);
     pen_progress_end(&s->progress);
     if (ok) {
-        s->report = pen_bench_report(&s->bench, &s->result,
-                                     pen_bench_spec_head(&s->order, &s->bench, &s->desc.settings));
+        s->report = pen_bench_report_new(
+            &s->bench, &s->result, pen_bench_spec_head(&s->order, &s->bench, &s->desc.settings));
         ok = s->report || pen_fail(st, PEN_NO_MEMORY, "out of memory");
     }
     pen_thread_pool_free(pool);
@@ -245,7 +245,7 @@ static bool write_form(const struct study *s, const char *path, const char *form
                        struct pen_status *st)
 {
     struct pen_buf text = {0};
-    bool ok = pen_study_write(s->report, form, &text, st) &&
+    bool ok = pen_bench_report_write(s->report, form, &text, st) &&
               pen_file_write(path, text.data, text.bytes, st);
     pen_buf_release(&text);
     return ok;
@@ -278,7 +278,7 @@ static void print_report(const struct study *s)
     if (s->values->json) {
         pen_report_line(json_incref(s->report));
     } else if (!s->values->quiet && !uses_standard_output(s->values)) {
-        pen_study_plain(s->report, &text);
+        pen_bench_report_write_text(s->report, &text);
         fputs(text.data ? (const char *)text.data : "", stdout);
         pen_buf_release(&text);
     }

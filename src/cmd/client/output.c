@@ -49,7 +49,7 @@ const char *pen_output_format(const char *path, const char *format, struct pen_s
 
 const char *pen_output_report_format(const char *path, const char *form, struct pen_status *st)
 {
-    const char *found = find_format(path, form, pen_study_forms);
+    const char *found = find_format(path, form, pen_bench_report_formats);
     if (!found && form)
         pen_fail(st, PEN_USAGE, "--format: a report is json, csv, md or html, not %s", form);
     else if (!found)

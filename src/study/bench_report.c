@@ -1,32 +1,32 @@
 /* SPDX-License-Identifier: MIT */
-/* The report of a benchmark as JSON, from which all other forms are made. */
+/* The report of a benchmark as JSON; all other formats are made from it. */
 #include "base/clock.h"
 #include "base/cpu.h"
 #include "io/figures.h"
 #include "study/bench.h"
 
-/* A sentence for the reader of a report. Returns false when out of memory. */
+/* Takes the reference to `text`. Returns false when out of memory. */
 static bool add_note(json_t *notes, json_t *text)
 {
     return json_array_append_new(notes, text) == 0;
 }
 
-/* What a row's number of threads came to, where that is not what it asks for. */
+/* Notes if fewer threads used on a row than it asks for. */
 static bool note_threads(const struct pen_bench *bench, const struct pen_bench_result *result,
                          int row, json_t *notes)
 {
     int asked = bench->rows[row].settings.threads, pool = pen_thread_pool_size(bench->pool);
-    int worked = result->rows[row].stats.threads;
+    int used = result->rows[row].stats.threads;
     int granted = asked > 0 && asked < pool ? asked : pool;
     if (asked > pool && !add_note(notes, json_sprintf("row %d asks for %d threads; the pool has %d",
                                                       row, asked, pool)))
         return false;
-    return worked == granted ||
+    return used == granted ||
            add_note(notes, json_sprintf("of row %d no more than %d thread%s had tiles to work on",
-                                        row, worked, worked == 1 ? "" : "s"));
+                                        row, used, used == 1 ? "" : "s"));
 }
 
-/* Others' work makes times longer, ratios less so. */
+/* Notes if other processes kept the machine busy: that makes times longer, and ratios less so. */
 static bool note_load(const struct pen_bench_result *result, json_t *notes)
 {
     if (result->load_before <= 0.25 * pen_cpu_count())
@@ -48,12 +48,12 @@ static json_t *notes_json(const struct pen_bench *bench, const struct pen_bench_
     return NULL;
 }
 
-static json_t *laps_json(const struct pen_bench_outcome *row, int count)
+static json_t *runs_json(const struct pen_bench_row_result *row, int count)
 {
     json_t *list = json_array();
     for (int i = 0; i < count; i++) {
-        const struct pen_bench_lap *lap = &row->laps[i];
-        if (json_array_append_new(list, pen_figure(lap->build_ms + lap->render_ms)) != 0) {
+        const struct pen_bench_times *run = &row->runs[i];
+        if (json_array_append_new(list, pen_figure(run->build_ms + run->render_ms)) != 0) {
             json_decref(list);
             return NULL;
         }
@@ -61,15 +61,16 @@ static json_t *laps_json(const struct pen_bench_outcome *row, int count)
     return list;
 }
 
-static json_t *row_json(const struct pen_bench *bench, int row, const struct pen_bench_outcome *out)
+static json_t *row_json(const struct pen_bench *bench, int row,
+                        const struct pen_bench_row_result *out)
 {
     const struct pen_render_stats *s = &out->stats;
     json_t *times =
         json_pack("{s:i, s:O, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "row", row, "settings",
-                  bench->rows[row].chosen, "threads", s->threads, "median_ms",
+                  bench->rows[row].varied, "threads", s->threads, "median_ms",
                   pen_figure(out->median_ms), "min_ms", pen_figure(out->min_ms), "max_ms",
                   pen_figure(out->max_ms), "speedup", pen_figure(out->speedup), "runs_ms",
-                  laps_json(out, bench->repeats), "build_ms", pen_figure(out->build_ms),
+                  runs_json(out, bench->repeats), "build_ms", pen_figure(out->build_ms),
                   "render_ms", pen_figure(out->render_ms), "cpu_ms", pen_figure(out->cpu_ms));
     json_t *rest = json_pack(
         "{s:o, s:o, s:o, s:s, s:o, s:I, s:i, s:i, s:b, s:f, s:f}", "rays",
@@ -111,8 +112,8 @@ static json_t *load_json(double load)
     return load < 0 ? json_null() : pen_figure(load);
 }
 
-json_t *pen_bench_report(const struct pen_bench *bench, const struct pen_bench_result *result,
-                         json_t *head)
+json_t *pen_bench_report_new(const struct pen_bench *bench, const struct pen_bench_result *result,
+                             json_t *head)
 {
     json_t *rest = json_pack(
         "{s:i, s:i, s:i, s:o, s:o, s:o, s:i, s:{s:o, s:o}, s:o, s:o}", "repeats", bench->repeats,

@@ -1,29 +1,39 @@
 /* SPDX-License-Identifier: MIT */
-/* The bar chart of a benchmark: a bar for each row's median, a whisker from its least to its
- * largest time. Where the slowest row takes more than twenty times what the fastest takes, a bar of
- * the fastest could not be read any more, and the axis is logarithmic.
+/* The bar chart of a benchmark: a bar for each row's median, and a whisker from its least to its
+ * largest time. Where the slowest row takes more than twenty times as long as the fastest, whose
+ * bar would be too short to read, the axis is logarithmic.
  *
- * Colours come from the page's style sheet, by class. Units: pixels of the view box. */
+ * The page's style sheet sets the colours, by class. Units: pixels of the view box. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "study/internal/html.h"
-#include "study/internal/read.h"
+#include "study/internal/report_formats.h"
+#include "study/internal/report_values.h"
 
-enum { WIDTH = 960, ROW = 30, BAR = 16, TOP = 30, FIGURES = 190, CHAR = 8, LABEL_MAX = 340 };
+enum {
+    WIDTH = 960,
+    ROW = 30,
+    BAR = 16,
+    TOP = 30,
+    VALUES = 190, /* the two columns of text right of the bars: median and speed-up */
+    CHAR = 8,
+    LABEL_MAX = 340
+};
 
-static const double log_spread = 20;
+static const double logarithmic_above = 20; /* largest time / least time */
 
 struct chart {
     const json_t *report;
     size_t rows;
-    double left, right; /* of the axis */
-    double low, high;   /* what they stand for, ms */
+    double left, right; /* ends of the axis */
+    double low, high;   /* the times at these ends, ms */
     bool logarithmic;
 };
 
-static double place(const struct chart *chart, double ms)
+/* Where a time is on the axis; times beyond the axis are moved to its ends. */
+static double x_of(const struct chart *chart, double ms)
 {
     double share = chart->logarithmic ? log(ms / chart->low) / log(chart->high / chart->low)
                                       : ms / chart->high;
@@ -32,13 +42,13 @@ static double place(const struct chart *chart, double ms)
     return chart->left + (share < 1 ? share : 1) * (chart->right - chart->left);
 }
 
-/* The longest name decides how much room there is for names. */
+/* The width of the column of names, set by the longest. */
 static double label_width(const struct chart *chart)
 {
     size_t longest = 0;
     for (size_t i = 0; i < chart->rows; i++) {
         struct pen_buf name = {0};
-        pen_write_row_name(pen_study_row(chart->report, i), &name);
+        pen_bench_write_row_name(pen_bench_report_row(chart->report, i), &name);
         longest = name.bytes > longest ? name.bytes : longest;
         pen_buf_release(&name);
     }
@@ -50,18 +60,18 @@ static void find_scale(struct chart *chart)
 {
     double least = HUGE_VAL, most = 0;
     for (size_t i = 0; i < chart->rows; i++) {
-        const json_t *row = pen_study_row(chart->report, i);
-        least = fmin(least, pen_study_number(row, "min_ms"));
-        most = fmax(most, pen_study_number(row, "max_ms"));
+        const json_t *row = pen_bench_report_row(chart->report, i);
+        least = fmin(least, pen_bench_report_number(row, "min_ms"));
+        most = fmax(most, pen_bench_report_number(row, "max_ms"));
     }
-    chart->logarithmic = least > 0 && most > log_spread * least;
+    chart->logarithmic = least > 0 && most > logarithmic_above * least;
     chart->low = chart->logarithmic ? pow(10, floor(log10(least / 1.5))) : 0;
     chart->high = most > 0 ? most : 1;
 }
 
 static void write_tick(const struct chart *chart, double ms, double bottom, struct pen_buf *out)
 {
-    double x = place(chart, ms);
+    double x = x_of(chart, ms);
     pen_buf_printf(out,
                    "<path class=\"grid\" d=\"M%.1f %d V%.1f\"/><text class=\"tick\" x=\"%.1f\""
                    " y=\"%d\" text-anchor=\"middle\">",
@@ -73,7 +83,7 @@ static void write_tick(const struct chart *chart, double ms, double bottom, stru
     pen_buf_puts(out, "</text>");
 }
 
-/* A round step, so that there are at most six of them. */
+/* The distance between ticks: 1, 2 or 5 times a power of ten, so that at most six fit. */
 static double round_step(double high)
 {
     double least = high / 6, unit = pow(10, floor(log10(least)));
@@ -99,9 +109,9 @@ static void write_axis(const struct chart *chart, double bottom, struct pen_buf 
 static void write_name(const json_t *row, double y, struct pen_buf *out)
 {
     struct pen_buf name = {0};
-    pen_write_row_name(row, &name);
+    pen_bench_write_row_name(row, &name);
     pen_buf_printf(out, "<text class=\"name\" x=\"0\" y=\"%.1f\">", y);
-    pen_html_text(name.data ? (const char *)name.data : "", out);
+    pen_html_escape(name.data ? (const char *)name.data : "", out);
     pen_buf_puts(out, "</text>");
     out->failed |= name.failed;
     pen_buf_release(&name);
@@ -109,12 +119,12 @@ static void write_name(const json_t *row, double y, struct pen_buf *out)
 
 static void write_bar(const struct chart *chart, size_t number, struct pen_buf *out)
 {
-    const json_t *row = pen_study_row(chart->report, number);
-    bool base = (double)number == pen_study_number(chart->report, "baseline");
+    const json_t *row = pen_bench_report_row(chart->report, number);
+    bool base = (double)number == pen_bench_report_number(chart->report, "baseline");
     double middle = TOP + ((double)number + 0.5) * ROW, text = middle + 5;
-    double least = place(chart, pen_study_number(row, "min_ms"));
-    double most = place(chart, pen_study_number(row, "max_ms"));
-    double end = place(chart, pen_study_number(row, "median_ms"));
+    double least = x_of(chart, pen_bench_report_number(row, "min_ms"));
+    double most = x_of(chart, pen_bench_report_number(row, "max_ms"));
+    double end = x_of(chart, pen_bench_report_number(row, "median_ms"));
     write_name(row, text, out);
     pen_buf_printf(out,
                    "<rect class=\"%s\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%d\"/>"
@@ -124,14 +134,14 @@ static void write_bar(const struct chart *chart, size_t number, struct pen_buf *
                    most, middle - 4);
     pen_buf_printf(out, "<text class=\"figure\" x=\"%d\" y=\"%.1f\" text-anchor=\"end\">",
                    WIDTH - 80, text);
-    pen_write_figure(pen_study_number(row, "median_ms"), "\xE2\x80\xAF", out);
+    pen_bench_write_number(pen_bench_report_number(row, "median_ms"), "\xE2\x80\xAF", out);
     pen_buf_printf(out, " ms</text><text class=\"figure\" x=\"%d\" y=\"%.1f\" text-anchor=\"end\">",
                    (int)WIDTH, text);
-    pen_time_columns[2].write(row, out);
+    pen_bench_time_columns[2].write(row, out);
     pen_buf_puts(out, "</text>");
 }
 
-/* What the chart shows, for those who do not see it. */
+/* The chart in words, for readers who do not see it. */
 static void describe(const struct chart *chart, struct pen_buf *out)
 {
     pen_buf_printf(out,
@@ -139,27 +149,27 @@ static void describe(const struct chart *chart, struct pen_buf *out)
                    "<desc id=\"chart-desc\">",
                    chart->logarithmic ? "logarithmic" : "linear");
     for (size_t i = 0; i < chart->rows; i++) {
-        const json_t *row = pen_study_row(chart->report, i);
+        const json_t *row = pen_bench_report_row(chart->report, i);
         struct pen_buf name = {0};
-        pen_write_row_name(row, &name);
-        pen_html_text(name.data ? (const char *)name.data : "", out);
+        pen_bench_write_row_name(row, &name);
+        pen_html_escape(name.data ? (const char *)name.data : "", out);
         out->failed |= name.failed;
         pen_buf_release(&name);
         pen_buf_puts(out, ": ");
-        pen_write_figure(pen_study_number(row, "median_ms"), "", out);
+        pen_bench_write_number(pen_bench_report_number(row, "median_ms"), "", out);
         pen_buf_puts(out, " ms. ");
     }
     pen_buf_puts(out, "</desc>");
 }
 
-void pen_html_chart(const json_t *report, struct pen_buf *out)
+void pen_bench_chart_write(const json_t *report, struct pen_buf *out)
 {
-    struct chart chart = {.report = report, .rows = pen_study_row_count(report)};
+    struct chart chart = {.report = report, .rows = pen_bench_report_row_count(report)};
     double bottom = TOP + (double)chart.rows * ROW;
     if (chart.rows == 0)
         return;
     chart.left = label_width(&chart);
-    chart.right = WIDTH - FIGURES;
+    chart.right = WIDTH - VALUES;
     find_scale(&chart);
     pen_buf_printf(out,
                    "<svg viewBox=\"0 0 %d %.0f\" role=\"img\" aria-labelledby=\"chart-title"

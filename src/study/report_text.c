@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports as tables of text: for a terminal, aligned, and as Markdown. */
+/* Reports as plain text with aligned tables, for a terminal, and as Markdown. */
 #include <string.h>
 
-#include "study/internal/grid.h"
+#include "study/internal/report_formats.h"
+#include "study/internal/table.h"
 #include "study/report.h"
 
-/* Characters of a text in UTF-8. */
+/* The number of characters of a text in UTF-8. */
 static size_t width_of(const char *text)
 {
     size_t width = 0;
@@ -14,46 +15,46 @@ static size_t width_of(const char *text)
     return width;
 }
 
-static size_t column_width(const struct pen_grid *grid, size_t column)
+static size_t column_width(const struct pen_bench_table *table, size_t column)
 {
     size_t width = 0;
-    for (size_t row = 0; row < grid->rows; row++) {
-        size_t here = width_of(pen_grid_text(grid, row, column));
+    for (size_t row = 0; row < table->rows; row++) {
+        size_t here = width_of(pen_bench_table_cell(table, row, column));
         width = here > width ? here : width;
     }
     return width;
 }
 
-static void write_aligned(const struct pen_grid *grid, size_t row, size_t column,
+static void write_aligned(const struct pen_bench_table *table, size_t row, size_t column,
                           struct pen_buf *out)
 {
-    const char *text = pen_grid_text(grid, row, column);
-    int blank = (int)(column_width(grid, column) - width_of(text));
-    if (!grid->words[column])
+    const char *text = pen_bench_table_cell(table, row, column);
+    int blank = (int)(column_width(table, column) - width_of(text));
+    if (!table->words[column])
         pen_buf_printf(out, "%*s%s", blank, "", text);
-    else if (column + 1 < grid->columns)
+    else if (column + 1 < table->columns)
         pen_buf_printf(out, "%s%*s", text, blank, "");
     else
         pen_buf_puts(out, text);
 }
 
-static void write_text_table(const json_t *report, const struct pen_column *columns,
+static void write_text_table(const json_t *report, const struct pen_bench_column *columns,
                              struct pen_buf *out)
 {
-    struct pen_grid grid;
-    bool ok = pen_grid_make(report, columns, &grid);
-    for (size_t row = 0; ok && row < grid.rows; row++) {
-        for (size_t column = 0; column < grid.columns; column++) {
+    struct pen_bench_table table;
+    bool ok = pen_bench_table_init(report, columns, &table);
+    for (size_t row = 0; ok && row < table.rows; row++) {
+        for (size_t column = 0; column < table.columns; column++) {
             pen_buf_puts(out, column ? "  " : "");
-            write_aligned(&grid, row, column, out);
+            write_aligned(&table, row, column, out);
         }
         pen_buf_puts(out, "\n");
     }
-    pen_grid_release(&grid);
+    pen_bench_table_release(&table);
     out->failed |= !ok;
 }
 
-/* Text that cannot play with a terminal. */
+/* Text without control characters, which would act on a terminal. */
 static void write_plain(const char *text, struct pen_buf *out)
 {
     for (; *text; text++) {
@@ -62,16 +63,16 @@ static void write_plain(const char *text, struct pen_buf *out)
     }
 }
 
-void pen_study_plain(const json_t *report, struct pen_buf *out)
+void pen_bench_report_write_text(const json_t *report, struct pen_buf *out)
 {
     size_t i;
     json_t *note;
-    write_text_table(report, pen_time_columns, out);
+    write_text_table(report, pen_bench_time_columns, out);
     pen_buf_puts(out, "\n");
-    pen_write_method(report, out);
+    pen_bench_write_method(report, out);
     pen_buf_puts(out, "\n");
     struct pen_buf host = {0};
-    pen_write_host(report, &host);
+    pen_bench_write_host(report, &host);
     write_plain(host.data ? (const char *)host.data : "", out);
     out->failed |= host.failed;
     pen_buf_release(&host);
@@ -84,7 +85,7 @@ void pen_study_plain(const json_t *report, struct pen_buf *out)
     }
 }
 
-/* Text as it is: what Markdown or the HTML in it would read as something else is escaped. */
+/* Text with the characters escaped that Markdown, or HTML in it, would read as markup. */
 static void write_escaped(const char *text, struct pen_buf *out)
 {
     for (; *text; text++) {
@@ -99,33 +100,33 @@ static void write_escaped(const char *text, struct pen_buf *out)
     }
 }
 
-static void write_markdown_row(const struct pen_grid *grid, size_t row, struct pen_buf *out)
+static void write_markdown_row(const struct pen_bench_table *table, size_t row, struct pen_buf *out)
 {
-    for (size_t column = 0; column < grid->columns; column++) {
+    for (size_t column = 0; column < table->columns; column++) {
         pen_buf_puts(out, "| ");
-        write_escaped(pen_grid_text(grid, row, column), out);
+        write_escaped(pen_bench_table_cell(table, row, column), out);
         pen_buf_puts(out, " ");
     }
     pen_buf_puts(out, "|\n");
 }
 
-static void write_markdown_table(const json_t *report, const struct pen_column *columns,
+static void write_markdown_table(const json_t *report, const struct pen_bench_column *columns,
                                  struct pen_buf *out)
 {
-    struct pen_grid grid;
-    bool ok = pen_grid_make(report, columns, &grid);
-    for (size_t row = 0; ok && row < grid.rows; row++) {
-        write_markdown_row(&grid, row, out);
-        for (size_t column = 0; row == 0 && column < grid.columns; column++)
-            pen_buf_puts(out, grid.words[column] ? "|:---" : "|---:");
+    struct pen_bench_table table;
+    bool ok = pen_bench_table_init(report, columns, &table);
+    for (size_t row = 0; ok && row < table.rows; row++) {
+        write_markdown_row(&table, row, out);
+        for (size_t column = 0; row == 0 && column < table.columns; column++)
+            pen_buf_puts(out, table.words[column] ? "|:---" : "|---:");
         if (row == 0)
             pen_buf_puts(out, "|\n");
     }
-    pen_grid_release(&grid);
+    pen_bench_table_release(&table);
     out->failed |= !ok;
 }
 
-/* A paragraph of what `write` says. */
+/* A paragraph with the text that `write` appends. */
 static void write_paragraph(const json_t *report,
                             void (*write)(const json_t *report, struct pen_buf *out),
                             struct pen_buf *out)
@@ -139,19 +140,19 @@ static void write_paragraph(const json_t *report,
     pen_buf_release(&text);
 }
 
-void pen_study_markdown(const json_t *report, struct pen_buf *out)
+void pen_bench_report_write_markdown(const json_t *report, struct pen_buf *out)
 {
     size_t i;
     json_t *note;
     pen_buf_puts(out, "# Benchmark: ");
-    write_escaped(pen_study_text(report, "scene"), out);
+    write_escaped(pen_bench_report_string(report, "scene"), out);
     pen_buf_puts(out, "\n");
-    write_paragraph(report, pen_write_method, out);
+    write_paragraph(report, pen_bench_write_method, out);
     pen_buf_puts(out, "\n");
-    write_markdown_table(report, pen_time_columns, out);
+    write_markdown_table(report, pen_bench_time_columns, out);
     pen_buf_puts(out, "\n");
-    write_markdown_table(report, pen_ray_columns, out);
-    write_paragraph(report, pen_write_host, out);
+    write_markdown_table(report, pen_bench_ray_columns, out);
+    write_paragraph(report, pen_bench_write_host, out);
     json_array_foreach(json_object_get(report, "notes"), i, note)
     {
         pen_buf_puts(out, i ? "- " : "\n- ");

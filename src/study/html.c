@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+#include "study/internal/html.h"
+
+void pen_html_escape(const char *text, struct pen_buf *out)
+{
+    for (; *text; text++) {
+        switch (*text) {
+        case '<':
+            pen_buf_puts(out, "&lt;");
+            break;
+        case '>':
+            pen_buf_puts(out, "&gt;");
+            break;
+        case '&':
+            pen_buf_puts(out, "&amp;");
+            break;
+        case '"':
+            pen_buf_puts(out, "&quot;");
+            break;
+        case '\'':
+            pen_buf_puts(out, "&#39;");
+            break;
+        default:
+            pen_buf_add(out, text, 1);
+        }
+    }
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/* The rows of a report as a table of text, which Markdown, HTML and plain text then lay out. */
+#ifndef PEN_STUDY_INTERNAL_TABLE_H
+#define PEN_STUDY_INTERNAL_TABLE_H
+
+#include "study/internal/report_values.h"
+
+struct pen_bench_table {
+    size_t rows, columns; /* row 0 has the titles */
+    struct pen_buf *cell; /* cell[row * columns + column], neither escaped nor aligned */
+    bool *words;          /* by column: it holds words, so it is aligned left; numbers right */
+};
+
+/* Makes the table of a report: the row's number, its settings, and the given columns.
+ * Returns false when out of memory. Owns: release it in any case. */
+bool pen_bench_table_init(const json_t *report, const struct pen_bench_column *columns,
+                          struct pen_bench_table *table);
+void pen_bench_table_release(struct pen_bench_table *table);
+
+/* The text of a cell. */
+const char *pen_bench_table_cell(const struct pen_bench_table *table, size_t row, size_t column);
+
+#endif

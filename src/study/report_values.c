@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: MIT */
+#include "study/internal/report_values.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const json_t *pen_bench_report_member(const json_t *object, const char *path)
+{
+    while (object && *path) {
+        size_t length = strcspn(path, ".");
+        object = json_object_getn(object, path, length);
+        path += length + (path[length] == '.');
+    }
+    return object;
+}
+
+double pen_bench_report_number(const json_t *object, const char *path)
+{
+    return json_number_value(pen_bench_report_member(object, path));
+}
+
+/* -1 if the member is no number from 0 to INT_MAX. */
+static int whole_number(const json_t *object, const char *path)
+{
+    double number = pen_bench_report_number(object, path);
+    return number >= 0 && number <= INT_MAX ? (int)number : -1;
+}
+
+static bool is_number(const json_t *object, const char *path)
+{
+    return json_is_number(pen_bench_report_member(object, path));
+}
+
+const char *pen_bench_report_string(const json_t *object, const char *path)
+{
+    const char *text = json_string_value(pen_bench_report_member(object, path));
+    return text ? text : "";
+}
+
+size_t pen_bench_report_row_count(const json_t *report)
+{
+    return json_array_size(json_object_get(report, "rows"));
+}
+
+const json_t *pen_bench_report_row(const json_t *report, size_t row)
+{
+    return json_array_get(json_object_get(report, "rows"), row);
+}
+
+void pen_bench_write_value(const json_t *value, struct pen_buf *out)
+{
+    if (json_is_string(value)) {
+        pen_buf_puts(out, json_string_value(value));
+        return;
+    }
+    char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT | JSON_REAL_PRECISION(15));
+    pen_buf_puts(out, text ? text : "");
+    free(text);
+}
+
+/* Digits with a separator between groups of three, counted from the end. Four digits stay together.
+ */
+static void write_grouped(const char *digits, const char *separator, struct pen_buf *out)
+{
+    size_t length = strlen(digits);
+    for (size_t i = 0; i < length; i++) {
+        if (i > 0 && (length - i) % 3 == 0 && length > 4)
+            pen_buf_puts(out, separator);
+        pen_buf_add(out, &digits[i], 1);
+    }
+}
+
+void pen_bench_write_number(double value, const char *separator, struct pen_buf *out)
+{
+    char text[64];
+    int digits = value == 0 ? 0 : value < 1 ? 3 : value < 10 ? 2 : value < 100 ? 1 : 0;
+    snprintf(text, sizeof text, "%.*f", digits, value);
+    if (digits > 0 || !(value < 1e15))
+        pen_buf_puts(out, text);
+    else
+        write_grouped(text, separator, out);
+}
+
+void pen_bench_write_threads(const json_t *row, struct pen_buf *out)
+{
+    const json_t *setting = pen_bench_report_member(row, "settings.threads");
+    int used = whole_number(row, "threads"), requested = whole_number(row, "settings.threads");
+    if (!setting || requested == used)
+        pen_buf_printf(out, "%d", used);
+    else if (requested == 0)
+        pen_buf_printf(out, "all %d", used);
+    else
+        pen_buf_printf(out, "%d of %d", used, requested);
+}
+
+void pen_bench_write_row_name(const json_t *row, struct pen_buf *out)
+{
+    const char *key, *separator = "";
+    json_t *value;
+    size_t before = out->bytes;
+    json_object_foreach((json_t *)(uintptr_t)json_object_get(row, "settings"), key, value)
+    {
+        pen_buf_puts(out, separator);
+        separator = ", ";
+        if (strcmp(key, "threads") == 0) {
+            pen_bench_write_threads(row, out);
+            pen_buf_puts(out,
+                         pen_bench_report_number(row, "threads") == 1 ? " thread" : " threads");
+            continue;
+        }
+        if (!json_is_string(value))
+            pen_buf_printf(out, "%s ", key);
+        pen_bench_write_value(value, out);
+    }
+    if (out->bytes == before)
+        pen_buf_puts(out, "the scene's settings");
+}
+
+void pen_bench_write_picture(const json_t *row, struct pen_buf *out)
+{
+    int with = whole_number(row, "compared_with");
+    if (with == whole_number(row, "row"))
+        pen_buf_puts(out, "reference");
+    else if (json_is_true(pen_bench_report_member(row, "identical")))
+        pen_buf_printf(out, "identical to row %d", with);
+    else
+        pen_buf_printf(out, "max %.3g, rmse %.3g from row %d",
+                       pen_bench_report_number(row, "max_difference"),
+                       pen_bench_report_number(row, "rmse"), with);
+}
+
+void pen_bench_write_method(const json_t *report, struct pen_buf *out)
+{
+    int repeats = whole_number(report, "repeats");
+    int warmup = whole_number(report, "warmup");
+    pen_buf_printf(out,
+                   "Milliseconds to build the tree and render%s, median of %d interleaved run%s of "
+                   "each row (least and largest beside it)",
+                   json_array_size(json_object_get(report, "views")) > 1 ? " all views" : "",
+                   repeats, repeats == 1 ? "" : "s");
+    if (warmup > 0)
+        pen_buf_printf(out, ", after %d that %s not counted", warmup, warmup == 1 ? "is" : "are");
+    pen_buf_puts(out, ".");
+}
+
+void pen_bench_write_host(const json_t *report, struct pen_buf *out)
+{
+    pen_buf_printf(out, "%s, %s, %d cores, %d threads in the pool, Penumbra %s",
+                   pen_bench_report_string(report, "host.cpu"),
+                   pen_bench_report_string(report, "host.isa"), whole_number(report, "host.cores"),
+                   whole_number(report, "pool_threads"),
+                   pen_bench_report_string(report, "host.version"));
+    if (is_number(report, "load_average.before"))
+        pen_buf_printf(out, "; load average %.2f before",
+                       pen_bench_report_number(report, "load_average.before"));
+    if (is_number(report, "load_average.after"))
+        pen_buf_printf(out, ", %.2f after", pen_bench_report_number(report, "load_average.after"));
+}
+
+static const char separator[] = " ";
+
+static void write_figure(const json_t *row, const char *path, struct pen_buf *out)
+{
+    if (is_number(row, path))
+        pen_bench_write_number(pen_bench_report_number(row, path), separator, out);
+}
+
+static void write_median(const json_t *row, struct pen_buf *out)
+{
+    write_figure(row, "median_ms", out);
+}
+
+static void write_range(const json_t *row, struct pen_buf *out)
+{
+    write_figure(row, "min_ms", out);
+    pen_buf_puts(out, "\xE2\x80\x93");
+    write_figure(row, "max_ms", out);
+}
+
+static void write_speedup(const json_t *row, struct pen_buf *out)
+{
+    double times = pen_bench_report_number(row, "speedup");
+    pen_buf_printf(out, "%.*f\xC3\x97", times < 0.1 ? 3 : times < 100 ? 2 : 0, times);
+}
+
+static void write_rate(const json_t *row, struct pen_buf *out)
+{
+    write_figure(row, "mrays_per_second", out);
+}
+
+static void write_boxes(const json_t *row, struct pen_buf *out)
+{
+    write_figure(row, "accelerator.box_tests_per_ray", out);
+}
+
+static void write_primitives(const json_t *row, struct pen_buf *out)
+{
+    write_figure(row, "accelerator.primitive_tests_per_ray", out);
+}
+
+static void write_cpu(const json_t *row, struct pen_buf *out)
+{
+    write_figure(row, "cpu_ms", out);
+}
+
+static void write_build(const json_t *row, struct pen_buf *out)
+{
+    write_figure(row, "build_ms", out);
+}
+
+const struct pen_bench_column pen_bench_time_columns[] = {{"median ms", write_median},
+                                                          {"range", write_range},
+                                                          {"speed-up", write_speedup},
+                                                          {"Mray/s", write_rate},
+                                                          {"boxes/ray", write_boxes},
+                                                          {"primitives/ray", write_primitives},
+                                                          {"build ms", write_build},
+                                                          {"cpu ms", write_cpu},
+                                                          {"picture", pen_bench_write_picture},
+                                                          {0}};
+
+static void write_count(const json_t *row, const char *path, struct pen_buf *out)
+{
+    char text[32];
+    if (!is_number(row, path))
+        return;
+    snprintf(text, sizeof text, "%.0f", pen_bench_report_number(row, path));
+    write_grouped(text, separator, out);
+}
+
+static void write_primary(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "rays.primary", out);
+}
+
+static void write_shadow(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "rays.shadow", out);
+}
+
+static void write_reflection(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "rays.reflection", out);
+}
+
+static void write_transmission(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "rays.transmission", out);
+}
+
+static void write_total(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "rays.total", out);
+}
+
+static void write_nodes(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "accelerator.nodes", out);
+}
+
+static void write_leaves(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "accelerator.leaves", out);
+}
+
+static void write_depth(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "accelerator.depth", out);
+}
+
+static void write_bytes(const json_t *row, struct pen_buf *out)
+{
+    write_count(row, "accelerator.bytes", out);
+}
+
+const struct pen_bench_column pen_bench_ray_columns[] = {
+    {"primary rays", write_primary},  {"shadow", write_shadow},
+    {"reflection", write_reflection}, {"transmission", write_transmission},
+    {"all rays", write_total},        {"nodes", write_nodes},
+    {"leaves", write_leaves},         {"depth", write_depth},
+    {"tree bytes", write_bytes},      {0}};
