@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Checks the house rules: layers, headers that compile alone, format, exported symbols, no libm in
-# the renderer, no absolute epsilon where crossings are decided. Prints every offence; exit 1 if any.
+# Checks the project's rules: layers, headers that compile alone, format, exported symbols, no libm in
+# the renderer, no absolute epsilon where intersections are decided, references to files that exist.
+# Prints every offence; exit 1 if there is any.
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."
@@ -114,7 +115,7 @@ git ls-files 'src/*.c' 'src/*.h' | grep -v '^src/cmd/' |
 sed -i 's/^/exit, abort or printing outside src\/cmd: /' "$work/out"
 count "$work/out"
 
-# 6. Nothing in the top level but what belongs there.
+# 6. The top level holds only what belongs there.
 git ls-files | cut -d/ -f1 | sort -u |
     grep -vxE 'Makefile|README\.md|LICENSE|src|include|api|scenes|tests|deploy|\..*' >"$work/out" || :
 sed -i 's/$/: does not belong in the top level/' "$work/out"
@@ -125,7 +126,7 @@ git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' '*.sh' | xargs -r grep -L
 sed -i 's/$/: no SPDX line/' "$work/out"
 count "$work/out"
 
-# 8. No absolute epsilon where crossings are decided: no literal between 1e-3 and 1e-15 there, but for
+# 8. No absolute epsilon where intersections are decided: no literal between 1e-3 and 1e-15 there, except
 # powers of two that scale something (0x1p-22 in 1 + 0x1p-22, 0x1p-40 * size, mul_pd(splat4(0x1p-40), x)).
 git ls-files 'src/geom/*.[ch]' 'src/accel/*.[ch]' 'src/shade/*.[ch]' >"$work/files"
 awk '
@@ -155,6 +156,84 @@ FNR == 1 { comment = 0 }
             print FILENAME ":" FNR ": absolute epsilon? " number
     }
 }' $(cat "$work/files") >"$work/out"
+count "$work/out"
+
+# 9. A file that a comment or a page names is there: by its path from the top level, from src/, from
+# tests/ or from the file that names it, or by its name alone, if a file somewhere has that name.
+git ls-files >"$work/all"
+git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' '*.md' '*.sh' '*.py' api/openapi.yaml Makefile .ci/run src/LAYERS >"$work/files"
+awk '
+FILENAME == all {
+    there[$0] = 1
+    n = split($0, part, "/")
+    named[part[n]] = 1
+    next
+}
+FNR == 1 {
+    comment = 0
+    code = FILENAME ~ /\.[ch]$/
+    page = FILENAME ~ /\.md$/
+    folder = FILENAME
+    if (!sub(/\/[^\/]*$/, "", folder)) folder = "."
+}
+function normal(path) { # a/../b is b
+    gsub(/(^|\/)\.\//, "/", path)
+    while (sub(/[^\/]+\/\.\.\//, "", path)) ;
+    sub(/^\//, "", path)
+    return path
+}
+function offence(name) {
+    if (name ~ /^(build|usr|etc|proc|var|lib|sys|tmp)\// || name ~ /(ROOM|FOLDER|NAME|BUILD)/) return
+    if (name ~ /^[^\/]*\.(json|yaml|txt|xml|in)$/) return # made by an example
+    if (name in there || ("src/" name) in there || ("tests/" name) in there) return
+    if (normal(folder "/" name) in there || (name !~ /\// && (name in named || name in other))) return
+    print FILENAME ":" FNR ": no such file: " name
+}
+{
+    text = $0
+    if (code) { # comments alone
+        text = ""
+        for (rest = $0; rest != "";) {
+            if (comment) {
+                end = index(rest, "*/")
+                text = text " " (end ? substr(rest, 1, end - 1) : rest)
+                rest = end ? substr(rest, end + 2) : ""
+                comment = !end
+            } else {
+                start = index(rest, "/*")
+                rest = start ? substr(rest, start + 2) : ""
+                comment = start > 0
+            }
+        }
+    } else if (!page) { # scripts, make, YAML: from # on
+        start = match($0, /(^|[ \t])#/)
+        text = start ? substr($0, start) : FILENAME ~ /yaml$/ ? $0 : ""
+    }
+    gsub(/https?:[^ )>]*/, " ", text)
+    if (page) gsub(/\]\([^)]*\)/, " ", text) # links are judged below
+    gsub(/[A-Za-z0-9_.*{}<>$-]*[*{}<>$][A-Za-z0-9_.\/*{}<>$-]*/, " ", text) # patterns and variables
+    while (match(text, /[A-Za-z0-9_][A-Za-z0-9_.\/-]*\.(c|h|md|sh|py|json|yaml|txt|xml|in)($|[^A-Za-z0-9_\/-])/)) {
+        name = substr(text, RSTART, RLENGTH)
+        before = RSTART > 1 ? substr(text, RSTART - 1, 1) : ""
+        text = substr(text, RSTART + RLENGTH)
+        sub(/[^A-Za-z0-9_]+$/, "", name)
+        if (before !~ /[\/.…-]/) offence(name)
+    }
+    if (page) {
+        for (text = $0; match(text, /\]\([^)#]+/); text = substr(text, RSTART + RLENGTH)) {
+            name = substr(text, RSTART + 2, RLENGTH - 2)
+            path = normal(folder "/" name)
+            sub(/\/$/, "", path)
+            if (name !~ /^https?:/ && !(path in there) && system("test -d " path) != 0)
+                print FILENAME ":" FNR ": no such file: " name
+        }
+    }
+}
+BEGIN {
+    all = ARGV[1]
+    split("png.h math.h sqlite3.h jansson.h microhttpd.h expat.h zstd.h sodium.h pthread.h sysexits.h report.md table.md", list, " ")
+    for (i in list) other[list[i]] = 1
+}' "$work/all" $(cat "$work/files") >"$work/out"
 count "$work/out"
 
 if [ "$fails" -gt 0 ]; then

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* How fast rays find what they meet: millions of rays per second and thread, by scene, kind of ray
  * and compiled variant. Prints one line per scene and variant; figures of different runs compare
- * only as ratios, see performance.md.
+ * only as ratios.
  *
  * usage: bench_accel [all|room|bumpy|soup] [rays] [base|avx2] [accelerator] */
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Times the methods of price_body.h, and the traversal's own lists of four primitives at a time. */
+/* Times the methods of price_kernel.h, and the traversal's own lists of four primitives at a time.
+ */
 #include "property/price.h"
 
 #include <stdio.h>

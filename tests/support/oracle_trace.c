@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The oracle's optics: shading-model.md read aloud, in long double, by trying every primitive. */
+/* The oracle's optics: the shading model as src/shade/README.md states it, in long double, trying
+ * every primitive on every ray. */
 #include "support/oracle.h"
 #include "support/oracle_parts.h"
 

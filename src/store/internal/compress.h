@@ -29,8 +29,9 @@ bool pen_compress(struct pen_compressor *packer, const void *data, size_t bytes,
 bool pen_decompress(struct pen_compressor *packer, const void *data, size_t bytes,
                     struct pen_bytes *out, struct pen_status *st);
 
-/* sum.c: of bytes that carry none of their own. Tells damage, not malice: any change within eight
- * bytes, and of the length, and others but for one in 2^64. Cost: as reading them. */
+/* The sum of bytes that carry none of their own (checksum.c). It finds damage, not malice: every
+ * change within eight bytes and of the length, and other changes except one in 2^64. Cost: that of
+ * reading the bytes. */
 int64_t pen_checksum(const void *data, size_t bytes);
 
 /* pixels.c: what has been added, as it is stored. Valid until more is added. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Whether a store is whole. SQLite's own check reads every page of every table and index, and that
  * each index has what its table has. It knows nothing of a log that was overwritten, which it
- * would silently take for an empty one: sqlite_wal.c looks at that first. */
+ * would silently take for an empty one: wal.c looks at that first. */
 #include <stdio.h>
 #include <string.h>
 

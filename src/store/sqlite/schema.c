@@ -122,7 +122,7 @@ static const char step_3[] =
     " WHERE batch.id = past.id;"
     "CREATE INDEX batch_by_revision ON batch(job, revision) WHERE revision IS NOT NULL;";
 
-/* Who works, see sqlite_workers.c. */
+/* Who works, see workers.c. */
 static const char step_4[] = "CREATE TABLE worker ("
                              " name TEXT PRIMARY KEY,"
                              " threads INTEGER NOT NULL,"
