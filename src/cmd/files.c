@@ -61,7 +61,7 @@ static bool fail_builtin(const char *name, struct pen_status *st)
     return pen_fail(st, PEN_NOT_FOUND, "no built-in scene \"%s\", see penumbra scenes", name);
 }
 
-static bool ends_in(const char *name, const char *ending)
+bool pen_name_ends_in(const char *name, const char *ending)
 {
     size_t length = strlen(name), tail = strlen(ending);
     return length > tail && strcmp(name + length - tail, ending) == 0;
@@ -71,7 +71,6 @@ static bool read_builtin(struct pen_source *source, const char *name, struct pen
 {
     size_t bytes;
     const char *text = pen_builtin_find(name, &bytes);
-    source->builtin = true;
     if (!text)
         return fail_builtin(name, st);
     if (!pen_buf_add(&source->text, text, bytes))
@@ -79,11 +78,12 @@ static bool read_builtin(struct pen_source *source, const char *name, struct pen
     return true;
 }
 
-/* A name's ending says what a document is written in; without one it shows. */
+/* Decides by the name's ending; without one that is known, by the text. */
 static bool is_xml(const char *name, const struct pen_buf *text)
 {
-    return ends_in(name, ".xml") ||
-           (!ends_in(name, ".json") && pen_text_is_xml((const char *)text->data, text->bytes));
+    return pen_name_ends_in(name, ".xml") ||
+           (!pen_name_ends_in(name, ".json") &&
+            pen_text_is_xml((const char *)text->data, text->bytes));
 }
 
 bool pen_source_read(struct pen_source *source, const char *name, size_t max_bytes,
@@ -112,6 +112,26 @@ bool pen_source_scene(const struct pen_source *source, const struct pen_limits *
     return pen_document_load(text, source->text.bytes, source->xml, limits, arena, desc, errors);
 }
 
+json_t *pen_source_json(const struct pen_source *source, const struct pen_limits *limits,
+                        struct pen_errors *errors)
+{
+    struct pen_document document = {0};
+    struct pen_scene_desc desc;
+    struct pen_status st;
+    struct pen_arena *arena = pen_arena_new(0);
+    const char *text = source->text.data ? (const char *)source->text.data : "";
+    bool parsed = arena != NULL || pen_fail(&st, PEN_NO_MEMORY, "out of memory");
+    parsed =
+        parsed && pen_document_parse(text, source->text.bytes, source->xml, limits, &document, &st);
+    if (!parsed)
+        pen_errors_add(errors, &st);
+    bool ok = parsed && pen_document_read(&document, limits, arena, &desc, errors);
+    json_t *json = ok ? json_incref(document.json) : NULL;
+    pen_document_release(&document);
+    pen_arena_free(arena);
+    return json;
+}
+
 void pen_source_locate(const struct pen_source *source, struct pen_status *st)
 {
     struct pen_limits limits = pen_limits_default();
@@ -138,7 +158,7 @@ static bool write_all(int fd, const char *data, size_t bytes)
     return true;
 }
 
-/* Writes to something that cannot be replaced: a pipe, a terminal, a device. */
+/* Writes to a file that cannot be replaced: a pipe, a terminal, a device. */
 static bool write_directly(const char *path, const void *data, size_t bytes, struct pen_status *st)
 {
     int fd = open(path, O_WRONLY | O_CLOEXEC);
@@ -152,8 +172,8 @@ static bool write_directly(const char *path, const void *data, size_t bytes, str
     return ok;
 }
 
-/* The rename is on disk only when the folder is. Some file systems cannot flush a folder; that
- * is no failure of the write. */
+/* Flushes the folder of `path`, which puts the rename on disk. Errors are ignored: some file
+ * systems cannot flush a folder. */
 static void flush_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -166,7 +186,7 @@ static void flush_folder(const char *path)
     free(folder);
 }
 
-/* A new file beside `path` with the mode it will have. */
+/* Creates a new file with that mode; `name` ends in XXXXXX, which is replaced. */
 static int create_beside(char *name, mode_t mode)
 {
     int fd = mkostemp(name, O_CLOEXEC);
@@ -244,7 +264,7 @@ bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen
             return fail_folder(path, st);
         if (!S_ISREG(info.st_mode))
             return write_directly(path, data, bytes, st);
-        char *target = realpath(path, NULL); /* what a link leads to is replaced, not the link */
+        char *target = realpath(path, NULL); /* replaces the target of a link, not the link */
         bool ok = replace(target ? target : path, info.st_mode & 07777, data, bytes, st);
         free(target);
         return ok;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Bytes in and out of the command line: a document comes from a file, standard input or the
- * built-in scenes; a result is written beside its place and renamed, so that a reader finds the
- * old file or the whole new one and nothing else. */
+/* Reading documents and writing results. A document comes from a file, standard input or the
+ * built-in scenes. A result is written to a new file in the same folder, which is then renamed: a
+ * reader finds either the old file or the whole new one. */
 #ifndef PEN_CMD_FILES_H
 #define PEN_CMD_FILES_H
 
@@ -12,38 +12,52 @@
 #include "base/status.h"
 #include "io/document.h"
 
-/* A document and what to call it in messages. */
+/* A document and its name in messages. */
 struct pen_source {
     struct pen_buf text;
     const char *label; /* the file's path, "standard input", "builtin:NAME" */
-    bool builtin;
-    bool xml; /* by its ending, .xml or .json, or else because the text begins with < */
+    /* The name ends in .xml; or in neither .xml nor .json, and the text begins as XML does. */
+    bool xml;
 };
 
-/* Reads `name`: a path, `-`, or `builtin:NAME`; at most max_bytes. Owns: release it.
+/* Reads `name`: a path, `-`, or `builtin:NAME`; at most max_bytes (0: any size). Owns: release
+ * *source in any case.
  * Fails: PEN_NOT_FOUND (with the nearest built-in name), PEN_TOO_LARGE, PEN_IO, PEN_NO_MEMORY. */
 bool pen_source_read(struct pen_source *source, const char *name, size_t max_bytes,
                      struct pen_status *st);
-/* The scene of a bare document, in JSON or XML. Errors as pen_scene_load. */
+
+/* The description of a bare scene (not a job) in JSON or XML. Errors as pen_scene_load. */
 bool pen_source_scene(const struct pen_source *source, const struct pen_limits *limits,
                       struct pen_arena *arena, struct pen_scene_desc *desc,
                       struct pen_errors *errors);
 
-/* A place in the document that XML was made into becomes one in the XML. */
+/* A bare scene as JSON, after checking all of it. Owns: the caller json_decref()s. Fails: returns
+ * NULL with errors->count > 0. */
+json_t *pen_source_json(const struct pen_source *source, const struct pen_limits *limits,
+                        struct pen_errors *errors);
+
+/* If the document is XML, replaces the JSON Pointer of *st by the line and column it stands for. */
 void pen_source_locate(const struct pen_source *source, struct pen_status *st);
 
 void pen_source_release(struct pen_source *source);
 
-/* Reads a whole file of at most max_bytes (0: any size). Errors as pen_source_read. */
+/* Whether a name ends in `ending`, such as ".xml", after at least one other character. */
+bool pen_name_ends_in(const char *name, const char *ending);
+
+/* Reads a whole file of at most max_bytes (0: any size). Fails: PEN_NOT_FOUND, PEN_TOO_LARGE,
+ * PEN_IO, PEN_NO_MEMORY. */
 bool pen_file_read(const char *path, size_t max_bytes, struct pen_buf *out, struct pen_status *st);
 
-/* Writes a file whole: a new file in the same folder, flushed to disk, then renamed over the old
- * one, then the folder flushed. An existing file's mode is kept. `-` is standard output; a path
- * that is no regular file (a pipe, /dev/null) is written to directly. Fails: PEN_IO. */
+/* Replaces a file as a whole:
+ *  1. writes a new file in the same folder and flushes it to disk;
+ *  2. renames it over the old one, whose mode it has;
+ *  3. flushes the folder.
+ * `-` is standard output. A path that is not a regular file (a pipe, /dev/null) is written to
+ * directly. Fails: PEN_IO, PEN_NO_MEMORY. */
 bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen_status *st);
 
-/* Tells before long work whether pen_file_write could create its file: by creating one in the same
- * folder and removing it again. Fails: PEN_IO, with the message that writing would give. */
+/* Checks before long work that pen_file_write can create its file: creates one in the same folder
+ * and removes it again. Fails: PEN_IO, with the message that pen_file_write would give. */
 bool pen_file_check(const char *path, struct pen_status *st);
 
 #endif

@@ -1,14 +1,31 @@
 /* SPDX-License-Identifier: MIT */
-/* Render settings as JSON: the counterpart of pen_settings_read (io/scene_json.h). */
+/* Render settings as JSON: written whole, and read one at a time. pen_settings_read
+ * (io/scene_json.h) reads a whole `render` object. */
 #ifndef PEN_IO_SETTINGS_JSON_H
 #define PEN_IO_SETTINGS_JSON_H
 
 #include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
 
+#include "base/status.h"
 #include "scene/settings.h"
 
 /* All settings as a `render` object that pen_settings_read reads back to the same values.
  * Owns: the caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_settings_json(const struct pen_settings *settings);
+
+/* Whether a render setting has this name. */
+bool pen_settings_has(const char *key);
+
+/* Applies one member of a `render` object on top of *settings, which an error leaves as they were.
+ * `at` is the place of that object. Fails: returns false with errors->count > 0. */
+bool pen_settings_read_member(const char *key, const json_t *value, const char *at,
+                              struct pen_settings *settings, struct pen_errors *errors);
+
+/* The value of a setting as a command line writes it: JSON if the text is JSON, otherwise the text
+ * itself as a string, so that `accelerator=none` needs no quotes. Owns: the caller json_decref()s.
+ * Fails: PEN_USAGE for text that is not UTF-8, PEN_NO_MEMORY. */
+json_t *pen_settings_parse_value(const char *text, size_t bytes, struct pen_status *st);
 
 #endif

@@ -15,33 +15,20 @@ enum { UP_BYTES = PEN_AT_BYTES };
 
 static const char matrix_at[] = "/matrix";
 
-/* Whether an error of that reader is about a key and not about its value. */
-static bool is_about_key(const struct pen_status *error)
-{
-    return strncmp(error->msg, "unknown key", strlen("unknown key")) == 0;
-}
-
-/* Reads one setting, entry i of its list, into *settings. Returns false after an error, with *known
- * false if there is no such setting. */
+/* Reads entry i of the list of the setting `key` into *settings. The place of an error is the
+ * entry, or the list if there is no such setting. */
 static bool read_value(const char *key, const json_t *value, size_t i,
-                       struct pen_settings *settings, bool *known, struct pen_errors *errors)
+                       struct pen_settings *settings, struct pen_errors *errors)
 {
     struct pen_errors found = {0};
-    json_t *render = json_object();
-    if (json_object_set(render, key, (json_t *)(uintptr_t)value) != 0) {
-        pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory to read a matrix");
-        json_decref(render);
-        return false;
-    }
-    bool ok = pen_settings_read(render, matrix_at, settings, &found);
-    json_decref(render);
+    bool known = pen_settings_has(key);
+    bool ok = pen_settings_read_member(key, value, matrix_at, settings, &found);
     for (size_t e = 0; e < found.count; e++) {
         struct pen_status *error = &found.item[e];
         char up[UP_BYTES], place[24];
-        *known = !is_about_key(error);
         snprintf(up, sizeof up, "%s", error->at);
         snprintf(place, sizeof place, "%zu", i);
-        pen_request_fail(errors, error->code, up, *known ? place : NULL, "%s", error->msg);
+        pen_request_fail(errors, error->code, up, known ? place : NULL, "%s", error->msg);
     }
     return ok;
 }
@@ -49,7 +36,7 @@ static bool read_value(const char *key, const json_t *value, size_t i,
 static bool check_list(const char *key, const json_t *list, struct pen_errors *errors)
 {
     struct pen_settings scratch = pen_settings_default();
-    bool ok = true, known = true;
+    bool ok = true;
     size_t i;
     json_t *value;
     if (!json_is_array(list) || json_array_size(list) == 0) {
@@ -60,8 +47,8 @@ static bool check_list(const char *key, const json_t *list, struct pen_errors *e
     }
     json_array_foreach(list, i, value)
     {
-        ok &= read_value(key, value, i, &scratch, &known, errors);
-        if (!known)
+        ok &= read_value(key, value, i, &scratch, errors);
+        if (!pen_settings_has(key))
             return false;
         for (size_t k = 0; k < i; k++) {
             char up[UP_BYTES], place[24];

@@ -64,7 +64,7 @@ says "says what is missing" stderr "missing OUT"
 ends "two outputs" 2 "$penumbra" convert "$classroom" a.json -o b.json
 says "says so" stderr '"a.json"'
 ends "output in XML" 2 "$penumbra" convert "$classroom" out.xml
-says "says that JSON is written" stderr "what is written is JSON"
+says "says that the output is JSON" stderr "the output is JSON"
 ends "output that cannot be" 8 "$penumbra" convert "$classroom" none/out.json
 ends "no such file" 4 "$penumbra" convert none.xml out.json
 printf '<scene>\n  <geometries>\n    <sphere center="0 0 -9" radius="-1"/>\n  </geometries>\n</scene>\n' >bad.xml

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra bench`: a benchmark in this process, without a daemon; the same runs and the same
- * report as a job of kind benchmark. */
+/* `penumbra bench`: a benchmark in this process, without a daemon. The runs and the report are
+ * those of a job of kind benchmark. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cmd/client/bench_options.h"
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
 #include "cmd/client/progress.h"
-#include "cmd/files.h"
+#include "cmd/client/scene_input.h"
+#include "cmd/client/setting_options.h"
 #include "cmd/report.h"
-#include "jobs/bench_spec.h"
 #include "study/report.h"
 
 struct values {
@@ -22,36 +22,8 @@ struct values {
 };
 
 static const struct pen_option options[] = {
-    {.name = "matrix",
-     .letter = 'm',
-     .kind = PEN_OPTION_LIST,
-     .offset = offsetof(struct values, matrix),
-     .value = "KEY=VALUE,…",
-     .help = "values of a render setting to be compared; may be repeated, every combination is a "
-             "row"},
-    {.name = "repeats",
-     .kind = PEN_OPTION_INT,
-     .offset = offsetof(struct values, repeats),
-     .value = "N",
-     .min = 1,
-     .max = PEN_BENCH_REPEATS_MAX,
-     .help = "runs of each row, 3 by default"},
-    {.name = "warmup",
-     .kind = PEN_OPTION_INT,
-     .offset = offsetof(struct values, warmup),
-     .value = "N",
-     .max = PEN_BENCH_WARMUP_MAX,
-     .help = "runs of each row before those, not counted; 1 by default"},
-    {.name = "baseline",
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, baseline),
-     .value = "KEY=VALUE,…",
-     .help = "the row that speed-ups refer to, the first by default"},
-    {.name = "set",
-     .kind = PEN_OPTION_LIST,
-     .offset = offsetof(struct values, set),
-     .value = "KEY=VALUE",
-     .help = "a render setting of all rows, over what the scene says; may be repeated"},
+    PEN_BENCH_OPTIONS(struct values, ""),
+    PEN_SET_OPTION(struct values),
     {.name = "view",
      .kind = PEN_OPTION_LIST,
      .offset = offsetof(struct values, view),
@@ -62,42 +34,30 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, threads),
      .value = "N",
      .max = 1024,
-     .help = "the pool that the setting threads is a share of; 0, the default, is one per core"},
+     .help = "size of the thread pool, of which the setting `threads` uses a part; 0, the default, "
+             "is one per core"},
     {.name = "output",
      .letter = 'o',
      .kind = PEN_OPTION_LIST,
      .offset = offsetof(struct values, output),
      .value = "OUT",
-     .help = "where the report goes; .json, .csv, .md or .html by its ending; may be repeated"},
-    {.name = "format",
-     .kind = PEN_OPTION_CHOICE,
-     .offset = offsetof(struct values, format),
-     .value = "json|csv|md|html",
-     .choices = pen_bench_report_formats,
-     .help = "whatever the ending of OUT says"},
+     .help = "the report's file; its ending, .json, .csv, .md or .html, gives the format; may be "
+             "repeated"},
+    PEN_FORMAT_OPTION(struct values, "json|csv|md|html", pen_bench_report_formats),
     {.name = "csv",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, csv),
      .value = "FILE",
-     .help = "writes the rows there too, as CSV"},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, quiet),
-     .help = "no progress bar and no table"},
-    {.name = "json",
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, json),
-     .help = "print the report as a line of JSON instead of a table"},
+     .help = "write the rows to FILE too, as CSV"},
+    PEN_QUIET_OPTION(struct values, "no progress bar and no table"),
+    PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
     {0}};
 
-/* Everything one benchmark holds; released whole, whatever was reached. */
-struct study {
+/* Everything one benchmark holds. release() frees what has been allocated, at any stage. */
+struct benchmark {
     const struct values *values;
-    struct pen_source source;
-    struct pen_arena *arena;
-    struct pen_scene_desc desc; /* in the arena */
-    struct pen_bench_spec order;
+    struct pen_scene_input input;
+    struct pen_bench_spec spec;
     struct pen_bench bench;
     struct pen_bench_result result;
     int *views;
@@ -127,89 +87,55 @@ static bool check_values(const struct values *v, struct pen_status *st)
     return !v->csv || pen_file_check(v->csv, st);
 }
 
-/* Text to description. Errors of the document go to `errors`. */
-static bool read_scene(struct study *s, const char *name, struct pen_errors *errors)
+static bool choose_views(struct benchmark *b, struct pen_status *st)
 {
-    struct pen_limits limits = pen_limits_default();
-    struct pen_status st;
-    bool ok = pen_source_read(&s->source, name, limits.body_bytes, &st);
-    if (ok && !(s->arena = pen_arena_new(0)))
-        ok = pen_fail(&st, PEN_NO_MEMORY, "out of memory");
-    if (!ok) {
-        pen_errors_add(errors, &st);
-        return false;
-    }
-    return pen_source_scene(&s->source, &limits, s->arena, &s->desc, errors);
-}
-
-static bool find_view(const struct study *s, const char *name, int *view, struct pen_status *st)
-{
-    for (uint32_t i = 0; i < s->desc.view_count; i++) {
-        if (strcmp(s->desc.views[i].name, name) == 0) {
-            *view = (int)i;
-            return true;
-        }
-    }
-    return pen_fail(st, PEN_NOT_FOUND, "no view \"%s\", the first is \"%s\"", name,
-                    s->desc.views[0].name);
-}
-
-static bool choose_views(struct study *s, struct pen_status *st)
-{
-    const struct pen_option_list *wanted = &s->values->view;
-    int count = wanted->count > 0 ? wanted->count : (int)s->desc.view_count;
-    s->views = calloc((size_t)count, sizeof *s->views);
-    if (!s->views)
+    const struct pen_option_list *wanted = &b->values->view;
+    int count = wanted->count > 0 ? wanted->count : (int)b->input.desc.view_count;
+    b->views = calloc((size_t)count, sizeof *b->views);
+    if (!b->views)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory");
     for (int i = 0; i < count; i++) {
-        s->views[i] = i;
-        if (wanted->count > 0 && !find_view(s, wanted->item[i], &s->views[i], st))
+        b->views[i] = i;
+        if (wanted->count > 0)
+            b->views[i] = pen_scene_input_view(&b->input, wanted->item[i], st);
+        if (b->views[i] < 0)
             return false;
     }
-    s->bench.views = s->views;
-    s->bench.view_count = count;
+    b->bench.views = b->views;
+    b->bench.view_count = count;
     return true;
 }
 
-static bool apply_settings(struct study *s, struct pen_status *st)
+/* Makes the rows from the command line's options. */
+static bool read_spec(struct benchmark *b, struct pen_errors *errors)
 {
-    for (int i = 0; i < s->values->set.count; i++) {
-        if (!pen_output_set(&s->desc.settings, s->values->set.item[i], st))
-            return false;
-    }
-    return true;
-}
-
-/* The rows, from the command line's options. */
-static bool read_order(struct study *s, struct pen_errors *errors)
-{
-    const struct values *v = s->values;
+    const struct values *v = b->values;
     struct pen_status st;
     json_t *members = json_pack("{s:i, s:i}", "repeats", v->repeats, "warmup", v->warmup);
     bool ok = pen_bench_options_add(members, &v->matrix, v->baseline, &st);
     if (!ok)
         pen_errors_add(errors, &st);
     else
-        ok = pen_bench_spec_read(members, &s->desc.settings, &s->order, errors);
+        ok = pen_bench_spec_read(members, &b->input.desc.settings, &b->spec, errors);
     pen_bench_options_errors(errors);
     json_decref(members);
     return ok;
 }
 
-static bool plan(struct study *s, struct pen_errors *errors)
+static bool prepare(struct benchmark *b, struct pen_errors *errors)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
-    if (!apply_settings(s, &st)) {
+    if (!pen_set_options_apply(&b->values->set, &b->input.desc.settings, &st)) {
         pen_errors_add(errors, &st);
         return false;
     }
-    if (!read_order(s, errors))
+    if (!read_spec(b, errors))
         return false;
-    s->bench = pen_bench_of_spec(&s->order);
-    s->bench.desc = &s->desc;
-    if (choose_views(s, &st) &&
-        pen_bench_spec_check(&s->order, &limits, &s->desc, s->bench.view_count, &st))
+    b->bench = pen_bench_of_spec(&b->spec);
+    b->bench.desc = &b->input.desc;
+    if (choose_views(b, &st) &&
+        pen_bench_spec_check(&b->spec, &limits, &b->input.desc, b->bench.view_count, &st))
         return true;
     pen_errors_add(errors, &st);
     pen_bench_options_errors(errors);
@@ -221,46 +147,47 @@ static void show_progress(void *user, int done, int total)
     pen_progress_show(user, (double)done / total, -1);
 }
 
-static bool measure(struct study *s, struct pen_status *st)
+static bool measure(struct benchmark *b, struct pen_status *st)
 {
-    struct pen_thread_pool *pool = pen_thread_pool_new(s->values->threads, st);
+    struct pen_thread_pool *pool = pen_thread_pool_new(b->values->threads, st);
     if (!pool)
         return false;
-    s->bench.pool = pool;
-    s->bench.progress = show_progress;
-    s->bench.user = &s->progress;
-    pen_progress_begin(&s->progress, s->source.label, s->values->quiet);
-    bool ok = pen_bench_run(&s->bench, &s->result, st);
-    pen_progress_end(&s->progress);
+    b->bench.pool = pool;
+    b->bench.progress = show_progress;
+    b->bench.user = &b->progress;
+    pen_progress_begin(&b->progress, b->input.source.label, b->values->quiet);
+    bool ok = pen_bench_run(&b->bench, &b->result, st);
+    pen_progress_end(&b->progress);
     if (ok) {
-        s->report = pen_bench_report_new(
-            &s->bench, &s->result, pen_bench_spec_head(&s->order, &s->bench, &s->desc.settings));
-        ok = s->report || pen_fail(st, PEN_NO_MEMORY, "out of memory");
+        b->report =
+            pen_bench_report_new(&b->bench, &b->result,
+                                 pen_bench_spec_head(&b->spec, &b->bench, &b->input.desc.settings));
+        ok = b->report || pen_fail(st, PEN_NO_MEMORY, "out of memory");
     }
     pen_thread_pool_free(pool);
     return ok;
 }
 
-static bool write_form(const struct study *s, const char *path, const char *form,
-                       struct pen_status *st)
+static bool write_format(const struct benchmark *b, const char *path, const char *format,
+                         struct pen_status *st)
 {
     struct pen_buf text = {0};
-    bool ok = pen_bench_report_write(s->report, form, &text, st) &&
+    bool ok = pen_bench_report_write(b->report, format, &text, st) &&
               pen_file_write(path, text.data, text.bytes, st);
     pen_buf_release(&text);
     return ok;
 }
 
-static bool write_reports(const struct study *s, struct pen_status *st)
+static bool write_reports(const struct benchmark *b, struct pen_status *st)
 {
-    const struct values *v = s->values;
+    const struct values *v = b->values;
     for (int i = 0; i < v->output.count; i++) {
         const char *output = v->output.item[i];
-        const char *form = pen_output_report_format(output, v->format, st);
-        if (!form || !write_form(s, output, form, st))
+        const char *format = pen_output_report_format(output, v->format, st);
+        if (!format || !write_format(b, output, format, st))
             return false;
     }
-    return !v->csv || write_form(s, v->csv, "csv", st);
+    return !v->csv || write_format(b, v->csv, "csv", st);
 }
 
 static bool uses_standard_output(const struct values *v)
@@ -272,42 +199,41 @@ static bool uses_standard_output(const struct values *v)
     return false;
 }
 
-static void print_report(const struct study *s)
+static void print_report(const struct benchmark *b)
 {
     struct pen_buf text = {0};
-    if (s->values->json) {
-        pen_report_line(json_incref(s->report));
-    } else if (!s->values->quiet && !uses_standard_output(s->values)) {
-        pen_bench_report_write_text(s->report, &text);
+    if (b->values->json) {
+        pen_report_line(json_incref(b->report));
+    } else if (!b->values->quiet && !uses_standard_output(b->values)) {
+        pen_bench_report_write_text(b->report, &text);
         fputs(text.data ? (const char *)text.data : "", stdout);
         pen_buf_release(&text);
     }
 }
 
-static void release(struct study *s)
+static void release(struct benchmark *b)
 {
-    json_decref(s->report);
-    pen_bench_result_release(&s->bench, &s->result);
-    pen_bench_spec_release(&s->order);
-    free(s->views);
-    pen_arena_free(s->arena);
-    pen_source_release(&s->source);
+    json_decref(b->report);
+    pen_bench_result_release(&b->bench, &b->result);
+    pen_bench_spec_release(&b->spec);
+    free(b->views);
+    pen_scene_input_release(&b->input);
 }
 
-static int study(struct study *s, const char *name)
+static int benchmark(struct benchmark *b, const char *name)
 {
-    bool json = s->values->json;
+    bool json = b->values->json;
     struct pen_errors errors = {0};
     struct pen_status st;
-    if (!check_values(s->values, &st))
+    if (!check_values(b->values, &st))
         return pen_report_json(NULL, json, &st);
-    if (!read_scene(s, name, &errors))
-        return pen_report_errors_json(s->source.label, json, &errors);
-    if (!plan(s, &errors))
+    if (!pen_scene_input_read(&b->input, name, &errors))
+        return pen_report_errors_json(b->input.source.label, json, &errors);
+    if (!prepare(b, &errors))
         return pen_report_errors_json(NULL, json, &errors);
-    if (!measure(s, &st) || !write_reports(s, &st))
+    if (!measure(b, &st) || !write_reports(b, &st))
         return pen_report_json(NULL, json, &st);
-    print_report(s);
+    print_report(b);
     return 0;
 }
 
@@ -318,9 +244,9 @@ static int run(int argc, char **argv)
     int code = pen_command_begin(&pen_command_bench, argc, argv, &values, &parsed);
     if (code >= 0)
         return code;
-    struct study s = {.values = &values};
-    code = study(&s, parsed.args[0]);
-    release(&s);
+    struct benchmark b = {.values = &values};
+    code = benchmark(&b, parsed.args[0]);
+    release(&b);
     return code;
 }
 
@@ -329,11 +255,11 @@ const struct pen_command pen_command_bench = {
     .name = "bench",
     .arguments = "SCENE",
     .summary = "Times a scene under several settings, without a daemon.",
-    .details = "SCENE is a file, - for standard input, or builtin:NAME. What is timed is the "
-               "building of the tree and the rendering of all views, in interleaved runs; a row's "
-               "time is the median. Rows that differ in accelerator, threads or tile alone must "
-               "give the same picture, bit for bit, or the command ends with code 7 and says "
-               "where they part.",
+    .details = "SCENE is a file, - for standard input, or builtin:NAME. A run builds the tree and "
+               "renders all views; the runs of the rows are interleaved, and a row's time is the "
+               "median of its runs. Rows that differ only in accelerator, threads or tile must "
+               "give the same picture, bit for bit; otherwise the command ends with code 7 and "
+               "names the first pixel that differs.",
     .options = options,
     .min_args = 1,
     .max_args = 1,

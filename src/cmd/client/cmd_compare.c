@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra compare`: how far two picture files are apart. */
+/* `penumbra compare`: measures the difference of two picture files. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
 #include "film/metrics.h"
@@ -26,27 +27,20 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, max_error),
      .value = "E",
      .max = 1,
-     .help = "fail if any value differs by more; 0 asks for equal pictures"},
+     .help = "fail if any value differs by more; 0: the pictures must be equal"},
     {.name = "tolerance",
      .kind = PEN_OPTION_NUMBER,
      .offset = offsetof(struct values, tolerance),
      .value = "E",
      .max = 1,
-     .help = "also count the pixels that differ by more, and give the rmse of the others"},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, quiet),
-     .help = "only the exit code tells"},
-    {.name = "json",
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, json),
-     .help = "print the figures as a line of JSON"},
+     .help = "also count the pixels that differ by more, and print the RMSE of the others"},
+    PEN_QUIET_OPTION(struct values, "print nothing; the exit code is the answer"),
+    PEN_JSON_OPTION(struct values, "print the figures as a line of JSON"),
     {0}};
 
 static struct pen_picture *read_picture(const char *path, struct pen_status *st)
 {
-    struct pen_source source; /* also takes - */
+    struct pen_source source; /* a path or - */
     struct pen_picture *picture = NULL;
     if (pen_source_read(&source, path, 0, st))
         picture = pen_image_read(source.text.data, source.text.bytes, st);
@@ -135,9 +129,10 @@ const struct pen_command pen_command_compare = {
     .program = "penumbra",
     .name = "compare",
     .arguments = "A B",
-    .summary = "Tells how far two pictures are apart.",
-    .details = "A and B are PNG or PFM files of one size. All figures are of sRGB-encoded values "
-               "in 0 to 1. Without --max-rmse and --max-error any difference is fine.",
+    .summary = "Measures the difference of two pictures.",
+    .details = "A and B are PNG or PFM files of the same size. The figures are about sRGB-encoded "
+               "values from 0 to 1. Without --max-rmse and --max-error the command accepts any "
+               "difference.",
     .options = options,
     .min_args = 2,
     .max_args = 2,

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The subcommands about jobs that a daemon has: wait, fetch, stats, cancel, delete. */
+/* The subcommands about jobs of a daemon: wait, fetch, stats, cancel, delete. */
 #include <stdio.h>
 #include <string.h>
 
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
 #include "cmd/client/remote_job.h"
 #include "cmd/files.h"
@@ -15,10 +16,10 @@ struct values {
     bool quiet, json, report;
 };
 
-/* What one of these subcommands does with one job. Returns the exit code, after reporting. */
+/* Carries a subcommand out for one job and reports errors. Returns the exit code. */
 typedef int job_fn(struct pen_client *client, const char *id, const struct values *values);
 
-/* Carries `each` out for all arguments; the exit code is that of the first that failed. */
+/* Calls `each` for every argument. Returns the exit code of the first that failed. */
 static int run_each(const struct pen_command *command, int argc, char **argv, job_fn *each)
 {
     struct values values = {.remote = PEN_REMOTE_DEFAULT};
@@ -55,9 +56,9 @@ static int wait_one(struct pen_client *client, const char *id, const struct valu
     bool ok = pen_remote_wait(client, id, values->quiet, &job, &errors);
     if (job)
         print_state(job, values);
-    bool told = job != NULL; /* the job's own error is in what was printed */
+    bool printed = job != NULL; /* and with it the job's own error */
     json_decref(job);
-    return ok ? 0 : pen_report_errors_json(NULL, values->json && !told, &errors);
+    return ok ? 0 : pen_report_errors_json(NULL, values->json && !printed, &errors);
 }
 
 static int fetch_one(struct pen_client *client, const char *id, const struct values *values)
@@ -123,21 +124,11 @@ static int delete_one(struct pen_client *client, const char *id, const struct va
     return 0;
 }
 
-#define QUIET_OPTION(text)                                                                         \
-    {                                                                                              \
-        .name = "quiet", .letter = 'q', .kind = PEN_OPTION_FLAG,                                   \
-        .offset = offsetof(struct values, quiet), .help = text                                     \
-    }
-#define JSON_OPTION(text)                                                                          \
-    {                                                                                              \
-        .name = "json", .kind = PEN_OPTION_FLAG, .offset = offsetof(struct values, json),          \
-        .help = text                                                                               \
-    }
-
-static const struct pen_option state_options[] = {QUIET_OPTION("no progress bar, no states"),
-                                                  JSON_OPTION("print each job as a line of JSON"),
-                                                  PEN_REMOTE_OPTIONS(struct values),
-                                                  {0}};
+static const struct pen_option state_options[] = {
+    PEN_QUIET_OPTION(struct values, "no progress bar, no states"),
+    PEN_JSON_OPTION(struct values, "print each job as a line of JSON"),
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
 
 static const struct pen_option fetch_options[] = {
     {.name = "output",
@@ -145,18 +136,13 @@ static const struct pen_option fetch_options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, output),
      .value = "OUT",
-     .help = "where the picture goes, .png or .pfm by its ending; a report .html, .json, .csv or "
-             ".md"},
+     .help = "the file; its ending gives the format: .png or .pfm of a picture, .html, .json, .csv "
+             "or .md of a report"},
     {.name = "report",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, report),
      .help = "the report of a benchmark instead of a picture"},
-    {.name = "format",
-     .kind = PEN_OPTION_CHOICE,
-     .offset = offsetof(struct values, format),
-     .value = "png|png16|pfm|json|csv|md|html",
-     .choices = pen_output_all_formats,
-     .help = "whatever the ending of OUT says"},
+    PEN_FORMAT_OPTION(struct values, "png|png16|pfm|json|csv|md|html", pen_output_all_formats),
     {.name = "view",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, view),
@@ -168,7 +154,7 @@ static const struct pen_option fetch_options[] = {
      .value = "NAME",
      .choices = pen_output_layers,
      .help = "which layer of the job, beauty by default"},
-    JSON_OPTION("print errors as a line of JSON too"),
+    PEN_JSON_OPTION(struct values, "print errors as a problem document too"),
     PEN_REMOTE_OPTIONS(struct values),
     {0}};
 
@@ -178,8 +164,8 @@ static const struct pen_option stats_options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, output),
      .value = "FILE",
-     .help = "write there instead of standard output"},
-    JSON_OPTION("print on one line"),
+     .help = "write to FILE instead of standard output"},
+    PEN_JSON_OPTION(struct values, "print on one line"),
     PEN_REMOTE_OPTIONS(struct values),
     {0}};
 
@@ -246,7 +232,7 @@ const struct pen_command pen_command_cancel = {
     .program = "penumbra",
     .name = "cancel",
     .arguments = "ID…",
-    .summary = "Cancels jobs; those that have ended stay as they are.",
+    .summary = "Cancels jobs; jobs that have ended do not change.",
     .options = state_options,
     .min_args = 1,
     .max_args = -1,

@@ -5,11 +5,12 @@
 
 #include "base/clock.h"
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/client/progress.h"
 #include "cmd/client/remote_job.h"
 #include "cmd/report.h"
 
-enum { PAGE = 500 }; /* the most that one answer holds */
+enum { PAGE = 500 }; /* the largest limit that the daemon takes */
 
 static const char *const states[] = {"queued", "running", "succeeded", "failed", "cancelled", NULL};
 
@@ -26,7 +27,7 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, state),
      .value = "STATE",
      .choices = states,
-     .help = "only these: queued, running, succeeded, failed or cancelled"},
+     .help = "only jobs in this state: queued, running, succeeded, failed or cancelled"},
     {.name = "kind",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, kind),
@@ -38,11 +39,8 @@ static const struct pen_option options[] = {
      .value = "N",
      .min = 1,
      .max = 1000000,
-     .help = "at most that many, 50 by default"},
-    {.name = "json",
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, json),
-     .help = "print {\"jobs\": […]}"},
+     .help = "at most N jobs, 50 by default"},
+    PEN_JSON_OPTION(struct values, "print {\"jobs\": […]}"),
     PEN_REMOTE_OPTIONS(struct values),
     {0}};
 
@@ -59,19 +57,17 @@ static bool make_path(struct pen_client *client, const struct values *values, in
     return ok;
 }
 
-/* One page; appends its jobs and gives the cursor of the next, "" if this was the last. */
+/* Gets one page: appends its jobs, and sets the cursor of the next page, "" if this was the last.
+ */
 static bool get_page(struct pen_client *client, const struct values *values, json_t *jobs,
                      char cursor[512], struct pen_errors *errors)
 {
     struct pen_buf path = {0};
-    struct pen_reply reply = {0};
     json_t *page = NULL;
     int left = values->limit - (int)json_array_size(jobs);
     bool ok = make_path(client, values, left, cursor[0] ? cursor : NULL, &path);
     if (ok) {
-        struct pen_request request = {
-            .method = "GET", .path = (const char *)path.data, .repeatable = true, .timeout_s = 30};
-        ok = pen_client_json(client, &request, &reply, &page, errors);
+        ok = pen_remote_get(client, (const char *)path.data, &page, errors);
     } else {
         struct pen_status st;
         pen_fail(&st, PEN_NO_MEMORY, "out of memory");
@@ -82,12 +78,11 @@ static bool get_page(struct pen_client *client, const struct values *values, jso
         snprintf(cursor, 512, "%s", pen_remote_text(page, "next"));
     }
     json_decref(page);
-    pen_reply_release(&reply);
     pen_buf_release(&path);
     return ok;
 }
 
-/* How long the job has been rendering, or took. */
+/* Writes how long the job has been running, or ran. */
 static void format_time(const json_t *job, char out[16])
 {
     double from = pen_remote_time(job, "started_at");

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra render`: a scene to a picture in this process, without a daemon; the same reader,
- * renderer and encoders as the daemon's worker, hence the same bytes. */
+/* `penumbra render`: renders a scene to a picture in this process, without a daemon. The reader,
+ * the renderer and the encoders are those of the daemon's worker, so the bytes are the same. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
 #include "cmd/client/pixel_report.h"
 #include "cmd/client/progress.h"
-#include "cmd/files.h"
+#include "cmd/client/scene_input.h"
+#include "cmd/client/setting_options.h"
 #include "cmd/report.h"
 #include "film/film.h"
 #include "io/stats_json.h"
@@ -30,18 +32,9 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, output),
      .value = "OUT",
-     .help = "where the picture goes; .png or .pfm by its ending"},
-    {.name = "format",
-     .kind = PEN_OPTION_CHOICE,
-     .offset = offsetof(struct values, format),
-     .value = "png|png16|pfm",
-     .choices = pen_output_formats,
-     .help = "whatever the ending of OUT says"},
-    {.name = "set",
-     .kind = PEN_OPTION_LIST,
-     .offset = offsetof(struct values, set),
-     .value = "KEY=VALUE",
-     .help = "a render setting, over what the scene says; may be repeated"},
+     .help = "the picture's file; its ending, .png or .pfm, gives the format"},
+    PEN_FORMAT_OPTION(struct values, "png|png16|pfm", pen_output_formats),
+    PEN_SET_OPTION(struct values),
     {.name = "view",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, view),
@@ -58,46 +51,37 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, threads),
      .value = "N",
      .max = 1024,
-     .help = "starts exactly that many; 0, the default, is one per core"},
+     .help = "how many render threads; 0, the default, is one per core"},
     {.name = "stats",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, stats),
      .value = "FILE",
-     .help = "writes times and ray counts there, as JSON"},
+     .help = "write times and ray counts to FILE, as JSON"},
     {.name = "pixel",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, pixel),
      .value = "X,Y",
-     .help =
-         "prints that pixel in full precision; without -o and --stats nothing else is rendered"},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, quiet),
-     .help = "no progress bar"},
-    {.name = "json",
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, json),
-     .help = "print the result as a line of JSON"},
+     .help = "print that pixel in full precision; without -o and --stats only that pixel is "
+             "rendered"},
+    PEN_QUIET_OPTION(struct values, "no progress bar"),
+    PEN_JSON_OPTION(struct values, "print the result as a line of JSON"),
     {0}};
 
-/* Everything one render holds; released whole, whatever was reached. */
+/* Everything one render holds. release() frees what has been allocated, at any stage. */
 struct render {
     const struct values *values;
     const char *format; /* of the output */
     int pixel_x, pixel_y;
-    struct pen_source source;
-    struct pen_arena *arena;
-    struct pen_scene_desc desc; /* in the arena */
+    struct pen_scene_input input;
+    int view; /* its index in the scene */
     struct pen_scene *scene;
-    int view;
-    struct pen_scene_precision precision; /* of the view, if `measured` */
-    bool measured;
+    bool has_precision;
+    struct pen_scene_precision precision; /* of the view */
     struct pen_thread_pool *pool;
     struct pen_film *film;
     struct pen_render_stats stats;
     struct pen_buf encoded;
-    double parse_ms, build_ms, encode_ms, total_ms;
+    double build_ms, encode_ms, total_ms;
     struct pen_progress progress;
     int tiles, tiles_done;
 };
@@ -125,7 +109,7 @@ static bool check_values(struct render *r, struct pen_status *st)
     return pen_output_layer_check(v->layer, st);
 }
 
-/* A picture that cannot be written is not worth rendering. */
+/* Checks before the work that its results can be written. */
 static bool check_files(const struct render *r, struct pen_status *st)
 {
     const struct values *v = r->values;
@@ -133,70 +117,36 @@ static bool check_files(const struct render *r, struct pen_status *st)
            (!v->stats || pen_file_check(v->stats, st));
 }
 
-/* Text to description. Errors of the document go to `errors`. */
-static bool read_scene(struct render *r, const char *name, struct pen_errors *errors)
+/* Applies the command line's settings and view to the scene. */
+static bool apply_options(struct render *r, struct pen_status *st)
 {
     struct pen_limits limits = pen_limits_default();
-    struct pen_status st;
-    bool ok = pen_source_read(&r->source, name, limits.body_bytes, &st);
-    if (ok && !(r->arena = pen_arena_new(0)))
-        ok = pen_fail(&st, PEN_NO_MEMORY, "out of memory");
-    if (!ok) {
-        pen_errors_add(errors, &st);
+    struct pen_scene_desc *desc = &r->input.desc;
+    const char *view = r->values->view;
+    if (!pen_set_options_apply(&r->values->set, &desc->settings, st) ||
+        !pen_limits_check(&limits, desc, &desc->settings, 1, "", st))
         return false;
-    }
-    int64_t start = pen_clock_ns();
-    ok = pen_source_scene(&r->source, &limits, r->arena, &r->desc, errors);
-    r->parse_ms = ms_since(start);
-    return ok;
-}
-
-/* The command line's settings over the scene's. */
-static bool apply_settings(struct render *r, struct pen_status *st)
-{
-    struct pen_limits limits = pen_limits_default();
-    const struct values *v = r->values;
-    for (int i = 0; i < v->set.count; i++) {
-        if (!pen_output_set(&r->desc.settings, v->set.item[i], st))
-            return false;
-    }
-    return pen_limits_check(&limits, &r->desc, &r->desc.settings, 1, "", st);
-}
-
-static bool find_view(struct render *r, struct pen_status *st)
-{
-    const char *name = r->values->view;
-    if (!name || (r->view = pen_scene_find_view(r->scene, name)) >= 0) /* else view 0 */
-        return true;
-    enum { MANY = 64 };
-    const char *names[MANY + 1];
-    uint32_t count = r->scene->view_count < MANY ? r->scene->view_count : MANY;
-    for (uint32_t i = 0; i < count; i++)
-        names[i] = r->scene->views[i].name;
-    names[count] = NULL;
-    const char *near = pen_nearest_name(name, names);
-    return pen_fail(st, PEN_NOT_FOUND, "no view \"%s\", %s is \"%s\"", name,
-                    near ? "nearest" : "the first", near ? near : names[0]);
+    r->view = view ? pen_scene_input_view(&r->input, view, st) : 0;
+    return r->view >= 0;
 }
 
 static bool freeze(struct render *r, struct pen_status *st)
 {
     int64_t start = pen_clock_ns();
-    enum pen_accelerator kind = (enum pen_accelerator)r->desc.settings.accelerator;
-    if (!(r->scene = pen_scene_freeze(&r->desc, kind, 0, st)))
-        return false;
+    enum pen_accelerator kind = (enum pen_accelerator)r->input.desc.settings.accelerator;
+    r->scene = pen_scene_freeze(&r->input.desc, kind, 0, st);
     r->build_ms = ms_since(start);
-    return find_view(r, st);
+    return r->scene != NULL;
 }
 
-/* Says so if the scene asks for more than numbers give. */
-static void measure(struct render *r)
+/* Measures how well doubles resolve the scene in this view, and warns if that is too coarse. */
+static void check_precision(struct render *r)
 {
-    const struct pen_settings *s = &r->desc.settings;
+    const struct pen_settings *s = &r->input.desc.settings;
     char text[PEN_MSG_BYTES];
-    r->measured = pen_scene_precision(r->scene, r->view, s->width, s->height, &r->precision);
-    if (r->measured && pen_precision_warning(&r->precision, text, sizeof text))
-        fprintf(stderr, "penumbra: %s: view \"%s\": warning: %s\n", r->source.label,
+    r->has_precision = pen_scene_precision(r->scene, r->view, s->width, s->height, &r->precision);
+    if (r->has_precision && pen_precision_warning(&r->precision, text, sizeof text))
+        fprintf(stderr, "penumbra: %s: view \"%s\": warning: %s\n", r->input.source.label,
                 r->scene->views[r->view].name, text);
 }
 
@@ -210,7 +160,7 @@ static void tile_done(void *user, struct pen_rect rect)
 
 static bool render_view(struct render *r, struct pen_status *st)
 {
-    const struct pen_settings *settings = &r->desc.settings;
+    const struct pen_settings *settings = &r->input.desc.settings;
     if (!(r->film = pen_film_new(settings->width, settings->height, st)) ||
         !(r->pool = pen_thread_pool_new(r->values->threads, st)))
         return false;
@@ -223,7 +173,7 @@ static bool render_view(struct render *r, struct pen_status *st)
                                    .tile_done = tile_done,
                                    .user = r,
                                    .keep_tile_ms = true};
-    pen_progress_begin(&r->progress, r->source.label, r->values->quiet);
+    pen_progress_begin(&r->progress, r->input.source.label, r->values->quiet);
     bool ok = pen_render_run(r->pool, &task, &r->stats, st);
     pen_progress_end(&r->progress);
     return ok;
@@ -232,7 +182,7 @@ static bool render_view(struct render *r, struct pen_status *st)
 static bool write_picture(struct render *r, struct pen_status *st)
 {
     int64_t start = pen_clock_ns();
-    if (!pen_output_encode(r->format, r->film, &r->desc.settings, &r->encoded, st))
+    if (!pen_output_encode(r->format, r->film, &r->input.desc.settings, &r->encoded, st))
         return false;
     r->encode_ms = ms_since(start);
     return pen_file_write(r->values->output, r->encoded.data, r->encoded.bytes, st);
@@ -240,13 +190,13 @@ static bool write_picture(struct render *r, struct pen_status *st)
 
 static json_t *make_stats(const struct render *r)
 {
-    struct pen_stats_input in = {.parse_ms = r->parse_ms,
+    struct pen_stats_input in = {.parse_ms = r->input.parse_ms,
                                  .build_ms = r->build_ms,
                                  .encode_ms = r->encode_ms,
                                  .total_ms = r->total_ms,
                                  .render = &r->stats,
                                  .accel = pen_accel_get_stats(r->scene->accel),
-                                 .precision = r->measured ? &r->precision : NULL};
+                                 .precision = r->has_precision ? &r->precision : NULL};
     return pen_stats_json(&in);
 }
 
@@ -263,7 +213,7 @@ static bool write_stats(const struct render *r, struct pen_status *st)
 
 static void print_result(const struct render *r)
 {
-    const struct pen_settings *s = &r->desc.settings;
+    const struct pen_settings *s = &r->input.desc.settings;
     pen_report_line(json_pack("{s:s?, s:s?, s:s, s:i, s:i, s:o}", "output", r->values->output,
                               "format", r->format, "view", r->scene->views[r->view].name, "width",
                               s->width, "height", s->height, "stats", make_stats(r)));
@@ -271,7 +221,7 @@ static void print_result(const struct render *r)
 
 static bool show_pixel(struct render *r, struct pen_status *st)
 {
-    const struct pen_settings *s = &r->desc.settings;
+    const struct pen_settings *s = &r->input.desc.settings;
     if (r->pixel_x >= s->width || r->pixel_y >= s->height)
         return pen_fail(st, PEN_USAGE, "--pixel: found \"%s\", allowed is 0 to %d, 0 to %d",
                         r->values->pixel, s->width - 1, s->height - 1);
@@ -286,11 +236,11 @@ static bool show_pixel(struct render *r, struct pen_status *st)
     return true;
 }
 
-/* What is wanted of the frozen scene. */
-static bool carry_out(struct render *r, int64_t start_ns, struct pen_status *st)
+/* Renders and writes what the options ask for: a pixel, a picture, statistics. */
+static bool make_results(struct render *r, int64_t start_ns, struct pen_status *st)
 {
     const struct values *v = r->values;
-    measure(r);
+    check_precision(r);
     if (v->pixel && !show_pixel(r, st))
         return false;
     if (!v->output && !v->stats)
@@ -312,8 +262,7 @@ static void release(struct render *r)
     pen_buf_release(&r->encoded);
     pen_thread_pool_free(r->pool);
     pen_scene_free(r->scene);
-    pen_arena_free(r->arena);
-    pen_source_release(&r->source);
+    pen_scene_input_release(&r->input);
 }
 
 static int render(struct render *r, const char *name)
@@ -324,12 +273,13 @@ static int render(struct render *r, const char *name)
     struct pen_status st;
     if (!check_values(r, &st))
         return pen_report_json(NULL, json, &st);
-    if (!read_scene(r, name, &errors))
-        return pen_report_errors_json(r->source.label, json, &errors);
-    if (apply_settings(r, &st) && check_files(r, &st) && freeze(r, &st) && carry_out(r, start, &st))
+    if (!pen_scene_input_read(&r->input, name, &errors))
+        return pen_report_errors_json(r->input.source.label, json, &errors);
+    if (apply_options(r, &st) && check_files(r, &st) && freeze(r, &st) &&
+        make_results(r, start, &st))
         return 0;
-    pen_source_locate(&r->source, &st);
-    return pen_report_json(st.at[0] || st.line > 0 ? r->source.label : NULL, json, &st);
+    pen_source_locate(&r->input.source, &st);
+    return pen_report_json(st.at[0] || st.line > 0 ? r->input.source.label : NULL, json, &st);
 }
 
 static int run(int argc, char **argv)
@@ -351,8 +301,8 @@ const struct pen_command pen_command_render = {
     .arguments = "SCENE -o OUT",
     .summary = "Renders a scene, without a daemon.",
     .details = "SCENE is a file, - for standard input, or builtin:NAME. OUT is written whole or "
-               "not at all; - is standard output. The picture is the same bytes for any number "
-               "of threads, and from a daemon.",
+               "not at all; - is standard output. The bytes of the picture do not depend on the "
+               "number of threads, and are the same from a daemon.",
     .options = options,
     .min_args = 1,
     .max_args = 1,

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra scenes`: the scenes carried inside the program. */
+/* `penumbra scenes`: the scenes built into the program. */
 #include <stdio.h>
 #include <string.h>
 
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
 #include "jobs/jobs.h"
@@ -19,11 +20,8 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, output),
      .value = "FILE",
-     .help = "with NAME: write the scene there instead of standard output"},
-    {.name = "json",
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, json),
-     .help = "print the list as {\"scenes\": […]}"},
+     .help = "with NAME: write the scene to FILE instead of standard output"},
+    PEN_JSON_OPTION(struct values, "print the list as {\"scenes\": […]}"),
     {0}};
 
 static const char *text_of(const json_t *scene, const char *key)

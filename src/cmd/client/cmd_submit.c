@@ -1,20 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra submit`: makes a job of a scene and the command line, and hands it to a daemon.
- * A bare scene without options goes as it is; with options it is put, byte for byte, inside a job,
- * so that the daemon keeps the document as written and its errors keep their places. A job holds
- * JSON only: a scene in XML with options is converted first. */
+/* `penumbra submit`: makes a job from a scene and the command line, and sends it to a daemon.
+ *
+ *   document      options   sent as
+ *   bare scene    none      the document as it is
+ *   scene, JSON   some      a job around the document's own bytes: the daemon keeps the document as
+ *                           written, and report() translates the places of its errors
+ *   scene, XML    some      a job around the scene converted to JSON, since a job holds JSON only
+ *   job           none      the document as it is
+ *   job           some      the job, with the options in place of its own members */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
 
-#include "cmd/client/bench_options.h"
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
 #include "cmd/client/remote_job.h"
+#include "cmd/client/setting_options.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
-#include "io/document.h"
-#include "jobs/bench_spec.h"
 
 struct values {
     struct pen_remote remote;
@@ -28,11 +32,7 @@ struct values {
 static const char *const kinds[] = {"render", "benchmark", NULL};
 
 static const struct pen_option options[] = {
-    {.name = "set",
-     .kind = PEN_OPTION_LIST,
-     .offset = offsetof(struct values, set),
-     .value = "KEY=VALUE",
-     .help = "a render setting, over what the scene says; may be repeated"},
+    PEN_SET_OPTION(struct values),
     {.name = "view",
      .kind = PEN_OPTION_LIST,
      .offset = offsetof(struct values, view),
@@ -43,36 +43,13 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, kind),
      .value = "render|benchmark",
      .choices = kinds,
-     .help = "what the job is to do with the scene, render by default"},
-    {.name = "matrix",
-     .letter = 'm',
-     .kind = PEN_OPTION_LIST,
-     .offset = offsetof(struct values, matrix),
-     .value = "KEY=VALUE,…",
-     .help = "of a benchmark: values of a render setting to be compared; may be repeated"},
-    {.name = "repeats",
-     .kind = PEN_OPTION_INT,
-     .offset = offsetof(struct values, repeats),
-     .value = "N",
-     .min = 1,
-     .max = PEN_BENCH_REPEATS_MAX,
-     .help = "of a benchmark: runs of each row"},
-    {.name = "warmup",
-     .kind = PEN_OPTION_INT,
-     .offset = offsetof(struct values, warmup),
-     .value = "N",
-     .max = PEN_BENCH_WARMUP_MAX,
-     .help = "of a benchmark: runs of each row before those, not counted"},
-    {.name = "baseline",
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, baseline),
-     .value = "KEY=VALUE,…",
-     .help = "of a benchmark: the row that speed-ups refer to"},
+     .help = "what the job does with the scene, render by default"},
+    PEN_BENCH_OPTIONS(struct values, "of a benchmark: "),
     {.name = "name",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, name),
      .value = "NAME",
-     .help = "what to call the job"},
+     .help = "the job's name"},
     {.name = "label",
      .kind = PEN_OPTION_LIST,
      .offset = offsetof(struct values, label),
@@ -84,13 +61,13 @@ static const struct pen_option options[] = {
      .value = "N",
      .min = -100,
      .max = 100,
-     .help = "larger ones first, 0 by default"},
+     .help = "jobs of larger priority run first; 0 by default"},
     {.name = "idempotency-key",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, idempotency_key),
      .value = "KEY",
-     .help = "the same key and job submitted again within 24 hours is the first job; random by "
-             "default, so that a repeated request makes no second job"},
+     .help = "submitting the same job with the same key again within 24 hours gives the first job; "
+             "random by default, so that a request sent twice makes no second job"},
     {.name = "wait",
      .letter = 'w',
      .kind = PEN_OPTION_FLAG,
@@ -101,69 +78,21 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, output),
      .value = "OUT",
-     .help = "wait, then fetch the picture, .png or .pfm by its ending; of a benchmark the report, "
-             ".html, .json, .csv or .md"},
-    {.name = "format",
-     .kind = PEN_OPTION_CHOICE,
-     .offset = offsetof(struct values, format),
-     .value = "png|png16|pfm|json|csv|md|html",
-     .choices = pen_output_all_formats,
-     .help = "whatever the ending of OUT says"},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, quiet),
-     .help = "no progress bar"},
-    {.name = "json",
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, json),
-     .help = "print the job as a line of JSON instead of its id"},
+     .help =
+         "wait, then fetch the picture or the benchmark's report to OUT, whose ending gives the "
+         "format: .png or .pfm, or .html, .json, .csv or .md"},
+    PEN_FORMAT_OPTION(struct values, "png|png16|pfm|json|csv|md|html", pen_output_all_formats),
+    PEN_QUIET_OPTION(struct values, "no progress bar"),
+    PEN_JSON_OPTION(struct values, "print the job as a line of JSON instead of its id"),
     PEN_REMOTE_OPTIONS(struct values),
     {0}};
 
-/* What is sent, and how the places in its errors relate to the file. */
+/* The body of the request. */
 struct body {
     struct pen_buf text;
-    bool xml;     /* a bare scene in XML */
-    bool wrapped; /* the document is the job's member "scene", beginning on line 2 */
+    bool xml;     /* it is a bare scene in XML */
+    bool wrapped; /* it is a job whose member "scene" is the document, beginning on line 2 */
 };
-
-static bool split(const char *option, const char *assignment, char key[128], const char **value,
-                  struct pen_status *st)
-{
-    const char *equals = strchr(assignment, '=');
-    size_t length = equals ? (size_t)(equals - assignment) : 0;
-    if (length == 0 || length >= 128)
-        return pen_fail(st, PEN_USAGE, "--%s: found \"%s\", allowed is KEY=VALUE", option,
-                        assignment);
-    memcpy(key, assignment, length);
-    key[length] = '\0';
-    *value = equals + 1;
-    return true;
-}
-
-/* The settings of --set as a `render` object; each is checked here already. */
-static bool add_render(json_t *job, const struct pen_option_list *set, struct pen_status *st)
-{
-    struct pen_settings scratch = pen_settings_default();
-    json_t *render = json_object_get(job, "render");
-    if (set->count == 0)
-        return true;
-    if (!json_is_object(render)) {
-        render = json_object();
-        json_object_set_new(job, "render", render);
-    }
-    for (int i = 0; i < set->count; i++) {
-        char key[128];
-        const char *text;
-        if (!pen_output_set(&scratch, set->item[i], st) ||
-            !split("set", set->item[i], key, &text, st))
-            return false;
-        json_t *value = json_loads(text, JSON_DECODE_ANY, NULL);
-        json_object_set_new(render, key, value ? value : json_string(text));
-    }
-    return true;
-}
 
 static bool add_labels(json_t *job, const struct pen_option_list *label, struct pen_status *st)
 {
@@ -175,16 +104,17 @@ static bool add_labels(json_t *job, const struct pen_option_list *label, struct 
         json_object_set_new(job, "labels", labels);
     }
     for (int i = 0; i < label->count; i++) {
-        char key[128];
-        const char *value;
-        if (!split("label", label->item[i], key, &value, st))
-            return false;
-        json_object_set_new(labels, key, json_string(value));
+        const char *equals = strchr(label->item[i], '=');
+        if (!equals || equals == label->item[i])
+            return pen_fail(st, PEN_USAGE, "--label: found \"%s\", allowed is KEY=VALUE",
+                            label->item[i]);
+        json_object_setn_new(labels, label->item[i], (size_t)(equals - label->item[i]),
+                             json_string(equals + 1));
     }
     return true;
 }
 
-/* The command line's members of the job, over those that are there. */
+/* Sets the members that the command line names, over those that the job has. */
 static bool add_options(json_t *job, const struct values *values, struct pen_status *st)
 {
     if (values->view.count > 0) {
@@ -204,7 +134,7 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
     if (values->has_warmup)
         json_object_set_new(job, "warmup", json_integer(values->warmup));
     return pen_bench_options_add(job, &values->matrix, values->baseline, st) &&
-           add_render(job, &values->set, st) && add_labels(job, &values->label, st);
+           pen_set_options_add(job, &values->set, st) && add_labels(job, &values->label, st);
 }
 
 static bool dump(const json_t *json, struct pen_buf *out)
@@ -215,7 +145,7 @@ static bool dump(const json_t *json, struct pen_buf *out)
     return ok;
 }
 
-/* {"scene":⏎DOCUMENT⏎,MEMBERS} */
+/* Writes {"scene":⏎DOCUMENT⏎,MEMBERS}: the document begins on line 2. */
 static bool wrap(const struct pen_source *source, const json_t *document, const json_t *members,
                  struct pen_buf *out)
 {
@@ -232,8 +162,7 @@ static bool wrap(const struct pen_source *source, const json_t *document, const 
     return ok;
 }
 
-/* A document that is a job already, or names a built-in scene: the command line's members go over
- * its own. Without any, it is sent as it is. */
+/* The body for a document that is a job, or for a built-in scene, which has no text here. */
 static bool compose_job(const struct pen_source *source, json_t *job, const struct values *values,
                         struct body *body, struct pen_status *st)
 {
@@ -264,26 +193,8 @@ static bool compose_scene(const struct pen_source *source, const json_t *documen
     return ok;
 }
 
-/* A scene in XML is checked as a whole: as JSON it would no longer tell where it is wrong. */
-static json_t *read_xml(const struct pen_source *source, const struct pen_limits *limits,
-                        struct pen_errors *errors)
-{
-    struct pen_document document = {0};
-    struct pen_scene_desc desc;
-    struct pen_status st;
-    struct pen_arena *arena = pen_arena_new(0);
-    bool ok = arena != NULL || pen_fail(&st, PEN_NO_MEMORY, "out of memory");
-    ok = ok && pen_document_parse((const char *)source->text.data, source->text.bytes, true, limits,
-                                  &document, &st);
-    if (!ok)
-        pen_errors_add(errors, &st);
-    ok = ok && pen_document_read(&document, limits, arena, &desc, errors);
-    json_t *json = ok ? json_incref(document.json) : NULL;
-    pen_document_release(&document);
-    pen_arena_free(arena);
-    return json;
-}
-
+/* Parses the document. A scene in XML is also checked as a whole here: once it is converted to
+ * JSON, errors can no longer be placed by line and column. */
 static json_t *read_document(const char *scene, struct pen_source *source,
                              struct pen_errors *errors)
 {
@@ -291,10 +202,10 @@ static json_t *read_document(const char *scene, struct pen_source *source,
     struct pen_status st;
     source->label = scene;
     if (strncmp(scene, "builtin:", 8) == 0)
-        return json_pack("{s:s}", "scene", scene); /* the daemon knows its own */
+        return json_pack("{s:s}", "scene", scene); /* the daemon has them too */
     bool read = pen_source_read(source, scene, limits.body_bytes, &st);
     if (read && source->xml)
-        return read_xml(source, &limits, errors);
+        return pen_source_json(source, &limits, errors);
     json_t *document =
         read ? pen_json_parse((const char *)source->text.data, source->text.bytes, &limits, &st)
              : NULL;
@@ -329,8 +240,9 @@ static bool random_key(char key[40], struct pen_status *st)
     return true;
 }
 
-/* Gives errors of a wrapped document back their places in the file. Those of other members are
- * about the command line: they lose the file's name. */
+/* Reports the daemon's errors. If the document was wrapped, translates places in "scene" to places
+ * in the file; errors of other members are about the command line and are reported without the
+ * file's name. */
 static int report(const struct values *values, const struct pen_source *source,
                   const struct body *body, struct pen_errors *errors)
 {
@@ -362,7 +274,7 @@ static bool post(struct pen_client *client, const struct body *body, const char 
                                   .body_bytes = body->text.bytes,
                                   .type = body->xml ? "application/xml" : "application/json",
                                   .idempotency_key = key,
-                                  .repeatable = true, /* by the key */
+                                  .repeatable = true, /* because of the key */
                                   .timeout_s = 60};
     bool ok = pen_client_json(client, &request, &reply, job, errors);
     pen_reply_release(&reply);
@@ -376,7 +288,7 @@ static bool post(struct pen_client *client, const struct body *body, const char 
     return ok;
 }
 
-/* What comes after the submit. */
+/* Prints the job's id; then waits and fetches the result if the options ask for it. */
 static int follow(struct pen_client *client, const struct values *values, json_t *job)
 {
     struct pen_errors errors = {0};
@@ -418,7 +330,8 @@ static int submit(struct pen_client *client, const struct values *values,
     return code;
 }
 
-/* Whether an output's name tells what it is to be: a picture or, where that may be, a report. */
+/* Checks that the output has a format that the job can give: of a picture or, if the job may be a
+ * benchmark, of a report; and that it can be written. */
 static bool check_output(const struct values *values, struct pen_status *st)
 {
     bool benchmark = values->kind && strcmp(values->kind, "benchmark") == 0;
@@ -431,7 +344,7 @@ static bool check_output(const struct values *values, struct pen_status *st)
     return pen_file_check(values->output, st);
 }
 
-static bool given(const struct pen_parsed *parsed, const char *option)
+static bool is_given(const struct pen_parsed *parsed, const char *option)
 {
     return parsed->set >> pen_option_find(options, option) & 1;
 }
@@ -448,9 +361,9 @@ static int run(int argc, char **argv)
     struct body body = {0};
     struct pen_errors errors = {0};
     struct pen_client *client = NULL;
-    values.has_priority = given(&parsed, "priority");
-    values.has_repeats = given(&parsed, "repeats");
-    values.has_warmup = given(&parsed, "warmup");
+    values.has_priority = is_given(&parsed, "priority");
+    values.has_repeats = is_given(&parsed, "repeats");
+    values.has_warmup = is_given(&parsed, "warmup");
     if (!check_output(&values, &st))
         code = pen_report_json(NULL, values.json, &st);
     else if (!make_body(parsed.args[0], &source, &values, &body, &errors))
@@ -472,7 +385,7 @@ const struct pen_command pen_command_submit = {
     .arguments = "SCENE",
     .summary = "Submits a scene or a job to a daemon and prints the job's id.",
     .details = "SCENE is a file, - for standard input, or builtin:NAME; a file may hold a bare "
-               "scene, in JSON or XML, or a whole job. When the id is printed the job is on the "
+               "scene, in JSON or XML, or a whole job. Once the id is printed, the job is on the "
                "daemon's disk.",
     .options = options,
     .min_args = 1,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra top`: workers and running jobs of a daemon, drawn anew every second on a terminal. */
+/* `penumbra top`: the workers and running jobs of a daemon, redrawn every second on a terminal. */
 #include <stdio.h>
 #include <sys/ioctl.h>
 #include <time.h>
@@ -7,11 +7,12 @@
 
 #include "base/clock.h"
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/client/progress.h"
 #include "cmd/client/remote_job.h"
 #include "cmd/report.h"
 
-enum { COLUMNS = 100 }; /* where the width of the terminal is not known */
+enum { COLUMNS = 100 }; /* if the width of the terminal is not known */
 
 struct values {
     struct pen_remote remote;
@@ -26,22 +27,20 @@ static const struct pen_option options[] = {
      .value = "SECONDS",
      .min = 0.1,
      .max = 3600,
-     .help = "between two looks, 1 by default"},
+     .help = "time between two updates, 1 by default"},
     {.name = "once",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, once),
-     .help = "look once; so it does where standard output is not a terminal"},
-    {.name = "json",
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, json),
-     .help = "look once and print {\"workers\": […], \"running\": […], \"queued\": […]}"},
+     .help = "print once and end, as always if standard output is not a terminal"},
+    PEN_JSON_OPTION(struct values,
+                    "print once, as {\"workers\": […], \"running\": […], \"queued\": […]}"),
     PEN_REMOTE_OPTIONS(struct values),
     {0}};
 
-/* What there is to show. */
+/* The lists of the daemon, each one page. */
 struct state {
     json_t *workers, *running, *queued;
-    bool more_running, more_queued; /* than fit on a page */
+    bool more_running, more_queued; /* there is a further page */
 };
 
 static void state_release(struct state *state)
@@ -51,35 +50,32 @@ static void state_release(struct state *state)
     json_decref(state->queued);
 }
 
-/* The array `key` of an answer; *more if it goes on. */
-static json_t *get(struct pen_client *client, const char *path, const char *key, bool *more,
-                   struct pen_errors *errors)
+/* GETs a page: returns its array `key`, NULL after an error; sets *more if there is a further page.
+ */
+static json_t *get_list(struct pen_client *client, const char *path, const char *key, bool *more,
+                        struct pen_errors *errors)
 {
-    struct pen_request request = {
-        .method = "GET", .path = path, .repeatable = true, .timeout_s = 30};
-    struct pen_reply reply = {0};
-    json_t *answer = NULL, *list = NULL;
-    if (pen_client_json(client, &request, &reply, &answer, errors)) {
-        list = json_object_get(answer, key);
+    json_t *page, *list = NULL;
+    if (pen_remote_get(client, path, &page, errors)) {
+        list = json_object_get(page, key);
         list = list ? json_incref(list) : json_array();
-        *more = json_is_string(json_object_get(answer, "next"));
+        *more = json_is_string(json_object_get(page, "next"));
     }
-    json_decref(answer);
-    pen_reply_release(&reply);
+    json_decref(page);
     return list;
 }
 
-static bool look(struct pen_client *client, struct state *state, struct pen_errors *errors)
+static bool get_state(struct pen_client *client, struct state *state, struct pen_errors *errors)
 {
     bool ignored;
     *state = (struct state){0};
-    state->workers = get(client, "/v1/workers", "workers", &ignored, errors);
+    state->workers = get_list(client, "/v1/workers", "workers", &ignored, errors);
     if (state->workers)
-        state->running =
-            get(client, "/v1/jobs?state=running&limit=20", "jobs", &state->more_running, errors);
+        state->running = get_list(client, "/v1/jobs?state=running&limit=20", "jobs",
+                                  &state->more_running, errors);
     if (state->running)
         state->queued =
-            get(client, "/v1/jobs?state=queued&limit=20", "jobs", &state->more_queued, errors);
+            get_list(client, "/v1/jobs?state=queued&limit=20", "jobs", &state->more_queued, errors);
     return state->queued != NULL;
 }
 
@@ -136,7 +132,7 @@ static void write_state(const struct state *state, int columns, struct pen_buf *
     json_array_foreach(state->running, i, item) write_job(item, columns, out);
 }
 
-/* Over what was there before: each line is cleared behind its end, and then the rest. */
+/* Draws over the last text: clears each line behind its end, and at last the lines below. */
 static void draw(const struct pen_buf *text)
 {
     fputs("\033[H", stdout);
@@ -160,7 +156,7 @@ static void show(const struct state *state, const struct values *values, bool li
         return;
     }
     if (live && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 30)
-        columns = size.ws_col - 26; /* the name goes behind the bar */
+        columns = size.ws_col - 26; /* for the name behind the bar */
     write_state(state, columns, &text);
     if (!text.failed && pen_buf_add(&text, "", 1)) {
         if (live)
@@ -181,7 +177,7 @@ static bool watch(struct pen_client *client, const struct values *values, struct
     bool ok;
     do {
         struct state state;
-        ok = look(client, &state, errors);
+        ok = get_state(client, &state, errors);
         if (ok)
             show(&state, values, live);
         state_release(&state);
@@ -212,7 +208,7 @@ const struct pen_command pen_command_top = {
     .program = "penumbra",
     .name = "top",
     .arguments = "",
-    .summary = "Shows workers and running jobs as they go on.",
+    .summary = "Shows the workers and running jobs of a daemon, updated every second.",
     .options = options,
     .min_args = 0,
     .max_args = 0,

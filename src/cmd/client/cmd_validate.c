@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra validate`: the same reader as the daemon's, without a daemon. */
+/* `penumbra validate`: checks documents as the daemon does, in this process. */
 #include <stdio.h>
 #include <string.h>
 
 #include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
 #include "jobs/jobs.h"
@@ -13,18 +14,13 @@ struct values {
 };
 
 static const struct pen_option options[] = {
-    {.name = "json",
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, json),
-     .help = "print {\"valid\": true, \"warnings\": […]} or a problem document, a line per file"},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = PEN_OPTION_FLAG,
-     .offset = offsetof(struct values, quiet),
-     .help = "print errors only"},
+    PEN_JSON_OPTION(struct values,
+                    "print {\"valid\": true, \"warnings\": […]} or a problem document, "
+                    "one line for each file"),
+    PEN_QUIET_OPTION(struct values, "print errors only"),
     {0}};
 
-/* Shows the warnings of a valid document. */
+/* Prints the warnings about a valid document. */
 static void print_warnings(const char *file, const json_t *answer)
 {
     size_t i;

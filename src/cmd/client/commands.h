@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The subcommands of `penumbra`, one table row each; every row lives in the file that carries the
- * subcommand out. */
+/* The subcommands of `penumbra`. Each is defined in the file that carries it out: cmd_NAME.c, and
+ * cmd_jobs.c for wait, fetch, stats, cancel and delete. */
 #ifndef PEN_CMD_CLIENT_COMMANDS_H
 #define PEN_CMD_CLIENT_COMMANDS_H
 

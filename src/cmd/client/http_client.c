@@ -28,8 +28,7 @@ static bool is_loopback(const char *host)
            strcmp(host, "[::1]") == 0;
 }
 
-/* Checks the URL. A proxy of the environment makes no sense towards this very machine: *direct.
- */
+/* Checks the URL. *direct: it names this machine, so a proxy set in the environment is ignored. */
 static bool check_url(const char *url, bool *direct, struct pen_status *st)
 {
     char *host = NULL, *scheme = NULL;
@@ -159,8 +158,7 @@ static bool add_header(struct curl_slist **list, const char *format, const char 
 static bool make_headers(const struct pen_client *client, const struct pen_request *request,
                          struct curl_slist **list)
 {
-    bool ok =
-        add_header(list, "%s", "Expect:"); /* no pause before a body: 413 comes early anyway */
+    bool ok = add_header(list, "%s", "Expect:"); /* none: the daemon answers 413 early without it */
     if (request->body)
         ok = ok && add_header(list, "Content-Type: %s", request->type);
     if (request->idempotency_key)
@@ -192,7 +190,7 @@ static void set_request(struct pen_client *client, const struct pen_request *req
         curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
         curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request->method);
     }
-    /* An answer that has stopped coming is given up; a long poll is silent as long as it waits. */
+    /* Gives up after timeout_s without a byte; a long poll is silent for as long as it waits. */
     curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
     curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, (long)request->timeout_s);
     curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_body);
@@ -201,7 +199,7 @@ static void set_request(struct pen_client *client, const struct pen_request *req
     curl_easy_setopt(curl, CURLOPT_HEADERDATA, reply);
 }
 
-/* One attempt. CURLE_OK: *reply holds an answer, whatever its status. */
+/* One attempt. CURLE_OK: *reply holds an answer, with any status. */
 static CURLcode attempt(struct pen_client *client, const struct pen_request *request,
                         struct pen_reply *reply)
 {
@@ -225,7 +223,7 @@ static CURLcode attempt(struct pen_client *client, const struct pen_request *req
     return code;
 }
 
-/* Whether another attempt may help, and cannot do harm. */
+/* Whether another attempt may succeed and does no harm. */
 static bool worth_repeating(CURLcode code, const struct pen_request *request,
                             const struct pen_reply *reply)
 {
@@ -264,13 +262,14 @@ static CURLcode attempt_until(struct pen_client *client, const struct pen_reques
     }
 }
 
-/* A stream as it comes in. */
+/* The user data of on_stream. */
 struct stream {
     CURL *curl;
     struct pen_sse *sse;
 };
 
-/* What is no stream of events is not read. */
+/* Passes the bytes on to the reader of events. Returning less than size * count makes libcurl stop:
+ * so ends every answer that is no stream of events. */
 static size_t on_stream(char *data, size_t size, size_t count, void *user)
 {
     struct stream *stream = user;
@@ -288,7 +287,7 @@ bool pen_client_events(struct pen_client *client, const char *path, struct pen_s
 {
     struct pen_request request = {.method = "GET", .path = path, .timeout_s = silence_s};
     struct pen_reply reply = {0};
-    struct stream stream = {client->curl, sse};
+    struct stream stream = {.curl = client->curl, .sse = sse};
     struct curl_slist *headers = NULL;
     char *url = NULL;
     CURLcode code = CURLE_OUT_OF_MEMORY;
@@ -322,7 +321,7 @@ static void add_error(struct pen_errors *errors, enum pen_code code, const json_
     pen_errors_add(errors, &st);
 }
 
-/* The error code for a status whose body names none. */
+/* The error code of an HTTP status, for answers whose body names none. */
 static enum pen_code code_of_http(long status)
 {
     for (int code = PEN_USAGE; code < PEN_CODE_COUNT; code++) {
@@ -332,7 +331,8 @@ static enum pen_code code_of_http(long status)
     return PEN_NETWORK;
 }
 
-/* Problem types end in the code's name: "…/problems/invalid-scene". */
+/* The error code of a problem document, whose type ends in the code's name:
+ * "…/problems/invalid-scene". */
 static enum pen_code code_of_problem(const json_t *problem, long status)
 {
     const char *type = json_string_value(json_object_get(problem, "type"));

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* A client of the daemon's HTTP API: one connection, kept open, requests one after the other.
- * What can be repeated safely is repeated: a refused connection, 429 and 503 (after Retry-After),
- * and for requests without or with idempotent effect also a connection that broke; with growing
- * pauses, within a bounded time. libcurl is seen in client.c only. */
+ * A request is sent again, with growing pauses and within a bounded time,
+ *  - after a refused connection;
+ *  - after 429 and 503, at the time that Retry-After names;
+ *  - if sending it twice does no harm (pen_request.repeatable), after a broken connection.
+ * Only http_client.c sees libcurl. */
 #ifndef PEN_CMD_CLIENT_HTTP_CLIENT_H
 #define PEN_CMD_CLIENT_HTTP_CLIENT_H
 
@@ -15,7 +17,8 @@
 #include "cmd/client/sse.h"
 #include "cmd/options.h"
 
-/* What all commands that talk to a daemon take. The rows expect a field `remote` of this type. */
+/* The options of all commands that talk to a daemon. PEN_REMOTE_OPTIONS expects a member `remote`
+ * of this type among the command's values. */
 struct pen_remote {
     const char *server, *token;
     double retry_seconds;
@@ -38,12 +41,12 @@ struct pen_remote {
          .offset = offsetof(values, remote.token),                                                 \
          .value = "TOKEN",                                                                         \
          .env = "PENUMBRA_TOKEN",                                                                  \
-         .help = "sent as a bearer token; better given by the environment, since command lines "   \
-                 "are public"},                                                                    \
+         .help = "sent as a bearer token; better set in the environment, since other users see "   \
+                 "command lines"},                                                                 \
     {                                                                                              \
         .name = "retry", .kind = PEN_OPTION_NUMBER,                                                \
         .offset = offsetof(values, remote.retry_seconds), .value = "SECONDS", .max = 86400,        \
-        .help = "how long to go on trying while the daemon is out of reach or busy, 10 by default" \
+        .help = "how long to try again while the daemon is out of reach or busy, 10 by default"    \
     }
 
 struct pen_client;
@@ -60,8 +63,8 @@ struct pen_request {
     const char *idempotency_key; /* NULL: none */
     const char *if_none_match;   /* NULL: none */
     const char *accept;          /* media type; NULL: any */
-    bool repeatable;             /* may be sent again after a connection that broke */
-    int timeout_s;               /* how long the answer may take to begin */
+    bool repeatable;             /* may be sent again after a broken connection */
+    int timeout_s;               /* the longest silence before and within the answer */
 };
 
 struct pen_reply {
@@ -73,22 +76,24 @@ struct pen_reply {
 
 void pen_reply_release(struct pen_reply *reply);
 
-/* Sends and receives. An answer of 400 or more is an error: its problem document becomes *errors.
- * Owns: release *reply in any case. Fails: PEN_NETWORK, or what the daemon said. */
+/* Sends a request and receives the answer. A status of 400 or more is an error: its problem
+ * document becomes *errors. Owns: release *reply in any case. Fails: PEN_NETWORK, PEN_NO_MEMORY, or
+ * the code of the problem document. */
 bool pen_client_send(struct pen_client *client, const struct pen_request *request,
                      struct pen_reply *reply, struct pen_errors *errors);
 
-/* As pen_client_send, for an answer that is JSON. Owns: *json; the caller json_decref()s. */
+/* As pen_client_send, for an answer that is JSON; *json is NULL after 204, 304 and errors. Owns:
+ * the caller json_decref()s *json. */
 bool pen_client_json(struct pen_client *client, const struct pen_request *request,
                      struct pen_reply *reply, json_t **json, struct pen_errors *errors);
 
-/* Follows a stream of events until it ends; once, without a second attempt.
- * Returns false when there was no stream, or it broke; sse->events and sse->last_id tell how far
- * it came. */
+/* Reads a stream of events until it ends, in one attempt; it resumes after sse->last_id, and breaks
+ * off after silence_s seconds without a byte. Returns false if there was no stream or it broke;
+ * sse->events and sse->last_id are up to date in any case. */
 bool pen_client_events(struct pen_client *client, const char *path, struct pen_sse *sse,
                        int silence_s);
 
-/* Called before each pause of a repeated request, with the reason; for a note to people. */
+/* Called with the reason before each pause of a repeated request, for a progress note. */
 typedef void pen_client_pause_fn(void *user, const char *reason);
 void pen_client_on_pause(struct pen_client *client, pen_client_pause_fn *fn, void *user);
 

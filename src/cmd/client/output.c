@@ -5,29 +5,23 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "cmd/files.h"
 #include "film/encode.h"
-#include "io/scene_json.h"
 #include "study/report.h"
 
 const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
-const char *const pen_output_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
-
-static bool ends_in(const char *path, const char *ending)
-{
-    size_t length = strlen(path), tail = strlen(ending);
-    return length > tail && strcmp(path + length - tail, ending) == 0;
-}
-
 const char *const pen_output_all_formats[] = {"png", "png16", "pfm",  "json",
                                               "csv", "md",    "html", NULL};
+const char *const pen_output_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
 
-/* The member of names[] that is `format`, or else the ending of `path`; NULL if none is. */
+/* The name in names[] that equals `format`, or if that is NULL the one that `path` ends in. Returns
+ * NULL if there is none. */
 static const char *find_format(const char *path, const char *format, const char *const *names)
 {
     for (int i = 0; names[i]; i++) {
         char ending[8];
         snprintf(ending, sizeof ending, ".%s", names[i]);
-        if (format ? strcmp(format, names[i]) == 0 : ends_in(path, ending))
+        if (format ? strcmp(format, names[i]) == 0 : pen_name_ends_in(path, ending))
             return names[i];
     }
     return NULL;
@@ -47,11 +41,11 @@ const char *pen_output_format(const char *path, const char *format, struct pen_s
     return found;
 }
 
-const char *pen_output_report_format(const char *path, const char *form, struct pen_status *st)
+const char *pen_output_report_format(const char *path, const char *format, struct pen_status *st)
 {
-    const char *found = find_format(path, form, pen_bench_report_formats);
-    if (!found && form)
-        pen_fail(st, PEN_USAGE, "--format: a report is json, csv, md or html, not %s", form);
+    const char *found = find_format(path, format, pen_bench_report_formats);
+    if (!found && format)
+        pen_fail(st, PEN_USAGE, "--format: a report is json, csv, md or html, not %s", format);
     else if (!found)
         pen_fail(
             st, PEN_USAGE,
@@ -66,14 +60,6 @@ bool pen_output_layer_check(const char *layer, struct pen_status *st)
     if (!layer || strcmp(layer, "beauty") == 0)
         return true;
     return pen_fail(st, PEN_UNSUPPORTED, "--layer %s: known, not supported yet", layer);
-}
-
-bool pen_output_set(struct pen_settings *settings, const char *assignment, struct pen_status *st)
-{
-    struct pen_status cause;
-    if (pen_settings_set(settings, assignment, &cause))
-        return true;
-    return pen_fail(st, cause.code, "--set %s: %s", assignment, cause.msg);
 }
 
 static enum pen_transfer transfer_of(const struct pen_settings *settings)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The command line: picks the subcommand, nothing else. */
+/* The program `penumbra`: finds the subcommand and runs it. */
 #include <stdio.h>
 #include <string.h>
 
@@ -13,23 +13,33 @@ static const struct pen_command *const commands[] = {
     &pen_command_fetch,   &pen_command_list,     &pen_command_top,     &pen_command_stats,
     &pen_command_cancel,  &pen_command_delete,
 };
-enum { COMMAND_COUNT = sizeof commands / sizeof commands[0], WITHOUT_DAEMON = 6 };
+enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
-static void print_commands(FILE *out, int first, int end)
+/* A command that talks to a daemon has the option --server. */
+static bool needs_daemon(const struct pen_command *command)
 {
-    for (int i = first; i < end; i++)
-        fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
+    return pen_option_find(command->options, "server") >= 0;
+}
+
+static void print_commands(FILE *out, bool with_daemon)
+{
+    for (int i = 0; i < COMMAND_COUNT; i++) {
+        if (needs_daemon(commands[i]) == with_daemon)
+            fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
+    }
 }
 
 static void print_help(FILE *out)
 {
-    fputs("Usage: penumbra COMMAND …\n\n"
-          "Renders scenes, here or by a daemon. `penumbra COMMAND --help` tells more.\n\n"
-          "Without a daemon:\n",
-          out);
-    print_commands(out, 0, WITHOUT_DAEMON);
+    fputs(
+        "Usage: penumbra COMMAND …\n\n"
+        "Renders scenes, in this process or through a daemon. `penumbra COMMAND --help` describes "
+        "a command.\n\n"
+        "Without a daemon:\n",
+        out);
+    print_commands(out, false);
     fputs("\nWith a daemon (--server URL or PENUMBRA_URL, default http://127.0.0.1:8080):\n", out);
-    print_commands(out, WITHOUT_DAEMON, COMMAND_COUNT);
+    print_commands(out, true);
     fputs("\n", out);
     pen_report_exit_codes(out);
 }

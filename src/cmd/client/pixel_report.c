@@ -17,7 +17,7 @@ bool pen_pixel_parse(const char *text, int *x, int *y, struct pen_status *st)
                     text);
 }
 
-/* What the pixel becomes in each output. */
+/* The pixel's values in each output format. */
 struct outputs {
     float film[3];
     int png8[3], png16[3];

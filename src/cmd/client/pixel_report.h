@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One pixel looked at closely: what `penumbra render --pixel X,Y` prints. */
+/* The output of `penumbra render --pixel X,Y`: all values of one pixel. */
 #ifndef PEN_CMD_CLIENT_PIXEL_REPORT_H
 #define PEN_CMD_CLIENT_PIXEL_REPORT_H
 
@@ -18,10 +18,10 @@ struct pen_pixel {
 /* Reads "X,Y", both ≥ 0. Fails: PEN_USAGE. */
 bool pen_pixel_parse(const char *text, int *x, int *y, struct pen_status *st);
 
-/* Prints for people, in full precision and as hexadecimal floats. */
+/* Prints the pixel as text, in full precision and as hexadecimal floats. */
 void pen_pixel_print(const struct pen_pixel *pixel, const struct pen_settings *settings);
 
-/* The same for programs. */
+/* The same as JSON. Owns: the caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_pixel_json(const struct pen_pixel *pixel, const struct pen_settings *settings);
 
 #endif

@@ -37,8 +37,8 @@ void pen_progress_text(const char *label, double fraction, double eta_seconds, i
     char left[16], bar[64];
     pen_progress_time(eta_seconds, left);
     fraction = fraction < 0 ? 0 : fraction > 1 ? 1 : fraction;
-    int room = columns - (int)strlen(label) - 24;
-    int width = room > 40 ? 40 : room;
+    int space = columns - (int)strlen(label) - 24;
+    int width = space > 40 ? 40 : space;
     if (width < 8) {
         snprintf(out, bytes, "%3d %%  %s left", (int)(fraction * 100), left);
         return;
@@ -56,7 +56,7 @@ static void draw(const char *text)
     fflush(stderr);
 }
 
-/* Whether it is time to draw again; the last state of a bar is always drawn. */
+/* Whether to draw now: `always`, or redraw_ns after the last time. Notes the time if so. */
 static bool due(struct pen_progress *progress, bool always)
 {
     int64_t now = pen_clock_ns();

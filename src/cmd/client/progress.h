@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A progress bar with the time left, on standard error, for people only: nothing is printed
- * unless standard error is a terminal. One line, redrawn at most ten times a second. */
+/* A progress bar with the time left, in one line of standard error, redrawn at most ten times a
+ * second. Nothing is printed unless standard error is a terminal. */
 #ifndef PEN_CMD_CLIENT_PROGRESS_H
 #define PEN_CMD_CLIENT_PROGRESS_H
 
@@ -17,7 +17,8 @@ struct pen_progress {
 /* Begins a bar; on only if standard error is a terminal and not quiet. */
 void pen_progress_begin(struct pen_progress *progress, const char *label, bool quiet);
 
-/* Shows a fraction in 0…1; eta_seconds < 0 lets the bar reckon the time left itself. */
+/* Shows a fraction in 0…1. eta_seconds is the time left; if negative, the bar estimates it from the
+ * time spent so far. */
 void pen_progress_show(struct pen_progress *progress, double fraction, double eta_seconds);
 
 /* Shows a note in place of the bar ("queued", "the daemon does not answer, trying again"). */
@@ -26,10 +27,11 @@ void pen_progress_note(struct pen_progress *progress, const char *note);
 /* Clears the line. */
 void pen_progress_end(struct pen_progress *progress);
 
-/* "1:05", "2:00:03"; out has 16 bytes. */
+/* Writes a duration: "1:05", "2:00:03". */
 void pen_progress_time(double seconds, char out[16]);
 
-/* The text of a bar of `columns` columns, e.g. "room [#####     ]  50 %  0:10 left". */
+/* Writes a bar of at most `columns` columns, such as "room [#####     ]  50 %  0:10 left"; without
+ * label and bar if there is no space for them. */
 void pen_progress_text(const char *label, double fraction, double eta_seconds, int columns,
                        char *out, size_t bytes);
 

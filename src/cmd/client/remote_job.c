@@ -14,12 +14,12 @@
 enum {
     ANSWER_S = 30,
     LONG_POLL_S = 30,
-    SILENCE_S = 35 /* of a stream: three heartbeats */
+    SILENCE_S = 35 /* of a stream of events; three heartbeats are missing then */
 };
 
-const char *pen_remote_text(const json_t *job, const char *key)
+const char *pen_remote_text(const json_t *object, const char *key)
 {
-    const char *text = json_string_value(json_object_get(job, key));
+    const char *text = json_string_value(json_object_get(object, key));
     return text ? text : "";
 }
 
@@ -60,29 +60,38 @@ static bool job_path(struct pen_client *client, const char *id, const char *suff
            pen_buf_puts(path, suffix);
 }
 
+static bool request_json(struct pen_client *client, const char *method, const char *path,
+                         json_t **json, struct pen_errors *errors)
+{
+    struct pen_reply reply = {0};
+    struct pen_request request = {
+        .method = method, .path = path, .repeatable = true, .timeout_s = ANSWER_S};
+    bool ok = pen_client_json(client, &request, &reply, json, errors);
+    pen_reply_release(&reply);
+    return ok;
+}
+
+bool pen_remote_get(struct pen_client *client, const char *path, json_t **json,
+                    struct pen_errors *errors)
+{
+    return request_json(client, "GET", path, json, errors);
+}
+
 bool pen_remote_job(struct pen_client *client, const char *method, const char *id,
                     const char *suffix, json_t **json, struct pen_errors *errors)
 {
     struct pen_buf path = {0};
-    struct pen_reply reply = {0};
     *json = NULL;
-    bool ok = job_path(client, id, suffix, &path) || out_of_memory(errors);
-    if (ok) {
-        struct pen_request request = {.method = method,
-                                      .path = (const char *)path.data,
-                                      .repeatable = true, /* also cancel and delete */
-                                      .timeout_s = ANSWER_S};
-        ok = pen_client_json(client, &request, &reply, json, errors);
-    }
-    pen_reply_release(&reply);
+    bool ok = (job_path(client, id, suffix, &path) || out_of_memory(errors)) &&
+              request_json(client, method, (const char *)path.data, json, errors);
     pen_buf_release(&path);
     return ok;
 }
 
-/* One look at the job: at once if *etag is empty, else when its revision differs or after a
- * while. *job becomes the new state, or stays. */
-static bool look(struct pen_client *client, const char *path, char etag[128], json_t **job,
-                 struct pen_errors *errors)
+/* Updates *job and etag, unless the daemon answers that the job's revision is still that of etag
+ * ("": none). `path` says how long the daemon waits for another revision. */
+static bool poll_job(struct pen_client *client, const char *path, char etag[128], json_t **job,
+                     struct pen_errors *errors)
 {
     struct pen_request request = {.method = "GET",
                                   .path = path,
@@ -126,7 +135,7 @@ static void on_pause(void *user, const char *reason)
     pen_progress_note(user, note);
 }
 
-/* The reason why a job did not succeed, as its problem document gives it. */
+/* Whether the job succeeded. If not, adds the reason from its problem document to *errors. */
 static bool check_end(const json_t *job, struct pen_errors *errors)
 {
     struct pen_status st;
@@ -143,12 +152,13 @@ static bool check_end(const json_t *job, struct pen_errors *errors)
     return false;
 }
 
-/* A job being followed. */
+/* A job that is being followed. */
 struct following {
     struct pen_client *client;
     struct pen_progress *progress;
     json_t **job;
-    struct pen_buf path, soon, waiting, events; /* of the job, and how to wait for it */
+    /* The job's path, alone and with a wait of 1 s and 30 s, and the path of its events. */
+    struct pen_buf path, wait_short, wait_long, events;
     char etag[sizeof((struct pen_reply *)0)->etag];
 };
 
@@ -164,33 +174,33 @@ static void on_event(void *user, const char *type, const char *data)
         show(following->progress, job);
 }
 
-/* Lets the daemon tell. Where there are no events, as from a daemon whose places are all taken or
- * behind a proxy that holds them back, *usable becomes false; a stream that broke is taken up
- * again. */
-static void listen_to(struct following *following, struct pen_sse *sse, bool *usable)
+/* Reads the stream of events until it ends or breaks; the next call resumes it. *usable becomes
+ * false if no event came: the daemon serves no further stream, or a proxy holds the events back. */
+static void read_events(struct following *following, struct pen_sse *sse, bool *usable)
 {
     int before = sse->events;
     pen_client_events(following->client, (const char *)following->events.data, sse, SILENCE_S);
     *usable = sse->events > before;
-    following->etag[0] = '\0'; /* what was told may be newer than what was looked at */
+    following->etag[0] = '\0'; /* events may have brought a newer state than the tag's */
 }
 
-/* A job that is over within a second costs one request. */
+/* Follows the job by events, or by long polls where there are none. The first request waits for a
+ * second, so a job that ends within it costs one request. */
 static bool follow(struct following *following, struct pen_errors *errors)
 {
     const char *path = (const char *)following->path.data;
-    const char *waiting = (const char *)following->waiting.data;
+    const char *wait_long = (const char *)following->wait_long.data;
     struct pen_sse sse = {.each = on_event, .user = following};
     bool usable = true;
-    bool ok = look(following->client, (const char *)following->soon.data, following->etag,
-                   following->job, errors);
+    bool ok = poll_job(following->client, (const char *)following->wait_short.data, following->etag,
+                       following->job, errors);
     while (ok && !has_ended(*following->job)) {
         show(following->progress, *following->job);
         if (usable)
-            listen_to(following, &sse, &usable);
+            read_events(following, &sse, &usable);
         if (!has_ended(*following->job))
-            ok = look(following->client, usable ? path : waiting, following->etag, following->job,
-                      errors);
+            ok = poll_job(following->client, usable ? path : wait_long, following->etag,
+                          following->job, errors);
     }
     pen_sse_release(&sse);
     return ok;
@@ -207,16 +217,16 @@ bool pen_remote_wait(struct pen_client *client, const char *id, bool quiet, json
     pen_progress_begin(&progress, label, quiet);
     pen_client_on_pause(client, on_pause, &progress);
     bool ok = (job_path(client, id, "", &following.path) &&
-               job_path(client, id, "?wait=1", &following.soon) &&
-               job_path(client, id, "?wait=30", &following.waiting) &&
+               job_path(client, id, "?wait=1", &following.wait_short) &&
+               job_path(client, id, "?wait=30", &following.wait_long) &&
                job_path(client, id, "/events", &following.events)) ||
               out_of_memory(errors);
     ok = ok && follow(&following, errors);
     pen_client_on_pause(client, NULL, NULL);
     pen_progress_end(&progress);
     pen_buf_release(&following.path);
-    pen_buf_release(&following.soon);
-    pen_buf_release(&following.waiting);
+    pen_buf_release(&following.wait_short);
+    pen_buf_release(&following.wait_long);
     pen_buf_release(&following.events);
     return ok && check_end(*job, errors);
 }
@@ -236,7 +246,7 @@ static bool image_path(struct pen_client *client, const char *id, const struct p
            add_query(client, path, "layer", fetch->layer, '&');
 }
 
-/* Where what is wanted is, and as what type; NULL: the path says it all. */
+/* The path of the picture or report, and its media type; *accept NULL: the path has the format. */
 static bool result_path(struct pen_client *client, const char *id, const struct pen_fetch *fetch,
                         struct pen_buf *path, const char **accept, struct pen_errors *errors)
 {

@@ -24,7 +24,7 @@ static bool dispatch(struct pen_sse *sse)
     return true;
 }
 
-/* A line with its end cut off; an empty one ends the event. */
+/* Takes a line without its line feed. An empty line ends the event. */
 static bool take_line(struct pen_sse *sse, char *line)
 {
     if (!*line)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads server-sent events out of bytes as they come. What is not understood is passed over, as
- * the standard wants it. */
+/* A reader of server-sent events (WHATWG HTML, section 9.2) that takes bytes as they come. It
+ * ignores unknown fields, as the standard requires. */
 #ifndef PEN_CMD_CLIENT_SSE_H
 #define PEN_CMD_CLIENT_SSE_H
 
@@ -9,18 +9,18 @@
 
 #include "base/buf.h"
 
-/* An event. */
+/* Called for each whole event. */
 typedef void pen_sse_fn(void *user, const char *type, const char *data);
 
-/* All zeros but for `each` and `user` at first; last_id may be set to that of an earlier stream. */
+/* Initialise `each` and `user`, and last_id to resume an earlier stream; the rest is zero. */
 struct pen_sse {
     pen_sse_fn *each;
     void *user;
-    char last_id[32]; /* of the last event given out; "": none */
+    char last_id[32]; /* of the last event passed to `each`; "": none */
 
     char type[32], id[32]; /* of the event being read */
     struct pen_buf line, data;
-    int events; /* given out so far */
+    int events; /* passed to `each` so far */
 };
 
 void pen_sse_release(struct pen_sse *sse);

@@ -86,11 +86,21 @@ static bool refuse_unknown(struct pen_reader *r, const struct pen_place *at, con
                            keys);
 }
 
-static bool is_known(const struct pen_field *fields, const char *key)
+const struct pen_field *pen_field_find(const struct pen_field *fields, const char *key)
 {
     while (fields->key && strcmp(fields->key, key) != 0)
         fields++;
-    return fields->key != NULL;
+    return fields->key ? fields : NULL;
+}
+
+bool pen_fields_read_member(struct pen_reader *r, const struct pen_place *at, const char *key,
+                            const json_t *value, const struct pen_field *fields, void *target)
+{
+    const struct pen_field *field = pen_field_find(fields, key);
+    struct pen_place place = pen_place_key(at, key);
+    if (!field)
+        return refuse_unknown(r, at, key, fields);
+    return read_field(r, &place, value, field, (char *)target + field->offset);
 }
 
 bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *object,
@@ -114,7 +124,7 @@ bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const jso
         return ok;
     json_t *members = (json_t *)object; /* only jansson's iterator wants it: nothing changes */
     for (void *i = json_object_iter(members); i; i = json_object_iter_next(members, i)) {
-        if (!is_known(fields, json_object_iter_key(i)))
+        if (!pen_field_find(fields, json_object_iter_key(i)))
             ok = refuse_unknown(r, at, json_object_iter_key(i), fields);
     }
     return ok;

@@ -148,7 +148,15 @@ struct pen_field {
 bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *object,
                      const struct pen_field *fields, void *target);
 
-/* The same for an object that must be whole: also reports the required fields that are missing. */
+/* The row of a key; NULL if the table has none. */
+const struct pen_field *pen_field_find(const struct pen_field *fields, const char *key);
+
+/* Reads one member of the object at `at` into *target, or refuses its key. */
+bool pen_fields_read_member(struct pen_reader *r, const struct pen_place *at, const char *key,
+                            const json_t *value, const struct pen_field *fields, void *target);
+
+/* As pen_fields_read, for an object that must be whole: also reports the required fields that are
+ * missing. */
 bool pen_fields_read_whole(struct pen_reader *r, const struct pen_place *at, const json_t *object,
                            const struct pen_field *fields, void *target);
 

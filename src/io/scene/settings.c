@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Render settings, from a `render` object or from `key=value` of a command line. */
 #include <limits.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "io/scene/reader.h"
 #include "io/scene/tables.h"
+#include "io/settings_json.h"
 
 /* Caps that keep a tile's and a path's memory in bounds; everything else that is too much is
  * caught by the limits on pixels and work. */
@@ -90,36 +92,71 @@ bool pen_settings_read(const json_t *render, const char *at, struct pen_settings
     return pen_settings_fields_read(&r, &root, render, settings);
 }
 
-/* A value as JSON if it is JSON, else as a word: `--set accelerator=none` needs no quotes. */
-static json_t *parse_value(const char *text)
+bool pen_settings_has(const char *key)
+{
+    return pen_field_find(pen_settings_fields, key) != NULL;
+}
+
+bool pen_settings_read_member(const char *key, const json_t *value, const char *at,
+                              struct pen_settings *settings, struct pen_errors *errors)
+{
+    const struct pen_place root = {0};
+    struct pen_reader r = {.errors = errors, .prefix = at};
+    struct target target = {.settings = *settings};
+    bool ok = pen_fields_read_member(&r, &root, key, value, pen_settings_fields, &target);
+    if (ok)
+        *settings = target.settings;
+    return ok;
+}
+
+static bool is_utf8(const char *text, size_t bytes)
+{
+    for (size_t length; bytes > 0; text += length, bytes -= length) {
+        length = pen_utf8_char(text, bytes);
+        if (length == 0)
+            return false;
+    }
+    return true;
+}
+
+json_t *pen_settings_parse_value(const char *text, size_t bytes, struct pen_status *st)
 {
     const struct pen_limits limits = pen_limits_default();
-    struct pen_status st;
-    json_t *value = pen_json_parse(text, strlen(text), &limits, &st);
-    return value ? value : json_string(text);
+    struct pen_status not_json;
+    if (!is_utf8(text, bytes)) {
+        pen_fail(st, PEN_USAGE, "the value must be text in UTF-8");
+        return NULL;
+    }
+    json_t *value = pen_json_parse(text, bytes, &limits, &not_json);
+    if (!value && !(value = json_stringn(text, bytes)))
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a setting");
+    return value;
+}
+
+/* Fills *st with an error of one member of an object at "", whose place is "/KEY". */
+static bool fail_assignment(const struct pen_status *error, const char *key, struct pen_status *st)
+{
+    bool names_key = pen_settings_has(key); /* else the message itself names the unknown key */
+    return pen_fail(st, error->code == PEN_INVALID ? PEN_USAGE : error->code, "%s%s%s",
+                    names_key ? key : "", names_key ? " " : "", error->msg);
 }
 
 bool pen_settings_set(struct pen_settings *settings, const char *assignment, struct pen_status *st)
 {
     const char *equals = strchr(assignment, '=');
-    struct pen_text quoted = pen_text_quote(assignment);
     if (!equals || equals == assignment)
-        return pen_fail(st, PEN_USAGE, "%s is no setting: write key=value", quoted.text);
-    json_t *value = parse_value(equals + 1);
-    json_t *object = json_object();
+        return pen_fail(st, PEN_USAGE, "%s is no setting: write key=value",
+                        pen_text_quote(assignment).text);
     struct pen_errors errors = {0};
-    if (!value || json_object_setn(object, assignment, (size_t)(equals - assignment), value) != 0)
-        pen_fail(&errors.item[errors.count++], value ? PEN_USAGE : PEN_NO_MEMORY,
-                 "%s is no setting: it must be text in UTF-8", quoted.text);
-    else
-        pen_settings_read(object, "", settings, &errors);
-    json_decref(object);
+    struct pen_status cause;
+    char *key = strndup(assignment, (size_t)(equals - assignment));
+    json_t *value = pen_settings_parse_value(equals + 1, strlen(equals + 1), &cause);
+    bool ok = key && value && pen_settings_read_member(key, value, "", settings, &errors);
+    if (!key)
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a setting");
+    else if (!ok)
+        fail_assignment(value ? &errors.item[0] : &cause, key, st);
     json_decref(value);
-    if (errors.count == 0)
-        return true;
-    const struct pen_status *e = &errors.item[0];
-    /* The key is the pointer, but for an unknown one the message names it. */
-    bool unknown = strncmp(e->msg, "unknown key", 11) == 0 || !e->at[0];
-    return pen_fail(st, e->code == PEN_INVALID ? PEN_USAGE : e->code, "%s%s%s",
-                    unknown ? "" : e->at + 1, unknown ? "" : " ", e->msg);
+    free(key);
+    return ok;
 }

@@ -1,26 +1,61 @@
 /* SPDX-License-Identifier: MIT */
-#include "cmd/client/bench_options.h"
+#include "cmd/client/setting_options.h"
 
 #include <string.h>
+
+#include "io/scene_json.h"
+#include "io/settings_json.h"
+
+static bool apply_one(const char *assignment, struct pen_settings *settings, struct pen_status *st)
+{
+    struct pen_status cause;
+    return pen_settings_set(settings, assignment, &cause) ||
+           pen_fail(st, cause.code, "--set %s: %s", assignment, cause.msg);
+}
+
+bool pen_set_options_apply(const struct pen_option_list *set, struct pen_settings *settings,
+                           struct pen_status *st)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < set->count; i++)
+        ok = apply_one(set->item[i], settings, st);
+    return ok;
+}
+
+bool pen_set_options_add(json_t *job, const struct pen_option_list *set, struct pen_status *st)
+{
+    struct pen_settings checked = pen_settings_default();
+    json_t *render = json_object_get(job, "render");
+    if (!pen_set_options_apply(set, &checked, st))
+        return false;
+    if (set->count > 0 && !json_is_object(render)) {
+        render = json_object();
+        json_object_set_new(job, "render", render);
+    }
+    for (int i = 0; i < set->count; i++) {
+        const char *equals = strchr(set->item[i], '=');
+        json_t *value = pen_settings_parse_value(equals + 1, strlen(equals + 1), st);
+        if (!value)
+            return false;
+        json_object_setn_new(render, set->item[i], (size_t)(equals - set->item[i]), value);
+    }
+    return true;
+}
 
 static bool fail_form(const char *option, const char *text, struct pen_status *st)
 {
     return pen_fail(st, PEN_USAGE, "--%s: found \"%s\", allowed is KEY=VALUE,…", option, text);
 }
 
-static json_t *value_of(const char *text, size_t bytes)
-{
-    json_t *value = json_loadb(text, bytes, JSON_DECODE_ANY, NULL);
-    return value ? value : json_stringn(text, bytes);
-}
-
 /* "none,auto" -> ["none", "auto"]. */
 static json_t *list_of(const char *text)
 {
+    struct pen_status ignored; /* the caller reports the whole option */
     json_t *list = json_array();
     for (const char *at = text;; at++) {
         size_t bytes = strcspn(at, ",");
-        if (bytes == 0 || json_array_append_new(list, value_of(at, bytes)) != 0) {
+        if (bytes == 0 ||
+            json_array_append_new(list, pen_settings_parse_value(at, bytes, &ignored)) != 0) {
             json_decref(list);
             return NULL;
         }
@@ -47,15 +82,18 @@ static bool add_list(json_t *matrix, const char *text, struct pen_status *st)
 /* "accelerator=auto,threads=1" -> {"accelerator": "auto", "threads": 1}. */
 static bool add_baseline(json_t *job, const char *text, struct pen_status *st)
 {
+    struct pen_status ignored;
     json_t *baseline = json_object();
     bool ok = json_object_set_new(job, "baseline", baseline) == 0;
     for (const char *at = text; ok; at++) {
         size_t bytes = strcspn(at, ",");
         const char *equals = memchr(at, '=', bytes);
         size_t length = equals ? (size_t)(equals - at) : 0;
-        ok = length > 0 && length + 1 < bytes &&
-             json_object_setn_new(baseline, at, length, value_of(equals + 1, bytes - length - 1)) ==
-                 0;
+        ok = length > 0 && length + 1 < bytes;
+        if (ok) {
+            json_t *value = pen_settings_parse_value(equals + 1, bytes - length - 1, &ignored);
+            ok = json_object_setn_new(baseline, at, length, value) == 0;
+        }
         at += bytes;
         if (!*at)
             break;

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/client/scene_input.h"
+
+#include <string.h>
+
+#include "base/clock.h"
+#include "io/message.h"
+
+bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
+                          struct pen_errors *errors)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    *input = (struct pen_scene_input){0};
+    bool ok = pen_source_read(&input->source, name, limits.body_bytes, &st);
+    if (ok && !(input->arena = pen_arena_new(0)))
+        ok = pen_fail(&st, PEN_NO_MEMORY, "out of memory");
+    if (!ok) {
+        pen_errors_add(errors, &st);
+        return false;
+    }
+    int64_t start_ns = pen_clock_ns();
+    ok = pen_source_scene(&input->source, &limits, input->arena, &input->desc, errors);
+    input->parse_ms = (double)(pen_clock_ns() - start_ns) * 1e-6;
+    return ok;
+}
+
+int pen_scene_input_view(const struct pen_scene_input *input, const char *name,
+                         struct pen_status *st)
+{
+    enum { NAMES_MAX = 64 }; /* of those that are compared with a misspelt one */
+    const char *names[NAMES_MAX + 1] = {NULL};
+    for (uint32_t i = 0; i < input->desc.view_count; i++) {
+        if (strcmp(input->desc.views[i].name, name) == 0)
+            return (int)i;
+        if (i < NAMES_MAX)
+            names[i] = input->desc.views[i].name;
+    }
+    const char *near = pen_nearest_name(name, names);
+    pen_fail(st, PEN_NOT_FOUND, "no view \"%s\", %s is \"%s\"", name,
+             near ? "nearest" : "the first", near ? near : names[0]);
+    return -1;
+}
+
+void pen_scene_input_release(struct pen_scene_input *input)
+{
+    pen_arena_free(input->arena);
+    pen_source_release(&input->source);
+}

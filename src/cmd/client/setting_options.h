@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* Render settings on the command line: `--set KEY=VALUE`, and of benchmarks `--matrix KEY=VALUE,…`
+ * and `--baseline KEY=VALUE,…`. A value is JSON if it is JSON, otherwise a string. */
+#ifndef PEN_CMD_CLIENT_SETTING_OPTIONS_H
+#define PEN_CMD_CLIENT_SETTING_OPTIONS_H
+
+#include <jansson.h>
+
+#include "cmd/options.h"
+#include "scene/settings.h"
+
+/* Applies every --set to *settings. Fails: PEN_USAGE, PEN_UNSUPPORTED, PEN_NO_MEMORY, naming the
+ * option. */
+bool pen_set_options_apply(const struct pen_option_list *set, struct pen_settings *settings,
+                           struct pen_status *st);
+
+/* Adds every --set to the `render` object of a job, after the same checks. Fails: as
+ * pen_set_options_apply. */
+bool pen_set_options_add(json_t *job, const struct pen_option_list *set, struct pen_status *st);
+
+/* Adds "matrix" and "baseline" to a job; without options neither. baseline may be NULL.
+ * Fails: PEN_USAGE, naming the option; PEN_NO_MEMORY. */
+bool pen_bench_options_add(json_t *job, const struct pen_option_list *matrix, const char *baseline,
+                           struct pen_status *st);
+
+/* Turns errors about those two members into errors about the options: "/matrix/threads/1" becomes
+ * "--matrix threads". */
+void pen_bench_options_errors(struct pen_errors *errors);
+
+#endif
