@@ -21,6 +21,7 @@ CC := gcc
 endif
 
 VERSION := 0.1.0
+VERSION_DATE := 2026-11-22
 RENDER_ROOMS := base math geom accel scene shade film render io embed
 SERVICE_ROOMS := study store jobs http
 # A room's files: those in its folder and in folders of that.
@@ -52,6 +53,9 @@ endif
 SONAME := libpenumbra.so.0
 SHARED := $(BUILD)/libpenumbra.so.$(VERSION)
 LIBRARIES := $(BUILD)/libpenumbra.a $(if $(SAN),,$(SHARED))
+# Only builds that can be installed have man pages.
+MAN_NAMES := penumbra.1 penumbra.3 penumbra-scene.5 penumbrad.8
+MAN_PAGES := $(if $(SAN),,$(MAN_NAMES:%=$(BUILD)/man/%))
 
 LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(call room_files,$(r)))
 SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r)))
@@ -68,7 +72,7 @@ TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
 TEST_SUPPORT_LIB := $(BUILD)/tests/libsupport.a
 
 .PHONY: asan-build have-deps all golden tests check run-tests demo lint asan tsan clean install conformance
-all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(LIBRARIES)
+all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(LIBRARIES) $(MAN_PAGES)
 .PHONY: librender
 librender: $(BUILD)/librender.a
 CRASH_TEST := $(BUILD)/tests/crash/crash
@@ -115,6 +119,13 @@ $(BUILD)/penumbrad: $(DAEMON_OBJ) $(CMD_OBJ) $(PROGRAM_LIBS)
 $(BUILD)/penumbra $(BUILD)/penumbrad:
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
+
+# Man pages contain what --help prints, the comments of penumbra.h, and the page on scenes.
+$(MAN_PAGES): $(BUILD)/man/%: deploy/man/%.in $(wildcard deploy/man/*.awk) deploy/man/make.sh Makefile \
+    include/penumbra.h api/scene-format.md $(BUILD)/penumbra $(BUILD)/penumbrad
+	@mkdir -p $(@D)
+	$(call say,MAN,$@)
+	$(Q)sh deploy/man/make.sh $(BUILD) $(VERSION) $(VERSION_DATE) $< > $@.tmp && mv $@.tmp $@
 
 $(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
 # Loops over bytes of pixels, which the compiler vectorises at -O3.
@@ -283,13 +294,15 @@ conformance: all $(BUILD)/tests/conformance/compare_pair
 # Where things go. `make uninstall` with the same PREFIX and DESTDIR removes the same list.
 LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
+MANDIR ?= $(PREFIX)/share/man
+man_path = $(MANDIR)/man$(subst .,,$(suffix $(1)))/$(1)
 INSTALLED := $(PREFIX)/bin/penumbra $(PREFIX)/bin/penumbrad $(INCLUDEDIR)/penumbra.h $(LIBDIR)/libpenumbra.a \
     $(LIBDIR)/libpenumbra.so.$(VERSION) $(LIBDIR)/$(SONAME) $(LIBDIR)/libpenumbra.so \
-    $(LIBDIR)/pkgconfig/penumbra.pc
+    $(LIBDIR)/pkgconfig/penumbra.pc $(foreach page,$(MAN_NAMES),$(call man_path,$(page)))
 .PHONY: uninstall
 install: all
 	$(if $(SAN),$(error a build with sanitizers is not for installing))
-	install -d $(addprefix $(DESTDIR),$(PREFIX)/bin $(LIBDIR)/pkgconfig $(INCLUDEDIR))
+	install -d $(addprefix $(DESTDIR),$(sort $(dir $(INSTALLED))))
 	install $(BUILD)/penumbrad $(BUILD)/penumbra $(DESTDIR)$(PREFIX)/bin
 	install -m 644 include/penumbra.h $(DESTDIR)$(INCLUDEDIR)
 	install -m 644 $(BUILD)/libpenumbra.a $(SHARED) $(DESTDIR)$(LIBDIR)
@@ -298,6 +311,7 @@ install: all
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@INCLUDEDIR@|$(INCLUDEDIR)|' \
 	    -e 's|@VERSION@|$(VERSION)|' -e 's|@REQUIRES@|$(LIBRARY_PKGS)|' deploy/penumbra.pc.in \
 	    > $(DESTDIR)$(LIBDIR)/pkgconfig/penumbra.pc
+	$(foreach page,$(MAN_NAMES),install -m 644 $(BUILD)/man/$(page) $(DESTDIR)$(call man_path,$(page)) &&) :
 
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INSTALLED))
