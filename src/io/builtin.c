@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The built-in scenes: the table that the build makes of scenes/. */
+/* Reads pen_builtin_files, the table that the build makes from the directory scenes. */
 #include "io/builtin.h"
 
 #include <string.h>
 
 #include "base/embed.h"
-#include "io/scene_json.h"
+#include "io/message.h"
 
 size_t pen_builtin_count(void)
 {
@@ -37,7 +37,7 @@ const char *pen_builtin_find(const char *name, size_t *bytes)
 
 const char *pen_builtin_nearest(const char *name)
 {
-    enum { NAMES_MAX = 64 };
+    enum { NAMES_MAX = 64 }; /* scenes after these are not suggested */
     const char *names[NAMES_MAX + 1];
     size_t count = 0;
     for (; count < NAMES_MAX && pen_builtin_files[count].name; count++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The scenes that come with Penumbra, from scenes/ *.json at build time. All texts are constant. */
+/* The scenes built into Penumbra: the files scenes/ *.json at build time.
+ * Owns: all names and texts are constants of the program. Threads: any. */
 #ifndef PEN_IO_BUILTIN_H
 #define PEN_IO_BUILTIN_H
 
@@ -8,14 +9,14 @@
 /* The number of built-in scenes. */
 size_t pen_builtin_count(void);
 
-/* Name ("room") and JSON text of scene i; the text is followed by a zero byte. */
+/* The name (such as "room") and the JSON text of scene i, which a zero byte follows. */
 const char *pen_builtin_name(size_t i);
 const char *pen_builtin_text(size_t i, size_t *bytes);
 
-/* The text of the scene of that name, or NULL. */
+/* The text of the scene called `name`, or NULL. */
 const char *pen_builtin_find(const char *name, size_t *bytes);
 
-/* The name most like `name`, as pen_nearest_name (io/scene_json.h) finds it, or NULL. */
+/* The built-in name that pen_nearest_name (io/message.h) finds for `name`, or NULL. */
 const char *pen_builtin_nearest(const char *name);
 
 #endif

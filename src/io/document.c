@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The entrance for documents in JSON and XML. */
+/* Parsing and reading documents in JSON and XML. */
 #include "io/document.h"
 
 #include <stdlib.h>
@@ -45,8 +45,8 @@ static bool is_before(const struct pen_status *a, const struct pen_status *b)
     return a->line < b->line || (a->line == b->line && a->column < b->column);
 }
 
-/* By place; those of the same place stay in the order in which they were found. */
-static void sort(struct pen_errors *errors)
+/* Sorts by line and column. Errors at the same position stay in the order they were found. */
+static void sort_errors(struct pen_errors *errors)
 {
     for (size_t i = 1; i < errors->count; i++) {
         struct pen_status moved = errors->item[i];
@@ -63,16 +63,16 @@ bool pen_document_read(const struct pen_document *document, const struct pen_lim
 {
     const struct pen_xml *xml = document->xml;
     size_t before = errors->total;
-    for (size_t i = 0; xml && i < xml->faults.count; i++)
-        pen_errors_add(errors, &xml->faults.item[i]);
+    for (size_t i = 0; xml && i < xml->errors.count; i++)
+        pen_errors_add(errors, &xml->errors.item[i]);
     if (xml)
-        errors->total += xml->faults.total - xml->faults.count;
+        errors->total += xml->errors.total - xml->errors.count;
     struct pen_source_map source;
     if (xml)
         source = pen_xml_source_map(document->xml);
     pen_scene_read_from(document->json, xml ? &source : NULL, "", limits, arena, desc, errors);
     if (xml)
-        sort(errors);
+        sort_errors(errors);
     return errors->total == before;
 }
 

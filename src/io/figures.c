@@ -11,7 +11,7 @@ json_t *pen_figure(double value)
     return json_real(round(value * 1000) / 1000);
 }
 
-uint64_t pen_figure_ray_sum(const struct pen_ray_counts *rays)
+static uint64_t ray_sum(const struct pen_ray_counts *rays)
 {
     return rays->primary + rays->shadow + rays->reflection + rays->transmission;
 }
@@ -21,18 +21,18 @@ json_t *pen_figure_rays(const struct pen_ray_counts *rays)
     return json_pack("{s:I, s:I, s:I, s:I, s:I}", "primary", (json_int_t)rays->primary, "shadow",
                      (json_int_t)rays->shadow, "reflection", (json_int_t)rays->reflection,
                      "transmission", (json_int_t)rays->transmission, "total",
-                     (json_int_t)pen_figure_ray_sum(rays));
+                     (json_int_t)ray_sum(rays));
 }
 
 json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms)
 {
-    return pen_figure(render_ms > 0 ? (double)pen_figure_ray_sum(rays) / render_ms / 1000 : 0);
+    return pen_figure(render_ms > 0 ? (double)ray_sum(rays) / render_ms / 1000 : 0);
 }
 
 json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                                const struct pen_render_stats *stats)
 {
-    double rays = (double)pen_figure_ray_sum(&stats->rays);
+    double rays = (double)ray_sum(&stats->rays);
     json_t *json =
         json_pack("{s:s, s:I, s:I, s:I, s:I, s:o, s:o}", "kind", pen_accelerator_name(accel->kind),
                   "nodes", (json_int_t)accel->nodes, "leaves", (json_int_t)accel->leaves, "depth",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Numbers of a render as JSON, in the form that all reports and statistics use. Each function
- * returns a new value, which the caller json_decref()s, or NULL when out of memory. */
+/* The measurements of a render as JSON, in the form that all reports and statistics use.
+ * Owns: each function returns a new value, which the caller json_decref()s. Fails: NULL when out
+ * of memory. */
 #ifndef PEN_IO_FIGURES_H
 #define PEN_IO_FIGURES_H
 
@@ -8,27 +9,24 @@
 
 #include "render/render.h"
 
-/* Rounded to thousandths: milliseconds to the microsecond. */
+/* A number rounded to thousandths, so that milliseconds are exact to the microsecond. */
 json_t *pen_figure(double value);
 
-/* The sum of all kinds of rays. */
-uint64_t pen_figure_ray_sum(const struct pen_ray_counts *rays);
-
-/* {primary, shadow, reflection, transmission, total}. */
+/* {primary, shadow, reflection, transmission, total}: counts of rays. */
 json_t *pen_figure_rays(const struct pen_ray_counts *rays);
 
 /* Millions of rays per second. */
 json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms);
 
-/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}; with box_tests_per_ray and
- * primitive_tests_per_ray if the render counted tests. */
+/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}, and box_tests_per_ray and
+ * primitive_tests_per_ray if the render counted intersection tests. */
 json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                                const struct pen_render_stats *stats);
 
-/* The names of the effects in a mask of PEN_FX_ bits. */
+/* The names of the effects in a mask of PEN_FX_ bits, as an array of strings. */
 json_t *pen_figure_effects(unsigned effects);
 
-/* {cpu, isa, cores, version}. */
+/* {cpu, isa, cores, version}: the machine and the version of Penumbra. */
 json_t *pen_figure_host(void);
 
 #endif

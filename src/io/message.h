@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Error texts that other rooms build too: the nearest valid name, a value in words, a whole error
- * as one line. */
+/* Parts of error messages that other rooms need too: the nearest valid name, a value in words, a
+ * complete error on one line. */
 #ifndef PEN_IO_MESSAGE_H
 #define PEN_IO_MESSAGE_H
 
@@ -9,16 +9,16 @@
 
 #include "base/status.h"
 
-/* The member of names[] (NULL-terminated) nearest to `word`, the first of several, or NULL if none
- * is near: edit distance with transpositions <= 2 and less than half the word's length. Upper and
- * lower case count as equal, and so do - and _. */
+/* The entry of names[] (NULL-terminated) nearest to `word`; of equally near ones the first; NULL
+ * if none is near. Near means an edit distance, with transpositions, of at most 2 and of less than
+ * half the word's length. Upper and lower case compare equal, and so do - and _. */
 const char *pen_nearest_name(const char *word, const char *const *names);
 
-/* A value in words, for "found …": `the string "x"`, `an array of 3`, `2.5`. Cut to fit. */
+/* Describes a value for "found …": `the string "x"`, `an array of 3`, `2.5`. Cut to fit. */
 void pen_value_describe(const json_t *value, char *out, size_t bytes);
 
-/* One line for an error, for the command line: "FILE:LINE:COLUMN: message", "FILE: at POINTER:
- * message" or "FILE: message". `file` may be NULL or empty; a line that does not fit is cut. */
+/* Writes an error as one line for the command line: "FILE:LINE:COLUMN: message", "FILE: at POINTER:
+ * message" or "FILE: message". `file` may be NULL or empty. A line that does not fit is cut. */
 void pen_status_describe(const struct pen_status *st, const char *file, char *out, size_t bytes);
 
 #endif

@@ -15,10 +15,10 @@
  * Owns: the caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_settings_json(const struct pen_settings *settings);
 
-/* Whether a render setting has this name. */
+/* Whether `key` is the name of a render setting. */
 bool pen_settings_has(const char *key);
 
-/* Applies one member of a `render` object on top of *settings, which an error leaves as they were.
+/* Applies one member of a `render` object to *settings, which an error leaves unchanged.
  * `at` is the place of that object. Fails: returns false with errors->count > 0. */
 bool pen_settings_read_member(const char *key, const json_t *value, const char *at,
                               struct pen_settings *settings, struct pen_errors *errors);

@@ -21,7 +21,7 @@ json_t *pen_stats_tiles(uint64_t count, const struct pen_percentiles *ms)
                      pen_figure(ms->p50), "p95", pen_figure(ms->p95), "max", pen_figure(ms->max));
 }
 
-/* These lengths can have any magnitude, so they are not rounded as other figures are. */
+/* Scene units can have any magnitude, so these lengths are not rounded by pen_figure. */
 static json_t *precision_json(const struct pen_scene_precision *p)
 {
     char warning[PEN_MSG_BYTES];

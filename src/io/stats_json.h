@@ -11,17 +11,19 @@
 #include "render/render.h"
 #include "scene/precision.h"
 
+/* What a statistics object is made from. Times are in milliseconds. */
 struct pen_stats_input {
     double queue_ms, parse_ms, build_ms, encode_ms, store_ms, total_ms;
     const struct pen_render_stats *render;
     const struct pen_accel_stats *accel;
-    const struct pen_scene_precision *precision; /* of the view; NULL: not known */
+    const struct pen_scene_precision *precision; /* of the view; NULL: leave it out */
 };
 
-/* Owns: the caller json_decref()s. Fails: NULL when out of memory. */
+/* The whole object. Owns: the caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_stats_json(const struct pen_stats_input *in);
 
-/* Its member `tiles`: {count, ms: {p50, p95, max}}. Fails: NULL when out of memory. */
+/* The member `tiles` alone: {count, ms: {p50, p95, max}}. Owns: the caller json_decref()s. Fails:
+ * NULL when out of memory. */
 json_t *pen_stats_tiles(uint64_t count, const struct pen_percentiles *ms);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An error as one line of a command line: FILE:LINE:COLUMN: what, or FILE: at POINTER: what. */
+/* Values and errors as text for io/message.h. */
 #include <stdio.h>
 
 #include "base/utf8.h"

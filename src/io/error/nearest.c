@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The name that a misspelt word most likely meant. */
+/* The valid name that a misspelt word most likely means. */
 #include <string.h>
 
 #include "io/message.h"
 
-/* Longer words are compared with nothing: no key of the format comes near, and the cost of a
- * comparison grows with the product of both lengths. */
+/* Words longer than LONGEST are not compared: no key of the format is that long, and a comparison
+ * costs the product of both lengths. Names farther than FARTHEST edits are not suggested. */
 enum { LONGEST = 64, FARTHEST = 2 };
 
 static char fold(char c)
@@ -18,12 +18,12 @@ static int least(int a, int b)
     return a < b ? a : b;
 }
 
-/* Edits (insertions, deletions, substitutions, swaps of neighbours) from a to b, letters of
- * either case and - and _ being the same.
- * Source: the "optimal string alignment" form of Damerau, Comm. ACM 7(3), 1964. */
+/* The number of edits (insertions, deletions, substitutions, swaps of neighbours) from a to b.
+ * Upper and lower case compare equal, and so do - and _. Source: the "optimal string alignment"
+ * form of Damerau, Comm. ACM 7(3), 1964. */
 static int distance(const char *a, size_t na, const char *b, size_t nb)
 {
-    int row[3][LONGEST + 1]; /* of a's prefixes: two, one and none before the current one */
+    int row[3][LONGEST + 1]; /* for the prefixes of a that are two, one and no letters shorter */
     for (size_t j = 0; j <= nb; j++)
         row[1][j] = (int)j;
     for (size_t i = 1; i <= na; i++) {

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Where a value stands in a document: the steps from the root to it. A place is a chain of stack
- * frames, so reading a valid document never costs the text of a pointer. */
+/* The place of a value in a document: a linked list of steps from the value up to the root. The
+ * steps are local variables of the reading functions, so a valid document never costs the text of
+ * a JSON Pointer. */
 #ifndef PEN_IO_ERROR_PLACE_H
 #define PEN_IO_ERROR_PLACE_H
 
 #include <stddef.h>
 
-/* The member `key`, or if that is NULL the element `index`, of the value at `up`. */
+/* The member `key` of the object at `up`, or, if `key` is NULL, the element `index` of an array. */
 struct pen_place {
-    const struct pen_place *up; /* NULL: this is the root */
+    const struct pen_place *up; /* NULL: this is the document itself */
     const char *key;
     size_t index;
 };
@@ -23,7 +24,7 @@ static inline struct pen_place pen_place_index(const struct pen_place *up, size_
     return (struct pen_place){up, NULL, index};
 }
 
-/* Writes the JSON Pointer (RFC 6901) of a place, after `prefix`, as much as fits. */
+/* Writes `prefix` and the JSON Pointer (RFC 6901) of a place, as much as fits. */
 void pen_place_pointer(const struct pen_place *at, const char *prefix, char *out, size_t bytes);
 
 #endif

@@ -8,34 +8,34 @@
 #include "base/utf8.h"
 #include "io/message.h"
 
-/* Writes text at out[used], as much as fits with an end, escaping as RFC 6901 asks if set. */
 size_t pen_text_append(char *out, size_t bytes, size_t used, const char *text, bool escape)
 {
     for (; *text; text++) {
-        const char *piece = escape && *text == '~' ? "~0" : escape && *text == '/' ? "~1" : NULL;
-        size_t length = piece ? 2 : 1;
+        const char *escaped = escape && *text == '~' ? "~0" : escape && *text == '/' ? "~1" : NULL;
+        size_t length = escaped ? 2 : 1;
         if (used + length >= bytes)
             break;
-        memcpy(out + used, piece ? piece : text, length);
+        memcpy(out + used, escaped ? escaped : text, length);
         used += length;
     }
     out[used] = '\0';
     return used;
 }
 
-/* Copies one character of a string, escaped as in JSON. Returns its length in the source. */
-static size_t quote_char(const char *string, char piece[8])
+/* Copies the first character of a string to `out`, escaped as in JSON. Returns its length in the
+ * string. */
+static size_t quote_char(const char *string, char out[8])
 {
     size_t length = pen_utf8_char(string, strnlen(string, 4));
     unsigned char c = (unsigned char)*string;
     if (c == '"' || c == '\\')
-        snprintf(piece, 8, "\\%c", c);
+        snprintf(out, 8, "\\%c", c);
     else if (c < 0x20 || c == 0x7F)
-        snprintf(piece, 8, "\\u%04x", c);
+        snprintf(out, 8, "\\u%04x", c);
     else if (length == 0)
-        snprintf(piece, 8, "?");
+        snprintf(out, 8, "?");
     else
-        snprintf(piece, 8, "%.*s", (int)length, string);
+        snprintf(out, 8, "%.*s", (int)length, string);
     return length ? length : 1;
 }
 
@@ -45,9 +45,9 @@ struct pen_text pen_text_quote(const char *string)
     struct pen_text out = {"\""};
     size_t used = 1;
     for (int shown = 0; *string && shown < SHOWN; shown++) {
-        char piece[8];
-        string += quote_char(string, piece);
-        used = pen_text_append(out.text, sizeof out.text - 8, used, piece, false);
+        char quoted[8];
+        string += quote_char(string, quoted);
+        used = pen_text_append(out.text, sizeof out.text - 8, used, quoted, false);
     }
     if (*string)
         used = pen_text_append(out.text, sizeof out.text, used, "\xE2\x80\xA6", false);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Pieces of error messages: values, names and positions as text. What comes from a document is
- * quoted, escaped and cut, so that no input can forge a message or make it too long. */
+/* Parts of error messages: values, names and positions as text. Text from a document is quoted,
+ * escaped and cut, so that no input can forge a message or make it too long. */
 #ifndef PEN_IO_ERROR_TEXT_H
 #define PEN_IO_ERROR_TEXT_H
 
@@ -11,7 +11,7 @@
 
 #include "base/status.h"
 
-/* A piece of a message. Each has a buffer of its own, so several fit into one call of printf. */
+/* A part of a message. It holds its own buffer, so that one call of printf can use several. */
 enum { PEN_TEXT_BYTES = 192 };
 struct pen_text {
     char text[PEN_TEXT_BYTES];
@@ -23,21 +23,22 @@ struct pen_text pen_text_quote(const char *string);
 /* A number in the fewest digits that read back as the same double. */
 struct pen_text pen_text_number(double value);
 
-/* What a value is: `the string "abc"`, "-3", "an array of 2", "null". */
+/* A value in words: `the string "abc"`, "-3", "an array of 2", "null". */
 struct pen_text pen_text_value(const json_t *value);
 
 /* `; did you mean "radius"?`, or "" if no name is near. `names` ends with NULL. */
 struct pen_text pen_text_nearest(const char *word, const char *const *names);
 
-/* Writes `text` at out[used], as much as fits before a zero byte; if `escape` is set, as a part of
- * a JSON Pointer (RFC 6901: ~ becomes ~0 and / becomes ~1). Returns the new length. */
+/* Writes `text` and a zero byte at out[used], as much as fits into `bytes`. If `escape` is set, the
+ * text becomes part of a JSON Pointer (RFC 6901: ~ becomes ~0 and / becomes ~1). Returns the new
+ * length. */
 size_t pen_text_append(char *out, size_t bytes, size_t used, const char *text, bool escape);
 
 /* Line and column, from 1, of the byte at `offset`; a column is a character. A byte order mark at
  * the beginning of the text has no width. */
 void pen_text_position(const char *text, size_t offset, int *line, int *column);
 
-/* Fills *st with a message about the byte at `offset` of `text`, by line and column. Returns
+/* Fills *st with a message and the line and column of the byte at `offset` of `text`. Returns
  * false. */
 bool pen_text_fail(struct pen_status *st, enum pen_code code, const char *text, size_t offset,
                    const char *format, va_list args) __attribute__((format(printf, 5, 0)));

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Text to a JSON document, by RFC 8259 and nothing beyond it. The values are jansson's; the
- * parser is not, because jansson 2.14's ends the process by an assertion when its token buffer
- * cannot grow, places errors where a token ends, and reads long integers as reals either nowhere
- * or everywhere. One pass, one recursion per level of nesting, and what is cheap to check is
- * checked before: length, then nesting. */
+/* A parser for RFC 8259, without extensions. The values are jansson's. Its parser is not used
+ * because jansson 2.14
+ *  - ends the process by an assertion when its token buffer cannot grow;
+ *  - reports an error where the token ends, not where it begins;
+ *  - reads either all integers as reals or none, so not only those that exceed 64 bits.
+ * This parser makes one pass and recurses once per level of nesting. Length and nesting are checked
+ * before, because that is cheap. */
 #include <errno.h>
 #include <locale.h>
 #include <math.h>
@@ -19,14 +21,15 @@
 #include "io/json/token.h"
 #include "io/scene_json.h"
 
-/* The stack that a deeper document could take is not ours to promise. */
+/* The most levels whatever the limits say: each takes part of the thread's stack. */
 enum { NESTING_MAX = 1000 };
 
 struct parser {
     struct pen_json_text json;
     size_t at;
     int depth, nesting;
-    size_t room, limit;     /* bytes that further values may take, and all of them */
+    size_t bytes_left;      /* memory that further values may take */
+    size_t limit;           /* memory that all values together may take */
     struct pen_buf scratch; /* the string or number being read */
     struct pen_status *st;
 };
@@ -38,27 +41,27 @@ static bool no_memory(struct parser *p)
     return pen_fail(p->st, PEN_NO_MEMORY, "the document does not fit into memory");
 }
 
-/* Takes what a value is about to need. Returns false if that is too much. */
-static bool take(struct parser *p, size_t bytes)
+/* Reserves the memory of a value before it is made. Fails if that exceeds the limit. */
+static bool reserve(struct parser *p, size_t bytes)
 {
-    if (bytes > p->room)
+    if (bytes > p->bytes_left)
         return pen_fail(p->st, PEN_TOO_LARGE,
                         "the document's values take more than %zu bytes of memory, which is what "
                         "is allowed",
                         p->limit);
-    p->room -= bytes;
+    p->bytes_left -= bytes;
     return true;
 }
 
-/* The value; if it is NULL, for want of memory, that is the error. */
-static json_t *made(struct parser *p, json_t *value)
+/* Returns the value; reports NULL as out of memory. */
+static json_t *check_memory(struct parser *p, json_t *value)
 {
     if (!value)
         no_memory(p);
     return value;
 }
 
-/* The next character that is no white space; '\0' at the end, where `at` is then. */
+/* Moves `at` to the next character that is not white space and returns it; '\0' at the end. */
 static char skip_space(struct parser *p)
 {
     for (; p->at < p->json.bytes; p->at++) {
@@ -69,7 +72,7 @@ static char skip_space(struct parser *p)
     return '\0';
 }
 
-/* Four hexadecimal digits after "\u" at `offset`, or -1. */
+/* The value of the four hexadecimal digits after the "\u" at `offset`, or -1. */
 static int hex4(const struct parser *p, size_t offset)
 {
     int code = 0;
@@ -97,7 +100,7 @@ static void add_character(struct parser *p, int code)
     pen_buf_add(&p->scratch, utf8, length);
 }
 
-/* "\uXXXX" at `at`, or two of them that make one character. */
+/* Reads "\uXXXX" at `at`, or two of them that are the surrogates of one character. */
 static bool read_unicode(struct parser *p)
 {
     size_t start = p->at;
@@ -139,7 +142,7 @@ static bool read_escape(struct parser *p)
     return true;
 }
 
-/* One character, escaped or not, of a string. */
+/* Reads one character, escaped or not, of a string. */
 static bool read_character(struct parser *p)
 {
     const char *s = p->json.text + p->at;
@@ -173,7 +176,7 @@ static bool read_string(struct parser *p)
     if (p->at >= p->json.bytes)
         return pen_json_error(&p->json, start, p->st, "the string that begins here does not end");
     p->at++;
-    pen_buf_add(&p->scratch, "", 0); /* an empty string has a place, too */
+    pen_buf_add(&p->scratch, "", 0); /* allocates and terminates an empty string, too */
     if (p->scratch.failed)
         no_memory(p);
     return !p->scratch.failed;
@@ -184,10 +187,10 @@ static json_t *parse_number(struct parser *p, size_t end, bool integer)
     size_t start = p->at;
     json_t *number;
     p->at = end;
-    if (!take(p, PEN_JSON_NUMBER_BYTES))
+    if (!reserve(p, PEN_JSON_NUMBER_BYTES))
         return NULL;
     if (pen_json_number(p->json.text + start, end - start, integer, &p->scratch, &number))
-        return made(p, number);
+        return check_memory(p, number);
     pen_json_error_token(&p->json, start, p->st,
                          "is too large for a number: they reach to about 1.8e308");
     return NULL;
@@ -211,7 +214,8 @@ static json_t *parse_word(struct parser *p)
     return literal;
 }
 
-/* After an element: true to go on with the next one. *closed: at the closing bracket. */
+/* Reads the comma or the closing bracket after an element. Returns true after a comma, so that the
+ * next element follows; *closed is set after the bracket. */
 static bool next_element(struct parser *p, char closing, const char *expected, bool *closed)
 {
     char c = skip_space(p);
@@ -234,7 +238,7 @@ static bool next_element(struct parser *p, char closing, const char *expected, b
 static bool parse_element(struct parser *p, const struct pen_place *place, json_t *array)
 {
     struct pen_place at = pen_place_index(place, json_array_size(array));
-    json_t *value = take(p, PEN_JSON_ELEMENT_BYTES) ? parse_value(p, &at) : NULL;
+    json_t *value = reserve(p, PEN_JSON_ELEMENT_BYTES) ? parse_value(p, &at) : NULL;
     if (!value)
         return false;
     return json_array_append_new(array, value) == 0 || no_memory(p);
@@ -254,8 +258,9 @@ static bool parse_elements(struct parser *p, const struct pen_place *place, json
     return closed;
 }
 
-/* Reads the key, and the colon after it. The member is made at once, with a value to be replaced:
- * it keeps the key while the value is read. Returns it, or NULL. */
+/* Reads a key and the colon after it. Adds the member with the value null, to be replaced, so that
+ * the object keeps the key while the value is read. Returns jansson's iterator at the member, or
+ * NULL. */
 static void *parse_key(struct parser *p, json_t *object)
 {
     if (skip_space(p) != '"') {
@@ -263,7 +268,7 @@ static void *parse_key(struct parser *p, json_t *object)
         return NULL;
     }
     size_t start = p->at;
-    if (!read_string(p) || !take(p, PEN_JSON_MEMBER_BYTES + p->scratch.bytes))
+    if (!read_string(p) || !reserve(p, PEN_JSON_MEMBER_BYTES + p->scratch.bytes))
         return NULL;
     const char *key = (const char *)p->scratch.data;
     if (json_object_get(object, key)) {
@@ -313,9 +318,9 @@ static json_t *parse_container(struct parser *p, const struct pen_place *place, 
         pen_fail_at(p->st, PEN_INVALID, at, "nested deeper than the %d levels allowed", p->nesting);
         return NULL;
     }
-    if (!take(p, object ? PEN_JSON_OBJECT_BYTES : PEN_JSON_ARRAY_BYTES))
+    if (!reserve(p, object ? PEN_JSON_OBJECT_BYTES : PEN_JSON_ARRAY_BYTES))
         return NULL;
-    json_t *value = made(p, object ? json_object() : json_array());
+    json_t *value = check_memory(p, object ? json_object() : json_array());
     if (!value)
         return NULL;
     p->at++;
@@ -335,9 +340,9 @@ static json_t *parse_value(struct parser *p, const struct pen_place *place)
         return parse_container(p, place, c == '{');
     if (c != '"')
         return parse_word(p);
-    if (!read_string(p) || !take(p, PEN_JSON_STRING_BYTES + p->scratch.bytes))
+    if (!read_string(p) || !reserve(p, PEN_JSON_STRING_BYTES + p->scratch.bytes))
         return NULL;
-    return made(p, json_stringn_nocheck((const char *)p->scratch.data, p->scratch.bytes));
+    return check_memory(p, json_stringn_nocheck((const char *)p->scratch.data, p->scratch.bytes));
 }
 
 static json_t *parse_document(struct parser *p)
@@ -357,7 +362,8 @@ static json_t *parse_document(struct parser *p)
     return NULL;
 }
 
-/* Whether brackets, whatever else there is, open deeper than allowed. */
+/* Whether more brackets are open somewhere than the nesting allowed, even if the text is malformed
+ * otherwise. */
 static bool is_too_deep(const struct parser *p)
 {
     int depth = 0;
@@ -381,7 +387,7 @@ json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *
     int nesting = limits->nesting < NESTING_MAX ? limits->nesting : NESTING_MAX;
     struct parser p = {.json = {text, bytes},
                        .nesting = nesting,
-                       .room = limits->parsed_bytes,
+                       .bytes_left = limits->parsed_bytes,
                        .limit = limits->parsed_bytes,
                        .st = st};
     if (bytes > limits->body_bytes) {
@@ -391,7 +397,8 @@ json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *
     }
     bool deep = is_too_deep(&p);
     json_t *document = parse_document(&p);
-    if (deep && !document && st->code == PEN_SYNTAX) /* there is no path to where it is */
+    if (deep && !document &&
+        st->code == PEN_SYNTAX) /* a malformed text has no JSON Pointer to the place */
         pen_fail(st, PEN_INVALID, "nested deeper than the %d levels allowed", nesting);
     pen_buf_release(&p.scratch);
     return document;

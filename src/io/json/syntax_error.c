@@ -18,8 +18,8 @@ bool pen_json_error(const struct pen_json_text *json, size_t offset, struct pen_
     return ok;
 }
 
-/* The piece that begins at `offset` as people should see it. */
-static struct pen_text shown(const struct pen_json_text *json, size_t offset)
+/* The token at `offset` for a message: quoted, without control characters, cut if long. */
+static struct pen_text show_token(const struct pen_json_text *json, size_t offset)
 {
     enum { SHOWN = 48 };
     struct pen_text out = {"the end of the document"};
@@ -35,7 +35,7 @@ static struct pen_text shown(const struct pen_json_text *json, size_t offset)
     raw[length] = '\0';
     if (first != '"')
         return pen_text_quote(raw);
-    for (size_t i = 0; i < length; i++) /* a string is shown as it is written */
+    for (size_t i = 0; i < length; i++) /* a string keeps its own quotes and escapes */
         raw[i] = (unsigned char)raw[i] < 0x20 || raw[i] == 0x7F ? ' ' : raw[i];
     pen_utf8_copy(out.text, sizeof out.text, raw);
     if (length < bytes)
@@ -62,8 +62,8 @@ static bool is_one_of(const char *text, size_t bytes, const char *const *words)
     return *words != NULL;
 }
 
-/* What is wrong with the word at `offset` if no JSON has it; else NULL. */
-static const char *foreign(const struct pen_json_text *json, size_t offset)
+/* What is wrong with the word at `offset`: a word of other languages. NULL if it is JSON. */
+static const char *foreign_word(const struct pen_json_text *json, size_t offset)
 {
     static const char *const not_finite[] = {"nan", "inf", "infinity", NULL};
     static const char *const literals[] = {"true", "false", "null", NULL};
@@ -87,7 +87,7 @@ static const char *foreign(const struct pen_json_text *json, size_t offset)
     return "is not JSON: strings and keys are written in double quotes";
 }
 
-/* A byte that is wrong wherever it stands: no UTF-8, or zero. */
+/* Reports a byte of the word at `offset` that no JSON may have: invalid UTF-8, or zero. */
 static bool bad_byte(const struct pen_json_text *json, size_t offset, struct pen_status *st)
 {
     size_t end = pen_json_word_end(json, offset);
@@ -114,16 +114,16 @@ bool pen_json_error_expected(const struct pen_json_text *json, size_t offset, st
     if (offset >= json->bytes)
         return pen_json_error(json, offset, st,
                               "the document ends before everything in it is closed");
-    struct pen_text found = shown(json, offset);
-    const char *fault = foreign(json, offset);
-    if (fault)
-        return pen_json_error(json, offset, st, "%s %s", found.text, fault);
+    struct pen_text found = show_token(json, offset);
+    const char *wrong = foreign_word(json, offset);
+    if (wrong)
+        return pen_json_error(json, offset, st, "%s %s", found.text, wrong);
     return pen_json_error(json, offset, st, "%s, found %s", expected, found.text);
 }
 
 bool pen_json_error_token(const struct pen_json_text *json, size_t offset, struct pen_status *st,
                           const char *message)
 {
-    struct pen_text piece = shown(json, offset);
-    return pen_json_error(json, offset, st, "%s %s", piece.text, message);
+    struct pen_text token = show_token(json, offset);
+    return pen_json_error(json, offset, st, "%s %s", token.text, message);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A document as text for people. */
+/* Writes JSON values as indented text. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +10,7 @@ enum { INDENT = 2, LINE = 100 };
 
 static void write_value(struct pen_buf *out, const json_t *json, int depth);
 
-static void write_line(struct pen_buf *out, int depth)
+static void write_newline(struct pen_buf *out, int depth)
 {
     pen_buf_puts(out, "\n");
     for (int i = 0; i < depth * INDENT; i++)
@@ -36,7 +36,7 @@ static void write_key(struct pen_buf *out, const char *key)
     pen_buf_puts(out, ": ");
 }
 
-/* Whether a list has no lists and objects in it: it then stands on one line. */
+/* Whether an array holds no arrays or objects, so that it is written on one line. */
 static bool is_flat(const json_t *list)
 {
     bool flat = true;
@@ -56,23 +56,23 @@ static void write_list(struct pen_buf *out, const json_t *list, int depth)
         if (i > 0)
             pen_buf_puts(out, flat ? ", " : ",");
         if (!flat)
-            write_line(out, depth + 1);
+            write_newline(out, depth + 1);
         write_value(out, json_array_get(list, i), depth + 1);
     }
     if (!flat)
-        write_line(out, depth);
+        write_newline(out, depth);
     pen_buf_puts(out, "]");
 }
 
 static void write_members(struct pen_buf *out, const json_t *object, int depth, bool flat)
 {
-    json_t *members = (json_t *)object; /* only jansson's iterator wants it: nothing changes */
+    json_t *members = (json_t *)object; /* jansson's iterator takes no const; nothing changes */
     size_t count = 0;
     for (void *i = json_object_iter(members); i; i = json_object_iter_next(members, i)) {
         if (count++ > 0)
             pen_buf_puts(out, flat ? ", " : ",");
         if (!flat)
-            write_line(out, depth + 1);
+            write_newline(out, depth + 1);
         write_key(out, json_object_iter_key(i));
         write_value(out, json_object_iter_value(i), depth + 1);
     }
@@ -89,7 +89,7 @@ static bool has_containers(const json_t *object)
     return false;
 }
 
-/* On one line if that is short enough and holds no more objects. */
+/* Writes an object on one line if it fits there and holds nothing that needs lines of its own. */
 static void write_object(struct pen_buf *out, const json_t *object, int depth)
 {
     struct pen_buf line = {0};
@@ -103,7 +103,7 @@ static void write_object(struct pen_buf *out, const json_t *object, int depth)
         pen_buf_add(out, line.data, line.bytes);
     else {
         write_members(out, object, depth, false);
-        write_line(out, depth);
+        write_newline(out, depth);
     }
     pen_buf_puts(out, "}");
     pen_buf_release(&line);

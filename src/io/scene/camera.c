@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Cameras, and what a view overrides of one. */
+/* Cameras, and the keys that a view overrides. */
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,7 +7,6 @@
 #include "io/scene/reader.h"
 #include "io/scene/tables.h"
 
-/* Wide enough for any picture, and far enough from 180 that the tangent stays finite. */
 static const struct pen_range fov_range = {0, 180, true, true};
 
 const struct pen_field pen_camera_fields[] = {
@@ -21,7 +20,7 @@ const struct pen_field pen_camera_fields[] = {
      .range = &fov_range},
     {"aperture_radius", PEN_FIELD_NUMBER,
      .offset = offsetof(struct pen_camera_desc, aperture_radius), .range = &pen_range_not_negative,
-     .later = "a lens, that is, an aperture radius above 0"},
+     .unsupported = "a lens, that is, an aperture radius above 0"},
     {"focus_distance", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_camera_desc, focus_distance),
      .range = &pen_range_positive},
     {"transforms", .type = PEN_FIELD_OTHER},
@@ -125,7 +124,7 @@ static bool read_moves(struct pen_reader *r, const struct pen_place *at, const j
     return ok;
 }
 
-/* The second of two keys that exclude each other is the one to blame. */
+/* Reports two keys that exclude each other, at the second. */
 static bool refuse_both(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                         const char *first, const char *second)
 {
@@ -136,7 +135,8 @@ static bool refuse_both(struct pen_reader *r, const struct pen_place *at, const 
                            pen_reader_name(r, at, first).text, pen_reader_name(r, at, second).text);
 }
 
-/* What of the camera's frame is impossible, at the key to blame if this object has it. */
+/* Reports a camera that has no valid frame, at the wrong key if this object has it; a view may lack
+ * it, because it overrides only some keys. */
 static bool check_frame(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                         const struct pen_camera_desc *camera)
 {
@@ -150,7 +150,8 @@ static bool check_frame(struct pen_reader *r, const struct pen_place *at, const 
     return pen_reader_fail(r, here ? &place : at, st.code, "%s", st.msg);
 }
 
-/* Reads what the table does not say; a key that excludes another takes its place. */
+/* Reads the keys that the table does not read. Of two keys that exclude each other (look_at and
+ * direction; view_plane and fov_degrees), a view's key replaces the other one of the camera. */
 static bool read_others(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                         struct pen_camera_desc *camera)
 {

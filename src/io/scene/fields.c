@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Objects read by tables of fields. */
+/* Reading objects by tables of fields. */
 #include <stdio.h>
 #include <string.h>
 
@@ -10,12 +10,12 @@ static bool read_number_field(struct pen_reader *r, const struct pen_place *at, 
 {
     if (!pen_read_number(r, at, value, field->range, out))
         return false;
-    if (!field->later || *out == field->off)
+    if (!field->unsupported || *out == field->off)
         return true;
     struct pen_text found = pen_reader_found(r, at, value), off = pen_text_number(field->off);
     return pen_reader_fail(r, at, PEN_UNSUPPORTED,
                            "known, not supported yet: %s; found %s, only %s is accepted so far",
-                           field->later, found.text, off.text);
+                           field->unsupported, found.text, off.text);
 }
 
 static bool read_bool(struct pen_reader *r, const struct pen_place *at, const json_t *value,
@@ -47,11 +47,11 @@ static bool read_field(struct pen_reader *r, const struct pen_place *at, const j
     case PEN_FIELD_STRING:
         return pen_read_string(r, at, value, out);
     case PEN_FIELD_COLOUR:
-        return pen_read_triple(r, at, value, &pen_range_not_negative, out);
+        return pen_read_vec3(r, at, value, &pen_range_not_negative, out);
     case PEN_FIELD_FACTOR:
         return pen_read_factor(r, at, value, out);
     case PEN_FIELD_POINT:
-        return pen_read_triple(r, at, value, &pen_range_any, out);
+        return pen_read_vec3(r, at, value, &pen_range_any, out);
     case PEN_FIELD_DIRECTION:
         return pen_read_direction(r, at, value, out);
     case PEN_FIELD_COEFFICIENTS:
@@ -60,7 +60,7 @@ static bool read_field(struct pen_reader *r, const struct pen_place *at, const j
     return false;
 }
 
-/* "; the keys here are a, b, c" */
+/* Writes "; the keys here are a, b, c". */
 static void list_keys(const struct pen_field *fields, char *out, size_t bytes)
 {
     size_t used = (size_t)snprintf(out, bytes, "; the keys here are ");
@@ -73,7 +73,7 @@ static bool refuse_unknown(struct pen_reader *r, const struct pen_place *at, con
 {
     enum { KEYS_MAX = 32 };
     struct pen_place place = pen_place_key(at, key);
-    if (!pen_reader_explains(r))
+    if (!pen_reader_wants_message(r))
         return pen_reader_fail(r, &place, PEN_INVALID, "unknown key");
     const char *names[KEYS_MAX + 1] = {NULL};
     for (int i = 0; i < KEYS_MAX && fields[i].key; i++)
@@ -122,7 +122,7 @@ bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const jso
     }
     if (present == json_object_size(object))
         return ok;
-    json_t *members = (json_t *)object; /* only jansson's iterator wants it: nothing changes */
+    json_t *members = (json_t *)object; /* jansson's iterator takes no const; nothing changes */
     for (void *i = json_object_iter(members); i; i = json_object_iter_next(members, i)) {
         if (!pen_field_find(fields, json_object_iter_key(i)))
             ok = refuse_unknown(r, at, json_object_iter_key(i), fields);

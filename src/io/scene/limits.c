@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The limits that depend on how a scene is to be rendered, from counts alone. */
+/* The limits on pixels and work, which depend on how a scene is rendered and on counts alone. */
 #include "io/scene_json.h"
 
 #include <math.h>
@@ -15,14 +15,14 @@ struct pen_limits pen_limits_default(void)
                                .work = 1e13};
 }
 
-/* Shadow rays that one light costs per shaded point, at most. */
+/* The most shadow rays to one light per shaded point. */
 static double shadow_rays(const struct pen_light_desc *light, const struct pen_settings *settings)
 {
     if (!light->shadows)
         return 0;
     if (!pen_light_desc_soft(light))
         return 1;
-    double edge = ceil(sqrt(settings->light_samples)); /* of the grid's cells */
+    double edge = ceil(sqrt(settings->light_samples)); /* cells along an edge of the grid */
     return settings->light_pattern == PEN_PATTERN_GRID ? edge * edge : settings->light_samples;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Materials, and how objects refer to them. */
+/* Materials, and the references of objects to them. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,16 +18,17 @@ const struct pen_field pen_material_fields[] = {
     {"kt", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kt)},
     {"kr", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kr)},
     {"ior", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, ior),
-     .range = &pen_range_positive, .later = "refraction, that is, an index other than 1", .off = 1},
+     .range = &pen_range_positive, .unsupported = "refraction, that is, an index other than 1",
+     .off = 1},
     {"reflection_blur", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, reflection_blur),
-     .range = &blur_range, .later = "glossy reflection, that is, a blur above 0"},
+     .range = &blur_range, .unsupported = "glossy reflection, that is, a blur above 0"},
     {"transmission_blur", PEN_FIELD_NUMBER,
      .offset = offsetof(struct pen_material, transmission_blur), .range = &blur_range,
-     .later = "frosted glass, that is, a blur above 0"},
+     .unsupported = "frosted glass, that is, a blur above 0"},
     {0}};
 
-bool pen_material_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                       struct pen_material *material)
+static bool read_material(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                          struct pen_material *material)
 {
     *material = pen_material_default();
     return pen_fields_read(r, at, json, pen_material_fields, material);
@@ -58,7 +59,7 @@ bool pen_materials_read(struct pen_reader *r, const struct pen_place *at, const 
     json_object_foreach((json_t *)json, key, value)
     {
         struct pen_place place = pen_place_key(at, key);
-        ok &= pen_material_read(r, &place, value, &r->materials[i]);
+        ok &= read_material(r, &place, value, &r->materials[i]);
         names[i] = (struct pen_name_index){key, i};
         i++;
     }
@@ -70,11 +71,11 @@ bool pen_materials_read(struct pen_reader *r, const struct pen_place *at, const 
 
 static bool unknown_name(struct pen_reader *r, const struct pen_place *at, const char *name)
 {
-    if (!pen_reader_explains(r))
+    if (!pen_reader_wants_message(r))
         return pen_reader_fail(r, at, PEN_INVALID, "unknown material");
     struct pen_text near = {""}, quoted = pen_text_quote(name);
     const char **names = malloc((r->named_count + 1) * sizeof *names);
-    if (names) { /* without the memory there is no hint */
+    if (names) { /* without memory, the message has no hint */
         for (uint32_t i = 0; i < r->named_count; i++)
             names[i] = r->names[i].name;
         names[r->named_count] = NULL;
@@ -87,8 +88,9 @@ static bool unknown_name(struct pen_reader *r, const struct pen_place *at, const
                            near.text);
 }
 
-/* Room for one more inline material; doubled, so that copying stays linear. */
-static bool grow(struct pen_reader *r)
+/* Makes sure that one more inline material fits. The capacity doubles, so that copying costs O(n)
+ * in all. */
+static bool reserve_material(struct pen_reader *r)
 {
     if (r->material_count < r->material_capacity)
         return true;
@@ -103,8 +105,8 @@ static bool grow(struct pen_reader *r)
     return true;
 }
 
-bool pen_material_of(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                     int *index)
+bool pen_material_ref_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                           int *index)
 {
     if (json_is_string(json)) {
         struct pen_name_index wanted = {json_string_value(json), 0};
@@ -123,8 +125,8 @@ bool pen_material_of(struct pen_reader *r, const struct pen_place *at, const jso
                                "must be the name of a material or a material object, found %s",
                                found.text);
     }
-    if (!grow(r))
+    if (!reserve_material(r))
         return false;
     *index = (int)r->material_count++;
-    return pen_material_read(r, at, json, &r->materials[*index]);
+    return read_material(r, at, json, &r->materials[*index]);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Objects and groups. */
+/* Objects: primitives and groups. */
 #include "io/scene/object.h"
 #include "io/scene/tables.h"
 
@@ -9,50 +9,49 @@
 #include "math/exact.h"
 #include "math/scale.h"
 
-/* Kinds that the format knows and this version does not. */
-enum { KIND_LATER = -1 };
+/* Kinds of the format that this version does not support. */
+enum { KIND_UNSUPPORTED = -1 };
 
-static const struct pen_word kinds[] = {{"sphere", PEN_OBJECT_SPHERE, NULL},
-                                        {"plane", PEN_OBJECT_PLANE, NULL},
-                                        {"triangle", PEN_OBJECT_TRIANGLE, NULL},
-                                        {"polygon", PEN_OBJECT_POLYGON, NULL},
-                                        {"tube", PEN_OBJECT_INFINITE_CYLINDER, NULL},
-                                        {"cylinder", PEN_OBJECT_CYLINDER, NULL},
-                                        {"cone", PEN_OBJECT_CONE, NULL},
-                                        {"group", PEN_OBJECT_GROUP, NULL},
-                                        {"mesh", KIND_LATER, "the object type \"mesh\""},
-                                        {"instance", KIND_LATER, "the object type \"instance\""},
-                                        {0}};
+static const struct pen_word kinds[] = {
+    {"sphere", PEN_OBJECT_SPHERE, NULL},
+    {"plane", PEN_OBJECT_PLANE, NULL},
+    {"triangle", PEN_OBJECT_TRIANGLE, NULL},
+    {"polygon", PEN_OBJECT_POLYGON, NULL},
+    {"tube", PEN_OBJECT_INFINITE_CYLINDER, NULL},
+    {"cylinder", PEN_OBJECT_CYLINDER, NULL},
+    {"cone", PEN_OBJECT_CONE, NULL},
+    {"group", PEN_OBJECT_GROUP, NULL},
+    {"mesh", KIND_UNSUPPORTED, "the object type \"mesh\""},
+    {"instance", KIND_UNSUPPORTED, "the object type \"instance\""},
+    {0}};
 
 #define MEMBER(path) offsetof(struct pen_object_desc, path)
 
+/* The keys of every primitive. */
+#define PRIMITIVE_FIELDS                                                                           \
+    {"type", .type = PEN_FIELD_OTHER}, {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},         \
+    {                                                                                              \
+        "material", .type = PEN_FIELD_OTHER                                                        \
+    }
+
 const struct pen_field pen_sphere_fields[] = {
-    {"type", .type = PEN_FIELD_OTHER},
-    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", .type = PEN_FIELD_OTHER},
+    PRIMITIVE_FIELDS,
     {"center", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.sphere.center)},
     {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.sphere.radius),
      .range = &pen_range_positive},
     {0}};
 
 const struct pen_field pen_plane_fields[] = {
-    {"type", .type = PEN_FIELD_OTHER},
-    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", .type = PEN_FIELD_OTHER},
+    PRIMITIVE_FIELDS,
     {"point", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.plane.point)},
     {"normal", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.plane.normal)},
     {0}};
 
-const struct pen_field pen_polygon_fields[] = {{"type", .type = PEN_FIELD_OTHER},
-                                               {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-                                               {"material", .type = PEN_FIELD_OTHER},
-                                               {"vertices", PEN_FIELD_OTHER, .required = true},
-                                               {0}};
+const struct pen_field pen_polygon_fields[] = {
+    PRIMITIVE_FIELDS, {"vertices", PEN_FIELD_OTHER, .required = true}, {0}};
 
 const struct pen_field pen_infinite_cylinder_fields[] = {
-    {"type", .type = PEN_FIELD_OTHER},
-    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", .type = PEN_FIELD_OTHER},
+    PRIMITIVE_FIELDS,
     {"origin", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.infinite_cylinder.origin)},
     {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.infinite_cylinder.axis)},
     {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.infinite_cylinder.radius),
@@ -60,9 +59,7 @@ const struct pen_field pen_infinite_cylinder_fields[] = {
     {0}};
 
 const struct pen_field pen_cylinder_fields[] = {
-    {"type", .type = PEN_FIELD_OTHER},
-    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", .type = PEN_FIELD_OTHER},
+    PRIMITIVE_FIELDS,
     {"base", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.cylinder.base)},
     {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.cylinder.axis)},
     {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.cylinder.radius),
@@ -73,9 +70,7 @@ const struct pen_field pen_cylinder_fields[] = {
     {0}};
 
 const struct pen_field pen_cone_fields[] = {
-    {"type", .type = PEN_FIELD_OTHER},
-    {"name", PEN_FIELD_STRING, .offset = MEMBER(name)},
-    {"material", .type = PEN_FIELD_OTHER},
+    PRIMITIVE_FIELDS,
     {"base", PEN_FIELD_POINT, .required = true, .offset = MEMBER(u.cone.base)},
     {"axis", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(u.cone.axis)},
     {"radius", PEN_FIELD_NUMBER, .required = true, .offset = MEMBER(u.cone.radius),
@@ -112,9 +107,9 @@ static double largest(struct pen_vec3 v)
     return most > z ? most : z;
 }
 
-/* Whether the corner's sides point the same way, or opposite ways, within what the rounding of
- * their differences can hide. Scaled first, so that products neither over- nor underflow. */
-bool pen_corner_has_area(const struct pen_vec3 v[3])
+/* The two sides at v[0] are scaled first, so that products neither over- nor underflow. `hidden` is
+ * the sine below which the rounding of the sides may hide that they are parallel. */
+bool pen_points_have_area(const struct pen_vec3 v[3])
 {
     const double hidden = 0x1p-49;
     struct pen_vec3 a = pen_sub(v[1], v[0]), b = pen_sub(v[2], v[0]);
@@ -126,7 +121,7 @@ bool pen_corner_has_area(const struct pen_vec3 v[3])
     return pen_length(pen_cross(a, b)) > hidden * pen_length(a) * pen_length(b);
 }
 
-struct pen_vec3 pen_corner_normal(const struct pen_vec3 v[3])
+struct pen_vec3 pen_points_normal(const struct pen_vec3 v[3])
 {
     struct pen_vec3 a = pen_sub(v[1], v[0]), b = pen_sub(v[2], v[0]);
     int ea = pen_exponent(largest(a)), eb = pen_exponent(largest(b));
@@ -140,7 +135,7 @@ static bool check_loop(struct pen_reader *r, const struct pen_place *at, bool tr
 {
     const struct pen_vec3 *v = object->u.polygon.vertices;
     if (triangle)
-        return pen_corner_has_area(v) ||
+        return pen_points_have_area(v) ||
                pen_reader_fail(r, at, PEN_INVALID,
                                "must be three points that are not on one line, found a triangle "
                                "of zero area");
@@ -174,7 +169,7 @@ static bool read_vertices(struct pen_reader *r, const struct pen_place *up, cons
     bool ok = true;
     for (size_t i = 0; i < count; i++) {
         struct pen_place place = pen_place_index(&at, i);
-        ok &= pen_read_triple(r, &place, json_array_get(json, i), &pen_range_any, &vertices[i]);
+        ok &= pen_read_vec3(r, &place, json_array_get(json, i), &pen_range_any, &vertices[i]);
     }
     object->u.polygon.vertices = vertices;
     object->u.polygon.count = (uint32_t)count;
@@ -200,24 +195,24 @@ struct list {
 };
 
 static bool read_list(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                      const struct pen_chain *chain, struct list *out);
+                      const struct pen_transform_chain *chain, struct list *out);
 
 static bool read_group(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                       const struct pen_chain *outer, struct pen_object_desc *object)
+                       const struct pen_transform_chain *outer, struct pen_object_desc *object)
 {
     const json_t *transform = json_object_get(json, "transform");
     const json_t *members = json_object_get(json, "objects");
     struct pen_place transform_at = pen_place_key(at, "transform");
     struct pen_place members_at = pen_place_key(at, "objects");
-    struct pen_chain chain = *outer;
+    struct pen_transform_chain chain = *outer;
     bool ok = true;
     if (transform) {
         struct pen_transform *f = &object->u.group.transform;
         object->u.group.has_transform = true;
         ok = pen_group_transform_read(r, &transform_at, transform, f);
-        if (ok && !chain.broken)
-            ok = pen_chain_add(r, &transform_at, f, &chain);
-        chain.broken |= !ok;
+        if (ok && !chain.invalid)
+            ok = pen_transform_chain_add(r, &transform_at, f, &chain);
+        chain.invalid |= !ok;
     }
     if (members) {
         struct list list = {0};
@@ -229,7 +224,7 @@ static bool read_group(struct pen_reader *r, const struct pen_place *at, const j
 }
 
 static bool read_object(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                        const struct pen_chain *chain, struct pen_object_desc *object)
+                        const struct pen_transform_chain *chain, struct pen_object_desc *object)
 {
     int kind;
     object->material = -1;
@@ -251,16 +246,16 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
     const json_t *vertices = json_object_get(json, "vertices");
     struct pen_place material_at = pen_place_key(at, "material");
     if (material)
-        ok &= pen_material_of(r, &material_at, material, &object->material);
+        ok &= pen_material_ref_read(r, &material_at, material, &object->material);
     if (vertices && fields == pen_polygon_fields)
         ok &= read_vertices(r, at, vertices, kind == PEN_OBJECT_TRIANGLE, object);
-    if (ok && !pen_prim_flat((uint32_t)kind) && !chain->broken)
-        ok = pen_chain_takes_quadric(r, at, pen_kinds[kind].name, chain);
+    if (ok && !pen_prim_flat((uint32_t)kind) && !chain->invalid)
+        ok = pen_transform_chain_check_quadric(r, at, pen_kinds[kind].name, chain);
     return ok;
 }
 
 static bool read_list(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                      const struct pen_chain *chain, struct list *out)
+                      const struct pen_transform_chain *chain, struct list *out)
 {
     if (!pen_read_array(r, at, json, "objects"))
         return false;
@@ -286,7 +281,7 @@ static bool read_list(struct pen_reader *r, const struct pen_place *at, const js
 bool pen_objects_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                       struct pen_scene_desc *desc)
 {
-    struct pen_chain chain = {.f = pen_transform_identity(), .similar = true};
+    struct pen_transform_chain chain = {.f = pen_transform_identity(), .similar = true};
     struct list list = {0};
     bool ok = read_list(r, at, json, &chain, &list);
     desc->objects = list.objects;

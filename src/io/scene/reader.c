@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What every reading function does on an error: a message and a place, in the terms of the
- * document as sent. */
+/* How the scene reader reports errors: message and place, in JSON or XML as the document is. */
 #include "io/scene/reader.h"
 
 #include <stdarg.h>
@@ -12,8 +11,8 @@ bool pen_reader_fail(struct pen_reader *r, const struct pen_place *at, enum pen_
     struct pen_status st = {.code = code};
     if (r->source && r->source->is_reported(r->source->user, at))
         return false;
-    if (pen_reader_explains(r)) {
-        /* Longer than a status keeps, so that pen_fail_at sees what it must cut. */
+    if (pen_reader_wants_message(r)) {
+        /* longer than the fields of a status, so that pen_fail_at marks what it cuts off */
         char pointer[2 * PEN_AT_BYTES], message[2 * PEN_MSG_BYTES];
         pen_place_pointer(at, r->prefix, pointer, sizeof pointer);
         va_list args;
@@ -41,7 +40,7 @@ void *pen_reader_alloc(struct pen_reader *r, size_t count, size_t size)
     return memory;
 }
 
-bool pen_reader_later(struct pen_reader *r, const struct pen_place *at, const char *feature)
+bool pen_reader_unsupported(struct pen_reader *r, const struct pen_place *at, const char *feature)
 {
     return pen_reader_fail(r, at, PEN_UNSUPPORTED, "known, not supported yet: %s", feature);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What the scene reader's files share: places in the document, errors with places, and objects
- * read by tables of fields.
+/* What the files of the scene reader share: its state, errors with places, the reading of objects
+ * by tables of their keys, and of single values.
  *
- * A place is a chain of stack frames towards the document's root, so a valid document never pays
- * for the text of a pointer. Every reading function returns whether what it read is valid, has
- * reported an error if not, and goes on after one: a document is checked as a whole. */
+ * Every reading function takes the place of the value (io/error/place.h), returns whether the value
+ * is valid, and has reported an error if not. Readers continue after an error, so that all errors
+ * of a document are found. */
 #ifndef PEN_IO_SCENE_READER_H
 #define PEN_IO_SCENE_READER_H
 
@@ -20,29 +20,29 @@
 #include "io/scene_json.h"
 #include "math/vec3.h"
 
-/* No coordinate, length or colour of a scene is larger in magnitude: sums, differences and the
- * products of transforms stay finite whatever a document holds. */
+/* The largest magnitude of a number in a scene. It keeps sums, differences and products of
+ * transforms finite, whatever a document holds. */
 #define PEN_NUMBER_MAX 1e100
 
-/* The names of `materials`, sorted, for looking them up. */
+/* A material's name and its index; an array of these, sorted by name, is searched. */
 struct pen_name_index {
     const char *name;
     uint32_t index;
 };
 
-/* Where the values of a document stand in the text that it was made from: for documents that were
- * not written as JSON. The reader then places errors by line and column instead of by JSON Pointer,
- * and names what the author wrote. */
+/* Maps places in the JSON values to the text of a document that was not written as JSON. With it,
+ * errors have a line and a column instead of a JSON Pointer, and name what the author wrote. */
 struct pen_source_map {
     void *user;
-    /* Whether the value at a place, or one around it, was reported when the document was made. */
+    /* Whether an error in the value at a place, or around it, has already been reported. */
     bool (*is_reported)(void *user, const struct pen_place *at);
-    /* Fills *st with the message, the names of what stands there, and line and column. */
+    /* Fills *st with the message, preceded by the element's and attribute's names, and with line
+     * and column. */
     void (*fail)(void *user, const struct pen_place *at, enum pen_code code, const char *message,
                  struct pen_status *st);
-    /* The text that stands at a place. */
+    /* The text at a place, for "found …". */
     struct pen_text (*found)(void *user, const struct pen_place *at, const json_t *value);
-    /* The quoted name that the member `key` of the object at `up` has in the text. */
+    /* The quoted name, in the text, of the member `key` of the object at `up`. */
     struct pen_text (*name)(void *user, const struct pen_place *up, const char *key);
     /* "line 3, column 7" */
     void (*position)(void *user, const struct pen_place *at, char *out, size_t bytes);
@@ -50,40 +50,41 @@ struct pen_source_map {
 
 struct pen_reader {
     struct pen_errors *errors;
-    const char *prefix;                  /* of every pointer */
-    const struct pen_source_map *source; /* of a document in XML; NULL: it is JSON as sent */
+    const char *prefix;                  /* of every JSON Pointer */
+    const struct pen_source_map *source; /* of an XML document; NULL for JSON */
     struct pen_arena *arena;
     const struct pen_limits *limits;
-    bool no_memory; /* reported already: what follows is read no more */
-    /* For objects: named materials first, then inline ones, grown as they come. */
+    bool no_memory; /* has been reported; later allocations fail silently */
+    /* Materials: the named ones first, then the inline ones of objects in the order read. */
     uint32_t named_count, material_count, material_capacity;
     struct pen_material *materials;
     const struct pen_name_index *names; /* named_count, sorted by name */
     uint64_t object_count, primitive_count;
 };
 
-/* Adds an error, in a document made from XML with line and column and the names that stand there.
- * Returns false. Once the list is full it only counts. */
+/* Adds an error at a place. An error in a value that the source map has already reported is left
+ * out. Once the list is full, errors are only counted. Returns false. */
 bool pen_reader_fail(struct pen_reader *r, const struct pen_place *at, enum pen_code code,
                      const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* Memory of the scene's arena; NULL after reporting PEN_NO_MEMORY once. */
+/* Allocates in the scene's arena. Fails: NULL; reports PEN_NO_MEMORY once. */
 void *pen_reader_alloc(struct pen_reader *r, size_t count, size_t size);
 
-/* Whether the list still keeps errors: where it does not, a costly message is not worth making. */
-static inline bool pen_reader_explains(const struct pen_reader *r)
+/* Whether the list of errors still keeps messages. When it is full, a costly message need not be
+ * made. */
+static inline bool pen_reader_wants_message(const struct pen_reader *r)
 {
     return r->errors->count < PEN_ERRORS_MAX;
 }
 
-/* Whether messages speak of XML's attributes and elements instead of JSON's keys. */
+/* Whether messages name attributes and elements (XML) instead of keys (JSON). */
 static inline bool pen_reader_is_xml(const struct pen_reader *r)
 {
     return r->source != NULL;
 }
 
-/* For messages, in the terms of the document as sent: the value at a place, the name of the member
- * `key` of the object at `up`, and where a place is. */
+/* For messages, in JSON or XML as the document is: the value at a place, the name of the member
+ * `key` of the object at `up`, and the position of a place. */
 struct pen_text pen_reader_found(const struct pen_reader *r, const struct pen_place *at,
                                  const json_t *value);
 struct pen_text pen_reader_name(const struct pen_reader *r, const struct pen_place *up,
@@ -91,25 +92,26 @@ struct pen_text pen_reader_name(const struct pen_reader *r, const struct pen_pla
 void pen_reader_place(const struct pen_reader *r, const struct pen_place *at, char *out,
                       size_t bytes);
 
-/* Reports that `key`, or `other` in its place if that is not NULL, is missing. Returns false. */
+/* Reports that `key`, or the alternative `other` unless that is NULL, is missing. Returns false. */
 bool pen_reader_missing(struct pen_reader *r, const struct pen_place *up, const char *key,
                         const char *other);
 
-/* What a number may be. A bound of +-PEN_NUMBER_MAX is one in practice only. */
+/* The allowed values of a number. Messages name a bound of +-PEN_NUMBER_MAX or INT_MAX only if the
+ * number found exceeds it. */
 struct pen_range {
     double lo, hi;
-    bool lo_open, hi_open; /* the bound itself is refused */
+    bool lo_open, hi_open; /* the bound itself is not allowed */
 };
 
 extern const struct pen_range pen_range_any;          /* coordinates */
 extern const struct pen_range pen_range_positive;     /* > 0 */
 extern const struct pen_range pen_range_not_negative; /* >= 0 */
 extern const struct pen_range pen_range_unit;         /* 0 to 1 */
-extern const struct pen_range pen_range_turn;         /* degrees, as many turns as sense makes */
-extern const struct pen_range pen_range_count;        /* 1 to what an int holds */
+extern const struct pen_range pen_range_turn;         /* degrees of a rotation, +-1e6 */
+extern const struct pen_range pen_range_count;        /* 1 to INT_MAX */
 
 enum pen_field_type {
-    PEN_FIELD_OTHER, /* known here, read by code */
+    PEN_FIELD_OTHER, /* a known key that code reads, not the table */
     PEN_FIELD_NUMBER,
     PEN_FIELD_INTEGER,     /* int */
     PEN_FIELD_SEED,        /* uint64_t */
@@ -123,11 +125,11 @@ enum pen_field_type {
     PEN_FIELD_COEFFICIENTS /* double[3], each >= 0, not all 0 */
 };
 
-/* One of the strings that a key may have. */
+/* One of the strings that a key may have as its value. */
 struct pen_word {
     const char *name; /* NULL ends a list */
     int value;
-    const char *later; /* as in struct pen_field */
+    const char *unsupported; /* as in struct pen_field */
 };
 
 /* One key of an object. A table of them ends with a null key. */
@@ -138,34 +140,39 @@ struct pen_field {
     size_t offset; /* of the value in the target */
     const struct pen_range *range;
     const struct pen_word *words;
-    /* The feature, still to come, that any other value than `off` calls for; NULL: it is there. */
-    const char *later;
+    /* The unsupported feature that any value other than `off` turns on; NULL: all values are
+     * supported. */
+    const char *unsupported;
     double off;
 };
 
-/* Reads the fields that are there into *target, leaving the others alone, and refuses unknown
- * keys. Fields of type PEN_FIELD_OTHER are only known. */
+/* Reads the fields that the object has into *target, leaves the others unchanged, and refuses
+ * unknown keys. Fields of type PEN_FIELD_OTHER are accepted but not read. */
 bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *object,
                      const struct pen_field *fields, void *target);
 
-/* The row of a key; NULL if the table has none. */
+/* The row of `key`, or NULL. */
 const struct pen_field *pen_field_find(const struct pen_field *fields, const char *key);
 
 /* Reads one member of the object at `at` into *target, or refuses its key. */
 bool pen_fields_read_member(struct pen_reader *r, const struct pen_place *at, const char *key,
                             const json_t *value, const struct pen_field *fields, void *target);
 
-/* As pen_fields_read, for an object that must be whole: also reports the required fields that are
- * missing. */
+/* As pen_fields_read, and also reports required fields that are missing. */
 bool pen_fields_read_whole(struct pen_reader *r, const struct pen_place *at, const json_t *object,
                            const struct pen_field *fields, void *target);
 
-/* The `type` of an object that has one: reports what is no object, and a missing or unknown type.
- */
+/* Reads the `type` of an object. Reports a value that is not an object, and a missing or unknown
+ * type. */
 bool pen_read_type(struct pen_reader *r, const struct pen_place *at, const json_t *object,
                    const struct pen_word *types, int *type);
 
-/* Single values. */
+/* Readers of single values:
+ *  - factor: a number or an array of 3, each 0 to 1;
+ *  - coefficients: an array of 3 numbers, each >= 0, not all 0;
+ *  - vec3: an array of 3 numbers in `range`;
+ *  - direction: an array of 3 numbers, not all 0;
+ *  - array: only checks the type; `what` names its elements in the message. */
 bool pen_read_number(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                      const struct pen_range *range, double *out);
 bool pen_read_integer(struct pen_reader *r, const struct pen_place *at, const json_t *value,
@@ -178,10 +185,8 @@ bool pen_read_factor(struct pen_reader *r, const struct pen_place *at, const jso
                      struct pen_vec3 *out);
 bool pen_read_coefficients(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                            double out[3]);
-bool pen_read_three(struct pen_reader *r, const struct pen_place *at, const json_t *value,
-                    const struct pen_range *range, double out[3]);
-bool pen_read_triple(struct pen_reader *r, const struct pen_place *at, const json_t *value,
-                     const struct pen_range *range, struct pen_vec3 *out);
+bool pen_read_vec3(struct pen_reader *r, const struct pen_place *at, const json_t *value,
+                   const struct pen_range *range, struct pen_vec3 *out);
 bool pen_read_direction(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                         struct pen_vec3 *out);
 bool pen_read_array(struct pen_reader *r, const struct pen_place *at, const json_t *value,
@@ -189,24 +194,24 @@ bool pen_read_array(struct pen_reader *r, const struct pen_place *at, const json
 bool pen_read_word(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                    const struct pen_word *words, int *out);
 
-/* "… are known, not supported yet". Returns false. */
-bool pen_reader_later(struct pen_reader *r, const struct pen_place *at, const char *feature);
+/* Reports "known, not supported yet: FEATURE". Returns false. */
+bool pen_reader_unsupported(struct pen_reader *r, const struct pen_place *at, const char *feature);
 
-/* pen_scene_read, of a document whose text is described by `source`; NULL: it is JSON as sent. */
+/* As pen_scene_read; `source` maps places to the text of an XML document, NULL for JSON. */
 bool pen_scene_read_from(const json_t *document, const struct pen_source_map *source,
                          const char *at, const struct pen_limits *limits, struct pen_arena *arena,
                          struct pen_scene_desc *desc, struct pen_errors *errors);
 
-/* Parts of a scene. */
+/* The readers of a scene's parts. */
 bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                      struct pen_camera_desc *camera);
+/* Replaces the keys that a view overrides in *camera; `check`: the result must be a valid frame. */
 bool pen_camera_override(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                          bool check, struct pen_camera_desc *camera);
-bool pen_material_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                       struct pen_material *material);
 bool pen_materials_read(struct pen_reader *r, const struct pen_place *at, const json_t *json);
-bool pen_material_of(struct pen_reader *r, const struct pen_place *at, const json_t *json,
-                     int *index);
+/* Reads an object's `material`: a name, or an inline material, which is added to the materials. */
+bool pen_material_ref_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                           int *index);
 bool pen_lights_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                      struct pen_scene_desc *desc);
 bool pen_objects_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A scene's top level: which parts there are, and in which order they are read. */
+/* The top level of a scene, and its views. */
 #include "io/scene_json.h"
 
 #include <string.h>
@@ -10,6 +10,7 @@
 enum { FORMAT_1 = 1 };
 static const struct pen_word formats[] = {{"penumbra-scene/1", FORMAT_1, NULL}, {0}};
 
+/* The target of pen_scene_fields. */
 struct target {
     struct pen_scene_desc *desc;
     const char *name;
@@ -98,7 +99,7 @@ static bool read_views(struct pen_reader *r, const json_t *json, bool camera_ok,
     return ok;
 }
 
-/* Nothing is defined by an empty object: it means "off". */
+/* An empty object defines nothing, so it is accepted. */
 static void refuse_definitions(struct pen_reader *r, const json_t *json)
 {
     const struct pen_place root = {0}, at = pen_place_key(&root, "definitions");
@@ -106,7 +107,7 @@ static void refuse_definitions(struct pen_reader *r, const json_t *json)
     if (!json_is_object(json))
         pen_reader_fail(r, &at, PEN_INVALID, "must be an object, found %s", found.text);
     else if (json_object_size(json) > 0)
-        pen_reader_later(r, &at, "definitions of groups for instances");
+        pen_reader_unsupported(r, &at, "definitions of groups for instances");
 }
 
 static void read_parts(struct pen_reader *r, const json_t *document, struct pen_scene_desc *desc)

@@ -9,8 +9,8 @@
 #include "io/scene/tables.h"
 #include "io/settings_json.h"
 
-/* Caps that keep a tile's and a path's memory in bounds; everything else that is too much is
- * caught by the limits on pixels and work. */
+/* These bounds limit the memory of a tile and of a path. The limits on pixels and work catch
+ * everything else that is too much. */
 static const struct pen_range edge_range = {1, 65536, false, false};
 static const struct pen_range depth_range = {1, 65536, false, false};
 static const struct pen_range threads_range = {0, INT_MAX, false, false};
@@ -41,7 +41,7 @@ static const struct pen_word qualities[] = {{"draft", 0, presets},
                                             {"reference", 3, presets},
                                             {0}};
 
-/* The settings and what is read but not kept. */
+/* The target of pen_settings_fields: the settings, and what is read but not kept. */
 struct target {
     struct pen_settings settings;
     int quality;
@@ -63,7 +63,7 @@ const struct pen_field pen_settings_fields[] = {
     {"min_contribution", PEN_FIELD_NUMBER, .offset = MEMBER(min_contribution),
      .range = &pen_range_unit},
     {"target_error", PEN_FIELD_NUMBER, .offset = MEMBER(target_error),
-     .range = &pen_range_not_negative, .later = "adaptive sampling to a target error"},
+     .range = &pen_range_not_negative, .unsupported = "adaptive sampling to a target error"},
     {"max_samples", PEN_FIELD_INTEGER, .offset = MEMBER(max_samples), .range = &pen_range_count},
     {"precision", PEN_FIELD_WORD, .offset = MEMBER(precision), .words = precisions},
     {"accelerator", PEN_FIELD_WORD, .offset = MEMBER(accelerator), .words = accelerators},

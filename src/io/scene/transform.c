@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Transforms of groups, and what a chain of them does to quadrics. */
+/* Transforms of groups, and the check that quadrics are under similarities only. */
 #include <math.h>
 #include <stdio.h>
 
@@ -96,15 +96,15 @@ bool pen_group_transform_read(struct pen_reader *r, const struct pen_place *at, 
     return true;
 }
 
-bool pen_chain_add(struct pen_reader *r, const struct pen_place *at, const struct pen_transform *f,
-                   struct pen_chain *chain)
+bool pen_transform_chain_add(struct pen_reader *r, const struct pen_place *at,
+                             const struct pen_transform *f, struct pen_transform_chain *chain)
 {
     bool similar = is_similarity(f);
     chain->f = pen_transform_compose(&chain->f, f);
     chain->similar = is_similarity(&chain->f);
-    if (!chain->blame && (!similar || !chain->similar)) {
-        chain->blame = at; /* by itself, or because deviations add up */
-        chain->blamed = similar ? chain->f : *f;
+    if (!chain->stretch_at && (!similar || !chain->similar)) {
+        chain->stretch_at = at;
+        chain->stretch = similar ? chain->f : *f; /* similar: small deviations have added up */
     }
     if (in_range(&chain->f) && pen_transform_invertible(&chain->f))
         return true;
@@ -114,21 +114,21 @@ bool pen_chain_add(struct pen_reader *r, const struct pen_place *at, const struc
                                                : "reaches beyond 1e100 in magnitude");
 }
 
-bool pen_chain_takes_quadric(struct pen_reader *r, const struct pen_place *at, const char *what,
-                             const struct pen_chain *chain)
+bool pen_transform_chain_check_quadric(struct pen_reader *r, const struct pen_place *at,
+                                       const char *what, const struct pen_transform_chain *chain)
 {
     if (chain->similar)
         return true;
     double length[3];
     for (int j = 0; j < 3; j++)
         length[j] = pen_length(
-            pen_vec3(chain->blamed.m[0][j], chain->blamed.m[1][j], chain->blamed.m[2][j]));
+            pen_vec3(chain->stretch.m[0][j], chain->stretch.m[1][j], chain->stretch.m[2][j]));
     bool equal = fabs(length[0] - length[1]) <= 5e-7 * length[0] &&
                  fabs(length[0] - length[2]) <= 5e-7 * length[0];
     struct pen_text a = pen_text_number(length[0]), b = pen_text_number(length[1]),
                     c = pen_text_number(length[2]);
     char place[PEN_AT_BYTES], why[128];
-    pen_reader_place(r, chain->blame, place, sizeof place);
+    pen_reader_place(r, chain->stretch_at, place, sizeof place);
     snprintf(why, sizeof why, "of lengths %.30s, %.30s, %.30s", a.text, b.text, c.text);
     return pen_reader_fail(
         r, at, PEN_INVALID,

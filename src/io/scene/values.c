@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Single values of a scene: numbers in a range, triples, words. Each message says what is allowed
+/* Single values of a scene: numbers in a range, vectors, words. Each message names what is allowed
  * and what was found. */
 #include <limits.h>
 #include <math.h>
@@ -12,7 +12,7 @@ const struct pen_range pen_range_any = {-PEN_NUMBER_MAX, PEN_NUMBER_MAX, false, 
 const struct pen_range pen_range_positive = {0, PEN_NUMBER_MAX, true, false};
 const struct pen_range pen_range_not_negative = {0, PEN_NUMBER_MAX, false, false};
 const struct pen_range pen_range_unit = {0, 1, false, false};
-/* pen_sincos_deg answers up to 2^20. */
+/* pen_sincos_deg takes angles up to 2^20 degrees. */
 const struct pen_range pen_range_turn = {-1e6, 1e6, false, false};
 const struct pen_range pen_range_count = {1, INT_MAX, false, false};
 
@@ -23,8 +23,8 @@ static bool inside(const struct pen_range *range, double v)
     return above && below;
 }
 
-/* "a number from 0 to 1". Bounds that are there only to keep arithmetic finite are named only to
- * who has passed them. */
+/* The allowed values in words: "a number from 0 to 1". Bounds that only keep arithmetic finite are
+ * named only if the number found exceeds them. */
 static struct pen_text range_text(const char *noun, const struct pen_range *range, double found)
 {
     bool lo = range->lo > -PEN_NUMBER_MAX || found < range->lo;
@@ -76,7 +76,7 @@ bool pen_read_integer(struct pen_reader *r, const struct pen_place *at, const js
     return true;
 }
 
-/* An integer is compared as such: 2^53 + 1 has no double of its own. */
+/* A JSON integer is compared as an integer, because 2^53 + 1 is not a double. */
 bool pen_read_seed(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                    uint64_t *out)
 {
@@ -105,8 +105,8 @@ static bool triple_elements(struct pen_reader *r, const struct pen_place *at, co
     return ok;
 }
 
-bool pen_read_three(struct pen_reader *r, const struct pen_place *at, const json_t *value,
-                    const struct pen_range *range, double out[3])
+static bool read_three(struct pen_reader *r, const struct pen_place *at, const json_t *value,
+                       const struct pen_range *range, double out[3])
 {
     if (json_array_size(value) == 3)
         return triple_elements(r, at, value, range, out);
@@ -115,17 +115,17 @@ bool pen_read_three(struct pen_reader *r, const struct pen_place *at, const json
                            found.text);
 }
 
-bool pen_read_triple(struct pen_reader *r, const struct pen_place *at, const json_t *value,
-                     const struct pen_range *range, struct pen_vec3 *out)
+bool pen_read_vec3(struct pen_reader *r, const struct pen_place *at, const json_t *value,
+                   const struct pen_range *range, struct pen_vec3 *out)
 {
     double v[3];
-    if (!pen_read_three(r, at, value, range, v))
+    if (!read_three(r, at, value, range, v))
         return false;
     *out = pen_vec3(v[0], v[1], v[2]);
     return true;
 }
 
-/* A vector of zeros as a message shows it. */
+/* The zero vector found, for a message. */
 static struct pen_text zeros(const struct pen_reader *r, const struct pen_place *at,
                              const json_t *value)
 {
@@ -135,7 +135,7 @@ static struct pen_text zeros(const struct pen_reader *r, const struct pen_place 
 bool pen_read_direction(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                         struct pen_vec3 *out)
 {
-    if (!pen_read_triple(r, at, value, &pen_range_any, out))
+    if (!pen_read_vec3(r, at, value, &pen_range_any, out))
         return false;
     if (out->x == 0 && out->y == 0 && out->z == 0)
         return pen_reader_fail(r, at, PEN_INVALID, "must have a length greater than 0, found %s",
@@ -148,7 +148,7 @@ bool pen_read_factor(struct pen_reader *r, const struct pen_place *at, const jso
 {
     double v;
     if (json_is_array(value) && json_array_size(value) == 3)
-        return pen_read_triple(r, at, value, &pen_range_unit, out);
+        return pen_read_vec3(r, at, value, &pen_range_unit, out);
     if (json_is_number(value)) {
         if (!pen_read_number(r, at, value, &pen_range_unit, &v))
             return false;
@@ -165,7 +165,7 @@ bool pen_read_factor(struct pen_reader *r, const struct pen_place *at, const jso
 bool pen_read_coefficients(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                            double out[3])
 {
-    if (!pen_read_three(r, at, value, &pen_range_not_negative, out))
+    if (!read_three(r, at, value, &pen_range_not_negative, out))
         return false;
     if (out[0] == 0 && out[1] == 0 && out[2] == 0)
         return pen_reader_fail(r, at, PEN_INVALID, "must not be all 0, found %s",
@@ -227,7 +227,7 @@ bool pen_read_word(struct pen_reader *r, const struct pen_place *at, const json_
             if (strcmp(w->name, json_string_value(value)) != 0)
                 continue;
             *out = w->value;
-            return w->later ? pen_reader_later(r, at, w->later) : true;
+            return w->unsupported ? pen_reader_unsupported(r, at, w->unsupported) : true;
         }
     }
     return wrong_word(r, at, value, words);

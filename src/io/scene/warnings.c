@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Warnings about valid scenes: what the author probably did not mean. A warning is a status with
- * code PEN_OK, a JSON Pointer and a sentence. */
+/* Warnings about valid scenes whose author probably meant something else. A warning is a status
+ * with code PEN_OK, a JSON Pointer and a sentence. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -23,7 +23,7 @@ static void mark_used(const struct pen_object_desc *objects, uint32_t count, boo
     }
 }
 
-/* Named materials come first in the description, in the document's order. */
+/* The named materials are the first of the description, in document order. */
 static void warn_unused_materials(struct pen_reader *r, const json_t *document,
                                   const struct pen_scene_desc *desc)
 {
@@ -79,8 +79,8 @@ static struct pen_place view_place(const struct pen_place up[2], const json_t *d
                                               : pen_place_key(&up[0], "camera");
 }
 
-/* The first view that asks for more than doubles give. A scene that cannot be frozen is refused
- * when it is rendered. */
+/* Warns of the first view for which double precision is too coarse. A scene that cannot be frozen
+ * gets no warning here; rendering refuses it. */
 static void warn_precision(struct pen_reader *r, const json_t *document,
                            const struct pen_scene_desc *desc)
 {
@@ -102,7 +102,8 @@ static void warn_precision(struct pen_reader *r, const json_t *document,
     pen_scene_free(scene);
 }
 
-/* Writes the JSON Pointer of loop number *left, counting *left down to it. */
+/* Writes the JSON Pointer of the loop (triangle or polygon) with *left loops before it; counts
+ * *left down. Returns whether it was found. */
 static bool find_loop(const struct pen_object_desc *objects, uint32_t count,
                       const struct pen_place *up, uint32_t *left, char out[PEN_AT_BYTES])
 {
@@ -136,7 +137,7 @@ static void warn_tjunction(void *user, const struct pen_tjunction *found)
     char vertex_loop[PEN_AT_BYTES], edge_loop[PEN_AT_BYTES], pointer[3 * PEN_AT_BYTES];
     struct pen_status st = {.code = PEN_OK};
     uint32_t loop = found->loop, other = found->edge_loop;
-    if (pen_reader_explains(w->reader) &&
+    if (pen_reader_wants_message(w->reader) &&
         find_loop(desc->objects, desc->object_count, &root, &loop, vertex_loop) &&
         find_loop(desc->objects, desc->object_count, &root, &other, edge_loop)) {
         snprintf(pointer, sizeof pointer, "%.255s%s/vertices/%u", prefix, vertex_loop,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What elements and attributes become in the document, one at a time, and what the dialect says
- * where a document is silent. */
+/* Makes the JSON value of one element or attribute at a time, and adds the defaults that the XML
+ * format has beyond those of the JSON format. */
 #include "io/xml/build.h"
 
 #include <math.h>
@@ -12,11 +12,11 @@
 #include "io/scene/object.h"
 #include "io/xml/values.h"
 
-/* What containers take, by the parser of JSON's estimate. */
+/* The memory of containers, as estimated by io/json/memory.h. */
 enum {
     OBJECT = PEN_JSON_OBJECT_BYTES,
     ARRAY = PEN_JSON_ARRAY_BYTES,
-    TRIPLE = ARRAY + 3 * PEN_JSON_ELEMENT_BYTES, /* of values that take more */
+    TRIPLE = ARRAY + 3 * PEN_JSON_ELEMENT_BYTES, /* without its elements' values */
     NUMBERS = TRIPLE + 3 * PEN_JSON_NUMBER_BYTES,
     CORNERS = TRIPLE + 3 * NUMBERS
 };
@@ -26,8 +26,9 @@ static size_t member_bytes(const char *key)
     return PEN_JSON_MEMBER_BYTES + strlen(key);
 }
 
-/* The container that the steps but the last of *path lead to, made where it is not there; *path is
- * then the last step. NULL if something else is in the way. */
+/* Follows all steps of *path except the last from `object`, and makes containers that are missing.
+ * Returns the last container, and *path becomes the last step. NULL if a value on the path is not a
+ * container, or after an error. */
 static json_t *descend(struct pen_xml_builder *b, json_t *object, const char **path)
 {
     for (const char *slash; object && (slash = strchr(*path, '/')); *path = slash + 1) {
@@ -45,20 +46,21 @@ static json_t *descend(struct pen_xml_builder *b, json_t *object, const char **p
     return object;
 }
 
-/* A body's `material` and the attributes of a material of its own end up at the same key. */
+/* A primitive's attribute `material` and the attributes of its own material have the same key in
+ * JSON. */
 static void refuse_both(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                         const char *name)
 {
-    const struct pen_xml_about about = {.frame = frame, .name = name};
+    const struct pen_xml_attribute_ref ref = {.frame = frame, .name = name};
     pen_xml_attribute_error(
-        b, &about,
+        b, &ref,
         "\"material\" and the attributes of a material exclude each other, found "
         "both");
 }
 
-/* Puts the value where the row says; takes it. */
-static void put(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
-                const struct pen_xml_row *row, json_t *value)
+/* Stores the value at the row's path; takes ownership of it. */
+static void store(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                  const struct pen_xml_row *row, json_t *value)
 {
     const char *step = row->path;
     json_t *at = descend(b, frame->object, &step);
@@ -77,18 +79,20 @@ static void put(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
         pen_xml_require(b, json_object_set_new(at, step, value) == 0);
 }
 
-/* The attribute's value, null after a fault. NULL only when the work has ended. */
+/* The attribute's value; JSON null after an error has been reported. NULL only when parsing has
+ * stopped. */
 static json_t *read_value(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                           const struct pen_xml_row *row, const char *text)
 {
-    struct pen_xml_value_error fault;
-    json_t *value = pen_xml_value(row->shape, text, &b->scratch, &b->room, &fault);
-    if (fault.no_room && !pen_xml_reserve(b, SIZE_MAX))
+    struct pen_xml_value_error error;
+    json_t *value = pen_xml_value(row->shape, text, &b->scratch, &b->bytes_left, &error);
+    if (error.over_limit && !pen_xml_reserve(b, SIZE_MAX))
         return NULL;
-    if (value || fault.no_memory)
+    if (value || error.no_memory)
         return pen_xml_check_value(b, value);
-    const struct pen_xml_about about = {frame, row->name, text, fault.offset};
-    pen_xml_attribute_error(b, &about, "%s", fault.msg.text);
+    const struct pen_xml_attribute_ref ref = {
+        .frame = frame, .name = row->name, .value = text, .offset = error.offset};
+    pen_xml_attribute_error(b, &ref, "%s", error.msg.text);
     return json_null();
 }
 
@@ -101,13 +105,13 @@ void pen_xml_attribute_read(struct pen_xml_builder *b, const struct pen_xml_fram
         return;
     }
     if (row.path[0] == '\0' || strcmp(row.path, "@name") == 0)
-        return; /* the element's own value, and its name: read when it was made */
+        return; /* the element's value, or its name: pen_xml_build has read it */
     json_t *value = read_value(b, frame, &row, text);
     if (value && strcmp(row.path, "@image") == 0) {
         b->image = value;
         b->xml->image = frame->tag;
     } else if (value) {
-        put(b, frame, &row, value);
+        store(b, frame, &row, value);
     }
 }
 
@@ -143,22 +147,22 @@ static void finish_triangle(struct pen_xml_builder *b, const struct pen_xml_fram
         pen_xml_require(b, json_object_set_new(frame->object, "vertices", json_null()) == 0);
 }
 
-/* The corner as a vector, if it is three numbers that a scene may hold. */
+/* Reads a corner as a vector; reports values that are not numbers of a scene. */
 static bool read_corner(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                         const json_t *triple, const char *name, struct pen_vec3 *out)
 {
-    const struct pen_xml_about about = {.frame = frame, .name = name};
+    const struct pen_xml_attribute_ref ref = {.frame = frame, .name = name};
     double v[3];
     for (size_t k = 0; k < 3; k++) {
         const json_t *value = json_array_get(triple, k);
         v[k] = json_is_number(value) ? json_number_value(value) : NAN;
         if (fabs(v[k]) <= PEN_NUMBER_MAX)
             continue;
-        if (value) /* else it is reported */
-            pen_xml_attribute_error(
-                b, &about, "must be 3 numbers up to 1e100 in magnitude, found %s",
-                json_is_string(value) ? pen_text_quote(json_string_value(value)).text
-                                      : pen_text_value(value).text);
+        if (value) /* NULL: the whole attribute has been reported */
+            pen_xml_attribute_error(b, &ref, "must be 3 numbers up to 1e100 in magnitude, found %s",
+                                    json_is_string(value)
+                                        ? pen_text_quote(json_string_value(value)).text
+                                        : pen_text_value(value).text);
         return false;
     }
     *out = pen_vec3(v[0], v[1], v[2]);
@@ -178,7 +182,7 @@ static bool read_corners(struct pen_xml_builder *b, const struct pen_xml_frame *
     bool ok = has_corners(b, frame, attributes);
     for (size_t i = 0; i < 3 && ok; i++)
         ok = read_corner(b, frame, json_array_get(corners, i), corner_names[i], &p[i]);
-    if (!ok || pen_corner_has_area(p))
+    if (!ok || pen_points_have_area(p))
         return ok;
     pen_xml_error(b, frame->tag, PEN_INVALID,
                   "<plane>: \"p0\", \"p1\" and \"p2\" must be three points that are not on one "
@@ -191,7 +195,8 @@ static json_t *vector(struct pen_vec3 v)
     return json_pack("[f, f, f]", v.x, v.y, v.z);
 }
 
-/* Three points make a point and the normal of the side from which they run counter-clockwise. */
+/* Converts p0, p1, p2 to a point and the normal on the side from which they run counter-clockwise.
+ */
 static void finish_plane(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                          const char *const *attributes)
 {
@@ -199,12 +204,12 @@ static void finish_plane(struct pen_xml_builder *b, const struct pen_xml_frame *
     if (!json_object_get(frame->object, "corners"))
         return;
     bool ok = read_corners(b, frame, attributes, p);
-    if (ok) /* in the corners' place */
-        b->room += member_bytes("corners") + CORNERS;
+    if (ok) /* the corners are deleted */
+        b->bytes_left += member_bytes("corners") + CORNERS;
     if (!pen_xml_reserve(b, member_bytes("point") + member_bytes("normal") + 2 * NUMBERS))
         return;
     json_t *point = ok ? vector(p[0]) : json_null();
-    json_t *normal = ok ? vector(pen_corner_normal(p)) : json_null();
+    json_t *normal = ok ? vector(pen_points_normal(p)) : json_null();
     pen_xml_require(b, json_object_set_new(frame->object, "point", point) == 0);
     pen_xml_require(b, json_object_set_new(frame->object, "normal", normal) == 0);
     json_object_del(frame->object, "corners");
@@ -225,7 +230,7 @@ void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
                     const char *const *attributes)
 {
     switch (frame->element->finish) {
-    case PEN_XML_AS_IT_IS:
+    case PEN_XML_FINISH_NONE:
         break;
     case PEN_XML_TRIANGLE:
         finish_triangle(b, frame, attributes);
@@ -239,7 +244,8 @@ void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
     }
 }
 
-/* Adds a member; takes the value. A second one is a duplicate. Returns the value, or NULL. */
+/* Adds a member and takes ownership of the value. Reports a second element with the same key.
+ * Returns the value, or NULL. */
 static json_t *add_member(struct pen_xml_builder *b, json_t *object, const char *key, json_t *value,
                           const struct pen_xml_frame *frame)
 {
@@ -258,7 +264,7 @@ static json_t *add_member(struct pen_xml_builder *b, json_t *object, const char 
     return done ? value : NULL;
 }
 
-/* Adds an item; takes the value. Returns it, or NULL. */
+/* Adds an element to a list and takes ownership of the value. Returns the value, or NULL. */
 static json_t *add_item(struct pen_xml_builder *b, json_t *list, json_t *value)
 {
     if (value && !pen_xml_reserve(b, PEN_JSON_ELEMENT_BYTES)) {
@@ -270,7 +276,8 @@ static json_t *add_item(struct pen_xml_builder *b, json_t *list, json_t *value)
     return done ? value : NULL;
 }
 
-/* The value of the element's one attribute; null if it is missing, which is reported. */
+/* The value of an element whose only attribute is its value; reports a missing one and returns JSON
+ * null. */
 static json_t *own_value(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                          const char *const *attributes)
 {
@@ -292,7 +299,8 @@ static json_t *new_list(struct pen_xml_builder *b)
     return pen_xml_reserve(b, ARRAY) ? json_array() : NULL;
 }
 
-static json_t *item(struct pen_xml_builder *b, const char *type)
+/* A new object for a list; NULL as `type` makes an empty one. */
+static json_t *new_item(struct pen_xml_builder *b, const char *type)
 {
     if (!type)
         return new_object(b);
@@ -300,9 +308,9 @@ static json_t *item(struct pen_xml_builder *b, const char *type)
     return pen_xml_reserve(b, bytes) ? json_pack("{s:s}", "type", type) : NULL;
 }
 
-/* The one member of an item; takes the value. */
-static json_t *only_member(struct pen_xml_builder *b, json_t *list, json_t *value,
-                           const struct pen_xml_frame *frame)
+/* Adds an object with a single member to a list and takes ownership of the value. */
+static json_t *add_single_member_item(struct pen_xml_builder *b, json_t *list, json_t *value,
+                                      const struct pen_xml_frame *frame)
 {
     json_t *wrapper = add_item(b, list, new_object(b));
     if (wrapper)
@@ -311,16 +319,17 @@ static json_t *only_member(struct pen_xml_builder *b, json_t *list, json_t *valu
     return NULL;
 }
 
-/* A material; without a name that is its own it has no place to be. */
-static json_t *named(struct pen_xml_builder *b, const struct pen_xml_frame *up,
-                     const struct pen_xml_frame *frame, const char *const *attributes)
+/* Adds an object under the element's `name`. Reports a missing or repeated name and returns NULL.
+ */
+static json_t *add_named(struct pen_xml_builder *b, const struct pen_xml_frame *up,
+                         const struct pen_xml_frame *frame, const char *const *attributes)
 {
-    const struct pen_xml_about about = {.frame = frame, .name = "name"};
+    const struct pen_xml_attribute_ref ref = {.frame = frame, .name = "name"};
     const char *name = attribute(attributes, "name");
     if (!name)
         pen_xml_missing_attribute(b, frame, "name");
     else if (json_object_get(up->object, name))
-        pen_xml_attribute_error(b, &about, "must be unique, there is one named %s already",
+        pen_xml_attribute_error(b, &ref, "must be unique, there is one named %s already",
                                 pen_text_quote(name).text);
     else
         return add_member(b, up->object, name, new_object(b), frame);
@@ -341,14 +350,14 @@ json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
     case PEN_XML_MEMBER_VALUE:
         return add_member(b, up->object, e->key, own_value(b, frame, attributes), frame);
     case PEN_XML_ITEM:
-        return frame->object = add_item(b, up->list, item(b, e->key));
+        return frame->object = add_item(b, up->list, new_item(b, e->key));
     case PEN_XML_ITEM_MEMBER:
-        return frame->object = only_member(b, up->list, new_object(b), frame);
+        return frame->object = add_single_member_item(b, up->list, new_object(b), frame);
     case PEN_XML_ITEM_VALUE:
-        return only_member(b, up->list, own_value(b, frame, attributes), frame);
+        return add_single_member_item(b, up->list, own_value(b, frame, attributes), frame);
     case PEN_XML_NAMED:
-        return frame->object = named(b, up, frame, attributes);
-    case PEN_XML_LATER:
+        return frame->object = add_named(b, up, frame, attributes);
+    case PEN_XML_UNSUPPORTED:
         pen_xml_error(b, frame->tag, PEN_UNSUPPORTED, "<%s>: known, not supported yet: %s", e->name,
                       e->key);
         return NULL;
@@ -356,7 +365,7 @@ json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
     return NULL;
 }
 
-/* A member with a default; takes the value. */
+/* Adds a member unless the object has it; takes ownership of the value. */
 static void add_default(struct pen_xml_builder *b, json_t *object, const char *key, json_t *value)
 {
     pen_xml_require(b, value != NULL);
@@ -365,23 +374,24 @@ static void add_default(struct pen_xml_builder *b, json_t *object, const char *k
     json_decref(value);
 }
 
-/* The picture's size by the camera's `image`, which must not stand beside width or height. */
+/* Applies the camera's `image` as the render settings width and height; reports it beside those. */
 static void apply_image(struct pen_xml_builder *b, const struct pen_xml_frame *camera,
                         json_t *render)
 {
     static const char *const keys[] = {"width", "height"};
-    const struct pen_xml_about about = {.frame = camera, .name = "image"};
+    const struct pen_xml_attribute_ref ref = {.frame = camera, .name = "image"};
     bool pair = json_is_array(b->image);
     for (size_t i = 0; i < 2 && b->image && !b->stopped; i++) {
         json_t *value = pair ? json_array_get(b->image, i) : b->image;
         if (json_object_get(render, keys[i]))
-            pen_xml_attribute_error(b, &about, "excludes \"%s\" of <render>, found both", keys[i]);
+            pen_xml_attribute_error(b, &ref, "excludes \"%s\" of <render>, found both", keys[i]);
         else
             pen_xml_require(b, json_object_set(render, keys[i], value) == 0);
     }
 }
 
-/* The scene's `render`; without the element, it comes from that with the picture's size. */
+/* The scene's `render` object. If there is no element, it is recorded as made from *from, so that
+ * errors have a position. */
 static json_t *render_settings(struct pen_xml_builder *b, const struct pen_xml_frame *from)
 {
     json_t *render = json_object_get(b->document, "render");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The elements and attributes of the XML dialect. A list of the JSON format is an element that
- * holds its members, an object in an object is an element in an element, and all other keys are
- * attributes. */
+/* The tables of elements and attributes. A list of the JSON format is an element that holds its
+ * members, an object inside an object is an element inside an element, and every other key is an
+ * attribute. */
 #include <stdio.h>
 #include <string.h>
 
@@ -41,7 +41,7 @@ static const struct pen_xml_attribute polygon_own[] = {
     {"material", PEN_XML_TEXT, "material"}, {"points", PEN_XML_POINTS, "vertices"}, {0}};
 static const struct pen_xml_attribute tube_own[] = {
     {"material", PEN_XML_TEXT, "material"}, {"direction", PEN_XML_TRIPLE, "axis"}, {0}};
-/* Of cones, too. */
+/* For cones, too. */
 static const struct pen_xml_attribute cylinder_own[] = {{"material", PEN_XML_TEXT, "material"},
                                                         {"origin", PEN_XML_TRIPLE, "base"},
                                                         {"direction", PEN_XML_TRIPLE, "axis"},
@@ -118,9 +118,9 @@ static const struct pen_xml_element plane = {"plane",
                                              .material = pen_material_fields,
                                              .finish = PEN_XML_PLANE};
 static const struct pen_xml_element mesh = {
-    .name = "mesh", .build = PEN_XML_LATER, .key = "the object type \"mesh\""};
+    .name = "mesh", .build = PEN_XML_UNSUPPORTED, .key = "the object type \"mesh\""};
 static const struct pen_xml_element instance = {
-    .name = "instance", .build = PEN_XML_LATER, .key = "the object type \"instance\""};
+    .name = "instance", .build = PEN_XML_UNSUPPORTED, .key = "the object type \"instance\""};
 static const struct pen_xml_element group;
 static const struct pen_xml_element *const objects[] = {
     &sphere, &triangle, &plane, &polygon, &tube, &cylinder, &cone, &group, &mesh, &instance, NULL};
@@ -148,8 +148,9 @@ static const struct pen_xml_element lights = {"lights", PEN_XML_MEMBER_LIST, "li
                                               .children = lights_children};
 static const struct pen_xml_element geometries = {"geometries", PEN_XML_MEMBER_LIST, "objects",
                                                   .children = objects};
-static const struct pen_xml_element definitions = {
-    .name = "definitions", .build = PEN_XML_LATER, .key = "definitions of groups for instances"};
+static const struct pen_xml_element definitions = {.name = "definitions",
+                                                   .build = PEN_XML_UNSUPPORTED,
+                                                   .key = "definitions of groups for instances"};
 static const struct pen_xml_element render = {"render", PEN_XML_MEMBER_OBJECT, "render",
                                               .fields = pen_settings_fields};
 static const struct pen_xml_element *const scene_children[] = {
@@ -212,14 +213,14 @@ static void make_row(const char *name, enum pen_xml_shape shape, const char *pre
         *c = *c == '_' ? '-' : *c;
 }
 
-/* Rows for the fields that are attributes, or for the one of that name, as many as there is room
- * for. Returns how many. */
+/* Makes rows of the fields that are attributes, only of the one called `name` unless that is NULL;
+ * at most `capacity`. Returns their number. */
 static size_t rows_of_fields(const struct pen_xml_element *element, const struct pen_field *fields,
                              const char *prefix, const char *name, struct pen_xml_row *rows,
-                             size_t room)
+                             size_t capacity)
 {
     size_t count = 0;
-    for (const struct pen_field *f = fields; f && f->key && count < room; f++) {
+    for (const struct pen_field *f = fields; f && f->key && count < capacity; f++) {
         enum pen_xml_shape shape = shape_of(f->type);
         bool wanted = shape != PEN_XML_HIDDEN && (!name || same_name(f->key, name));
         if (wanted && (*prefix || !is_own(element, f->key)))
@@ -228,18 +229,18 @@ static size_t rows_of_fields(const struct pen_xml_element *element, const struct
     return count;
 }
 
-/* All attributes, or the one of that name. */
+/* All attributes, or only the one called `name` unless that is NULL. Returns their number. */
 static size_t find_rows(const struct pen_xml_element *element, const char *name,
-                        struct pen_xml_row *rows, size_t room)
+                        struct pen_xml_row *rows, size_t capacity)
 {
     size_t count = 0;
-    for (const struct pen_xml_attribute *a = element->own; a && a->name && count < room; a++) {
+    for (const struct pen_xml_attribute *a = element->own; a && a->name && count < capacity; a++) {
         if (a->shape != PEN_XML_HIDDEN && (!name || strcmp(a->name, name) == 0))
             make_row(a->name, a->shape, "", a->path, &rows[count++]);
     }
-    count += rows_of_fields(element, element->fields, "", name, rows + count, room - count);
+    count += rows_of_fields(element, element->fields, "", name, rows + count, capacity - count);
     return count + rows_of_fields(element, element->material, "material/", name, rows + count,
-                                  room - count);
+                                  capacity - count);
 }
 
 size_t pen_xml_rows(const struct pen_xml_element *element,

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What is said of well-formed XML that is no scene. */
+/* Errors in well-formed XML that is not a scene. */
 #include <stdio.h>
 #include <string.h>
 
 #include "io/xml/build.h"
 
-/* Beyond this many faults the rest of a document is not read. */
-enum { FAULTS_MAX = 1000 };
+/* After this many errors the rest of a document is not parsed. */
+enum { ERRORS_MAX = 1000 };
 
 static void stop(struct pen_xml_builder *b)
 {
@@ -14,7 +14,6 @@ static void stop(struct pen_xml_builder *b)
     XML_StopParser(b->parser, XML_FALSE);
 }
 
-/* The value; NULL, for want of memory, ends the work. */
 json_t *pen_xml_check_value(struct pen_xml_builder *b, json_t *value)
 {
     if (!value && !b->stopped) {
@@ -26,14 +25,14 @@ json_t *pen_xml_check_value(struct pen_xml_builder *b, json_t *value)
 
 bool pen_xml_reserve(struct pen_xml_builder *b, size_t bytes)
 {
-    if (bytes > b->room && !b->stopped) {
+    if (bytes > b->bytes_left && !b->stopped) {
         pen_fail(b->st, PEN_TOO_LARGE,
                  "the document's values take more than %zu bytes of memory, which is what is "
                  "allowed",
                  b->limits->parsed_bytes);
         stop(b);
     }
-    b->room -= b->stopped ? 0 : bytes;
+    b->bytes_left -= b->stopped ? 0 : bytes;
     return !b->stopped;
 }
 
@@ -47,15 +46,16 @@ void pen_xml_error(struct pen_xml_builder *b, size_t offset, enum pen_code code,
                    ...)
 {
     struct pen_status st = {.code = code};
-    struct pen_errors *faults = &b->xml->faults;
-    if (faults->count < PEN_ERRORS_MAX) {
+    struct pen_errors *errors = &b->xml->errors;
+    if (errors->count < PEN_ERRORS_MAX) {
         va_list args;
         va_start(args, format);
         pen_text_fail(&st, code, b->xml->text, offset, format, args);
         va_end(args);
     }
-    pen_errors_add(faults, &st);
-    if (faults->total == FAULTS_MAX && !b->stopped) /* the document as far as it came is read on */
+    pen_errors_add(errors, &st);
+    if (errors->total == ERRORS_MAX &&
+        !b->stopped) /* the scene reader still reads what was parsed */
         XML_StopParser(b->parser, XML_FALSE);
 }
 
@@ -69,17 +69,18 @@ void pen_xml_abort(struct pen_xml_builder *b, size_t offset, enum pen_code code,
     stop(b);
 }
 
-/* Where an attribute stands, or a byte of its value where that is as written. */
-static size_t place_of(const struct pen_xml_builder *b, const struct pen_xml_about *about)
+/* The offset of an attribute, or of a byte of its value if the value in the text has no references
+ * such as &amp;. */
+static size_t offset_of(const struct pen_xml_builder *b, const struct pen_xml_attribute_ref *ref)
 {
     struct pen_xml_span span;
-    if (!pen_xml_attribute_find(b->xml, about->frame->tag, about->name, &span))
-        return about->frame->tag;
-    bool verbatim = about->value && span.end - span.value == strlen(about->value);
-    return verbatim && about->offset > 0 ? span.value + about->offset : span.name;
+    if (!pen_xml_attribute_find(b->xml, ref->frame->tag, ref->name, &span))
+        return ref->frame->tag;
+    bool verbatim = ref->value && span.end - span.value == strlen(ref->value);
+    return verbatim && ref->offset > 0 ? span.value + ref->offset : span.name;
 }
 
-void pen_xml_attribute_error(struct pen_xml_builder *b, const struct pen_xml_about *about,
+void pen_xml_attribute_error(struct pen_xml_builder *b, const struct pen_xml_attribute_ref *ref,
                              const char *format, ...)
 {
     char message[2 * PEN_MSG_BYTES];
@@ -88,8 +89,8 @@ void pen_xml_attribute_error(struct pen_xml_builder *b, const struct pen_xml_abo
     if (vsnprintf(message, sizeof message, format, args) < 0)
         message[0] = '\0';
     va_end(args);
-    pen_xml_error(b, place_of(b, about), PEN_INVALID, "attribute \"%s\" of <%s>: %s", about->name,
-                  about->frame->element->name, message);
+    pen_xml_error(b, offset_of(b, ref), PEN_INVALID, "attribute \"%s\" of <%s>: %s", ref->name,
+                  ref->frame->element->name, message);
 }
 
 void pen_xml_missing_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
@@ -99,7 +100,7 @@ void pen_xml_missing_attribute(struct pen_xml_builder *b, const struct pen_xml_f
                   frame->element->name, name);
 }
 
-/* "; the NOUNs here are a, b, c", or the nearest name. */
+/* "; did you mean NAME?", or "; the NOUNs here are a, b, c" if no name is near. */
 static struct pen_text hint(const char *word, const char *noun, const char *const *names)
 {
     struct pen_text out = pen_text_nearest(word, names);
@@ -129,8 +130,8 @@ void pen_xml_unknown_attribute(struct pen_xml_builder *b, const struct pen_xml_f
     size_t count = pen_xml_rows(frame->element, rows);
     for (size_t i = 0; i < count; i++)
         names[i] = rows[i].name;
-    const struct pen_xml_about about = {.frame = frame, .name = name};
-    pen_xml_error(b, place_of(b, &about), PEN_INVALID, "<%s>: unknown attribute %s%s",
+    const struct pen_xml_attribute_ref ref = {.frame = frame, .name = name};
+    pen_xml_error(b, offset_of(b, &ref), PEN_INVALID, "<%s>: unknown attribute %s%s",
                   frame->element->name, pen_text_quote(name).text,
                   hint(name, "attribute", names).text);
 }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* expat's events, each made part of the document at once; there is no tree of the XML.
+/* Receives expat's events and makes each part of the JSON values at once; there is no tree of the
+ * XML.
  *
- * The text is parsed in one call: expat then reads it where it is, and a long token is scanned
- * once. Memory is bounded by that of the text: nesting, attributes in a tag, elements and faults
- * have limits, what values take is counted as for JSON, and document types are refused at their
- * first bracket, so no entity is ever defined. */
+ * One call of XML_Parse gets the whole text, so expat does not copy it and scans a long token only
+ * once. Memory is bounded: nesting, attributes of a tag, elements and errors have limits, the
+ * memory of values is counted as for JSON, and document types are refused where they begin, so no
+ * entity is ever defined. */
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,7 @@
 #include "io/xml/build.h"
 #include "io/xml/values.h"
 
-/* Elements beside those that are objects. */
+/* The most elements beside pen_limits.objects. */
 enum { OTHER_ELEMENTS = 100000 };
 
 static size_t offset_now(const struct pen_xml_builder *b)
@@ -21,8 +22,9 @@ static size_t offset_now(const struct pen_xml_builder *b)
     return (size_t)XML_GetCurrentByteIndex(b->parser);
 }
 
-/* A vector in an object in this element is two levels deeper than the element's own object. */
-static bool fits(struct pen_xml_builder *b, const struct pen_xml_frame *frame)
+/* Checks the nesting limit: a vector of an object inside this element is two levels deeper than the
+ * element's own object. */
+static bool check_depth(struct pen_xml_builder *b, const struct pen_xml_frame *frame)
 {
     if (frame->depth + 2 <= b->limits->nesting)
         return true;
@@ -40,7 +42,7 @@ static void enter(struct pen_xml_builder *b, const struct pen_xml_element *eleme
     *frame = (struct pen_xml_frame){.element = element, .tag = offset_now(b), .depth = 1};
     if (up)
         frame->depth = up->depth + 1 + (up->element->finish == PEN_XML_GROUP);
-    if (!fits(b, frame))
+    if (!check_depth(b, frame))
         return;
     frame->object = up ? NULL : b->document;
     json_t *value = pen_xml_build(b, up, frame, attributes);
@@ -176,7 +178,7 @@ static void parse(struct pen_xml_builder *b)
         return;
     enum XML_Error code = XML_GetErrorCode(b->parser);
     if (code == XML_ERROR_ABORTED)
-        return; /* by too many faults */
+        return; /* pen_xml_error has stopped expat after too many errors */
     b->stopped = true;
     pen_xml_syntax_error(b->xml->text, b->xml->bytes, offset_now(b), (int)code, &b->open, b->st);
 }
@@ -185,7 +187,7 @@ json_t *pen_xml_parse(const char *text, size_t bytes, const struct pen_limits *l
                       struct pen_xml *xml, struct pen_status *st)
 {
     struct pen_xml_builder b = {
-        .limits = limits, .xml = xml, .st = st, .room = limits->parsed_bytes};
+        .limits = limits, .xml = xml, .st = st, .bytes_left = limits->parsed_bytes};
     *xml = (struct pen_xml){.text = text, .bytes = bytes, .image = SIZE_MAX};
     if (bytes > limits->body_bytes || bytes > INT_MAX) {
         pen_fail(st, PEN_TOO_LARGE, "the document has %zu bytes, at most %zu are allowed", bytes,

@@ -8,23 +8,23 @@
 #include "base/utf8.h"
 #include "io/xml/values.h"
 
-/* Steps from the root to a value: nesting is bounded by far less. */
+/* The most steps from the document to a value. The limits of nesting are far lower. */
 enum { STEPS_MAX = 256 };
 
+/* The steps from the document to a value: a place the other way round. */
 struct path {
     size_t count;
     const struct pen_place *step[STEPS_MAX];
 };
 
-/* What a place is in the text. */
-struct spot {
+/* The position of a place in the text. */
+struct position {
     const struct pen_xml_element *element;
-    size_t tag;
-    struct pen_xml_row row; /* name[0] == 0: the element itself */
-    size_t at;              /* of what is to be shown */
-    size_t start, end;      /* of the text found there; equal: none */
-    bool piece;             /* that is one of several numbers */
-    bool reported;
+    size_t tag;             /* offset of the element's tag */
+    struct pen_xml_row row; /* the attribute; name[0] == 0: the element itself */
+    size_t at;              /* the offset that an error names */
+    size_t start, end;      /* offsets of the text found there; equal: none */
+    bool reported;          /* an error in a value on the path has been reported */
 };
 
 bool pen_xml_record(struct pen_xml *xml, const json_t *json, const struct pen_xml_element *element,
@@ -64,8 +64,8 @@ static bool is_space(char c)
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/* The text has been accepted as XML as far as this tag, or the search ends where it does not look
- * like it. */
+/* expat has accepted the text up to this tag. In a later tag the search ends where the text is
+ * malformed. */
 bool pen_xml_attribute_find(const struct pen_xml *xml, size_t tag, const char *name,
                             struct pen_xml_span *span)
 {
@@ -119,29 +119,30 @@ static const json_t *follow(const json_t *json, const struct pen_place *step)
                                : NULL;
 }
 
-/* Walks as far as the document goes. Returns how many steps lead to the last element met. */
-static size_t walk(struct pen_xml *xml, const struct path *path, struct spot *spot)
+/* Follows a path through the JSON values as far as they exist. Finds the innermost element, and
+ * whether an error on the way has been reported. Returns the number of steps to that element. */
+static size_t find_element(struct pen_xml *xml, const struct path *path, struct position *position)
 {
     const json_t *json = xml->document;
     const struct pen_xml_entry *entry = find_entry(xml, json);
     size_t used = 0;
-    spot->element = entry ? entry->element : &pen_xml_scene;
-    spot->tag = entry ? entry->offset : 0;
+    position->element = entry ? entry->element : &pen_xml_scene;
+    position->tag = entry ? entry->offset : 0;
     for (size_t i = 0; i < path->count; i++) {
         json = follow(json, path->step[i]);
-        spot->reported = spot->reported || json_is_null(json);
+        position->reported = position->reported || json_is_null(json);
         entry = json_is_array(json) || json_is_object(json) ? find_entry(xml, json) : NULL;
         if (!entry)
             continue;
-        spot->element = entry->element;
-        spot->tag = entry->offset;
+        position->element = entry->element;
+        position->tag = entry->offset;
         used = i + 1;
     }
     return used;
 }
 
-/* How many of the steps from `from` on the row's path takes, or -1 if they lead elsewhere. */
-static int match(const char *row_path, const struct path *path, size_t from)
+/* The number of steps, from step `from`, that the row's path matches; -1 if it does not match. */
+static int match_path(const char *row_path, const struct path *path, size_t from)
 {
     int taken = 0;
     while (*row_path) {
@@ -160,17 +161,18 @@ static int match(const char *row_path, const struct path *path, size_t from)
     return taken;
 }
 
-/* Narrows the spot to the attribute, and to the piece of it if the steps after it say which. */
-static bool take_attribute(struct pen_xml *xml, const struct pen_xml_row *row,
-                           const struct path *path, size_t from, struct spot *spot)
+/* Narrows the position to the row's attribute, and to one number in it if the path has steps from
+ * `from` on. Returns false if the tag does not have the attribute. */
+static bool find_attribute(struct pen_xml *xml, const struct pen_xml_row *row,
+                           const struct path *path, size_t from, struct position *position)
 {
     struct pen_xml_span span;
-    if (!pen_xml_attribute_find(xml, spot->tag, row->name, &span))
+    if (!pen_xml_attribute_find(xml, position->tag, row->name, &span))
         return false;
-    spot->row = *row;
-    spot->at = span.name;
-    spot->start = span.value;
-    spot->end = span.end;
+    position->row = *row;
+    position->at = span.name;
+    position->start = span.value;
+    position->end = span.end;
     bool points = row->shape == PEN_XML_POINTS;
     if (from >= path->count || memchr(xml->text + span.value, '&', span.end - span.value))
         return true;
@@ -179,14 +181,13 @@ static bool take_attribute(struct pen_xml *xml, const struct pen_xml_row *row,
         index += index_of(path->step[from + 1]);
     if (!pen_xml_token(xml->text + span.value, span.end - span.value, index, &start, &end))
         return true;
-    spot->at = spot->start = span.value + start;
-    spot->end = span.value + end;
-    spot->piece = true;
+    position->at = position->start = span.value + start;
+    position->end = span.value + end;
     return true;
 }
 
-/* The picture's size may come from the camera. */
-static bool take_image(struct pen_xml *xml, const struct path *path, struct spot *spot)
+/* Finds render/width or render/height in the attribute `image` of the camera. */
+static bool find_image(struct pen_xml *xml, const struct path *path, struct position *position)
 {
     const struct pen_xml_row image = {"image", PEN_XML_PAIR, ""};
     const char *first = path->count == 2 ? path->step[0]->key : NULL;
@@ -197,61 +198,61 @@ static bool take_image(struct pen_xml *xml, const struct path *path, struct spot
     if (!height && strcmp(second, "width") != 0)
         return false;
     const struct pen_place index = {.index = height};
-    const struct path piece = {1, {&index}};
-    spot->tag = xml->image;
-    spot->element = pen_xml_child_find(&pen_xml_scene, "camera");
-    return take_attribute(xml, &image, &piece, 0, spot);
+    const struct path element = {1, {&index}};
+    position->tag = xml->image;
+    position->element = pen_xml_child_find(&pen_xml_scene, "camera");
+    return find_attribute(xml, &image, &element, 0, position);
 }
 
-static struct spot resolve(struct pen_xml *xml, const struct pen_place *at)
+static struct position resolve(struct pen_xml *xml, const struct pen_place *at)
 {
     struct path path = path_of(at);
-    struct spot spot = {0};
+    struct position position = {0};
     struct pen_xml_row rows[PEN_XML_NAMES_MAX];
-    size_t used = walk(xml, &path, &spot), count = pen_xml_rows(spot.element, rows);
-    spot.at = spot.tag;
+    size_t used = find_element(xml, &path, &position), count = pen_xml_rows(position.element, rows);
+    position.at = position.tag;
     for (size_t i = 0; i < count; i++) {
-        int taken = match(rows[i].path, &path, used);
-        if (taken >= 0 && take_attribute(xml, &rows[i], &path, used + (size_t)taken, &spot))
-            return spot;
+        int taken = match_path(rows[i].path, &path, used);
+        if (taken >= 0 && find_attribute(xml, &rows[i], &path, used + (size_t)taken, &position))
+            return position;
     }
-    take_image(xml, &path, &spot);
-    return spot;
+    find_image(xml, &path, &position);
+    return position;
 }
 
 static bool is_reported(void *user, const struct pen_place *at)
 {
     struct pen_xml *xml = user;
     struct path path = path_of(at);
-    struct spot spot = {0};
-    walk(xml, &path, &spot);
-    return spot.reported;
+    struct position position = {0};
+    find_element(xml, &path, &position);
+    return position.reported;
 }
 
 static void fail_at(void *user, const struct pen_place *at, enum pen_code code, const char *message,
                     struct pen_status *st)
 {
     struct pen_xml *xml = user;
-    struct spot spot = resolve(xml, at);
+    struct position position = resolve(xml, at);
     int line, column;
-    pen_text_position(xml->text, spot.at, &line, &column);
-    if (spot.row.name[0])
-        pen_fail_line(st, code, line, column, "attribute \"%s\" of <%s>: %s", spot.row.name,
-                      spot.element->name, message);
+    pen_text_position(xml->text, position.at, &line, &column);
+    if (position.row.name[0])
+        pen_fail_line(st, code, line, column, "attribute \"%s\" of <%s>: %s", position.row.name,
+                      position.element->name, message);
     else
-        pen_fail_line(st, code, line, column, "<%s>: %s", spot.element->name, message);
+        pen_fail_line(st, code, line, column, "<%s>: %s", position.element->name, message);
 }
 
 static struct pen_text text_found(void *user, const struct pen_place *at, const json_t *value)
 {
     struct pen_xml *xml = user;
     enum { SHOWN = 160 };
-    struct spot spot = resolve(xml, at);
+    struct position position = resolve(xml, at);
     struct pen_text raw, out;
-    if (spot.end == spot.start)
-        return spot.row.name[0] ? (struct pen_text){"nothing"} : pen_text_value(value);
-    size_t bytes = spot.end - spot.start < SHOWN ? spot.end - spot.start : SHOWN;
-    memcpy(raw.text, xml->text + spot.start, bytes);
+    if (position.end == position.start)
+        return position.row.name[0] ? (struct pen_text){"nothing"} : pen_text_value(value);
+    size_t bytes = position.end - position.start < SHOWN ? position.end - position.start : SHOWN;
+    memcpy(raw.text, xml->text + position.start, bytes);
     raw.text[bytes] = '\0';
     if (!json_is_number(value))
         return pen_text_quote(raw.text);
@@ -263,18 +264,18 @@ static struct pen_text attribute_name(void *user, const struct pen_place *up, co
 {
     struct pen_xml *xml = user;
     struct path path = path_of(up);
-    struct spot spot = {0};
+    struct position position = {0};
     struct pen_xml_row rows[PEN_XML_NAMES_MAX];
     if (path.count == STEPS_MAX)
         return pen_text_quote(key);
     const struct pen_place last = pen_place_key(up, key);
-    size_t used = walk(xml, &path, &spot), count = pen_xml_rows(spot.element, rows);
+    size_t used = find_element(xml, &path, &position), count = pen_xml_rows(position.element, rows);
     path.step[path.count++] = &last;
     size_t length = strlen(key);
     for (size_t i = 0; i < count; i++) {
         bool first = used + 1 == path.count && strncmp(rows[i].path, key, length) == 0 &&
                      rows[i].path[length] == '/';
-        if (first || (rows[i].path[0] && match(rows[i].path, &path, used) >= 0))
+        if (first || (rows[i].path[0] && match_path(rows[i].path, &path, used) >= 0))
             return pen_text_quote(rows[i].name);
     }
     return pen_text_quote(key);
@@ -283,9 +284,9 @@ static struct pen_text attribute_name(void *user, const struct pen_place *up, co
 static void position_text(void *user, const struct pen_place *at, char *out, size_t bytes)
 {
     struct pen_xml *xml = user;
-    struct spot spot = resolve(xml, at);
+    struct position position = resolve(xml, at);
     int line, column;
-    pen_text_position(xml->text, spot.at, &line, &column);
+    pen_text_position(xml->text, position.at, &line, &column);
     snprintf(out, bytes, "line %d, column %d", line, column);
 }
 
@@ -299,7 +300,8 @@ struct pen_source_map pen_xml_source_map(struct pen_xml *xml)
                                    .position = position_text};
 }
 
-/* The steps of a JSON Pointer, unescaped in place; what was cut ends it. */
+/* Splits a JSON Pointer into steps, unescaped in place. A pointer that was cut ends with the step
+ * that was cut. Returns the number of steps, with one for the document. */
 static size_t split(char *pointer, struct pen_place steps[PEN_AT_BYTES])
 {
     size_t count = 0;

@@ -8,12 +8,13 @@
 #include "io/json/memory.h"
 #include "io/json/token.h"
 
+/* The text of an attribute while it is read. */
 struct text {
     const char *s;
     size_t at, bytes;
     struct pen_buf *scratch;
-    size_t *room;
-    struct pen_xml_value_error *fault;
+    size_t *bytes_left;
+    struct pen_xml_value_error *error;
 };
 
 static bool is_space(char c)
@@ -44,16 +45,16 @@ static void skip_space(struct text *t)
 
 static json_t *no_memory(struct text *t)
 {
-    t->fault->no_memory = true;
+    t->error->no_memory = true;
     return NULL;
 }
 
-/* Takes what a value is about to need. Returns false if there is less. */
-static bool take(struct text *t, size_t bytes)
+/* Reserves the memory of a value before it is made. Fails if that exceeds the limit. */
+static bool reserve(struct text *t, size_t bytes)
 {
-    t->fault->no_room = t->fault->no_room || bytes > *t->room;
-    *t->room -= t->fault->no_room ? 0 : bytes;
-    return !t->fault->no_room;
+    t->error->over_limit = t->error->over_limit || bytes > *t->bytes_left;
+    *t->bytes_left -= t->error->over_limit ? 0 : bytes;
+    return !t->error->over_limit;
 }
 
 static json_t *fail(struct text *t, size_t offset, const char *format, ...)
@@ -63,14 +64,14 @@ static json_t *fail(struct text *t, size_t offset, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    vsnprintf(t->fault->msg.text, sizeof t->fault->msg.text, format, args);
+    vsnprintf(t->error->msg.text, sizeof t->error->msg.text, format, args);
     va_end(args);
-    t->fault->offset = offset;
+    t->error->offset = offset;
     return NULL;
 }
 
-/* The next piece, up to white space or a semicolon, as a number if it is one, else as a string. */
-static json_t *next_piece(struct text *t)
+/* Reads the token up to white space or a semicolon: a number, or a string if it is not a number. */
+static json_t *next_token(struct text *t)
 {
     const struct pen_json_text json = {t->s, t->bytes};
     size_t start = t->at;
@@ -80,7 +81,7 @@ static json_t *next_piece(struct text *t)
     json_t *value = NULL;
     bool number = pen_json_is_number(&json, start, t->at, &integer);
     size_t cost = number ? PEN_JSON_NUMBER_BYTES : PEN_JSON_STRING_BYTES + (t->at - start);
-    if (!take(t, cost + PEN_JSON_ELEMENT_BYTES))
+    if (!reserve(t, cost + PEN_JSON_ELEMENT_BYTES))
         return NULL;
     if (!number)
         value = json_stringn(t->s + start, t->at - start);
@@ -90,24 +91,24 @@ static json_t *next_piece(struct text *t)
     return value ? value : no_memory(t);
 }
 
-/* Appends; takes the value, NULL being an error that is reported. */
+/* Appends a value and takes ownership of it. NULL is an error that has been reported. */
 static bool append(struct text *t, json_t *list, json_t *value)
 {
     if (value && json_array_append_new(list, value) != 0)
         no_memory(t);
-    return value && !t->fault->no_memory;
+    return value && !t->error->no_memory;
 }
 
-/* The pieces up to the end or a semicolon as a list. */
-static json_t *read_pieces(struct text *t)
+/* Reads the tokens up to the end or a semicolon as a list. */
+static json_t *read_tokens(struct text *t)
 {
-    if (!take(t, PEN_JSON_ARRAY_BYTES))
+    if (!reserve(t, PEN_JSON_ARRAY_BYTES))
         return NULL;
     json_t *list = json_array();
     if (!list)
         return no_memory(t);
     for (skip_space(t); t->at < t->bytes && t->s[t->at] != ';'; skip_space(t)) {
-        if (!append(t, list, next_piece(t))) {
+        if (!append(t, list, next_token(t))) {
             json_decref(list);
             return NULL;
         }
@@ -115,7 +116,8 @@ static json_t *read_pieces(struct text *t)
     return list;
 }
 
-static json_t *drop(json_t *value)
+/* Frees the value and returns NULL. */
+static json_t *discard(json_t *value)
 {
     json_decref(value);
     return NULL;
@@ -126,10 +128,10 @@ static const char *plural(size_t count)
     return count == 1 ? "" : "s";
 }
 
-/* Exactly `wanted` pieces, and nothing after them. */
+/* Reads exactly `wanted` tokens and nothing after them. */
 static json_t *read_numbers(struct text *t, size_t wanted)
 {
-    json_t *list = read_pieces(t);
+    json_t *list = read_tokens(t);
     size_t found = json_array_size(list);
     if (!list || (found == wanted && t->at == t->bytes))
         return list;
@@ -139,59 +141,60 @@ static json_t *read_numbers(struct text *t, size_t wanted)
         fail(t, 0, "must be %zu numbers separated by white space, found none", wanted);
     else
         fail(t, 0, "must be %zu numbers separated by white space, found %zu", wanted, found);
-    return drop(list);
+    return discard(list);
 }
 
-/* 0 to 255 means 0 to 1. A piece that is no number stays as it is, to be refused. */
+/* Divides numbers by 255. A token that is not a number stays a string, which the scene reader
+ * refuses. */
 static json_t *read_colour(struct text *t)
 {
     json_t *list = read_numbers(t, 3);
     for (size_t i = 0; list && i < 3; i++) {
-        json_t *piece = json_array_get(list, i);
-        if (!json_is_number(piece))
+        json_t *number = json_array_get(list, i);
+        if (!json_is_number(number))
             continue;
-        double value = json_number_value(piece);
+        double value = json_number_value(number);
         json_t *scaled = value == 0 ? json_integer(0) : json_real(value / 255);
         if (json_array_set_new(list, i, scaled) != 0) {
             no_memory(t);
-            return drop(list);
+            return discard(list);
         }
     }
     return list;
 }
 
-/* The one item of a list, whose room is given back. */
+/* Takes the only element out of a list and frees the list with its share of the memory limit. */
 static json_t *only_item(struct text *t, json_t *list)
 {
     json_t *value = json_incref(json_array_get(list, 0));
     json_decref(list);
-    *t->room += PEN_JSON_ARRAY_BYTES + PEN_JSON_ELEMENT_BYTES;
+    *t->bytes_left += PEN_JSON_ARRAY_BYTES + PEN_JSON_ELEMENT_BYTES;
     return value;
 }
 
 static json_t *read_one(struct text *t)
 {
-    json_t *list = read_pieces(t);
+    json_t *list = read_tokens(t);
     size_t found = json_array_size(list);
     if (!list)
         return NULL;
     if (found != 1 || t->at < t->bytes) {
         fail(t, 0, "must be one number, found %s", found ? "more" : "none");
-        return drop(list);
+        return discard(list);
     }
     return only_item(t, list);
 }
 
 static json_t *read_factor(struct text *t)
 {
-    json_t *list = read_pieces(t);
+    json_t *list = read_tokens(t);
     size_t found = json_array_size(list);
     if (!list || (found == 3 && t->at == t->bytes))
         return list;
     if (found != 1 || t->at < t->bytes) {
         fail(t, 0, "must be a number from 0 to 1, or 3 such numbers (red, green, blue), found %zu",
              found);
-        return drop(list);
+        return discard(list);
     }
     return only_item(t, list);
 }
@@ -200,26 +203,26 @@ static json_t *read_point(struct text *t, size_t number)
 {
     skip_space(t);
     size_t start = t->at;
-    json_t *point = take(t, PEN_JSON_ELEMENT_BYTES) ? read_pieces(t) : NULL;
+    json_t *point = reserve(t, PEN_JSON_ELEMENT_BYTES) ? read_tokens(t) : NULL;
     size_t found = json_array_size(point);
     if (!point || found == 3)
         return point;
     fail(t, start,
          "must be points of 3 numbers, separated by semicolons; point %zu has %zu number%s", number,
          found, plural(found));
-    return drop(point);
+    return discard(point);
 }
 
 static json_t *read_points(struct text *t)
 {
-    if (!take(t, PEN_JSON_ARRAY_BYTES))
+    if (!reserve(t, PEN_JSON_ARRAY_BYTES))
         return NULL;
     json_t *list = json_array();
     if (!list)
         return no_memory(t);
     for (size_t number = 1;; number++) {
         if (!append(t, list, read_point(t, number)))
-            return drop(list);
+            return discard(list);
         if (t->at == t->bytes)
             return list;
         t->at++; /* the semicolon */
@@ -228,7 +231,7 @@ static json_t *read_points(struct text *t)
 
 static json_t *read_text(struct text *t)
 {
-    if (!take(t, PEN_JSON_STRING_BYTES + t->bytes))
+    if (!reserve(t, PEN_JSON_STRING_BYTES + t->bytes))
         return NULL;
     json_t *value = json_stringn(t->s, t->bytes);
     return value ? value : no_memory(t);
@@ -278,14 +281,17 @@ static json_t *read_shape(struct text *t, enum pen_xml_shape shape)
 }
 
 json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
-                      size_t *room, struct pen_xml_value_error *fault)
+                      size_t *bytes_left, struct pen_xml_value_error *error)
 {
-    struct text t = {
-        .s = text, .bytes = strlen(text), .scratch = scratch, .room = room, .fault = fault};
-    size_t before = *room;
-    *fault = (struct pen_xml_value_error){0};
+    struct text t = {.s = text,
+                     .bytes = strlen(text),
+                     .scratch = scratch,
+                     .bytes_left = bytes_left,
+                     .error = error};
+    size_t before = *bytes_left;
+    *error = (struct pen_xml_value_error){0};
     json_t *value = read_shape(&t, shape);
-    if (!value) /* what was made of it is gone */
-        *room = before;
+    if (!value) /* all values made for it have been freed */
+        *bytes_left = before;
     return value;
 }
