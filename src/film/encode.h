@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* From film to files. An 8- or 16-bit value is floor(max * clamp(encode(v)) + 0.5), encode being
- * the sRGB transfer function or nothing. The bytes of a file are a pure function of the pixels
- * and the options: no time stamps, fixed compression. */
+/* Encodes a film as a file. An 8- or 16-bit code is floor(max * clamp(encode(v)) + 0.5), where
+ * encode is the sRGB transfer function or the identity. The bytes of a file are a pure function of
+ * the pixels and the options: there are no time stamps, and the compression is fixed. */
 #ifndef PEN_FILM_ENCODE_H
 #define PEN_FILM_ENCODE_H
 
@@ -21,11 +21,11 @@ double pen_encode_srgb(double linear);
 /* Its inverse. */
 double pen_decode_srgb(double encoded);
 
-/* encode(v) clamped to [0, 1]; NaN gives 0. */
+/* encode(v) clamped to [0, 1]; 0 for NaN. */
 double pen_encode_unit(double linear, enum pen_transfer transfer);
 
-/* `count` values in 8 and in 16 bits, by the formula above. Cost: about 3 ns a value in 8 bits,
- * by a table of the exact steps; a power a value in 16. */
+/* `count` values as codes of 8 and of 16 bits, by the formula above. Cost: an 8-bit code takes
+ * about 3 ns, by a table of the exact steps; a 16-bit code takes one pen_pow. */
 void pen_encode_8(const float *linear, size_t count, enum pen_transfer transfer,
                   unsigned char *out);
 void pen_encode_16(const float *linear, size_t count, enum pen_transfer transfer, uint16_t *out);
@@ -33,16 +33,18 @@ void pen_encode_16(const float *linear, size_t count, enum pen_transfer transfer
 struct pen_png_options {
     int bits; /* 8 or 16 */
     enum pen_transfer transfer;
-    /* width * height values, 0 where a pixel is not there yet: the file has an alpha channel, 0
-     * there (and black) and full elsewhere. NULL: no alpha channel. */
+    /* width * height values, 0 where a pixel is not rendered yet. With a mask the file has an alpha
+     * channel: these pixels are transparent black, all others opaque. NULL: no alpha channel. */
     const unsigned char *mask;
 };
 
-/* Appends a PNG file to `out`. Fails: PEN_NO_MEMORY, PEN_INTERNAL; `out` may then hold a part. */
+/* Appends a PNG file to `out`. Fails: PEN_NO_MEMORY, PEN_INTERNAL; `out` may then hold a part of
+ * the file. */
 bool pen_png_write(const struct pen_film *film, const struct pen_png_options *options,
                    struct pen_buf *out, struct pen_status *st);
 
-/* Appends a PFM file: the film's own values, little-endian, bottom row first. Fails: as above. */
+/* Appends a PFM file: the film's own values, little-endian, bottom row first. Fails: as
+ * pen_png_write. */
 bool pen_pfm_write(const struct pen_film *film, struct pen_buf *out, struct pen_status *st);
 
 #endif

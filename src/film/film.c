@@ -24,7 +24,7 @@ struct pen_film *pen_film_new(int width, int height, struct pen_status *st)
         pen_fail(st, PEN_NO_MEMORY, "no memory for %d x %d pixels", width, height);
         return NULL;
     }
-    *film = (struct pen_film){width, height, rgb};
+    *film = (struct pen_film){.width = width, .height = height, .rgb = rgb};
     return film;
 }
 
@@ -36,8 +36,9 @@ void pen_film_free(struct pen_film *film)
     free(film);
 }
 
-/* One step for 64 bits: a bijection of the hash for a given word, so no difference is lost. */
-static uint64_t step(uint64_t hash, uint64_t word)
+/* Mixes 64 bits into the hash. For a given word this is a bijection of the hash, so two different
+ * hashes stay different. */
+static uint64_t mix(uint64_t hash, uint64_t word)
 {
     hash = (hash ^ word) * UINT64_C(0x9E3779B97F4A7C15);
     return hash ^ hash >> 32;
@@ -53,13 +54,13 @@ static uint32_t float_bits(float value)
 uint64_t pen_film_hash(const struct pen_film *film)
 {
     size_t count = (size_t)film->width * (size_t)film->height * 3;
-    uint64_t hash = step((uint64_t)film->width << 32 | (uint32_t)film->height, count);
+    uint64_t hash = mix((uint64_t)film->width << 32 | (uint32_t)film->height, count);
     size_t i = 0;
     for (; i + 1 < count; i += 2) {
         uint64_t low = float_bits(film->rgb[i]), high = float_bits(film->rgb[i + 1]);
-        hash = step(hash, high << 32 | low);
+        hash = mix(hash, high << 32 | low);
     }
     if (i < count)
-        hash = step(hash, float_bits(film->rgb[i]));
-    return step(hash, 0);
+        hash = mix(hash, float_bits(film->rgb[i]));
+    return mix(hash, 0);
 }

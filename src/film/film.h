@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The film: what a render leaves behind. Linear colour in binary32, rounded once from double;
- * every output is derived from it. 1.0 is display white, larger values are legal. */
+/* The film: the pixels of a rendered image, as linear colour in binary32. A kernel computes a pixel
+ * in double precision and it is rounded once, into the film; every file is encoded from the film.
+ * 1.0 is display white, and larger values are legal. */
 #ifndef PEN_FILM_FILM_H
 #define PEN_FILM_FILM_H
 
@@ -10,7 +11,7 @@
 
 enum { PEN_FILM_PIXELS_MAX = 64 * 1024 * 1024 };
 
-/* May also be made around pixels that belong to someone else: {width, height, rgb}. */
+/* A caller that has pixels of its own may also fill in this struct itself. */
 struct pen_film {
     int width, height; /* pixels */
     float *rgb;        /* width * height * 3; row 0 is the top one */
@@ -23,7 +24,7 @@ struct pen_film *pen_film_new(int width, int height, struct pen_status *st);
 /* NULL is allowed. */
 void pen_film_free(struct pen_film *film);
 
-/* A hash of the size and of every bit of the pixels, the same on every machine. */
+/* A hash of the size and of every bit of the pixels; the same on every machine. */
 uint64_t pen_film_hash(const struct pen_film *film);
 
 #endif

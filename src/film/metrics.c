@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Differences of pictures, in one pass over rows. Each row is summed by itself first: the sum of
- * many rows then loses nothing that matters. */
+/* Compares two pictures in one pass over their rows. Each row is summed by itself before it is
+ * added to the total, which keeps the rounding error of a large picture's sum small. */
 #include "film/metrics.h"
 
 #include <math.h>
@@ -8,10 +8,10 @@
 
 #include "math/fn.h"
 
-/* Codes of 8 bits that are 2 apart differ by 2/255 only up to rounding. */
-static const double ROUNDING = 1e-12;
+/* Added to the tolerance: 8-bit codes that are 2 apart differ by 2/255 only up to rounding. */
+static const double rounding_slack = 1e-12;
 
-static void note_largest(struct pen_difference *d, double error, int x, int y)
+static void update_largest(struct pen_difference *d, double error, int x, int y)
 {
     if (error > d->max_error) {
         d->max_error = error;
@@ -20,6 +20,7 @@ static void note_largest(struct pen_difference *d, double error, int x, int y)
     }
 }
 
+/* Sums of squared differences: of all pixels, and of those within the tolerance. */
 struct squares {
     double all, within;
 };
@@ -35,10 +36,10 @@ static struct squares compare_row(const double *a, const double *b, int width, i
             square += error * error;
             largest = error > largest ? error : largest;
         }
-        note_largest(d, largest, x, y);
+        update_largest(d, largest, x, y);
         d->differing += largest > 0;
         sum.all += square;
-        if (largest > d->tolerance + ROUNDING)
+        if (largest > d->tolerance + rounding_slack)
             d->over++;
         else
             sum.within += square;

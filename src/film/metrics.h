@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How far two pictures of one size are apart. All figures are of sRGB-encoded values in [0, 1],
- * not quantised, whatever the files' own transfer was, and of all 3 * width * height values.
- * Sums run in a fixed order: the same figures on every machine. */
+/* Differences between two pictures of the same size. They are taken of all 3 * width * height
+ * values, sRGB-encoded in [0, 1] and not quantised, whatever the files' own transfer function.
+ * Sums run in a fixed order, so the results are the same on every machine. */
 #ifndef PEN_FILM_METRICS_H
 #define PEN_FILM_METRICS_H
 
@@ -14,11 +14,11 @@ struct pen_difference {
     double rmse;
     double psnr;       /* dB, peak 1: -20 log10(rmse); infinite for equal pictures */
     double max_error;  /* the largest difference of one value */
-    int max_x, max_y;  /* the first pixel that has it */
+    int max_x, max_y;  /* the first pixel with that difference */
     int64_t differing; /* pixels that differ at all */
     double tolerance;
     int64_t over;       /* pixels with a value that differs by more than the tolerance */
-    double rmse_within; /* of the other pixels; 0 if there are none */
+    double rmse_within; /* rmse of the other pixels; 0 if there are none */
 };
 
 /* Fails: PEN_INVALID (different sizes), PEN_NO_MEMORY. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* PFM, Debevec's portable float map: "PF", width, height and a scale whose sign is the byte order,
- * then rows of binary32 triples from the bottom up. */
+/* PFM, Debevec's portable float map: "PF", width, height and a scale, whose sign states the byte
+ * order (negative: little-endian), then rows of binary32 triples from the bottom up. "Pf" is grey.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,8 +35,8 @@ bool pen_pfm_write(const struct pen_film *film, struct pen_buf *out, struct pen_
     return !out->failed || pen_fail(st, PEN_NO_MEMORY, "no memory to write PFM");
 }
 
-/* The head of a file being read. */
-struct head {
+/* What remains of a file being read. */
+struct input {
     const unsigned char *at;
     size_t left;
 };
@@ -45,27 +46,28 @@ static bool is_space(unsigned char c)
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/* The next word, cut at the room there is; the one white space after it is taken too. */
-static bool next_word(struct head *head, char *word, size_t room)
+/* Reads the next word and the one white space after it. False if the word is longer than `bytes`
+ * allows or no white space follows. */
+static bool next_word(struct input *in, char *word, size_t bytes)
 {
     size_t length = 0;
-    while (head->left > 0 && is_space(*head->at))
-        head->at++, head->left--;
-    while (head->left > 0 && !is_space(*head->at) && length + 1 < room) {
-        word[length++] = (char)*head->at;
-        head->at++, head->left--;
+    while (in->left > 0 && is_space(*in->at))
+        in->at++, in->left--;
+    while (in->left > 0 && !is_space(*in->at) && length + 1 < bytes) {
+        word[length++] = (char)*in->at;
+        in->at++, in->left--;
     }
     word[length] = '\0';
-    if (length == 0 || head->left == 0 || !is_space(*head->at))
+    if (length == 0 || in->left == 0 || !is_space(*in->at))
         return false;
-    head->at++, head->left--;
+    in->at++, in->left--;
     return true;
 }
 
-static bool next_number(struct head *head, double *value)
+static bool next_number(struct input *in, double *value)
 {
     char word[32], *end;
-    if (!next_word(head, word, sizeof word))
+    if (!next_word(in, word, sizeof word))
         return false;
     *value = strtod(word, &end);
     return *end == '\0' && isfinite(*value);
@@ -81,7 +83,8 @@ static float get_float(const unsigned char *from, bool little)
     return value;
 }
 
-/* Fills the samples, the file's last row being the top one; `channels` 1 is grey. */
+/* Fills the samples from the file's rows, which run from the bottom up; `channels` 1 is grey.
+ * Returns false if a value is not finite. */
 static bool fill(struct pen_picture *picture, const unsigned char *data, size_t channels,
                  double scale)
 {
@@ -101,11 +104,11 @@ static bool fill(struct pen_picture *picture, const unsigned char *data, size_t 
 
 struct pen_picture *pen_pfm_read(const unsigned char *bytes, size_t count, struct pen_status *st)
 {
-    struct head head = {bytes, count};
+    struct input in = {.at = bytes, .left = count};
     char magic[3];
     double width, height, scale;
-    if (!next_word(&head, magic, sizeof magic) || !next_number(&head, &width) ||
-        !next_number(&head, &height) || !next_number(&head, &scale) || scale == 0 ||
+    if (!next_word(&in, magic, sizeof magic) || !next_number(&in, &width) ||
+        !next_number(&in, &height) || !next_number(&in, &scale) || scale == 0 ||
         !(width >= 1 && width <= INT32_MAX && width == floor(width)) ||
         !(height >= 1 && height <= INT32_MAX && height == floor(height))) {
         pen_fail(st, PEN_SYNTAX, "cannot read PFM: its head is not PF, width, height and scale");
@@ -113,14 +116,14 @@ struct pen_picture *pen_pfm_read(const unsigned char *bytes, size_t count, struc
     }
     size_t channels = magic[1] == 'F' ? 3 : 1;
     uint64_t pixels = (uint64_t)width * (uint64_t)height;
-    if (pixels <= PEN_FILM_PIXELS_MAX && head.left != pixels * channels * 4) {
-        pen_fail(st, PEN_SYNTAX, "cannot read PFM: %zu bytes of pixels where %llu belong",
-                 head.left, (unsigned long long)(pixels * channels * 4));
+    if (pixels <= PEN_FILM_PIXELS_MAX && in.left != pixels * channels * 4) {
+        pen_fail(st, PEN_SYNTAX, "cannot read PFM: %zu bytes of pixels where %llu belong", in.left,
+                 (unsigned long long)(pixels * channels * 4));
         return NULL;
     }
     struct pen_picture *picture =
         pen_picture_new((int64_t)width, (int64_t)height, PICTURE_FLOAT, st);
-    if (!picture || fill(picture, head.at, channels, scale))
+    if (!picture || fill(picture, in.at, channels, scale))
         return picture;
     pen_picture_free(picture);
     pen_fail(st, PEN_SYNTAX, "cannot read PFM: a value is not finite");

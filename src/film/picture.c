@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures: which reader a file gets, and rows in either scale whatever the samples are. */
+/* Picks the reader of a file by its signature, and gives out rows, encoded or linear, whatever the
+ * type of the samples. */
 #include "film/internal/picture.h"
 
 #include <stdlib.h>
@@ -7,10 +8,8 @@
 
 #include "film/encode.h"
 
-static size_t sample_bytes(enum picture_kind kind)
-{
-    return kind == PICTURE_8 ? 1 : kind == PICTURE_16 ? sizeof(uint16_t) : sizeof(float);
-}
+static const size_t sample_bytes[] = {
+    [PICTURE_8] = 1, [PICTURE_16] = sizeof(uint16_t), [PICTURE_FLOAT] = sizeof(float)};
 
 struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_kind kind,
                                     struct pen_status *st)
@@ -25,7 +24,7 @@ struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_
         return NULL;
     }
     struct pen_picture *picture = calloc(1, sizeof *picture);
-    void *samples = calloc((size_t)(width * height), 3 * sample_bytes(kind));
+    void *samples = calloc((size_t)(width * height), 3 * sample_bytes[kind]);
     if (!picture || !samples) {
         free(picture);
         free(samples);
@@ -41,7 +40,7 @@ struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_
     return picture;
 }
 
-struct pen_picture *pen_image_read(const void *bytes, size_t count, struct pen_status *st)
+struct pen_picture *pen_picture_read(const void *bytes, size_t count, struct pen_status *st)
 {
     static const unsigned char png[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
     const unsigned char *data = bytes;
@@ -86,26 +85,32 @@ int pen_picture_height(const struct pen_picture *picture)
     return picture->height;
 }
 
-/* Row y as the samples stand: integers divided by their maximum. */
-static void raw_row(const struct pen_picture *picture, int y, double *out)
+/* Row y as the file had it: integers divided by their maximum, floats unchanged. */
+static void stored_row(const struct pen_picture *picture, int y, double *out)
 {
     size_t count = (size_t)picture->width * 3, first = (size_t)y * count;
     const unsigned char *codes = picture->samples;
     const uint16_t *wide = picture->samples;
     const float *values = picture->samples;
-    for (size_t i = 0; i < count; i++) {
-        if (picture->kind == PICTURE_8)
+    switch (picture->kind) {
+    case PICTURE_8:
+        for (size_t i = 0; i < count; i++)
             out[i] = codes[first + i] / 255.0;
-        else if (picture->kind == PICTURE_16)
+        break;
+    case PICTURE_16:
+        for (size_t i = 0; i < count; i++)
             out[i] = wide[first + i] / 65535.0;
-        else
+        break;
+    case PICTURE_FLOAT:
+        for (size_t i = 0; i < count; i++)
             out[i] = (double)values[first + i];
+        break;
     }
 }
 
 void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *out)
 {
-    raw_row(picture, y, out);
+    stored_row(picture, y, out);
     if (!picture->linear)
         return;
     for (size_t i = 0; i < (size_t)picture->width * 3; i++)
@@ -114,7 +119,7 @@ void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *o
 
 void pen_picture_linear_row(const struct pen_picture *picture, int y, double *out)
 {
-    raw_row(picture, y, out);
+    stored_row(picture, y, out);
     if (picture->linear)
         return;
     for (size_t i = 0; i < (size_t)picture->width * 3; i++)

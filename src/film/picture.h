@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures read back from files, to be compared. A file may come from anywhere: whatever its
+/* Pictures read from files, to be compared. A file may come from an untrusted source: whatever its
  * bytes, reading ends with a picture or an error. */
 #ifndef PEN_FILM_PICTURE_H
 #define PEN_FILM_PICTURE_H
@@ -12,9 +12,9 @@
 struct pen_picture;
 
 /* Reads a PNG (any kind; alpha is ignored, grey and palettes become colours) or a PFM file.
- * Owns: free with pen_picture_free. Fails: PEN_MEDIA_TYPE (neither of these), PEN_SYNTAX
+ * Owns: free with pen_picture_free. Fails: PEN_MEDIA_TYPE (neither PNG nor PFM), PEN_SYNTAX
  * (damaged), PEN_TOO_LARGE (more than PEN_FILM_PIXELS_MAX), PEN_NO_MEMORY. */
-struct pen_picture *pen_image_read(const void *bytes, size_t count, struct pen_status *st);
+struct pen_picture *pen_picture_read(const void *bytes, size_t count, struct pen_status *st);
 
 /* A film as a picture; it borrows the film's pixels. Fails: PEN_NO_MEMORY. */
 struct pen_picture *pen_picture_of_film(const struct pen_film *film, struct pen_status *st);
@@ -25,11 +25,11 @@ void pen_picture_free(struct pen_picture *picture);
 int pen_picture_width(const struct pen_picture *picture);
 int pen_picture_height(const struct pen_picture *picture);
 
-/* Row y (0 is the top one) as width * 3 values in [0, 1], sRGB-encoded whatever the file's own
- * transfer was: a PFM and a PNG that says gamma 1 are linear, other PNGs are taken as sRGB. */
+/* Row y (0 is the top one) as width * 3 sRGB-encoded values in [0, 1]. Linear files are encoded:
+ * PFM, and PNG whose gAMA chunk states gamma 1. Other PNG files count as sRGB. */
 void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *out);
 
-/* The same row in linear values. A PNG's are in [0, 1], a PFM's are as they are. */
+/* Row y as linear values: in [0, 1] from a PNG file, unchanged from a PFM file. */
 void pen_picture_linear_row(const struct pen_picture *picture, int y, double *out);
 
 #endif

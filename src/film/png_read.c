@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* PNG files from anywhere. libpng checks the format; what is decided here is how much a file may
- * ask for, and that every failure, also one that libpng reports by longjmp, is an error with
- * nothing leaked: all state lies behind one pointer, which the function that sets the jump does
+/* Reads PNG files, also hostile ones. libpng checks the format. This file limits how much memory a
+ * file may ask for, and turns every failure into an error without a leak, also one that libpng
+ * reports by longjmp: all state lies behind one pointer, which the function that calls setjmp does
  * not change. */
 #include <png.h>
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 
 #include "film/internal/picture.h"
 
-/* A chunk besides the pixels may take this much, and so many of them are kept. */
+/* The most bytes of a chunk that holds no pixels, and the most such chunks kept. */
 enum { CHUNK_BYTES_MAX = 1 << 20, CHUNKS_MAX = 16 };
 
 struct reader {
@@ -47,8 +47,8 @@ static void on_bytes(png_structp png, png_bytep out, size_t count)
     r->left -= count;
 }
 
-/* Any kind of pixel becomes RGB of 8 or 16 bits. */
-static void ask_for_rgb(struct reader *r)
+/* Has libpng convert every kind of pixel to RGB of 8 or 16 bits. */
+static void convert_to_rgb(struct reader *r)
 {
     png_set_palette_to_rgb(r->png);
     if (png_get_color_type(r->png, r->info) == PNG_COLOR_TYPE_GRAY)
@@ -57,13 +57,13 @@ static void ask_for_rgb(struct reader *r)
     png_set_strip_alpha(r->png);
     const uint16_t one = 1;
     if (*(const unsigned char *)&one == 1)
-        png_set_swap(r->png); /* a PNG's 16 bits are big-endian, samples are the machine's */
+        png_set_swap(r->png); /* PNG is big-endian; samples have the machine's byte order */
     r->passes = png_set_interlace_handling(r->png);
     png_read_update_info(r->png, r->info);
 }
 
-/* A file that says nothing of its transfer is taken as sRGB. */
-static bool says_linear(const struct reader *r)
+/* A file that does not state its transfer function counts as sRGB. */
+static bool is_linear(const struct reader *r)
 {
     int intent;
     png_fixed_point gamma;
@@ -72,7 +72,7 @@ static bool says_linear(const struct reader *r)
     return png_get_gAMA_fixed(r->png, r->info, &gamma) && gamma == PNG_GAMMA_LINEAR;
 }
 
-/* Makes the picture, once the head has told its size. */
+/* Makes the picture, once the header has been read. */
 static bool make_picture(struct reader *r)
 {
     bool wide = png_get_bit_depth(r->png, r->info) == 16;
@@ -81,12 +81,12 @@ static bool make_picture(struct reader *r)
     r->picture = pen_picture_new(width, height, wide ? PICTURE_16 : PICTURE_8, r->st);
     if (!r->picture)
         return false;
-    r->picture->linear = says_linear(r);
+    r->picture->linear = is_linear(r);
     return true;
 }
 
-/* Row by row, not through an array of row pointers: for a narrow picture that would take more
- * memory than its pixels. */
+/* Reads row by row. An array of row pointers for png_read_image would take more memory than the
+ * pixels of a narrow picture. */
 static void read_rows(struct reader *r)
 {
     size_t row_bytes = (size_t)r->picture->width * (r->picture->kind == PICTURE_16 ? 6 : 3);
@@ -98,19 +98,20 @@ static void read_rows(struct reader *r)
     }
 }
 
-/* Fails by jumping, from anywhere inside libpng. */
+/* libpng reports errors by jumping back to here. */
 static bool read_all(struct reader *r)
 {
     if (setjmp(png_jmpbuf(r->png)))
         return false;
     png_set_read_fn(r->png, r, on_bytes);
-    png_set_user_limits(r->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* make_picture's are lower */
+    png_set_user_limits(r->png, PNG_UINT_31_MAX,
+                        PNG_UINT_31_MAX); /* make_picture checks lower limits */
     png_set_chunk_malloc_max(r->png, CHUNK_BYTES_MAX);
     png_set_chunk_cache_max(r->png, CHUNKS_MAX);
     png_read_info(r->png, r->info);
-    if (!make_picture(r)) /* libpng makes room for rows next: the size must be checked by now */
+    if (!make_picture(r)) /* before libpng allocates a row: this checks the size */
         return false;
-    ask_for_rgb(r);
+    convert_to_rgb(r);
     read_rows(r);
     png_read_end(r->png, NULL);
     return true;

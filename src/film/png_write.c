@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* PNG through libpng, into memory. libpng reports errors by longjmp; the only function that sets
- * the jump keeps all its state behind one pointer, so nothing of it can be stale afterwards.
+/* Writes PNG through libpng, into memory. libpng reports errors by longjmp; the only function that
+ * calls setjmp keeps all its state behind one pointer, so no local variable is stale afterwards.
  *
- * Compression is chosen for speed: what a person waits for is the picture. On rendered pictures
- * the Paeth filter for every row and then runs only (no search for matches) is about as fast as
- * zlib's fastest level and up to a fifth smaller; its default level takes three times as long. All
- * of it is fixed, and so are the bytes, for one version of zlib. */
+ * Compression is chosen for speed, because a person waits for the picture: the Paeth filter for
+ * every row, then run-length matches only (Z_RLE). On rendered pictures this is about as fast as
+ * zlib's fastest level and up to a fifth smaller; zlib's default level takes three times as long.
+ * The choice is fixed, so for one version of zlib the bytes are too. */
 #include <png.h>
 #include <setjmp.h>
 #include <stdlib.h>
@@ -21,8 +21,8 @@ struct writer {
     struct pen_status *st;
     png_structp png;
     png_infop info;
-    unsigned char *row; /* one row as it goes into the file */
-    uint16_t *wide;     /* its values before they are cut into bytes, if 16 bits */
+    unsigned char *row; /* one row as written to the file */
+    uint16_t *wide;     /* for 16 bits: the row's codes before they are split into bytes */
 };
 
 static void on_error(png_structp png, png_const_charp message)
@@ -66,7 +66,7 @@ static void encode_row(struct writer *w, int y)
     }
 }
 
-/* Spreads a row of RGB to RGBA in place, from its end. */
+/* Turns a row of RGB into RGBA in place, starting at its end. */
 static void add_alpha(struct writer *w, int y)
 {
     size_t width = (size_t)w->film->width, value = w->options->bits == 8 ? 1 : 2;
@@ -80,7 +80,7 @@ static void add_alpha(struct writer *w, int y)
     }
 }
 
-static void write_head(struct writer *w)
+static void write_header(struct writer *w)
 {
     png_set_IHDR(w->png, w->info, (png_uint_32)w->film->width, (png_uint_32)w->film->height,
                  w->options->bits, w->options->mask ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_RGB,
@@ -94,12 +94,12 @@ static void write_head(struct writer *w)
     png_write_info(w->png, w->info);
 }
 
-/* Fails by jumping, from anywhere inside libpng. */
+/* libpng reports errors by jumping back to here. */
 static bool write_all(struct writer *w)
 {
     if (setjmp(png_jmpbuf(w->png)))
         return false;
-    write_head(w);
+    write_header(w);
     for (int y = 0; y < w->film->height; y++) {
         encode_row(w, y);
         if (w->options->mask)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The transfer function, and 8-bit values without a power each: the codes of a picture are the
- * 255 steps of a monotonic function of binary32, so a table of the steps decides exactly. */
+/* The sRGB transfer function, and 8-bit codes without computing a power for each value. The code is
+ * a monotonic function of a binary32 value with 255 steps, so a table of the steps gives it
+ * exactly. tests/film/test_transfer.c derives the table. */
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +10,7 @@
 
 #include "film/internal/transfer_tables.h"
 
-/* At the joint both branches agree to 3e-8, far from a step of 8 or 16 bits. */
+/* Where the branches meet they agree to 3e-8; no step of 8 or 16 bits is that near. */
 double pen_encode_srgb(double linear)
 {
     if (linear <= 0.0031308)
@@ -33,8 +34,9 @@ double pen_encode_unit(double linear, enum pen_transfer transfer)
     return transfer == PEN_TRANSFER_SRGB ? pen_encode_srgb(linear) : linear;
 }
 
-/* The code of the first float of a value's cell, and one more if the value is beyond the one step
- * that a cell has at most. No branches: neighbouring values would mislead them. */
+/* Floats with the same upper bits form a cell, which has at most one step. The result is the code
+ * of the cell's first float, plus one if the value is at or above the step. There are no branches,
+ * as the values of neighbouring pixels make them hard to predict. */
 static unsigned char srgb_8(float value)
 {
     const float lowest = srgb_first_float, highest = srgb_steps[254];
@@ -46,7 +48,7 @@ static unsigned char srgb_8(float value)
     return (unsigned char)(code + (value >= srgb_steps[code]));
 }
 
-/* The nearest integer, halves up: a cast truncates, and values are not negative. */
+/* Rounds a value that is not negative to the nearest integer, halves up. */
 static unsigned nearest(double value)
 {
     return (unsigned)(value + 0.5);

@@ -41,7 +41,7 @@ static struct pen_picture *read_picture(const char *path)
     struct pen_picture *picture = NULL;
     if (data && fseek(file, 0, SEEK_SET) == 0 &&
         fread(data, 1, (size_t)bytes, file) == (size_t)bytes)
-        picture = pen_image_read(data, (size_t)bytes, &st);
+        picture = pen_picture_read(data, (size_t)bytes, &st);
     else
         pen_fail(&st, PEN_IO, "cannot be read");
     if (!picture)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Files there and back: what is written is what the formula says, reads back, and says what it
- * is; kinds of PNG that others write are read; damaged and hostile files end in an error. */
+/* Files written and read back: codes follow the formula, and PNG chunks state the transfer
+ * function; every kind of PNG that other programs write is read; damaged and hostile files end in
+ * an error. */
 #include <math.h>
 #include <png.h>
 #include <stdbool.h>
@@ -49,7 +50,7 @@ static const unsigned char *chunk(const struct pen_buf *png, const char *name)
 static struct pen_picture *read_back(const struct pen_buf *file)
 {
     struct pen_status st;
-    struct pen_picture *picture = pen_image_read(file->data, file->bytes, &st);
+    struct pen_picture *picture = pen_picture_read(file->data, file->bytes, &st);
     ck_assert_msg(picture != NULL, "%s", st.msg);
     return picture;
 }
@@ -86,7 +87,7 @@ START_TEST(test_files__png_holds_the_codes_of_the_formula)
 }
 END_TEST
 
-START_TEST(test_files__png_says_what_it_is)
+START_TEST(test_files__png_states_its_transfer)
 {
     struct pen_film film = make_film();
     struct pen_buf srgb = write_png(&film, (struct pen_png_options){8, PEN_TRANSFER_SRGB, NULL});
@@ -107,7 +108,7 @@ START_TEST(test_files__png_says_what_it_is)
 }
 END_TEST
 
-START_TEST(test_files__pixels_not_there_yet_are_transparent)
+START_TEST(test_files__pixels_not_rendered_yet_are_transparent)
 {
     struct pen_film film = make_film();
     unsigned char mask[W * H];
@@ -163,7 +164,7 @@ START_TEST(test_files__pfm_keeps_every_bit)
 }
 END_TEST
 
-START_TEST(test_files__pfm_of_others_is_read)
+START_TEST(test_files__pfm_of_other_programs_is_read)
 {
     const struct {
         const char *head, *data;
@@ -191,7 +192,7 @@ END_TEST
 static void expect_error(const void *bytes, size_t count, enum pen_code code)
 {
     struct pen_status st = {PEN_OK, 0, 0, "", ""};
-    ck_assert_ptr_null(pen_image_read(bytes, count, &st));
+    ck_assert_ptr_null(pen_picture_read(bytes, count, &st));
     ck_assert_msg(st.code == code && st.msg[0], "%s: %s", pen_code_name(st.code), st.msg);
 }
 
@@ -239,7 +240,7 @@ struct kind {
     bool interlaced, transparent;
 };
 
-/* A picture of the kind, W x H, whose sample values are those of `sample`; no transfer stated. */
+/* The value of a channel of a pixel in a test picture of that kind: a hash of its place. */
 static unsigned sample(const struct kind *kind, int x, int y, int channel)
 {
     unsigned max = kind->type == PNG_COLOR_TYPE_PALETTE ? 3u : (1u << kind->bits) - 1;
@@ -248,6 +249,7 @@ static unsigned sample(const struct kind *kind, int x, int y, int channel)
 
 static const png_color palette[4] = {{1, 2, 3}, {100, 110, 120}, {255, 0, 7}, {50, 60, 70}};
 
+/* A PNG of that kind, W x H, with the values of `sample`; it does not state a transfer function. */
 static struct pen_buf write_kind(const struct kind *kind)
 {
     struct pen_buf out = {0};
@@ -337,7 +339,7 @@ static uint32_t crc(const unsigned char *p, size_t bytes)
     return ~c;
 }
 
-/* Makes the checksums right again, so that damage reaches the decoders behind them. */
+/* Recomputes the checksums, so that the decoders see the damaged data. */
 static void repair_checksums(unsigned char *png, size_t bytes)
 {
     for (size_t at = 8; at + 12 <= bytes;) {
@@ -352,13 +354,13 @@ static void repair_checksums(unsigned char *png, size_t bytes)
     }
 }
 
-/* Reads a copy that ends where its block ends, so that a sanitizer sees reading beyond. */
+/* Reads a copy that ends where its allocation ends, so that a sanitizer detects reads beyond. */
 static bool try_read(const unsigned char *bytes, size_t count)
 {
     struct pen_status st = {PEN_OK, 0, 0, "", ""};
     unsigned char *copy = malloc(count ? count : 1);
     memcpy(copy, bytes, count);
-    struct pen_picture *picture = pen_image_read(copy, count, &st);
+    struct pen_picture *picture = pen_picture_read(copy, count, &st);
     if (!picture && (st.code == PEN_OK || st.code == PEN_INTERNAL || !st.msg[0]))
         ck_abort_msg("%s: %s", pen_code_name(st.code), st.msg);
     if (picture) {
@@ -373,7 +375,7 @@ static bool try_read(const unsigned char *bytes, size_t count)
     return ok;
 }
 
-START_TEST(test_files__every_cut_png_is_refused)
+START_TEST(test_files__every_truncated_png_is_refused)
 {
     for (int k = 0; k < KINDS; k++) {
         struct pen_buf file = write_kind(&kinds[k]);
@@ -420,7 +422,7 @@ START_TEST(test_files__damaged_files_end_in_an_error_or_a_picture)
 }
 END_TEST
 
-/* A small file that claims to be huge costs an error, not memory or time. */
+/* A small file that claims to be huge is refused, without taking memory or time. */
 START_TEST(test_files__png_size_is_bounded)
 {
     struct pen_buf file = write_kind(&kinds[10]);
@@ -431,7 +433,8 @@ START_TEST(test_files__png_size_is_bounded)
     memcpy(ihdr, "\0\0\x20\x01\0\0\x20\0", 8);
     repair_checksums(file.data, file.bytes);
     expect_error(file.data, file.bytes, PEN_TOO_LARGE);
-    memcpy(ihdr, "\0\0\x20\0\0\0\x20\0", 8); /* just allowed, but the pixels are missing */
+    memcpy(ihdr, "\0\0\x20\0\0\0\x20\0",
+           8); /* the largest size allowed, but the pixels are missing */
     repair_checksums(file.data, file.bytes);
     expect_error(file.data, file.bytes, PEN_SYNTAX);
     memcpy(ihdr, "\0\0\0\0\0\0\0\1", 8);
@@ -457,8 +460,8 @@ START_TEST(test_files__every_failed_allocation_is_an_error)
             alloc_fail_after(n);
             bool ok = work == 0   ? pen_png_write(&film, &options, &out, &st)
                       : work == 1 ? pen_pfm_write(&film, &out, &st)
-                      : work == 2 ? (picture = pen_image_read(png.data, png.bytes, &st)) != NULL
-                                  : (picture = pen_image_read(pfm.data, pfm.bytes, &st)) != NULL;
+                      : work == 2 ? (picture = pen_picture_read(png.data, png.bytes, &st)) != NULL
+                                  : (picture = pen_picture_read(pfm.data, pfm.bytes, &st)) != NULL;
             refused = alloc_succeed();
             ck_assert_msg(ok == !refused, "work %d, allocation %ld: %d", work, n, ok);
             ck_assert_msg(ok || st.code == PEN_NO_MEMORY, "work %d, allocation %ld: %s", work, n,
@@ -473,9 +476,10 @@ START_TEST(test_files__every_failed_allocation_is_an_error)
 }
 END_TEST
 
-PEN_SUITE("files", test_files__png_holds_the_codes_of_the_formula, test_files__png_says_what_it_is,
-          test_files__pixels_not_there_yet_are_transparent, test_files__pfm_keeps_every_bit,
-          test_files__pfm_of_others_is_read, test_files__damaged_pfm_is_refused,
-          test_files__every_kind_of_png_is_read, test_files__every_cut_png_is_refused,
+PEN_SUITE("files", test_files__png_holds_the_codes_of_the_formula,
+          test_files__png_states_its_transfer, test_files__pixels_not_rendered_yet_are_transparent,
+          test_files__pfm_keeps_every_bit, test_files__pfm_of_other_programs_is_read,
+          test_files__damaged_pfm_is_refused, test_files__every_kind_of_png_is_read,
+          test_files__every_truncated_png_is_refused,
           test_files__damaged_files_end_in_an_error_or_a_picture, test_files__png_size_is_bounded,
           test_files__every_failed_allocation_is_an_error)

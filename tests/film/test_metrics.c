@@ -8,7 +8,7 @@
 
 enum { W = 4, H = 3 };
 
-/* A film whose sRGB-encoded values are those given. */
+/* Sets all values to that whose sRGB encoding is `encoded`. */
 static void fill(float rgb[W * H * 3], double encoded)
 {
     for (int i = 0; i < W * H * 3; i++)
@@ -37,7 +37,7 @@ START_TEST(test_metrics__equal_pictures_do_not_differ)
 }
 END_TEST
 
-START_TEST(test_metrics__figures_are_of_encoded_values)
+START_TEST(test_metrics__values_are_compared_encoded)
 {
     float a[W * H * 3], b[W * H * 3];
     fill(a, 0.25);
@@ -50,7 +50,7 @@ START_TEST(test_metrics__figures_are_of_encoded_values)
 }
 END_TEST
 
-START_TEST(test_metrics__one_value_weighs_one_in_all)
+START_TEST(test_metrics__one_value_counts_once)
 {
     float a[W * H * 3], b[W * H * 3];
     fill(a, 0.5);
@@ -79,8 +79,8 @@ START_TEST(test_metrics__values_are_clamped_before_they_are_compared)
 }
 END_TEST
 
-/* Codes of 8 bits that are 2 apart are within 2/255, whichever they are. */
-START_TEST(test_metrics__tolerance_is_not_a_matter_of_rounding)
+/* All codes of 8 bits that are 2 apart are within a tolerance of 2/255. */
+START_TEST(test_metrics__tolerance_allows_for_rounding)
 {
     struct pen_status st;
     float rgb[256 * 3], shifted[256 * 3];
@@ -92,8 +92,8 @@ START_TEST(test_metrics__tolerance_is_not_a_matter_of_rounding)
     struct pen_png_options options = {8, PEN_TRANSFER_SRGB, NULL};
     struct pen_buf a = {0}, b = {0};
     ck_assert(pen_png_write(&film, &options, &a, &st) && pen_png_write(&other, &options, &b, &st));
-    struct pen_picture *pa = pen_image_read(a.data, a.bytes, &st);
-    struct pen_picture *pb = pen_image_read(b.data, b.bytes, &st);
+    struct pen_picture *pa = pen_picture_read(a.data, a.bytes, &st);
+    struct pen_picture *pb = pen_picture_read(b.data, b.bytes, &st);
     struct pen_difference d;
     ck_assert(pen_picture_compare(pa, pb, 2 / 255.0, &d, &st));
     ck_assert_int_eq(d.over, 0);
@@ -106,13 +106,14 @@ START_TEST(test_metrics__tolerance_is_not_a_matter_of_rounding)
 }
 END_TEST
 
-START_TEST(test_metrics__what_cannot_be_compared_is_an_error)
+START_TEST(test_metrics__different_sizes_are_an_error)
 {
     struct pen_status st;
     float a[W * H * 3];
     fill(a, 0.5);
-    struct pen_film film = {W, H, a}, turned = {H, W, a};
-    struct pen_picture *p = pen_picture_of_film(&film, &st), *q = pen_picture_of_film(&turned, &st);
+    struct pen_film film = {W, H, a}, transposed = {H, W, a};
+    struct pen_picture *p = pen_picture_of_film(&film, &st),
+                       *q = pen_picture_of_film(&transposed, &st);
     struct pen_difference d;
     ck_assert(!pen_picture_compare(p, q, 0, &d, &st) && st.code == PEN_INVALID);
     ck_assert_str_eq(st.msg, "pictures of 4 x 3 and 3 x 4 pixels do not compare");
@@ -127,7 +128,6 @@ START_TEST(test_metrics__what_cannot_be_compared_is_an_error)
 END_TEST
 
 PEN_SUITE("metrics", test_metrics__equal_pictures_do_not_differ,
-          test_metrics__figures_are_of_encoded_values, test_metrics__one_value_weighs_one_in_all,
+          test_metrics__values_are_compared_encoded, test_metrics__one_value_counts_once,
           test_metrics__values_are_clamped_before_they_are_compared,
-          test_metrics__tolerance_is_not_a_matter_of_rounding,
-          test_metrics__what_cannot_be_compared_is_an_error)
+          test_metrics__tolerance_allows_for_rounding, test_metrics__different_sizes_are_an_error)

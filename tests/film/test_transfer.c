@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The sRGB transfer function, and that the table of 8-bit steps is the formula. The table
- * src/film/internal/transfer_tables.h is derived here and held against its derivation; to write it
- * anew: PEN_WRITE_TABLES=1 build/tests/film/test_transfer */
+/* The sRGB transfer function, and the codes of 8 and 16 bits, against their formula. This test also
+ * derives the table src/film/internal/transfer_tables.h and compares it with the stored one; to
+ * write the table: PEN_WRITE_TABLES=1 build/tests/film/test_transfer */
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -14,11 +14,11 @@
 
 static const char path[] = "src/film/internal/transfer_tables.h";
 
-/* Cells of floats with equal upper bits: 128 in each power of two, so fine that none holds two
- * steps (checked by comparing with the formula at every step). */
+/* Floats with equal upper bits form a cell. There are 128 cells in each power of two, which is fine
+ * enough that none has two steps; comparing with the formula at every step checks this. */
 enum { CELL_SHIFT = 16 };
 
-static float of_bits(uint32_t bits)
+static float float_of(uint32_t bits)
 {
     float value;
     memcpy(&value, &bits, sizeof value);
@@ -32,7 +32,7 @@ static uint32_t bits_of(float value)
     return bits;
 }
 
-/* The formula of the scene format, word for word. */
+/* The formula of api/scene-format.md and film/encode.h, word for word. */
 static unsigned formula(double v, double max, enum pen_transfer transfer)
 {
     double e = transfer == PEN_TRANSFER_SRGB ? pen_encode_srgb(v) : v;
@@ -46,12 +46,12 @@ static float step_above(unsigned code)
     uint32_t lo = 0, hi = bits_of(1.0f);
     while (hi - lo > 1) {
         uint32_t middle = lo + (hi - lo) / 2;
-        if (formula((double)of_bits(middle), 255, PEN_TRANSFER_SRGB) > code)
+        if (formula((double)float_of(middle), 255, PEN_TRANSFER_SRGB) > code)
             hi = middle;
         else
             lo = middle;
     }
-    return of_bits(hi);
+    return float_of(hi);
 }
 
 static void derive(struct pen_buf *out)
@@ -68,7 +68,7 @@ static void derive(struct pen_buf *out)
                    "enum { SRGB_CELL_SHIFT = %d, SRGB_FIRST_CELL = %u, SRGB_CELLS = %u };\n\n",
                    CELL_SHIFT, first, end - first);
     pen_buf_printf(out, "static const float srgb_first_float = %af;\n\n",
-                   (double)of_bits(first << CELL_SHIFT));
+                   (double)float_of(first << CELL_SHIFT));
     pen_buf_puts(out, "/* srgb_steps[c] is the smallest float whose value is above c. */\n"
                       "static const float srgb_steps[256] = {\n");
     for (unsigned c = 0; c < 255; c++)
@@ -77,13 +77,13 @@ static void derive(struct pen_buf *out)
     pen_buf_puts(out, "/* The value of a cell's first float. */\n"
                       "static const unsigned char srgb_cells[SRGB_CELLS] = {\n");
     for (uint32_t cell = first; cell < end; cell++) {
-        float value = of_bits(cell << CELL_SHIFT);
+        float value = float_of(cell << CELL_SHIFT);
         pen_buf_printf(out, "%u,%s", formula((double)value, 255, PEN_TRANSFER_SRGB),
                        cell + 1 == end ? "};\n\n#endif\n" : " ");
     }
 }
 
-/* Layout is clang-format's business: compare without white space. */
+/* Removes white space, which clang-format may change. */
 static void strip(struct pen_buf *buf)
 {
     size_t kept = 0;
@@ -95,7 +95,7 @@ static void strip(struct pen_buf *buf)
     buf->data[kept] = '\0';
 }
 
-START_TEST(test_transfer__table_is_what_its_derivation_gives)
+START_TEST(test_transfer__table_equals_its_derivation)
 {
     struct pen_buf derived = {0}, stored = {0};
     derive(&derived);
@@ -141,34 +141,34 @@ static void check_16(float v)
         ck_abort_msg("%a: srgb %u, linear %u", (double)v, srgb, linear);
 }
 
-/* Every float within 300 of a step and every first and last float of a cell; PEN_EXHAUSTIVE=1
- * takes all 2^30 floats up to 1 (minutes). */
-START_TEST(test_transfer__eight_bits_are_the_formula)
+/* Every float within 300 of a step, and the first and last float of every cell. PEN_EXHAUSTIVE=1
+ * tests all 2^30 floats up to 1, which takes minutes. */
+START_TEST(test_transfer__codes_of_8_bits_follow_the_formula)
 {
     uint32_t end = bits_of(1.0f) + 1000;
     if (getenv("PEN_EXHAUSTIVE")) {
         for (uint32_t bits = 0; bits < end; bits++)
-            check_8(of_bits(bits));
+            check_8(float_of(bits));
         return;
     }
     for (unsigned c = 0; c < 255; c++) {
         uint32_t step = bits_of(step_above(c));
         for (uint32_t bits = step - 300; bits < step + 300; bits++)
-            check_8(of_bits(bits));
+            check_8(float_of(bits));
     }
     for (uint32_t bits = 0; bits < end; bits += 1u << CELL_SHIFT) {
-        check_8(of_bits(bits));
-        check_8(of_bits(bits + (1u << CELL_SHIFT) - 1));
+        check_8(float_of(bits));
+        check_8(float_of(bits + (1u << CELL_SHIFT) - 1));
     }
     struct random r = random_begin(1);
     for (int i = 0; i < 1000000; i++) {
-        check_8(of_bits(random_below(&r, end)));
+        check_8(float_of(random_below(&r, end)));
         check_8((float)random_in(&r, 0, 1));
     }
 }
 END_TEST
 
-START_TEST(test_transfer__sixteen_bits_are_the_formula)
+START_TEST(test_transfer__codes_of_16_bits_follow_the_formula)
 {
     struct random r = random_begin(2);
     for (int i = 0; i < 300000; i++)
@@ -202,8 +202,8 @@ START_TEST(test_transfer__values_outside_the_range_are_clamped)
 }
 END_TEST
 
-/* Against libm, and the values that the standard's own tables show. */
-START_TEST(test_transfer__srgb_is_the_standard_s)
+/* Against libm, and against values from the tables of the standard. */
+START_TEST(test_transfer__srgb_follows_the_standard)
 {
     ck_assert(pen_encode_srgb(0) == 0 && fabs(pen_encode_srgb(1) - 1) < 1e-15);
     ck_assert(fabs(pen_encode_srgb(0.5) - 0.7353569830524495) < 1e-15);
@@ -216,7 +216,7 @@ START_TEST(test_transfer__srgb_is_the_standard_s)
               fabs(pen_decode_srgb(pen_encode_srgb(v)) - v) < 1e-7))
             ck_abort_msg("%a", v);
     }
-    for (unsigned c = 0; c < 256; c++) { /* codes survive the way there and back */
+    for (unsigned c = 0; c < 256; c++) { /* decoding and encoding a code gives the code */
         float v = (float)pen_decode_srgb(c / 255.0);
         unsigned char code;
         pen_encode_8(&v, 1, PEN_TRANSFER_SRGB, &code);
@@ -225,7 +225,8 @@ START_TEST(test_transfer__srgb_is_the_standard_s)
 }
 END_TEST
 
-PEN_SUITE("transfer", test_transfer__table_is_what_its_derivation_gives,
-          test_transfer__eight_bits_are_the_formula, test_transfer__sixteen_bits_are_the_formula,
+PEN_SUITE("transfer", test_transfer__table_equals_its_derivation,
+          test_transfer__codes_of_8_bits_follow_the_formula,
+          test_transfer__codes_of_16_bits_follow_the_formula,
           test_transfer__values_outside_the_range_are_clamped,
-          test_transfer__srgb_is_the_standard_s)
+          test_transfer__srgb_follows_the_standard)

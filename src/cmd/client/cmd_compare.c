@@ -43,7 +43,7 @@ static struct pen_picture *read_picture(const char *path, struct pen_status *st)
     struct pen_source source; /* a path or - */
     struct pen_picture *picture = NULL;
     if (pen_source_read(&source, path, 0, st))
-        picture = pen_image_read(source.text.data, source.text.bytes, st);
+        picture = pen_picture_read(source.text.data, source.text.bytes, st);
     pen_source_release(&source);
     return picture;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a picture is inside: the samples as the file had them, so that a large one costs no more
- * memory than its file's own precision. */
+/* The contents of a picture. Samples keep the precision of their file, so that a large picture of 8
+ * bits takes no more memory than it must. */
 #ifndef PEN_FILM_INTERNAL_PICTURE_H
 #define PEN_FILM_INTERNAL_PICTURE_H
 
@@ -15,14 +15,16 @@ struct pen_picture {
     enum picture_kind kind;
     bool linear;         /* else sRGB-encoded; floats are always linear */
     const void *samples; /* width * height * 3 of unsigned char, uint16_t or float; top row first */
-    void *owned;         /* to be freed with the picture: samples or NULL */
+    void *owned;         /* the samples if the picture owns them, else NULL */
 };
 
-/* Checks the size and makes a picture with zeroed samples of its own. */
+/* Makes a picture with zeroed samples. Fails: PEN_SYNTAX (no pixels), PEN_TOO_LARGE, PEN_NO_MEMORY.
+ */
 struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_kind kind,
                                     struct pen_status *st);
 
-/* Readers of one format each; what they are given begins with its signature. */
+/* Readers of one format each; the bytes begin with the format's signature. Fail as
+ * pen_picture_read. */
 struct pen_picture *pen_png_read(const unsigned char *bytes, size_t count, struct pen_status *st);
 struct pen_picture *pen_pfm_read(const unsigned char *bytes, size_t count, struct pen_status *st);
 
