@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A thread that counts has a copy of the scene whose accelerator is a view of its own, and asks by
- * the counting queries. Kernels know nothing of it. */
+/* A thread that counts has a copy of the scene whose accelerator is a counting view of the shared
+ * one, and traces by the counting functions. Kernels need not know. */
 #include "render/internal/counter.h"
 
 #include <stdlib.h>

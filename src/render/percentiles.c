@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Sorts the times and walks along their cumulated weights. */
 #include "render/percentiles.h"
 
 #include <stdlib.h>
@@ -10,13 +11,14 @@ static int by_ms(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The first time whose running sum of weights reaches `wanted`, up to rounding of the sum. */
-static double rank(const struct pen_weighted_time *times, size_t count, double wanted)
+/* The first time at which the cumulated weights reach `target`. Rounding may keep their sum 1e-12
+ * below. */
+static double time_at(const struct pen_weighted_time *times, size_t count, double target)
 {
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
         sum += times[i].weight;
-        if (sum >= wanted * (1 - 1e-12))
+        if (sum >= target * (1 - 1e-12))
             return times[i].ms;
     }
     return times[count - 1].ms;
@@ -30,8 +32,8 @@ struct pen_percentiles pen_percentiles_weighted(struct pen_weighted_time *times,
     double total = 0;
     for (size_t i = 0; i < count; i++)
         total += times[i].weight;
-    return (struct pen_percentiles){.p50 = rank(times, count, 0.5 * total),
-                                    .p95 = rank(times, count, 0.95 * total),
+    return (struct pen_percentiles){.p50 = time_at(times, count, 0.5 * total),
+                                    .p95 = time_at(times, count, 0.95 * total),
                                     .max = times[count - 1].ms};
 }
 

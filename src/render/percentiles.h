@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Percentiles of tile times by the nearest rank: the least time that at least p of the tiles did
- * not exceed. */
+/* Percentiles of tile times by nearest rank: the least time that at least a share p of the tiles
+ * did not exceed. */
 #ifndef PEN_RENDER_PERCENTILES_H
 #define PEN_RENDER_PERCENTILES_H
 

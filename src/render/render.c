@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Rendering a task: threads draw tiles from one counter, row by row from the top left, and write
- * their pixels where they belong. A pixel is a pure function of its place, so who draws which tile
- * when changes nothing but the time; nothing else is shared but the calls of tile_done. */
+/* Renders a task. Threads take the next tile from a shared counter and write its pixels into the
+ * image. As a pixel is a pure function of its position, the assignment of tiles to threads changes
+ * only the time. Threads share nothing else, except that calls of tile_done take turns. */
 #include "render/render.h"
 
 #include <fenv.h>
@@ -14,9 +14,9 @@
 #include "base/thread_pool.h"
 #include "render/internal/counter.h"
 
-/* What one thread did; written by that thread alone, read when all are done. */
-struct part {
-    const struct pen_kernel_input *input; /* the run's, or that of `counter` */
+/* The work of one thread. Written by that thread alone; read by others when all are done. */
+struct thread_work {
+    const struct pen_kernel_input *input; /* the run's, or the counter's */
     struct pen_counter *counter;          /* NULL unless tests are counted */
     struct pen_kernel_scratch *scratch;
     struct pen_ray_counts rays;
@@ -28,11 +28,11 @@ struct run {
     const struct pen_render_task *task;
     struct pen_kernel_input input;
     const struct pen_kernel *kernel;
-    int last_tile;
-    atomic_int next_tile; /* relaxed: only its value matters, tiles share nothing */
-    struct part *parts;
+    int end_tile;             /* the first tile after the task's */
+    atomic_int next_tile;     /* atomic: relaxed, because tiles share no data */
+    struct thread_work *work; /* by thread */
     int threads;
-    double *tile_ms;           /* by tile from first_tile on; may be NULL */
+    double *tile_ms;           /* by tile, from first_tile on; NULL if not kept */
     pthread_mutex_t done_lock; /* one call of tile_done at a time */
 };
 
@@ -48,7 +48,7 @@ static bool cancelled(const struct pen_render_task *task)
     return task->cancel && atomic_load_explicit(task->cancel, memory_order_relaxed);
 }
 
-/* Made in default arithmetic, whatever the calling thread's is. */
+/* The kernel's input, computed in default arithmetic whatever the calling thread's state. */
 static struct pen_kernel_input kernel_input(const struct pen_scene *scene, int view,
                                             const struct pen_settings *settings)
 {
@@ -66,11 +66,11 @@ static struct pen_kernel_input kernel_input(const struct pen_scene *scene, int v
     return input;
 }
 
-/* Renders one tile; false if cancelled on the way. */
+/* Renders one tile; returns false if the task was cancelled meanwhile. */
 static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
 {
     const struct pen_render_task *task = run->task;
-    struct part *part = &run->parts[thread];
+    struct thread_work *work = &run->work[thread];
     for (int y = rect.y; y < rect.y + rect.height; y++) {
         float *out = task->rgb + 3 * ((size_t)y * (size_t)task->settings->width + (size_t)rect.x);
         for (int x = rect.x; x < rect.x + rect.width; x++, out += 3) {
@@ -79,7 +79,7 @@ static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
                 return false;
             if (task->pixel_begins)
                 task->pixel_begins(task->pixel_user, thread, x, y);
-            run->kernel->pixel(part->input, part->scratch, x, y, rgb, &part->rays);
+            run->kernel->pixel(work->input, work->scratch, x, y, rgb, &work->rays);
             for (int c = 0; c < 3; c++)
                 out[c] = (float)rgb[c];
         }
@@ -87,7 +87,7 @@ static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
     return true;
 }
 
-static void tile_finished(struct run *run, struct pen_rect rect)
+static void report_tile(struct run *run, struct pen_rect rect)
 {
     if (!run->task->tile_done)
         return;
@@ -96,54 +96,54 @@ static void tile_finished(struct run *run, struct pen_rect rect)
     pthread_mutex_unlock(&run->done_lock);
 }
 
-static void render_part(void *user, int index)
+static void render_tiles(void *user, int index)
 {
     struct run *run = user;
-    struct part *part = &run->parts[index];
+    struct thread_work *work = &run->work[index];
     const struct pen_settings *settings = run->task->settings;
     int64_t cpu = thread_cpu_ns();
-    part->begun_ns = part->done_ns = pen_clock_ns();
+    work->begun_ns = work->done_ns = pen_clock_ns();
     for (;;) {
         int tile = atomic_fetch_add_explicit(&run->next_tile, 1, memory_order_relaxed);
-        if (tile >= run->last_tile)
+        if (tile >= run->end_tile)
             break;
         struct pen_rect rect =
             pen_tile_rect(settings->width, settings->height, settings->tile, tile);
         int64_t begun = pen_clock_ns();
         if (!render_tile(run, index, rect))
             break;
-        part->done_ns = pen_clock_ns();
-        part->tiles++;
+        work->done_ns = pen_clock_ns();
+        work->tiles++;
         if (run->tile_ms)
-            run->tile_ms[tile - run->task->first_tile] = (double)(part->done_ns - begun) * 1e-6;
-        tile_finished(run, rect);
+            run->tile_ms[tile - run->task->first_tile] = (double)(work->done_ns - begun) * 1e-6;
+        report_tile(run, rect);
     }
-    part->cpu_ns = thread_cpu_ns() - cpu;
+    work->cpu_ns = thread_cpu_ns() - cpu;
 }
 
-static void add_counts(struct pen_ray_counts *sum, const struct pen_ray_counts *part)
+static void add_counts(struct pen_ray_counts *sum, const struct pen_ray_counts *counts)
 {
-    sum->primary += part->primary;
-    sum->shadow += part->shadow;
-    sum->reflection += part->reflection;
-    sum->transmission += part->transmission;
-    sum->dropped_samples += part->dropped_samples;
+    sum->primary += counts->primary;
+    sum->shadow += counts->shadow;
+    sum->reflection += counts->reflection;
+    sum->transmission += counts->transmission;
+    sum->dropped_samples += counts->dropped_samples;
 }
 
-/* Sums up what the threads did. Returns the number of tiles done. */
-static int gather(const struct run *run, struct pen_render_stats *stats)
+/* Adds up the threads' work. Returns the number of tiles done. */
+static int sum_work(const struct run *run, struct pen_render_stats *stats)
 {
     int64_t begun = INT64_MAX, done = 0, cpu = 0;
     int tiles = 0;
     for (int i = 0; i < run->threads; i++) {
-        const struct part *part = &run->parts[i];
-        add_counts(&stats->rays, &part->rays);
-        begun = part->begun_ns < begun ? part->begun_ns : begun;
-        done = part->done_ns > done ? part->done_ns : done;
-        cpu += part->cpu_ns;
-        tiles += part->tiles;
-        if (part->counter)
-            pen_counter_add(part->counter, &stats->tests);
+        const struct thread_work *work = &run->work[i];
+        add_counts(&stats->rays, &work->rays);
+        begun = work->begun_ns < begun ? work->begun_ns : begun;
+        done = work->done_ns > done ? work->done_ns : done;
+        cpu += work->cpu_ns;
+        tiles += work->tiles;
+        if (work->counter)
+            pen_counter_add(work->counter, &stats->tests);
     }
     stats->tests_counted = run->task->count_tests;
     stats->render_ms = (double)(done - begun) * 1e-6;
@@ -154,61 +154,61 @@ static int gather(const struct run *run, struct pen_render_stats *stats)
     return tiles;
 }
 
-static bool make_parts(struct run *run, struct pen_status *st)
+static bool make_work(struct run *run, struct pen_status *st)
 {
-    run->parts = calloc((size_t)run->threads, sizeof *run->parts);
-    if (!run->parts)
+    run->work = calloc((size_t)run->threads, sizeof *run->work);
+    if (!run->work)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory for %d render threads", run->threads);
     for (int i = 0; i < run->threads; i++) {
-        struct part *part = &run->parts[i];
-        part->input = &run->input;
+        struct thread_work *work = &run->work[i];
+        work->input = &run->input;
         if (run->task->count_tests) {
-            part->counter = pen_counter_new(&run->input);
-            part->input = part->counter ? pen_counter_input(part->counter) : NULL;
+            work->counter = pen_counter_new(&run->input);
+            work->input = work->counter ? pen_counter_input(work->counter) : NULL;
         }
-        part->scratch = part->input ? pen_kernel_scratch_new(part->input) : NULL;
-        if (!part->scratch)
+        work->scratch = work->input ? pen_kernel_scratch_new(work->input) : NULL;
+        if (!work->scratch)
             return pen_fail(st, PEN_NO_MEMORY, "out of memory for the paths of a render thread");
     }
     return true;
 }
 
-static void free_parts(struct run *run)
+static void free_work(struct run *run)
 {
-    for (int i = 0; run->parts && i < run->threads; i++) {
-        pen_kernel_scratch_free(run->parts[i].scratch);
-        pen_counter_free(run->parts[i].counter);
+    for (int i = 0; run->work && i < run->threads; i++) {
+        pen_kernel_scratch_free(run->work[i].scratch);
+        pen_counter_free(run->work[i].counter);
     }
-    free(run->parts);
+    free(run->work);
 }
 
 static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
-    int wanted = run->last_tile - run->task->first_tile;
+    int tiles = run->end_tile - run->task->first_tile;
     if (run->task->keep_tile_ms) {
-        run->tile_ms = calloc((size_t)wanted + 1, sizeof *run->tile_ms);
+        run->tile_ms = calloc((size_t)tiles + 1, sizeof *run->tile_ms);
         if (!run->tile_ms)
-            return pen_fail(st, PEN_NO_MEMORY, "out of memory for the times of %d tiles", wanted);
+            return pen_fail(st, PEN_NO_MEMORY, "out of memory for the times of %d tiles", tiles);
     }
-    if (!make_parts(run, st))
+    if (!make_work(run, st))
         return false;
-    stats->float_resets = pen_thread_pool_run(pool, run->threads, render_part, run);
-    stats->tile_count = (uint32_t)gather(run, stats);
-    if (stats->tile_count < (uint32_t)wanted)
+    stats->float_resets = pen_thread_pool_run(pool, run->threads, render_tiles, run);
+    stats->tile_count = (uint32_t)sum_work(run, stats);
+    if (stats->tile_count < (uint32_t)tiles)
         return pen_fail(st, PEN_CANCELLED, "cancelled after %u of %d tiles", stats->tile_count,
-                        wanted);
+                        tiles);
     stats->tile_ms = run->tile_ms;
     return true;
 }
 
-/* How many threads work on a task: what the settings ask for, if the pool has them, and no more
- * than there are tiles. */
-static int threads_for(const struct pen_thread_pool *pool, int asked, int tiles)
+/* The number of threads for a task: as the settings request (0: all of the pool), but no more than
+ * the pool has or than there are tiles. */
+static int threads_for(const struct pen_thread_pool *pool, int requested, int tiles)
 {
     int threads = pen_thread_pool_size(pool);
-    if (asked > 0 && asked < threads)
-        threads = asked;
+    if (requested > 0 && requested < threads)
+        threads = requested;
     if (tiles < threads)
         threads = tiles;
     return threads > 1 ? threads : 1;
@@ -228,14 +228,14 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
     struct run run = {
         .task = task,
         .input = kernel_input(task->scene, task->view, settings),
-        .last_tile = first + count,
+        .end_tile = first + count,
         .threads = threads_for(pool, settings->threads, count),
         .done_lock = PTHREAD_MUTEX_INITIALIZER,
     };
     atomic_init(&run.next_tile, first);
     run.kernel = pen_kernel_select(run.input.effects, pen_cpu_isa());
     bool ok = run_tiles(pool, &run, stats, st);
-    free_parts(&run);
+    free_work(&run);
     if (!ok)
         free(run.tile_ms);
     pthread_mutex_destroy(&run.done_lock);

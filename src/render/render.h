@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Rendering: scene x settings -> pixels. A pool of threads draws tiles from a shared counter;
- * every pixel is a pure function of its position, so the result is the same bits for any number
- * of threads and any tile size. */
+/* Renders the pixels of a scene under given settings. The threads of a pool take tiles from a
+ * shared counter. Every pixel is a pure function of its position, so the result has the same bits
+ * for any number of threads and any tile size. */
 #ifndef PEN_RENDER_RENDER_H
 #define PEN_RENDER_RENDER_H
 
@@ -18,19 +18,21 @@ struct pen_rect {
     int x, y, width, height; /* pixels */
 };
 
-/* The tiles of an image, row by row from the top left; the last ones of a row or column may be
- * smaller. */
+/* The tiles of an image, numbered row by row from the top left. Tiles at the right and bottom edges
+ * may be smaller. */
 int pen_tile_count(int width, int height, int tile);
 struct pen_rect pen_tile_rect(int width, int height, int tile, int index);
 
 struct pen_render_stats {
-    double render_ms; /* first tile begun to last tile done */
-    double cpu_ms;    /* of the render threads, over those tiles */
-    int threads;      /* how many worked on it: no more than there were tiles */
-    int float_resets; /* of those, whose floating-point state was not the default; expected 0 */
+    double render_ms; /* from the start of the first tile to the end of the last */
+    double cpu_ms;    /* processor time of the render threads */
+    int threads;      /* threads that took part: no more than there were tiles */
+    int float_resets; /* of these, how many had a floating-point state that was not the default;
+                       * expected 0 */
     struct pen_ray_counts rays;
-    bool tests_counted;           /* if the task asked for it */
-    struct pen_test_counts tests; /* of all rays; per ray is by the sum of `rays` */
+    bool tests_counted; /* if the task asked for it */
+    struct pen_test_counts
+        tests; /* of all rays; the tests per ray are this over the sum of `rays` */
     uint32_t tile_count;
     double *tile_ms; /* tile_count values; NULL if not asked for, or if the run failed.
                       * Owns: the caller frees it with free(). */
@@ -43,32 +45,32 @@ struct pen_render_task {
     const struct pen_scene *scene;
     int view;
     const struct pen_settings *settings;
-    int first_tile, tile_count; /* tile_count -1: all from first_tile on */
-    float *rgb;                 /* the whole image, width * height * 3, row 0 on top */
+    int first_tile, tile_count; /* tile_count -1: all tiles from first_tile on */
+    float *rgb;                 /* the whole image, width * height * 3, row 0 at the top */
     const atomic_bool *cancel;  /* polled before each pixel; may be NULL */
     /* Called after each tile from a render thread, one call at a time; may be NULL. */
     void (*tile_done)(void *user, struct pen_rect rect);
     void *user;
-    /* Called before each pixel, from the render thread of that number (from 0 on); may be NULL.
-     * For whoever looks on from outside; what it does must not matter to the picture. */
+    /* Called before each pixel, from the render thread with the number `thread`, from 0 on; may be
+     * NULL. It lets a caller follow the progress, and must not affect the picture. */
     void (*pixel_begins)(void *user, int thread, int x, int y);
     void *pixel_user;
     bool keep_tile_ms;
-    /* Counts box and primitive tests, see pen_trace_count_ops_get. The film is the same, the counts
-     * are for any number of threads, tile size and instruction set, but the run takes longer: time
-     * another one. */
+    /* Count box and primitive tests, see pen_trace_count_ops_get. The film stays the same, and the
+     * counts do not depend on the number of threads, the tile size or the instruction set. Counting
+     * takes time: measure times in another run. */
     bool count_tests;
 };
 
-/* Renders; returns when the tiles are done. One task at a time per pool; the calling thread only
- * waits. Fails: PEN_CANCELLED (pixels of the tiles that tile_done was called for are valid, and
- * *stats covers what was done), PEN_NO_MEMORY, PEN_INTERNAL (tiles that the image does not have).
- */
+/* Renders a task, and returns when its tiles are done. Threads: one task at a time per pool; the
+ * calling thread only waits. Fails: PEN_CANCELLED (the pixels of tiles that tile_done was called
+ * for are valid, and *stats covers the work done), PEN_NO_MEMORY, PEN_INTERNAL (the image does not
+ * have these tiles). */
 bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *task,
                     struct pen_render_stats *stats, struct pen_status *st);
 
-/* One pixel, for looking closely, on the calling thread: the values that the film is rounded
- * from. *rays counts its rays. Fails: PEN_NO_MEMORY. */
+/* Renders one pixel on the calling thread, to inspect it. rgb has the doubles that the film is
+ * rounded from; *rays counts its rays. Fails: PEN_NO_MEMORY. */
 bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_settings *settings,
                       int x, int y, double rgb[3], struct pen_ray_counts *rays,
                       struct pen_status *st);

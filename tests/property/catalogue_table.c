@@ -217,14 +217,14 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              "test_render__same_film_for_threads_tiles_and_accelerators", ROW_TESTED, NULL},
     [101] = {"the same picture for any tiles, in any order, resumed",
              "test_render__same_film_for_threads_tiles_and_accelerators "
-             "test_render__parts_make_the_whole "
+             "test_render__ranges_of_tiles_make_the_whole "
              "test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes "
              "tests/crash/check_crash.sh",
              ROW_TESTED, NULL},
     [102] = {"the same picture with and without AVX2",
              "test_count__variants_agree "
              "test_kernel__every_kernel_gives_the_same_bits "
-             "test_packet__rays_together_are_rays_one_by_one",
+             "test_packet__packets_equal_single_rays",
              ROW_TESTED, NULL},
     [103] = {"the same picture from any compiler",
              "test_golden__films_are_those_of_the_table "
@@ -237,7 +237,7 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              "test_fn__bits_are_the_same_everywhere",
              ROW_TESTED, NULL},
     [105] = {"threads whose arithmetic is not the default",
-             "test_render__h105_strange_arithmetic_is_counted_and_reset "
+             "test_render__h105_changed_arithmetic_is_counted_and_reset "
              "test_render__h105_default_arithmetic_in_every_thread",
              ROW_TESTED, NULL},
     [106] = {"samples in several parts", "", ROW_INAPPLICABLE,

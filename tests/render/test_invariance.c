@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures that must not change when the scene does: scaled by a power of two (H074), moved by a
- * distance that adds exactly (H076), seen in a mirror (H078). */
+/* Pictures that must not change when the scene is transformed: scaled by a power of two (H074),
+ * moved by a distance that adds without rounding (H076), mirrored (H078). The numbers are those of
+ * the catalogue in tests/property. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,7 +61,8 @@ END_TEST
 START_TEST(test_invariance__h078_seen_in_a_mirror)
 {
     kit_medley(&kit);
-    for (uint32_t i = 0; i < kit.desc.light_count; i++) /* points of disks are not mirrored */
+    for (uint32_t i = 0; i < kit.desc.light_count;
+         i++) /* the sample points on a light's disk are not mirrored */
         kit.lights[i].radius = kit.lights[i].angular_radius = 0;
     kit.settings.width = 120;
     kit.settings.height = 90;
@@ -73,7 +75,7 @@ START_TEST(test_invariance__h078_seen_in_a_mirror)
         for (int x = 0; x < 120; x++)
             different += memcmp(&got[3 * (y * 120 + x)], &want[3 * (y * 120 + 119 - x)],
                                 3 * sizeof *got) != 0;
-    ck_assert_int_le(different, 2); /* borders that rays meet exactly belong to one side */
+    ck_assert_int_le(different, 2); /* an edge that a ray meets exactly belongs to one side */
     free(want);
     free(got);
 }

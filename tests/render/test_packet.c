@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays taken together give what they give one by one, bit for bit: films and counts of soft lights
- * with the tree, where they are taken together, against films without it, where they are not. The
- * scenes are made to be hard: coordinates on a coarse lattice, so that lights are in planes, axes
- * and centres, primitives touch and coincide, and points are on edges of other primitives. */
+/* Shadow-ray packets give the same bits as single shadow rays. Soft lights are rendered with a
+ * tree, which traces packets, and without one, which traces single rays; pixels and ray counts must
+ * be equal. The random scenes are hard on purpose: most coordinates are small integers, so that
+ * lights lie in planes, on axes and at centres, primitives touch and coincide, and points lie on
+ * edges of other primitives. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,8 +15,8 @@ typedef struct pen_vec3 vec3;
 
 static struct kit kit;
 
-/* A coordinate: mostly a small integer, at times anything. */
-static double place(struct random *r, int half)
+/* A coordinate in [-half, half]: usually an integer, in one case of eight any number near it. */
+static double coordinate(struct random *r, int half)
 {
     double whole = (double)random_below(r, (uint32_t)(2 * half + 1)) - half;
     return random_below(r, 8) ? whole : whole + random_in(r, -0.5, 0.5);
@@ -23,8 +24,8 @@ static double place(struct random *r, int half)
 
 static vec3 point(struct random *r, int half)
 {
-    double x = place(r, half), y = place(r, half);
-    return pen_vec3(x, y, place(r, half));
+    double x = coordinate(r, half), y = coordinate(r, half);
+    return pen_vec3(x, y, coordinate(r, half));
 }
 
 static vec3 direction(struct random *r)
@@ -46,7 +47,7 @@ static int material(struct random *r)
     return kit_material(&kit, m);
 }
 
-/* A parallelogram, or with more corners cut from it; at times it is bent inwards. */
+/* A triangle, a parallelogram, or a pentagon, which may be concave. */
 static void add_flat(struct random *r)
 {
     vec3 p = point(r, 4), a = direction(r), b = direction(r);
@@ -57,12 +58,12 @@ static void add_flat(struct random *r)
     b = pen_scale(b, size);
     vec3 v[5] = {p, pen_add(p, a), pen_add(pen_add(p, a), b), pen_add(p, b), p};
     uint32_t count = 3 + random_below(r, 3);
-    if (count == 5) /* the last corner on the middle of an edge, beyond it or before it */
+    if (count == 5) /* the last corner: outside the middle of an edge, on it, or inside */
         v[4] = pen_along(pen_along(p, b, 0.5), a, 0.25 * (random_below(r, 3) - 1.));
     kit_polygon(&kit, v, count, material(r));
 }
 
-/* A comb: flat, with many corners turned inwards. */
+/* A polygon in the shape of a comb, with many concave corners. */
 static void add_comb(struct random *r)
 {
     vec3 v[24], p = point(r, 4), a = pen_scale(direction(r), 4), b = pen_scale(direction(r), 3);
@@ -76,7 +77,7 @@ static void add_comb(struct random *r)
     kit_polygon(&kit, v, teeth + 3, material(r));
 }
 
-static void add_body(struct random *r)
+static void add_primitive(struct random *r)
 {
     switch (random_below(r, 9)) {
     case 8:
@@ -103,8 +104,8 @@ static void add_body(struct random *r)
     }
 }
 
-/* A place for a light: anywhere, or in the very middle of a primitive. */
-static vec3 light_place(struct random *r)
+/* A light's position: anywhere, or exactly at the centre of a primitive. */
+static vec3 light_position(struct random *r)
 {
     const struct pen_object_desc *o = &kit.objects[random_below(r, kit.desc.object_count)];
     if (random_below(r, 2) && o->kind == PEN_OBJECT_SPHERE)
@@ -119,7 +120,7 @@ static void add_light(struct random *r)
 {
     struct pen_light_desc *light;
     if (random_below(r, 3))
-        light = kit_point(&kit, light_place(r), pen_vec3(1, 1, 1));
+        light = kit_point(&kit, light_position(r), pen_vec3(1, 1, 1));
     else
         light = kit_directional(&kit, direction(r), pen_vec3(1, 1, 1));
     light->radius = random_below(r, 4) ? 0.25 * (1 + random_below(r, 6)) : 1e-3;
@@ -134,10 +135,10 @@ static void any_scene(struct random *r)
     kit.settings.light_samples = 1 + (int)random_below(r, 90);
     kit.settings.light_pattern = (int)random_below(r, 3);
     kit.settings.max_depth = 3;
-    kit.view.camera.position = pen_vec3(place(r, 3), place(r, 3), 12);
+    kit.view.camera.position = pen_vec3(coordinate(r, 3), coordinate(r, 3), 12);
     kit_sphere(&kit, point(r, 4), 1, material(r));
-    for (uint32_t i = 0, bodies = 2 + random_below(r, 30); i < bodies; i++)
-        add_body(r);
+    for (uint32_t i = 0, primitives = 2 + random_below(r, 30); i < primitives; i++)
+        add_primitive(r);
     for (uint32_t i = 0, lights = 1 + random_below(r, 3); i < lights; i++)
         add_light(r);
 }
@@ -169,34 +170,34 @@ static void compare(const struct film *want, const struct film *got, const char 
 {
     for (int i = 0; i < 20 * 15; i++) {
         if (memcmp(want->rgb[i], got->rgb[i], sizeof want->rgb[i]) != 0)
-            ck_abort_msg("%s, state %llu: pixel %d,%d is %.17g %.17g %.17g, one by one "
+            ck_abort_msg("%s, state %llu: pixel %d,%d is %.17g %.17g %.17g, by single rays "
                          "%.17g %.17g %.17g",
                          what, state, i % 20, i / 20, got->rgb[i][0], got->rgb[i][1],
                          got->rgb[i][2], want->rgb[i][0], want->rgb[i][1], want->rgb[i][2]);
     }
     if (memcmp(&want->rays, &got->rays, sizeof got->rays) != 0)
-        ck_abort_msg("%s, state %llu: %llu shadow rays, one by one %llu", what, state,
+        ck_abort_msg("%s, state %llu: %llu shadow rays, single rays %llu", what, state,
                      (unsigned long long)got->rays.shadow, (unsigned long long)want->rays.shadow);
 }
 
-START_TEST(test_packet__rays_together_are_rays_one_by_one)
+START_TEST(test_packet__packets_equal_single_rays)
 {
     struct random random = random_begin(77);
     const char *many = getenv("PEN_N");
     int scenes = many ? atoi(many) : 250;
-    static struct film singly, together;
+    static struct film single, packets;
     for (int i = 0; i < scenes; i++) {
         unsigned long long state = random.state;
         any_scene(&random);
-        render(&singly, PEN_ACCEL_NONE);
-        render(&together, PEN_ACCEL_AUTO);
-        compare(&singly, &together, pen_isa_name(pen_cpu_isa()), state);
+        render(&single, PEN_ACCEL_NONE);
+        render(&packets, PEN_ACCEL_AUTO);
+        compare(&single, &packets, pen_isa_name(pen_cpu_isa()), state);
         setenv("PENUMBRA_ISA", "base", 1);
-        render(&together, PEN_ACCEL_AUTO);
+        render(&packets, PEN_ACCEL_AUTO);
         unsetenv("PENUMBRA_ISA");
-        compare(&singly, &together, "base", state);
+        compare(&single, &packets, "base", state);
     }
 }
 END_TEST
 
-PEN_SUITE("packet", test_packet__rays_together_are_rays_one_by_one)
+PEN_SUITE("packet", test_packet__packets_equal_single_rays)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a scene asks of doubles: the figures by hand, and that a picture is right for as long as no
- * warning is given. */
+/* Whether doubles resolve a scene: the measures against values computed by hand, and that a picture
+ * is right wherever no warning is given. */
 #include <glob.h>
 #include <math.h>
 #include <stdio.h>
@@ -33,8 +33,8 @@ static void read_scene(const char *text, size_t bytes)
     pen_arena_free(arena);
 }
 
-/* The scene of these objects, seen from `eye` along -z through a plane that is 1 wide and 1 away,
- * 100 pixels wide. */
+/* Measures the scene of these objects, seen from `eye` along -z. The view plane is 1 wide, at
+ * distance 1, with 100 pixels, so that a pixel's footprint is 0.01 times the distance. */
 static bool measure(const char *eye, const char *objects, struct pen_scene_precision *out)
 {
     char text[2000];
@@ -59,7 +59,7 @@ static void check_footprint(const char *eye, const char *object, double wanted)
     check_near(p.pixel_footprint, wanted);
 }
 
-START_TEST(test_precision__figures_are_those_of_the_scene)
+START_TEST(test_precision__measures_are_those_of_the_scene)
 {
     struct pen_scene_precision p;
     ck_assert(
@@ -76,7 +76,7 @@ START_TEST(test_precision__figures_are_those_of_the_scene)
 }
 END_TEST
 
-START_TEST(test_precision__the_nearest_body_counts)
+START_TEST(test_precision__the_nearest_primitive_counts)
 {
 #define FLOOR "{\"type\": \"polygon\", \"vertices\": [[-8,0,8], [8,0,8], [8,0,-8], [-8,0,-8]]}"
 #define BALL "{\"type\": \"sphere\", \"center\": [0, 0, -10], \"radius\": 4}"
@@ -84,7 +84,7 @@ START_TEST(test_precision__the_nearest_body_counts)
     check_footprint("0, 0, -9", BALL, 0.03); /* inside */
     check_footprint("0, 3, 0", FLOOR, 0.03);
     check_footprint("0, 3, 0", FLOOR "," BALL, 0.03);
-    check_footprint("0, 0, 0", FLOOR, 0.01 * 16 / 1024); /* edge on: by its size */
+    check_footprint("0, 0, 0", FLOOR, 0.01 * 16 / 1024); /* seen edge-on: by the floor's size */
     check_footprint("0, 5, 0", "{\"type\": \"plane\", \"point\": [7,0,7], \"normal\": [0,2,0]}",
                     0.05);
     check_footprint("1, 5, 0",
@@ -107,8 +107,8 @@ static bool warns(const struct pen_scene_precision *p)
     return found;
 }
 
-/* A ball of radius 1e-6 on one of radius 1e9: doubles are 1.2e-7 apart there. A planet from a
- * height of 2 is no trouble, nor is a unit ball through a telescope. */
+/* A sphere of radius 1e-6 on one of radius 1e9, where doubles are 1.2e-7 apart, warns. A planet
+ * seen from a height of 2 does not, nor a unit sphere seen through a telescope. */
 START_TEST(test_precision__h081_h082_h083_scale_is_judged_by_the_pixel)
 {
     struct pen_scene_precision p;
@@ -135,18 +135,18 @@ START_TEST(test_precision__h081_h082_h083_scale_is_judged_by_the_pixel)
 }
 END_TEST
 
-START_TEST(test_precision__scenes_that_come_along_do_not_warn)
+START_TEST(test_precision__built_in_scenes_do_not_warn)
 {
     glob_t found;
     ck_assert_int_eq(glob("scenes/*.json", 0, NULL, &found), 0);
     ck_assert_uint_ge(found.gl_pathc, 4);
     for (size_t i = 0; i < found.gl_pathc; i++) {
-        enum { ROOM = 16 << 20 };
+        enum { BYTES_MAX = 16 << 20 };
         struct pen_scene_precision p;
-        char *text = malloc(ROOM);
+        char *text = malloc(BYTES_MAX);
         FILE *file = fopen(found.gl_pathv[i], "rb");
         ck_assert_ptr_nonnull(file);
-        read_scene(text, fread(text, 1, ROOM, file));
+        read_scene(text, fread(text, 1, BYTES_MAX, file));
         fclose(file);
         free(text);
         for (uint32_t v = 0; v < scene->view_count; v++) {
@@ -159,7 +159,7 @@ START_TEST(test_precision__scenes_that_come_along_do_not_warn)
 }
 END_TEST
 
-/* Text with every number after @ moved by `offset`. */
+/* Copies text, and adds `offset` to every number after an @. */
 static void put_moved(char *out, const char *in, double offset)
 {
     for (; *in; in++) {
@@ -174,7 +174,7 @@ static void put_moved(char *out, const char *in, double offset)
     *out = '\0';
 }
 
-/* A room of size 1 with a ball and a triangle, all moved along the three axes. */
+/* A room of size 1 with a sphere and a triangle, moved by `offset` along all three axes. */
 static void read_room(double offset)
 {
     static const char room[] =
@@ -212,7 +212,7 @@ static void render(float *rgb)
 }
 
 struct difference {
-    double most, mean, seen; /* seen: the part that is off by more than 4 levels of 255 */
+    double most, mean, seen; /* seen: the share of values that differ by more than 4/255 */
 };
 
 static struct difference compare(const float *a, const float *b)
@@ -227,8 +227,9 @@ static struct difference compare(const float *a, const float *b)
     return out;
 }
 
-/* H077: the picture of a room that is moved away is that of the room, while nothing warns; where
- * a step is as wide as a pixel it is not, and that was said. */
+/* H077: the picture of a room moved far away equals that of the room as long as there is no
+ * warning. Where the distance between doubles nears the size of a pixel the picture is wrong, with
+ * a warning. */
 START_TEST(test_precision__h077_a_picture_is_right_unless_it_warns)
 {
     static float want[VALUES], found[VALUES];
@@ -253,8 +254,8 @@ START_TEST(test_precision__h077_a_picture_is_right_unless_it_warns)
 }
 END_TEST
 
-PEN_SUITE("precision", test_precision__figures_are_those_of_the_scene,
-          test_precision__the_nearest_body_counts,
+PEN_SUITE("precision", test_precision__measures_are_those_of_the_scene,
+          test_precision__the_nearest_primitive_counts,
           test_precision__h081_h082_h083_scale_is_judged_by_the_pixel,
-          test_precision__scenes_that_come_along_do_not_warn,
+          test_precision__built_in_scenes_do_not_warn,
           test_precision__h077_a_picture_is_right_unless_it_warns)

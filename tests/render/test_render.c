@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rendering: the same film whatever divides the work, and what a run reports. */
+/* The film does not depend on how the work is divided; the statistics and cancellation of a run. */
 #include <fenv.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,7 +65,7 @@ START_TEST(test_render__same_film_for_threads_tiles_and_accelerators)
 }
 END_TEST
 
-/* A run that counts tests. */
+/* Renders with test counting. */
 static struct pen_render_stats counted(const struct pen_scene *scene, int threads, float *film)
 {
     struct pen_status st;
@@ -82,7 +82,7 @@ static struct pen_render_stats counted(const struct pen_scene *scene, int thread
     return stats;
 }
 
-START_TEST(test_render__tests_are_counted_alike_however_the_work_is_divided)
+START_TEST(test_render__test_counts_do_not_depend_on_the_division)
 {
     kit_medley(&kit);
     kit.settings.samples_per_pixel = 2;
@@ -109,7 +109,7 @@ START_TEST(test_render__tests_are_counted_alike_however_the_work_is_divided)
 }
 END_TEST
 
-START_TEST(test_render__a_pixel_is_what_the_film_holds)
+START_TEST(test_render__a_single_pixel_equals_the_film)
 {
     kit_medley(&kit);
     struct pen_scene *scene = kit_freeze(&kit);
@@ -129,20 +129,20 @@ START_TEST(test_render__a_pixel_is_what_the_film_holds)
 }
 END_TEST
 
-struct watch {
+struct observer {
     int inside, calls, pixels;
     atomic_bool cancel;
     int cancel_after;
 };
 
-static void watch_tile(void *user, struct pen_rect rect)
+static void observe_tile(void *user, struct pen_rect rect)
 {
-    struct watch *watch = user;
-    ck_assert_int_eq(watch->inside++, 0); /* one call at a time */
-    watch->pixels += rect.width * rect.height;
-    if (++watch->calls == watch->cancel_after)
-        atomic_store(&watch->cancel, true);
-    watch->inside--;
+    struct observer *observer = user;
+    ck_assert_int_eq(observer->inside++, 0); /* one call at a time */
+    observer->pixels += rect.width * rect.height;
+    if (++observer->calls == observer->cancel_after)
+        atomic_store(&observer->cancel, true);
+    observer->inside--;
 }
 
 START_TEST(test_render__statistics)
@@ -154,24 +154,24 @@ START_TEST(test_render__statistics)
     struct pen_status st;
     struct pen_thread_pool *pool = pen_thread_pool_new(3, &st);
     ck_assert_int_eq(pen_thread_pool_size(pool), 3);
-    struct watch watch = {0};
+    struct observer observer = {0};
     struct pen_render_task task = {.scene = scene,
                                    .settings = &kit.settings,
                                    .tile_count = -1,
                                    .rgb = film,
-                                   .tile_done = watch_tile,
-                                   .user = &watch,
+                                   .tile_done = observe_tile,
+                                   .user = &observer,
                                    .keep_tile_ms = true};
     struct pen_render_stats stats;
     struct pen_ray_counts first = {0};
     for (int threads = 0; threads <= 5; threads++) {
         kit.settings.threads = threads;
-        watch = (struct watch){0};
+        observer = (struct observer){0};
         ck_assert(pen_render_run(pool, &task, &stats, &st));
         ck_assert_int_eq(stats.threads, threads == 0 || threads > 3 ? 3 : threads);
         ck_assert_uint_eq(stats.tile_count, 20);
-        ck_assert_int_eq(watch.calls, 20);
-        ck_assert_int_eq(watch.pixels, 40 * 30);
+        ck_assert_int_eq(observer.calls, 20);
+        ck_assert_int_eq(observer.pixels, 40 * 30);
         ck_assert_uint_eq(stats.rays.primary, 40 * 30);
         if (threads == 0)
             first = stats.rays;
@@ -189,7 +189,7 @@ START_TEST(test_render__statistics)
     }
     kit.settings.tile = 1000;
     ck_assert(pen_render_run(pool, &task, &stats, &st));
-    ck_assert_int_eq(stats.threads, 1); /* there was one tile only */
+    ck_assert_int_eq(stats.threads, 1); /* there is only one tile */
     free(stats.tile_ms);
     ck_assert(first.shadow > 0 && first.reflection > 0 && first.transmission > 0);
     ck_assert_uint_eq(first.dropped_samples, 0);
@@ -199,7 +199,7 @@ START_TEST(test_render__statistics)
 }
 END_TEST
 
-START_TEST(test_render__parts_make_the_whole)
+START_TEST(test_render__ranges_of_tiles_make_the_whole)
 {
     kit_medley(&kit);
     kit.settings.tile = 8;
@@ -236,16 +236,16 @@ END_TEST
 
 static void cancel_at_pixel(void *user, int thread, int x, int y)
 {
-    struct watch *watch = user;
+    struct observer *observer = user;
     (void)thread;
     ck_assert_int_eq(y, 0);
-    ck_assert_int_eq(x, watch->calls); /* none after the last */
-    if (++watch->calls == watch->cancel_after)
-        atomic_store(&watch->cancel, true);
+    ck_assert_int_eq(x, observer->calls); /* no call after the one that cancelled */
+    if (++observer->calls == observer->cancel_after)
+        atomic_store(&observer->cancel, true);
 }
 
-/* One row of a large tile with many samples can take seconds. */
-START_TEST(test_render__cancel_is_seen_within_a_row)
+/* A row of a large tile with many samples can take seconds. */
+START_TEST(test_render__cancel_acts_within_a_row)
 {
     struct pen_status st;
     struct pen_render_stats stats;
@@ -253,18 +253,18 @@ START_TEST(test_render__cancel_is_seen_within_a_row)
     kit.settings.tile = 4096;
     struct pen_scene *scene = kit_freeze(&kit);
     struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
-    struct watch watch = {.cancel_after = 7};
+    struct observer observer = {.cancel_after = 7};
     float *rgb = calloc((size_t)kit.settings.width * (size_t)kit.settings.height * 3, sizeof *rgb);
     struct pen_render_task task = {.scene = scene,
                                    .settings = &kit.settings,
                                    .tile_count = -1,
                                    .rgb = rgb,
-                                   .cancel = &watch.cancel,
+                                   .cancel = &observer.cancel,
                                    .pixel_begins = cancel_at_pixel,
-                                   .pixel_user = &watch};
+                                   .pixel_user = &observer};
     ck_assert(!pen_render_run(pool, &task, &stats, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);
-    ck_assert_int_eq(watch.calls, 7);
+    ck_assert_int_eq(observer.calls, 7);
     free(rgb);
     pen_thread_pool_free(pool);
     pen_scene_free(scene);
@@ -279,25 +279,26 @@ START_TEST(test_render__cancel)
     float *film = malloc(film_bytes());
     struct pen_status st;
     struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
-    struct watch watch = {.cancel_after = 5};
+    struct observer observer = {.cancel_after = 5};
     struct pen_render_task task = {.scene = scene,
                                    .settings = &kit.settings,
                                    .tile_count = -1,
                                    .rgb = film,
-                                   .cancel = &watch.cancel,
-                                   .tile_done = watch_tile,
-                                   .user = &watch,
+                                   .cancel = &observer.cancel,
+                                   .tile_done = observe_tile,
+                                   .user = &observer,
                                    .keep_tile_ms = true};
     struct pen_render_stats stats;
     ck_assert(!pen_render_run(pool, &task, &stats, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);
-    ck_assert_int_ge(watch.calls, 5);
-    ck_assert_int_le(watch.calls, 6); /* the other thread may have been past its last pixel */
-    ck_assert_uint_eq(stats.tile_count, (uint32_t)watch.calls);
+    ck_assert_int_ge(observer.calls, 5);
+    ck_assert_int_le(observer.calls,
+                     6); /* the other thread may have rendered its last pixel already */
+    ck_assert_uint_eq(stats.tile_count, (uint32_t)observer.calls);
     ck_assert(stats.tile_ms == NULL);
-    atomic_store(&watch.cancel, false);
-    watch.cancel_after = 0;
-    ck_assert(pen_render_run(pool, &task, &stats, &st)); /* the pool lives on */
+    atomic_store(&observer.cancel, false);
+    observer.cancel_after = 0;
+    ck_assert(pen_render_run(pool, &task, &stats, &st)); /* the pool is still usable */
     free(stats.tile_ms);
     pen_thread_pool_free(pool);
     free(film);
@@ -308,7 +309,8 @@ END_TEST
 #if defined(__x86_64__)
 enum { FLUSH_AND_ROUND_UP = 0x8040 | 0x4000, STATE = 0x8040 | 0x6000 };
 
-static void assert_pixels_alike(void)
+/* Pixels are the same when the caller's arithmetic is not the default, and its state is kept. */
+static void assert_pixels_equal(void)
 {
     struct pen_scene *scene = kit_freeze(&kit);
     int nonzero = 0;
@@ -323,7 +325,7 @@ static void assert_pixels_alike(void)
         unsigned after = _mm_getcsr();
         _mm_setcsr(before);
         ck_assert(ok && memcmp(got, want, sizeof got) == 0);
-        ck_assert_uint_eq(after & STATE, FLUSH_AND_ROUND_UP); /* the caller's own is put back */
+        ck_assert_uint_eq(after & STATE, FLUSH_AND_ROUND_UP); /* the caller's state is restored */
         nonzero += want[0] > 0;
     }
     ck_assert_int_gt(nonzero, 10);
@@ -337,8 +339,9 @@ static void set_state(void *user, int thread, int x, int y)
         _mm_setcsr(_mm_getcsr() | *(const unsigned *)user);
 }
 
-/* Renders twice with one pool, whose threads inherit `inherited` and are given `given` in the first
- * run; checks how many had to be reset each time. */
+/* Renders twice with one pool. Its threads inherit the state `inherited`; during the first run one
+ * of them sets `given`. Checks how many threads had to be reset in the first and in the second run.
+ */
 static void check_resets(unsigned inherited, unsigned given, int first, int second)
 {
     struct pen_status st;
@@ -367,24 +370,24 @@ static void check_resets(unsigned inherited, unsigned given, int first, int seco
     pen_scene_free(scene);
 }
 
-/* H105: each way to leave the default, inherited by both threads or made by one of them. */
-START_TEST(test_render__h105_strange_arithmetic_is_counted_and_reset)
+/* H105: each state that is not the default, inherited by both threads or set by one. */
+START_TEST(test_render__h105_changed_arithmetic_is_counted_and_reset)
 {
     static const unsigned states[] = {0x8000, 0x0040, 0x2000, 0x4000, 0x6000, 0x8040};
     kit_medley(&kit);
     check_resets(0, 0, 0, 0);
     for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
         check_resets(states[i], 0, 2, 0);
-        check_resets(0, states[i], 1, 1); /* it lasts until the next run begins */
+        check_resets(0, states[i], 1, 1); /* it lasts until the next run, which resets it again */
     }
 }
 END_TEST
 
-/* H105: whoever starts the threads has subnormals flushed and rounds upwards. */
+/* H105: the thread that starts the pool flushes subnormals and rounds upwards. */
 START_TEST(test_render__h105_default_arithmetic_in_every_thread)
 {
     kit_medley(&kit);
-    assert_pixels_alike();
+    assert_pixels_equal();
     struct pen_scene *scene = kit_freeze(&kit);
     float *want = kit_film(scene, &kit.settings, 2);
     unsigned before = _mm_getcsr();
@@ -403,11 +406,11 @@ START_TEST(test_render__h105_default_arithmetic_in_every_thread)
         kit.lights[i].intensity = pen_scale(kit.lights[i].intensity, 0x1p-1060); /* subnormal */
     kit.desc.background = kit.desc.ambient = pen_vec3(0, 0, 0);
     kit.materials[5].emission = pen_vec3(0, 0, 0);
-    assert_pixels_alike();
+    assert_pixels_equal();
 }
 END_TEST
 #else
-START_TEST(test_render__h105_strange_arithmetic_is_counted_and_reset)
+START_TEST(test_render__h105_changed_arithmetic_is_counted_and_reset)
 {
     ck_assert(pen_float_is_default());
 }
@@ -422,8 +425,8 @@ END_TEST
 
 PEN_SUITE("render", test_render__tiles_cover_the_image_once,
           test_render__same_film_for_threads_tiles_and_accelerators,
-          test_render__tests_are_counted_alike_however_the_work_is_divided,
-          test_render__a_pixel_is_what_the_film_holds, test_render__statistics,
-          test_render__parts_make_the_whole, test_render__cancel_is_seen_within_a_row,
-          test_render__cancel, test_render__h105_strange_arithmetic_is_counted_and_reset,
+          test_render__test_counts_do_not_depend_on_the_division,
+          test_render__a_single_pixel_equals_the_film, test_render__statistics,
+          test_render__ranges_of_tiles_make_the_whole, test_render__cancel_acts_within_a_row,
+          test_render__cancel, test_render__h105_changed_arithmetic_is_counted_and_reset,
           test_render__h105_default_arithmetic_in_every_thread)

@@ -12,11 +12,9 @@
 /* Pixels of tiles first … first + count - 1. */
 int64_t pen_tiles_pixels(const struct pen_settings *settings, int first, int count);
 
-/* Copies tiles first … first + count - 1 out of an image, or into one. */
+/* Copies tiles first … first + count - 1 out of an image. */
 void pen_tiles_gather(const struct pen_settings *settings, int first, int count, const float *image,
                       float *tiles);
-void pen_tiles_scatter(const struct pen_settings *settings, int first, int count,
-                       const float *tiles, float *image);
 
 /* Fills a film with the committed pixels of a view; sets mask (may be NULL) to 1 where there are
  * some, and *filled to their number. Fails: as pen_store_pixels; PEN_STORAGE. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Counting tests: what one thread's kernels read instead of the shared input. */
+/* Counts the box and primitive tests of one thread: its kernels get the counter's input instead of
+ * the shared one. */
 #ifndef PEN_RENDER_INTERNAL_COUNTER_H
 #define PEN_RENDER_INTERNAL_COUNTER_H
 
@@ -7,15 +8,15 @@
 
 struct pen_counter;
 
-/* Owns: free with pen_counter_free; borrows all that `input` borrows. Fails: NULL when out of
+/* Owns: free with pen_counter_free; borrows what `input` borrows. Fails: NULL when out of
  * memory. */
 struct pen_counter *pen_counter_new(const struct pen_kernel_input *input);
 void pen_counter_free(struct pen_counter *counter);
 
-/* The input for the thread's kernels. Owns: the counter keeps it. */
+/* The input for the thread's kernels. Owns: it stays the counter's. */
 const struct pen_kernel_input *pen_counter_input(const struct pen_counter *counter);
 
-/* Adds what was counted to *sum. */
+/* Adds the counts to *sum. */
 void pen_counter_add(const struct pen_counter *counter, struct pen_test_counts *sum);
 
 #endif
