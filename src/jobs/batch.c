@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/* Choosing the function for a batch by its kind. */
 #include "jobs/internal/batch.h"
 
 #include "base/memory.h"
 
-static pen_batch_do_fn *function_of(enum pen_batch_kind kind)
+static pen_batch_run_fn *function_of(enum pen_batch_kind kind)
 {
     switch (kind) {
     case PEN_BATCH_RENDER:
@@ -19,7 +20,7 @@ static pen_batch_do_fn *function_of(enum pen_batch_kind kind)
 bool pen_batch_run(struct pen_batch_context *context, const struct pen_claim *claim,
                    struct pen_batch_output *output, struct pen_status *st)
 {
-    pen_batch_do_fn *run = function_of(claim->kind);
+    pen_batch_run_fn *run = function_of(claim->kind);
     *output = (struct pen_batch_output){0};
     pen_memory_peak_reset();
     bool ok = pen_batch_context_load(context, claim, st);

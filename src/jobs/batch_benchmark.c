@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A benchmark in the worker. It is one batch: when a worker dies its times are lost, and the next
- * worker measures anew, so that no report mixes times of two workers. Progress goes to the store
- * between runs, never during one. */
+/* A benchmark in the worker. It is one batch: when a worker dies, its times are lost and the next
+ * worker measures again, so no report mixes the times of two workers. Progress is stored between
+ * runs, never during one. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@
 #include "jobs/internal/stats.h"
 #include "study/report.h"
 
-enum { PROGRESS_MS = 250 }; /* at least so long between two reports of progress */
+enum { PROGRESS_MS = 250 }; /* the shortest time between two reports of progress */
 
 struct benchmark {
     struct pen_batch_context *context;
@@ -25,7 +25,7 @@ struct benchmark {
     struct pen_bench_result result;
     int *views;
     double parse_ms;
-    int64_t progress_ns;
+    int64_t progress_ns; /* when progress was last stored */
 };
 
 /* Stores the progress. A failure is ignored: the next report may succeed, and the heartbeat notices
@@ -40,7 +40,7 @@ static void store_progress(void *user, int done, int total)
         return;
     benchmark->progress_ns = now_ns;
     pen_store_progress(benchmark->context->store, benchmark->claim, done, &ignored);
-    if (pen_store_checkpoint_due(benchmark->context->store)) /* no run is being timed now */
+    if (pen_store_checkpoint_due(benchmark->context->store)) /* no run is timed at this moment */
         pen_store_checkpoint(benchmark->context->store, &ignored);
 }
 
@@ -89,7 +89,7 @@ static bool read_spec(struct benchmark *benchmark, struct pen_status *st)
     benchmark->bench.view_count = request->view_count;
     benchmark->bench.scene_cap_bytes = pen_scene_cache_cap(benchmark->context->scenes);
     benchmark->bench.pool = benchmark->context->pool;
-    benchmark->bench.cancel = pen_heartbeat_flag(benchmark->context->heart);
+    benchmark->bench.cancel = pen_heartbeat_cancel_flag(benchmark->context->heart);
     benchmark->bench.progress = store_progress;
     benchmark->bench.user = benchmark;
     return true;

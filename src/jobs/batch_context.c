@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The state that a worker keeps between batches, and the hook before each pixel. */
 #include "jobs/internal/batch_context.h"
 
 #include <stdlib.h>
@@ -64,7 +65,7 @@ static void trace_pixel(void *user, int thread, int x, int y)
     pen_trace_pixel(context->trace, thread, x, y);
 }
 
-/* The same, with the fault under test. */
+/* As trace_pixel, and calls the test's fault. */
 static void try_pixel(void *user, int thread, int x, int y)
 {
     struct pen_batch_context *context = user;
@@ -72,7 +73,7 @@ static void try_pixel(void *user, int thread, int x, int y)
         pen_trace_pixel(context->trace, thread, x, y);
     if (!context->fault->pixel(context->fault->user, x, y)) {
         atomic_store_explicit(&context->exhausted, true, memory_order_relaxed);
-        pen_heartbeat_stop(context->heart);
+        pen_heartbeat_cancel(context->heart);
     }
 }
 

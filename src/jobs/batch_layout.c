@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A batch is the work that a crash loses at most, and the step in which a job progresses for
- * cancel, preview and several workers: about one second of work. Only an upper bound of a job's
- * primary and shadow rays is known beforehand, and nothing of the worker's speed, so a batch is a
- * fixed number of such rays. */
+/* The size of a batch: about one second of work. A crash loses at most one batch; a job is
+ * cancelled, previewed and shared between workers in steps of one batch. Beforehand only an upper
+ * bound of a job's primary and shadow rays is known, and nothing about the worker's speed, so a
+ * batch is a fixed number of such rays. */
 #include "jobs/internal/batch_layout.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@
 /* Two threads do some 4 million rays a second in a scene like the built-in room. */
 static const double batch_rays = 4e6;
 
-/* Bounds the rows of a job in the store, however much work it is. */
+/* Bounds the rows of a job in the store. */
 enum { JOB_BATCHES_MAX = 16384 };
 
 static int batches_of_view(const struct pen_request *request, int tiles)

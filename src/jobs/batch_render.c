@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Rendering tiles, and assembling the picture of a view. The picture of a view of several batches
- * is made from committed pixels alone, in an assemble batch; that of a view of one batch is made
- * from the pixels that are committed with it (src/store/README.md says why). */
+/* Rendering tiles, and assembling the picture of a view:
+ *   - A view of one batch: the worker that renders it encodes the picture from its own pixels, and
+ *     commits both in one transaction.
+ *   - A view of several batches: after the last of them, an assemble batch reads the committed
+ *     pixels and encodes the picture. No worker has all pixels of such a view in memory. */
 #include "jobs/internal/batch.h"
 
 #include <stdlib.h>
@@ -18,7 +20,7 @@ static double ms_since(int64_t begin_ns)
     return (double)(pen_clock_ns() - begin_ns) * 1e-6;
 }
 
-/* Makes the image large enough for a view of the job. */
+/* Grows the image, if necessary, to hold a view of the job. */
 static bool reserve_image(struct pen_batch_context *context, struct pen_status *st)
 {
     size_t wanted =
@@ -36,9 +38,19 @@ static bool reserve_image(struct pen_batch_context *context, struct pen_status *
     return true;
 }
 
-static bool encode(struct pen_batch_context *context, struct pen_film film,
-                   struct pen_batch_output *output, double *encode_ms, struct pen_status *st)
+/* The context's image as a film of the job's size. */
+static struct pen_film film_of(const struct pen_batch_context *context)
 {
+    return (struct pen_film){.width = context->request.settings.width,
+                             .height = context->request.settings.height,
+                             .rgb = context->image};
+}
+
+/* Encodes the context's image as the picture of the batch's view. */
+static bool encode(struct pen_batch_context *context, struct pen_batch_output *output,
+                   double *encode_ms, struct pen_status *st)
+{
+    struct pen_film film = film_of(context);
     int64_t begin_ns = pen_clock_ns();
     if (!pen_view_encode(&film, &context->request.settings, "png", &output->artefact, st))
         return false;
@@ -50,11 +62,14 @@ static bool encode(struct pen_batch_context *context, struct pen_film film,
     return true;
 }
 
-/* Renders; finished tiles are compressed meanwhile. */
+/* Renders, while the compressor's thread compresses the tiles that are finished. */
 static bool run_task(struct pen_batch_context *context, const struct pen_render_task *task,
                      struct pen_render_stats *stats, struct pen_status *st)
 {
-    struct pen_tile_run run = {task->settings, task->first_tile, task->tile_count, task->rgb};
+    struct pen_tile_run run = {.settings = task->settings,
+                               .first = task->first_tile,
+                               .count = task->tile_count,
+                               .image = task->rgb};
     if (!pen_pixel_compressor_begin(context->compressor, &run, st))
         return false;
     bool ok = pen_render_run(context->pool, task, stats, st);
@@ -63,7 +78,7 @@ static bool run_task(struct pen_batch_context *context, const struct pen_render_
     return pen_batch_hook_done(context, ok, st);
 }
 
-/* The claim's view in the scene, or -1. */
+/* The index of the claim's view in the scene, or -1. */
 static int view_of(const struct pen_batch_context *context, const struct pen_claim *claim,
                    const struct pen_scene *scene)
 {
@@ -82,7 +97,7 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .first_tile = claim->first_tile,
                                    .tile_count = claim->tile_count,
                                    .rgb = context->image,
-                                   .cancel = pen_heartbeat_flag(context->heart),
+                                   .cancel = pen_heartbeat_cancel_flag(context->heart),
                                    .tile_done = pen_pixel_compressor_tile_done,
                                    .user = context->compressor,
                                    .pixel_begins = pen_batch_pixel_hook(context),
@@ -93,6 +108,7 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
     return run_task(context, &task, stats, st);
 }
 
+/* Waits for the compressor and takes its result. */
 static bool take_compressed(struct pen_batch_context *context, struct pen_batch_output *output,
                             struct pen_status *st)
 {
@@ -128,9 +144,7 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
                                  .accel = pen_accel_get_stats(scene->accel)};
     if (find_precision(context, claim, scene, &precision))
         in.precision = &precision;
-    bool ok = claim->view_batches > 1 ||
-              encode(context, (struct pen_film){s->width, s->height, context->image}, output,
-                     &in.encode_ms, st);
+    bool ok = claim->view_batches > 1 || encode(context, output, &in.encode_ms, st);
     if (ok)
         ok = take_compressed(context, output, st);
     else
@@ -150,7 +164,7 @@ bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_clai
     int64_t filled = 0;
     if (!reserve_image(context, st))
         return false;
-    struct pen_film film = {s->width, s->height, context->image};
+    struct pen_film film = film_of(context);
     int64_t begin_ns = pen_clock_ns();
     bool ok = pen_view_pixels_load(context->store, claim->job_id, claim->view, s, &film, NULL,
                                    &filled, st);
@@ -158,7 +172,7 @@ bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_clai
     if (ok && filled != (int64_t)s->width * s->height)
         ok =
             pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", claim->job_id, claim->view);
-    ok = ok && encode(context, film, output, &encode_ms, st);
+    ok = ok && encode(context, output, &encode_ms, st);
     return ok && pen_batch_write_stats(
                      context, json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms)),
                      output, st);

@@ -2,7 +2,7 @@
 /* The benchmark spec, as a job or a command line gives it: the members `matrix`, `repeats`,
  * `warmup` and `baseline`, checked, and the rows that the matrix makes.
  *
- * The rows are the Cartesian product of the matrix's lists in the spec of the document: the last
+ * The rows are the Cartesian product of the matrix's lists, in the order of the document: the last
  * key changes fastest. Without a matrix there is one row, the settings as they are. */
 #ifndef PEN_JOBS_BENCH_SPEC_H
 #define PEN_JOBS_BENCH_SPEC_H
@@ -22,22 +22,22 @@ struct pen_bench_spec {
 
 /* Reads the four members of an object, which may have others. The matrix's values override `base`
  * in each row. All errors are collected, each with its place, such as /matrix/accelerator/2. Owns:
- * release *spec in any case. Fails: errors->count grows. */
+ * release *spec, after success and failure alike. Fails: errors->count grows. */
 bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
                          struct pen_bench_spec *spec, struct pen_errors *errors);
 void pen_bench_spec_release(struct pen_bench_spec *spec);
 
 /* Checks the work of all runs together, as pen_limits_check does for one render, and the size of
- * the pictures that are kept. Fails: PEN_TOO_LARGE, at /matrix. */
+ * the pictures that are kept for comparison. Fails: PEN_TOO_LARGE, at /matrix. */
 bool pen_bench_spec_check(const struct pen_bench_spec *spec, const struct pen_limits *limits,
                           const struct pen_scene_desc *desc, int views, struct pen_status *st);
 
-/* The benchmark of a spec: rows, repeats, warmup and baseline are filled in, and point into the
- * spec. */
+/* A benchmark with the rows, repeats, warmup and baseline of a spec. Owns: the rows stay the
+ * spec's. */
 struct pen_bench pen_bench_of_spec(const struct pen_bench_spec *spec);
 
-/* The beginning of its report: kind, scene, views, matrix and the settings that all rows share.
- * Fails: NULL when out of memory. */
+/* The first members of the report: kind, scene, views, matrix and the settings that all rows share.
+ * Owns: the caller. Fails: NULL when out of memory. */
 json_t *pen_bench_spec_head(const struct pen_bench_spec *spec, const struct pen_bench *bench,
                             const struct pen_settings *base);
 

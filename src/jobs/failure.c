@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writing errors of failed jobs, and logging them. */
+/* Writing the errors of failed jobs, and logging them. */
 #include "jobs/internal/failure.h"
 
 #include <stdio.h>
@@ -13,7 +13,7 @@
 
 enum { LOG_LINES = 12, LOG_BYTES = 4096 };
 
-/* Where a job failed: a batch, and its pixel. x < 0: the pixel is not known. */
+/* Where a job failed: the batch, and the pixel in it. x < 0: the pixel is not known. */
 struct place {
     const struct pen_claim *claim;
     int x, y;
@@ -36,7 +36,7 @@ static void add_quoted(struct pen_buf *out, const char *text)
     pen_buf_puts(out, "'");
 }
 
-/* Appends a value of a setting as the command line takes it: strings without quotes. */
+/* Appends the value of a setting as the command line takes it: strings without quotes. */
 static void add_value(struct pen_buf *out, const json_t *value)
 {
     char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
@@ -49,7 +49,7 @@ static void add_value(struct pen_buf *out, const json_t *value)
     free(text);
 }
 
-/* Appends all settings: the scene's own may differ from the job's. */
+/* Appends all settings, because the scene's own may differ from the job's. */
 static void add_settings(struct pen_buf *out, const json_t *settings)
 {
     const char *key;
@@ -61,7 +61,7 @@ static void add_settings(struct pen_buf *out, const json_t *settings)
     }
 }
 
-/* --matrix accelerator=none,auto … */
+/* Appends a benchmark's options: --matrix accelerator=none,auto … --repeats … --warmup … */
 static void add_matrix(struct pen_buf *out, const json_t *request)
 {
     const char *key;
@@ -81,6 +81,7 @@ static void add_matrix(struct pen_buf *out, const json_t *request)
                    (int)json_integer_value(json_object_get(request, "warmup")));
 }
 
+/* Appends --view options: all views of a benchmark, else the batch's view. */
 static void add_views(struct pen_buf *out, const struct place *place,
                       const struct pen_stored_request *request)
 {
@@ -135,7 +136,7 @@ bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim, c
     return true;
 }
 
-/* Adds the members that say where the job failed. */
+/* Adds the members that tell where the job failed: batch, pixel, and the command line to repeat. */
 static void add_place(json_t *problem, const struct place *place, struct pen_store *store)
 {
     const struct pen_claim *claim = place->claim;
@@ -175,8 +176,8 @@ static const char *at_pixel(const struct place *place, char *out, size_t bytes)
     return out;
 }
 
-char *pen_failure_of_time(struct pen_store *store, const struct pen_claim *claim,
-                          const struct pen_trace *trace)
+char *pen_failure_timeout_json(struct pen_store *store, const struct pen_claim *claim,
+                               const struct pen_trace *trace)
 {
     struct pen_status why;
     struct place place = place_of(claim, trace);
@@ -186,14 +187,14 @@ char *pen_failure_of_time(struct pen_store *store, const struct pen_claim *claim
     return write_problem(store, &place, pen_problem(&why));
 }
 
-char *pen_failure_of(struct pen_store *store, const struct pen_claim *claim,
-                     const struct pen_status *why)
+char *pen_failure_status_json(struct pen_store *store, const struct pen_claim *claim,
+                              const struct pen_status *why)
 {
     struct place place = {.claim = claim, .x = -1, .y = -1};
     return write_problem(store, &place, pen_problem(why));
 }
 
-/* The last lines of a log, as a list. */
+/* The last lines of the worker's log, as a JSON array. */
 static json_t *log_json(const struct pen_trace *trace)
 {
     char text[LOG_BYTES], *rest = text;
@@ -213,6 +214,7 @@ struct death {
     char *error;            /* out: NULL if none did */
 };
 
+/* Called by the store for a job that fails because its workers died: the job's error. */
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
 {
     struct death *death = user;

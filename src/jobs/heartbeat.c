@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The thread checks the claim five times a second. Most checks only read the store
- * (pen_store_heartbeat), so a cancel is noticed at once while the lease costs a write every few
- * seconds. A claim that begins and ends between two checks costs two locks. The thread sleeps for
- * good while there is no claim. */
+ * (pen_store_heartbeat writes every few seconds), so a cancel is noticed soon and a lease costs
+ * little. A claim that begins and ends between two checks costs two locks. Without a claim the
+ * thread sleeps until there is one. */
 #include "jobs/internal/heartbeat.h"
 
 #include <pthread.h>
@@ -17,7 +17,7 @@
 enum {
     CHECK_MS = 200,
     LOG_MS = 10000, /* between log lines about a store that does not answer */
-    STUCK_MS = 700  /* render threads check the flag before each pixel */
+    STUCK_MS = 700  /* until render threads count as stuck; they check the flag before each pixel */
 };
 
 struct pen_heartbeat {
@@ -29,7 +29,7 @@ struct pen_heartbeat {
     pthread_cond_t change;
     int64_t logged_ns;        /* used by the thread alone; when it last logged a failing store */
     bool quit, asleep;        /* guarded by lock */
-    bool settle;              /* guarded by lock; the store is to be settled */
+    bool checkpoint;          /* guarded by lock; a checkpoint of the store was requested */
     bool active;              /* guarded by lock */
     struct pen_claim claim;   /* guarded by lock; of the active claim */
     const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
@@ -37,8 +37,8 @@ struct pen_heartbeat {
     int64_t deadline_ns;      /* guarded by lock; INT64_MAX: none */
     enum pen_claim_end ended; /* guarded by lock */
     int64_t ended_ns;         /* guarded by lock; when it ended */
-    bool failed;              /* guarded by lock; the store has the job as failed for its timeout */
-    atomic_bool flag;         /* atomic: relaxed, the render threads only need to see it soon */
+    bool failed;              /* guarded by lock; the job is stored as failed by its timeout */
+    atomic_bool cancel;       /* atomic: relaxed, the render threads only need to see it soon */
 };
 
 /* Notes that a claim has ended, unless it is not the active one or has ended already. */
@@ -48,24 +48,25 @@ static void end_claim(struct pen_heartbeat *heart, uint64_t claim_number, enum p
         return;
     heart->ended = ended;
     heart->ended_ns = pen_clock_ns();
-    atomic_store_explicit(&heart->flag, true, memory_order_relaxed);
+    atomic_store_explicit(&heart->cancel, true, memory_order_relaxed);
 }
 
-/* Fails the job in the store, unless the worker has done so. Returns whether it is failed. */
+/* Fails the job in the store, unless the worker has done so. Returns whether the store has it as
+ * failed. */
 static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *claim)
 {
     struct pen_status st;
-    char *error = pen_failure_of_time(heart->store, claim, heart->options->trace);
+    char *error = pen_failure_timeout_json(heart->store, claim, heart->options->trace);
     bool ok = error && (pen_failure_store(heart->store, claim, error, &st) || st.code == PEN_STALE);
     free(error);
     return ok;
 }
 
 /* Handles a claim that has ended while its render threads still work: fails the job if its time is
- * up, and reports the threads as stuck if they do not stop. Called and returns with the lock held.
- */
-static void settle_claim(struct pen_heartbeat *heart, const struct pen_claim *claim,
-                         uint64_t claim_number)
+ * up, and reports the threads as stuck if they do not stop. Called and returns with the lock held,
+ * and releases it meanwhile. */
+static void handle_ended_claim(struct pen_heartbeat *heart, const struct pen_claim *claim,
+                               uint64_t claim_number)
 {
     bool fail = heart->ended == PEN_CLAIM_TIMED_OUT && !heart->failed;
     if (fail) {
@@ -75,12 +76,12 @@ static void settle_claim(struct pen_heartbeat *heart, const struct pen_claim *cl
         if (heart->claims == claim_number)
             heart->failed = failed;
     }
-    bool settled = heart->ended == PEN_CLAIM_LOST || heart->failed;
-    if (!heart->active || heart->claims != claim_number || !settled || !heart->options->stuck ||
+    bool stored = heart->ended == PEN_CLAIM_LOST || heart->failed; /* the store is up to date */
+    if (!heart->active || heart->claims != claim_number || !stored || !heart->options->stuck ||
         pen_clock_ns() - heart->ended_ns < (int64_t)STUCK_MS * 1000000)
         return;
     struct pen_log_about about = pen_claim_about(claim);
-    pen_log_about(PEN_LOG_ERROR, &about, "the render threads do not come back");
+    pen_log_about(PEN_LOG_ERROR, &about, "the render threads do not stop");
     heart->options->stuck(heart->options->stuck_user);
 }
 
@@ -95,7 +96,8 @@ static void log_failure(struct pen_heartbeat *heart, const struct pen_log_about 
 }
 
 /* Checks the active claim. Called and returns with the lock held; the store is called without it.
- * A store that does not answer ends nothing: it may answer again while the lease lasts. */
+ * A store that does not answer does not end the claim: it may answer again before the lease runs
+ * out. */
 static void check_claim(struct pen_heartbeat *heart)
 {
     struct pen_claim claim = heart->claim;
@@ -104,7 +106,7 @@ static void check_claim(struct pen_heartbeat *heart)
     struct pen_status st;
     bool held = true;
     if (heart->ended != PEN_CLAIM_HELD) {
-        settle_claim(heart, &claim, claim_number);
+        handle_ended_claim(heart, &claim, claim_number);
         return;
     }
     if (pen_clock_ns() >= heart->deadline_ns)
@@ -119,14 +121,15 @@ static void check_claim(struct pen_heartbeat *heart)
         end_claim(heart, claim_number, PEN_CLAIM_LOST);
 }
 
-/* Settles the store, beside the render threads. Called and returns with the lock held. */
-static void settle_store(struct pen_heartbeat *heart)
+/* Makes a checkpoint of the store while the render threads work. Called and returns with the lock
+ * held, and releases it meanwhile. */
+static void make_checkpoint(struct pen_heartbeat *heart)
 {
     struct pen_status st;
-    heart->settle = false;
+    heart->checkpoint = false;
     pthread_mutex_unlock(&heart->lock);
     if (!pen_store_checkpoint(heart->store, &st))
-        pen_log(PEN_LOG_WARN, "settling: %s", st.msg);
+        pen_log(PEN_LOG_WARN, "checkpoint: %s", st.msg);
     pthread_mutex_lock(&heart->lock);
 }
 
@@ -164,8 +167,8 @@ static void *run(void *user)
         last_claim = heart->claims;
         if (seen_before)
             check_claim(heart);
-        while (heart->settle)
-            settle_store(heart);
+        while (heart->checkpoint)
+            make_checkpoint(heart);
         if (!heart->quit)
             pause_thread(heart, idle && !heart->active);
     }
@@ -235,20 +238,20 @@ void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *cl
     heart->ended = PEN_CLAIM_HELD;
     heart->failed = false;
     heart->deadline_ns = claim->timeout_ms ? pen_clock_ns() + left_ms * 1000000 : INT64_MAX;
-    atomic_store_explicit(&heart->flag, false, memory_order_relaxed);
+    atomic_store_explicit(&heart->cancel, false, memory_order_relaxed);
     if (heart->asleep)
         pthread_cond_signal(&heart->change);
     pthread_mutex_unlock(&heart->lock);
 }
 
-const atomic_bool *pen_heartbeat_flag(struct pen_heartbeat *heart)
+const atomic_bool *pen_heartbeat_cancel_flag(struct pen_heartbeat *heart)
 {
-    return &heart->flag;
+    return &heart->cancel;
 }
 
-void pen_heartbeat_stop(struct pen_heartbeat *heart)
+void pen_heartbeat_cancel(struct pen_heartbeat *heart)
 {
-    atomic_store_explicit(&heart->flag, true, memory_order_relaxed);
+    atomic_store_explicit(&heart->cancel, true, memory_order_relaxed);
 }
 
 bool pen_heartbeat_is_late(struct pen_heartbeat *heart)
@@ -261,10 +264,10 @@ bool pen_heartbeat_is_late(struct pen_heartbeat *heart)
     return late;
 }
 
-void pen_heartbeat_settle(struct pen_heartbeat *heart)
+void pen_heartbeat_request_checkpoint(struct pen_heartbeat *heart)
 {
     pthread_mutex_lock(&heart->lock);
-    heart->settle = true;
+    heart->checkpoint = true;
     if (heart->asleep)
         pthread_cond_signal(&heart->change);
     pthread_mutex_unlock(&heart->lock);

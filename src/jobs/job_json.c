@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The job object has two parts: the stored request, which submit.c wrote, and the state of the job,
- * which is added here. Both are functions of the stored job alone, so one revision always reads the
- * same. */
+ * which is added here. Both depend on the stored job alone, so a revision of a job always has the
+ * same text. */
 #include <string.h>
 
 #include "base/clock.h"
@@ -17,7 +17,7 @@ json_t *pen_time_json(int64_t wall_ms)
     return json_string(text);
 }
 
-/* The time left, from the rate between the job's start and its last change. */
+/* The seconds left, from the rate between the job's start and its last change; null: not known. */
 static json_t *eta_json(const struct pen_job_record *job)
 {
     int64_t left = job->total_pixels - job->done_pixels;
@@ -60,7 +60,7 @@ static json_t *state_json(const struct pen_job_record *job, json_t *error)
                      "links", links_json(job));
 }
 
-json_t *pen_job_json_of(const struct pen_job_record *job, json_t *request, struct pen_status *st)
+json_t *pen_job_json_with(const struct pen_job_record *job, json_t *request, struct pen_status *st)
 {
     json_t *error = pen_stored_json(job->error, st);
     if (!error)
@@ -76,7 +76,7 @@ json_t *pen_job_json_of(const struct pen_job_record *job, json_t *request, struc
 json_t *pen_job_json(const struct pen_job_record *job, struct pen_status *st)
 {
     json_t *request = pen_stored_json(job->request, st);
-    json_t *json = request ? pen_job_json_of(job, request, st) : NULL;
+    json_t *json = request ? pen_job_json_with(job, request, st) : NULL;
     json_decref(request);
     return json;
 }

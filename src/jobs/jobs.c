@@ -54,8 +54,8 @@ bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot
     return out->json != NULL;
 }
 
-/* A cursor is a letter and the number of the last job on its page. The letter shows that the number
- * is not for clients to compute. */
+/* A cursor is the letter j and the number of the last job on its page. The letter keeps clients
+ * from taking a cursor for a number that they may compute. */
 static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *st)
 {
     char *end = NULL;
@@ -69,7 +69,7 @@ static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *s
     return pen_fail(st, PEN_USAGE, "cursor must be the value that a list gave as `next`");
 }
 
-/* Up to `limit` jobs of a list that holds one more if there are more. */
+/* A page of at most `limit` jobs. The list holds one job more if another page follows. */
 static json_t *list_json(const struct pen_job_record *jobs, int count, int limit,
                          struct pen_status *st)
 {
@@ -131,20 +131,21 @@ bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
     return pen_store_scene(jobs->store, id, out, st);
 }
 
-/* The bodies of a list of objects, groups entered. Built-in scenes are not nested deep. */
-static size_t body_count(const json_t *objects)
+/* The number of primitives in a list of objects, those in groups included. The recursion is not
+ * bounded, which is allowed for built-in scenes alone. */
+static size_t primitive_count(const json_t *objects)
 {
     size_t count = 0, i;
     json_t *object;
     json_array_foreach(objects, i, object)
     {
         const json_t *inner = json_object_get(object, "objects");
-        count += inner ? body_count(inner) : 1;
+        count += inner ? primitive_count(inner) : 1;
     }
     return count;
 }
 
-/* A built-in scene's name, and its title: the document's own `name`. */
+/* A built-in scene as the API lists it. Its title is the member `name` of the document. */
 static json_t *builtin_json(size_t i)
 {
     const char *name = pen_builtin_name(i);
@@ -154,8 +155,8 @@ static json_t *builtin_json(size_t i)
     const char *title = json_string_value(json_object_get(document, "name"));
     json_t *entry = json_pack("{s:s, s:s, s:I, s:I, s:s+}", "name", name, "title",
                               title ? title : name, "bytes", (json_int_t)bytes, "objects",
-                              (json_int_t)body_count(json_object_get(document, "objects")), "href",
-                              "/v1/scenes/", name);
+                              (json_int_t)primitive_count(json_object_get(document, "objects")),
+                              "href", "/v1/scenes/", name);
     json_decref(document);
     return entry;
 }

@@ -2,6 +2,8 @@
 /* The life of a job as the API sees it: submit, read, list, cancel, delete, results. Bytes in, JSON
  * out; no HTTP here. The api process never renders: it validates, queues and answers.
  *
+ * Fails: every call that takes a handle also fails as the store does: PEN_STORAGE,
+ * PEN_STORAGE_FULL, PEN_UNAVAILABLE; and with PEN_NO_MEMORY.
  * Threads: a pen_jobs handle is used by one thread at a time (it owns a store handle). */
 #ifndef PEN_JOBS_JOBS_H
 #define PEN_JOBS_JOBS_H
@@ -18,18 +20,18 @@
 
 struct pen_jobs;
 
-/* Fails: as pen_store_open. */
+/* Opens a handle. Owns: close it with pen_jobs_close. Fails: as pen_store_open. */
 struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *limits,
                                struct pen_status *st);
 void pen_jobs_close(struct pen_jobs *jobs);
 
-/* The store behind the handle, for pen_store_wait and pen_store_probe. */
+/* The store behind the handle, for pen_store_wait and pen_store_probe. Owns: the handle. */
 struct pen_store *pen_jobs_store(struct pen_jobs *jobs);
 
 struct pen_submission {
     const char *body;
     size_t bytes;
-    bool xml;                    /* a bare scene in XML; else JSON */
+    bool xml;                    /* true: a bare scene in XML; false: JSON */
     const char *idempotency_key; /* NULL: none */
 };
 
@@ -38,43 +40,50 @@ struct pen_submitted {
     struct pen_buf answer; /* the job as JSON; release it */
 };
 
-/* Accepts a job (an object with `scene`), or a bare scene (an object with `format`, or XML).
- * When it returns true the job is on disk. Fails: errors->count > 0; with PEN_INVALID and at ""
- * for a key reused with another body. */
+/* Accepts a job (an object with `scene`), or a bare scene (an object with `format`, or XML). When
+ * it returns true, the job is on disk. Fails: errors->count > 0; an idempotency key that was used
+ * with another body is PEN_INVALID, without a place. */
 bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
                      struct pen_submitted *out, struct pen_errors *errors);
 
-/* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}.
- * Needs no store: jobs may be a handle or NULL (then default limits). */
+/* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}. The
+ * store is not used: with NULL as `jobs` the default limits apply. Owns: *answer is the caller's.
+ * Fails: errors->count > 0. */
 bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, json_t **answer,
                        struct pen_errors *errors);
 
 struct pen_job_snapshot {
-    json_t *json; /* the job object (api/http-api.md); the caller json_decref()s */
+    json_t *json; /* the job object (api/http-api.md); the caller json_decref()s it */
     enum pen_job_state state;
     int64_t revision;
 };
 
+/* Reads a job. Fails: PEN_NOT_FOUND. */
 bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                   struct pen_status *st);
 
 struct pen_list_query {
-    int state;          /* enum pen_job_state or -1 */
-    const char *kind;   /* or NULL */
+    int state;          /* enum pen_job_state; -1: all */
+    const char *kind;   /* NULL: all */
     int limit;          /* 1…500 */
-    const char *cursor; /* `next` of an earlier list, or NULL. Any other text: PEN_USAGE */
+    const char *cursor; /* `next` of an earlier list; NULL: from the newest job on */
 };
 
-/* {jobs: […], next: cursor | null}. */
+/* A page of jobs, newest first: {jobs: […], next: cursor | null}. Owns: the caller. Fails:
+ * PEN_USAGE (limit, or a cursor that no list has given). */
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st);
 
+/* Cancels a job, and reads it; a job that has ended stays as it is. Fails: PEN_NOT_FOUND. */
 bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                      struct pen_status *st);
+
+/* Removes a job that has ended, and its results. Fails: PEN_NOT_FOUND; PEN_CONFLICT (it has not
+ * ended). */
 bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
 struct pen_image_query {
-    const char *view;   /* NULL: the first */
+    const char *view;   /* "all": a contact sheet of all views; NULL: the first view */
     const char *layer;  /* NULL: beauty */
     const char *format; /* "png" (also for NULL), "png16", "pfm" */
 };
@@ -85,19 +94,21 @@ struct pen_image {
     char etag[72];        /* quoted, strong: a hash of the bytes */
 };
 
-/* The result. Fails: PEN_CONFLICT (unfinished, failed, cancelled), PEN_NOT_FOUND (view, layer
- * not requested), PEN_USAGE (format). */
+/* The picture of a job that has succeeded. Fails: PEN_CONFLICT (unfinished, failed, cancelled);
+ * PEN_NOT_FOUND (no such job or view, a layer that was not requested, a benchmark); PEN_USAGE
+ * (format, layer). */
 bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                     struct pen_image *out, struct pen_status *st);
 
-/* The committed pixels as an RGBA PNG; the others are transparent. */
+/* The pixels committed so far as an RGBA PNG; the others are transparent. view: NULL is the first.
+ * Fails: PEN_NOT_FOUND (no such job or view, a benchmark). */
 bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
                       struct pen_image *out, struct pen_status *st);
 
 /* A rectangle of a view whose pixels were added by one commit. */
 struct pen_job_tile {
-    int64_t revision; /* the one the commit gave the job */
-    int part;         /* 1 … PEN_JOB_TILE_PARTS: its place among those of the same commit */
+    int64_t revision; /* of the job after that commit */
+    int part;         /* 1 … PEN_JOB_TILE_PARTS: its number among those of the same commit */
     const char *view;
     int x, y, width, height;
 };
@@ -109,27 +120,31 @@ typedef bool pen_job_tile_fn(void *user, const struct pen_job_tile *tile);
 bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_job_tile_fn *each,
                     void *user, struct pen_status *st);
 
-/* The statistics object. Fails: PEN_CONFLICT until the job has ended. */
+/* The statistics object of a job that has ended. Owns: the caller. Fails: PEN_NOT_FOUND;
+ * PEN_CONFLICT (it has not ended). */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* The report of a benchmark, in one of pen_bench_report_formats. Fails: PEN_CONFLICT (unfinished,
- * failed, cancelled), PEN_NOT_FOUND (no such job, or of a kind without a report). */
+/* The report of a benchmark in one of the formats of pen_bench_report_formats. Fails: PEN_CONFLICT
+ * (unfinished, failed, cancelled); PEN_NOT_FOUND (no such job, or of a kind without a report). */
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
                      struct pen_status *st);
 
-/* The scene as it was sent, in JSON or XML (pen_text_is_xml tells which), or the text of a built-in
- * one. */
+/* The scene as it was sent, in JSON or XML (pen_text_is_xml tells which), or the text of the
+ * built-in scene that the job names. Owns: release *out. Fails: PEN_NOT_FOUND. */
 bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
                     struct pen_status *st);
 
-/* {"workers": [{name, host, pid, threads, started_at, last_seen_at, batches}]}. */
+/* The workers: {"workers": [{name, host, pid, threads, started_at, last_seen_at, batches}]}. Owns:
+ * the caller. */
 json_t *pen_jobs_workers(struct pen_jobs *jobs, struct pen_status *st);
 
-/* {"scenes": [{name, title, …}]}: the built-in scenes. */
+/* The built-in scenes: {"scenes": [{name, title, bytes, objects, href}]}. Owns: the caller. Fails:
+ * NULL when out of memory. */
 json_t *pen_jobs_scenes(void);
 
 /* A problem document (RFC 9457) for one status or for a list of errors. The same object is the
- * HTTP body, the stored error of a job and the command line's --json error. */
+ * HTTP body, the stored error of a job and the command line's --json error. Owns: the caller.
+ * Fails: NULL when out of memory. */
 json_t *pen_problem(const struct pen_status *st);
 json_t *pen_problem_list(const struct pen_errors *errors);
 

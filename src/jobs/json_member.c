@@ -21,7 +21,8 @@ static void skip_space(struct scan *s)
         s->at++;
 }
 
-/* Steps over a character of the structure, and white space around it. */
+/* Skips a character of the structure, and the white space around it. Returns false if another
+ * character comes. */
 static bool take(struct scan *s, char c)
 {
     skip_space(s);
@@ -39,7 +40,7 @@ static void skip_string(struct scan *s)
     s->at++;
 }
 
-/* Ends behind the value, or behind white space that follows a number or a word. */
+/* Skips a value, and the white space that follows a number or a word. */
 static void skip_value(struct scan *s)
 {
     int depth = 0;
@@ -60,7 +61,7 @@ static void skip_value(struct scan *s)
 }
 
 /* The length of a value without the white space behind it. */
-static size_t trimmed(const char *value, size_t length)
+static size_t trimmed_length(const char *value, size_t length)
 {
     while (length > 0 && strchr(" \t\r\n", value[length - 1]))
         length--;
@@ -69,7 +70,7 @@ static size_t trimmed(const char *value, size_t length)
 
 const char *pen_json_member(const char *text, size_t bytes, const char *key, size_t *length)
 {
-    struct scan s = {text, bytes, 0};
+    struct scan s = {.text = text, .bytes = bytes};
     size_t key_bytes = strlen(key);
     if (!take(&s, '{'))
         return NULL;
@@ -84,7 +85,7 @@ const char *pen_json_member(const char *text, size_t bytes, const char *key, siz
         size_t begin = s.at;
         skip_value(&s);
         if (found) {
-            *length = trimmed(text + begin, s.at - begin);
+            *length = trimmed_length(text + begin, s.at - begin);
             return s.at <= bytes ? text + begin : NULL;
         }
     } while (take(&s, ','));

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Tiles are finished in nearly the order of the batch. The thread compresses a slice of the
- * store's, which is a run of tiles, as soon as all tiles up to its end are finished; so when the
- * last tile is finished at most about one slice is left. The thread sleeps while there is nothing
- * to compress. */
+/* The store keeps pixels in slices of PEN_PIXELS_SLICE; here a slice is a run of whole tiles. Tiles
+ * are finished in nearly the order of the batch. The thread compresses a slice as soon as all tiles
+ * up to its end are finished, so about one slice at most is left when the last tile is finished.
+ * The thread sleeps while there is nothing to compress. */
 #include "jobs/internal/pixel_compressor.h"
 
 #include <pthread.h>
@@ -23,14 +23,14 @@ struct pen_pixel_compressor {
     size_t tiles_pixels;       /* the capacity of tiles */
     struct pen_tile_run run;   /* set while not active */
     int slice_tiles;           /* likewise */
-    unsigned char *done;       /* guarded by lock; by tile from run.first on */
+    unsigned char *done;       /* guarded by lock; done[i]: tile run.first + i is finished */
     int done_capacity;
-    int ready;                 /* guarded by lock; so many tiles from run.first on are finished */
-    int compressed;            /* guarded by lock; so many of them are compressed */
+    int ready;      /* guarded by lock; tiles before run.first + ready are finished */
+    int compressed; /* guarded by lock; tiles before run.first + compressed are compressed */
     bool active, cancel, quit; /* guarded by lock */
     bool failed;               /* guarded by lock; with status */
     struct pen_status status;
-    struct pen_store_call spent; /* used by the thread alone; on this batch */
+    struct pen_store_call spent; /* used by the thread alone; time spent on this batch */
 };
 
 static int64_t thread_cpu_ns(void)
@@ -40,7 +40,7 @@ static int64_t thread_cpu_ns(void)
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-/* The end of the slice that comes next, as a number of tiles from run.first. */
+/* The end of the next slice, in tiles from run.first on. */
 static int slice_end(const struct pen_pixel_compressor *p)
 {
     int left = p->run.count - p->compressed;
@@ -145,7 +145,7 @@ void pen_pixel_compressor_free(struct pen_pixel_compressor *p)
     free(p);
 }
 
-/* Of the largest tile. */
+/* Pixels of the largest tile. */
 static int64_t tile_pixels(const struct pen_settings *s)
 {
     return (int64_t)(s->tile < s->width ? s->tile : s->width) *

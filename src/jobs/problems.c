@@ -2,13 +2,15 @@
 /* Problem documents (RFC 9457). The type is urn:penumbra:problem:NAME with the name of the code; it
  * is an identifier, not an address. For invalid input `errors` lists the places: each a JSON
  * Pointer into the document that was sent, or line and column of its text. */
+#include "jobs/internal/problems.h"
+
 #include <stdio.h>
 #include <string.h>
 
-#include "jobs/internal/job_json.h"
 #include "jobs/internal/jobs.h"
 
-static bool about_input(const struct pen_status *st)
+/* Whether the error is about the document that was sent. */
+static bool is_about_input(const struct pen_status *st)
 {
     return st->line > 0 || st->at[0] || st->code == PEN_INVALID || st->code == PEN_UNSUPPORTED;
 }
@@ -32,7 +34,7 @@ static json_t *problem(enum pen_code code, const char *detail)
 json_t *pen_problem(const struct pen_status *st)
 {
     json_t *document = problem(st->code, st->msg);
-    if (!about_input(st))
+    if (!is_about_input(st))
         return document;
     return pen_json_with(document, "errors", json_pack("[o]", pen_problem_place(st)));
 }

@@ -19,7 +19,7 @@ static bool check_job(const struct pen_job_record *job, struct pen_status *st)
                     pen_job_state_name(job->state));
 }
 
-/* Replaces the JSON of a report by another format. */
+/* Replaces the report's JSON in *bytes by another format. */
 static bool convert(const char *id, const char *form, struct pen_buf *bytes, struct pen_status *st)
 {
     json_error_t error;

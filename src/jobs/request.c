@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a submission: the kind of its document, its scene, views, settings and limits. */
+/* Reading a submission: whether it is a job or a bare scene; its scene, views, settings, limits. */
 #include "jobs/internal/request.h"
 
 #include <stdio.h>
@@ -19,7 +19,7 @@ static void fail_unknown_scene(const char *name, struct pen_errors *errors)
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
 }
 
-/* "builtin:NAME": finds and parses the scene. */
+/* Finds and parses the scene that "builtin:NAME" names. */
 static void find_builtin(struct pen_request *request, const char *text,
                          const struct pen_limits *limits, struct pen_errors *errors)
 {
@@ -39,7 +39,8 @@ static void find_builtin(struct pen_request *request, const char *text,
     request->scene_bytes = bytes;
 }
 
-/* Finds the scene document in the body; leaves request->scene NULL after an error. */
+/* Finds the scene document in the body, or the built-in one that the body names. request->scene
+ * stays NULL after an error. */
 static void find_scene(struct pen_request *request, const struct pen_submission *in,
                        const struct pen_limits *limits, struct pen_errors *errors)
 {
@@ -69,7 +70,7 @@ static void find_scene(struct pen_request *request, const struct pen_submission 
     }
 }
 
-/* The number of the scene's view that entry i of `views` names, or -1 after an error. */
+/* The index of the scene's view that entry i of `views` names; -1 after an error. */
 static int find_view(struct pen_request *request, const json_t *list, size_t i,
                      struct pen_errors *errors)
 {
@@ -113,6 +114,7 @@ static void read_views(struct pen_request *request, const json_t *list, struct p
     }
 }
 
+/* Fills request->views: the views that the job names, or all views of the scene. */
 static bool choose_views(struct pen_request *request, struct pen_errors *errors)
 {
     struct pen_status st;
@@ -133,8 +135,8 @@ static bool choose_views(struct pen_request *request, struct pen_errors *errors)
     return true;
 }
 
-/* The JSON Pointer to the settings that set size and samples: the job's `render`, else the scene's.
- */
+/* The JSON Pointer to the settings that an error about limits concerns: the job's `render` if it
+ * has one, else the scene's. */
 static void limits_place(const struct pen_request *request, char *at, size_t bytes)
 {
     if (!request->bare && json_object_get(request->body, "render"))

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The place of an error is a JSON Pointer (RFC 6901) into the submission. */
 #include "jobs/internal/request_errors.h"
 
 #include <stdarg.h>
@@ -7,7 +8,7 @@
 
 enum { AT_BYTES = 2 * PEN_AT_BYTES };
 
-/* Appends a key to a JSON Pointer, escaped by RFC 6901: "a~b" becomes "/a~0b". */
+/* Appends a key to a JSON Pointer, escaped: "a~b" becomes "/a~0b". */
 static void append_token(char *at, size_t bytes, const char *key)
 {
     size_t used = strlen(at);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The keys of a job, in one table: the function that reads each, and the kind of job it belongs
- * to. Keys of kinds that are not supported yet are refused as such. */
+/* The table of a job's keys: the function that reads each key, and the kind of job to which the key
+ * belongs. Keys of kinds that are not supported yet are refused, and the error names the kind. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,7 +14,7 @@ enum { TIMEOUT_MAX_S = 1000000000, POSITION_BYTES = 24 };
 
 typedef void key_fn(struct pen_request *request, const json_t *value, struct pen_errors *errors);
 
-/* Reads an integer; 3.0 is one. */
+/* Reads an integer; a number such as 3.0 counts as one. */
 static bool read_integer(const json_t *value, const char *key, int lo, int hi, int *out,
                          struct pen_errors *errors)
 {
@@ -28,8 +28,8 @@ static bool read_integer(const json_t *value, const char *key, int lo, int hi, i
     return true;
 }
 
-/* Reads a word that must be one of names[]. Returns that name; NULL after an error, which names the
- * nearest one. */
+/* Reads a word that must be one of names[], which ends with NULL. Returns that name, or NULL after
+ * an error, which suggests the most similar name. */
 static const char *read_word(const json_t *value, const char *up, const char *key,
                              const char *const *names, struct pen_errors *errors)
 {
@@ -165,9 +165,9 @@ static void read_timeout(struct pen_request *request, const json_t *value,
 
 static const struct {
     const char *key;
-    key_fn *read;      /* NULL: request.c reads it */
-    const char *later; /* the kind, not supported yet, that it belongs to; NULL: it is supported */
-    const char *of;    /* the kind it belongs to; NULL: all */
+    key_fn *read;                 /* NULL: request.c or bench_spec.c reads the key */
+    const char *kind;             /* the only kind of job that may have the key; NULL: all kinds */
+    const char *unsupported_kind; /* the kind of job, not supported yet, that will have the key */
 } keys[] = {
     {.key = "scene"},
     {.key = "kind", .read = read_kind},
@@ -179,24 +179,24 @@ static const struct {
     {.key = "layers", .read = read_layers},
     {.key = "max_attempts", .read = read_max_attempts},
     {.key = "timeout_seconds", .read = read_timeout},
-    {.key = "matrix", .of = benchmark},
-    {.key = "repeats", .of = benchmark},
-    {.key = "warmup", .of = benchmark},
-    {.key = "baseline", .of = benchmark},
-    {.key = "ladder", .later = "accuracy"},
-    {.key = "reference", .later = "accuracy"},
-    {.key = "target", .later = "accuracy"},
-    {.key = "seeds", .later = "accuracy"},
-    {.key = "budget_seconds", .later = "accuracy"},
+    {.key = "matrix", .kind = benchmark},
+    {.key = "repeats", .kind = benchmark},
+    {.key = "warmup", .kind = benchmark},
+    {.key = "baseline", .kind = benchmark},
+    {.key = "ladder", .unsupported_kind = "accuracy"},
+    {.key = "reference", .unsupported_kind = "accuracy"},
+    {.key = "target", .unsupported_kind = "accuracy"},
+    {.key = "seeds", .unsupported_kind = "accuracy"},
+    {.key = "budget_seconds", .unsupported_kind = "accuracy"},
 };
 enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
 
-static void refuse_key(const char *key, struct pen_errors *errors)
+static void refuse_unknown_key(const char *key, struct pen_errors *errors)
 {
     const char *names[KEY_COUNT + 1] = {NULL};
     int count = 0;
     for (int i = 0; i < KEY_COUNT; i++) {
-        if (!keys[i].later)
+        if (!keys[i].unsupported_kind)
             names[count++] = keys[i].key;
     }
     const char *near = pen_nearest_name(key, names);
@@ -204,15 +204,15 @@ static void refuse_key(const char *key, struct pen_errors *errors)
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
 }
 
-/* A key of another kind of job is an error as an unknown key is. */
-static void refuse_foreign_keys(const struct pen_request *request, struct pen_errors *errors)
+/* Refuses the keys that only another kind of job may have. */
+static void refuse_keys_of_other_kinds(const struct pen_request *request, struct pen_errors *errors)
 {
     for (int i = 0; i < KEY_COUNT; i++) {
-        if (keys[i].of && strcmp(keys[i].of, request->kind) != 0 &&
+        if (keys[i].kind && strcmp(keys[i].kind, request->kind) != 0 &&
             json_object_get(request->body, keys[i].key))
             pen_request_fail(errors, PEN_INVALID, "", keys[i].key,
                              "belongs to jobs of kind \"%s\"; this one is of kind \"%s\"",
-                             keys[i].of, request->kind);
+                             keys[i].kind, request->kind);
     }
 }
 
@@ -226,12 +226,13 @@ void pen_request_keys_read(struct pen_request *request, struct pen_errors *error
         while (i < KEY_COUNT && strcmp(keys[i].key, key) != 0)
             i++;
         if (i == KEY_COUNT)
-            refuse_key(key, errors);
-        else if (keys[i].later)
+            refuse_unknown_key(key, errors);
+        else if (keys[i].unsupported_kind)
             pen_request_fail(errors, PEN_UNSUPPORTED, "", key,
-                             "jobs of kind \"%s\" are known, not supported yet", keys[i].later);
+                             "jobs of kind \"%s\" are known, not supported yet",
+                             keys[i].unsupported_kind);
         else if (keys[i].read)
             keys[i].read(request, value, errors);
     }
-    refuse_foreign_keys(request, errors);
+    refuse_keys_of_other_kinds(request, errors);
 }

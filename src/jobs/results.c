@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of jobs. The PNG of a view is stored with the view's last commit. The other formats, and
- * the contact sheet of all views, are made from the committed pixels at their first request, and
- * stored then. The preview is made anew at each request, since it may be another each time. */
+/* Pictures of jobs.
+ *   - The PNG of a view is stored with the view's last commit.
+ *   - Other formats, and the contact sheet of all views, are made from the committed pixels at the
+ *     first request for them, and then stored.
+ *   - The preview is made at each request, because the committed pixels may have changed. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,15 +17,21 @@ enum { ALL_VIEWS = -1, SHEET_PIXELS_MAX = 16 * 1024 * 1024 };
 
 static const char beauty[] = "beauty";
 
-static const char *const formats[] = {"png", "png16", "pfm"};
-static const char *const types[] = {"image/png", "image/png", "image/x-portable-floatmap"};
+static const struct format {
+    const char *name, *media_type;
+} formats[] = {
+    {.name = "png", .media_type = "image/png"}, /* the default */
+    {.name = "png16", .media_type = "image/png"},
+    {.name = "pfm", .media_type = "image/x-portable-floatmap"},
+};
+enum { FORMAT_COUNT = (int)(sizeof formats / sizeof formats[0]) };
 
-/* A request for a picture, resolved against the job. */
+/* A request for a picture, its names looked up in the job. */
 struct wanted {
     const char *id;
     struct pen_stored_request request;
-    int view; /* ALL_VIEWS: the contact sheet */
-    int format;
+    int view; /* index in the job; ALL_VIEWS: the contact sheet */
+    const struct format *format;
 };
 
 static bool read_job(struct pen_jobs *jobs, const char *id, struct pen_stored_request *request,
@@ -71,8 +79,9 @@ static bool resolve_layer(const char *layer, struct pen_status *st)
 
 static bool resolve_format(struct wanted *want, const char *format, struct pen_status *st)
 {
-    for (want->format = 0; want->format < 3; want->format++) {
-        if (!format || strcmp(format, formats[want->format]) == 0)
+    for (int i = 0; i < FORMAT_COUNT; i++) {
+        want->format = &formats[i];
+        if (!format || strcmp(format, formats[i].name) == 0)
             return true;
     }
     return pen_fail(st, PEN_USAGE, "format must be one of png, png16, pfm; found \"%.60s\"",
@@ -90,8 +99,8 @@ static bool load_view(struct pen_jobs *jobs, const struct wanted *want, int view
            pen_fail(st, PEN_STORAGE, "job %s lacks pixels of a view", want->id);
 }
 
-/* Copies a view into its cell of a contact sheet; squares of shrink × shrink pixels are averaged.
- */
+/* Copies a view into its cell of a contact sheet, whose corner is at x0, y0. Each pixel of the cell
+ * is the mean of shrink × shrink pixels of the view. */
 static void shrink_into(const struct pen_film *view, int shrink, int x0, int y0,
                         struct pen_film *sheet)
 {
@@ -174,25 +183,24 @@ static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struc
 {
     struct pen_film *film =
         want->view == ALL_VIEWS ? make_sheet(jobs, want, st) : make_view(jobs, want, st);
-    bool ok =
-        film && pen_view_encode(film, &want->request.settings, formats[want->format], out, st);
+    bool ok = film && pen_view_encode(film, &want->request.settings, want->format->name, out, st);
     pen_film_free(film);
     return ok;
 }
 
-/* The stored picture, or a new one, which is then stored. A failure to store it, because the disk
- * is full or the job was just deleted, does not matter to the answer. */
+/* Gets the stored picture, or makes it and stores it. If it cannot be stored, because the disk is
+ * full or the job was just deleted, the answer is the same. */
 static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                         struct pen_status *st)
 {
     struct pen_status ignored;
-    if (pen_store_artefact(jobs->store, want->id, want->view, beauty, formats[want->format], out,
-                           st))
+    const char *format = want->format->name;
+    if (pen_store_artefact(jobs->store, want->id, want->view, beauty, format, out, st))
         return true;
     if (st->code != PEN_NOT_FOUND || !make_picture(jobs, want, out, st))
         return false;
-    pen_store_artefact_put(jobs->store, want->id, want->view, beauty, formats[want->format],
-                           out->data, out->bytes, &ignored);
+    pen_store_artefact_put(jobs->store, want->id, want->view, beauty, format, out->data, out->bytes,
+                           &ignored);
     return true;
 }
 
@@ -222,7 +230,7 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
         return false;
     bool ok = resolve_layer(query->layer, st) && resolve_view(&want, query->view, true, st) &&
               check_succeeded(id, state, st) && get_picture(jobs, &want, &out->bytes, st) &&
-              fill_image(out, types[want.format]);
+              fill_image(out, want.format->media_type);
     pen_stored_request_release(&want.request);
     if (!ok)
         pen_buf_release(&out->bytes);
@@ -256,7 +264,7 @@ bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
     if (!read_job(jobs, id, &want.request, &state, st))
         return false;
     bool ok = resolve_view(&want, view, false, st) && make_preview(jobs, &want, &out->bytes, st) &&
-              fill_image(out, types[0]);
+              fill_image(out, "image/png");
     pen_stored_request_release(&want.request);
     if (!ok)
         pen_buf_release(&out->bytes);

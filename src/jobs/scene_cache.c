@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A short list with the most recently used scene in front. Scenes at its end are freed when there
- * are too many, or when together they take too much memory; the one in use always stays. */
+/* A short list with the most recently used scene in front. Scenes at the end are freed when there
+ * are more than ENTRIES, or when all together take more than bytes_max; the scene in use always
+ * stays. */
 #include "jobs/internal/scene_cache.h"
 
 #include <math.h>
@@ -64,6 +65,7 @@ static void put_in_front(struct pen_scene_cache *cache, int from)
     cache->entry[0] = entry;
 }
 
+/* Frees scenes from the end of the list until a new one of that size may be added. */
 static void evict_for(struct pen_scene_cache *cache, size_t bytes)
 {
     for (int i = 0; i < cache->count; i++)
@@ -79,8 +81,8 @@ static double ms_since(int64_t begin_ns)
     return (double)(pen_clock_ns() - begin_ns) * 1e-6;
 }
 
-/* The api process has accepted the document under its own limits; here only the limits that protect
- * the parser itself apply. */
+/* Limits for a stored document. The api process has accepted it under its own limits, so only the
+ * limits that protect the parser itself are left. */
 static struct pen_limits open_limits(void)
 {
     struct pen_limits limits = pen_limits_default();
@@ -103,6 +105,7 @@ static bool parse(const struct pen_buf *text, struct pen_arena *arena, struct pe
     return false;
 }
 
+/* Gives an error its place in the text: line and column if the scene is in XML. */
 static void locate(const struct pen_buf *text, struct pen_status *st)
 {
     struct pen_limits limits = open_limits();

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The statistics of a job from those of its committed batches:
- *   times, rays             sums over the batches; with several workers at once render_ms may
- * exceed the time that has passed threads, memory         the largest percentiles             of
- * all tiles together queue_ms, total_ms      from the times of the job itself store_ms how long
- * workers waited for the store. The last commit is in no later batch's statistics: it counts up to
- * the wall clock that its transaction stores */
+/* The statistics of a job, from those of its committed batches:
+ *
+ *   times, rays          sums over the batches; if several workers render at once, render_ms may be
+ *                        longer than the time that has passed
+ *   threads, memory      the largest of all batches
+ *   percentiles          of all tiles together
+ *   queue_ms, total_ms   from the times of the job itself
+ *   store_ms             the time that workers waited for the store. Each batch stores the waiting
+ *                        time before its commit; for the last commit there is no later batch, so
+ * its time is counted up to the wall clock that its transaction has stored */
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,9 +26,8 @@ struct sum {
     uint64_t tile_count;
     struct pen_weighted_time *times;
     size_t time_count, time_capacity;
-    json_t *accelerator, *kernel, *effects,
-        *host;         /* those of the last batch that has them; owned */
-    json_t *precision; /* that of the view with the lowest resolution; owned */
+    json_t *accelerator, *kernel, *effects, *host; /* owned; of the last batch that has them */
+    json_t *precision; /* owned; of the view with the lowest resolution */
     bool no_memory, damaged;
 };
 
@@ -60,7 +63,7 @@ static void add_timing(struct sum *sum, const json_t *stats, int64_t done_ms)
     sum->cpu_ms += number(timing, "cpu_ms");
     if (json_object_get(stats, "store_before_ms"))
         sum->store_ms += number(stats, "store_before_ms");
-    else /* written by an earlier version */
+    else /* an earlier version has stored this batch */
         sum->store_ms += sum->last_commit_ms;
     sum->last_commit_ms = commit_ms > 0 ? commit_ms : 0;
 }
@@ -89,7 +92,7 @@ static void add_tiles(struct sum *sum, const json_t *stats)
         return;
     for (size_t i = 0; i < n; i++)
         sum->times[sum->time_count++] = (struct pen_weighted_time){
-            json_number_value(json_array_get(list, i)), (double)tiles / (double)n};
+            .ms = json_number_value(json_array_get(list, i)), .weight = (double)tiles / (double)n};
 }
 
 static void keep_last(json_t **kept, const json_t *stats, const char *key)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading what submit.c has stored. A text that cannot be read was damaged in the store. */
+/* Reading what submit.c has stored. A text that cannot be read was damaged in the store, so every
+ * error here is PEN_STORAGE. */
 #include "jobs/internal/stored_request.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Accepting and checking submissions. The answer is made before the job is stored, because it is
- * stored with the job: a repeated submit with the same Idempotency-Key gets the same bytes.
+/* Accepting and checking submissions. The answer is stored with the job, so that a repeated submit
+ * with the same Idempotency-Key gets the same bytes; therefore the answer is made first.
  *
  * A submission is parsed once. The scene is stored as the text that was sent, and the answer is
  * made from the JSON of the request, not from its stored text. */
@@ -14,6 +14,7 @@
 #include "jobs/internal/ids.h"
 #include "jobs/internal/job_json.h"
 #include "jobs/internal/jobs.h"
+#include "jobs/internal/problems.h"
 #include "jobs/internal/request.h"
 #include "scene/scene.h"
 
@@ -46,7 +47,7 @@ static json_t *common_json(const struct pen_request *request)
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
 
-/* The members that a benchmark adds to that. */
+/* The members that only a benchmark has. */
 static json_t *bench_spec_json(const struct pen_bench_spec *spec)
 {
     return json_pack("{s:O, s:i, s:i, s:O}", "matrix", spec->matrix, "repeats", spec->repeats,
@@ -65,7 +66,7 @@ static json_t *request_json(const struct pen_request *request)
     return json;
 }
 
-/* A job ready to be stored, and the memory that it points into. */
+/* A job ready to be stored, and the memory into which its pointers lead. */
 struct prepared {
     struct pen_job_new new;
     char id[PEN_ID_BYTES];
@@ -84,7 +85,8 @@ static void prepared_release(struct prepared *job)
     free(job->batches);
 }
 
-/* The scene as it was sent, in JSON or XML; written anew only if its text was not found. */
+/* The scene is stored as it was sent, in JSON or XML. Only if its text was not found in the body it
+ * is written again from its JSON. */
 static bool prepare_scene(struct prepared *job, const struct pen_request *request)
 {
     if (!request->scene_text && !(job->scene = json_dumps(request->scene, PEN_JSON_STORED)))
@@ -94,7 +96,7 @@ static bool prepare_scene(struct prepared *job, const struct pen_request *reques
     return true;
 }
 
-/* The answer to the client: the job as it will be when it is stored. */
+/* The answer to the client: the job object in its first revision. */
 static char *make_answer(const struct prepared *job, json_t *request, struct pen_status *st)
 {
     struct pen_job_record record = {.state = PEN_JOB_QUEUED,
@@ -104,7 +106,7 @@ static char *make_answer(const struct prepared *job, json_t *request, struct pen
     memcpy(record.id, job->id, sizeof record.id);
     for (int i = 0; i < job->new.batch_count; i++)
         record.total_pixels += job->new.batches[i].pixels;
-    json_t *json = pen_job_json_of(&record, request, st);
+    json_t *json = pen_job_json_with(&record, request, st);
     char *text = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
     if (json && !text)
         pen_fail(st, PEN_NO_MEMORY, "no memory for an answer");
@@ -119,8 +121,9 @@ static bool prepare_views(struct prepared *job, const struct pen_request *reques
     if (!job->views)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %d views", request->view_count);
     for (int i = 0; i < request->view_count; i++)
-        job->views[i] = (struct pen_view_new){request->desc.views[request->views[i]].name,
-                                              request->settings.width, request->settings.height};
+        job->views[i] = (struct pen_view_new){.name = request->desc.views[request->views[i]].name,
+                                              .width = request->settings.width,
+                                              .height = request->settings.height};
     job->new.views = job->views;
     job->new.view_count = request->benchmark ? 1 : request->view_count;
     if (!pen_batch_layout(request, &job->batches, &job->new.batch_count, st))
@@ -129,7 +132,7 @@ static bool prepare_views(struct prepared *job, const struct pen_request *reques
     return true;
 }
 
-/* The two stored hashes; a bare scene is the whole body, which is then hashed once. */
+/* Computes the hashes of body and scene. If the scene is the whole body, it is hashed once. */
 static void hash(struct prepared *job, const struct pen_submission *in)
 {
     pen_sha256(in->body, in->bytes, job->body_sha256);
@@ -169,7 +172,7 @@ static bool prepare(struct pen_store *store, struct prepared *job, const struct 
     return true;
 }
 
-/* The answer of an earlier submit with the same key, and the id in it. */
+/* Takes the id out of the answer to an earlier submit with the same key. */
 static bool take_first_answer(struct pen_submitted *out, struct pen_status *st)
 {
     json_t *json = json_loadb((const char *)out->answer.data, out->answer.bytes, 0, NULL);

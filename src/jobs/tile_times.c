@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The times of a batch's tiles, as they are stored with it. */
+/* The times of a batch's tiles, as they are stored with the batch. */
 #include <stdlib.h>
 
 #include "io/figures.h"
@@ -24,7 +24,7 @@ json_t *pen_tile_times(const double *ms, size_t count)
         sorted[i] = ms[i];
     qsort(sorted, count, sizeof *sorted, by_value);
     size_t kept = count < PEN_TILE_TIMES ? count : PEN_TILE_TIMES;
-    /* The largest is always among them: the list's maximum is that of the batch. */
+    /* The last index is count - 1: the largest time of the batch is always kept. */
     for (size_t i = 0; i < kept; i++)
         json_array_append_new(list, pen_figure(sorted[(i + 1) * count / kept - 1]));
     free(sorted);

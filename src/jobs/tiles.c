@@ -9,10 +9,11 @@ struct listing {
     const struct pen_stored_request *request;
     pen_job_tile_fn *each;
     void *user;
-    bool misfit; /* a batch lies outside the image */
+    bool outside; /* a batch lies outside the image: the store is damaged */
 };
 
-/* Tiles in the first rectangle of a run that begins in column `column`. */
+/* The number of tiles in the first rectangle of a run of `count` tiles that begins in column
+ * `column`; a row has `across` tiles. */
 static int tiles_in_first_rect(int column, int count, int across)
 {
     if (column == 0 && count >= across)
@@ -29,8 +30,8 @@ static bool list_batch(void *user, const struct pen_commit_record *commit)
     int first = commit->first_tile, left = commit->tile_count;
     struct pen_job_tile tile = {.revision = commit->revision,
                                 .view = pen_stored_request_view(listing->request, commit->view)};
-    listing->misfit = !tile.view || first < 0 || left < 0 || first > total || left > total - first;
-    if (listing->misfit)
+    listing->outside = !tile.view || first < 0 || left < 0 || first > total || left > total - first;
+    if (listing->outside)
         return false;
     while (left > 0) {
         int count = tiles_in_first_rect(first % across, left, across);
@@ -63,7 +64,7 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
     struct listing listing = {.request = &request, .each = each, .user = user};
     ok = pen_store_commits(jobs->store, id, after, list_batch, &listing, st);
     pen_stored_request_release(&request);
-    if (ok && listing.misfit)
-        ok = pen_fail(st, PEN_STORAGE, "job %s has pixels that its image lacks", id);
+    if (ok && listing.outside)
+        ok = pen_fail(st, PEN_STORAGE, "job %s has pixels outside its image", id);
     return ok;
 }

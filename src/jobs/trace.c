@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Plain stores and loads: no lock, so that a signal handler may call pen_trace_crash. */
+/* Only atomic stores and loads, no lock: a signal handler may call pen_trace_crash. */
 #include "jobs/trace.h"
 
 #include <pthread.h>

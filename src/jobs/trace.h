@@ -3,8 +3,8 @@
  * pixel of each render thread, the thread that crashed, the last lines of the log. All zeros at
  * first. The worker writes it; the supervisor reads it to report why the worker died.
  *
- * Threads: only its render thread writes a place. All fields are atomic and relaxed: a reader needs
- * no more than roughly the last state. */
+ * Threads: each place is written by its own render thread alone. All fields are atomic and relaxed:
+ * the reader needs only roughly the last state. */
 #ifndef PEN_JOBS_TRACE_H
 #define PEN_JOBS_TRACE_H
 
@@ -36,8 +36,8 @@ void pen_trace_idle(struct pen_trace *trace);
 /* Notes that the calling thread has crashed. May be called in a signal handler. */
 void pen_trace_crash(struct pen_trace *trace);
 
-/* The pixel of the thread that crashed; if that thread is not known, the pixel of the only thread
- * that was rendering one. Returns false if neither is known. */
+/* Sets *x and *y to the pixel of the thread that crashed; if that thread is not known, to the pixel
+ * of the only thread that was rendering one. Returns false if neither is known. */
 bool pen_trace_where(const struct pen_trace *trace, int *x, int *y);
 
 #endif

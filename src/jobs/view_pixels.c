@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Committed pixels are stored tile by tile, each tile row by row from the top: a batch is then one
- * run of values whatever the image's width. */
+/* Committed pixels are stored tile by tile, and each tile row by row from the top. The pixels of a
+ * batch are then one contiguous run of values. */
 #include <string.h>
 
 #include "jobs/internal/view_pixels.h"
 
 #include "render/render.h"
 
-/* Pixels of the tiles before tile number `index`. All rows of tiles have the full height, except
- * possibly the last. */
+/* The number of pixels in the tiles before tile `index`. All rows of tiles have the full height,
+ * except possibly the last. */
 static int64_t pixels_before(const struct pen_settings *s, int index)
 {
     int across = pen_tile_count(s->width, 1, s->tile);
@@ -55,7 +55,7 @@ struct loading {
     struct pen_film *film;
     unsigned char *mask;
     int64_t filled;
-    bool misfit; /* a batch lies outside the image */
+    bool outside; /* a batch lies outside the image: the store is damaged */
 };
 
 static void mark_tiles(const struct loading *load, int first, int count)
@@ -73,9 +73,9 @@ static bool place_batch(void *user, int first, int count, const float *rgb, int6
     struct loading *load = user;
     const struct pen_settings *s = load->settings;
     int total = pen_tile_count(s->width, s->height, s->tile);
-    load->misfit = first < 0 || count < 0 || first > total || count > total - first ||
-                   pixels != pen_tiles_pixels(s, first, count);
-    if (load->misfit)
+    load->outside = first < 0 || count < 0 || first > total || count > total - first ||
+                    pixels != pen_tiles_pixels(s, first, count);
+    if (load->outside)
         return false;
     scatter_tiles(s, first, count, rgb, load->film->rgb);
     if (load->mask)
@@ -92,7 +92,7 @@ bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
     if (!pen_store_pixels(store, id, view, place_batch, &load, st))
         return false;
     *filled = load.filled;
-    return !load.misfit || pen_fail(st, PEN_STORAGE, "job %s has pixels that its image lacks", id);
+    return !load.outside || pen_fail(st, PEN_STORAGE, "job %s has pixels outside its image", id);
 }
 
 enum pen_transfer pen_view_transfer(const struct pen_settings *settings)

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The worker's loop, and what it does when something goes wrong:
+/* The worker's loop, and what the worker does when something goes wrong:
  *
- *   the job is at fault (scene, memory, time)   fails the job with the problem
- *   the lease is lost, the job cancelled        drops the result
- *   it is to stop during a benchmark            gives the benchmark back; it begins anew elsewhere
- *   the store is busy, full or failing          tries again and keeps the result; such calls also
- *                                               let the store recover once its disk works again
- *   the store could not be read for a batch     begins the batch again once it can be read
+ *   the job is at fault (scene, memory, time)     fails the job with a problem document
+ *   the lease is lost, or the job was cancelled   drops the result
+ *   the worker must stop during a benchmark       gives the benchmark back; it starts again
+ * elsewhere the store is busy, full or failing            keeps the result and tries again; these
+ * calls also make the store recover once its disk works again the store cannot be read for a batch
+ * starts the batch again once the store can be read
  *
- * A result is kept until the store has stored or refused it: a commit whose outcome is unknown is
+ * A result is kept until the store has stored or refused it. A commit whose outcome is unknown is
  * repeated, which does no harm. */
 #include "jobs/worker.h"
 
@@ -28,8 +28,8 @@ enum {
     IDLE_MS = 1000,       /* until an idle worker tries to claim without a wake-up */
     RETRY_MS = 250,       /* between tries of a busy or failing store */
     LOG_MS = 10000,       /* between log lines about the same failure */
-    READ_TRIES = 5,       /* of a batch for which the store could not be read */
-    MEMORY_TRIES = 20,    /* of a store call without memory; it may be this process that holds it */
+    READ_TRIES = 5,       /* times that a batch is tried if the store cannot be read for it */
+    MEMORY_TRIES = 20,    /* times that a store call is tried while memory is short */
     EXPIRE_MS = 1000,     /* between calls of pen_store_expire_leases */
     PURGE_MS = 600000,    /* between calls of pen_store_purge */
     SEEN_MS = 15000,      /* between updates of this worker's row in the list of workers */
@@ -43,11 +43,11 @@ struct worker {
     char host[65];
     struct pen_store *store;
     struct pen_batch_context context;
-    int64_t expired_ns, purged_ns, seen_ns;
-    int memory_tries;  /* in a row */
-    int64_t logged_ns; /* when a failure of the store was last logged */
-    enum pen_code logged;
-    uint32_t wakeups; /* the store's PEN_SIGNAL_WORK counter, as last seen */
+    int64_t expired_ns, purged_ns, seen_ns; /* when each was last done, see maintain */
+    int memory_tries;                       /* in a row */
+    int64_t logged_ns;                      /* when a failure of the store was last logged */
+    enum pen_code logged;                   /* the code of that failure */
+    uint32_t wakeups;                       /* the store's PEN_SIGNAL_WORK counter, as last seen */
 };
 
 static bool stopped(const struct worker *w)
@@ -61,14 +61,14 @@ static void pause_ms(int ms)
     nanosleep(&time, NULL);
 }
 
-/* Whether the failure may be over after a while. */
+/* Whether the same call may succeed later. */
 static bool is_temporary(const struct pen_status *st)
 {
     return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_STORAGE ||
            st->code == PEN_NO_MEMORY;
 }
 
-/* Logs a failure of the store, which may last for hours, every LOG_MS. */
+/* Logs a failure of the store, at most once in LOG_MS: it may last for hours. */
 static void log_failure(struct worker *w, const char *what, const struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
@@ -79,7 +79,7 @@ static void log_failure(struct worker *w, const char *what, const struct pen_sta
     pen_log(PEN_LOG_WARN, "%s: %s; trying again", what, st->msg);
 }
 
-/* Waits before the next try of a call that the store has failed. Returns whether to try again. */
+/* Waits after a store call that has failed. Returns whether to try the call again. */
 static bool wait_to_retry(struct worker *w, const char *what, const struct pen_status *st)
 {
     w->memory_tries = st->code == PEN_NO_MEMORY ? w->memory_tries + 1 : 0;
@@ -90,8 +90,8 @@ static bool wait_to_retry(struct worker *w, const char *what, const struct pen_s
     return true;
 }
 
-/* Ends the job as failed. A claim that is no longer held means that it has ended otherwise.
- * Takes the error. */
+/* Ends the job as failed; takes the error text. PEN_STALE means that the claim is no longer held:
+ * the job has ended in another way. */
 static bool fail_job(struct worker *w, const struct pen_claim *claim, char *error,
                      struct pen_status *st)
 {
@@ -105,12 +105,13 @@ static bool fail_job(struct worker *w, const struct pen_claim *claim, char *erro
     return ok;
 }
 
+/* Gives the batch back to the store. If that fails, the lease runs out later. */
 static bool release(struct worker *w, const struct pen_claim *claim, struct pen_status *st)
 {
     return pen_store_release(w->store, claim, st) || is_temporary(st);
 }
 
-/* Commits; the next claim comes in the same transaction unless the worker is to stop. */
+/* Commits a batch. Unless the worker must stop, the same transaction claims the next batch. */
 static bool commit(struct worker *w, const struct pen_claim *claim,
                    const struct pen_batch_output *output, struct pen_next *next,
                    struct pen_status *st)
@@ -126,36 +127,37 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
     } while (!ok && wait_to_retry(w, "committing a batch", st));
     w->context.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
     if (pen_store_checkpoint_due(w->store))
-        pen_heartbeat_settle(w->context.heart);
+        pen_heartbeat_request_checkpoint(w->context.heart);
     if (!ok && st->code == PEN_STALE)
-        pen_log_about(PEN_LOG_INFO, &about, "the batch was no longer wanted");
+        pen_log_about(PEN_LOG_INFO, &about, "the result was dropped: the claim is no longer held");
     return ok || st->code == PEN_STALE;
 }
 
-/* Ends a claim whose batch has failed: fails the job, gives the batch back, or does nothing if the
- * claim is no longer held. */
+/* Ends a claim whose batch has failed. If the claim is no longer held, nothing is left to do; else
+ * the job fails, or the batch is given back. */
 static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen_claim_end ended,
                        const struct pen_status *why, struct pen_status *st)
 {
     if (ended == PEN_CLAIM_LOST || why->code == PEN_NOT_FOUND || why->code == PEN_STALE)
         return true;
     if (ended == PEN_CLAIM_TIMED_OUT)
-        return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
+        return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
     bool stopped_failing = why->code == PEN_STORAGE && stopped(w);
     if (ended == PEN_CLAIM_STOPPED || why->code == PEN_UNAVAILABLE ||
         why->code == PEN_STORAGE_FULL || stopped_failing)
         return release(w, claim, st);
-    return fail_job(w, claim, pen_failure_of(w->store, claim, why), st);
+    return fail_job(w, claim, pen_failure_status_json(w->store, claim, why), st);
 }
 
-/* Whether the job's time was up when this claim was taken; the heartbeat notices jobs whose time is
- * up later. */
+/* Whether the job's time was up already when this claim was taken. The heartbeat notices it if the
+ * time is up later. */
 static bool is_late(const struct pen_claim *claim)
 {
     return claim->timeout_ms && claim->claimed_ms - claim->started_ms >= claim->timeout_ms;
 }
 
-/* Whether the store takes writes, now or after a while. */
+/* Waits until the store takes writes. Returns false if the worker must stop, or if the store fails
+ * in a way that waiting does not cure. */
 static bool wait_for_store(struct worker *w)
 {
     struct pen_status st;
@@ -166,8 +168,8 @@ static bool wait_for_store(struct worker *w)
     return true;
 }
 
-/* Runs the batch. Memory that caches for earlier jobs hold is not this job's fault: if memory runs
- * out they are dropped, and the batch is tried once more. */
+/* Runs the batch. If memory runs out, the caches of earlier jobs are dropped, since this job is not
+ * to blame for them, and the batch is tried once more. */
 static bool run_batch(struct worker *w, const struct pen_claim *claim,
                       struct pen_batch_output *output, struct pen_status *why)
 {
@@ -180,8 +182,8 @@ static bool run_batch(struct worker *w, const struct pen_claim *claim,
     return pen_batch_run(&w->context, claim, output, why);
 }
 
-/* The same, again whenever the store could not be read. If reads fail while the store takes writes,
- * what it has of this job is damaged: the last error stands. */
+/* As run_batch, and tries again when the store could not be read. If reads still fail while the
+ * store takes writes, the stored data of this job is damaged, and the last error is returned. */
 static bool run_batch_with_retries(struct worker *w, const struct pen_claim *claim,
                                    struct pen_batch_output *output, struct pen_status *why)
 {
@@ -193,14 +195,15 @@ static bool run_batch_with_retries(struct worker *w, const struct pen_claim *cla
     }
 }
 
-/* Handles a claim from batch to commit. *next is the claim after it, if the commit took one. */
+/* Handles a claim: runs the batch and commits the result. *next becomes the next claim if the
+ * commit has taken one. */
 static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_next *next,
                     struct pen_status *st)
 {
     struct pen_batch_output output;
     struct pen_status why;
     if (is_late(claim))
-        return fail_job(w, claim, pen_failure_of_time(w->store, claim, NULL), st);
+        return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
     struct pen_log_about about = pen_claim_about(claim);
     if (claim->kind == PEN_BATCH_STUDY)
         pen_log_about(PEN_LOG_INFO, &about, "a benchmark of %lld runs", (long long)claim->pixels);
@@ -224,7 +227,7 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
     return ok;
 }
 
-/* Updates this worker's row in the list of workers. A failure does not matter: the next update may
+/* Updates this worker's row in the list of workers. A failure is ignored: the next update may
  * succeed. */
 static void update_row(struct worker *w, int64_t now_ns)
 {
@@ -240,7 +243,7 @@ static void update_row(struct worker *w, int64_t now_ns)
     pen_store_worker_seen(w->store, &worker, &ignored);
 }
 
-/* Everything that is due now and then: this worker's row, expired leases, the purge. */
+/* Periodic work: updates this worker's row, opens batches whose leases have expired, purges. */
 static bool maintain(struct worker *w, struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
@@ -251,7 +254,7 @@ static bool maintain(struct worker *w, struct pen_status *st)
         if (!pen_store_expire_leases(w->store, NULL, &opened, st))
             return is_temporary(st);
         if (opened > 0)
-            pen_log(PEN_LOG_WARN, "%d batches were opened again: their leases ran out", opened);
+            pen_log(PEN_LOG_WARN, "%d batches are open again: their leases ran out", opened);
     }
     if (now_ns - w->purged_ns >= (int64_t)PURGE_MS * 1000000) {
         w->purged_ns = now_ns;
@@ -261,7 +264,7 @@ static bool maintain(struct worker *w, struct pen_status *st)
     return true;
 }
 
-/* Claims a batch; if there is none, waits for a wake-up, or IDLE_MS. */
+/* Claims a batch. If there is none, waits for a wake-up, at most IDLE_MS. */
 static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_status *st)
 {
     next->found = false;

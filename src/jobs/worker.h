@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The worker: claims batches, renders them on one thread pool, commits pixels. It holds no state of
- * its own: killed at any point it loses at most the batches in flight. */
+ * its own: if it is killed, at most the batches in flight are lost, and they are rendered again. */
 #ifndef PEN_JOBS_WORKER_H
 #define PEN_JOBS_WORKER_H
 
@@ -13,9 +13,9 @@
 #include "scene/scene.h"
 #include "store/store.h"
 
-/* For tests: a renderer that fails. `wanted` is called once per batch with the job's name (NULL:
- * none); if it returns true, `pixel` is called before each pixel and returns false when it has run
- * out of memory. */
+/* For tests: makes rendering fail. `wanted` is called once for each batch with the job's name
+ * (NULL: none); if it returns true, `pixel` is called before each pixel. If `pixel` returns false,
+ * the batch fails as if memory had run out. */
 struct pen_worker_fault {
     bool (*wanted)(void *user, const char *job_name);
     bool (*pixel)(void *user, int x, int y);
@@ -29,20 +29,20 @@ struct pen_worker_options {
     size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
     int64_t lease_ms;        /* 0: 15 s */
     struct pen_trace *trace; /* where the worker notes what it is doing; may be NULL */
-    /* Called when render threads do not stop although their claim has ended: the store is up to
-     * date, and only the end of the process can end them. Must not return; NULL: the worker waits
-     * for them. */
+    /* Called when render threads do not stop although their claim has ended. The store is up to
+     * date then, and only the end of the process can end the threads. Must not return; NULL: the
+     * worker waits for them. */
     void (*stuck)(void *user);
     void *stuck_user;
     const struct pen_worker_fault *fault; /* NULL: none */
-    /* Gets the worker's calls of the store, also those of the heartbeat's thread, and pixel
-     * compression ("compress", once per batch, from a third thread); NULL: none. */
+    /* Observes the worker's store calls, those of the heartbeat's thread included, and pixel
+     * compression ("compress", once for each batch, from a third thread); NULL: none. */
     const struct pen_store_observer *observer;
 };
 
-/* Works until *stop becomes true: then it finishes the batch in flight, or gives a benchmark back.
- * Wake the store's PEN_SIGNAL_WORK after setting *stop. Fails: the store cannot be opened, or a
- * call of it fails for good. */
+/* Works until *stop becomes true: then it finishes the batch in flight, or gives a benchmark back
+ * to the store. Wake the store's PEN_SIGNAL_WORK after setting *stop. Fails: the store cannot be
+ * opened, or one of its calls fails with an error that trying again cannot cure. */
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st);
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The render workers, as the API lists them. A worker that has not been seen for a minute is left
- * out: it died unnoticed, or its host is gone. */
-#include <inttypes.h>
+ * out: it has died unnoticed, or its host is gone. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -15,7 +13,7 @@ enum { SHOWN_MS = 60000 };
 struct listing {
     json_t *list;
     int64_t now_ms;
-    char last[256]; /* name of the last worker in the list */
+    char last[256]; /* id of the last worker in the list */
     bool ok;
 };
 
@@ -31,13 +29,13 @@ static const char *kind_name(enum pen_batch_kind kind)
 {
     switch (kind) {
     case PEN_BATCH_RENDER:
-        break;
+        return "render";
     case PEN_BATCH_ASSEMBLE:
         return "assemble";
     case PEN_BATCH_STUDY:
         return "benchmark";
     }
-    return "render";
+    return "render"; /* a value that only a damaged store gives */
 }
 
 static json_t *batch_json(const struct pen_worker_record *worker)
@@ -47,7 +45,8 @@ static json_t *batch_json(const struct pen_worker_record *worker)
                      "kind", kind_name(worker->kind), "pixels", (json_int_t)worker->pixels);
 }
 
-/* The store gives one row for each batch that a worker holds, those of one worker together. */
+/* Called by the store with one row for each batch that a worker holds; the rows of one worker
+ * follow each other. */
 static bool add_row(void *user, const struct pen_worker_record *worker)
 {
     struct listing *listing = user;

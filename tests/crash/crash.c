@@ -348,7 +348,7 @@ static void print_hits(const struct test *t)
     printf("leases taken back from dead workers %d times, run out %d times; results refused as "
            "stale %d times\n",
            count_log(t, "took back"), count_log(t, "their leases ran out"),
-           count_log(t, "no longer wanted"));
+           count_log(t, "no longer held"));
 }
 
 static int report(const struct test *t, int rounds, int64_t begin_ns)

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What a worker keeps from batch to batch, and what the kinds of batches share. */
+/* What a worker keeps from batch to batch, and the functions that all kinds of batches use.
+ *
+ * Threads: the worker's own thread, except for the pixel hook (any render thread). */
 #ifndef PEN_JOBS_INTERNAL_BATCH_CONTEXT_H
 #define PEN_JOBS_INTERNAL_BATCH_CONTEXT_H
 
@@ -19,12 +21,12 @@ struct pen_batch_context {
     struct pen_pixel_compressor *compressor;
     struct pen_trace *trace;              /* may be NULL */
     const struct pen_worker_fault *fault; /* NULL: none */
-    atomic_bool exhausted;                /* atomic: relaxed; the fault ran out of memory */
+    atomic_bool exhausted;                /* atomic: relaxed; the fault has failed a pixel */
     char job_id[PEN_ID_BYTES];            /* the job of `request`, "" if there is none */
     struct pen_stored_request request;
-    float *image;        /* of the view being rendered, by rows */
-    size_t image_pixels; /* the capacity of image */
-    double store_ms;     /* time waited for the store for this job, not in its statistics yet */
+    float *image;        /* pixels of the view being rendered, by rows */
+    size_t image_pixels; /* capacity of image, in pixels */
+    double store_ms;     /* time spent waiting for the store; not in the job's statistics yet */
 };
 
 /* A finished batch; its pixels stay in the context. Owns: release it. */
@@ -35,12 +37,12 @@ struct pen_batch_output {
 };
 void pen_batch_output_release(struct pen_batch_output *output);
 
-/* Makes `request` that of the claim's job; batches of one job mostly follow each other. Fails: as
- * pen_store_job and pen_stored_request_read. */
+/* Reads the request of the claim's job into context->request, unless it is there already: batches
+ * of one job mostly follow each other. Fails: as pen_store_job and pen_stored_request_read. */
 bool pen_batch_context_load(struct pen_batch_context *context, const struct pen_claim *claim,
                             struct pen_status *st);
 
-/* Frees what is kept only to save time: scenes and the image. */
+/* Frees what is kept only to save time: the scenes and the image. */
 void pen_batch_context_drop_caches(struct pen_batch_context *context);
 
 void pen_batch_context_release(struct pen_batch_context *context);
@@ -50,13 +52,13 @@ void pen_batch_context_release(struct pen_batch_context *context);
 bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
                            struct pen_batch_output *output, struct pen_status *st);
 
-/* The function to be called before each pixel (pixel_begins of a render task, with the context as
- * its user): it notes the pixel in the trace, and makes the fault under test. May be NULL. */
+/* The function to call before each pixel (pixel_begins of a render task, with the context as its
+ * user): it notes the pixel in the trace, and calls the test's fault. NULL: none is needed. */
 typedef void pen_batch_pixel_fn(void *user, int thread, int x, int y);
 pen_batch_pixel_fn *pen_batch_pixel_hook(struct pen_batch_context *context);
 
-/* Call it after the render, with its outcome; returns that outcome. Fails: PEN_NO_MEMORY instead of
- * the render's error if it was the fault that stopped the render. */
+/* Call it after rendering, with what the render function returned; returns the same. If the test's
+ * fault has stopped the render, *st becomes PEN_NO_MEMORY. */
 bool pen_batch_hook_done(struct pen_batch_context *context, bool ok, struct pen_status *st);
 
 #endif

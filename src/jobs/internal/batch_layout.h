@@ -6,8 +6,8 @@
 #include "jobs/internal/request.h"
 #include "store/store.h"
 
-/* The batches of a job. A benchmark is one batch, filed under its first view, whatever it renders:
- * its times are comparable only if one worker takes them all. Owns: *batches is malloc()ed. Fails:
+/* The batches of a job. A benchmark is always one batch, stored with the first view: its times are
+ * comparable only if one worker takes all of them. Owns: *batches is malloc()ed. Fails:
  * PEN_NO_MEMORY. */
 bool pen_batch_layout(const struct pen_request *request, struct pen_batch_new **batches, int *count,
                       struct pen_status *st);

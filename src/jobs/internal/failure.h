@@ -11,17 +11,17 @@
 #include "jobs/worker_report.h"
 #include "store/store.h"
 
-/* The error of a job beyond its timeout_seconds. Owns: a malloc()ed text; NULL when out of memory.
- */
-char *pen_failure_of_time(struct pen_store *store, const struct pen_claim *claim,
-                          const struct pen_trace *trace);
+/* The error, as JSON text, of a job that took longer than its timeout_seconds. The trace (may be
+ * NULL) gives the pixel. Owns: malloc()ed, the caller's. Fails: NULL when out of memory. */
+char *pen_failure_timeout_json(struct pen_store *store, const struct pen_claim *claim,
+                               const struct pen_trace *trace);
 
-/* The error of a job that has failed for any other reason. */
-char *pen_failure_of(struct pen_store *store, const struct pen_claim *claim,
-                     const struct pen_status *why);
+/* The error, as JSON text, of a job that has failed for any other reason. Owns, Fails: as above. */
+char *pen_failure_status_json(struct pen_store *store, const struct pen_claim *claim,
+                              const struct pen_status *why);
 
-/* Ends the claim's job as failed with such an error, and logs it, once for each job: the store
- * takes only the first error. Fails: as pen_store_fail. */
+/* Ends the claim's job as failed with such an error, and logs it. Only the first error of a job is
+ * stored and logged. Fails: as pen_store_fail; PEN_STALE for a later error. */
 bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim, const char *error,
                        struct pen_status *st);
 

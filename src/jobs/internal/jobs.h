@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What nearly every file of the room uses: the handle, how JSON is stored, log lines of a claim. */
+/* Definitions that most files of this room use. */
 #ifndef PEN_JOBS_INTERNAL_JOBS_H
 #define PEN_JOBS_INTERNAL_JOBS_H
 

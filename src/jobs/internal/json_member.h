@@ -7,7 +7,8 @@
 #include <stddef.h>
 
 /* The text of member `key` of an object, which must be well-formed JSON; *length becomes its
- * length. NULL if the object has no such member, or its key is written with escapes. */
+ * length. NULL if the object has no such member, or if its key is written with escapes. Owns: the
+ * result points into `text`. */
 const char *pen_json_member(const char *text, size_t bytes, const char *key, size_t *length);
 
 #endif

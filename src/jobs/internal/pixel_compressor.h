@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Pixel compression: a thread that compresses finished tiles for the store while others are still
  * being rendered, so that a commit finds them ready. Compressing a batch takes several times as
- * long as storing it. */
+ * long as storing it.
+ *
+ * Threads: one thread calls begin, and later end or cancel; render threads call tile_done. */
 #ifndef PEN_JOBS_INTERNAL_PIXEL_COMPRESSOR_H
 #define PEN_JOBS_INTERNAL_PIXEL_COMPRESSOR_H
 
@@ -18,7 +20,7 @@ struct pen_tile_run {
 };
 
 /* Starts the thread. The observer, unless NULL, gets one call named "compress" for each batch, with
- * the time it took. Owns: free with pen_pixel_compressor_free. */
+ * the time it took. Owns: free with pen_pixel_compressor_free. Fails: PEN_NO_MEMORY. */
 struct pen_pixel_compressor *pen_pixel_compressor_new(const struct pen_store_observer *observer,
                                                       struct pen_status *st);
 void pen_pixel_compressor_free(struct pen_pixel_compressor *compressor);
@@ -32,7 +34,7 @@ bool pen_pixel_compressor_begin(struct pen_pixel_compressor *compressor,
  * compressor. */
 void pen_pixel_compressor_tile_done(void *compressor, struct pen_rect rect);
 
-/* Waits until the batch, all of whose tiles are done, is compressed. *encoded is valid until the
+/* Waits until the batch is compressed; all of its tiles must be done. *encoded is valid until the
  * next batch begins. Fails: PEN_NO_MEMORY. */
 bool pen_pixel_compressor_end(struct pen_pixel_compressor *compressor,
                               const struct pen_pixels **encoded, struct pen_status *st);

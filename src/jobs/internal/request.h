@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A submission, read and checked: a job, or a bare scene, which is a job with all defaults. Errors
- * of the job's own keys and of its scene are collected together. */
+/* Reading and checking a submission: a job, or a bare scene, which is a job with all defaults.
+ * Errors of the job's own keys and of its scene are collected together. */
 #ifndef PEN_JOBS_INTERNAL_REQUEST_H
 #define PEN_JOBS_INTERNAL_REQUEST_H
 
@@ -14,7 +14,7 @@ enum { PEN_JOB_NAME_BYTES = 200, PEN_JOB_LABELS = 32 };
 struct pen_request {
     struct pen_arena *arena;      /* of desc */
     struct pen_document document; /* the body, parsed */
-    json_t *body;                 /* its JSON; borrowed */
+    json_t *body;                 /* the document's JSON; the document owns it */
     json_t *builtin;              /* the built-in scene that the body names, parsed; else NULL */
     const json_t *scene;          /* the scene document, in body or builtin */
     const char *scene_text;       /* the text of that document; NULL: not found in the body */
@@ -34,7 +34,8 @@ struct pen_request {
     int *views; /* indices into desc.views; in arena */
 };
 
-/* Reads and checks. Returns false with errors->count > 0. Release in any case. */
+/* Reads and checks a submission. Owns: release *out, after success and failure alike; its pointers
+ * into in->body stay valid as long as that. Fails: errors->count > 0. */
 bool pen_request_read(const struct pen_submission *in, const struct pen_limits *limits,
                       struct pen_request *out, struct pen_errors *errors);
 void pen_request_release(struct pen_request *request);

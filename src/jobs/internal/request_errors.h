@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Errors about what a client sent, each at its place. */
+/* Adding errors about a submission, each with its place. */
 #ifndef PEN_JOBS_INTERNAL_REQUEST_ERRORS_H
 #define PEN_JOBS_INTERNAL_REQUEST_ERRORS_H
 
@@ -13,7 +13,7 @@ void pen_request_fail(struct pen_errors *errors, enum pen_code code, const char 
                       const char *key, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
-/* A value as messages show it. */
+/* The text by which messages show a value that was found. */
 struct pen_found {
     char text[256];
 };

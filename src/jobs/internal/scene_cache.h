@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A worker's frozen scenes, by the hash of their document and the accelerator: a scene that is
- * rendered again, from another view or in another batch, is neither parsed nor built again. */
+/* A worker's cache of frozen scenes. The key is the hash of the scene's document and the
+ * accelerator, so a scene that is rendered again, from another view or in another batch, is neither
+ * parsed nor built again. */
 #ifndef PEN_JOBS_INTERNAL_SCENE_CACHE_H
 #define PEN_JOBS_INTERNAL_SCENE_CACHE_H
 
@@ -9,7 +10,7 @@
 
 struct pen_scene_cache;
 
-/* The time that getting a scene took; 0 if it was cached. */
+/* The time it took to get a scene; 0 if it was cached. */
 struct pen_scene_times {
     double parse_ms, build_ms;
 };
@@ -19,20 +20,21 @@ struct pen_scene_times {
 struct pen_scene_cache *pen_scene_cache_new(size_t cap_bytes);
 void pen_scene_cache_free(struct pen_scene_cache *cache);
 
+/* The cap_bytes that the cache was made with. */
 size_t pen_scene_cache_cap(const struct pen_scene_cache *cache);
 
-/* Frees all scenes. */
+/* Frees all scenes; the cache stays usable. */
 void pen_scene_cache_empty(struct pen_scene_cache *cache);
 
-/* The scene of a claim. Owns: the cache; valid until the next call. Fails: as
- * pen_store_scene, pen_scene_load and pen_scene_freeze. */
+/* The frozen scene of a claim's job. Owns: the cache; the scene is valid until the next call with
+ * this cache. Fails: as pen_store_scene, pen_scene_load and pen_scene_freeze. */
 const struct pen_scene *pen_scene_cache_get(struct pen_scene_cache *cache, struct pen_store *store,
                                             const struct pen_claim *claim,
                                             enum pen_accelerator accelerator,
                                             struct pen_scene_times *times, struct pen_status *st);
 
-/* The scene's document as a description, in an arena of the caller's. Fails: as pen_store_scene and
- * pen_scene_load. */
+/* Reads the scene of a job into a description, which lies in the arena. Fails: as pen_store_scene
+ * and pen_scene_load. */
 bool pen_scene_describe(struct pen_store *store, const char *job_id, struct pen_arena *arena,
                         struct pen_scene_desc *desc, struct pen_status *st);
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The stored request of a job, read: what the client asked for, with all defaults filled in, as
- * submit.c has written it. The worker and the results of a job need it; the scene is stored apart.
- */
+/* Reading the stored request of a job: the client's keys with all defaults filled in, as submit.c
+ * has written them. The worker and the results of a job use it; the scene is stored separately. */
 #ifndef PEN_JOBS_INTERNAL_STORED_REQUEST_H
 #define PEN_JOBS_INTERNAL_STORED_REQUEST_H
 
@@ -11,24 +10,24 @@
 #include "scene/settings.h"
 
 struct pen_stored_request {
-    json_t *json; /* the whole of it; owns the names of views */
+    json_t *json; /* the whole request; owns the names of views */
     struct pen_settings settings;
     int view_count;
     bool benchmark;
 };
 
-/* Reads it from its text. Owns: release it after success. Fails: PEN_STORAGE. */
+/* Reads a request from its text. Owns: release *request after success. Fails: PEN_STORAGE. */
 bool pen_stored_request_read(const char *text, struct pen_stored_request *request,
                              struct pen_status *st);
 void pen_stored_request_release(struct pen_stored_request *request);
 
-/* The name of view number `view`; NULL if it has none. */
+/* The name of the view with index `view`; NULL if there is no such view. */
 const char *pen_stored_request_view(const struct pen_stored_request *request, int view);
 
-/* The number of the view of that name, or -1. */
+/* The index of the view with that name, or -1. */
 int pen_stored_request_find_view(const struct pen_stored_request *request, const char *name);
 
-/* A text of the store as JSON, null for NULL. Fails: PEN_STORAGE. */
+/* Parses a stored text; NULL gives JSON's null. Owns: the caller. Fails: PEN_STORAGE. */
 json_t *pen_stored_json(const char *text, struct pen_status *st);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The pixels of a view, between the order in which they are committed, tile by tile, and that of
- * an image, row by row. */
+/* The pixels of a view in two orders: as they are committed, tile by tile, and as an image, row by
+ * row. */
 #ifndef PEN_JOBS_INTERNAL_VIEW_PIXELS_H
 #define PEN_JOBS_INTERNAL_VIEW_PIXELS_H
 
@@ -9,15 +9,16 @@
 #include "scene/settings.h"
 #include "store/store.h"
 
-/* Pixels of tiles first … first + count - 1. */
+/* The number of pixels in tiles first … first + count - 1. */
 int64_t pen_tiles_pixels(const struct pen_settings *settings, int first, int count);
 
 /* Copies tiles first … first + count - 1 out of an image. */
 void pen_tiles_gather(const struct pen_settings *settings, int first, int count, const float *image,
                       float *tiles);
 
-/* Fills a film with the committed pixels of a view; sets mask (may be NULL) to 1 where there are
- * some, and *filled to their number. Fails: as pen_store_pixels; PEN_STORAGE. */
+/* Fills a film with the committed pixels of a view. mask (may be NULL) has one byte for each pixel,
+ * which becomes 1 if the pixel is committed; *filled becomes the number of such pixels. Fails: as
+ * pen_store_pixels; PEN_STORAGE (pixels outside the image). */
 bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
                           const struct pen_settings *settings, struct pen_film *film,
                           unsigned char *mask, int64_t *filled, struct pen_status *st);
@@ -25,7 +26,7 @@ bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
 /* The transfer function of the settings. */
 enum pen_transfer pen_view_transfer(const struct pen_settings *settings);
 
-/* Encodes a film in one of the formats png, png16, pfm. */
+/* Encodes a film as png, png16 or pfm. Owns: release *out. Fails: PEN_NO_MEMORY. */
 bool pen_view_encode(const struct pen_film *film, const struct pen_settings *settings,
                      const char *format, struct pen_buf *out, struct pen_status *st);
 
