@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A word at a time is mixed in by steps that can be undone, so that two inputs which differ in one
- * word never meet again. The multiplier is that of Fibonacci hashing (Knuth, TAOCP 3, 6.4). Words
- * are little-endian: a store can be read on any machine. */
+/* Mixes in one word of eight bytes at a time. Each step is invertible, so two inputs that differ in
+ * one word end with different sums. The multiplier is that of Fibonacci hashing (Knuth, TAOCP 3,
+ * 6.4). Words are read as little-endian, so that a store can be read on any machine. */
 #include <endian.h>
 #include <string.h>
 

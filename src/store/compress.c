@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* zstd behind the interface of compress.h. */
 #include "store/internal/compress.h"
 
 #include <stdlib.h>
@@ -6,78 +7,79 @@
 #include <zstd_errors.h>
 
 struct pen_compressor {
-    ZSTD_CCtx *pack;
-    ZSTD_DCtx *unpack;
+    ZSTD_CCtx *compress;
+    ZSTD_DCtx *decompress;
     unsigned char *out; /* kept from call to call; only grows */
     size_t capacity;
 };
 
 struct pen_compressor *pen_compressor_new(int level)
 {
-    struct pen_compressor *packer = calloc(1, sizeof *packer);
-    if (!packer)
+    struct pen_compressor *compressor = calloc(1, sizeof *compressor);
+    if (!compressor)
         return NULL;
-    packer->pack = ZSTD_createCCtx();
-    packer->unpack = ZSTD_createDCtx();
-    if (!packer->pack || !packer->unpack) {
-        pen_compressor_free(packer);
+    compressor->compress = ZSTD_createCCtx();
+    compressor->decompress = ZSTD_createDCtx();
+    if (!compressor->compress || !compressor->decompress) {
+        pen_compressor_free(compressor);
         return NULL;
     }
-    ZSTD_CCtx_setParameter(packer->pack, ZSTD_c_compressionLevel, level);
-    ZSTD_CCtx_setParameter(packer->pack, ZSTD_c_checksumFlag, 1);
-    return packer;
+    ZSTD_CCtx_setParameter(compressor->compress, ZSTD_c_compressionLevel, level);
+    ZSTD_CCtx_setParameter(compressor->compress, ZSTD_c_checksumFlag, 1);
+    return compressor;
 }
 
-void pen_compressor_free(struct pen_compressor *packer)
+void pen_compressor_free(struct pen_compressor *compressor)
 {
-    if (!packer)
+    if (!compressor)
         return;
-    ZSTD_freeCCtx(packer->pack);
-    ZSTD_freeDCtx(packer->unpack);
-    free(packer->out);
-    free(packer);
+    ZSTD_freeCCtx(compressor->compress);
+    ZSTD_freeDCtx(compressor->decompress);
+    free(compressor->out);
+    free(compressor);
 }
 
-static bool make_room(struct pen_compressor *packer, size_t bytes, struct pen_status *st)
+static bool reserve(struct pen_compressor *compressor, size_t bytes, struct pen_status *st)
 {
-    if (bytes <= packer->capacity && packer->out)
+    if (bytes <= compressor->capacity && compressor->out)
         return true;
-    free(packer->out);
-    packer->capacity = 0;
-    packer->out = malloc(bytes ? bytes : 1);
-    if (!packer->out)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu bytes of packed data", bytes);
-    packer->capacity = bytes;
+    free(compressor->out);
+    compressor->capacity = 0;
+    compressor->out = malloc(bytes ? bytes : 1);
+    if (!compressor->out)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu bytes of compressed data", bytes);
+    compressor->capacity = bytes;
     return true;
 }
 
-bool pen_compress(struct pen_compressor *packer, const void *data, size_t bytes,
+bool pen_compress(struct pen_compressor *compressor, const void *data, size_t bytes,
                   struct pen_bytes *out, struct pen_status *st)
 {
     size_t bound = ZSTD_compressBound(bytes);
-    if (!make_room(packer, bound, st))
+    if (!reserve(compressor, bound, st))
         return false;
-    size_t n = ZSTD_compress2(packer->pack, packer->out, bound, data, bytes);
+    size_t n = ZSTD_compress2(compressor->compress, compressor->out, bound, data, bytes);
     if (ZSTD_isError(n))
-        return pen_fail(st, PEN_NO_MEMORY, "cannot pack: %s", ZSTD_getErrorName(n));
-    *out = (struct pen_bytes){packer->out, n};
+        return pen_fail(st, PEN_NO_MEMORY, "cannot compress: %s", ZSTD_getErrorName(n));
+    *out = (struct pen_bytes){compressor->out, n};
     return true;
 }
 
-bool pen_decompress(struct pen_compressor *packer, const void *data, size_t bytes,
+bool pen_decompress(struct pen_compressor *compressor, const void *data, size_t bytes,
                     struct pen_bytes *out, struct pen_status *st)
 {
     unsigned long long size = ZSTD_getFrameContentSize(data, bytes);
     if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > SIZE_MAX)
-        return pen_fail(st, PEN_STORAGE, "stored data is damaged: no packed frame");
-    if (!make_room(packer, (size_t)size, st))
+        return pen_fail(st, PEN_STORAGE, "stored data is damaged: not a compressed frame");
+    if (!reserve(compressor, (size_t)size, st))
         return false;
-    size_t n = ZSTD_decompressDCtx(packer->unpack, packer->out, packer->capacity, data, bytes);
+    size_t n = ZSTD_decompressDCtx(compressor->decompress, compressor->out, compressor->capacity,
+                                   data, bytes);
     if (ZSTD_isError(n) && ZSTD_getErrorCode(n) == ZSTD_error_memory_allocation)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory to unpack stored data");
+        return pen_fail(st, PEN_NO_MEMORY, "no memory to decompress stored data");
     if (ZSTD_isError(n) || n != size)
         return pen_fail(st, PEN_STORAGE, "stored data is damaged: %s",
                         ZSTD_isError(n) ? ZSTD_getErrorName(n) : "wrong size");
-    *out = (struct pen_bytes){packer->out, n};
+    *out = (struct pen_bytes){compressor->out, n};
     return true;
 }

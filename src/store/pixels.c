@@ -1,22 +1,25 @@
 /* SPDX-License-Identifier: MIT */
-/* The stored form of a batch's pixels. Its first byte tells which:
+/* The stored form of a batch's pixels. The first byte names the form:
  *
- *   0x02   this build's: after the byte, slices, each
- *            pixels   32 bits, the lowest byte first
- *            bytes    32 bits, of the frame
+ *   0x02   the form that this build writes. After the byte come slices, each of
+ *            pixels   32 bits, lowest byte first
+ *            bytes    32 bits, length of the frame
  *            frame    zstd, of 4 planes of 3 * pixels bytes
- *   0x28   the one before: one zstd frame (this is its first byte) of 3 times 4 planes of `pixels`
- *          bytes, one channel after the other. It is read for as long as stores have it.
+ *   0x28   the form before schema 5: one zstd frame (0x28 is its first byte) of 4 planes of
+ * `pixels` bytes for each of the 3 channels in turn. Stores may contain it for ever, so it is read.
  *
- * Of each value the difference to the same channel of the pixel before is kept (in a slice, the
- * first pixel's to 0), as integers of the floats' bits, the sign moved to the lowest bit; plane k
- * holds byte k of all differences, red, green, blue, red …. The planes of the high bytes are nearly
- * zero, and those of the low ones are noise that zstd passes over quickly. Slices let packing begin
- * while a batch is still being rendered, and stay in the processor's cache.
+ * How values become planes:
+ *   1. Each float is taken as a 32-bit integer, and the integer of the same channel of the pixel
+ *      before is subtracted (0 before the first pixel of a slice).
+ *   2. The sign of the difference moves to the lowest bit.
+ *   3. Plane k holds byte k of all differences: red, green, blue, red, …
+ * The planes of the high bytes are nearly zero. Those of the low bytes are noise, which zstd skips
+ * quickly. A slice fits the processor's cache, and slices let encoding begin while the batch is
+ * still being rendered.
  *
- * On the built-in room at 1000x1400 zstd's level -1 takes two thirds of the time of level 1 and
- * makes 0.394 of the size instead of 0.392; from -5 on the pixels grow faster than the time for
- * them falls, since every byte is also written twice, into the log and from there into the file. */
+ * Level: on the built-in room at 1000x1400, zstd's level -1 takes two thirds of the time of level 1
+ * and produces 0.394 of the size instead of 0.392. From level -5 on the size grows faster than the
+ * time falls: every byte is written twice, to the log and to the file. */
 #include "store/pixels.h"
 
 #include <stdlib.h>
@@ -25,12 +28,13 @@
 #include "base/buf.h"
 #include "store/internal/compress.h"
 
-enum { LEVEL = -1, FORM = 0x02, FORM_BEFORE = 0x28, PIXEL_BYTES = 12, HEAD_BYTES = 8 };
+enum { LEVEL = -1, FORM = 0x02, OLD_FORM = 0x28, PIXEL_BYTES = 12, HEAD_BYTES = 8 };
+_Static_assert(PIXEL_BYTES == 3 * sizeof(float), "a pixel is three floats");
 
 struct pen_pixels {
-    struct pen_compressor *packer;
+    struct pen_compressor *compressor;
     unsigned char *planes; /* of one slice */
-    struct pen_buf packed;
+    struct pen_buf encoded;
     int64_t count;
 };
 
@@ -39,9 +43,9 @@ struct pen_pixels *pen_pixels_new(void)
     struct pen_pixels *pixels = calloc(1, sizeof *pixels);
     if (!pixels)
         return NULL;
-    pixels->packer = pen_compressor_new(LEVEL);
+    pixels->compressor = pen_compressor_new(LEVEL);
     pixels->planes = malloc((size_t)PEN_PIXELS_SLICE * PIXEL_BYTES);
-    if (pixels->packer && pixels->planes)
+    if (pixels->compressor && pixels->planes)
         return pixels;
     pen_pixels_free(pixels);
     return NULL;
@@ -51,19 +55,19 @@ void pen_pixels_free(struct pen_pixels *pixels)
 {
     if (!pixels)
         return;
-    pen_compressor_free(pixels->packer);
+    pen_compressor_free(pixels->compressor);
     free(pixels->planes);
-    pen_buf_release(&pixels->packed);
+    pen_buf_release(&pixels->encoded);
     free(pixels);
 }
 
 void pen_pixels_begin(struct pen_pixels *pixels)
 {
     static const unsigned char form = FORM;
-    pixels->packed.bytes = 0;
-    pixels->packed.failed = false;
+    pixels->encoded.bytes = 0;
+    pixels->encoded.failed = false;
     pixels->count = 0;
-    pen_buf_add(&pixels->packed, &form, 1);
+    pen_buf_add(&pixels->encoded, &form, 1);
 }
 
 int64_t pen_pixels_count(const struct pen_pixels *pixels)
@@ -73,10 +77,10 @@ int64_t pen_pixels_count(const struct pen_pixels *pixels)
 
 struct pen_bytes pen_pixels_encoded(const struct pen_pixels *pixels)
 {
-    return (struct pen_bytes){pixels->packed.data, pixels->packed.bytes};
+    return (struct pen_bytes){pixels->encoded.data, pixels->encoded.bytes};
 }
 
-/* Splits `count` values into four planes of as many bytes. */
+/* Writes `count` values as four planes of `count` bytes each. */
 static void split(const float *restrict values, size_t count, unsigned char *restrict planes)
 {
     for (size_t i = 0; i < count; i++) {
@@ -114,7 +118,7 @@ static void join(const unsigned char *planes, size_t count, float *values)
     }
 }
 
-/* The same for one channel of the form before; its values are a pixel apart. */
+/* The inverse for one channel of the old form; its values are one pixel apart. */
 static void join_channel(const unsigned char *planes, size_t pixels, float *values)
 {
     uint32_t bits = 0;
@@ -141,15 +145,15 @@ static bool add_slice(struct pen_pixels *pixels, const float *rgb, size_t count,
     unsigned char head[HEAD_BYTES];
     struct pen_bytes frame;
     split(rgb, 3 * count, pixels->planes);
-    if (!pen_compress(pixels->packer, pixels->planes, count * PIXEL_BYTES, &frame, st)) {
-        pixels->packed.failed = true;
+    if (!pen_compress(pixels->compressor, pixels->planes, count * PIXEL_BYTES, &frame, st)) {
+        pixels->encoded.failed = true;
         return false;
     }
     put_32(head, (uint32_t)count);
     put_32(head + 4, (uint32_t)frame.bytes);
-    pen_buf_add(&pixels->packed, head, sizeof head);
-    if (!pen_buf_add(&pixels->packed, frame.data, frame.bytes))
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for packed pixels");
+    pen_buf_add(&pixels->encoded, head, sizeof head);
+    if (!pen_buf_add(&pixels->encoded, frame.data, frame.bytes))
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for encoded pixels");
     pixels->count += (int64_t)count;
     return true;
 }
@@ -157,8 +161,8 @@ static bool add_slice(struct pen_pixels *pixels, const float *rgb, size_t count,
 bool pen_pixels_add(struct pen_pixels *pixels, const float *rgb, int64_t count,
                     struct pen_status *st)
 {
-    if (pixels->packed.failed)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for packed pixels");
+    if (pixels->encoded.failed)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for encoded pixels");
     while (count > 0) {
         int64_t n = count < PEN_PIXELS_SLICE ? count : PEN_PIXELS_SLICE;
         if (!add_slice(pixels, rgb, (size_t)n, st))
@@ -174,19 +178,19 @@ static bool damaged(struct pen_status *st, const char *how)
     return pen_fail(st, PEN_STORAGE, "stored pixels are damaged: %s", how);
 }
 
-/* Unpacks what must become `bytes` bytes. */
-static bool unpack_planes(struct pen_compressor *packer, const unsigned char *frame,
+/* Decompresses a frame that must have `bytes` bytes. */
+static bool decode_planes(struct pen_compressor *compressor, const unsigned char *frame,
                           size_t frame_bytes, size_t bytes, const unsigned char **planes,
                           struct pen_status *st)
 {
     struct pen_bytes out;
-    if (!pen_decompress(packer, frame, frame_bytes, &out, st))
+    if (!pen_decompress(compressor, frame, frame_bytes, &out, st))
         return false;
     *planes = out.data;
-    return out.bytes == bytes || damaged(st, "not as many as there should be");
+    return out.bytes == bytes || damaged(st, "a frame has the wrong number of bytes");
 }
 
-static bool unpack_slices(struct pen_compressor *packer, const struct pen_bytes *in, float *rgb,
+static bool decode_slices(struct pen_compressor *compressor, const struct pen_bytes *in, float *rgb,
                           uint64_t count, struct pen_status *st)
 {
     const unsigned char *at = in->data, *end = at + in->bytes, *planes;
@@ -195,35 +199,35 @@ static bool unpack_slices(struct pen_compressor *packer, const struct pen_bytes 
         uint32_t pixels = get_32(at), bytes = get_32(at + 4);
         at += HEAD_BYTES;
         if (pixels > count || bytes > (size_t)(end - at))
-            return damaged(st, "a slice is too large");
-        if (!unpack_planes(packer, at, bytes, (size_t)pixels * PIXEL_BYTES, &planes, st))
+            return damaged(st, "a slice has more pixels or bytes than are left");
+        if (!decode_planes(compressor, at, bytes, (size_t)pixels * PIXEL_BYTES, &planes, st))
             return false;
         join(planes, 3 * (size_t)pixels, rgb);
         at += bytes;
         rgb += 3 * (size_t)pixels;
         count -= pixels;
     }
-    return (at == end && count == 0) || damaged(st, "some are missing");
+    return (at == end && count == 0) || damaged(st, "pixels are missing, or bytes follow them");
 }
 
-static bool unpack_form_before(struct pen_compressor *packer, const struct pen_bytes *in,
-                               float *rgb, size_t count, struct pen_status *st)
+static bool decode_old_form(struct pen_compressor *compressor, const struct pen_bytes *in,
+                            float *rgb, size_t count, struct pen_status *st)
 {
     const unsigned char *planes;
-    if (!unpack_planes(packer, in->data, in->bytes, count * PIXEL_BYTES, &planes, st))
+    if (!decode_planes(compressor, in->data, in->bytes, count * PIXEL_BYTES, &planes, st))
         return false;
     for (size_t channel = 0; channel < 3; channel++)
         join_channel(planes + 4 * channel * count, count, rgb + channel);
     return true;
 }
 
-bool pen_pixels_decode(struct pen_compressor *packer, const struct pen_bytes *in, float *rgb,
+bool pen_pixels_decode(struct pen_compressor *compressor, const struct pen_bytes *in, float *rgb,
                        int64_t count, struct pen_status *st)
 {
     int form = in->bytes > 0 ? *(const unsigned char *)in->data : 0;
     if (form == FORM)
-        return unpack_slices(packer, in, rgb, (uint64_t)count, st);
-    if (form == FORM_BEFORE)
-        return unpack_form_before(packer, in, rgb, (size_t)count, st);
-    return damaged(st, "their form is not known");
+        return decode_slices(compressor, in, rgb, (uint64_t)count, st);
+    if (form == OLD_FORM)
+        return decode_old_form(compressor, in, rgb, (size_t)count, st);
+    return damaged(st, "their form is unknown");
 }

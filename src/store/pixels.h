@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Pixels of a batch on their way into the store. Packing them takes longer than storing them, so
- * whoever renders packs what is done while the rest is still being rendered, and commits the
- * packed bytes (struct pen_result). */
+/* Encodes the pixels of a batch for the store. Encoding takes longer than storing, so the renderer
+ * encodes finished pixels while it renders the others, and commits the result (the member `encoded`
+ * of struct pen_result). The encoding is lossless: every float comes back bit for bit. */
 #ifndef PEN_STORE_PIXELS_H
 #define PEN_STORE_PIXELS_H
 
@@ -16,18 +16,19 @@ struct pen_pixels;
 struct pen_pixels *pen_pixels_new(void);
 void pen_pixels_free(struct pen_pixels *pixels);
 
-/* Begins anew; memory is kept for what comes. */
+/* Forgets the pixels added so far, and keeps the memory for the next batch. */
 void pen_pixels_begin(struct pen_pixels *pixels);
 
-/* How many pixels are worth packing at once: fewer make more bytes. */
+/* The pixels that are compressed together. A caller that adds fewer at a time gets more bytes. */
 enum { PEN_PIXELS_SLICE = 65536 };
 
-/* Adds the next pixels of the batch, 3 values each. Fails: PEN_NO_MEMORY; then nothing more can be
- * added until pen_pixels_begin. Threads: one at a time. */
+/* Adds the next `count` pixels of the batch.
+ * Shape: rgb has 3 * count values. Fails: PEN_NO_MEMORY; then nothing more can be added until
+ * pen_pixels_begin. Threads: one at a time. */
 bool pen_pixels_add(struct pen_pixels *pixels, const float *rgb, int64_t count,
                     struct pen_status *st);
 
-/* Pixels added since pen_pixels_begin. */
+/* The number of pixels added since pen_pixels_begin. */
 int64_t pen_pixels_count(const struct pen_pixels *pixels);
 
 #endif

@@ -147,7 +147,7 @@ bool pen_store_check(struct pen_store *store, struct pen_status *st)
     if (!enter(store, PEN_NEED_CHECK, st) ||
         !leave(store, NULL, store->driver->ops->check(store->driver, st)))
         return false;
-    pen_health_found_whole(store);
+    pen_health_check_passed(store);
     return true;
 }
 

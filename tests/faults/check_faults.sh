@@ -125,8 +125,8 @@ echo "# longest time to get ready: $longest ms"
 # The log reports the failure, and is not flooded
 lines=$(grep -c 'trying again' log)
 expect "the log is not flooded" "$((lines < 60))" 1
-check "it says when the store fails" grep -q 'the store .* is ill: ' log
-check "and when it is mended" grep -q 'the store .* is mended: ' log
+check "it says when the store fails" grep -q 'the store .* has a fault: ' log
+check "and when it has recovered" grep -q 'the store .* has recovered from its fault: ' log
 
 # A daemon stopped while the disk fails ends in time and loses nothing
 id=$("$penumbra" submit scene.json $args)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How scene documents and pixels are stored: zstd frames that carry their size and a checksum.
- * Pixels are rearranged first, so that bytes that resemble each other stand together. */
+/* The stored form of scene documents and pixels: zstd frames that carry their size and a checksum.
+ * Pixels are rearranged first, so that similar bytes are neighbours (pixels.c). */
 #ifndef PEN_STORE_INTERNAL_COMPRESS_H
 #define PEN_STORE_INTERNAL_COMPRESS_H
 
@@ -11,35 +11,36 @@
 
 struct pen_compressor;
 
-/* What a call gives back. Owns: the callee's memory, valid until its next call. */
+/* The bytes that a call returns. Owns: they belong to the called object, until its next call. */
 struct pen_bytes {
     const void *data;
     size_t bytes;
 };
 
-/* level: of zstd. Owns: free with pen_compressor_free. Fails: NULL when out of memory. */
+/* `level` is zstd's compression level. Owns: free with pen_compressor_free. Fails: NULL when out of
+ * memory. Threads: one at a time. */
 struct pen_compressor *pen_compressor_new(int level);
-void pen_compressor_free(struct pen_compressor *packer);
+void pen_compressor_free(struct pen_compressor *compressor);
 
-/* Packs bytes. Fails: PEN_NO_MEMORY. */
-bool pen_compress(struct pen_compressor *packer, const void *data, size_t bytes,
+/* Compresses into one frame. Fails: PEN_NO_MEMORY. */
+bool pen_compress(struct pen_compressor *compressor, const void *data, size_t bytes,
                   struct pen_bytes *out, struct pen_status *st);
 
-/* Unpacks. Fails: PEN_STORAGE (damaged), PEN_NO_MEMORY. */
-bool pen_decompress(struct pen_compressor *packer, const void *data, size_t bytes,
+/* Decompresses one frame. Fails: PEN_STORAGE (damaged), PEN_NO_MEMORY. */
+bool pen_decompress(struct pen_compressor *compressor, const void *data, size_t bytes,
                     struct pen_bytes *out, struct pen_status *st);
 
-/* The sum of bytes that carry none of their own (checksum.c). It finds damage, not malice: every
- * change within eight bytes and of the length, and other changes except one in 2^64. Cost: that of
- * reading the bytes. */
+/* A checksum for stored bytes that are no zstd frame (checksum.c). It finds any change within one
+ * aligned word of eight bytes, any change of the length, and any other change with probability
+ * 1 - 2^-64. It does not protect against deliberate changes. Cost: about that of reading. */
 int64_t pen_checksum(const void *data, size_t bytes);
 
-/* pixels.c: what has been added, as it is stored. Valid until more is added. */
+/* The stored form of the pixels added so far (pixels.c). Owns: valid until more are added. */
 struct pen_bytes pen_pixels_encoded(const struct pen_pixels *pixels);
 
-/* Unpacks stored pixels, of which there must be `count`, into rgb. Fails: PEN_STORAGE (damaged, or
- * of a form that is not known), PEN_NO_MEMORY. */
-bool pen_pixels_decode(struct pen_compressor *packer, const struct pen_bytes *in, float *rgb,
+/* Decodes stored pixels into rgb. Shape: rgb takes 3 * count values. Fails: PEN_STORAGE (damaged,
+ * not `count` pixels, or of an unknown form), PEN_NO_MEMORY. */
+bool pen_pixels_decode(struct pen_compressor *compressor, const struct pen_bytes *in, float *rgb,
                        int64_t count, struct pen_status *st);
 
 #endif
