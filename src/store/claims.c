@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Leases: claim, heartbeat, progress, release, fail. A lease is (batch, attempt); the attempt grows
- * with every claim, and everything that a holder does names both (README.md, "Fencing"). */
+/* Leases: claim, heartbeat, progress, release, fail. A lease is (batch, attempt). The attempt grows
+ * with every claim, and every call of a holder names both (README.md, "Leases and fencing"). */
 #include "store/internal/policy.h"
 
-/* What a worker may be given besides what it holds. */
+/* What a worker may claim, given what it holds. */
 struct allowance {
-    bool any;   /* it holds no batch that must be held alone */
-    bool alone; /* it holds nothing: also quarantined batches and studies */
+    bool any;   /* anything: it holds no batch that must be held alone */
+    bool alone; /* also quarantined batches and studies: it holds nothing */
 };
 
 static bool read_allowance(struct pen_driver *driver, const char *worker,
@@ -19,7 +19,7 @@ static bool read_allowance(struct pen_driver *driver, const char *worker,
     return true;
 }
 
-/* The open batch that is next. Jobs that are paused come after all others. */
+/* Finds the open batch that is next. Batches of paused jobs come after all others. */
 static bool find_open(struct pen_driver *driver, int64_t now_ms, bool alone, struct pen_next *next,
                       int64_t *job, struct pen_status *st)
 {
@@ -64,7 +64,7 @@ bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_st
         return true;
     if (!find_open(driver, now_ms, allowance.alone, next, &job, st))
         return false;
-    /* A study is not passed over: the worker becomes idle for it. */
+    /* A study is not passed over: the worker claims nothing until it holds nothing. */
     if (next->found && next->claim.kind == PEN_BATCH_STUDY && !allowance.alone)
         next->found = false;
     return !next->found || lease(store, next, job, now_ms, st);
@@ -75,7 +75,7 @@ static bool write_claim(struct pen_store *store, void *arg, struct pen_status *s
     return pen_take_next(store, arg, st);
 }
 
-/* Reads first: an idle worker does not write. */
+/* Reads first, so that an idle worker does not write. */
 bool pen_policy_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                       struct pen_claim *claim, bool *found, struct pen_status *st)
 {
@@ -94,8 +94,8 @@ bool pen_policy_claim(struct pen_store *store, const char *worker, int64_t lease
     return true;
 }
 
-bool pen_claim_standing(struct pen_store *store, const struct pen_claim *claim,
-                        struct pen_batch_row *row, bool *held, struct pen_status *st)
+bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
+                     struct pen_batch_row *row, bool *held, struct pen_status *st)
 {
     bool found;
     *row = (struct pen_batch_row){.state = PEN_BATCH_STATE_COUNT};
@@ -117,7 +117,7 @@ static bool write_progress(struct pen_store *store, void *arg, struct pen_status
     struct pen_batch_row batch;
     struct pen_progress progress = {.pixels = in->done};
     bool held;
-    if (!pen_claim_standing(store, in->claim, &batch, &held, st) ||
+    if (!pen_check_fence(store, in->claim, &batch, &held, st) ||
         !driver->ops->now(driver, &progress.now_ms, st))
         return false;
     if (!held)
@@ -157,7 +157,7 @@ static bool write_failure(struct pen_store *store, void *arg, struct pen_status 
     const struct failure *failure = arg;
     struct pen_batch_row batch;
     bool held;
-    if (!pen_claim_standing(store, failure->claim, &batch, &held, st))
+    if (!pen_check_fence(store, failure->claim, &batch, &held, st))
         return false;
     if (!held)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its job was left as it is");
@@ -190,7 +190,7 @@ bool pen_policy_heartbeat(struct pen_store *store, const struct pen_claim *claim
 {
     struct pen_batch_row batch;
     int64_t now_ms;
-    if (!pen_claim_standing(store, claim, &batch, held, st) ||
+    if (!pen_check_fence(store, claim, &batch, held, st) ||
         !store->driver->ops->now(store->driver, &now_ms, st))
         return false;
     if (!*held || batch.lease_until_ms - now_ms >= lease_ms - lease_ms / 3)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The commit of a batch (README.md, "Commit"): fenced by the attempt, pixels and state in one
- * transaction, idempotent, and pictures made from committed pixels alone. */
+/* The commit of a batch (README.md, "Commit"): fenced by the attempt, idempotent, with pixels and
+ * state in one transaction. Assemble batches make pictures from committed pixels. */
 #include "store/internal/policy.h"
 
 struct commit {
@@ -20,7 +20,7 @@ static bool add_progress(struct pen_driver *driver, const struct commit *commit,
         .job = batch->job,
         .pixels = batch->kind == PEN_BATCH_ASSEMBLE ? 0 : batch->pixels,
         .now_ms = commit->now_ms,
-        .add = batch->kind != PEN_BATCH_STUDY, /* a study has stored its progress all along */
+        .add = batch->kind != PEN_BATCH_STUDY, /* a study has stored its progress already */
         .forgive = true,
     };
     return driver->ops->job_progress(driver, &progress, st);
@@ -39,12 +39,14 @@ static bool add_artefact(struct pen_store *store, const struct commit *commit,
                          struct pen_status *st)
 {
     const struct pen_result *result = commit->result;
-    struct pen_artefact_key key = {commit->batch.job, commit->batch.view, result->layer,
-                                   result->format};
+    struct pen_artefact_key key = {.job = commit->batch.job,
+                                   .view = commit->batch.view,
+                                   .layer = result->layer,
+                                   .format = result->format};
     return pen_put_artefact(store, &key, result->artefact, result->artefact_bytes, st);
 }
 
-/* The unique index on assemble batches would refuse a second one: there is one already then. */
+/* If the view has an assemble batch already, the unique index on these leaves it the only one. */
 static bool add_assemble_batch(struct pen_store *store, const struct commit *commit,
                                struct pen_status *st)
 {
@@ -68,7 +70,8 @@ static bool end_view(struct pen_store *store, const struct commit *commit, struc
            driver->ops->job_succeed(driver, commit->batch.job, commit->now_ms, st);
 }
 
-/* Counts a batch off its view. The last one of several calls for an assemble batch. */
+/* Subtracts a batch from the view's open ones. After the last one the view ends or, if it had
+ * several, gets its assemble batch. */
 static bool count_down(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
     int64_t batches, open;
@@ -87,7 +90,7 @@ static bool write_result(struct pen_store *store, const struct commit *commit,
     enum pen_batch_kind kind = commit->batch.kind;
     bool done;
     store->changed = true;
-    /* Progress first: the batch takes note of the revision that it gives the job. */
+    /* Progress comes first: it gives the job the revision that batch_done stores with the batch. */
     if (!add_progress(driver, commit, st) ||
         !driver->ops->batch_done(driver, commit->claim->batch, commit->claim->attempt,
                                  commit->result->stats, commit->now_ms, &done, st))
@@ -100,7 +103,7 @@ static bool write_result(struct pen_store *store, const struct commit *commit,
     return kind == PEN_BATCH_ASSEMBLE ? end_view(store, commit, st) : count_down(store, commit, st);
 }
 
-/* Whether the result is one for this batch: a claim names both, so a mistake is the caller's. */
+/* Checks that the result fits the kind and the size of the batch. Fails: PEN_INTERNAL. */
 static bool check_result(const struct commit *commit, struct pen_status *st)
 {
     const struct pen_result *result = commit->result;
@@ -117,7 +120,7 @@ static bool write_commit(struct pen_store *store, void *arg, struct pen_status *
     struct commit *commit = arg;
     const struct pen_batch_row *batch = &commit->batch;
     bool held;
-    if (!pen_claim_standing(store, commit->claim, &commit->batch, &held, st) ||
+    if (!pen_check_fence(store, commit->claim, &commit->batch, &held, st) ||
         !store->driver->ops->now(store->driver, &commit->now_ms, st))
         return false;
     bool duplicate = batch->state == PEN_BATCH_DONE && batch->attempt == commit->claim->attempt;
@@ -130,7 +133,7 @@ static bool write_commit(struct pen_store *store, void *arg, struct pen_status *
     return !commit->next || pen_take_next(store, commit->next, st);
 }
 
-/* Encodes the pixels, unless they come encoded. */
+/* Encodes the pixels, unless the caller has done so. */
 static bool encode_result(struct pen_store *store, struct commit *commit, struct pen_status *st)
 {
     const struct pen_result *result = commit->result;

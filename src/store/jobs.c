@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs as readers see them, and their end by request: get, list, scene, cancel, delete, purge. */
+/* Jobs for readers, and their end on request: get, list, scene, cancel, delete, purge. */
 #include <stdlib.h>
 
 #include "store/internal/policy.h"
@@ -12,7 +12,8 @@ bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *j
            (found || pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id));
 }
 
-/* The attempt that a job is on: one more than its charges, the last of which may have ended it. */
+/* Sets the attempt that the job is on: one more than its charges, unless the last one has ended it.
+ */
 static void set_attempts(struct pen_job_row *row)
 {
     struct pen_job_record *job = &row->record;

@@ -1,35 +1,34 @@
 /* SPDX-License-Identifier: MIT */
-/* Batches whose worker is gone (README.md, "Lost workers"). Until more is known any of them may
- * have killed it, so all are quarantined. Only the crash of a worker that held one job's batches
- * alone is charged, and to the job: its batches share the scene. */
+/* Batches whose worker is lost (README.md, "Lost workers, charges and pauses"). Any of them may
+ * have killed the worker, so all are quarantined. A crash is charged only if the worker held
+ * batches of one job, and it is charged to the job, because its batches share the scene. */
 #include <stdlib.h>
 
 #include "store/internal/policy.h"
 
 enum {
     PAGE = 16,
-    FIRST_PAUSE_MS = 250, /* doubled before its first use: the second loss pauses 0.5 s */
+    FIRST_PAUSE_MS = 250, /* doubled once before its first use: the second loss pauses for 0.5 s */
     LONGEST_PAUSE_MS = 60000,
     DOUBLINGS = 8,
-    TRIES = 8 /* to find the same charge twice */
+    TRIES = 8 /* to find the same charge before and in the transaction */
 };
 
-/* What to charge, and to which job: a batch of the only job that the worker held, if there is one.
- */
+/* A charge for a crash. */
 struct charge {
-    bool any;
-    struct pen_claim claim;
-    int64_t job, charges, max_attempts; /* charges: with this one */
+    bool any;               /* false: the worker held no batch, or batches of several jobs */
+    struct pen_claim claim; /* a batch that the worker held */
+    int64_t job, charges, max_attempts; /* charges: of the job, including this one */
 };
 
-/* One call that opens lost batches. */
+/* The input and output of a call that opens lost batches. */
 struct loss {
     struct pen_lost lost;
-    bool left;                   /* the worker gave them back: they are not quarantined */
-    const struct charge *charge; /* NULL: none is wanted */
-    const char *error;           /* of the job that the charge ends; NULL: it does not */
-    bool outdated;               /* out: the charge is no longer the one that the error is for */
-    int opened;
+    bool left;                   /* the worker gave its batches back: they are not quarantined */
+    const struct charge *charge; /* NULL: nothing is charged */
+    const char *error;           /* of the job, if the charge ends it; else NULL */
+    bool outdated;               /* out: the charge has changed since the error was made */
+    int opened;                  /* out: number of batches */
 };
 
 static int64_t pause_ms(int64_t deaths)
@@ -38,7 +37,7 @@ static int64_t pause_ms(int64_t deaths)
     return ms < LONGEST_PAUSE_MS ? ms : LONGEST_PAUSE_MS;
 }
 
-/* The first loss of a job is retried in its turn; from the second on the job is paused. */
+/* After its first loss a job is retried in its turn; from the second loss on it is paused. */
 static bool count_death(struct pen_driver *driver, const struct pen_lost_job *job, int64_t now_ms,
                         struct pen_status *st)
 {
@@ -95,7 +94,7 @@ static bool is_same(const struct charge *a, const struct charge *b)
                         a->charges == b->charges && a->max_attempts == b->max_attempts));
 }
 
-/* Charges the job, and ends it if that was its last attempt. */
+/* Charges the job, and ends it if this was its last attempt. */
 static bool write_charge(struct pen_store *store, const struct loss *loss, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
@@ -107,7 +106,7 @@ static bool write_charge(struct pen_store *store, const struct loss *loss, struc
            (!loss->error || pen_end_job(store, charge->job, PEN_JOB_FAILED, loss->error, st));
 }
 
-/* Whether what was found before the transaction still holds in it. */
+/* Finds out, in the transaction, whether the charge found before it is still the same. */
 static bool confirm_charge(struct pen_store *store, struct loss *loss, struct pen_status *st)
 {
     struct charge now;
@@ -131,12 +130,12 @@ static bool write_loss(struct pen_store *store, void *arg, struct pen_status *st
         !driver->ops->open_lost(driver, &loss->lost, !loss->left, &loss->opened, st))
         return false;
     if (loss->error)
-        loss->opened = 0; /* they were of this job alone, and it ends */
+        loss->opened = 0; /* all were batches of this job, which ends */
     store->work = loss->opened > 0;
     return !loss->charge || !loss->charge->any || write_charge(store, loss, st);
 }
 
-/* Reads first: most calls find nothing to do. */
+/* Reads first, because most calls find nothing to do. */
 static bool open_lost(struct pen_store *store, struct loss *loss, struct pen_status *st)
 {
     bool any;
@@ -156,8 +155,8 @@ bool pen_policy_expire_leases(struct pen_store *store, const char *dead_worker, 
     return true;
 }
 
-/* One try to bury a crashed worker: what to charge, then the error (the caller's function, outside
- * any transaction), then all changes. */
+/* One try to handle a crash: finds the charge, lets the caller make the error, outside any
+ * transaction, and then makes all changes in one transaction. */
 static bool try_crash(struct pen_store *store, const struct pen_worker_death *death,
                       struct loss *loss, struct pen_status *st)
 {
@@ -202,7 +201,7 @@ bool pen_policy_worker_ended(struct pen_store *store, const struct pen_worker_de
     return ok;
 }
 
-/* Opens the batches of one worker if it does not live, and removes it from the list. */
+/* If the worker is dead, opens its batches and removes it from the list. */
 static bool release_if_dead(struct pen_store *store, const char *id, int *opened,
                             struct pen_status *st)
 {
@@ -220,7 +219,9 @@ static bool release_if_dead(struct pen_store *store, const char *id, int *opened
     return true;
 }
 
-/* One page of workers; *last is the last of them, "" after the last page. */
+/* Does so for a page of workers above *last. *last becomes the last of them, NULL after the last
+ * page.
+ */
 static bool release_page(struct pen_store *store, struct pen_arena *arena, const char **last,
                          int *opened, struct pen_status *st)
 {

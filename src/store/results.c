@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What was committed: pixels, statistics, batches, pictures. Rows are read in pages; the caller's
- * function is called between them, outside any transaction. A row once committed never changes, so
- * pages of different moments fit together; a job that is deleted meanwhile ends the list. */
+/* Reads what was committed: pixels, statistics, batches, artefacts. Rows are read in pages, and the
+ * caller's function is called between pages, outside any transaction. A committed row never
+ * changes, so pages of different moments fit together. If the job is deleted meanwhile, the list
+ * ends. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,7 +65,7 @@ bool pen_policy_pixels(struct pen_store *store, const char *id, int view, pen_pi
     return true;
 }
 
-/* A list that is read in pages with an arena for their texts. */
+/* A list that is read in pages, with an arena for the texts of a page. */
 struct listing {
     struct pen_store *store;
     struct pen_arena *arena;
@@ -74,7 +75,8 @@ struct listing {
     void *user;
 };
 
-/* Reads and hands over one page; *more: there may be another, and the caller wants it. */
+/* Reads one page and calls the caller's function for its rows. *more: there may be another page,
+ * and the caller wants it. */
 typedef bool page_fn(struct listing *listing, bool *more, struct pen_status *st);
 
 static bool stats_page(struct listing *listing, bool *more, struct pen_status *st)
@@ -169,7 +171,7 @@ bool pen_policy_commits(struct pen_store *store, const char *id, int64_t after, 
     return true;
 }
 
-/* One artefact: which, and where it goes to or comes from. */
+/* One artefact: its key with the job's id, its row once found, its bytes if it is stored. */
 struct artefact {
     const char *id, *layer, *format;
     int view;
@@ -184,7 +186,10 @@ static bool artefact_key(struct pen_store *store, const struct artefact *artefac
     struct pen_job_key job;
     if (!pen_find_job(store, artefact->id, &job, st))
         return false;
-    *key = (struct pen_artefact_key){job.number, artefact->view, artefact->layer, artefact->format};
+    *key = (struct pen_artefact_key){.job = job.number,
+                                     .view = artefact->view,
+                                     .layer = artefact->layer,
+                                     .format = artefact->format};
     return true;
 }
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The tables of states.h as data, and the names of states in the API. */
+/* The tables of states.h as data, and the names that states have in the API. */
 #include "store/states.h"
 
 #include <string.h>
 
-#define ROW(from, to, function) {from, to, function},
+#define ROW(from_state, to_state, name) {.from = from_state, .to = to_state, .function = name},
 
 static const struct pen_arrow job_arrows[] = {PEN_JOB_ARROWS(ROW)};
 static const struct pen_arrow batch_arrows[] = {PEN_BATCH_ARROWS(ROW)};

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The states of jobs and batches: every arrow, and the function behind it. An arrow that is not in
- * this table does not exist: the store builds from it the rule by which the database itself
- * refuses any other change of state.
+/* The states of jobs and batches: every transition, and the function that makes it. From this table
+ * the driver builds triggers by which the database itself refuses any other change of state.
  *
  *     submit ──▶ QUEUED ──claim──▶ RUNNING ──commit──▶ SUCCEEDED ┐
  *                  │                  ├─fail, ended──▶ FAILED    ├──delete──▶ (gone)
@@ -10,14 +9,14 @@
  *     submit, commit ──▶ OPEN ──────────claim─────────▶ LEASED ──commit──▶ DONE
  *     (assemble)          ▲ └─cancel, fail,─▶ ENDED ◀─cancel, fail,┤
  *                         │   ended                        ended  │
- *                         └──────────release, sweep, ended────────┘
+ *                         └─────────release, expire, ended────────┘
  *
- * "ended" is pen_store_worker_ended: a job fails by it when max_attempts deaths of workers in a row
- * were charged to it, without a commit in between.
+ * "ended" is pen_store_worker_ended, "expire" pen_store_expire_leases. A job fails by "ended" when
+ * max_attempts crashes of workers in a row were charged to it, without a commit in between.
  *
- * A job is SUCCEEDED when all its batches are DONE. When it ends otherwise, its OPEN and LEASED
- * batches become ENDED in the same transaction, so nothing of it can be claimed or committed
- * afterwards; what is DONE stays, for the preview. */
+ * A job is SUCCEEDED when all its batches are DONE. When it fails or is cancelled, its OPEN and
+ * LEASED batches become ENDED in the same transaction, so that none can be claimed or committed
+ * afterwards. Batches that are DONE stay, for the preview. */
 #ifndef PEN_STORE_STATES_H
 #define PEN_STORE_STATES_H
 
@@ -50,7 +49,7 @@ struct pen_arrow {
     const char *function;
 };
 
-/* The tables above as data. Returns the arrows; *count is their number. */
+/* The tables as data; *count is the number of rows. */
 const struct pen_arrow *pen_job_arrows(int *count);
 const struct pen_arrow *pen_batch_arrows(int *count);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The door: chooses the driver by the URL, hands each call to the policy if the store's health
- * allows, and gives the signals that the call has earned. Signals are given after the transaction,
- * so that a reader who is woken sees the change. */
+/* The functions of store.h: each checks the store's health, calls the policy, gives signals and
+ * tells the observer. Signals are given after the transaction, so that a reader who wakes up sees
+ * the change. Also here: the choice of the driver. */
 #include "store/store.h"
 
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #include "store/internal/health.h"
 #include "store/internal/policy.h"
 
-/* Of zstd, for scene documents: they are written once. */
+/* zstd's level for scene documents. They are written once. */
 enum { DOCUMENT_LEVEL = 1 };
 
 static bool has_prefix(const char *text, const char *prefix)
@@ -71,8 +71,8 @@ void pen_store_observe(struct pen_store *store, const struct pen_store_observer 
     store->observer = observer;
 }
 
-/* The beginning of a call that an observer is to be told of. */
-struct span {
+/* The state at the beginning of a call that an observer is told of; name is NULL without one. */
+struct call_start {
     const char *name;
     int64_t transactions, wall_ns, cpu_ns;
 };
@@ -84,24 +84,29 @@ static int64_t thread_cpu_ns(void)
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-static struct span begin(const struct pen_store *store, const char *name)
+static struct call_start begin(const struct pen_store *store, const char *name)
 {
     if (!store->observer)
-        return (struct span){0};
-    return (struct span){name, store->driver->transactions, pen_clock_ns(), thread_cpu_ns()};
+        return (struct call_start){0};
+    return (struct call_start){.name = name,
+                               .transactions = store->driver->transactions,
+                               .wall_ns = pen_clock_ns(),
+                               .cpu_ns = thread_cpu_ns()};
 }
 
-static bool end(const struct pen_store *store, const struct span *span, bool ok)
+static bool end(const struct pen_store *store, const struct call_start *start, bool ok)
 {
-    if (!span->name)
+    if (!start->name)
         return ok;
-    struct pen_store_call call = {span->name, store->driver->transactions - span->transactions,
-                                  pen_clock_ns() - span->wall_ns, thread_cpu_ns() - span->cpu_ns};
+    struct pen_store_call call = {.name = start->name,
+                                  .transactions = store->driver->transactions - start->transactions,
+                                  .wall_ns = pen_clock_ns() - start->wall_ns,
+                                  .cpu_ns = thread_cpu_ns() - start->cpu_ns};
     store->observer->called(store->observer->user, &call);
     return ok;
 }
 
-/* A call of the policy is `enter(…) && leave(store, span, call, st)`: see health.h. */
+/* A call of the policy is `enter(store, need, st) && leave(store, &start, CALL)`, see health.h. */
 static bool enter(struct pen_store *store, enum pen_need need, struct pen_status *st)
 {
     if (store->depth == 0)
@@ -119,21 +124,22 @@ static void give_signals(struct pen_store *store)
     store->work = store->changed = false;
 }
 
-/* Takes note of faults, gives the signals due, and passes the call's outcome through. */
-static bool leave(struct pen_store *store, const struct span *span, bool ok)
+/* Notes faults, gives signals, tells the observer (start: NULL if it is not told of this call) and
+ * returns the call's result. */
+static bool leave(struct pen_store *store, const struct call_start *start, bool ok)
 {
     if (pen_health_exit(store))
         give_signals(store);
-    return span ? end(store, span, ok) : ok;
+    return start ? end(store, start, ok) : ok;
 }
 
 enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st)
 {
     if (store->outcome_unknown)
         return PEN_FAILURE_UNKNOWN;
-    bool passing = st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL ||
-                   st->code == PEN_STORAGE || st->code == PEN_NO_MEMORY;
-    return passing ? PEN_FAILURE_RETRY : PEN_FAILURE_REFUSED;
+    bool temporary = st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL ||
+                     st->code == PEN_STORAGE || st->code == PEN_NO_MEMORY;
+    return temporary ? PEN_FAILURE_RETRY : PEN_FAILURE_REFUSED;
 }
 
 bool pen_store_now(struct pen_store *store, int64_t *now_ms, struct pen_status *st)
@@ -161,9 +167,9 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st)
 {
-    struct span span = begin(store, "submit");
+    struct call_start start = begin(store, "submit");
     return enter(store, PEN_NEED_SPACE, st) &&
-           leave(store, &span, pen_policy_submit(store, job, result, first_answer, st));
+           leave(store, &start, pen_policy_submit(store, job, result, first_answer, st));
 }
 
 void pen_job_record_release(struct pen_job_record *job)
@@ -177,9 +183,9 @@ void pen_job_record_release(struct pen_job_record *job)
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st)
 {
-    struct span span = begin(store, "job");
+    struct call_start start = begin(store, "job");
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, &span, pen_policy_job(store, id, job, st));
+           leave(store, &start, pen_policy_job(store, id, job, st));
 }
 
 bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
@@ -205,111 +211,111 @@ bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct
 bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                      struct pen_status *st)
 {
-    struct span span = begin(store, "scene");
+    struct call_start start = begin(store, "scene");
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, &span, pen_policy_scene(store, id, scene, st));
+           leave(store, &start, pen_policy_scene(store, id, scene, st));
 }
 
 bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st)
 {
-    struct span span = begin(store, "cancel");
+    struct call_start start = begin(store, "cancel");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_cancel(store, id, st));
+           leave(store, &start, pen_policy_cancel(store, id, st));
 }
 
 bool pen_store_delete(struct pen_store *store, const char *id, struct pen_status *st)
 {
-    struct span span = begin(store, "delete");
+    struct call_start start = begin(store, "delete");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_delete(store, id, st));
+           leave(store, &start, pen_policy_delete(store, id, st));
 }
 
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                      struct pen_claim *claim, bool *found, struct pen_status *st)
 {
-    struct span span = begin(store, "claim");
+    struct call_start start = begin(store, "claim");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_claim(store, worker, lease_ms, claim, found, st));
+           leave(store, &start, pen_policy_claim(store, worker, lease_ms, claim, found, st));
 }
 
 bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
                       const struct pen_result *result, struct pen_status *st)
 {
-    struct span span = begin(store, "commit");
+    struct call_start start = begin(store, "commit");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_commit(store, claim, result, NULL, st));
+           leave(store, &start, pen_policy_commit(store, claim, result, NULL, st));
 }
 
 bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
                                 const struct pen_result *result, struct pen_next *next,
                                 struct pen_status *st)
 {
-    struct span span = begin(store, "commit");
+    struct call_start start = begin(store, "commit");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_commit(store, claim, result, next, st));
+           leave(store, &start, pen_policy_commit(store, claim, result, next, st));
 }
 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                         struct pen_status *st)
 {
-    struct span span = begin(store, "progress");
+    struct call_start start = begin(store, "progress");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_progress(store, claim, done, st));
+           leave(store, &start, pen_policy_progress(store, claim, done, st));
 }
 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st)
 {
-    struct span span = begin(store, "release");
+    struct call_start start = begin(store, "release");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_release(store, claim, st));
+           leave(store, &start, pen_policy_release(store, claim, st));
 }
 
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                     struct pen_status *st)
 {
-    struct span span = begin(store, "fail");
+    struct call_start start = begin(store, "fail");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_fail(store, claim, error, st));
+           leave(store, &start, pen_policy_fail(store, claim, error, st));
 }
 
 bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st)
 {
-    struct span span = begin(store, "heartbeat");
+    struct call_start start = begin(store, "heartbeat");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_heartbeat(store, claim, lease_ms, held, st));
+           leave(store, &start, pen_policy_heartbeat(store, claim, lease_ms, held, st));
 }
 
 bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
                              struct pen_status *st)
 {
-    struct span span = begin(store, "expire_leases");
+    struct call_start start = begin(store, "expire_leases");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_expire_leases(store, dead_worker, opened, st));
+           leave(store, &start, pen_policy_expire_leases(store, dead_worker, opened, st));
 }
 
 bool pen_store_release_dead(struct pen_store *store, int *opened, struct pen_status *st)
 {
-    struct span span = begin(store, "release_dead");
+    struct call_start start = begin(store, "release_dead");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_release_dead(store, opened, st));
+           leave(store, &start, pen_policy_release_dead(store, opened, st));
 }
 
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
                             int *opened, struct pen_status *st)
 {
-    struct span span = begin(store, "worker_ended");
+    struct call_start start = begin(store, "worker_ended");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_worker_ended(store, death, opened, st));
+           leave(store, &start, pen_policy_worker_ended(store, death, opened, st));
 }
 
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
                       void *user, struct pen_status *st)
 {
-    struct span span = begin(store, "pixels");
+    struct call_start start = begin(store, "pixels");
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, &span, pen_policy_pixels(store, id, view, each, user, st));
+           leave(store, &start, pen_policy_pixels(store, id, view, each, user, st));
 }
 
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
@@ -341,16 +347,16 @@ bool pen_store_worker_lock(struct pen_store *store, const char *id, struct pen_s
 bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
                            struct pen_status *st)
 {
-    struct span span = begin(store, "worker_seen");
+    struct call_start start = begin(store, "worker_seen");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_worker_seen(store, worker, st));
+           leave(store, &start, pen_policy_worker_seen(store, worker, st));
 }
 
 bool pen_store_worker_gone(struct pen_store *store, const char *id, struct pen_status *st)
 {
-    struct span span = begin(store, "worker_gone");
+    struct call_start start = begin(store, "worker_gone");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_worker_gone(store, id, st));
+           leave(store, &start, pen_policy_worker_gone(store, id, st));
 }
 
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
@@ -388,16 +394,16 @@ bool pen_store_checkpoint_due(const struct pen_store *store)
 
 bool pen_store_checkpoint(struct pen_store *store, struct pen_status *st)
 {
-    struct span span = begin(store, "checkpoint");
+    struct call_start start = begin(store, "checkpoint");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, store->driver->ops->checkpoint(store->driver, st));
+           leave(store, &start, store->driver->ops->checkpoint(store->driver, st));
 }
 
 bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
 {
-    struct span span = begin(store, "purge");
+    struct call_start start = begin(store, "purge");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &span, pen_policy_purge(store, key_age_ms, st));
+           leave(store, &start, pen_policy_purge(store, key_age_ms, st));
 }
 
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Accepting a job: the key, the scene document, the job, its views and its batches, in one
- * transaction. Unique constraints alone tell whether a key, a document or a job is there already
- * (README.md, "Submit"). The document is compressed before the transaction begins, unless it is
- * there already: the write lock is held for the writing alone. */
+/* Submit: stores the key, the scene document, the job, its views and its batches in one transaction
+ * (README.md, "Submit"). Unique constraints alone tell whether a key, a document or a job is stored
+ * already. The document is compressed before the transaction, unless it is stored already, so that
+ * the write lock is held for writing only. */
 #include <string.h>
 
 #include "store/internal/policy.h"
@@ -15,7 +15,7 @@ struct submission {
     struct pen_buf *first_answer;
 };
 
-/* The key was used before: with this body, or with another. */
+/* The key is stored already: compares the body it came with, and reads the first answer. */
 static bool read_key(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
     unsigned char body[32];
@@ -83,7 +83,7 @@ static bool add_scene(struct pen_store *store, struct submission *in, int64_t *n
            (found || pen_fail(st, PEN_UNAVAILABLE, "the scene document was removed meanwhile"));
 }
 
-/* A job of this id is stored: by an earlier try of this submit, or it is another one. */
+/* A job with this id is stored already: by an earlier try of this submit, or it is another job. */
 static bool compare_known(struct pen_store *store, struct submission *in, int64_t scene,
                           struct pen_status *st)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of workers. A worker stores from time to time that it is there; what it works on is
- * known from its leases, and a lease that was extended says that its holder lives. */
+/* The list of workers, and their ids. A worker renews its row from time to time. The batches it
+ * works on are known from its leases, and the end of a lease tells when its holder last extended
+ * it. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

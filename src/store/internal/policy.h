@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The policy of the store: the handle behind store.h, and the calls of store.h without what
- * store.c adds to every one of them (health, signals, observers). README.md has the rules. */
+/* The policy of the store: the handle behind store.h, helpers that its files share, and each call
+ * of store.h as pen_policy_…, without what store.c adds to all of them (health, signals,
+ * observers). src/store/README.md has the rules. */
 #ifndef PEN_STORE_INTERNAL_POLICY_H
 #define PEN_STORE_INTERNAL_POLICY_H
 
@@ -10,44 +11,45 @@
 struct pen_store {
     struct pen_driver *driver;
     struct pen_compressor *compressor;
-    struct pen_pixels *pixels; /* of results that come as floats; NULL before the first */
+    struct pen_pixels *pixels; /* encodes results that come as floats; NULL before the first */
     struct pen_buf blob;       /* the blob last read, as stored */
-    float *rgb;                /* decoded pixels, kept from batch to batch */
+    float *rgb;                /* buffer for decoded pixels */
     size_t rgb_pixels;         /* capacity of rgb */
-    bool work;                 /* this call made a batch claimable */
-    bool changed;              /* this call changed a job */
-    bool outcome_unknown;      /* of the last call: it failed and may have happened */
+    bool work;                 /* this call made a batch claimable: give PEN_SIGNAL_WORK */
+    bool changed;              /* this call changed a job: give PEN_SIGNAL_CHANGES */
+    bool outcome_unknown;      /* the last call failed, and its changes may be stored */
     const struct pen_store_observer *observer; /* NULL: none */
-    /* health.c's: */
-    int depth;      /* of calls: callbacks may call again */
-    uint32_t epoch; /* the store's faults when the driver's handle was opened */
+    /* Used by health.c: */
+    int depth;      /* of nested calls: a caller's function may call again */
+    uint32_t epoch; /* the number of the store's faults when the driver's handle was opened */
 };
 
-/* Runs `body` in a write transaction: committed if it returns true, else rolled back. */
+/* Runs `body` in a write transaction, which is committed if it returns true and else rolled back.
+ */
 typedef bool pen_body(struct pen_store *store, void *arg, struct pen_status *st);
 bool pen_store_write(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st);
 
-/* Runs `body` against one unchanging state of the database. */
+/* Runs `body` on one unchanging state of the database. */
 bool pen_store_read(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st);
 
 /* Finds a job. Fails: PEN_NOT_FOUND. */
 bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *job,
                   struct pen_status *st);
 
-/* Ends a job as cancelled or failed, with its open and leased batches; inside a transaction. */
+/* Makes a job cancelled or failed, and ends its open and leased batches; inside a transaction. */
 bool pen_end_job(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
                  struct pen_status *st);
 
 /* Leases the next open batch to a worker; inside a transaction. */
 bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_status *st);
 
-/* Whether a batch is leased under the attempt of a claim; inside a transaction or before one.
- * *row.state is PEN_BATCH_STATE_COUNT if there is no such batch. */
-bool pen_claim_standing(struct pen_store *store, const struct pen_claim *claim,
-                        struct pen_batch_row *row, bool *held, struct pen_status *st);
+/* Tells whether a batch is leased under the attempt of a claim; inside a transaction or before one.
+ * row->state is PEN_BATCH_STATE_COUNT if there is no such batch. */
+bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
+                     struct pen_batch_row *row, bool *held, struct pen_status *st);
 
-/* Blobs: the first range, which is written with its row; the others; the whole, read into
- * store->blob. */
+/* Blobs. pen_blob_begin gives the first range, which is stored with its row; pen_blob_finish writes
+ * the other ranges; pen_blob_load reads a whole blob into store->blob. */
 struct pen_blob_start pen_blob_begin(const void *data, size_t bytes);
 bool pen_blob_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t number,
                      const void *data, size_t bytes, struct pen_status *st);
@@ -58,7 +60,7 @@ bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t num
 bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key, const void *data,
                       size_t bytes, struct pen_status *st);
 
-/* The calls of store.h. */
+/* The calls of store.h, see there. */
 bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,
                        enum pen_submit_result *result, struct pen_buf *first_answer,
                        struct pen_status *st);
