@@ -79,7 +79,7 @@ static bool wrong_value(const struct pen_option *option, const char *where, cons
     return pen_fail(st, PEN_USAGE, "%s: found \"%s\", allowed is %s", where, text, allowed);
 }
 
-/* A whole finite number within the row's range. */
+/* Reads a finite number within the row's range, with nothing after it. */
 static bool read_number(const struct pen_option *option, const char *text, double *value)
 {
     char *end;
@@ -152,10 +152,10 @@ bool pen_option_set(const struct pen_option *option, const char *where, const ch
     return true;
 }
 
-/* Where the parser stands in argv. */
+/* The state of the parser. */
 struct scan {
     const struct pen_command *command;
-    int argc, next;
+    int argc, next; /* next: index in argv of the next word */
     char **argv;
     void *values;
     struct pen_parsed *parsed;
@@ -170,7 +170,8 @@ static bool unknown_option(const struct pen_command *command, const char *name,
     return pen_fail(st, PEN_USAGE, "unknown option --%s, see --help", name);
 }
 
-/* Row i was named on the command line; attached is the text after `=` or the letter, or NULL. */
+/* Takes the option of row i. attached: the text after `=` or after the letter; NULL: the value is
+ * the next word. */
 static bool take_option(struct scan *scan, int i, const char *where, const char *attached,
                         struct pen_status *st)
 {
@@ -238,13 +239,18 @@ bool pen_options_parse(const struct pen_command *command, int argc, char **argv,
                        struct pen_parsed *parsed, struct pen_status *st)
 {
     *parsed = (struct pen_parsed){.args = argv + 1};
-    struct scan scan = {command, argc, 1, argv, values, parsed};
+    struct scan scan = {.command = command,
+                        .argc = argc,
+                        .next = 1,
+                        .argv = argv,
+                        .values = values,
+                        .parsed = parsed};
     bool options_over = false;
     while (scan.next < argc) {
         char *word = argv[scan.next++];
         bool ok = true;
         if (options_over || word[0] != '-' || word[1] == '\0')
-            parsed->args[parsed->count++] = word; /* never overtakes scan.next */
+            parsed->args[parsed->count++] = word; /* count < scan.next: no unread word is lost */
         else if (strcmp(word, "--") == 0)
             options_over = true;
         else if (word[1] == '-')
@@ -275,12 +281,22 @@ bool pen_options_from_env(const struct pen_command *command, void *values,
     return true;
 }
 
-/* Prints text wrapped at 96 columns, every line but the first indented; the cursor is at `column`
- * to begin with. */
+/* The number of characters in the first `bytes` bytes of UTF-8. */
+static int width_of(const char *text, size_t bytes)
+{
+    int width = 0;
+    for (size_t i = 0; i < bytes; i++)
+        width += (text[i] & 0xC0) != 0x80;
+    return width;
+}
+
+/* Prints text wrapped at 96 columns. Every line except the first is indented; the first begins at
+ * `column`. */
 static void print_wrapped(FILE *out, const char *text, int indent, int column)
 {
     while (*text) {
-        int length = (int)strcspn(text, " \n");
+        size_t bytes = strcspn(text, " \n");
+        int length = width_of(text, bytes);
         if (column > indent && column + 1 + length > 96) {
             fprintf(out, "\n%*s", indent, "");
             column = indent;
@@ -288,9 +304,9 @@ static void print_wrapped(FILE *out, const char *text, int indent, int column)
             fputc(' ', out);
             column++;
         }
-        fprintf(out, "%.*s", length, text);
+        fprintf(out, "%.*s", (int)bytes, text);
         column += length;
-        text += length;
+        text += bytes;
         if (*text == '\n') {
             fprintf(out, "\n%*s", text[1] ? indent : 0, "");
             column = indent;
@@ -303,7 +319,8 @@ static void print_wrapped(FILE *out, const char *text, int indent, int column)
 
 static int label_width(const struct pen_option *option)
 {
-    return 8 + (int)strlen(option->name) + (option->value ? 1 + (int)strlen(option->value) : 0);
+    int value = option->value ? 1 + width_of(option->value, strlen(option->value)) : 0;
+    return 8 + (int)strlen(option->name) + value;
 }
 
 static void help_option(const struct pen_option *option, int indent, FILE *out)

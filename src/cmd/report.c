@@ -8,7 +8,7 @@
 #include "io/message.h"
 #include "jobs/jobs.h"
 
-/* A message is at most a pointer, a sentence and a path. */
+/* A line has at most a pointer, a message and a path. */
 enum { LINE_BYTES = PEN_AT_BYTES + PEN_MSG_BYTES + 4096 };
 
 int pen_report(const char *program, const char *file, const struct pen_status *st)
@@ -87,7 +87,7 @@ void pen_report_exit_codes(FILE *out)
         {PEN_OK, "done"},
         {PEN_USAGE, "wrong command line or configuration"},
         {PEN_INVALID, "wrong input: malformed, invalid, too large, not supported yet"},
-        {PEN_NOT_FOUND, "not there, or not in the state for this"},
+        {PEN_NOT_FOUND, "not found, or not in a state that allows this"},
         {PEN_NETWORK, "daemon out of reach, not ready or busy"},
         {PEN_RENDER_FAILED, "the job failed or was cancelled"},
         {PEN_DIFFERENT, "the compared pictures differ by more than allowed"},

@@ -30,8 +30,8 @@ for round in 1 2 3; do
     kill -KILL "$worker"
     check "a killed worker is gone" within 2 gone "$worker"
     check "and replaced" within 5 child work
-    check "its leases are taken back at once" \
-        within 5 grep -q "took back [1-9].* of worker [0-9a-f]" "$work/log"
+    check "its leases are released at once" \
+        within 5 grep -q "released [1-9].* of the dead worker [0-9a-f]" "$work/log"
     ends "its job succeeds ($round)" 0 "$penumbra" wait "$id"
     "$penumbra" fetch "$id" -o got.pfm
     check "H101: with the same bytes" cmp got.pfm wanted.pfm
@@ -149,8 +149,8 @@ kill -KILL $children "$daemon"
 wait "$daemon" 2>/dev/null
 daemon=
 start
-check "leases of a daemon that was killed whole are taken back at once" \
-    within 5 grep -q "took back [1-9].* workers that are no more" "$work/log"
+check "the leases of a daemon killed as a whole are released at once" \
+    within 5 grep -q "released [1-9].* of other dead workers" "$work/log"
 ends "and its job succeeds" 0 "$penumbra" wait "$id"
 "$penumbra" fetch "$id" -o got.pfm
 check "with the same bytes" cmp got.pfm wanted.pfm

@@ -18,7 +18,7 @@
 #include "cmd/daemon/oom.h"
 #include "cmd/daemon/worker_exit.h"
 
-/* A process that lived so long was no crash at the start. */
+/* A process that lived this long did not crash at its start. */
 static const int64_t stable_ns = INT64_C(10) * 1000000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
 static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
@@ -43,7 +43,8 @@ static void close_fd(int *fd)
     *fd = -1;
 }
 
-/* The child's command line: everything the supervisor found out, nothing left to look up. */
+/* The child's command line. It has the whole configuration: a child reads neither environment nor
+ * file. */
 struct arguments {
     int count;
     char *list[ARGUMENTS_MAX + 1];
@@ -103,11 +104,13 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     arguments->list[arguments->count] = NULL;
 }
 
-/* In the new process. Its standard output is not the supervisor's: who reads the first line there
- * must not wait for a child that lives on. If the supervisor dies while this one is stopped, it is
- * continued, so that it sees the end of the control channel and ends. */
-static _Noreturn void become(const struct arguments *arguments, const struct pen_child *child,
-                             int control_fd, int listen_fd)
+/* Runs in the new process.
+ *  - Standard output becomes /dev/null: a program that reads the supervisor's first line there must
+ *    not have to wait for a child that lives longer.
+ *  - If the supervisor dies while this process is stopped, the kernel continues it (SIGCONT), so
+ *    that it sees the closed control channel and ends. */
+static _Noreturn void exec_child(const struct arguments *arguments, const struct pen_child *child,
+                                 int control_fd, int listen_fd)
 {
     const int kept[] = {control_fd, listen_fd, child->trace_fd, child->dead.trace_fd};
     sigset_t none;
@@ -127,19 +130,19 @@ static _Noreturn void become(const struct arguments *arguments, const struct pen
     _exit(PEN_EXEC_FAILED);
 }
 
-int64_t pen_child_forgives_at_ns(const struct pen_child *child)
+int64_t pen_child_stable_at_ns(const struct pen_child *child)
 {
     return child->pid && child->failures > 0 ? child->started_ns + stable_ns : INT64_MAX;
 }
 
-void pen_child_forgive(struct pen_child *child)
+void pen_child_reset_failures(struct pen_child *child)
 {
-    if (pen_clock_ns() >= pen_child_forgives_at_ns(child))
+    if (pen_clock_ns() >= pen_child_stable_at_ns(child))
         child->failures = 0;
 }
 
-/* Sets the next start. Returns the pause until then. */
-static int64_t schedule(struct pen_child *child)
+/* Counts a failure and sets the time of the next start. Returns the pause until then. */
+static int64_t schedule_restart(struct pen_child *child)
 {
     int64_t pause = 0;
     if (child->failures > 0)
@@ -160,7 +163,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     close_fd(&child->trace_fd);
     if (is_worker(child)) {
         struct pen_status st;
-        if (!pen_worker_id_make(child->name, &st)) { /* the worker makes its own id then */
+        if (!pen_worker_id_make(child->name, &st)) { /* the worker then makes its own */
             pen_log(PEN_LOG_WARN, "%s", st.msg);
             child->name[0] = '\0';
         }
@@ -172,7 +175,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
         if (pid == 0) {
             struct arguments arguments;
             make_arguments(&arguments, child, config, pair[1], listen_fd);
-            become(&arguments, child, pair[1], listen_fd);
+            exec_child(&arguments, child, pair[1], listen_fd);
         }
         int cause = errno;
         close(pair[1]);
@@ -182,7 +185,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     }
     if (pid < 0) {
         pen_log(PEN_LOG_ERROR, "cannot start the %s process: %s", child->role, strerror(errno));
-        schedule(child);
+        schedule_restart(child);
         return;
     }
     child->pid = pid;
@@ -197,8 +200,8 @@ void pen_child_ready(struct pen_child *child)
     close_fd(&child->dead.trace_fd);
 }
 
-/* Keeps what the next worker has to know of this one. */
-static void remember(struct pen_child *child, int wait_status)
+/* Keeps for the next worker which worker has ended, and how. */
+static void keep_death_report(struct pen_child *child, int wait_status)
 {
     bool oom = is_worker(child) && pen_oom_kills() > child->oom_kills;
     memcpy(child->dead.name, child->name, sizeof child->dead.name);
@@ -208,7 +211,7 @@ static void remember(struct pen_child *child, int wait_status)
     child->dead.trace_fd = child->trace_fd;
     child->trace_fd = -1;
     if (oom)
-        pen_log(PEN_LOG_WARN, "the kernel ran out of memory while the worker lived");
+        pen_log(PEN_LOG_WARN, "the kernel's OOM killer ran during the worker's life");
 }
 
 void pen_child_ended(struct pen_child *child, int wait_status)
@@ -216,15 +219,15 @@ void pen_child_ended(struct pen_child *child, int wait_status)
     bool expected = child->stopping && WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
     int64_t lived_ns = pen_clock_ns() - child->started_ns;
     int pid = (int)child->pid;
-    pen_child_forgive(child);
+    pen_child_reset_failures(child);
     pen_exit_describe(wait_status, child->last_end, sizeof child->last_end);
     if (child->control_fd >= 0)
         close(child->control_fd);
     child->control_fd = -1;
     child->pid = 0;
-    /* One that was never ready held no leases, and has swept none. */
+    /* A worker that was never ready held no leases and released none. */
     if (child->ready && !expected)
-        remember(child, wait_status);
+        keep_death_report(child, wait_status);
     child->ready = false;
     if (child->stopping) {
         child->failures = 0;
@@ -233,7 +236,7 @@ void pen_child_ended(struct pen_child *child, int wait_status)
                 pid, child->last_end);
         return;
     }
-    int64_t pause_ns = schedule(child);
+    int64_t pause_ns = schedule_restart(child);
     pen_log(PEN_LOG_WARN,
             "the %s process %d ended: %s, after %.1f s; starting it again in %.1f s (%d in a row)",
             child->role, pid, child->last_end, (double)lived_ns * 1e-9, (double)pause_ns * 1e-9,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One child process of the supervisor: how it is started, what its end means, and when it may be
- * started again. */
+/* One child process of the supervisor: starting it, recording its end, and the time of the next
+ * start. */
 #ifndef PEN_CMD_DAEMON_CHILD_H
 #define PEN_CMD_DAEMON_CHILD_H
 
@@ -12,20 +12,21 @@
 #include "store/store.h"
 
 struct pen_child {
-    const char *role;                /* "api" or "worker" */
-    pid_t pid;                       /* 0: not running */
-    int control_fd;                  /* -1: not running, or it closed its end */
-    bool ready;                      /* said so since it was started */
-    bool stopping;                   /* was told to end */
-    bool killed;                     /* by the supervisor */
-    int64_t started_ns, start_at_ns; /* when it was, or is to be started */
-    int failures;                    /* ends in a row, each soon after the start */
-    char name[PEN_WORKER_ID_BYTES];  /* worker: its id in the store, "": it makes one */
-    char last_end[96];               /* "signal 11 (SIGSEGV)", "" at first */
-    /* Of a worker; see crash_record.h and oom.h. */
-    int trace_fd;      /* -1: none */
-    int64_t oom_kills; /* when it was started */
-    /* A predecessor whose leases are not taken back yet; name "": none. */
+    const char *role;               /* "api" or "worker" */
+    pid_t pid;                      /* 0: not running */
+    int control_fd;                 /* -1: not running, or the child closed its end */
+    bool ready;                     /* has sent "ready" since its start */
+    bool stopping;                  /* was sent "stop" */
+    bool killed;                    /* by the supervisor */
+    int64_t started_ns;             /* the last start */
+    int64_t start_at_ns;            /* the next start, if it is not running */
+    int failures;                   /* ends in a row, each soon after its start */
+    char name[PEN_WORKER_ID_BYTES]; /* a worker's id in the store; "": the worker makes its own */
+    char last_end[96];              /* "signal 11 (SIGSEGV)"; "": has not ended yet */
+    int trace_fd;                   /* a worker's crash record (crash_record.h); -1: none */
+    int64_t oom_kills;              /* pen_oom_kills at a worker's start */
+    /* The last worker that ended with leases, until its successor has released them. name "":
+     * none. */
     struct {
         char name[PEN_WORKER_ID_BYTES], how[96];
         enum pen_worker_end end;
@@ -35,20 +36,22 @@ struct pen_child {
 
 void pen_child_init(struct pen_child *child, const char *role);
 
-/* Starts the program again in this role. The child gets listen_fd if that is not -1. The call
- * never fails: a start that does not succeed is an end, with its pause. */
+/* Starts the program in this role. The child inherits listen_fd if that is not -1. A start that
+ * fails counts as an end: the next one follows after a pause. */
 void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd);
 
-/* Notes that it works: what it was told of its predecessor is settled. */
+/* Notes that the child has sent "ready": a worker has released the leases of its predecessor. */
 void pen_child_ready(struct pen_child *child);
 
-/* When a child that is running will have lived long enough to count as no crash loop any more:
- * then its failures are forgotten. Returns the time, or INT64_MAX if there is nothing to forget. */
-int64_t pen_child_forgives_at_ns(const struct pen_child *child);
-void pen_child_forgive(struct pen_child *child);
+/* The time from which on a running child has lived long enough not to be in a crash loop. Returns
+ * INT64_MAX if it is not running or has no failures. */
+int64_t pen_child_stable_at_ns(const struct pen_child *child);
 
-/* Notes that the process has ended with this wait status, writes it to the log, and sets the time
- * of the next start: at once after a life of some length, else after a pause that doubles. */
+/* Sets failures to 0 once that time has come. */
+void pen_child_reset_failures(struct pen_child *child);
+
+/* Records the end of the process with this wait status, logs it, and sets the time of the next
+ * start: now, or after a pause that doubles with each end soon after a start. */
 void pen_child_ended(struct pen_child *child, int wait_status);
 
 #endif

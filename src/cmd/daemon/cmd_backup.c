@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbrad backup FILE`: a copy of the store, also while a daemon uses it. Which store that is
- * follows from the daemon's own configuration. */
+/* `penumbrad backup FILE`: copies the store, even while a daemon uses it. The daemon's own
+ * configuration names the store. */
 #include "cmd/daemon/cmd_backup.h"
 
 #include <inttypes.h>
@@ -31,7 +31,7 @@ static const struct pen_option options[] = {
     {.name = "replace",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct settings, replace),
-     .help = "replace a file that is there, once the new backup is whole"},
+     .help = "replace an existing file, once the new backup is complete"},
     {0}};
 
 static const struct pen_command command = {
@@ -39,16 +39,17 @@ static const struct pen_command command = {
     .name = "backup",
     .arguments = "FILE",
     .summary = "Copies the store into one file while the daemon runs and takes jobs.",
-    .details = "The copy is what the store was at one moment. It is checked and synced before it "
-               "gets its name. To restore it: stop the daemon, put the file in the place of the "
-               "store, remove what is left of the store's -wal and -shm files, start the daemon. "
-               "Jobs that were not finished then go on.",
+    .details = "The copy is the state of the store at one moment. It is checked and flushed to "
+               "disk before it gets its name. To restore it: stop the daemon, replace the store "
+               "by the copy, remove the store's -wal and -shm files if there are any, start the "
+               "daemon. Unfinished jobs are then continued.",
     .options = options,
     .min_args = 1,
     .max_args = 1,
 };
 
-/* Finds the store as the daemon does. Owns: release *config in any case. */
+/* Finds the store as the daemon does. Returns as pen_config_load. Owns: release *config in any
+ * case. */
 static int find_store(const struct settings *settings, struct pen_config *config)
 {
     static char program[] = "penumbrad", store[] = "--store", file[] = "--config";

@@ -14,7 +14,11 @@
 
 static const char *const roles[] = {"all", "api", "worker", NULL};
 static const char *const log_formats[] = {"text", "json", NULL};
-static const char *const log_levels[] = {"debug", "info", "warn", "error", NULL};
+static const char *const log_levels[] = {[PEN_LOG_DEBUG] = "debug",
+                                         [PEN_LOG_INFO] = "info",
+                                         [PEN_LOG_WARN] = "warn",
+                                         [PEN_LOG_ERROR] = "error",
+                                         NULL};
 
 static const struct pen_option options[] = {
     {.name = "listen",
@@ -22,22 +26,22 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct pen_config, listen),
      .value = "HOST:PORT",
      .env = "PENUMBRA_LISTEN",
-     .help = "where to serve HTTP, 127.0.0.1:8080 by default; port 0 takes a free one. Loopback "
-             "only, until tokens are supported"},
+     .help = "where to serve HTTP, 127.0.0.1:8080 by default; port 0 takes a free one. Only "
+             "loopback addresses are allowed until tokens are supported"},
     {.name = "store",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, store),
      .value = "FILE",
      .env = "PENUMBRA_STORE",
      .help = "the database of jobs and pictures; $XDG_STATE_HOME/penumbra/penumbra.db by default, "
-             "/var/lib/penumbra/penumbra.db under systemd. Its folder is made"},
+             "/var/lib/penumbra/penumbra.db under systemd. Its folder is created"},
     {.name = "role",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct pen_config, role),
      .value = "all|api|worker",
      .choices = roles,
      .env = "PENUMBRA_ROLE",
-     .help = "all, the default, runs and watches one api and one worker process"},
+     .help = "all, the default, runs and supervises one api and one worker process"},
     {.name = "threads",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, threads),
@@ -52,7 +56,7 @@ static const struct pen_option options[] = {
      .max = 1 << 30,
      .env = "PENUMBRA_MEMORY_LIMIT",
      .help = "memory the worker may take, in MiB; 0, the default, is three quarters of the "
-             "machine's. A job that needs more fails; one scene may take half of it"},
+             "machine's. A job that needs more fails; a scene may take half of it"},
     {.name = "tokens",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, tokens),
@@ -64,21 +68,21 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct pen_config, log_file),
      .value = "FILE",
      .env = "PENUMBRA_LOG_FILE",
-     .help = "log there instead of standard error; opened anew on SIGHUP"},
+     .help = "write the log to FILE instead of standard error; opened anew on SIGHUP"},
     {.name = "log-format",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct pen_config, log_format),
      .value = "text|json",
      .choices = log_formats,
      .env = "PENUMBRA_LOG_FORMAT",
-     .help = "text by default"},
+     .help = "the log's format, text by default"},
     {.name = "log-level",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct pen_config, log_level),
      .value = "LEVEL",
      .choices = log_levels,
      .env = "PENUMBRA_LOG_LEVEL",
-     .help = "debug, info (the default), warn or error"},
+     .help = "the least level that is logged: debug, info (the default), warn or error"},
     {.name = "config",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, file),
@@ -136,16 +140,16 @@ const struct pen_command pen_command_daemon = {
     .arguments = "",
     .summary = "The render daemon: takes scenes over HTTP, queues them durably, renders them.",
     .details = "The first line on standard output is `listening on http://HOST:PORT`. SIGTERM "
-               "drains and ends within 10 s; SIGHUP reads the configuration again and opens the "
-               "log file anew. Every option is also an environment variable and a key of the "
-               "configuration file; command line wins over environment, environment over file. "
-               "`penumbrad backup FILE` copies the store, also while a daemon uses it; see "
-               "`penumbrad backup --help`.",
+               "drains the daemon and ends it within 10 s; SIGHUP reads the configuration again "
+               "and opens the log file anew. Every option is also an environment variable and a "
+               "key of the configuration file. The command line overrides the environment, the "
+               "environment the file. `penumbrad backup FILE` copies the store, even while a "
+               "daemon uses it; see `penumbrad backup --help`.",
     .options = options,
     .max_args = 0,
 };
 
-/* The key of an option in the file, or the option of a key: `-` is written `_`. */
+/* Copies a name with every `from` replaced by `to`: an option's `-` is `_` in the file's keys. */
 static void translate(const char *name, char from, char to, char *out, size_t bytes)
 {
     snprintf(out, bytes, "%s", name);
@@ -164,7 +168,8 @@ static bool unknown_key(const char *key, const char *pointer, struct pen_status 
     return pen_fail_at(st, PEN_USAGE, pointer, "unknown key, nearest is \"%s\"", near_key);
 }
 
-/* Text and choices are strings, numbers are numbers. */
+/* Sets an option from a value of the file: a number for an integer option, a string for any other.
+ * Returns whether the value is allowed. */
 static bool set_from_json(const struct pen_option *option, const json_t *value, void *values)
 {
     char number[32];
@@ -202,7 +207,8 @@ static bool read_key(const char *key, const json_t *value, struct pen_config *co
     return false;
 }
 
-/* A wrong configuration is a wrong call: its syntax errors end with the code of one. */
+/* Adds an error of the configuration file, always as PEN_USAGE: a wrong configuration ends the
+ * program with the exit code of a wrong command line. */
 static bool fail_config(struct pen_errors *errors, struct pen_status *st)
 {
     st->code = PEN_USAGE;
@@ -235,7 +241,8 @@ static bool read_file(struct pen_config *config, struct pen_parsed *parsed,
     return errors->count == 0;
 }
 
-/* systemd names the state folder itself, and may name several. */
+/* The store's default path: in the first of systemd's state folders, which $STATE_DIRECTORY lists
+ * with colons between them; or in $XDG_STATE_HOME; or in ~/.local/state. */
 static bool make_default_store(struct pen_config *config, struct pen_status *st)
 {
     const char *systemd = getenv("STATE_DIRECTORY"), *state = getenv("XDG_STATE_HOME");

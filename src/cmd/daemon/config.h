@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The daemon's configuration: one table of options, each also an environment variable and a key
- * of the JSON file. Command line wins over environment, environment over file, file over default;
- * every value is checked, also one that another source overrides. */
+/* The daemon's configuration: one table of options, each also an environment variable and a key of
+ * the JSON file. The command line overrides the environment, the environment the file, and the file
+ * the defaults. Every value is checked, even if another source overrides it. */
 #ifndef PEN_CMD_DAEMON_CONFIG_H
 #define PEN_CMD_DAEMON_CONFIG_H
 
@@ -14,32 +14,33 @@
 
 struct pen_config {
     const char *listen, *store, *role, *tokens, *file, *log_file, *log_format, *log_level;
-    int threads, memory_limit; /* memory_limit: MiB, 0: most of the machine's */
-    /* Given by a supervisor to its children only; such a process takes nothing from environment
-     * and file, since the supervisor has done so and hands everything over. */
+    int threads, memory_limit; /* memory_limit: MiB; 0: three quarters of the machine's */
+    /* Set by a supervisor for its children only. Such a process reads neither environment nor file:
+     * its command line has the whole configuration. */
     int listen_fd, control_fd;   /* -1: none */
     int trace_fd, dead_trace_fd; /* -1: none */
     const char *worker_name, *dead_worker, *dead_how, *dead_end;
 
     struct pen_address address; /* of `listen` */
-    json_t *document;           /* texts from the file point into it */
+    json_t *document;           /* the file; texts from it point into this */
     char *default_store;
 };
 
-/* What penumbrad takes. */
+/* The options of penumbrad. */
 extern const struct pen_command pen_command_daemon;
 
-/* Reads all sources and checks the whole. Returns -1 to go on, or the exit code to end with
- * (--help, --version, errors, which are printed). May be called again with the same arguments,
- * to look at environment and file anew. Owns: release *config in any case. */
+/* Reads all sources and checks every value. Returns -1 if the program is to go on; otherwise the
+ * exit code to end with, after printing help, version or errors. May be called again with the same
+ * arguments, to read environment and file again. Owns: release *config in any case. */
 int pen_config_load(struct pen_config *config, int argc, char **argv);
 void pen_config_release(struct pen_config *config);
 
-/* Points the log where the configuration says: level, form, file (standard error becomes it,
- * opened anew each time, so that rotated files are let go). Fails: PEN_IO. */
 struct pen_log_target {
     const char *level, *format, *file; /* file NULL or "": standard error as it is */
 };
+
+/* Sets the log's level, format and file. The file is opened anew at each call, so a rotated file is
+ * closed; standard error then writes to it. Fails: PEN_IO. */
 bool pen_config_log(const struct pen_log_target *target, struct pen_status *st);
 
 #endif

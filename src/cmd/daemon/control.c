@@ -17,7 +17,7 @@ void pen_control_send(int fd, const char *text)
         (void)send(fd, text, strlen(text), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-bool pen_event_source_open(struct pen_event_source *watch, int control_fd, struct pen_status *st)
+bool pen_event_source_open(struct pen_event_source *source, int control_fd, struct pen_status *st)
 {
     sigset_t set;
     sigemptyset(&set);
@@ -25,15 +25,15 @@ bool pen_event_source_open(struct pen_event_source *watch, int control_fd, struc
     sigaddset(&set, SIGHUP);
     sigaddset(&set, SIGINT);
     signal(SIGPIPE, SIG_IGN);
-    *watch = (struct pen_event_source){.control_fd = control_fd, .supervised = control_fd >= 0};
-    watch->signal_fd = -1;
-    watch->end_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    *source = (struct pen_event_source){.control_fd = control_fd, .supervised = control_fd >= 0};
+    source->signal_fd = -1;
+    source->end_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (pthread_sigmask(SIG_BLOCK, &set, NULL) == 0)
-        watch->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
-    if (watch->signal_fd >= 0 && watch->end_fd >= 0)
+        source->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    if (source->signal_fd >= 0 && source->end_fd >= 0)
         return true;
-    pen_fail(st, PEN_IO, "cannot watch for signals: %s", strerror(errno));
-    pen_event_source_close(watch);
+    pen_fail(st, PEN_IO, "cannot wait for signals: %s", strerror(errno));
+    pen_event_source_close(source);
     return false;
 }
 
@@ -44,32 +44,32 @@ static void close_fd(int *fd)
     *fd = -1;
 }
 
-void pen_event_source_close(struct pen_event_source *watch)
+void pen_event_source_close(struct pen_event_source *source)
 {
-    close_fd(&watch->signal_fd);
-    close_fd(&watch->end_fd);
-    close_fd(&watch->control_fd);
+    close_fd(&source->signal_fd);
+    close_fd(&source->end_fd);
+    close_fd(&source->control_fd);
 }
 
-void pen_event_source_work_ended(const struct pen_event_source *watch)
+void pen_event_source_work_ended(const struct pen_event_source *source)
 {
     uint64_t one = 1;
-    ssize_t put = write(watch->end_fd, &one, sizeof one);
-    (void)put; /* the counter cannot be full: this is said once */
+    ssize_t put = write(source->end_fd, &one, sizeof one);
+    (void)put; /* it cannot fail: the counter is added to once */
 }
 
-static bool take_signal(const struct pen_event_source *watch, struct pen_event *event)
+static bool take_signal(const struct pen_event_source *source, struct pen_event *event)
 {
     struct signalfd_siginfo info;
-    if (read(watch->signal_fd, &info, sizeof info) != (ssize_t)sizeof info)
+    if (read(source->signal_fd, &info, sizeof info) != (ssize_t)sizeof info)
         return false;
-    if (info.ssi_signo == SIGINT && watch->supervised)
+    if (info.ssi_signo == SIGINT && source->supervised)
         return false;
     event->kind = info.ssi_signo == SIGHUP ? PEN_EVENT_LOG : PEN_EVENT_STOP;
     return true;
 }
 
-/* Splits "WORD REST". */
+/* If the text is "WORD" or "WORD REST", copies the rest. Returns whether it is. */
 static bool take_word(const char *text, const char *word, char rest[PEN_CONTROL_BYTES])
 {
     size_t length = strlen(word);
@@ -80,7 +80,7 @@ static bool take_word(const char *text, const char *word, char rest[PEN_CONTROL_
     return true;
 }
 
-static bool take_message(struct pen_event_source *watch, struct pen_event *event)
+static bool take_message(struct pen_event_source *source, struct pen_event *event)
 {
     static const struct {
         const char *word;
@@ -90,11 +90,11 @@ static bool take_message(struct pen_event_source *watch, struct pen_event *event
                  {"log", PEN_EVENT_LOG},
                  {"state", PEN_EVENT_STATE}};
     char text[PEN_CONTROL_BYTES];
-    ssize_t got = recv(watch->control_fd, text, sizeof text - 1, MSG_DONTWAIT);
+    ssize_t got = recv(source->control_fd, text, sizeof text - 1, MSG_DONTWAIT);
     if (got < 0 && (errno == EAGAIN || errno == EINTR))
         return false;
     if (got <= 0) {
-        close_fd(&watch->control_fd);
+        close_fd(&source->control_fd);
         event->kind = PEN_EVENT_LOST;
         return true;
     }
@@ -108,29 +108,30 @@ static bool take_message(struct pen_event_source *watch, struct pen_event *event
     return false;
 }
 
-void pen_event_source_next(struct pen_event_source *watch, int timeout_ms, struct pen_event *event)
+void pen_event_source_next(struct pen_event_source *source, int timeout_ms, struct pen_event *event)
 {
     *event = (struct pen_event){.kind = PEN_EVENT_TIMEOUT};
-    struct pollfd fds[] = {{.fd = watch->end_fd, .events = POLLIN},
-                           {.fd = watch->signal_fd, .events = POLLIN},
-                           {.fd = watch->control_fd, .events = POLLIN}};
+    enum { END, SIGNALS, CONTROL, COUNT };
+    struct pollfd fds[COUNT] = {[END] = {.fd = source->end_fd, .events = POLLIN},
+                                [SIGNALS] = {.fd = source->signal_fd, .events = POLLIN},
+                                [CONTROL] = {.fd = source->control_fd, .events = POLLIN}};
     for (;;) {
-        int count = poll(fds, 3, timeout_ms);
+        int count = poll(fds, COUNT, timeout_ms);
         if (count == 0)
             return;
         if (count < 0 && errno == EINTR)
             continue;
         if (count < 0) {
-            event->kind = PEN_EVENT_STOP; /* nothing can be waited for any more */
+            event->kind = PEN_EVENT_STOP; /* poll is broken: there is no way to wait */
             return;
         }
-        if (fds[0].revents) {
+        if (fds[END].revents) {
             event->kind = PEN_EVENT_WORK_END;
             return;
         }
-        if (fds[1].revents && take_signal(watch, event))
+        if (fds[SIGNALS].revents && take_signal(source, event))
             return;
-        if (fds[2].revents && take_message(watch, event))
+        if (fds[CONTROL].revents && take_message(source, event))
             return;
     }
 }

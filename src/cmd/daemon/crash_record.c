@@ -5,8 +5,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* For the signal handler: where to note the crash. Set once, before the handler is installed. */
-static struct pen_trace *watched;
+/* The record that on_crash writes. Set once, before the handler is installed. */
+static struct pen_trace *crash_trace;
 
 int pen_crash_record_new(void)
 {
@@ -26,22 +26,22 @@ struct pen_trace *pen_crash_record_map(int fd)
     return trace == MAP_FAILED ? NULL : trace;
 }
 
-/* The second time the signal has its default effect, as if there had been no handler. */
+/* SA_RESETHAND: the raised signal has its default effect, as if there were no handler. */
 static void on_crash(int number)
 {
-    pen_trace_crash(watched);
+    pen_trace_crash(crash_trace);
     raise(number);
 }
 
 void pen_crash_record_install(struct pen_trace *trace)
 {
-    static const int crashes[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
-    watched = trace;
+    static const int signals[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
+    crash_trace = trace;
     pen_log_set_ring(&trace->log);
-    for (size_t i = 0; i < sizeof crashes / sizeof crashes[0]; i++) {
+    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
         struct sigaction old, action = {.sa_handler = on_crash};
         action.sa_flags = (int)(SA_RESETHAND | SA_NODEFER | SA_ONSTACK);
-        if (sigaction(crashes[i], NULL, &old) == 0 && old.sa_handler == SIG_DFL)
-            sigaction(crashes[i], &action, NULL);
+        if (sigaction(signals[i], NULL, &old) == 0 && old.sa_handler == SIG_DFL)
+            sigaction(signals[i], &action, NULL);
     }
 }

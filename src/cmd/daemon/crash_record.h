@@ -6,15 +6,16 @@
 
 #include "jobs/trace.h"
 
-/* Makes one, all zeros. Returns -1 if there can be none: then less will be known. */
+/* Makes a memory file for a record, all zeros. Returns its descriptor, or -1 on failure: then
+ * reports of crashes lack pixel and log lines. */
 int pen_crash_record_new(void);
 
-/* The trace behind a descriptor, shared with all who have it, until the process ends; NULL if fd is
- * -1 or cannot be mapped. */
+/* Maps the record into this process until its end, shared with all processes that map it. Returns
+ * NULL if fd is -1 or cannot be mapped. */
 struct pen_trace *pen_crash_record_map(int fd);
 
-/* From now on the log goes there too, and a crash of this process is noted in it. Handlers that
- * somebody else has installed stay. */
+/* Copies all further log lines to the record, and installs signal handlers that note in it which
+ * thread crashed. Handlers that are already installed stay. */
 void pen_crash_record_install(struct pen_trace *trace);
 
 #endif

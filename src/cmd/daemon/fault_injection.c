@@ -9,9 +9,13 @@
 
 enum kind { SEGV, ABORT, EXIT, KILL, ALLOC, HANG, KIND_COUNT };
 
-static const char *const kinds[KIND_COUNT] = {"segv", "abort", "exit", "kill", "alloc", "hang"};
+static const char *const kinds[KIND_COUNT] = {
+    [SEGV] = "segv", [ABORT] = "abort", [EXIT] = "exit",
+    [KILL] = "kill", [ALLOC] = "alloc", [HANG] = "hang",
+};
 
-/* Address space is enough to reach a limit, so that a test does not fill the machine. */
+/* Allocates until a limit is reached, then frees all. It touches no page, so the machine's memory
+ * does not fill. */
 static void take_all_memory(void)
 {
     enum { PIECES = 1 << 14 };
@@ -27,7 +31,7 @@ static void take_all_memory(void)
 static bool pixel(void *user, int x, int y)
 {
     const struct pen_fault_hook *fault = user;
-    volatile int *volatile null = NULL; /* volatile: the compiler must not know */
+    volatile int *volatile null = NULL; /* volatile: hides the value from the compiler */
     if (x != fault->x || y != fault->y)
         return true;
     switch ((enum kind)fault->kind) {
@@ -63,7 +67,7 @@ bool pen_fault_parse(const char *text, struct pen_fault_hook *hook, struct pen_s
 {
     char kind[8] = "";
     int end = 0;
-    *hook = (struct pen_fault_hook){.calls = {wanted, pixel, hook}};
+    *hook = (struct pen_fault_hook){.calls = {.wanted = wanted, .pixel = pixel, .user = hook}};
     bool ok = sscanf(text, "%7[a-z]@%d,%d%n", kind, &hook->x, &hook->y, &end) == 3;
     hook->name = ok && text[end] == '@' ? text + end + 1 : NULL;
     for (hook->kind = 0; ok && hook->kind < KIND_COUNT; hook->kind++) {

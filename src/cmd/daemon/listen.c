@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static bool wrong(const char *text, struct pen_status *st)
+static bool fail_form(const char *text, struct pen_status *st)
 {
     return pen_fail(st, PEN_USAGE,
                     "listen: found \"%s\", allowed is HOST:PORT, such as 127.0.0.1:8080, "
@@ -51,7 +51,8 @@ static bool make_ipv6(const char *host, int port, struct pen_address *address)
     return true;
 }
 
-/* The addresses whose Host the server takes; the rest of 127/8 would answer 403 to everything. */
+/* 127.0.0.1 and ::1: the addresses that the server accepts in the header Host. On any other address
+ * of 127/8 it would answer 403 to every request. */
 static bool is_loopback(const struct pen_address *address)
 {
     if (address->socket.ss_family == AF_INET6) {
@@ -71,14 +72,14 @@ bool pen_address_parse(const char *text, struct pen_address *address, struct pen
     size_t length = colon ? (size_t)(colon - text) : 0;
     *address = (struct pen_address){0};
     if (length == 0 || length >= sizeof address->host || !read_port(colon + 1, &port))
-        return wrong(text, st);
+        return fail_form(text, st);
     memcpy(address->host, text, length);
     if (!make_ipv4(address->host, port, address) && !make_ipv6(address->host, port, address))
-        return wrong(text, st);
+        return fail_form(text, st);
     if (!is_loopback(address))
         return pen_fail(st, PEN_USAGE,
                         "listen: found \"%s\", allowed is a loopback address (127.0.0.1, "
-                        "localhost, [::1]) as long as tokens are not supported",
+                        "localhost, [::1]), since tokens are not supported yet",
                         text);
     return true;
 }

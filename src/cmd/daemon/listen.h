@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Where the daemon listens: reading HOST:PORT, and the socket itself. Loopback only, as long as
- * there are no tokens: whoever reaches the port may do everything. */
+/* The daemon's listening socket: reading HOST:PORT, and opening it. Only loopback addresses are
+ * allowed, since there are no tokens yet: every client that reaches the port may do everything. */
 #ifndef PEN_CMD_DAEMON_LISTEN_H
 #define PEN_CMD_DAEMON_LISTEN_H
 
@@ -15,12 +15,12 @@ struct pen_address {
     socklen_t bytes;
 };
 
-/* Reads HOST:PORT; HOST is an address or localhost, an IPv6 address in brackets, PORT 0…65535.
- * Fails: PEN_USAGE, also for what is not loopback. */
+/* Reads HOST:PORT. HOST is localhost, an IPv4 address, or an IPv6 address in brackets; PORT is
+ * 0…65535, 0: any free port. Fails: PEN_USAGE, also for an address that is not loopback. */
 bool pen_address_parse(const char *text, struct pen_address *address, struct pen_status *st);
 
-/* A listening socket, closed on exec; *port is the one it got. Fails: PEN_UNAVAILABLE, returning
- * -1. */
+/* Opens a listening socket, closed on exec; *port is the port it has got. Fails: -1 and
+ * PEN_UNAVAILABLE. */
 int pen_address_listen(const struct pen_address *address, int *port, struct pen_status *st);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The number after "oom_kill " at the beginning of a line. */
+/* Reads the number after "oom_kill " at the beginning of a line; -1 if there is none. */
 static int64_t read_counter(const char *path)
 {
     char line[256];
@@ -21,7 +21,8 @@ static int64_t read_counter(const char *path)
     return count;
 }
 
-/* Of the control group: "0::/PATH" is the one of version 2, "…:memory:/PATH" one of version 1. */
+/* Reads the counter of the control group. In /proc/self/cgroup the line "0::/PATH" names a group of
+ * version 2, "…:memory:/PATH" one of version 1. */
 static int64_t read_group(void)
 {
     char line[1024], path[1200];

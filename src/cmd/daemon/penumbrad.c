@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The daemon: reads its configuration and becomes what it says: the supervisor of an api and a
- * worker process, or one of the two alone. `penumbrad backup` is the one other thing it does. */
+/* The program `penumbrad`: reads the configuration and runs the role it names: the supervisor of an
+ * api and a worker process, or one of these two alone. Or copies the store: `penumbrad backup`. */
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -14,8 +14,9 @@
 
 static const char program[] = "penumbrad";
 
-/* A store that cannot be opened, or is damaged, is said at once and on the terminal, not by
- * children in a loop; and its folder and tables are made before two processes want them. */
+/* Opens and checks the store once before any child does. So the terminal shows at once that a store
+ * is damaged or cannot be opened, instead of a log in which children fail again and again; and the
+ * folder and tables exist before two processes use them. */
 static bool check_store(const char *url, struct pen_status *st)
 {
     struct pen_store *store = pen_store_open(url, st);

@@ -22,10 +22,14 @@
 #include "jobs/worker_report.h"
 #include "store/store.h"
 
-/* How long the api may take to end its answers before it is ended by force. */
+/* The names of the processes in the kernel's lists (at most 15 bytes). */
+static const char api_process[] = "penumbrad-api", worker_process[] = "penumbrad-work";
+
+/* How long the api may take for its last answers before SIGALRM ends it. */
 enum { STOP_API_S = 3 };
 
-/* "LEVEL FORMAT FILE" from the supervisor; after a bare SIGHUP the configuration stays. */
+/* Opens the log anew. text: "LEVEL FORMAT FILE" from the supervisor; after SIGHUP it is empty, and
+ * the configuration's values stay. */
 static void reopen_log(const struct pen_config *config, const char *text)
 {
     char level[16] = "", format[16] = "";
@@ -44,7 +48,7 @@ static int fail(const struct pen_status *st)
     return pen_code_exit(st->code);
 }
 
-/* The last resort of a process that does not end by itself. */
+/* Makes SIGALRM end the process if it has not ended by itself by then. */
 static void end_within(unsigned seconds)
 {
     sigset_t set;
@@ -55,13 +59,13 @@ static void end_within(unsigned seconds)
     alarm(seconds);
 }
 
-/* Handles events until it is time to stop. */
-static void serve(const struct pen_config *config, struct pen_event_source *watch,
-                  struct pen_http *http)
+/* Handles the api's events until it has to stop. */
+static void handle_api_events(const struct pen_config *config, struct pen_event_source *events,
+                              struct pen_http *http)
 {
     for (;;) {
         struct pen_event event;
-        pen_event_source_next(watch, -1, &event);
+        pen_event_source_next(events, -1, &event);
         switch (event.kind) {
         case PEN_EVENT_DRAIN:
             pen_http_drain(http);
@@ -74,7 +78,7 @@ static void serve(const struct pen_config *config, struct pen_event_source *watc
             end_within(STOP_API_S);
             return;
         case PEN_EVENT_LOST:
-            pen_log(PEN_LOG_ERROR, "the supervisor is gone: ending");
+            pen_log(PEN_LOG_ERROR, "the supervisor has ended: ending");
             end_within(PEN_LOST_MS / 1000);
             return;
         case PEN_EVENT_STATE:
@@ -87,7 +91,7 @@ static void serve(const struct pen_config *config, struct pen_event_source *watc
     }
 }
 
-/* Each connection is a descriptor: takes as many as the system grants. */
+/* Allows as many descriptors as the system grants: each connection needs one. */
 static void raise_descriptor_limit(void)
 {
     struct rlimit limit;
@@ -99,49 +103,50 @@ static void raise_descriptor_limit(void)
 
 int pen_role_api(const struct pen_config *config, int listen_fd)
 {
-    struct pen_event_source watch;
+    struct pen_event_source events;
     struct pen_status st;
     pen_log_set_name("api");
-    prctl(PR_SET_NAME, "penumbrad-api");
+    prctl(PR_SET_NAME, api_process);
     raise_descriptor_limit();
-    mallopt(M_ARENA_MAX, 2); /* many small answers: arenas per thread would only hold memory */
-    if (!pen_event_source_open(&watch, config->control_fd, &st))
+    mallopt(M_ARENA_MAX, 2); /* answers are small: more arenas would only keep memory */
+    if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
     struct pen_http_options options = {
         .listen_fd = listen_fd, .store_url = config->store, .limits = pen_limits_default()};
     struct pen_http *http = pen_http_start(&options, &st);
     if (!http) {
-        pen_event_source_close(&watch);
+        pen_event_source_close(&events);
         return fail(&st);
     }
     pen_log(PEN_LOG_INFO, "serving");
-    pen_control_send(watch.control_fd, "ready");
-    serve(config, &watch, http);
+    pen_control_send(events.control_fd, "ready");
+    handle_api_events(config, &events, http);
     pen_http_stop(http);
-    pen_event_source_close(&watch);
+    pen_event_source_close(&events);
     pen_log(PEN_LOG_INFO, "ended");
     return 0;
 }
 
-/* The worker runs in a thread of its own, so that the process can be told things meanwhile. */
-struct work {
+/* The worker's own thread. The main thread handles events meanwhile. */
+struct worker_thread {
     struct pen_worker_options options;
     atomic_bool stop;
-    const struct pen_event_source *watch;
-    bool ok; /* written by the thread, read after it was joined */
+    const struct pen_event_source *events;
+    /* Written by the thread, read after joining it. */
+    bool ok;
     struct pen_status st;
 };
 
 static void *run_worker(void *user)
 {
-    struct work *work = user;
-    work->ok = pen_worker_run(&work->options, &work->stop, &work->st);
-    pen_event_source_work_ended(work->watch);
+    struct worker_thread *worker = user;
+    worker->ok = pen_worker_run(&worker->options, &worker->stop, &worker->st);
+    pen_event_source_work_ended(worker->events);
     return NULL;
 }
 
-/* Releases the leases of workers that are dead: of the predecessor, whose end the supervisor has
- * reported and which may be charged, and of all others that hold no lock any more. */
+/* Releases the leases of dead workers: of the predecessor, whose end the supervisor has reported
+ * and whose jobs may be charged with it, and of all other workers that hold no lock any more. */
 static bool release_dead(struct pen_store *store, const struct pen_config *config,
                          struct pen_status *st)
 {
@@ -158,57 +163,59 @@ static bool release_dead(struct pen_store *store, const struct pen_config *confi
     if (!pen_store_release_dead(store, &others, st))
         return false;
     if (opened > 0)
-        pen_log(PEN_LOG_INFO, "took back %d batches of worker %s", opened, dead);
+        pen_log(PEN_LOG_INFO, "released %d batches of the dead worker %s", opened, dead);
     if (others > 0)
-        pen_log(PEN_LOG_INFO, "took back %d batches of workers that are no more", others);
+        pen_log(PEN_LOG_INFO, "released %d batches of other dead workers", others);
     return true;
 }
 
-/* The batch in hand takes too long: its lease is given up here, the commit would be refused, and
- * the process ends under the render threads. */
-static void give_up(struct pen_store *store, const struct work *work)
+/* Gives up the lease of a batch that takes too long to finish, so that a commit of it would be
+ * refused, and ends the process while render threads still run. */
+static _Noreturn void abandon_batch(struct pen_store *store, const struct worker_thread *worker)
 {
     struct pen_status st;
-    struct pen_worker_death left = {.worker = work->options.id, .end = PEN_WORKER_LEFT};
+    struct pen_worker_death left = {.worker = worker->options.id, .end = PEN_WORKER_LEFT};
     int opened;
     end_within(1);
-    pen_log(PEN_LOG_WARN, "the batch in hand is given back unfinished");
+    pen_log(PEN_LOG_WARN, "giving the unfinished batch back");
     if (!pen_store_worker_ended(store, &left, &opened, &st))
         pen_log(PEN_LOG_ERROR, "%s", st.msg);
     _exit(0);
 }
 
-/* Handles events until the worker's thread has ended. */
-static void attend(const struct pen_config *config, struct pen_event_source *watch,
-                   struct work *work, struct pen_store *store)
+/* Handles the worker's events until its thread has ended. The thread has to end by a deadline,
+ * which "stop" or the end of the supervisor sets; the earlier one counts. */
+static void handle_worker_events(const struct pen_config *config, struct pen_event_source *events,
+                                 struct worker_thread *worker, struct pen_store *store)
 {
     int64_t deadline_ns = INT64_MAX;
     for (;;) {
         struct pen_event event;
         int64_t left_ms = (deadline_ns - pen_clock_ns()) / 1000000;
         int timeout_ms = deadline_ns == INT64_MAX ? -1 : left_ms > 0 ? (int)left_ms : 0;
-        pen_event_source_next(watch, timeout_ms, &event);
+        pen_event_source_next(events, timeout_ms, &event);
         if (event.kind == PEN_EVENT_WORK_END)
             return;
         if (event.kind == PEN_EVENT_TIMEOUT)
-            give_up(store, work);
+            abandon_batch(store, worker);
         if (event.kind == PEN_EVENT_LOG)
             reopen_log(config, event.text);
         bool lost = event.kind == PEN_EVENT_LOST;
         if (lost)
-            pen_log(PEN_LOG_ERROR, "the supervisor is gone: ending");
+            pen_log(PEN_LOG_ERROR, "the supervisor has ended: ending");
         if (!lost && event.kind != PEN_EVENT_STOP)
             continue;
         int64_t until =
             pen_clock_ns() + (lost ? PEN_LOST_MS / 2 : PEN_DRAIN_WORKER_MS) * INT64_C(1000000);
         deadline_ns = until < deadline_ns ? until : deadline_ns;
-        atomic_store(&work->stop, true);
+        atomic_store(&worker->stop, true);
         pen_store_wake(store, PEN_SIGNAL_WORK);
     }
 }
 
-/* Threads that nothing else can end. The store knows already that their batch is over. */
-static void end_stuck(void *user)
+/* Ends render threads that do not stop, by ending the process. The worker calls this after it has
+ * told the store that their claim is over. */
+static void end_stuck_threads(void *user)
 {
     (void)user;
     _exit(0);
@@ -218,8 +225,9 @@ static void end_stuck(void *user)
 #define __has_feature(name) 0 /* clang has it; gcc defines __SANITIZE_… instead */
 #endif
 
-/* Lets allocations fail from a limit on: `mib`, or most of what the machine has. Returns it in
- * bytes, 0 if there is none; sanitizers need more address space than any limit leaves. */
+/* Makes allocations fail beyond a limit: `mib`, or if that is 0 three quarters of the machine's
+ * memory. Returns the limit in bytes; 0 if there is none, as under sanitizers, which need more
+ * address space than a limit leaves. */
 static size_t limit_memory(int mib)
 {
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__ ||                                 \
@@ -242,7 +250,7 @@ static size_t limit_memory(int mib)
 #endif
 }
 
-/* What tests change of a worker, by its environment: the length of leases, and a fault. */
+/* Reads what tests set in a worker's environment: the length of leases, and a fault. */
 static bool take_test_settings(struct pen_worker_options *options, struct pen_fault_hook *hook,
                                struct pen_status *st)
 {
@@ -257,52 +265,53 @@ static bool take_test_settings(struct pen_worker_options *options, struct pen_fa
     return true;
 }
 
-static int work_until_told(const struct pen_config *config, struct pen_event_source *watch,
-                           struct pen_store *store, const char *id)
+static int run_worker_process(const struct pen_config *config, struct pen_event_source *events,
+                              struct pen_store *store, const char *id)
 {
-    struct work work = {.watch = watch,
-                        .options = {.store_url = config->store,
-                                    .id = id,
-                                    .threads = config->threads,
-                                    .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
-                                    .trace = pen_crash_record_map(config->trace_fd),
-                                    .stuck = end_stuck}};
+    struct worker_thread worker = {
+        .events = events,
+        .options = {.store_url = config->store,
+                    .id = id,
+                    .threads = config->threads,
+                    .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
+                    .trace = pen_crash_record_map(config->trace_fd),
+                    .stuck = end_stuck_threads}};
     struct pen_fault_hook hook;
     struct pen_status st;
     pthread_t thread;
-    if (work.options.trace)
-        pen_crash_record_install(work.options.trace);
-    if (!take_test_settings(&work.options, &hook, &st) || !release_dead(store, config, &st))
+    if (worker.options.trace)
+        pen_crash_record_install(worker.options.trace);
+    if (!take_test_settings(&worker.options, &hook, &st) || !release_dead(store, config, &st))
         return fail(&st);
-    if (pthread_create(&thread, NULL, run_worker, &work) != 0) {
+    if (pthread_create(&thread, NULL, run_worker, &worker) != 0) {
         pen_fail(&st, PEN_NO_MEMORY, "cannot start a thread");
         return fail(&st);
     }
     pen_log(PEN_LOG_INFO, "working as %s", id);
-    pen_control_send(watch->control_fd, "ready");
-    attend(config, watch, &work, store);
+    pen_control_send(events->control_fd, "ready");
+    handle_worker_events(config, events, &worker, store);
     pthread_join(thread, NULL);
-    if (!work.ok)
-        return fail(&work.st);
+    if (!worker.ok)
+        return fail(&worker.st);
     pen_log(PEN_LOG_INFO, "ended");
     return 0;
 }
 
 int pen_role_worker(const struct pen_config *config)
 {
-    struct pen_event_source watch;
+    struct pen_event_source events;
     struct pen_status st;
     char made[PEN_WORKER_ID_BYTES];
     const char *id = config->worker_name;
     pen_log_set_name("worker");
-    prctl(PR_SET_NAME, PEN_WORKER_PROCESS);
+    prctl(PR_SET_NAME, worker_process);
     if (!id && !pen_worker_id_make(made, &st))
         return fail(&st);
-    if (!pen_event_source_open(&watch, config->control_fd, &st))
+    if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
     struct pen_store *store = pen_store_open(config->store, &st);
-    int code = store ? work_until_told(config, &watch, store, id ? id : made) : fail(&st);
+    int code = store ? run_worker_process(config, &events, store, id ? id : made) : fail(&st);
     pen_store_close(store);
-    pen_event_source_close(&watch);
+    pen_event_source_close(&events);
     return code;
 }

@@ -14,48 +14,51 @@
 #include "base/clock.h"
 #include "cmd/daemon/child.h"
 #include "cmd/daemon/control.h"
+#include "cmd/daemon/roles.h"
 
-/* A drain in time, counted from the signal: the worker gives up by itself before the first. */
+/* When a drain kills the children, in seconds after the signal, and how often it checks them. */
 static const int64_t second_ns = 1000000000;
-enum { KILL_WORKER_S = 7, KILL_API_S = 9, LOOK_MS = 20 };
-/* Ends in a row from which on the daemon is not ready. */
-enum { TROUBLE = 3 };
-/* A process that even SIGKILL does not end hangs in the kernel; it is not waited for. */
+enum { KILL_WORKER_S = 7, KILL_API_S = 9, DRAIN_CHECK_MS = 20 };
+_Static_assert(KILL_WORKER_S * 1000 > PEN_DRAIN_WORKER_MS, "a worker gives its batch back first");
+/* When a drain ends without waiting for a process that not even SIGKILL has ended. */
 static const int64_t longest_drain_ns = 9700000000;
+/* The number of ends in a row that counts as a crash loop: the daemon is not ready. */
+enum { CRASH_LOOP = 3 };
 
 struct supervisor {
-    const struct pen_config *first; /* as started with */
-    struct pen_config reloaded;     /* owns what `now` borrows after SIGHUP */
-    struct pen_config now;          /* what children are started with */
+    const struct pen_config *first; /* the configuration at the start */
+    struct pen_config reloaded;     /* of the last SIGHUP; owns the texts that `now` points to */
+    struct pen_config now;          /* the configuration for children */
     int argc;
     char **argv;
     int listen_fd, signal_fd;
     struct pen_child api, worker;
     bool draining;
     int64_t drain_ns; /* when it began */
-    char state[256];  /* as last told to the api */
+    char state[256];  /* the last "state" message to the api */
 };
 
-/* Says that a process does not live, if so. */
-static void describe_loop(const struct pen_child *child, char *text, size_t size)
+/* If the child is in a crash loop, writes that. */
+static void describe_crash_loop(const struct pen_child *child, char *text, size_t size)
 {
-    if (child->failures >= TROUBLE)
+    if (child->failures >= CRASH_LOOP)
         snprintf(text, size,
                  "the %s process ended %d times in a row, soon after its start, the last time by "
                  "%s",
                  child->role, child->failures, child->last_end);
 }
 
-/* Tells the api what stands in the way of work: a worker that does not live, or the api's own
- * predecessors, of which only this process knows. */
-static void tell_state(struct supervisor *s, bool anyway)
+/* Sends the api the reason why the daemon is not ready, or none: a worker in a crash loop, or
+ * crashes of the api's own predecessors, of which a new api process knows nothing. Without `always`
+ * only if the state has changed. */
+static void send_state(struct supervisor *s, bool always)
 {
     char text[sizeof s->state] = "state ";
     char *rest = text + strlen(text);
     size_t size = sizeof text - strlen(text);
-    describe_loop(&s->api, rest, size);
-    describe_loop(&s->worker, rest, size);
-    if (!anyway && strcmp(text, s->state) == 0)
+    describe_crash_loop(&s->api, rest, size);
+    describe_crash_loop(&s->worker, rest, size);
+    if (!always && strcmp(text, s->state) == 0)
         return;
     memcpy(s->state, text, sizeof text);
     pen_control_send(s->api.control_fd, text);
@@ -88,7 +91,7 @@ static void kill_child(struct pen_child *child)
 
 static void begin_drain(struct supervisor *s)
 {
-    if (s->draining) { /* a second signal: whoever sends it will not wait */
+    if (s->draining) { /* a second signal: end at once */
         kill_child(&s->worker);
         kill_child(&s->api);
         return;
@@ -111,8 +114,8 @@ static void advance_drain(struct supervisor *s)
         kill_child(&s->api);
 }
 
-/* Reads the configuration again. What it says of the log and of threads holds from now on; a wrong
- * one changes nothing. */
+/* Reads the configuration again, and applies the settings of the log and the number of threads. A
+ * wrong configuration changes nothing. */
 static void reload(struct supervisor *s)
 {
     struct pen_config fresh;
@@ -124,7 +127,8 @@ static void reload(struct supervisor *s)
     }
     if (strcmp(s->first->listen, fresh.listen) != 0 || strcmp(s->first->store, fresh.store) != 0 ||
         strcmp(s->first->role, fresh.role) != 0)
-        pen_log(PEN_LOG_WARN, "listen, store and role change with a new start only");
+        pen_log(PEN_LOG_WARN,
+                "listen, store and role change only when the daemon is started again");
     bool other_threads = s->now.threads != fresh.threads;
     pen_config_release(&s->reloaded);
     s->reloaded = s->now = fresh;
@@ -153,7 +157,7 @@ static void reap(struct supervisor *s)
     }
 }
 
-static void take_signals(struct supervisor *s)
+static void handle_signals(struct supervisor *s)
 {
     struct signalfd_siginfo info;
     while (read(s->signal_fd, &info, sizeof info) == (ssize_t)sizeof info) {
@@ -164,13 +168,13 @@ static void take_signals(struct supervisor *s)
     }
 }
 
-static void take_message(struct supervisor *s, struct pen_child *child)
+static void handle_message(struct supervisor *s, struct pen_child *child)
 {
     char text[PEN_CONTROL_BYTES];
     ssize_t got = recv(child->control_fd, text, sizeof text - 1, MSG_DONTWAIT);
     if (got < 0 && (errno == EAGAIN || errno == EINTR))
         return;
-    if (got <= 0) { /* it is ending; SIGCHLD will say how */
+    if (got <= 0) { /* the child is ending; SIGCHLD follows */
         close(child->control_fd);
         child->control_fd = -1;
         return;
@@ -180,19 +184,19 @@ static void take_message(struct supervisor *s, struct pen_child *child)
         return;
     pen_child_ready(child);
     if (child == &s->api)
-        tell_state(s, true);
+        send_state(s, true);
 }
 
-/* Until the next start that is due or the next failures to forget; a short while when draining. */
+/* The time until the next start is due or a child counts as stable; a short time when draining. */
 static int wait_ms(const struct supervisor *s)
 {
     if (s->draining)
-        return LOOK_MS;
+        return DRAIN_CHECK_MS;
     const struct pen_child *children[] = {&s->api, &s->worker};
     int64_t next = INT64_MAX, now = pen_clock_ns();
     for (int i = 0; i < 2; i++) {
         const struct pen_child *child = children[i];
-        int64_t at = child->pid ? pen_child_forgives_at_ns(child) : child->start_at_ns;
+        int64_t at = child->pid ? pen_child_stable_at_ns(child) : child->start_at_ns;
         next = at < next ? at : next;
     }
     if (next == INT64_MAX)
@@ -200,19 +204,20 @@ static int wait_ms(const struct supervisor *s)
     return next <= now ? 0 : (int)((next - now) / 1000000) + 1;
 }
 
-static void watch(struct supervisor *s)
+static void handle_events(struct supervisor *s)
 {
-    struct pollfd fds[] = {{.fd = s->signal_fd, .events = POLLIN},
-                           {.fd = s->api.control_fd, .events = POLLIN},
-                           {.fd = s->worker.control_fd, .events = POLLIN}};
-    if (poll(fds, 3, wait_ms(s)) <= 0)
+    enum { SIGNALS, API, WORKER, COUNT };
+    struct pollfd fds[COUNT] = {[SIGNALS] = {.fd = s->signal_fd, .events = POLLIN},
+                                [API] = {.fd = s->api.control_fd, .events = POLLIN},
+                                [WORKER] = {.fd = s->worker.control_fd, .events = POLLIN}};
+    if (poll(fds, COUNT, wait_ms(s)) <= 0)
         return;
-    if (fds[1].revents)
-        take_message(s, &s->api);
-    if (fds[2].revents)
-        take_message(s, &s->worker);
-    if (fds[0].revents) {
-        take_signals(s);
+    if (fds[API].revents)
+        handle_message(s, &s->api);
+    if (fds[WORKER].revents)
+        handle_message(s, &s->worker);
+    if (fds[SIGNALS].revents) {
+        handle_signals(s);
         reap(s);
     }
 }
@@ -230,7 +235,7 @@ static bool open_signals(struct supervisor *s, struct pen_status *st)
     if (sigprocmask(SIG_BLOCK, &set, NULL) == 0)
         s->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
     return s->signal_fd >= 0 ||
-           pen_fail(st, PEN_IO, "cannot watch for signals: %s", strerror(errno));
+           pen_fail(st, PEN_IO, "cannot wait for signals: %s", strerror(errno));
 }
 
 static void run(struct supervisor *s)
@@ -238,15 +243,15 @@ static void run(struct supervisor *s)
     for (;;) {
         start_if_due(s, &s->api, s->listen_fd);
         start_if_due(s, &s->worker, -1);
-        pen_child_forgive(&s->api);
-        pen_child_forgive(&s->worker);
-        tell_state(s, false);
+        pen_child_reset_failures(&s->api);
+        pen_child_reset_failures(&s->worker);
+        send_state(s, false);
         if (s->draining)
             advance_drain(s);
         if (s->draining &&
             ((!s->api.pid && !s->worker.pid) || pen_clock_ns() - s->drain_ns > longest_drain_ns))
             return;
-        watch(s);
+        handle_events(s);
     }
 }
 

@@ -1,21 +1,29 @@
 /* SPDX-License-Identifier: MIT */
-/* The process that starts and watches the others. It parses no input but its configuration, opens
- * the store only to see that it can, has one thread, and so outlives them.
+/* The process that starts and supervises the api and the worker process. It survives their crashes,
+ * since it does little itself: it has one thread, parses only its configuration, and opens the
+ * store only once, to check it at the start.
  *
- *  - It owns the listening socket: while an api process is replaced, connections wait in its
- *    queue, none is refused.
- *  - A child that ends is started again, with a pause that doubles if it ends soon each time.
- *  - A worker's successor first takes back the leases of the dead.
- *  - Its own end, by whatever cause, ends the children: their control channel closes.
- *  - SIGTERM drains: the api refuses new jobs and answers the rest, the worker finishes or gives
- *    back its batch, then the api ends, then this process, with exit code 0, all within 10 s. */
+ *  - It owns the listening socket. While an api process is replaced, new connections wait in the
+ *    socket's queue; none is refused.
+ *  - It starts a child that has ended again. If a child ends soon after each start, the pauses
+ *    between the starts double.
+ *  - The successor of a worker first releases the leases of dead workers.
+ *  - The children end when it ends or dies, because their control channel closes.
+ *  - SIGTERM and SIGINT drain the daemon within 10 s:
+ *     1. the api refuses new jobs and answers all other requests;
+ *     2. the worker finishes its batch, or gives it back;
+ *     3. the api ends;
+ *     4. this process ends, with exit code 0.
+ *    A second signal kills the children at once.
+ *  - SIGHUP reads the configuration again: the log's level, format and file, and the number of
+ *    threads. It also opens the log file anew. */
 #ifndef PEN_CMD_DAEMON_SUPERVISOR_H
 #define PEN_CMD_DAEMON_SUPERVISOR_H
 
 #include "cmd/daemon/config.h"
 
-/* Runs until drained. argc and argv are those of main, to read the configuration again on SIGHUP.
- * Owns: *config and listen_fd stay the caller's. */
+/* Runs until drained. Returns the exit code. argc and argv are those of main, to read the
+ * configuration again on SIGHUP. Owns: *config and listen_fd stay the caller's. */
 int pen_supervisor_run(const struct pen_config *config, int argc, char **argv, int listen_fd);
 
 #endif

@@ -20,7 +20,7 @@ void pen_exit_describe(int wait_status, char *out, size_t bytes)
     }
 }
 
-static bool signal_of_its_own(int signal, bool oom)
+static bool is_crash_signal(int signal, bool oom)
 {
     switch (signal) {
     case SIGSEGV:
@@ -37,7 +37,7 @@ static bool signal_of_its_own(int signal, bool oom)
     }
 }
 
-static bool exit_of_its_own(int code)
+static bool is_crash_exit(int code)
 {
     return code != 0 && code != PEN_EXEC_FAILED && code != pen_code_exit(PEN_STORAGE) &&
            code != pen_code_exit(PEN_UNAVAILABLE);
@@ -45,7 +45,7 @@ static bool exit_of_its_own(int code)
 
 enum pen_worker_end pen_exit_worker_end(int wait_status, bool oom)
 {
-    bool own = WIFSIGNALED(wait_status) ? signal_of_its_own(WTERMSIG(wait_status), oom)
-                                        : exit_of_its_own(WEXITSTATUS(wait_status));
-    return own ? PEN_WORKER_CRASHED : PEN_WORKER_DIED;
+    bool crashed = WIFSIGNALED(wait_status) ? is_crash_signal(WTERMSIG(wait_status), oom)
+                                            : is_crash_exit(WEXITSTATUS(wait_status));
+    return crashed ? PEN_WORKER_CRASHED : PEN_WORKER_DIED;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The wait status of a process in words, and whether a worker's end was caused by its work. */
+/* What the wait status of a process means: as text, and whether its work crashed a worker. */
 #ifndef PEN_CMD_DAEMON_WORKER_EXIT_H
 #define PEN_CMD_DAEMON_WORKER_EXIT_H
 
@@ -8,14 +8,21 @@
 
 #include "store/store.h"
 
+/* The exit code of a child in which execv failed. */
 enum { PEN_EXEC_FAILED = 127 };
 
-/* "signal 11 (SIGSEGV)", "exit code 3". */
+/* Writes "signal 11 (SIGSEGV)" or "exit code 3". */
 void pen_exit_describe(int wait_status, char *out, size_t bytes);
 
-/* PEN_WORKER_CRASHED if what was rendered caused the worker's end, else PEN_WORKER_DIED. oom: the
- * kernel's OOM killer ended processes while the worker lived. An exit with a store error is not
- * caused by what was rendered. */
+/* PEN_WORKER_CRASHED if the rendering caused the worker's end, otherwise PEN_WORKER_DIED. oom: the
+ * kernel's OOM killer ended processes while the worker lived.
+ *
+ *   SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT     crashed
+ *   SIGKILL, SIGTERM                             crashed if oom, otherwise killed by somebody: died
+ *   other signals                                died
+ *   exit code 0, PEN_EXEC_FAILED, or the code of PEN_STORAGE or PEN_UNAVAILABLE (store errors)
+ *                                                died
+ *   other exit codes                             crashed */
 enum pen_worker_end pen_exit_worker_end(int wait_status, bool oom);
 
 #endif
