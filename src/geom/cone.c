@@ -11,11 +11,7 @@
 #include "geom/internal/double_double.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
-
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
+#include "math/scale.h"
 
 /* (top_radius - base_radius) / height */
 static struct dd slope_of(double r, double top_r, double h)
@@ -29,7 +25,7 @@ bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axi
                    double top_r, double h, bool caps)
 {
     if (!is_length(r) || !(top_r == 0 || is_length(top_r)) ||
-        !pen_cylinder_make(&c->hull, base, axis, larger(r, top_r), h, caps))
+        !pen_cylinder_make(&c->hull, base, axis, pen_larger(r, top_r), h, caps))
         return false;
     struct dd3 a = dd_of3(c->hull.round.a);
     struct dd slope = slope_of(r, top_r, h);
@@ -78,7 +74,7 @@ static bool steep_side(const struct equation *e, double side[2])
     if (e->a.hi == 0)
         side[q < 0] = second;
     else if (e->grows > 0)
-        side[0] = larger(first, second);
+        side[0] = pen_larger(first, second);
     else
         side[1] = first < second ? first : second;
     return side[0] < side[1];
@@ -212,13 +208,8 @@ static bool side_from(const struct pen_cone *c, const struct pen_ray *ray, doubl
 static bool interval_from(const struct pen_cone *c, const struct pen_ray *ray, unsigned on,
                           double b, struct pen_interval *in)
 {
-    double side[2], da = pen_cylinder_along(&c->hull, ray);
-    bool slab = pen_cylinder_slab(&c->hull, ray, in);
-    if (on & (da > 0 ? PEN_ON_BASE : PEN_ON_TOP))
-        in->lo = 0;
-    if (on & (da > 0 ? PEN_ON_TOP : PEN_ON_BASE))
-        in->hi = 0;
-    if (!slab || (da == 0 && on & (PEN_ON_BASE | PEN_ON_TOP)))
+    double side[2];
+    if (!pen_cylinder_slab_from(&c->hull, ray, on, in))
         return false;
     bool inside = on & PEN_ON_SIDE ? side_from(c, ray, b, side) : side_interval(c, ray, side);
     return inside && pen_interval_cut(in, side);
@@ -241,49 +232,13 @@ static bool goes_inward(const struct pen_cone *c, const struct pen_ray *ray, uin
     return true;
 }
 
-struct pen_vec3 pen_cone_normal(const struct pen_cone *c, uint8_t part, struct pen_vec3 p)
-{
-    const struct pen_cylinder_side *round = &c->hull.round;
-    if (part != PEN_PART_SIDE)
-        return pen_cylinder_normal(&c->hull, part, p);
-    struct pen_vec3 axis = pen_cylinder_normal(&c->hull, PEN_PART_TOP, p);
-    if (at_apex(c, p, rounding_at(c, p)))
-        return axis;
-    struct pen_vec3 away = pen_cylinder_side_normal(round, p);
-    return pen_normalize(pen_along(away, axis, -c->slope));
-}
-
-struct pen_vec3 pen_cone_project(const struct pen_cone *c, uint8_t part, struct pen_vec3 p)
-{
-    if (part != PEN_PART_SIDE)
-        return pen_cylinder_project(&c->hull, part, p);
-    return pen_along(p, pen_cone_normal(c, part, p), -place_of(c, p).outside);
-}
-
-struct pen_box pen_cone_bounds(const struct pen_cone *c)
-{
-    const struct pen_cylinder_side *round = &c->hull.round;
-    struct pen_vec3 axis = pen_cylinder_normal(&c->hull, PEN_PART_TOP, round->q);
-    struct pen_vec3 rim =
-        pen_vec3(sqrt(axis.y * axis.y + axis.z * axis.z), sqrt(axis.z * axis.z + axis.x * axis.x),
-                 sqrt(axis.x * axis.x + axis.y * axis.y));
-    struct pen_vec3 top = pen_along(round->q, axis, c->hull.h);
-    struct pen_box b = pen_box_empty();
-    b = pen_box_add_point(b, pen_along(round->q, rim, -c->base_radius));
-    b = pen_box_add_point(b, pen_along(round->q, rim, c->base_radius));
-    b = pen_box_add_point(b, pen_along(top, rim, -c->top_radius));
-    b = pen_box_add_point(b, pen_along(top, rim, c->top_radius));
-    return pen_box_grow(b, round->r + c->hull.h);
-}
-
-/* An end of the inside, except where it is open. The slab ends a pointed cone at its apex, which
- * belongs to the side. */
+/* Adds an end of the inside. The slab ends a pointed cone at its apex, which belongs to the side.
+ */
 static void add_end(const struct pen_cone *c, double t, uint8_t part, struct pen_intersections *out)
 {
     if (part == PEN_PART_TOP && c->top_radius == 0)
         part = PEN_PART_SIDE;
-    if (parts(c) >> part & 1)
-        pen_intersections_add(out, t, part);
+    pen_intersections_add_end(out, parts(c), t, part);
 }
 
 static void add_ends(const struct pen_cone *c, const struct pen_interval *in,
@@ -309,17 +264,40 @@ static void intersect_line(const void *self, const struct pen_ray *ray,
 
 static struct pen_vec3 normal(const void *self, uint8_t part, struct pen_vec3 p)
 {
-    return pen_cone_normal(self, part, p);
+    const struct pen_cone *c = self;
+    const struct pen_cylinder_side *round = &c->hull.round;
+    if (part != PEN_PART_SIDE)
+        return pen_cylinder_normal(&c->hull, part, p);
+    struct pen_vec3 axis = pen_cylinder_normal(&c->hull, PEN_PART_TOP, p);
+    if (at_apex(c, p, rounding_at(c, p)))
+        return axis;
+    struct pen_vec3 away = pen_cylinder_side_normal(round, p);
+    return pen_normalize(pen_along(away, axis, -c->slope));
 }
 
 static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p)
 {
-    return pen_cone_project(self, part, p);
+    const struct pen_cone *c = self;
+    if (part != PEN_PART_SIDE)
+        return pen_cylinder_project(&c->hull, part, p);
+    return pen_along(p, normal(c, part, p), -place_of(c, p).outside);
 }
 
 static struct pen_box bounds(const void *self)
 {
-    return pen_cone_bounds(self);
+    const struct pen_cone *c = self;
+    const struct pen_cylinder_side *round = &c->hull.round;
+    struct pen_vec3 axis = pen_cylinder_normal(&c->hull, PEN_PART_TOP, round->q);
+    struct pen_vec3 rim =
+        pen_vec3(sqrt(axis.y * axis.y + axis.z * axis.z), sqrt(axis.z * axis.z + axis.x * axis.x),
+                 sqrt(axis.x * axis.x + axis.y * axis.y));
+    struct pen_vec3 top = pen_along(round->q, axis, c->hull.h);
+    struct pen_box b = pen_box_empty();
+    b = pen_box_add_point(b, pen_along(round->q, rim, -c->base_radius));
+    b = pen_box_add_point(b, pen_along(round->q, rim, c->base_radius));
+    b = pen_box_add_point(b, pen_along(top, rim, -c->top_radius));
+    b = pen_box_add_point(b, pen_along(top, rim, c->top_radius));
+    return pen_box_grow(b, round->r + c->hull.h);
 }
 
 static double scale(const void *self, struct pen_vec3 p)
@@ -336,7 +314,7 @@ static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
     double along = pen_dot(n, round->a) / round->length;
     double rim = pen_length(pen_cross(n, round->a)) / round->length;
     return pen_dot(n, pen_sub(round->q, p)) +
-           larger(c->base_radius * rim, c->top_radius * rim + along * c->hull.h);
+           pen_larger(c->base_radius * rim, c->top_radius * rim + along * c->hull.h);
 }
 
 static unsigned touches(const void *self, struct pen_vec3 p, double bound)
@@ -349,7 +327,7 @@ static void intersect_own(const void *self, const struct pen_ray *ray, uint8_t p
 {
     struct pen_interval in;
     if (goes_inward(self, ray, part, &in))
-        add_end(self, larger(in.hi, PEN_FIRST_T), in.hi_part, out);
+        add_end(self, pen_larger(in.hi, PEN_FIRST_T), in.hi_part, out);
 }
 
 /* A ray that merely grazes the rim of two parts, or the apex, meets the cone nowhere else. */

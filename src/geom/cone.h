@@ -35,11 +35,4 @@ bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axi
 bool pen_cone_interval(const struct pen_cone *c, const struct pen_ray *ray,
                        struct pen_interval *in);
 
-struct pen_vec3 pen_cone_normal(const struct pen_cone *c, uint8_t part, struct pen_vec3 p);
-
-/* The point nearest p of the part's surface, continued without end. */
-struct pen_vec3 pen_cone_project(const struct pen_cone *c, uint8_t part, struct pen_vec3 p);
-
-struct pen_box pen_cone_bounds(const struct pen_cone *c);
-
 #endif

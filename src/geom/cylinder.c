@@ -6,6 +6,7 @@
 #include "geom/internal/double_double.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
+#include "math/scale.h"
 
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                        double h, bool caps)
@@ -36,6 +37,18 @@ void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray
         *in = (struct pen_interval){top, base, PEN_PART_TOP, PEN_PART_BASE};
 }
 
+bool pen_cylinder_slab_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
+                            struct pen_interval *in)
+{
+    bool slab = pen_cylinder_slab(c, ray, in);
+    double da = pen_cylinder_along(c, ray);
+    if (on & (da > 0 ? PEN_ON_BASE : PEN_ON_TOP))
+        in->lo = 0;
+    if (on & (da > 0 ? PEN_ON_TOP : PEN_ON_BASE))
+        in->hi = 0;
+    return slab && !(da == 0 && on & (PEN_ON_BASE | PEN_ON_TOP));
+}
+
 /* The t-interval of the infinite side with one end at the origin. */
 static bool side_from(const struct pen_cylinder_side *s, const struct pen_ray *ray, double side[2])
 {
@@ -45,18 +58,13 @@ static bool side_from(const struct pen_cylinder_side *s, const struct pen_ray *r
     return chord != 0;
 }
 
-bool pen_cylinder_interval_from(const struct pen_cylinder *c, const struct pen_ray *ray,
-                                unsigned on, struct pen_interval *in)
+/* As pen_cylinder_interval for a ray whose origin lies on the parts `on`. */
+static bool interval_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
+                          struct pen_interval *in)
 {
     double side[2];
     bool parallel = false;
-    bool slab = pen_cylinder_slab(c, ray, in);
-    double da = pen_cylinder_along(c, ray);
-    if (on & (da > 0 ? PEN_ON_BASE : PEN_ON_TOP))
-        in->lo = 0;
-    if (on & (da > 0 ? PEN_ON_TOP : PEN_ON_BASE))
-        in->hi = 0;
-    if (!slab || (da == 0 && (on & (PEN_ON_BASE | PEN_ON_TOP))))
+    if (!pen_cylinder_slab_from(c, ray, on, in))
         return false;
     if (!(on & PEN_ON_SIDE ? side_from(&c->round, ray, side)
                            : pen_cylinder_side_roots(&c->round, ray, side, &parallel)))
@@ -64,8 +72,10 @@ bool pen_cylinder_interval_from(const struct pen_cylinder *c, const struct pen_r
     return pen_interval_cut(in, side);
 }
 
-bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
-                         struct pen_interval *in)
+/* Whether a ray that starts on `part` of the cylinder goes inward; then in->hi, in->hi_part are
+ * where it comes out again (hi <= 0: at once). */
+static bool goes_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
+                        struct pen_interval *in)
 {
     double side[2] = {0, 0}, da = pen_cylinder_along(c, ray);
     if (part == PEN_PART_SIDE) {
@@ -108,28 +118,6 @@ struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part,
     return pen_along(p, n, (part == PEN_PART_TOP ? c->h : 0) - height);
 }
 
-struct pen_box pen_cylinder_bounds(const struct pen_cylinder *c)
-{
-    const struct pen_cylinder_side *s = &c->round;
-    struct pen_vec3 a = s->a;
-    double k = s->r / s->length;
-    struct pen_vec3 reach =
-        pen_vec3(k * sqrt(a.y * a.y + a.z * a.z), k * sqrt(a.z * a.z + a.x * a.x),
-                 k * sqrt(a.x * a.x + a.y * a.y));
-    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h);
-    struct pen_box b = pen_box_empty();
-    b = pen_box_add_point(b, pen_sub(s->q, reach));
-    b = pen_box_add_point(b, pen_add(s->q, reach));
-    b = pen_box_add_point(b, pen_sub(top, reach));
-    b = pen_box_add_point(b, pen_add(top, reach));
-    return pen_box_grow(b, s->r + c->h);
-}
-
-static double max2(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* The parts that there are. */
 static unsigned parts(const struct pen_cylinder *c)
 {
@@ -140,10 +128,8 @@ static unsigned parts(const struct pen_cylinder *c)
 static void add_ends(const struct pen_cylinder *c, const struct pen_interval *in,
                      struct pen_intersections *out)
 {
-    if (parts(c) >> in->lo_part & 1)
-        pen_intersections_add(out, in->lo, in->lo_part);
-    if (parts(c) >> in->hi_part & 1)
-        pen_intersections_add(out, in->hi, in->hi_part);
+    pen_intersections_add_end(out, parts(c), in->lo, in->lo_part);
+    pen_intersections_add_end(out, parts(c), in->hi, in->hi_part);
 }
 
 static bool make(void *self, const struct pen_prim_source *from)
@@ -172,7 +158,20 @@ static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p
 
 static struct pen_box bounds(const void *self)
 {
-    return pen_cylinder_bounds(self);
+    const struct pen_cylinder *c = self;
+    const struct pen_cylinder_side *s = &c->round;
+    struct pen_vec3 a = s->a;
+    double k = s->r / s->length;
+    struct pen_vec3 reach =
+        pen_vec3(k * sqrt(a.y * a.y + a.z * a.z), k * sqrt(a.z * a.z + a.x * a.x),
+                 k * sqrt(a.x * a.x + a.y * a.y));
+    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h);
+    struct pen_box b = pen_box_empty();
+    b = pen_box_add_point(b, pen_sub(s->q, reach));
+    b = pen_box_add_point(b, pen_add(s->q, reach));
+    b = pen_box_add_point(b, pen_sub(top, reach));
+    b = pen_box_add_point(b, pen_add(top, reach));
+    return pen_box_grow(b, s->r + c->h);
 }
 
 static double scale(const void *self, struct pen_vec3 p)
@@ -198,8 +197,8 @@ static void intersect_own(const void *self, const struct pen_ray *ray, uint8_t p
 {
     const struct pen_cylinder *c = self;
     struct pen_interval in;
-    if (pen_cylinder_inward(c, ray, part, &in) && parts(c) >> in.hi_part & 1)
-        pen_intersections_add(out, max2(in.hi, PEN_FIRST_T), in.hi_part);
+    if (goes_inward(c, ray, part, &in))
+        pen_intersections_add_end(out, parts(c), pen_larger(in.hi, PEN_FIRST_T), in.hi_part);
 }
 
 /* A ray that merely grazes the rim of two parts meets the cylinder nowhere else. */
@@ -212,7 +211,7 @@ static unsigned intersect_touching(const void *self, const struct pen_ray *ray, 
     if (on == 0)
         return 0;
     out->count = 0;
-    if (pen_cylinder_interval_from(c, ray, on, &in))
+    if (interval_from(c, ray, on, &in))
         add_ends(c, &in, out);
     bool rim = on & PEN_ON_SIDE && on & (PEN_ON_BASE | PEN_ON_TOP);
     return rim ? on & parts(c) : 0;

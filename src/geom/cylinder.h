@@ -85,6 +85,11 @@ static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const s
 void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
                               struct pen_interval *in);
 
+/* As pen_cylinder_slab for a ray whose origin lies on the parts `on`: an end at the origin has t =
+ * 0 exactly. False also if the ray runs along a cap that it starts on. */
+bool pen_cylinder_slab_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
+                            struct pen_interval *in);
+
 /* The t-interval of the ray's line inside; false if there is none. Ends at caps of an open cylinder
  * are no intersections: the caller drops them. */
 static inline bool pen_cylinder_interval(const struct pen_cylinder *c, const struct pen_ray *ray,
@@ -126,20 +131,9 @@ static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct
     return on;
 }
 
-/* As pen_cylinder_interval for a ray whose origin lies on the parts `on`. */
-bool pen_cylinder_interval_from(const struct pen_cylinder *c, const struct pen_ray *ray,
-                                unsigned on, struct pen_interval *in);
-
-/* Whether a ray that starts on `part` of the cylinder goes inward; then in->hi, in->hi_part are
- * where it comes out again (hi <= 0: at once). */
-bool pen_cylinder_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
-                         struct pen_interval *in);
-
 struct pen_vec3 pen_cylinder_normal(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
 
 /* The point nearest p of the part's surface, continued without end. */
 struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
-
-struct pen_box pen_cylinder_bounds(const struct pen_cylinder *c);
 
 #endif

@@ -31,6 +31,14 @@ struct pen_vec3 pen_unit_of(struct pen_vec3 v)
     return pen_vec3(s.x / length, s.y / length, s.z / length);
 }
 
+struct pen_box pen_box_of_points(const struct pen_vec3 *v, uint32_t count)
+{
+    struct pen_box b = pen_box_empty();
+    for (uint32_t i = 0; i < count; i++)
+        b = pen_box_add_point(b, v[i]);
+    return b;
+}
+
 struct pen_box pen_box_grow(struct pen_box b, double size)
 {
     double m = pen_largest3(b.lo) > pen_largest3(b.hi) ? pen_largest3(b.lo) : pen_largest3(b.hi);

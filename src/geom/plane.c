@@ -5,7 +5,6 @@
 #include "geom/internal/double_double.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
-#include "geom/triangle.h"
 
 bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 normal)
 {
@@ -19,12 +18,6 @@ bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 
     struct pen_vec3 foot = pen_scale(p->g, s);
     p->q = pen_norm1(point) <= 4 * pen_norm1(foot) ? point : foot;
     return is_finite3(p->q);
-}
-
-bool pen_plane_through(struct pen_plane *p, struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c)
-{
-    struct pen_triangle tri;
-    return pen_triangle_make(&tri, a, b, c) && pen_plane_make(p, a, tri.n);
 }
 
 static bool make(void *self, const struct pen_prim_source *from)

@@ -14,11 +14,6 @@ struct pen_plane {
 /* Fails: returns false if an argument is not finite or the normal is zero. */
 bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 normal);
 
-/* The plane through three points, outward where they run counter-clockwise.
- * Fails: returns false if they are not finite or lie on one line. */
-bool pen_plane_through(struct pen_plane *p, struct pen_vec3 a, struct pen_vec3 b,
-                       struct pen_vec3 c);
-
 /* a.b, compensated where more than three bits cancel. */
 static inline double pen_dot_guarded(struct pen_vec3 a, struct pen_vec3 b)
 {

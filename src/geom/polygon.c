@@ -6,14 +6,6 @@
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
 
-struct pen_box pen_polygon_bounds(const struct pen_polygon *p)
-{
-    struct pen_box b = pen_box_empty();
-    for (uint32_t i = 0; i < p->count; i++)
-        b = pen_box_add_point(b, p->v[i]);
-    return b;
-}
-
 /* Newell's normal, relative to the first vertex. */
 static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
 {
@@ -57,7 +49,7 @@ bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
             return false;
     }
     *p = (struct pen_polygon){.v = v, .count = count};
-    struct pen_box b = pen_polygon_bounds(p);
+    struct pen_box b = pen_box_of_points(v, count);
     p->extent = pen_largest3(pen_sub(b.hi, b.lo));
     struct pen_vec3 n = newell(v, count);
     /* Below these, the sum may be nothing but its own rounding, and products may vanish. */
@@ -96,7 +88,8 @@ static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p
 
 static struct pen_box bounds(const void *self)
 {
-    return pen_polygon_bounds(self);
+    const struct pen_polygon *p = self;
+    return pen_box_of_points(p->v, p->count);
 }
 
 static double scale(const void *self, struct pen_vec3 p)

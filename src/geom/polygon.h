@@ -70,6 +70,4 @@ static inline struct pen_vec3 pen_polygon_project(const struct pen_polygon *pg, 
     return pen_along(p, pg->n, pen_dot(pg->n, pen_sub(pg->v[0], p)));
 }
 
-struct pen_box pen_polygon_bounds(const struct pen_polygon *p);
-
 #endif

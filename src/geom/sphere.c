@@ -22,16 +22,12 @@ void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, do
     dd_roots(dd_dot(d, d), dd_dot(f, d), dd_add(dd_dot(f, f), minus_rr), t);
 }
 
-double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray)
+/* The t of the other intersection of a ray whose origin is on the sphere by identity: -2 b / a,
+ * with b exact to the last bits. It is positive if the ray goes inward. */
+static double chord(const struct pen_sphere *s, const struct pen_ray *ray)
 {
     struct dd b = dd_dot(dd_sub3(ray->o, s->c), dd_of3(ray->d));
     return -2 * b.hi / pen_dot(ray->d, ray->d);
-}
-
-struct pen_box pen_sphere_bounds(const struct pen_sphere *s)
-{
-    struct pen_vec3 r = pen_vec3(s->r, s->r, s->r);
-    return pen_box_grow((struct pen_box){pen_sub(s->c, r), pen_add(s->c, r)}, s->r);
 }
 
 static bool make(void *self, const struct pen_prim_source *from)
@@ -61,7 +57,9 @@ static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p
 
 static struct pen_box bounds(const void *self)
 {
-    return pen_sphere_bounds(self);
+    const struct pen_sphere *s = self;
+    struct pen_vec3 r = pen_vec3(s->r, s->r, s->r);
+    return pen_box_grow((struct pen_box){pen_sub(s->c, r), pen_add(s->c, r)}, s->r);
 }
 
 static double scale(const void *self, struct pen_vec3 p)
@@ -91,14 +89,14 @@ static void intersect_own(const void *self, const struct pen_ray *ray, uint8_t p
                           struct pen_intersections *out)
 {
     (void)part;
-    pen_intersections_own(out, pen_sphere_chord(self, ray));
+    pen_intersections_own(out, chord(self, ray));
 }
 
 static unsigned intersect_touching(const void *self, const struct pen_ray *ray, double bound,
                                    struct pen_intersections *out)
 {
     if (out->count > 0 && pen_sphere_touches(self, ray->o, bound))
-        pen_intersections_chord(out, pen_sphere_chord(self, ray));
+        pen_intersections_chord(out, chord(self, ray));
     return 0;
 }
 

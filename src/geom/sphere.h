@@ -48,11 +48,7 @@ static inline bool pen_sphere_touches(const struct pen_sphere *s, struct pen_vec
     return fabs(pen_dot(f, f) - s->rr) <= 2 * s->r * (bound + 8 * PEN_U * s->r);
 }
 
-/* The t of the other intersection of a ray whose origin is on the sphere by identity: -2 b / a,
- * with b exact to the last bits. It is positive if the ray goes inward. */
-double pen_sphere_chord(const struct pen_sphere *s, const struct pen_ray *ray);
-
-/* Whether pen_sphere_chord is certainly not positive: a cheaper test. */
+/* Whether a ray that leaves the sphere certainly does not meet it again. */
 static inline bool pen_sphere_outward(const struct pen_sphere *s, const struct pen_ray *ray)
 {
     struct pen_vec3 f = pen_sub(ray->o, s->c);
@@ -68,7 +64,5 @@ static inline struct pen_vec3 pen_sphere_project(const struct pen_sphere *s, str
 {
     return pen_along(s->c, pen_sphere_normal(s, p), s->r);
 }
-
-struct pen_box pen_sphere_bounds(const struct pen_sphere *s);
 
 #endif

@@ -80,17 +80,10 @@ bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_v
     return true;
 }
 
-struct pen_box pen_triangle_bounds(const struct pen_triangle *tri)
+/* The largest distance between two vertices along an axis. */
+static double extent_of(const struct pen_triangle *tri)
 {
-    struct pen_box b = pen_box_empty();
-    for (int i = 0; i < 3; i++)
-        b = pen_box_add_point(b, tri->v[i]);
-    return b;
-}
-
-double pen_triangle_extent(const struct pen_triangle *tri)
-{
-    struct pen_box b = pen_triangle_bounds(tri);
+    struct pen_box b = pen_box_of_points(tri->v, 3);
     return pen_largest3(pen_sub(b.hi, b.lo));
 }
 
@@ -138,13 +131,13 @@ static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p
 
 static struct pen_box bounds(const void *self)
 {
-    return pen_triangle_bounds(self);
+    return pen_box_of_points(((const struct pen_triangle *)self)->v, 3);
 }
 
 static double scale(const void *self, struct pen_vec3 p)
 {
     (void)p;
-    return pen_triangle_extent(self);
+    return extent_of(self);
 }
 
 static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
@@ -154,8 +147,7 @@ static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
 
 static struct pen_outline outline(const void *self)
 {
-    return (struct pen_outline){((const struct pen_triangle *)self)->v, 3,
-                                pen_triangle_extent(self)};
+    return (struct pen_outline){((const struct pen_triangle *)self)->v, 3, extent_of(self)};
 }
 
 const struct pen_kind_functions pen_triangle_functions = {

@@ -115,9 +115,4 @@ static inline bool pen_flat_touches(struct pen_vec3 n, double scale, const struc
     return fabs(t * pen_dot(ray->d, n)) <= b && (t > 0 || pen_flat_near(ray, t, b));
 }
 
-/* The largest distance between two vertices along an axis. */
-double pen_triangle_extent(const struct pen_triangle *tri);
-
-struct pen_box pen_triangle_bounds(const struct pen_triangle *tri);
-
 #endif

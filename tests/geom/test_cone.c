@@ -4,6 +4,21 @@
 #include "geom/rows.h"
 #include "support/suite.h"
 
+static struct pen_vec3 cone_normal(const struct pen_cone *c, uint8_t part, struct pen_vec3 p)
+{
+    return pen_kinds[PEN_PRIM_CONE].fn->normal(c, part, p);
+}
+
+static struct pen_vec3 cone_project(const struct pen_cone *c, uint8_t part, struct pen_vec3 p)
+{
+    return pen_kinds[PEN_PRIM_CONE].fn->project(c, part, p);
+}
+
+static struct pen_box cone_bounds(const struct pen_cone *c)
+{
+    return pen_kinds[PEN_PRIM_CONE].fn->bounds(c);
+}
+
 static struct world world;
 
 /* Base radius 2 at 0, along z; pointed of height 2, or truncated to radius 1 at height 1: the side
@@ -29,17 +44,17 @@ START_TEST(test_cone__normals_go_by_part)
                {{0, 0x1p-52, 2}, PEN_PART_SIDE, {0, 0, 1}}}; /* within rounding of it */
     standing(true, true);
     for (int i = 0; i < ROWS(row); i++) {
-        vec3 n = pen_sub(pen_cone_normal(&world.cone[0], row[i].part, row[i].p), row[i].n);
+        vec3 n = pen_sub(cone_normal(&world.cone[0], row[i].part, row[i].p), row[i].n);
         ck_assert_msg(pen_norm1(n) <= 4 * PEN_U, "row %d", i);
     }
     const double radius[2] = {1, 3};
     struct pen_cone wide;
     ck_assert(
         pen_cone_make(&wide, pen_vec3(0, 0, 0), pen_vec3(0, 2, 0), radius[0], radius[1], 1, true));
-    vec3 n = pen_cone_normal(&wide, PEN_PART_SIDE, pen_vec3(2, .5, 0));
+    vec3 n = cone_normal(&wide, PEN_PART_SIDE, pen_vec3(2, .5, 0));
     ck_assert_double_eq_tol(n.x, 1 / sqrt(5), 4 * PEN_U);
     ck_assert_double_eq_tol(n.y, -2 / sqrt(5), 4 * PEN_U);
-    n = pen_cone_normal(&wide, PEN_PART_TOP, pen_vec3(2, 1, 0));
+    n = cone_normal(&wide, PEN_PART_TOP, pen_vec3(2, 1, 0));
     ck_assert(n.x == 0 && n.y == 1 && n.z == 0);
 }
 END_TEST
@@ -300,7 +315,7 @@ static bool inside_quad(const struct pen_cone *c, const struct pen_ray *ray, qua
 static double departure(const struct pen_cone *c, const struct pen_ray *ray, double t, quad truth,
                         uint8_t part)
 {
-    vec3 n = pen_cone_normal(c, part, pen_along(ray->o, ray->d, t));
+    vec3 n = cone_normal(c, part, pen_along(ray->o, ray->d, t));
     double f = pen_length(pen_sub(ray->o, c->hull.round.q));
     double error = (double)quad_abs(t - truth) * fabs(pen_dot(n, ray->d));
     return error / (PEN_U * (f + size_of(c)));
@@ -353,7 +368,7 @@ static int goes_into(const struct pen_cone *c, uint8_t part, vec3 p, vec3 d)
     double away = c->top_radius == 0 ? pen_norm1(pen_sub(p, apex)) / size_of(c) : 1;
     double down = -pen_dot(d, axis), aside = pen_length(pen_cross(d, axis));
     double into = away <= 8 * PEN_U ? (-c->slope * down - aside) / c->slant
-                                    : -pen_dot(pen_cone_normal(c, part, p), d);
+                                    : -pen_dot(cone_normal(c, part, p), d);
     bool sure = fabs(into) >= 1e-5 && (away <= 8 * PEN_U || away >= 1e-9);
     return sure ? into > 0 : -1;
 }
@@ -402,8 +417,8 @@ START_TEST(test_cone__comes_out_where_quad_says)
         double radius[2] = {c.base_radius, c.top_radius};
         world_clear(&world);
         world_cone(&world, c.hull.round.q, c.hull.round.a, radius, c.hull.h, true);
-        vec3 p = pen_cone_project(&c, PEN_PART_SIDE, surface_point(&r, &c));
-        vec3 n = pen_cone_normal(&c, PEN_PART_SIDE, p), d = random_direction(&r);
+        vec3 p = cone_project(&c, PEN_PART_SIDE, surface_point(&r, &c));
+        vec3 n = cone_normal(&c, PEN_PART_SIDE, p), d = random_direction(&r);
         struct pen_hit on = {0, 0, PEN_PART_SIDE}, hit[2];
         struct pen_origin_surface origin = world_origin_surface(&world, on, p, n, true);
         struct pen_ray ray = world_ray(p, d);
@@ -432,7 +447,7 @@ START_TEST(test_cone__points_are_put_on_the_surface)
     for (int i = 0; i < 20000; i++) {
         struct pen_cone c = some_cone(&r, true);
         vec3 p = pen_along(surface_point(&r, &c), random_direction(&r), 1e-9);
-        p = pen_cone_project(&c, PEN_PART_SIDE, p);
+        p = cone_project(&c, PEN_PART_SIDE, p);
         struct pen_ray ray = world_ray(p, pen_vec3(1, 0, 0));
         struct equation e = equation_quad(&c, &ray); /* c = n^2 - w^2 at p */
         double slant = sqrt(1 + c.slope * c.slope) * pen_length(c.hull.round.a);
@@ -449,7 +464,7 @@ START_TEST(test_cone__bounds_hold_what_is_met)
     struct random r = random_begin(57);
     for (int i = 0; i < 20000; i++) {
         struct pen_cone c = some_cone(&r, true);
-        struct pen_box b = pen_cone_bounds(&c);
+        struct pen_box b = cone_bounds(&c);
         vec3 p = surface_point(&r, &c);
         ck_assert(p.x >= b.lo.x && p.y >= b.lo.y && p.z >= b.lo.z);
         ck_assert(p.x <= b.hi.x && p.y <= b.hi.y && p.z <= b.hi.z);

@@ -168,7 +168,7 @@ START_TEST(test_sphere__bounds)
         vec3 c = random_vec(&r, i % 2 ? 1 : 1e6);
         struct pen_sphere s;
         ck_assert(pen_sphere_make(&s, c, pow(10, random_in(&r, -6, 3))));
-        struct pen_box b = pen_sphere_bounds(&s);
+        struct pen_box b = pen_kinds[PEN_PRIM_SPHERE].fn->bounds(&s);
         double spare = 128 * PEN_U * (pen_norm1(c) + s.r);
         for (int axis = 0; axis < 3; axis++) {
             quad m = pen_component(c, axis), lo = pen_component(b.lo, axis);

@@ -9,6 +9,16 @@
 #include "property/primitives.h"
 #include "property/rows.h"
 
+static struct pen_vec3 cone_normal(const struct pen_cone *c, uint8_t part, struct pen_vec3 p)
+{
+    return pen_kinds[PEN_PRIM_CONE].fn->normal(c, part, p);
+}
+
+static struct pen_box cone_bounds(const struct pen_cone *c)
+{
+    return pen_kinds[PEN_PRIM_CONE].fn->bounds(c);
+}
+
 static struct world world;
 static struct primitives_tree trees[PEN_ACCEL_COUNT];
 
@@ -130,7 +140,7 @@ static void judge_cone(const struct row_case *c, struct row_verdict *v)
         double t = i ? in.hi : in.lo, f = pen_length(pen_sub(line.o, b.q));
         uint8_t said = i ? in.hi_part : in.lo_part;
         uint8_t part = said == PEN_PART_SIDE ? (uint8_t)truth.part[i] : said;
-        vec3 n = pen_cone_normal(&cone, part, pen_along(line.o, line.d, t));
+        vec3 n = cone_normal(&cone, part, pen_along(line.o, line.d, t));
         double off = truth_error(t, truth.t[i]) * fabs(pen_dot(n, line.d));
         double share = 4 * off / (PEN_U * (f + size_of(&b))), ulps = truth_ulps(t, truth.t[i]);
         row_measure(v, "cone, t [ulp, or u(|f|+size)/4]", share < ulps ? share : ulps, 16);
@@ -159,7 +169,7 @@ static int goes_into(const struct pen_cone *c, uint8_t part, vec3 p, vec3 d)
     double size = c->hull.round.r + c->hull.h, bound = 16 * PEN_U * (pen_norm1(p) + size);
     double away = c->top_radius == 0 ? pen_length(pen_sub(p, apex)) : size;
     double least = c->hull.round.r < c->hull.h ? c->hull.round.r : c->hull.h;
-    double into = -pen_dot(pen_cone_normal(c, part, p), d);
+    double into = -pen_dot(cone_normal(c, part, p), d);
     return fabs(into) < 1e-4 || !(bound < 1e-6 * least && bound < 1e-6 * away) ? -1 : into > 0;
 }
 
@@ -216,7 +226,7 @@ static void judge_box(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    struct pen_box box = pen_cone_bounds(&cone);
+    struct pen_box box = cone_bounds(&cone);
     double unit = PEN_U * (pen_norm1(b.q) + size_of(&b));
     for (int i = 0; i < 6; i++) {
         vec3 n = pen_vec3(i % 3 == 0, i % 3 == 1, i % 3 == 2);

@@ -17,6 +17,15 @@ static inline void pen_intersections_add(struct pen_intersections *out, double t
     out->count++;
 }
 
+/* Adds an end of the inside of a primitive that has these `parts`, unless it lies at a cap that is
+ * missing. */
+static inline void pen_intersections_add_end(struct pen_intersections *out, unsigned parts,
+                                             double t, uint8_t part)
+{
+    if (parts >> part & 1)
+        pen_intersections_add(out, t, part);
+}
+
 /* The two intersections with the only part of a quadric. */
 static inline void pen_intersections_pair(struct pen_intersections *out, double lo, double hi)
 {

@@ -5,6 +5,7 @@
 #define PEN_GEOM_INTERNAL_MAKE_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "geom/ray.h"
 #include "math/box.h"
@@ -45,6 +46,9 @@ struct pen_vec3 pen_scale_to_one(struct pen_vec3 v);
 
 /* The unit vector along v, finite and not zero: each component within 2 ulp. */
 struct pen_vec3 pen_unit_of(struct pen_vec3 v);
+
+/* The bounds of points. */
+struct pen_box pen_box_of_points(const struct pen_vec3 *v, uint32_t count);
 
 /* The box grown on all sides by 32u of its own coordinates and of `size`. */
 struct pen_box pen_box_grow(struct pen_box b, double size);
