@@ -53,9 +53,10 @@ endif
 SONAME := libpenumbra.so.0
 SHARED := $(BUILD)/libpenumbra.so.$(VERSION)
 LIBRARIES := $(BUILD)/libpenumbra.a $(if $(SAN),,$(SHARED))
-# Only builds that can be installed have man pages.
+# Only builds that can be installed have man pages and completion for shells.
 MAN_NAMES := penumbra.1 penumbra.3 penumbra-scene.5 penumbrad.8
 MAN_PAGES := $(if $(SAN),,$(MAN_NAMES:%=$(BUILD)/man/%))
+COMPLETION := $(if $(SAN),,$(BUILD)/completion/penumbra.bash $(BUILD)/completion/penumbra.zsh)
 
 LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(call room_files,$(r)))
 SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r)))
@@ -72,7 +73,7 @@ TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
 TEST_SUPPORT_LIB := $(BUILD)/tests/libsupport.a
 
 .PHONY: asan-build have-deps all golden tests check run-tests demo lint asan tsan clean install conformance
-all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(LIBRARIES) $(MAN_PAGES)
+all: have-deps $(BUILD)/penumbrad $(BUILD)/penumbra $(LIBRARIES) $(MAN_PAGES) $(COMPLETION)
 .PHONY: librender
 librender: $(BUILD)/librender.a
 CRASH_TEST := $(BUILD)/tests/crash/crash
@@ -126,6 +127,14 @@ $(MAN_PAGES): $(BUILD)/man/%: deploy/man/%.in $(wildcard deploy/man/*.awk) deplo
 	@mkdir -p $(@D)
 	$(call say,MAN,$@)
 	$(Q)sh deploy/man/make.sh $(BUILD) $(VERSION) $(VERSION_DATE) $< > $@.tmp && mv $@.tmp $@
+
+# Completion knows the options and values that the programs themselves print.
+$(BUILD)/completion/table: deploy/completion/table.sh $(BUILD)/penumbra $(BUILD)/penumbrad
+	@mkdir -p $(@D)
+	$(Q)sh deploy/completion/table.sh $(BUILD) > $@.tmp && mv $@.tmp $@
+$(COMPLETION): $(BUILD)/completion/penumbra.%: deploy/completion/penumbra.% deploy/completion/make.sh $(BUILD)/completion/table
+	$(call say,GEN,$@)
+	$(Q)sh deploy/completion/make.sh $(BUILD)/completion/table $< > $@.tmp && mv $@.tmp $@
 
 $(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
 # Loops over bytes of pixels, which the compiler vectorises at -O3.
@@ -295,10 +304,13 @@ conformance: all $(BUILD)/tests/conformance/compare_pair
 LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 MANDIR ?= $(PREFIX)/share/man
+BASH_COMPLETION_DIR ?= $(PREFIX)/share/bash-completion/completions
+ZSH_COMPLETION_DIR ?= $(PREFIX)/share/zsh/site-functions
 man_path = $(MANDIR)/man$(subst .,,$(suffix $(1)))/$(1)
 INSTALLED := $(PREFIX)/bin/penumbra $(PREFIX)/bin/penumbrad $(INCLUDEDIR)/penumbra.h $(LIBDIR)/libpenumbra.a \
     $(LIBDIR)/libpenumbra.so.$(VERSION) $(LIBDIR)/$(SONAME) $(LIBDIR)/libpenumbra.so \
-    $(LIBDIR)/pkgconfig/penumbra.pc $(foreach page,$(MAN_NAMES),$(call man_path,$(page)))
+    $(LIBDIR)/pkgconfig/penumbra.pc $(foreach page,$(MAN_NAMES),$(call man_path,$(page))) \
+    $(BASH_COMPLETION_DIR)/penumbra $(BASH_COMPLETION_DIR)/penumbrad $(ZSH_COMPLETION_DIR)/_penumbra
 .PHONY: uninstall
 install: all
 	$(if $(SAN),$(error a build with sanitizers is not for installing))
@@ -312,6 +324,9 @@ install: all
 	    -e 's|@VERSION@|$(VERSION)|' -e 's|@REQUIRES@|$(LIBRARY_PKGS)|' deploy/penumbra.pc.in \
 	    > $(DESTDIR)$(LIBDIR)/pkgconfig/penumbra.pc
 	$(foreach page,$(MAN_NAMES),install -m 644 $(BUILD)/man/$(page) $(DESTDIR)$(call man_path,$(page)) &&) :
+	install -m 644 $(BUILD)/completion/penumbra.bash $(DESTDIR)$(BASH_COMPLETION_DIR)/penumbra
+	ln -sf penumbra $(DESTDIR)$(BASH_COMPLETION_DIR)/penumbrad
+	install -m 644 $(BUILD)/completion/penumbra.zsh $(DESTDIR)$(ZSH_COMPLETION_DIR)/_penumbra
 
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INSTALLED))

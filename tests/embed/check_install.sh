@@ -43,7 +43,7 @@ try() { # NAME COMPILER-AND-LANGUAGE LINK-OPTIONS [PKG-CONFIG-OPTION]
 }
 
 succeeds "make install" in_copy install
-expect "compiles nothing again" "$(grep -cE '^  (CC|AR|LD|MAN) ' "$work/printed")" 0
+expect "compiles nothing again" "$(grep -cE '^  (CC|AR|LD|MAN|GEN) ' "$work/printed")" 0
 succeeds "the program renders" "$installed/bin/penumbra" render builtin:spheres -q -o "$work/program.png"
 try c-shared 'gcc -std=c11 -x c' '' ''
 try cpp-shared 'g++ -std=c++11 -x c++' '' ''
@@ -102,6 +102,11 @@ for key in $(jq -r '[.. | .properties? // empty | keys[]] | unique[]' api/scene.
     case $(plain penumbra-scene.5) in *"$key"*) ;; *) missing="$missing $key" ;; esac
 done
 expect "penumbra-scene(5) has every key of the schema" "$missing" ""
+
+for file in bash-completion/completions/penumbra bash-completion/completions/penumbrad \
+    zsh/site-functions/_penumbra; do
+    succeeds "completion is installed: $file" test -s "$installed/share/$file"
+done
 
 succeeds "make uninstall" in_copy uninstall
 expect "leaves no file" "$(find "$copy" ! -type d)" ""
