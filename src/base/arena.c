@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* An arena is a list of blocks, filled in order. A request that does not fit in the current block
- * moves on to the next one that holds it, else to a new block at least twice as large as the last,
- * so the number of blocks stays logarithmic. What is counted against the cap is what was asked
- * for, rounded up to the alignment: block headers and unused ends of blocks are not. */
+/* An arena is a list of blocks that are filled in order. A request that does not fit into the
+ * current block goes to the next block that holds it, else to a new one. New blocks double in size
+ * up to LAST_BLOCK, so that there are few. The cap counts the requested bytes, rounded up to
+ * SMALL_ALIGN; it does not count block headers and unused ends of blocks. */
 #include "base/arena.h"
 
 #include <stdint.h>
@@ -11,14 +11,14 @@
 
 enum {
     SMALL_ALIGN = 16,
-    LARGE_ALIGN = 64, /* a cache line: arrays that are read by SIMD start on one */
+    LARGE_ALIGN = 64, /* a cache line, where arrays that SIMD code reads start */
     FIRST_BLOCK = 4096,
-    LAST_BLOCK = 1 << 24 /* blocks grow no further than this by themselves */
+    LAST_BLOCK = 1 << 24 /* a block is larger than this only for one large request */
 };
 
 struct block {
     struct block *next;
-    size_t bytes, used; /* of the payload, which begins LARGE_ALIGN behind the block */
+    size_t bytes, used; /* of the payload, LARGE_ALIGN bytes after the start of the block */
 };
 
 struct pen_arena {
@@ -57,8 +57,8 @@ void pen_arena_reset(struct pen_arena *arena)
     arena->used = 0;
 }
 
-/* Where a piece of that alignment begins in the block, or SIZE_MAX if it does not fit. */
-static size_t place(const struct block *b, size_t bytes, size_t align)
+/* The offset in a block at which an allocation would begin, or SIZE_MAX if it does not fit. */
+static size_t offset_in(const struct block *b, size_t bytes, size_t align)
 {
     size_t start = (b->used + align - 1) & ~(align - 1);
     return start <= b->bytes && bytes <= b->bytes - start ? start : SIZE_MAX;
@@ -91,21 +91,21 @@ void *pen_arena_alloc(struct pen_arena *arena, size_t count, size_t size)
 {
     if (size && count > (SIZE_MAX - LARGE_ALIGN) / size)
         return NULL;
-    size_t wanted = count * size;
-    size_t align = wanted >= LARGE_ALIGN ? LARGE_ALIGN : SMALL_ALIGN;
-    if (wanted == 0)
-        wanted = 1; /* nothing asked for is still a place of its own */
-    size_t bytes = (wanted + SMALL_ALIGN - 1) & ~(size_t)(SMALL_ALIGN - 1);
+    size_t requested = count * size;
+    size_t align = requested >= LARGE_ALIGN ? LARGE_ALIGN : SMALL_ALIGN;
+    if (requested == 0)
+        requested = 1; /* an allocation of 0 bytes still has an address of its own */
+    size_t bytes = (requested + SMALL_ALIGN - 1) & ~(size_t)(SMALL_ALIGN - 1);
     if (bytes > arena->cap - arena->used)
         return NULL;
     struct block *b = arena->current;
-    while (b && place(b, bytes, align) == SIZE_MAX && b->next)
+    while (b && offset_in(b, bytes, align) == SIZE_MAX && b->next)
         b = arena->current = b->next;
-    if (!b || place(b, bytes, align) == SIZE_MAX)
+    if (!b || offset_in(b, bytes, align) == SIZE_MAX)
         b = grow(arena, bytes);
     if (!b)
         return NULL;
-    size_t start = place(b, bytes, align);
+    size_t start = offset_in(b, bytes, align);
     b->used = start + bytes;
     arena->used += bytes;
     return memset((char *)b + LARGE_ALIGN + start, 0, bytes);

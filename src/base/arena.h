@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Arenas: memory with one lifetime (a scene, a request, a thread's scratch) and a byte cap.
- * Nothing is freed alone; an arena is reset or freed whole. Running into the cap or out of memory
- * returns NULL: a hostile scene gets an error, the process lives. */
+/* Arenas: memory with one lifetime (a scene, a request, a thread's scratch space) and a byte cap.
+ * An arena is reset or freed as a whole. An allocation that exceeds the cap, or for which there is
+ * no memory, returns NULL, so that a hostile scene gets an error and the process goes on. */
 #ifndef PEN_BASE_ARENA_H
 #define PEN_BASE_ARENA_H
 
@@ -20,13 +20,14 @@ void pen_arena_free(struct pen_arena *arena);
 void pen_arena_reset(struct pen_arena *arena);
 
 /* Zeroed memory for count elements of size bytes, aligned to 64 bytes if the whole is at least
- * 64 bytes long, else to 16. Fails: NULL on overflow of count * size, cap or memory. */
+ * 64 bytes long, else to 16. Fails: NULL if count * size overflows, exceeds the cap, or memory runs
+ * out. */
 void *pen_arena_alloc(struct pen_arena *arena, size_t count, size_t size);
 
-/* A copy of a string with its end. Fails: NULL as pen_arena_alloc. */
+/* A copy of a string and its terminating zero. Fails: NULL as pen_arena_alloc. */
 char *pen_arena_strdup(struct pen_arena *arena, const char *text);
 
-/* Bytes handed out since the last reset. */
+/* Bytes allocated since the last reset, as counted against the cap. */
 size_t pen_arena_used(const struct pen_arena *arena);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Growth doubles, so appending is linear overall. The invariant is in the header: once there is
- * data, a zero byte follows it, so the contents can be read as a string. */
+/* The capacity doubles, so that appending n bytes takes time proportional to n. Invariant: once
+ * there is data, a zero byte follows it, so that the contents can be read as a string. */
 #include "base/buf.h"
 
 #include <stdarg.h>
@@ -22,7 +22,7 @@ void pen_buf_release(struct pen_buf *buf)
     pen_buf_init(buf);
 }
 
-/* Makes room for `more` bytes and a zero byte after them. */
+/* Makes sure that `more` bytes and a zero byte fit. */
 static bool reserve(struct pen_buf *buf, size_t more)
 {
     if (buf->failed)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A growing byte buffer. A failed append sets `failed` and changes nothing else, and every later
- * append does nothing, so a writer checks once at its end. */
+/* A growing byte buffer. An append that fails sets `failed` and changes nothing else; later appends
+ * do nothing. So a writer needs to check `failed` only once, at its end. */
 #ifndef PEN_BASE_BUF_H
 #define PEN_BASE_BUF_H
 
@@ -8,7 +8,8 @@
 #include <stddef.h>
 
 struct pen_buf {
-    unsigned char *data; /* NULL while empty; always followed by a zero byte once not */
+    unsigned char
+        *data; /* NULL before the first append; from then on a zero byte follows the data */
     size_t bytes, capacity;
     bool failed; /* out of memory */
 };
@@ -16,13 +17,13 @@ struct pen_buf {
 /* An empty buffer; {0} is one too. */
 void pen_buf_init(struct pen_buf *buf);
 
-/* Frees the contents; the buffer is empty afterwards. */
+/* Frees the contents and leaves an empty buffer. */
 void pen_buf_release(struct pen_buf *buf);
 
 /* Appends bytes. Returns false when out of memory. */
 bool pen_buf_add(struct pen_buf *buf, const void *data, size_t bytes);
 
-/* Appends a string without its end. */
+/* Appends a string without its terminating zero. */
 bool pen_buf_puts(struct pen_buf *buf, const char *text);
 
 /* Appends formatted text. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The clocks of the system, and one way to write a time stamp. */
+/* Reads the clocks of the system, and formats time stamps. */
 #include "base/clock.h"
 
 #include <stdio.h>
@@ -29,7 +29,7 @@ int64_t pen_clock_wall_ms(void)
 
 void pen_clock_format(int64_t wall_ms, char out[25])
 {
-    /* Years 0 to 9999 have four digits; stored times outside them can only be damage. */
+    /* Years 0 to 9999 have four digits; a stored time outside them is damaged. */
     const int64_t first = -62167219200000, last = 253402300799999;
     int64_t ms = wall_ms < first ? first : wall_ms > last ? last : wall_ms;
     int64_t rest = ((ms % 1000) + 1000) % 1000;

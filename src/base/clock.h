@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Clocks. Durations are taken from the monotonic clock, time stamps from the wall clock. */
+/* Clocks. The monotonic clock measures durations, the wall clock gives time stamps. */
 #ifndef PEN_BASE_CLOCK_H
 #define PEN_BASE_CLOCK_H
 
@@ -14,7 +14,8 @@ int64_t pen_clock_cpu_ns(void);
 /* Units: ms since 1970-01-01 UTC. */
 int64_t pen_clock_wall_ms(void);
 
-/* Writes wall time as RFC 3339 in UTC with milliseconds, "2026-01-31T12:00:00.000Z". */
+/* Writes wall time in the format of RFC 3339, in UTC with milliseconds: "2026-01-31T12:00:00.000Z".
+ * Years before 0 and after 9999 are clamped. */
 void pen_clock_format(int64_t wall_ms, char out[25]);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which compiled variant of the hot files this processor may enter, and what it is called. */
+/* Asks the compiler's runtime, the scheduler and /proc about the processor. */
 #include "base/cpu.h"
 
 #include <sched.h>
@@ -51,7 +51,7 @@ int pen_cpu_count(void)
     CPU_ZERO(&set);
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
         return CPU_COUNT(&set);
-    /* More processors than a cpu_set_t holds. */
+    /* There are more processors than a cpu_set_t holds. */
     long online = sysconf(_SC_NPROCESSORS_ONLN);
     return online > 0 ? (int)online : 1;
 }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* What processor this is, and which compiled variant of the hot files it may enter. */
+/* The processor: its instruction sets, how many cores this process may use, its model. */
 #ifndef PEN_BASE_CPU_H
 #define PEN_BASE_CPU_H
 
 #include <stdbool.h>
 
-/* The instruction sets that hot files are compiled for, in order of preference: X(name in capitals,
- * name). BASE is the compiler's baseline. The files *_avx2.c are compiled for AVX2 and FMA.
+/* The instruction sets that performance-critical files are compiled for, the preferred one last:
+ * X(name in capitals, name). BASE is the compiler's baseline. The files *_avx2.c are compiled for
+ * AVX2 and FMA.
  * Token pasting makes PEN_ISA_<name in capitals> here, the names of the tables of each room that
  * has such files, as their headers state, and the names that statistics show. */
 #define PEN_ISA_LIST(X)                                                                            \
@@ -21,22 +22,22 @@ enum pen_isa { PEN_ISA_LIST(PEN_ISA_ENUMERATOR) };
 enum { PEN_ISA_COUNT = 0 PEN_ISA_LIST(PEN_ISA_COUNT_ONE) };
 #undef PEN_ISA_COUNT_ONE
 
-/* The best variant this processor runs. The environment variable PENUMBRA_ISA=base forces the
- * baseline, for tests; the pictures are the same. */
+/* The preferred instruction set among those that this processor has. The environment variable
+ * PENUMBRA_ISA=base forces the baseline, for tests; the pictures are the same. */
 enum pen_isa pen_cpu_isa(void);
 
 /* The name in PEN_ISA_LIST: "base" or "avx2". */
 const char *pen_isa_name(enum pen_isa isa);
 
-/* Whether this thread's arithmetic is IEEE 754's default: it rounds to nearest, and neither flushes
- * subnormal results to zero nor takes subnormal operands for it. Found out by computing, so it
- * holds for whatever way the processor has to change that (MXCSR, FPCR). */
+/* Whether this thread computes in the default arithmetic of IEEE 754: rounding to nearest, with
+ * subnormal results and operands not replaced by zero. The function computes to find out, so it
+ * covers every register that may change the arithmetic (MXCSR, FPCR). */
 bool pen_float_is_default(void);
 
-/* Processors this process may run on, at least 1. */
+/* The number of processors that this process may run on, at least 1. */
 int pen_cpu_count(void);
 
-/* The processor's model name, "unknown" if the system does not tell. */
+/* The processor's model name, or "unknown" if the system does not state it. */
 void pen_cpu_model(char *out, int bytes);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* One line is one write(), so lines of processes and threads that share standard error do not
- * mix (a pipe keeps writes of up to PIPE_BUF, 4096 bytes, whole: longer lines are cut). Control
- * characters and invalid UTF-8 in a message are escaped: no input can forge a line. */
+/* Each line is one write(), so that the lines of processes and threads that share standard error do
+ * not mix. A pipe keeps a write of up to PIPE_BUF (4096) bytes whole; longer lines are cut. Control
+ * characters are escaped and invalid UTF-8 is replaced, so that no input can forge a line. */
 #include "base/log.h"
 
 #include <errno.h>
@@ -17,16 +17,17 @@
 
 enum { NAME_BYTES = 16, MESSAGE_BYTES = 2048, LINE_BYTES = 4096 };
 
-/* Room an escaped message may take: what the line needs besides is less than this reserve. */
+/* The bytes of a line besides the message and the fields are fewer than 256; the rest is for the
+ * escaped message. */
 enum { FIELDS_BYTES = 288, ESCAPED_BYTES = LINE_BYTES - 256 - FIELDS_BYTES };
 
 static struct {
-    atomic_int level; /* atomic: relaxed, a late change of level loses nothing */
+    atomic_int level; /* atomic: relaxed, as a line may use the old level */
     atomic_bool json; /* atomic: relaxed, as level */
     pthread_mutex_t lock;
     char name[NAME_BYTES];     /* guarded by lock */
     struct pen_log_ring *ring; /* guarded by lock */
-    atomic_bool ringed;        /* atomic: relaxed, spares suppressed lines the work */
+    atomic_bool has_ring;      /* atomic: relaxed, lets lines below the level return early */
 } settings = {.level = PEN_LOG_INFO, .lock = PTHREAD_MUTEX_INITIALIZER};
 
 void pen_log_set_level(enum pen_log_level level)
@@ -51,10 +52,10 @@ void pen_log_set_ring(struct pen_log_ring *ring)
     pthread_mutex_lock(&settings.lock);
     settings.ring = ring;
     pthread_mutex_unlock(&settings.lock);
-    atomic_store_explicit(&settings.ringed, ring != NULL, memory_order_relaxed);
+    atomic_store_explicit(&settings.has_ring, ring != NULL, memory_order_relaxed);
 }
 
-static void keep(const char *line, size_t bytes)
+static void append_to_ring(const char *line, size_t bytes)
 {
     pthread_mutex_lock(&settings.lock);
     struct pen_log_ring *ring = settings.ring;
@@ -76,7 +77,7 @@ void pen_log_ring_last(const struct pen_log_ring *ring, int lines, char *out, si
         out[i] = ring->text[(end - length + i) % PEN_LOG_RING_BYTES];
     out[length] = '\0';
     const char *from = out;
-    if (length < end) { /* the first one may be cut off */
+    if (length < end) { /* the first line may be incomplete */
         const char *newline = strchr(out, '\n');
         from = newline ? newline + 1 : out + length;
     }
@@ -90,12 +91,15 @@ void pen_log_ring_last(const struct pen_log_ring *ring, int lines, char *out, si
 
 static const char *level_name(enum pen_log_level level)
 {
-    static const char *const names[] = {"debug", "info", "warn", "error"};
+    static const char *const names[] = {[PEN_LOG_DEBUG] = "debug",
+                                        [PEN_LOG_INFO] = "info",
+                                        [PEN_LOG_WARN] = "warn",
+                                        [PEN_LOG_ERROR] = "error"};
     return (unsigned)level < sizeof names / sizeof names[0] ? names[level] : "error";
 }
 
-/* Copies text, escaping as JSON does control characters and, if quoted is set, quotes and
- * backslashes. Cuts between characters where out would overflow. */
+/* Copies text with control characters escaped as in JSON, and quotes and backslashes too if
+ * `quoted`. Text that does not fit is cut between characters. */
 static void escape(char out[ESCAPED_BYTES], const char *text, bool quoted)
 {
     size_t used = 0;
@@ -126,16 +130,16 @@ static bool is_id(const char *text)
     return length > 0 && length <= LONGEST && text[length] == '\0';
 }
 
-/* The fields as they stand in a line: before the message in JSON, after it in text. */
+/* Formats the fields, which stand before the message in JSON and after it in text. */
 static void write_fields(char out[FIELDS_BYTES], const struct pen_log_about *about, bool json)
 {
     const struct {
         const char *name, *id;
         int64_t number;
-    } fields[] = {{"job", about->job, 0},
-                  {"batch", NULL, about->batch},
-                  {"attempt", NULL, about->attempt},
-                  {"request", about->request, 0}};
+    } fields[] = {{.name = "job", .id = about->job},
+                  {.name = "batch", .number = about->batch},
+                  {.name = "attempt", .number = about->attempt},
+                  {.name = "request", .id = about->request}};
     size_t used = 0;
     out[0] = '\0';
     for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
@@ -151,44 +155,46 @@ static void write_fields(char out[FIELDS_BYTES], const struct pen_log_about *abo
     }
 }
 
-static int compose(char line[LINE_BYTES], enum pen_log_level level,
-                   const struct pen_log_about *about, const char *message)
+/* Returns the length of the line. */
+static int format_line(char line[LINE_BYTES], enum pen_log_level level,
+                       const struct pen_log_about *about, const char *message)
 {
     bool json = atomic_load_explicit(&settings.json, memory_order_relaxed);
-    char when[25], name[NAME_BYTES], who[6 * NAME_BYTES], text[ESCAPED_BYTES], fields[FIELDS_BYTES];
-    pen_clock_format(pen_clock_wall_ms(), when);
+    char stamp[25], name[NAME_BYTES], process[6 * NAME_BYTES], text[ESCAPED_BYTES],
+        fields[FIELDS_BYTES];
+    pen_clock_format(pen_clock_wall_ms(), stamp);
     pthread_mutex_lock(&settings.lock);
     memcpy(name, settings.name, sizeof name);
     pthread_mutex_unlock(&settings.lock);
     escape(text, name, json);
-    pen_utf8_copy(who, sizeof who, text);
+    pen_utf8_copy(process, sizeof process, text);
     escape(text, message, json);
     write_fields(fields, about, json);
-    const char *what = level_name(level);
+    const char *shown_level = level_name(level);
     long pid = (long)getpid();
     if (!json)
-        return snprintf(line, LINE_BYTES, "%s %-5s %s[%ld] %s%s\n", when, what, who, pid, text,
-                        fields);
+        return snprintf(line, LINE_BYTES, "%s %-5s %s[%ld] %s%s\n", stamp, shown_level, process,
+                        pid, text, fields);
     return snprintf(line, LINE_BYTES,
                     "{\"time\":\"%s\",\"level\":\"%s\",\"process\":\"%s\",\"pid\":%ld,"
                     "%s\"message\":\"%s\"}\n",
-                    when, what, who, pid, fields, text);
+                    stamp, shown_level, process, pid, fields, text);
 }
 
 static void write_line(enum pen_log_level level, const struct pen_log_about *about,
                        const char *format, va_list args)
 {
     bool shown = (int)level >= atomic_load_explicit(&settings.level, memory_order_relaxed);
-    if (!shown && !atomic_load_explicit(&settings.ringed, memory_order_relaxed))
+    if (!shown && !atomic_load_explicit(&settings.has_ring, memory_order_relaxed))
         return;
     int saved_errno = errno;
     char raw[MESSAGE_BYTES], message[MESSAGE_BYTES], line[LINE_BYTES];
     int length = vsnprintf(raw, sizeof raw, format, args);
     if (length >= 0) {
         pen_utf8_copy(message, sizeof message, raw);
-        int bytes = compose(line, level, about, message);
+        int bytes = format_line(line, level, about, message);
         ssize_t written = 0;
-        keep(line, (size_t)bytes);
+        append_to_ring(line, (size_t)bytes);
         while (shown && (written = write(STDERR_FILENO, line, (size_t)bytes)) < 0 && errno == EINTR)
             continue;
     }

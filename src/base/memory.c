@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Reads and resets the kernel's peak of the resident set through /proc. */
 #include "base/memory.h"
 
 #include <fcntl.h>
@@ -12,8 +13,8 @@ void pen_memory_peak_reset(void)
     int fd = open("/proc/self/clear_refs", O_WRONLY | O_CLOEXEC);
     if (fd < 0)
         return;
-    /* "5" resets the peak of the resident set, see proc(5). A failed write is not an error: the
-     * peak is then that of the whole process. */
+    /* "5" resets the peak of the resident set, see proc(5). If the write fails, the peak remains
+     * that since the process began. */
     ssize_t written = write(fd, "5", 1);
     (void)written;
     close(fd);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of error codes, and how a status is filled. Names and exit codes are part of the
- * published interface (problem types, scripts): they may be added to, not changed. */
+/* The table of error codes, and the functions that fill a status. Names and exit codes are part of
+ * the public interface (problem types, scripts): new ones may be added, none may change. */
 #include "base/status.h"
 
 #include <stdio.h>
@@ -8,18 +8,18 @@
 
 #include "base/utf8.h"
 
-/* Exit codes, one per thing a script would do next. */
+/* Exit codes. A script may react to each in its own way, as the comments say. */
 enum {
     EXIT_OK = 0,
     EXIT_USAGE = 2,       /* correct the command */
     EXIT_INPUT = 3,       /* correct the scene, the job or the file */
-    EXIT_STATE = 4,       /* it is not there, or not in the state for this */
-    EXIT_NETWORK = 5,     /* try again later, or look at the daemon */
+    EXIT_STATE = 4,       /* the object does not exist, or its state does not allow this */
+    EXIT_NETWORK = 5,     /* try again later, or check the daemon */
     EXIT_JOB = 6,         /* the job failed or was cancelled */
     EXIT_DIFFERENT = 7,   /* compared pictures differ */
-    EXIT_STORAGE = 8,     /* look at the disk */
-    EXIT_MEMORY = 9,      /* give it more memory */
-    EXIT_TIME = 10,       /* give it more time */
+    EXIT_STORAGE = 8,     /* check the disk */
+    EXIT_MEMORY = 9,      /* provide more memory */
+    EXIT_TIME = 10,       /* allow more time */
     EXIT_PERMISSION = 11, /* get a token */
     EXIT_BUG = 70         /* report it; EX_SOFTWARE of sysexits.h */
 };
@@ -65,7 +65,7 @@ static const struct code_row *row(enum pen_code code)
     return (unsigned)code < PEN_CODE_COUNT ? &table[code] : &table[PEN_INTERNAL];
 }
 
-/* Arguments may point into *st: the text is complete before *st is written. */
+/* The arguments may point into *st, so the text is formatted before *st is written. */
 static void fill(struct pen_status *st, enum pen_code code, const char *format, va_list args)
 {
     char text[2 * PEN_MSG_BYTES];

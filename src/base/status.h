@@ -22,20 +22,20 @@ enum pen_code {
     PEN_UNAUTHORIZED,  /* no token */
     PEN_FORBIDDEN,     /* token lacks the scope; Host not allowed */
     PEN_NOT_FOUND,     /* no such job, view, scene, file, route */
-    PEN_METHOD,        /* method not allowed here */
-    PEN_CONFLICT,      /* the object is in the wrong state for this */
-    PEN_LENGTH,        /* Content-Length missing */
-    PEN_MEDIA_TYPE,    /* body of an unknown type */
-    PEN_ACCEPT,        /* the object is to be had, but in none of the types asked for */
-    PEN_RANGE,         /* the range asked for lies outside the object */
+    PEN_METHOD,        /* the route does not have this HTTP method */
+    PEN_CONFLICT,      /* the object's state does not allow the operation */
+    PEN_LENGTH,        /* no Content-Length */
+    PEN_MEDIA_TYPE,    /* a body or file of an unknown type */
+    PEN_ACCEPT,        /* the object is available, but in none of the requested types */
+    PEN_RANGE,         /* the requested range lies outside the object */
     PEN_QUOTA,         /* queue or client quota full */
     PEN_UNAVAILABLE,   /* not ready, draining, busy */
     PEN_STORAGE_FULL,  /* the store has no room */
     PEN_STORAGE,       /* the store failed: I/O error, corrupt */
     PEN_IO,            /* a file cannot be read or written */
-    PEN_NETWORK,       /* a daemon cannot be reached, or answered nonsense */
+    PEN_NETWORK,       /* a daemon cannot be reached, or its answer is malformed */
     PEN_NO_MEMORY,     /* an allocation or an arena's cap */
-    PEN_STALE,         /* a commit whose lease is no longer held: throw the result away */
+    PEN_STALE,         /* a commit without a valid lease: discard the result */
     PEN_CANCELLED,     /* stopped on request */
     PEN_TIMEOUT,       /* took longer than allowed */
     PEN_RENDER_FAILED, /* the job ended as failed */
@@ -55,15 +55,15 @@ struct pen_status {
     char msg[PEN_MSG_BYTES];
 };
 
-/* Several errors of one document: the first PEN_ERRORS_MAX are kept, all are counted. */
+/* Several errors of one document. The first PEN_ERRORS_MAX are kept, and all are counted. */
 struct pen_errors {
     size_t count; /* kept in item[] */
     size_t total; /* found */
     struct pen_status item[PEN_ERRORS_MAX];
 };
 
-/* Fills *st with a code and a formatted message; at, line and column become empty. Text that does
- * not fit is cut at a UTF-8 character boundary. Returns false, so callers can `return` it. */
+/* Fills *st with a code and a formatted message, and clears at, line and column. Text that does not
+ * fit is cut at a UTF-8 character boundary. Returns false, so that callers can return the call. */
 bool pen_fail(struct pen_status *st, enum pen_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -75,7 +75,7 @@ bool pen_fail_at(struct pen_status *st, enum pen_code code, const char *at, cons
 bool pen_fail_line(struct pen_status *st, enum pen_code code, int line, int column,
                    const char *format, ...) __attribute__((format(printf, 5, 6)));
 
-/* Adds one error to the list; keeps it if there is room, and counts it anyway. */
+/* Counts one error, and keeps it if the list is not full. */
 void pen_errors_add(struct pen_errors *list, const struct pen_status *st);
 
 /* The code's name as it appears in messages and problem types, e.g. "invalid-scene". */

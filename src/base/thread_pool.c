@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads sleep until a run begins, and take part in it if their index is below the number of
- * threads that the run wants. The run ends under the lock, so its caller sees everything that it
- * wrote. */
+/* Threads sleep until a run begins, and take part in it if their index is below the run's number of
+ * threads. The run ends under the lock, so that its caller sees everything that the threads wrote.
+ */
 #include "base/thread_pool.h"
 
 #include <fenv.h>
@@ -18,7 +18,7 @@ struct thread {
 };
 
 struct pen_thread_pool {
-    int count; /* threads that run; fixed once pen_thread_pool_new has returned */
+    int count; /* threads started; fixed once pen_thread_pool_new has returned */
     struct thread *threads;
     pthread_mutex_t lock;
     pthread_cond_t wake; /* a run has begun, or `stop` is set */
@@ -26,21 +26,21 @@ struct pen_thread_pool {
     /* Guarded by lock. */
     bool stop;
     unsigned run;      /* number of runs begun */
-    int wanted;        /* threads that take part in the run */
-    int busy;          /* of those, how many have not returned */
-    int changed_state; /* and how many had a floating-point state that is not the default */
+    int active;        /* threads that take part in the run */
+    int busy;          /* of these, how many have not returned from `work` */
+    int changed_state; /* of these, how many had a floating-point state that is not the default */
     pen_thread_pool_work *work;
     void *user;
 };
 
-/* Waits for the next run that this thread takes part in; false when the pool ends. */
+/* Waits for the next run in which this thread takes part. Returns false when the pool ends. */
 static bool next_run(struct thread *thread, unsigned *seen)
 {
     struct pen_thread_pool *pool = thread->pool;
     while (!pool->stop) {
         if (*seen != pool->run) {
             *seen = pool->run;
-            if (thread->index < pool->wanted)
+            if (thread->index < pool->active)
                 return true;
             continue;
         }
@@ -58,7 +58,7 @@ static void *thread_main(void *argument)
     while (next_run(thread, &seen)) {
         pthread_mutex_unlock(&pool->lock);
         /* A thread inherits its creator's floating-point state, and a library may have changed it
-         * since. Flushed subnormals or another rounding would give another picture. */
+         * since. Subnormals flushed to zero or other rounding would give another picture. */
         bool changed_state = !pen_float_is_default();
         fesetenv(FE_DFL_ENV);
         pool->work(pool->user, thread->index);
@@ -135,7 +135,7 @@ int pen_thread_pool_run(struct pen_thread_pool *pool, int threads, pen_thread_po
     pthread_mutex_lock(&pool->lock);
     pool->work = work;
     pool->user = user;
-    pool->wanted = pool->busy = threads;
+    pool->active = pool->busy = threads;
     pool->changed_state = 0;
     pool->run++;
     pthread_cond_broadcast(&pool->wake);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* A pool of threads that run one function together: the render threads, and whatever else wants to
- * use all cores at once.
+/* A pool of threads that run one function in parallel: rendering, and other work that can use all
+ * cores.
  *
- * Threads: one run at a time per pool. Each thread's floating-point unit is in its default state
- * during a run (round to nearest, gradual underflow, no traps), whatever the thread that made the
- * pool had set: another rounding would give another picture. */
+ * Threads: one run at a time per pool. During a run each thread's floating-point unit is in its
+ * default state (round to nearest, gradual underflow, no traps), whatever state the thread that
+ * made the pool was in: other rounding would give another picture. */
 #ifndef PEN_BASE_THREAD_POOL_H
 #define PEN_BASE_THREAD_POOL_H
 
@@ -20,13 +20,13 @@ void pen_thread_pool_free(struct pen_thread_pool *pool);
 /* The number of threads. */
 int pen_thread_pool_size(const struct pen_thread_pool *pool);
 
-/* The work of one thread; `index` counts the threads of this run from 0. */
+/* The work of one thread; `index` numbers the threads of this run from 0. */
 typedef void pen_thread_pool_work(void *user, int index);
 
-/* Calls work(user, 0 .. threads - 1), each on a thread of its own, and returns when all have
- * returned. threads is 1 .. pen_thread_pool_size(pool).
- * Returns the number of threads whose floating-point state was not the default before the run, when
- * it is reset, or after it, when something in the run has changed it. */
+/* Calls work(user, i) for i = 0 .. threads - 1, each on a thread of its own, and returns when all
+ * calls have returned. threads is 1 .. pen_thread_pool_size(pool). Returns the number of threads
+ * whose floating-point state was not the default: before the run, which resets it, or after the
+ * run, whose work then has changed it. */
 int pen_thread_pool_run(struct pen_thread_pool *pool, int threads, pen_thread_pool_work *work,
                         void *user);
 

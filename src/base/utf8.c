@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What counts as a character is Table 3-7 of the Unicode standard, "Well-Formed UTF-8 Byte
- * Sequences": only the second byte's range depends on the first. */
+/* Valid characters are those of Table 3-7 of the Unicode standard, "Well-Formed UTF-8 Byte
+ * Sequences". The first byte limits the range of the second; all further bytes are 0x80 to 0xBF. */
 #include "base/utf8.h"
 
 #include <stdbool.h>
@@ -37,18 +37,18 @@ size_t pen_utf8_char(const char *text, size_t bytes)
 
 bool pen_utf8_copy(char *out, size_t out_bytes, const char *text)
 {
-    size_t left = strlen(text), room = out_bytes - 1;
+    size_t left = strlen(text), free_bytes = out_bytes - 1;
     while (left > 0) {
         size_t length = pen_utf8_char(text, left);
         size_t taken = length ? length : 1;
-        if (taken > room)
+        if (taken > free_bytes)
             break;
         if (length)
             memcpy(out, text, length);
         else
             *out = '?';
         out += taken, text += taken;
-        left -= taken, room -= taken;
+        left -= taken, free_bytes -= taken;
     }
     *out = '\0';
     return left == 0;

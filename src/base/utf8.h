@@ -6,13 +6,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The length in bytes (1 to 4) of the character that begins at text, 0 if the `bytes` bytes there
- * do not begin with a whole valid one. A zero byte is a character of length 1. */
+/* The length in bytes (1 to 4) of the character at the start of `bytes` bytes of text; 0 if they do
+ * not start with a complete and valid character. A zero byte is a character of length 1. */
 size_t pen_utf8_char(const char *text, size_t bytes);
 
-/* Copies text into out as valid UTF-8 that fits with its end: each byte that is part of no valid
- * character becomes '?', and what does not fit is cut between characters. out_bytes is at least 1.
- * Returns whether all of the text fitted. Text and out do not overlap. */
+/* Copies text into out as valid UTF-8 with a terminating zero. Each byte that is not part of a
+ * valid character becomes '?'; text that does not fit is cut between characters. out_bytes is at
+ * least 1, and text and out do not overlap. Returns whether all of the text fitted. */
 bool pen_utf8_copy(char *out, size_t out_bytes, const char *text);
 
 #endif

@@ -17,14 +17,14 @@ static bool zeroed(const unsigned char *p, size_t bytes)
     return true;
 }
 
-START_TEST(test_arena__pieces_are_zeroed_aligned_and_apart)
+START_TEST(test_arena__allocations_are_zeroed_aligned_and_disjoint)
 {
     struct random r = random_begin(1);
     struct pen_arena *arena = pen_arena_new(0);
     enum { PIECES = 3000 };
     static unsigned char *piece[PIECES];
     static size_t bytes[PIECES];
-    for (int round = 0; round < 3; round++) { /* reused memory is zeroed again */
+    for (int use = 0; use < 3; use++) { /* memory that is reused is zeroed again */
         for (int i = 0; i < PIECES; i++) {
             size_t count = random_below(&r, 50), size = 1 + random_below(&r, i % 100 ? 8 : 5000);
             piece[i] = pen_arena_alloc(arena, count, size);
@@ -64,7 +64,7 @@ START_TEST(test_arena__overflow_is_refused)
 }
 END_TEST
 
-START_TEST(test_arena__the_cap_holds_to_the_byte)
+START_TEST(test_arena__the_cap_is_exact)
 {
     struct pen_arena *arena = pen_arena_new(1024);
     ck_assert_ptr_null(pen_arena_alloc(arena, 1025, 1));
@@ -80,7 +80,7 @@ START_TEST(test_arena__the_cap_holds_to_the_byte)
 }
 END_TEST
 
-START_TEST(test_arena__strdup_copies_the_end_too)
+START_TEST(test_arena__strdup_copies_the_terminating_zero)
 {
     struct pen_arena *arena = pen_arena_new(0);
     char text[] = "caf\xC3\xA9";
@@ -108,7 +108,8 @@ START_TEST(test_arena__reset_keeps_its_memory)
 }
 END_TEST
 
-/* Whatever allocation fails, the arena says so, stays whole, and goes on when memory is back. */
+/* Whichever allocation fails, the arena returns NULL, stays valid, and works again once there is
+ * memory. */
 START_TEST(test_arena__survives_every_failed_allocation)
 {
     bool refused = true;
@@ -132,6 +133,7 @@ START_TEST(test_arena__survives_every_failed_allocation)
 }
 END_TEST
 
-PEN_SUITE("arena", test_arena__pieces_are_zeroed_aligned_and_apart, test_arena__overflow_is_refused,
-          test_arena__the_cap_holds_to_the_byte, test_arena__strdup_copies_the_end_too,
-          test_arena__reset_keeps_its_memory, test_arena__survives_every_failed_allocation)
+PEN_SUITE("arena", test_arena__allocations_are_zeroed_aligned_and_disjoint,
+          test_arena__overflow_is_refused, test_arena__the_cap_is_exact,
+          test_arena__strdup_copies_the_terminating_zero, test_arena__reset_keeps_its_memory,
+          test_arena__survives_every_failed_allocation)

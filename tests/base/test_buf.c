@@ -26,7 +26,7 @@ START_TEST(test_buf__appends_and_ends_with_zero)
 }
 END_TEST
 
-/* Against a plain array, through all sizes around the growth steps. */
+/* Compares the contents with a plain array, through many growth steps. */
 START_TEST(test_buf__holds_what_was_appended)
 {
     struct random r = random_begin(1);

@@ -12,7 +12,7 @@
 
 static int saved, reading;
 
-/* Standard error goes to a file from here to the matching log_end. */
+/* Redirects standard error to a file until log_end. */
 static void log_begin(void)
 {
     char name[] = "/tmp/pen_test_log_XXXXXX";
@@ -24,6 +24,7 @@ static void log_begin(void)
     dup2(reading, STDERR_FILENO);
 }
 
+/* Restores standard error, and returns what was written to the file. */
 static const char *log_end(void)
 {
     static char text[1 << 20];
@@ -72,9 +73,13 @@ START_TEST(test_log__json_lines)
 }
 END_TEST
 
-START_TEST(test_log__lines_say_what_they_are_about)
+START_TEST(test_log__fields_name_the_job)
 {
-    const struct pen_log_about all = {"01-ab", "r.1_x", 12, 3}, none = {0};
+    const struct pen_log_about all = {.job = "01-ab",
+                                      .request = "r.1_x",
+                                      .batch = 12,
+                                      .attempt = 3},
+                               none = {0};
     const struct pen_log_about odd = {.job = "a b", .request = "x\"y", .batch = 7};
     char longer[66];
     memset(longer, 'a', 65);
@@ -99,7 +104,7 @@ START_TEST(test_log__lines_say_what_they_are_about)
 }
 END_TEST
 
-START_TEST(test_log__long_messages_are_cut_not_split)
+START_TEST(test_log__long_messages_are_cut_to_one_line)
 {
     static char longer[20000];
     memset(longer, '\x01', sizeof longer - 1); /* six bytes each when escaped */
@@ -159,7 +164,7 @@ START_TEST(test_log__lines_of_threads_do_not_mix)
 }
 END_TEST
 
-START_TEST(test_log__ring_keeps_the_last_lines_shown_or_not)
+START_TEST(test_log__ring_keeps_the_last_lines_of_every_level)
 {
     static struct pen_log_ring ring;
     char last[512], small[60];
@@ -177,7 +182,7 @@ START_TEST(test_log__ring_keeps_the_last_lines_shown_or_not)
     const char *line = strstr(last, "line 998\n");
     ck_assert(line && strstr(line, "line 999\n") && strstr(line, "line 1000\n"));
     ck_assert(last[0] == '2' && last[strlen(last) - 1] == '\n');
-    pen_log_ring_last(&ring, 3, small, sizeof small); /* room for one of them only */
+    pen_log_ring_last(&ring, 3, small, sizeof small); /* fits one line only */
     ck_assert(small[0] == '2' && strstr(small, "line 1000\n") && !strstr(small, "line 999\n"));
     pen_log_set_ring(NULL);
     pen_log(PEN_LOG_DEBUG, "gone");
@@ -186,7 +191,7 @@ START_TEST(test_log__ring_keeps_the_last_lines_shown_or_not)
 }
 END_TEST
 
-PEN_SUITE("log", test_log__ring_keeps_the_last_lines_shown_or_not, test_log__text_lines,
-          test_log__json_lines, test_log__lines_say_what_they_are_about,
-          test_log__long_messages_are_cut_not_split, test_log__keeps_errno,
+PEN_SUITE("log", test_log__ring_keeps_the_last_lines_of_every_level, test_log__text_lines,
+          test_log__json_lines, test_log__fields_name_the_job,
+          test_log__long_messages_are_cut_to_one_line, test_log__keeps_errno,
           test_log__lines_of_threads_do_not_mix)

@@ -6,7 +6,7 @@
 #include "base/utf8.h"
 #include "support/suite.h"
 
-START_TEST(test_status__codes_map_as_the_service_promises)
+START_TEST(test_status__codes_map_to_http_and_exit_codes)
 {
     const struct {
         enum pen_code code;
@@ -41,7 +41,7 @@ START_TEST(test_status__codes_map_as_the_service_promises)
 }
 END_TEST
 
-START_TEST(test_status__every_code_has_a_name_of_its_own)
+START_TEST(test_status__every_code_has_a_unique_name)
 {
     for (int i = 0; i < PEN_CODE_COUNT; i++) {
         const char *name = pen_code_name((enum pen_code)i);
@@ -133,7 +133,7 @@ START_TEST(test_status__invalid_bytes_become_question_marks)
 }
 END_TEST
 
-START_TEST(test_status__errors_are_counted_beyond_what_is_kept)
+START_TEST(test_status__all_errors_are_counted)
 {
     struct pen_errors list = {0};
     struct pen_status st;
@@ -148,7 +148,7 @@ START_TEST(test_status__errors_are_counted_beyond_what_is_kept)
 }
 END_TEST
 
-START_TEST(test_utf8__well_formed_characters_are_those_of_the_standard)
+START_TEST(test_utf8__valid_characters_are_those_of_the_standard)
 {
     const struct {
         const char *text;
@@ -194,12 +194,11 @@ START_TEST(test_utf8__copy_tells_whether_all_fitted)
 }
 END_TEST
 
-PEN_SUITE("status", test_status__codes_map_as_the_service_promises,
-          test_status__every_code_has_a_name_of_its_own, test_status__fail_fills_every_field,
+PEN_SUITE("status", test_status__codes_map_to_http_and_exit_codes,
+          test_status__every_code_has_a_unique_name, test_status__fail_fills_every_field,
           test_status__arguments_may_come_from_the_status_itself,
           test_status__long_text_is_cut_between_characters,
           test_status__a_pointer_that_just_fits_is_whole,
-          test_status__invalid_bytes_become_question_marks,
-          test_status__errors_are_counted_beyond_what_is_kept,
-          test_utf8__well_formed_characters_are_those_of_the_standard,
+          test_status__invalid_bytes_become_question_marks, test_status__all_errors_are_counted,
+          test_utf8__valid_characters_are_those_of_the_standard,
           test_utf8__copy_tells_whether_all_fitted)

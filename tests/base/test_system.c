@@ -20,7 +20,7 @@ START_TEST(test_clock__durations)
 }
 END_TEST
 
-START_TEST(test_clock__wall_time_is_the_system_s)
+START_TEST(test_clock__wall_time_is_that_of_the_system)
 {
     int64_t ms = pen_clock_wall_ms(), now = (int64_t)time(NULL) * 1000;
     ck_assert(ms > now - 5000 && ms < now + 5000);
@@ -96,6 +96,6 @@ START_TEST(test_cpu__model_fits)
 }
 END_TEST
 
-PEN_SUITE("system", test_clock__durations, test_clock__wall_time_is_the_system_s,
+PEN_SUITE("system", test_clock__durations, test_clock__wall_time_is_that_of_the_system,
           test_clock__format, test_cpu__baseline_can_be_forced,
           test_cpu__count_follows_the_affinity, test_cpu__model_fits)
