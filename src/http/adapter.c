@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What libmicrohttpd's callbacks do for a request in each of its phases (see request.h).
+/* The callbacks of libmicrohttpd, which lead a request through its phases (see request.h).
  *
  * A reply is queued in the access callback only, never from another thread: the thread that answers
- * fills the reply and resumes the connection, and libmicrohttpd then calls once more. */
+ * fills the reply and resumes the connection, and libmicrohttpd then calls the callback again. */
 #include "http/internal/adapter.h"
 
 #include <stddef.h>
@@ -20,29 +20,36 @@
 #include "http/internal/suspend.h"
 #include "http/internal/watch.h"
 
-enum { STREAM_BYTES = 4096 }; /* sent at once, to clients of HTTP/1.0 */
+enum { STREAM_BYTES = 4096 }; /* read from a stream at once, for clients of HTTP/1.0 */
 
+/* Keeps the value of a header field that the server reads; notes a repeated one. */
 static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
                                 const char *value)
 {
     static const struct {
         const char *name;
         size_t offset;
-        bool single;
+        bool single; /* a request that has the field twice is refused */
     } wanted[] = {
-        {"Host", offsetof(struct fields, host), true},
-        {"Content-Length", offsetof(struct fields, content_length), true},
-        {"Transfer-Encoding", offsetof(struct fields, transfer_encoding), true},
-        {"Content-Type", offsetof(struct fields, content_type), true},
-        {"Idempotency-Key", offsetof(struct fields, idempotency_key), true},
-        {"If-None-Match", offsetof(struct fields, if_none_match), false},
-        {"Range", offsetof(struct fields, range), false},
-        {"If-Range", offsetof(struct fields, if_range), false},
-        {"Origin", offsetof(struct fields, origin), true},
-        {"X-Request-Id", offsetof(struct fields, request_id), false},
-        {"Expect", offsetof(struct fields, expect), false},
-        {"Last-Event-ID", offsetof(struct fields, last_event_id), false},
-        {"Accept", offsetof(struct fields, accept), false},
+        {.name = "Host", .offset = offsetof(struct fields, host), .single = true},
+        {.name = "Content-Length",
+         .offset = offsetof(struct fields, content_length),
+         .single = true},
+        {.name = "Transfer-Encoding",
+         .offset = offsetof(struct fields, transfer_encoding),
+         .single = true},
+        {.name = "Content-Type", .offset = offsetof(struct fields, content_type), .single = true},
+        {.name = "Idempotency-Key",
+         .offset = offsetof(struct fields, idempotency_key),
+         .single = true},
+        {.name = "If-None-Match", .offset = offsetof(struct fields, if_none_match)},
+        {.name = "Range", .offset = offsetof(struct fields, range)},
+        {.name = "If-Range", .offset = offsetof(struct fields, if_range)},
+        {.name = "Origin", .offset = offsetof(struct fields, origin), .single = true},
+        {.name = "X-Request-Id", .offset = offsetof(struct fields, request_id)},
+        {.name = "Expect", .offset = offsetof(struct fields, expect)},
+        {.name = "Last-Event-ID", .offset = offsetof(struct fields, last_event_id)},
+        {.name = "Accept", .offset = offsetof(struct fields, accept)},
     };
     (void)kind;
     struct fields *fields = cls;
@@ -63,8 +70,8 @@ static void unref_body(void *blob)
     pen_http_blob_unref(blob);
 }
 
-/* libmicrohttpd calls this when it can send more of an event stream. With nothing to send the
- * connection is suspended until the stream resumes it. */
+/* Called by libmicrohttpd when it can send more of an event stream. If there is nothing to send,
+ * the connection is suspended until the stream resumes it. */
 static ssize_t read_stream(void *cls, uint64_t position, char *out, size_t bytes)
 {
     (void)position;
@@ -125,6 +132,7 @@ static enum MHD_Result send_reply(struct request *request)
     return queued;
 }
 
+/* Answers at once if the route can; otherwise suspends the connection and queues the request. */
 static enum MHD_Result dispatch(struct request *request)
 {
     const struct route *route = request->route;
@@ -146,8 +154,8 @@ static enum MHD_Result dispatch(struct request *request)
     return MHD_YES;
 }
 
-/* The head is complete. An answer queued now makes libmicrohttpd close the connection, so it is
- * queued in the next call, unless a body follows that is not to be read. */
+/* The head is complete. libmicrohttpd closes the connection after an answer that is queued now. So
+ * an answer is queued here only if a body follows that must not be read, else in the next call. */
 static enum MHD_Result begin(struct request *request, const char *method)
 {
     request->method = method;
@@ -184,8 +192,8 @@ enum MHD_Result pen_http_adapter_on_access(void *cls, struct MHD_Connection *con
     return request->phase == PHASE_BODY ? dispatch(request) : send_reply(request);
 }
 
-/* Requests that change something are logged; those that only read, or are refused, could fill a
- * disk and are logged for debugging alone. */
+/* Logs a request. Requests that only read, or are refused, are logged at debug level, because they
+ * could fill a disk. */
 static void log_access(const struct request *request, uint64_t streamed, bool complete)
 {
     const struct reply *reply = &request->reply;

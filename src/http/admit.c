@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Admission: what can be refused from the request line and the header fields alone is refused
- * before the body is read. A refused body of allowed size is still read and discarded, so that a
- * client which writes before it reads gets its answer and keeps its connection. With
- * `Expect: 100-continue`, or with a body over the limit, the answer goes out at once. */
+/* Admission: a request that can be refused by its request line and header fields is refused before
+ * its body is read. The body of a refused request, if it has an allowed size, is still read and
+ * discarded, so that a client that writes before it reads gets its answer and keeps its connection.
+ * With `Expect: 100-continue`, or with a body over the limit, the answer is sent at once. */
 #include "http/internal/admit.h"
 
 #include <ctype.h>
@@ -16,10 +16,11 @@
 #include "http/internal/request.h"
 #include "http/internal/routes.h"
 
-/* All bodies in memory together: beyond this, uploads are read, discarded and answered 503. */
+/* The limit of all bodies in memory together. Beyond it uploads are read, discarded and answered
+ * 503. */
 enum { INTAKE_BYTES = 256 << 20 };
 
-/* Takes the client's own request id if it is safe to write into logs, else makes one. */
+/* Takes the client's own request id if it can be written into logs safely, else makes one. */
 static void name_request(struct request *request)
 {
     const char *theirs = request->fields.request_id;
@@ -35,6 +36,7 @@ static void name_request(struct request *request)
     snprintf(request->id, sizeof request->id, "%08" PRIx32 "-%06x", http->id_prefix, n);
 }
 
+/* Checks Host and Origin, and fields that could make two servers read one request differently. */
 static bool check_sender(const struct request *request, struct pen_status *st)
 {
     const struct fields *fields = &request->fields;
@@ -47,8 +49,8 @@ static bool check_sender(const struct request *request, struct pen_status *st)
         return pen_fail(st, PEN_FORBIDDEN,
                         "the Host of this daemon is localhost, 127.0.0.1 or [::1], not \"%s\"",
                         host ? host : "");
-    /* Browsers let a page of any site send simple requests here. Such a page may read nothing,
-     * and it must not change anything either. */
+    /* A browser lets a page of any site send simple requests to this server. It keeps the answers
+     * from the page; the check here keeps the page from changing anything. */
     bool reads = strcmp(request->method, "GET") == 0 || request->head;
     if (!reads && fields->origin && !pen_origin_is_host(fields->origin, host))
         return pen_fail(st, PEN_FORBIDDEN, "requests from pages of %s are not allowed",
@@ -56,7 +58,7 @@ static bool check_sender(const struct request *request, struct pen_status *st)
     return true;
 }
 
-/* Job ids are UUIDs, in which case does not matter; any other text is the id of no job. */
+/* Job ids are UUIDs, for which upper and lower case are the same. Any other text names no job. */
 static bool read_job_id(struct request *request, struct pen_status *st)
 {
     static const char form[] = "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx";
@@ -174,7 +176,7 @@ bool pen_http_request_receive(struct request *request, const char *data, size_t 
     atomic_fetch_sub_explicit(intake, bytes, memory_order_relaxed);
     pen_http_request_drop_body(request);
     struct pen_status st;
-    pen_fail(&st, PEN_UNAVAILABLE, "there is no room for this body now; try again later");
+    pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for this body now; try again later");
     pen_http_request_fail(request, &st);
     request->phase = PHASE_DISCARD;
     return true;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writing events. A text holds the tiles of all commits since the client's place, then the job. */
+/* Writing events. A text holds the tiles of all commits after the cursor, then the job. */
 #include "http/internal/events.h"
 
 #include <inttypes.h>
@@ -8,8 +8,8 @@
 #include <string.h>
 
 enum {
-    IDS = PEN_JOB_TILE_PARTS + 1, /* of one revision */
-    TILES_MAX = 256               /* in one text */
+    IDS = PEN_JOB_TILE_PARTS + 1, /* ids of one revision */
+    TILES_MAX = 256               /* tiles in one text */
 };
 
 struct event_cursor pen_http_events_begin(const char *last_event_id,
@@ -35,9 +35,9 @@ bool pen_http_events_are_complete(const struct event_cursor *cursor,
 struct writing {
     struct pen_buf *text;
     int64_t id;       /* of the last event in text */
-    int64_t revision; /* the last one to write */
-    int tiles;
-    bool full;
+    int64_t revision; /* the last revision to write */
+    int tiles;        /* in text so far */
+    bool full;        /* TILES_MAX was reached */
 };
 
 static bool write_tile(void *user, const struct pen_job_tile *tile)
@@ -63,7 +63,7 @@ static bool write_tile(void *user, const struct pen_job_tile *tile)
     return !writing->text->failed;
 }
 
-/* The job's JSON is one line, line end included. */
+/* Appends the event about the job. The job's JSON is one line and includes its line end. */
 static void write_job(const struct snapshot *snapshot, const struct event_cursor *cursor,
                       struct pen_buf *text)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Two queues under one lock, which is held for a few instructions at a time. */
+/* Two queues and one lock, which is held for a few instructions at a time. */
 #include "http/internal/executor.h"
 
 #include <malloc.h>
@@ -11,9 +11,9 @@
 #include "jobs/jobs.h"
 
 enum {
-    QUEUES = QUEUE_COMPUTE + 1, /* QUEUE_NONE's stays empty */
+    QUEUES = QUEUE_COMPUTE + 1, /* that of QUEUE_NONE stays empty */
     THREADS_MAX = 64,
-    LARGE_BYTES = 256 << 10 /* a body whose parsed form leaves much free memory behind */
+    LARGE_BYTES = 256 << 10 /* from here on a body counts as large, see trim_memory */
 };
 _Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_COMPUTE == 2,
                "queues are indexed by enum queue_id");
@@ -40,9 +40,9 @@ struct executor {
     struct thread thread[THREADS_MAX];
 };
 
-/* Returns free memory to the system once no thread is busy after a large body: the body's parsed
- * form was many small blocks, and the allocator would keep their pages. Called with the lock held,
- * and releases it meanwhile. Returns whether there was anything to do. */
+/* Returns free memory to the system when no thread is busy any more after a large body: the body's
+ * parsed form consisted of many small blocks, and the allocator would keep their pages. Called with
+ * the lock held, and releases it meanwhile. Returns whether memory was trimmed. */
 static bool trim_memory(struct executor *executor)
 {
     if (!executor->trim || executor->busy > 0)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The meaning of single header fields and parameters. A malformed field is read in the way that
- * does no harm: no match, no range, another type, a foreign host. */
+/* The meaning of single header fields and parameters. A malformed field is read in the harmless
+ * way: as no match, no range, another type, a host that is not loopback. */
 #include <ctype.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -66,10 +66,12 @@ enum pen_media pen_media_parse(const char *content_type)
     static const struct {
         const char *name;
         enum pen_media media;
-    } types[] = {{"application/json", PEN_MEDIA_JSON},
-                 {"application/x-www-form-urlencoded", PEN_MEDIA_NONE},
-                 {"application/xml", PEN_MEDIA_XML},
-                 {"text/xml", PEN_MEDIA_XML}};
+    } types[] = {
+        {.name = "application/json", .media = PEN_MEDIA_JSON},
+        {.name = "application/x-www-form-urlencoded", .media = PEN_MEDIA_NONE}, /* curl's default */
+        {.name = "application/xml", .media = PEN_MEDIA_XML},
+        {.name = "text/xml", .media = PEN_MEDIA_XML},
+    };
     if (!content_type)
         return PEN_MEDIA_NONE;
     size_t length = strcspn(content_type, "; \t");
@@ -102,8 +104,8 @@ bool pen_etag_listed(const char *if_none_match, const char *etag)
     return false;
 }
 
-/* How closely a media range of `length` bytes names a type: 3 itself, 2 its main type, 1 any type,
- * 0 it does not. */
+/* How closely a media range of `length` bytes names a type: 3 exactly, 2 as "main/" and a star, 1
+ * as any type, 0 not at all. */
 static int range_fits(const char *range, size_t length, const char *type)
 {
     size_t slash = strcspn(type, "/");
@@ -114,7 +116,7 @@ static int range_fits(const char *range, size_t length, const char *type)
     return length == 3 && memcmp(range, "*/*", 3) == 0;
 }
 
-/* The q of a media range's parameters, 1 if there is none; a malformed one is 0. */
+/* The value of the parameter q of a media range: 1 if there is none, 0 if it is malformed. */
 static double quality_of(const char *at, const char *end)
 {
     while (at < end) {
@@ -163,7 +165,7 @@ int pen_accept_choose(const char *accept, const char *const *types, int count)
     return best;
 }
 
-/* Reads digits. A number beyond UINT64_MAX becomes that: it lies beyond any size all the same. */
+/* Reads digits. A number beyond UINT64_MAX becomes UINT64_MAX, which lies beyond any size too. */
 static bool read_offset(const char **text, uint64_t *value)
 {
     const char *at = *text;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Opening an event stream. The events up to now are written here, by a store thread; the watcher's
- * thread writes later ones. */
+/* Opening an event stream. A store thread writes the events up to now, here; the watcher's thread
+ * writes those that follow. */
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
@@ -65,7 +65,7 @@ enum outcome pen_http_handle_events(struct request *request, struct pen_jobs *jo
     }
     struct event_cursor cursor = pen_http_events_begin(request->fields.last_event_id, &snapshot);
     if (pen_http_events_are_complete(&cursor, &snapshot))
-        request->reply.status = 204; /* which makes a browser's EventSource stop reconnecting */
+        request->reply.status = 204; /* makes a browser's EventSource stop reconnecting */
     else if (request->head || open_stream(request, jobs, &snapshot, &cursor, &st))
         answer_stream(request);
     else

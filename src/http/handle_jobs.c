@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Submitting, reading, listing, cancelling, deleting and validating. */
+/* The handlers that submit, read, list, cancel, delete and validate jobs. */
 #include <stdio.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ static enum outcome answer_status(struct request *request, const struct pen_stat
     return OUTCOME_ANSWERED;
 }
 
-/* The body as a submission. A body without a type is XML if it looks like it. */
+/* The body as a submission. A body without a type is XML if it begins like XML. */
 static struct pen_submission read_submission(const struct request *request)
 {
     struct pen_submission in = {.body = request->body.data ? (const char *)request->body.data : "",
@@ -34,7 +34,7 @@ static struct pen_submission read_submission(const struct request *request)
     return in;
 }
 
-/* The store has just refused a job: the next /readyz is to probe it again at once. */
+/* If the store has just refused a job, makes the next /readyz probe the store again. */
 static void expire_readiness(struct pen_http *http, const struct pen_errors *errors)
 {
     enum pen_code code = errors->count ? errors->item[0].code : PEN_OK;
@@ -87,7 +87,8 @@ bool pen_http_quick_job(struct request *request)
     return due;
 }
 
-/* Reads the job once, and answers or waits. Sets *again if the store changed between the two. */
+/* Reads the job once, and answers or gives the request to the watcher. Sets *again if the store has
+ * changed between the two, so that the job must be read again. */
 static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs, long wait,
                                  bool *again)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The results of a job: picture, preview, statistics, report, scene. */
+/* The handlers of a job's results: picture, preview, statistics, report, scene. */
 #include <string.h>
 
 #include "http/internal/handlers.h"
@@ -9,12 +9,13 @@
 #include "http/internal/watch.h"
 #include "io/document.h"
 
-/* All pictures in memory together, those being sent to slow clients included. */
+/* The limit of all pictures in memory together, those being sent to slow clients included. */
 enum { PICTURE_BYTES = 1 << 30 };
 
 static const char forever[] = "private, max-age=86400, immutable";
 
-/* If the job has not ended its result may come yet: Retry-After is added. */
+/* Answers with a problem. Adds Retry-After if the job has not ended, because its result may still
+ * come. */
 static enum outcome answer_status(struct request *request, struct pen_jobs *jobs,
                                   const struct pen_status *st)
 {
@@ -39,7 +40,7 @@ static bool has_memory(struct request *request)
     if (atomic_load_explicit(total, memory_order_relaxed) <= PICTURE_BYTES)
         return true;
     struct pen_status st;
-    pen_fail(&st, PEN_UNAVAILABLE, "there is no room for a picture now; try again later");
+    pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for a picture now; try again later");
     pen_http_request_fail(request, &st);
     return false;
 }

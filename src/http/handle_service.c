@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The service itself: health, readiness, workers, and the embedded files. */
+/* The handlers of the service itself: health, readiness, workers, and the embedded files. */
 #include <stdio.h>
 #include <string.h>
 
@@ -40,7 +40,7 @@ enum outcome pen_http_handle_builtin(struct request *request, struct pen_jobs *j
         return answer_file(request, file);
     struct pen_status st;
     pen_fail(&st, PEN_NOT_FOUND,
-             "there is no built-in scene \"%.80s\"; GET /v1/scenes lists those there are",
+             "there is no built-in scene \"%.80s\"; GET /v1/scenes lists all of them",
              request->arg);
     pen_http_request_fail(request, &st);
     return OUTCOME_ANSWERED;
@@ -106,7 +106,7 @@ static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_statu
     return st->code == PEN_OK;
 }
 
-/* Fails with the reason that pen_http_set_not_ready has set. */
+/* Fails if pen_http_set_not_ready has set a reason, with that reason. */
 static bool check_reason(struct pen_http *http, struct pen_status *st)
 {
     pthread_mutex_lock(&http->ready_lock);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads and sockets. An acceptor thread of our own hands connections to libmicrohttpd, for two
- * reasons: ending libmicrohttpd's own accepting is a race between MHD_quiesce_daemon and its
- * threads, which can end the process; and MHD_stop_daemon shuts the listening socket down, which
- * belongs to the supervisor.
+/* Threads and sockets. The acceptor thread accepts connections and gives them to libmicrohttpd,
+ * which does not accept any itself, for two reasons:
+ *   - To end libmicrohttpd's own accepting is a race between MHD_quiesce_daemon and its threads,
+ *     which can end the process.
+ *   - MHD_stop_daemon shuts the listening socket down, but the socket belongs to the supervisor.
  *
  * libmicrohttpd's limits are set so high that it never refuses a connection itself: in version
  * 0.9.75 a thread that refuses a connection which another thread added keeps its lock for ever.

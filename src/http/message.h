@@ -21,7 +21,7 @@ struct pen_param {
 /* A parsed and decoded request target. "/" has no segments, "/a/" has "a" and "". */
 struct pen_target {
     char *text;            /* owns the bytes that the other members point into */
-    const char *authority; /* of "http://authority/path", else NULL */
+    const char *authority; /* of a target "http://authority/path"; else NULL */
     int segment_count;     /* may exceed PEN_SEGMENTS_MAX; the array holds the first ones */
     const char *segment[PEN_SEGMENTS_MAX];
     int param_count;
@@ -42,7 +42,7 @@ bool pen_target_matches(const struct pen_target *target, const char *template, c
 /* The value of a parameter, or NULL if the query does not have it. */
 const char *pen_target_param(const struct pen_target *target, const char *name);
 
-/* Whether text is an integer in decimal digits from low to high; stores it in *number. */
+/* Whether text is an integer of one to nine digits, from low to high; stores it in *number. */
 bool pen_number_parse(const char *text, long low, long high, long *number);
 
 /* Whether a Host names this machine: localhost, 127.0.0.1 or [::1], with or without a port. False
@@ -55,7 +55,7 @@ bool pen_origin_is_host(const char *origin, const char *host);
 
 /* The type of a body, from its Content-Type. */
 enum pen_media {
-    PEN_MEDIA_NONE, /* no type, or curl's default: the body's first byte decides */
+    PEN_MEDIA_NONE, /* no type, or curl's default type: the body's first byte decides */
     PEN_MEDIA_JSON,
     PEN_MEDIA_XML,
     PEN_MEDIA_OTHER

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Creating, answering and freeing a request. */
+/* Making, answering and freeing a request. */
 #include "http/internal/request.h"
 
 #include <stdlib.h>
@@ -62,8 +62,9 @@ void pen_http_request_content(struct request *request, const struct content *con
 {
     const struct fields *fields = &request->fields;
     bool ranges = content->ranges && !request->head; /* Range is defined for GET only */
-    struct reply_conditions conditions = {fields->if_none_match, ranges ? fields->range : NULL,
-                                          fields->if_range};
+    struct reply_conditions conditions = {.if_none_match = fields->if_none_match,
+                                          .range = ranges ? fields->range : NULL,
+                                          .if_range = fields->if_range};
     size_t size = content->blob ? content->blob->content.bytes : 0;
     if (pen_http_reply_content(&request->reply, content->blob, content->type, content->etag,
                                &conditions)) {

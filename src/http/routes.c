@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The route table, and finding and checking a request by it. */
+/* The route table, and the functions that find a request's route and check its parameters. */
 #include "http/internal/routes.h"
 
 #include <stdio.h>
@@ -97,8 +97,8 @@ static const struct route table[] = {
 
 enum { ROUTES = sizeof table / sizeof table[0] };
 
-/* Resources of a later version: their paths get a 404 that says so. */
-static const char *const later[] = {"/v1/plan", "/v1/assets/{sha256}", "/metrics", "/"};
+/* Paths of resources that are not supported yet: they get a 404 with that explanation. */
+static const char *const unsupported[] = {"/v1/plan", "/v1/assets/{sha256}", "/metrics", "/"};
 
 bool pen_http_route(int i, const char **method, const char **path)
 {
@@ -109,6 +109,7 @@ bool pen_http_route(int i, const char **method, const char **path)
     return true;
 }
 
+/* Appends a method to the list of allowed methods; HEAD follows GET. */
 static void allow_method(char allow[ALLOW_BYTES], const char *method)
 {
     size_t used = strlen(allow);
@@ -120,13 +121,13 @@ static void allow_method(char allow[ALLOW_BYTES], const char *method)
 static bool fail_unknown(const struct pen_target *target, struct pen_status *st)
 {
     const char *arg;
-    for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
-        if (pen_target_matches(target, later[i], &arg))
-            return pen_fail(st, PEN_NOT_FOUND, "%s is known, but not supported yet", later[i]);
+    for (size_t i = 0; i < sizeof unsupported / sizeof unsupported[0]; i++) {
+        if (pen_target_matches(target, unsupported[i], &arg))
+            return pen_fail(st, PEN_NOT_FOUND, "%s is known, but not supported yet",
+                            unsupported[i]);
     }
     return pen_fail(st, PEN_NOT_FOUND,
-                    "there is nothing at this path; GET /openapi.yaml says "
-                    "what there is");
+                    "there is nothing at this path; GET /openapi.yaml lists all paths");
 }
 
 const struct route *pen_http_route_find(const char *method, const struct pen_target *target,

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Start and stop. Stopping goes from the outside in: no new connections, no new work, long polls
- * answered and event streams ended, work in progress finished and sent, threads ended, connections
- * closed. */
+/* Start and stop. The server stops in this order:
+ *   1. no new connections are accepted, and new requests are refused;
+ *   2. long polls are answered, and event streams end;
+ *   3. requests in progress are finished and sent, for finish_max_ns at most;
+ *   4. the executor's threads end;
+ *   5. all connections are closed. */
 #include "http/server.h"
 
 #include <sodium.h>
@@ -22,7 +25,7 @@
 enum { STORE_THREADS = 4, COMPUTE_THREADS = 2, IDLE_SECONDS = 30, HEARTBEAT_MS = 10000 };
 static const int64_t finish_max_ns = INT64_C(1500000000);
 
-/* Frees the parts that exist. No connection may be open. */
+/* Frees the server and those of its parts that exist. No connection may be open. */
 static void release(struct pen_http *http)
 {
     pen_http_executor_free(http->executor);
@@ -107,7 +110,7 @@ void pen_http_set_not_ready(struct pen_http *http, const char *reason)
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* Waits until no request is in progress, but not for ever: a client may have stopped reading. */
+/* Waits until no request is in progress; finish_max_ns at most, as a client may stop reading. */
 static void wait_for_requests(struct pen_http *http)
 {
     const struct timespec pause = {.tv_nsec = 5000000};

@@ -16,29 +16,31 @@ struct pen_http_options {
     int listen_fd; /* a listening socket; stays the caller's, and becomes non-blocking */
     const char *store_url;
     struct pen_limits limits;
-    int store_threads; /* 0: a sensible number */
-    int idle_seconds;  /* an idle connection is closed after so long; 0: 30 */
-    int heartbeat_ms;  /* until a silent event stream gets a heartbeat; 0: 10 s */
+    int store_threads; /* 0: 4 */
+    int idle_seconds;  /* time after which an idle connection is closed; 0: 30 */
+    int heartbeat_ms;  /* time after which a silent event stream gets a heartbeat; 0: 10 s */
 };
 
 struct pen_http;
 
-/* Starts serving. Fails: PEN_STORAGE (store), PEN_UNAVAILABLE (sockets). */
+/* Starts serving. Owns: stop with pen_http_stop; the strings in options may go after the call.
+ * Fails: PEN_STORAGE (store), PEN_UNAVAILABLE (sockets, threads), PEN_NO_MEMORY. */
 struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st);
 
-/* From now on submits are answered 503 with Retry-After; everything else works as before. */
+/* From now on submits are answered 503 with Retry-After; everything else works as before. Threads:
+ * any. */
 void pen_http_drain(struct pen_http *http);
 
-/* Sets why /readyz answers 503 although the store takes writes; "": it answers 200. Cut to
- * PEN_MSG_BYTES. */
+/* Sets the reason for which /readyz answers 503 although the store takes writes. With "" /readyz
+ * answers 200 again. The reason is cut to PEN_MSG_BYTES. Threads: any. */
 void pen_http_set_not_ready(struct pen_http *http, const char *reason);
 
-/* Stops: answers waiting long polls, ends event streams, finishes requests in progress and frees
- * everything. NULL is allowed. */
+/* Stops: answers waiting long polls, ends event streams, finishes requests in progress (1.5 seconds
+ * at most) and frees everything. NULL is allowed. */
 void pen_http_stop(struct pen_http *http);
 
-/* The route table, for tests and documentation: method and path template of entry i, or false
- * past the end. */
+/* Reads the route table, for tests: method and path template of entry i. Returns false past the
+ * end. */
 bool pen_http_route(int i, const char **method, const char **path);
 
 #endif

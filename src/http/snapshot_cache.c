@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A table with one slot per hash value: a collision costs a read of the store, nothing else. */
+/* A table with one slot for each hash value. A collision only costs a read of the store. */
 #include "http/internal/snapshot_cache.h"
 
 #include <inttypes.h>
@@ -47,7 +47,7 @@ void pen_http_snapshot_release(struct snapshot *snapshot)
     snapshot->json = NULL;
 }
 
-/* FNV-1a. The ids begin with the time, so the hash takes all of their characters. */
+/* FNV-1a over the whole id, because ids of jobs that were submitted together begin alike. */
 static struct slot *slot_of(struct snapshot_cache *cache, const char *id)
 {
     uint32_t hash = 2166136261u;
@@ -79,7 +79,7 @@ static void remember(struct snapshot_cache *cache, uint32_t changes, int64_t rea
     pen_http_blob_ref(snapshot->json);
     pthread_mutex_lock(&cache->lock);
     struct blob *old = slot->snapshot.json;
-    *slot = (struct slot){*snapshot, changes, read_ns};
+    *slot = (struct slot){.snapshot = *snapshot, .changes = changes, .read_ns = read_ns};
     pthread_mutex_unlock(&cache->lock);
     pen_http_blob_unref(old);
 }

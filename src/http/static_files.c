@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The files and their entity tags are made once, from the data embedded in the program. */
+/* Making the files from the data that is embedded in the program. */
 #include "http/internal/static_files.h"
 
 #include <stdio.h>

@@ -5,7 +5,7 @@
  *   2. write_update, without it: each text, from the store;
  *   3. deliver, under the lock: the texts to the streams, without those that closed meanwhile.
  *
- * Order of locks: the streams' lock, then those of pen_http_resume. */
+ * Order of locks: the streams' lock, then pen_http.suspend_lock (in pen_http_resume). */
 #include "http/internal/streams.h"
 
 #include <pthread.h>
@@ -31,8 +31,8 @@ struct stream {
     size_t sent;                /* bytes of text */
     uint64_t total;             /* bytes sent before text */
     int64_t last_text_ns;       /* when it was last given a text */
-    bool behind;                /* an update came while it was sending, or was cut short */
-    bool ended;                 /* nothing comes after text */
+    bool behind;                /* an update came while the stream was sending, or was cut short */
+    bool ended;                 /* nothing follows text */
 };
 
 /* The next text for all streams of one job that are at the same place. */
@@ -84,7 +84,7 @@ void pen_http_streams_free(struct streams *streams)
     free(streams);
 }
 
-/* The random end of a UUIDv7: compared first, since it differs between nearly all jobs. */
+/* The random end of a UUIDv7. It is compared first, because it differs between nearly all jobs. */
 static uint64_t key_of(const char *job_id)
 {
     uint64_t key;
@@ -122,7 +122,7 @@ struct stream *pen_http_stream_open(struct streams *streams, struct request *req
     return stream;
 }
 
-/* Drops a text that was sent. Returns whether the stream needs another update soon. */
+/* Drops a text that was sent. Returns whether the stream needs another update at once. */
 static bool finish_text(struct stream *stream)
 {
     stream->total += stream->sent;
@@ -168,8 +168,8 @@ uint64_t pen_http_stream_close(struct stream *stream)
     return total;
 }
 
-/* Gives a waiting stream a text. It waits, so its first text was sent and its request has been
- * answered: the connection may be resumed. Called with the lock held. */
+/* Gives a waiting stream a text. A stream that waits has sent its first text, so its request has
+ * been answered and its connection may be resumed. Called with the lock held. */
 static void send_text(struct stream *stream, struct blob *text, int64_t now_ns)
 {
     stream->text = pen_http_blob_ref(text);
@@ -198,8 +198,8 @@ static struct update *add_update(struct streams *streams, const struct stream *s
     return update;
 }
 
-/* Lists the texts that waiting streams need. Called with the lock held. Returns false when out of
- * memory. */
+/* Lists the texts that waiting streams need, in streams->updates. Called with the lock held.
+ * Returns false when out of memory. */
 static bool note_updates(struct streams *streams)
 {
     streams->update_count = 0;
@@ -223,8 +223,8 @@ static bool note_updates(struct streams *streams)
     return true;
 }
 
-/* Writes an update's text. If the store cannot be read now the update stays empty, and the next one
- * covers it; the streams of a job that was deleted end. */
+/* Writes an update's text. If the store cannot be read now, the update stays empty and the next one
+ * writes these events too. The streams of a job that was deleted end. */
 static void write_update(struct streams *streams, struct update *update, struct pen_jobs *jobs,
                          uint32_t changes)
 {

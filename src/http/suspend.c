@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One lock for all requests: it is held for the two flags and one call of libmicrohttpd. */
+/* One lock for all requests; it is held to change two flags and to call libmicrohttpd once. */
 #include "http/internal/suspend.h"
 
 #include <microhttpd.h>

@@ -35,8 +35,8 @@ static bool decode(char *text, bool in_query)
     return true;
 }
 
-/* Skips "http://authority" and keeps the authority: a server must accept this form too (RFC 9112,
- * section 3.2.2). */
+/* Skips "http://authority", which a server must accept too (RFC 9112, section 3.2.2), and stores
+ * the authority. Returns the path. */
 static char *skip_authority(char *text, struct pen_target *target)
 {
     char *rest = text;
@@ -47,7 +47,8 @@ static char *skip_authority(char *text, struct pen_target *target)
     else
         return text;
     char *path = rest + strcspn(rest, "/?");
-    /* The authority is moved one byte down, over the slash before it, to get its end. */
+    /* The authority is moved one byte down, over the slash before it, to make place for its
+     * terminating zero. */
     memmove(rest - 1, rest, (size_t)(path - rest));
     path[-1] = '\0';
     target->authority = rest - 1;
@@ -86,7 +87,8 @@ static bool split_query(char *query, struct pen_target *target, struct pen_statu
             *value++ = '\0';
         if (!decode(query, true) || (value && !decode(value, true)))
             return pen_fail(st, PEN_SYNTAX, "malformed percent-encoding in the query");
-        target->param[target->param_count++] = (struct pen_param){query, value ? value : ""};
+        target->param[target->param_count++] =
+            (struct pen_param){.name = query, .value = value ? value : ""};
     }
     return true;
 }

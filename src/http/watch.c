@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* A long poll is in the watcher's list from pen_http_watch_add until it is answered. While the
- * thread checks jobs, the requests it checks are in its own hands and not in the list.
+/* A long poll is in the watcher's list from pen_http_watch_add until it is answered, except while
+ * the thread checks its job.
  *
- * Why no change is missed: `seen` is raised, under the lock, before the jobs are read. A request
- * that comes with an older counter than `seen` may have missed that check, so pen_http_watch_add
- * returns WATCH_CHANGED and its caller reads the job again; a request with the same counter or a
- * newer one is in the list before the next check. */
+ * Why no change is missed: `seen` is raised, under the lock, before the jobs are read.
+ *   - A request with a counter older than `seen` may have missed that check: pen_http_watch_add
+ *     returns WATCH_CHANGED, and its caller reads the job again.
+ *   - A request with the same counter or a newer one is in the list before the next check. */
 #include "http/internal/watch.h"
 
 #include <pthread.h>
@@ -20,21 +20,21 @@
 #include "jobs/jobs.h"
 
 enum {
-    POLL_MS = 250,   /* how late a deadline may be noticed */
-    UPDATE_MS = 20,  /* between two updates of streams, on average */
-    UPDATE_BURST = 4 /* so many may follow each other at once: the whole life of a small job */
+    POLL_MS = 250,   /* the longest delay until a deadline is noticed */
+    UPDATE_MS = 20,  /* the shortest time between two updates of streams, on average */
+    UPDATE_BURST = 4 /* updates that may follow each other at once: the whole life of a small job */
 };
 static const int64_t update_interval_ns = UPDATE_MS * INT64_C(1000000);
-static const int64_t check_all_ns = INT64_C(1000000000); /* a change notification may get lost */
+static const int64_t check_all_ns = INT64_C(1000000000); /* between checks of all jobs */
 
 struct watch {
     struct pen_http *http;
-    struct pen_jobs *jobs; /* used by the thread alone, pen_store_wait apart */
+    struct pen_jobs *jobs; /* used by the thread alone, except in pen_store_wait and _wake */
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t filled;
     struct request *list; /* guarded by lock */
-    int count;            /* guarded by lock: in the list or in the thread's hands */
+    int count;            /* guarded by lock: long polls, in the list or being checked */
     int streams;          /* guarded by lock: open event streams */
     uint32_t seen;        /* guarded by lock: the change counter at the last check */
     bool closed;          /* guarded by lock */
@@ -47,8 +47,8 @@ uint32_t pen_http_watch_changes(struct watch *watch)
     return changes;
 }
 
-/* Answers a request if its job is as it waits for, or in any case if `now` is set. Returns whether
- * it was answered; otherwise it waits on. */
+/* Answers a request if the change that it waits for has come, or in any case if `now` is set.
+ * Returns whether it was answered; otherwise it waits on. */
 static bool answer(struct watch *watch, struct request *request, uint32_t changes, bool now)
 {
     struct snapshot snapshot;
@@ -109,14 +109,14 @@ struct pass {
     uint32_t changes; /* the store's change counter */
     int64_t now_ns;
     int64_t checked_ns; /* when all jobs were last checked */
-    int64_t update_ns;  /* the next update of streams may come now; in the past by unused burst */
+    int64_t update_ns;  /* the earliest time of the next update of streams. It lies up to
+                         * UPDATE_BURST intervals in the past, which allows a burst */
     bool closing;
-    bool check_all;   /* check every job, and not only requests past their deadline */
-    bool update_owed; /* streams have had no update since the last check of all jobs */
+    bool check_all;  /* check every job, and not only requests past their deadline */
+    bool update_due; /* streams have had no update since the last check of all jobs */
 };
 
-/* Sleeps for good while nobody waits; otherwise until the store has changed, or something else is
- * due. */
+/* Sleeps while no request waits; then until the store has changed, or something else is due. */
 static void sleep_until_due(struct watch *watch, struct pass *pass)
 {
     pthread_mutex_lock(&watch->lock);
@@ -125,7 +125,7 @@ static void sleep_until_due(struct watch *watch, struct pass *pass)
     pass->changes = watch->seen;
     bool closed = watch->closed;
     pthread_mutex_unlock(&watch->lock);
-    int wait_ms = closed ? 0 : pass->update_owed ? UPDATE_MS : POLL_MS;
+    int wait_ms = closed ? 0 : pass->update_due ? UPDATE_MS : POLL_MS;
     pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &pass->changes, wait_ms);
     pass->now_ns = pen_clock_ns();
 }
@@ -144,14 +144,14 @@ static void serve_polls(struct watch *watch, struct pass *pass)
     check_requests(watch, taken, pass->changes, pass->closing);
 }
 
-/* However fast jobs change, streams get an update every UPDATE_MS on average and no more. */
+/* Updates the streams if that is due, but not more often than every UPDATE_MS on average. */
 static void serve_streams(struct watch *watch, struct pass *pass)
 {
     struct streams *streams = watch->http->streams;
-    pass->update_owed = pass->update_owed || pass->check_all;
-    if (pass->closing || (pass->update_owed && pass->now_ns >= pass->update_ns)) {
+    pass->update_due = pass->update_due || pass->check_all;
+    if (pass->closing || (pass->update_due && pass->now_ns >= pass->update_ns)) {
         int64_t earliest_ns = pass->now_ns - UPDATE_BURST * update_interval_ns;
-        pass->update_owed = false;
+        pass->update_due = false;
         pass->update_ns =
             (pass->update_ns > earliest_ns ? pass->update_ns : earliest_ns) + update_interval_ns;
         pen_http_streams_update(streams, watch->jobs, pass->changes);
@@ -217,7 +217,7 @@ enum watch_result pen_http_watch_add(struct watch *watch, struct request *reques
     enum watch_result result = WATCH_ACCEPTED;
     pthread_mutex_lock(&watch->lock);
     if (!watch->count && !watch->streams)
-        watch->seen = changes; /* nobody else waited, so no check was due before this one */
+        watch->seen = changes; /* no other request waited, so no check was due before this one */
     if (watch->closed)
         result = WATCH_CLOSED;
     else if (watch->count + watch->streams >= WATCH_MAX)

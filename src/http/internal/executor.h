@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The threads that may block: store threads and compute threads, each with a jobs handle of its
- * own. Each kind works off one queue of requests, first come, first served. The number of
+ * own. All threads of a kind serve one queue of requests, first in, first out. The number of
  * connections bounds the queues. */
 #ifndef PEN_HTTP_INTERNAL_EXECUTOR_H
 #define PEN_HTTP_INTERNAL_EXECUTOR_H
@@ -19,19 +19,21 @@ struct executor_options {
     int store_threads, compute_threads;
 };
 
-/* Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads). */
+/* Starts the threads. Owns: stop, then free. Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads),
+ * PEN_NO_MEMORY. */
 struct executor *pen_http_executor_start(const struct executor_options *options,
                                          struct pen_status *st);
 
-/* Works off what is queued, then ends the threads. pen_http_executor_submit may still be called. */
+/* Handles the queued requests, then ends the threads. pen_http_executor_submit may be called later
+ * too. */
 void pen_http_executor_stop(struct executor *executor);
 
 /* Frees a stopped executor, once no thread calls pen_http_executor_submit any more. NULL is
  * allowed. */
 void pen_http_executor_free(struct executor *executor);
 
-/* Queues a suspended request; a thread runs its route's handler and resumes it. Returns false after
- * pen_http_executor_stop has begun: the request stays the caller's. */
+/* Queues a suspended request; a thread runs the handler of its route and resumes it. Returns false
+ * once pen_http_executor_stop was called; the request then stays the caller's. Threads: any. */
 bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request);
 
 #endif

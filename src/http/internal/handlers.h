@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The handlers of the routes. */
+/* The handlers of the routes, one line or two for each handle_*.c. */
 #ifndef PEN_HTTP_INTERNAL_HANDLERS_H
 #define PEN_HTTP_INTERNAL_HANDLERS_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The server: its parts, and the counters that several of them use. Every request points here, and
- * from here to the executor, the watcher and the streams; only their own headers declare calls. */
+/* The server: its parts, and the counters that several of them use. Every request points to the
+ * server, and so reaches the executor, the watcher and the streams; their calls are declared in
+ * their own headers only. */
 #ifndef PEN_HTTP_INTERNAL_HTTP_H
 #define PEN_HTTP_INTERNAL_HTTP_H
 
@@ -23,13 +24,13 @@ struct pen_http {
 
     pthread_mutex_t suspend_lock; /* guards `suspended` and `resume_pending` of all requests */
 
-    atomic_bool draining, stopping; /* atomic: relaxed, a request more or less does not matter */
+    atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.
-                                     * atomic: relaxed, only read to wait for quiet */
+                                     * atomic: relaxed, read only in a loop that waits for 0 */
     atomic_size_t intake_bytes;     /* bodies in memory. atomic: relaxed, a sum */
     atomic_size_t picture_bytes;    /* pictures in memory. atomic: relaxed, a sum */
-    atomic_uint request_count;      /* atomic: relaxed, only has to differ */
-    uint32_t id_prefix;             /* tells this process's request ids from others' */
+    atomic_uint request_count;      /* atomic: relaxed, values only have to differ */
+    uint32_t id_prefix;             /* distinguishes this process's request ids from others' */
 
     pthread_mutex_t ready_lock;
     int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed; 0: never */

@@ -10,17 +10,18 @@
 struct listener;
 struct pen_http;
 
-/* Starts libmicrohttpd's threads; no connection is accepted yet. Fails: PEN_UNAVAILABLE. */
+/* Starts libmicrohttpd's threads; no connection is accepted yet. Owns: pen_http_listener_stop
+ * frees. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
 struct listener *pen_http_listener_start(struct pen_http *http, int listen_fd, int idle_seconds,
                                          struct pen_status *st);
 
-/* Begins to accept connections. Fails: PEN_UNAVAILABLE. */
+/* Starts the acceptor thread. Fails: PEN_UNAVAILABLE. */
 bool pen_http_listener_accept(struct listener *listener, struct pen_status *st);
 
-/* No new connections; those that exist go on. */
+/* Ends the acceptor thread. No new connections are accepted; those that exist go on. */
 void pen_http_listener_stop_accepting(struct listener *listener);
 
-/* Closes all connections and frees. No request may be suspended. NULL is allowed. */
+/* Closes all connections and frees the listener. No request may be suspended. NULL is allowed. */
 void pen_http_listener_stop(struct listener *listener);
 
 #endif

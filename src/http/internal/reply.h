@@ -15,11 +15,11 @@
 #include "base/buf.h"
 #include "base/status.h"
 
-/* Reference-counted bytes: one body in a cache may be being sent to many clients. */
+/* Reference-counted bytes: one cached body may be sent to many clients at once. Threads: any. */
 struct blob {
     atomic_int refs; /* atomic: acquire-release, so that the thread that frees sees all reads */
     struct pen_buf content;
-    atomic_size_t *total; /* counts the bytes while the blob exists; NULL: nothing does */
+    atomic_size_t *total; /* a sum that includes these bytes while the blob exists; NULL: none */
 };
 
 /* Takes the contents of a buffer, which is empty afterwards, also on failure.
@@ -41,7 +41,7 @@ void pen_http_blob_etag(const struct blob *blob, char etag[ETAG_BYTES]);
 enum { REPLY_FIELDS = 10 };
 
 struct reply {
-    int status;          /* 0: there is none yet */
+    int status;          /* 0: not set yet */
     struct blob *body;   /* NULL: none */
     size_t first, bytes; /* the part of the body that is sent */
     struct reply_field {
@@ -53,8 +53,10 @@ struct reply {
     bool failed;
 };
 
+/* Frees what the reply owns; it is then empty. */
 void pen_http_reply_release(struct reply *reply);
 
+/* Adds a header field. When out of memory, or after REPLY_FIELDS fields, `failed` is set. */
 void pen_http_reply_field(struct reply *reply, const char *name, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -79,8 +79,8 @@ void pen_http_request_fail(struct request *request, const struct pen_status *st)
 const char *pen_http_request_param(const struct request *request, const char *name);
 long pen_http_request_number(const struct request *request, const char *name, long otherwise);
 
-/* Answers with a representation; takes the blob, NULL being an allocation that failed.
- * Conditions are honoured, ranges too where the resource has them. */
+/* Answers with a representation; takes the blob. A NULL blob is an allocation that failed.
+ * If-None-Match is obeyed, and Range if `ranges` is set. */
 struct content {
     struct blob *blob;
     const char *type, *etag, *cache_control;

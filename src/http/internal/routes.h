@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The route table: every method and path that the service answers, with its query parameters and
- * the threads that run its handler. HEAD is answered wherever GET is. */
+/* The route table: every method and path that the server answers, with the query parameters and the
+ * threads that run the handler. HEAD is answered wherever GET is. */
 #ifndef PEN_HTTP_INTERNAL_ROUTES_H
 #define PEN_HTTP_INTERNAL_ROUTES_H
 
@@ -15,13 +15,13 @@ struct request;
 
 enum outcome {
     OUTCOME_ANSWERED, /* the reply is complete */
-    OUTCOME_WATCHED   /* the watcher has the request now, and resumes it later */
+    OUTCOME_WATCHED   /* the request belongs to the watcher, which resumes it later */
 };
 
 /* Fills request->reply. jobs is NULL where the route has no queue. */
 typedef enum outcome route_handler(struct request *request, struct pen_jobs *jobs);
 
-/* Answers from memory, in the callback, if it can; returns whether it did. */
+/* Answers from memory, in the libmicrohttpd callback, if possible. Returns whether it did. */
 typedef bool route_quick(struct request *request);
 
 /* Where a handler runs. */
@@ -31,8 +31,8 @@ enum queue_id {
     QUEUE_COMPUTE /* on a compute thread: encoding pictures, writing reports, checking scenes */
 };
 
-/* A query parameter: one of the words `allowed`; else, if high > 0, a number from low to high;
- * else a text of 1 to `longest` bytes. */
+/* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a
+ * number from low to high; else a text of 1 to `longest` bytes. */
 struct param_rule {
     const char *name;
     const char *const *allowed; /* ends with NULL */
@@ -50,17 +50,19 @@ struct route {
     const struct param_rule *params; /* ends with a NULL name; NULL: none */
 };
 
-/* Finds the route of a request. Fails: PEN_NOT_FOUND; PEN_METHOD, with the methods in allow. */
 enum { ALLOW_BYTES = 64 };
+
+/* Finds the route of a request; *arg becomes the path's {id} or {name}. Fails: PEN_NOT_FOUND;
+ * PEN_METHOD, and `allow` becomes the list of methods for an Allow field. */
 const struct route *pen_http_route_find(const char *method, const struct pen_target *target,
                                         const char **arg, char allow[ALLOW_BYTES],
                                         struct pen_status *st);
 
-/* Fails: PEN_USAGE, naming the parameter and what is allowed. */
+/* Checks the query parameters. Fails: PEN_USAGE, with the parameter's name and what is allowed. */
 bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
                                  struct pen_status *st);
 
-/* The queue for this request. An image that is stored in the wanted format needs no compute
+/* The queue for this request. A picture that the store has in the wanted format needs no compute
  * thread. */
 enum queue_id pen_http_route_queue(const struct route *route, const struct pen_target *target);
 

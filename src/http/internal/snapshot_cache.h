@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Snapshots of jobs, each valid for one value of the store's change counter. While the counter
- * stays the same the job stays the same, and a poll is answered from here without a store thread.
+/* A cache of jobs as they were last read, each valid for one value of the store's change counter.
+ * While the counter stays the same the jobs stay the same, and a poll is answered from the cache
+ * without a store thread. A change notification may get lost, so a snapshot is not used for longer
+ * than a second.
  *
- * A change notification may get lost, so a snapshot is not used for longer than a second. */
+ * Threads: any. */
 #ifndef PEN_HTTP_INTERNAL_SNAPSHOT_CACHE_H
 #define PEN_HTTP_INTERNAL_SNAPSHOT_CACHE_H
 
@@ -25,16 +27,18 @@ struct snapshot {
 
 void pen_http_snapshot_release(struct snapshot *snapshot);
 
+/* Fails: NULL when out of memory. */
 struct snapshot_cache *pen_http_snapshot_cache_new(void);
 void pen_http_snapshot_cache_free(struct snapshot_cache *cache); /* NULL is allowed */
 
-/* The job from memory. Returns false if there is no valid snapshot. Owns: the caller releases
+/* Gets a job from the cache. Returns false if there is no valid snapshot. Owns: the caller releases
  * *out. */
 bool pen_http_snapshot_cache_peek(struct snapshot_cache *cache, uint32_t changes, const char *id,
                                   struct snapshot *out);
 
-/* The job from memory, or else from the store, and then kept in memory. `changes` is the counter
- * from before the call. Owns: the caller releases *out. Fails: as pen_jobs_get; PEN_NO_MEMORY. */
+/* Gets a job from the cache, or else from the store, and then puts it into the cache. `changes` is
+ * the change counter from before the call. Owns: the caller releases *out. Fails: as pen_jobs_get;
+ * PEN_NO_MEMORY. */
 bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes,
                                   struct pen_jobs *jobs, const char *id, struct snapshot *out,
                                   struct pen_status *st);
@@ -43,7 +47,7 @@ bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes
  * another revision. */
 bool pen_http_snapshot_is_due(const struct snapshot *snapshot, const struct request *request);
 
-/* Answers a GET of the job. */
+/* Answers a GET of the job with the snapshot. */
 void pen_http_snapshot_reply(const struct snapshot *snapshot, struct request *request);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Representations that never change while the process lives: the API definition, the scene schema
- * and the built-in scenes. Made once at start. */
+/* The files that are embedded in the program: the API definition, the scene schema and the built-in
+ * scenes. Their blobs and entity tags are made once, at start.
+ *
+ * Threads: any, after the start. */
 #ifndef PEN_HTTP_INTERNAL_STATIC_FILES_H
 #define PEN_HTTP_INTERNAL_STATIC_FILES_H
 
