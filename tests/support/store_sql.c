@@ -33,6 +33,7 @@ static const char *const undo[] = {
     "DROP TABLE worker; CREATE TABLE worker (name TEXT PRIMARY KEY, threads INTEGER NOT NULL,"
     " lease_ms INTEGER NOT NULL, started_ms INTEGER NOT NULL, seen_ms INTEGER NOT NULL)"
     " STRICT, WITHOUT ROWID",
+    "ALTER TABLE worker DROP COLUMN lock_file",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

@@ -355,7 +355,7 @@ struct pen_driver_ops {
     /* Takes the worker's lock, until the handle is closed or its process ends. PostgreSQL:
      * pg_try_advisory_lock of the session. Fails: PEN_CONFLICT (another handle has it). */
     bool (*worker_lock)(struct pen_driver *driver, const char *id, struct pen_status *st);
-    /* Tells whether a handle has that lock. */
+    /* Tells whether a handle has that lock; true also if that cannot be told. */
     bool (*worker_lives)(struct pen_driver *driver, const char *id, bool *lives,
                          struct pen_status *st);
 };

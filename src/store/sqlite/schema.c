@@ -160,7 +160,11 @@ static const char step_8[] =
     " seen_ms INTEGER NOT NULL"
     ") STRICT, WITHOUT ROWID;";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5, step_6, step_7, step_8};
+/* In which file a worker holds its lock, see workers.c. */
+static const char step_9[] = "ALTER TABLE worker ADD COLUMN lock_file INTEGER;";
+
+static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5,
+                                    step_6, step_7, step_8, step_9};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,

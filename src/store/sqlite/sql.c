@@ -149,9 +149,10 @@ static const char *const sql_text[] = {
     [SQL_COMMIT_PAGE] = "SELECT revision, view, first_tile, tile_count FROM batch"
                         " WHERE job = ? AND revision > ? AND kind = 0 ORDER BY revision LIMIT ?",
 
-    [SQL_WORKER_PUT] = "INSERT INTO worker (id, host, pid, threads, lease_ms, started_ms, seen_ms)"
-                       " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6) ON CONFLICT (id) DO UPDATE SET"
-                       " threads = ?4, lease_ms = ?5, seen_ms = ?6",
+    [SQL_WORKER_PUT] = "INSERT INTO worker (id, host, pid, threads, lease_ms, started_ms, seen_ms,"
+                       " lock_file) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6, ?7) ON CONFLICT (id)"
+                       " DO UPDATE SET threads = ?4, lease_ms = ?5, seen_ms = ?6, lock_file = ?7",
+    [SQL_WORKER_LOCK_FILE] = "SELECT lock_file FROM worker WHERE id = ? AND lock_file IS NOT NULL",
     [SQL_WORKER_REMOVE] = "DELETE FROM worker WHERE id = ?",
     [SQL_WORKERS_REMOVE] = "DELETE FROM worker WHERE seen_ms < ?",
     [SQL_WORKER_LIST] = "SELECT w.id, w.host, w.pid, w.threads, w.started_ms, max(w.seen_ms,"

@@ -71,6 +71,7 @@ enum pen_sqlite_sql {
     SQL_BATCH_PAGE,
     SQL_COMMIT_PAGE,
     SQL_WORKER_PUT,
+    SQL_WORKER_LOCK_FILE,
     SQL_WORKER_REMOVE,
     SQL_WORKERS_REMOVE,
     SQL_WORKER_LIST,
@@ -91,7 +92,8 @@ struct pen_sqlite_store {
     int wal_pages;       /* length of the write-ahead log after the last commit */
     struct stat opened;  /* the file as first opened: device and inode */
     bool sound;          /* opened without fault, and none since: closing may write */
-    int lock_fd;         /* has the lock of a worker; -1: none */
+    int lock_fd;         /* holds the lock of a worker; -1: none */
+    ino_t lock_file;     /* the inode of lock_fd */
     sqlite3_stmt *stmt[SQL_COUNT];
 };
 
