@@ -79,14 +79,17 @@ const char *pen_json_member(const char *text, size_t bytes, const char *key, siz
         if (at_end(&s) || text[s.at] != '"')
             return NULL;
         skip_string(&s);
-        bool found = s.at == name + key_bytes + 1 && memcmp(text + name, key, key_bytes) == 0;
+        bool found = s.at == name + key_bytes + 1 && s.at <= bytes &&
+                     memcmp(text + name, key, key_bytes) == 0;
         if (!take(&s, ':'))
             return NULL;
         size_t begin = s.at;
         skip_value(&s);
+        if (found && s.at > bytes)
+            return NULL; /* a string that does not end */
         if (found) {
             *length = trimmed_length(text + begin, s.at - begin);
-            return s.at <= bytes ? text + begin : NULL;
+            return text + begin;
         }
     } while (take(&s, ','));
     return NULL;
