@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The description of a scene, as its document gives it: scene units, degrees, nothing transformed.
  * The readers in room io fill it after refusing everything that api/scene-format.md forbids;
- * pen_scene_freeze makes of it what kernels read. All memory belongs to the reader's arena. */
+ * pen_scene_freeze converts it to what kernels read. All memory belongs to the reader's arena. */
 #ifndef PEN_SCENE_DESC_H
 #define PEN_SCENE_DESC_H
 
@@ -29,7 +29,7 @@ struct pen_light_desc {
     enum pen_light_kind kind;
     bool shadows;
     struct pen_vec3 intensity, position;
-    struct pen_vec3 direction; /* the way the light travels; any length */
+    struct pen_vec3 direction; /* in which the light travels; any length */
     double attenuation[3];     /* kc, kl, kq */
     double beam_exponent;
     double radius;         /* scene units; 0: hard shadows */
@@ -94,7 +94,7 @@ enum pen_move_axis { PEN_AXIS_VECTOR, PEN_AXIS_FORWARD, PEN_AXIS_RIGHT, PEN_AXIS
 
 struct pen_camera_move {
     enum pen_move_kind kind;
-    enum pen_move_axis axis_kind; /* rotate: which axis; PEN_AXIS_VECTOR: `axis` */
+    enum pen_move_axis axis_kind; /* of a rotation; PEN_AXIS_VECTOR: `axis` */
     struct pen_vec3 axis;
     struct pen_vec3 vector; /* translate: by; orbit: target */
     double degrees;
@@ -128,24 +128,25 @@ struct pen_scene_desc {
     struct pen_light_desc *lights;
     uint32_t object_count; /* top level */
     struct pen_object_desc *objects;
-    uint64_t primitive_count;     /* all, groups entered, groups themselves not counted */
+    uint64_t primitive_count;     /* all primitives, also those in groups; groups do not count */
     struct pen_settings settings; /* defaults and the scene's own `render` */
 };
 
-/* The frame of a camera, its moves applied. right = forward x up; all unit and orthogonal. */
+/* The frame of a camera after its moves. right = forward x up; all are unit and orthogonal. */
 struct pen_camera_frame {
     struct pen_vec3 eye, right, up, forward;
 };
 
-/* Fails: PEN_INVALID with at = "/up" (parallel to the view direction), "/look_at" (equal to the
- * position) – relative to the camera object. */
+/* Computes the frame of a camera. Fails: PEN_INVALID with the wrong key, relative to the camera
+ * object, as its place: "/up" (parallel to the view direction, or zero), "/look_at" (equal to the
+ * position, or too far from it), "/direction" (zero). */
 bool pen_camera_frame_make(const struct pen_camera_desc *camera, struct pen_camera_frame *frame,
                            struct pen_status *st);
 
-/* Checks of a vertex loop that the reader applies; `at` is relative to the object, such as
- * "/vertices/3". Refused: fewer than three, repeated, non-planar (beyond 1e-6 of the extent),
- * self-intersecting, zero area. Cost: O(n log n) or, at worst, O(n^2) with small constants; a
- * loop of 10 000 vertices takes well under a second. */
+/* Checks the vertices of a polygon. Refuses fewer than three, repeated ones, a deviation from the
+ * plane of more than 1e-6 of the extent, edges that intersect or touch, and zero area. Cost: O(n
+ * log n). Fails: PEN_INVALID with a place relative to the object, such as "/vertices/3";
+ * PEN_NO_MEMORY. */
 bool pen_polygon_check(const struct pen_vec3 *vertices, uint32_t count, struct pen_status *st);
 
 #endif

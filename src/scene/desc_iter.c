@@ -14,7 +14,7 @@ static bool push(struct pen_desc_iter *iter, const struct pen_desc_iter_level *l
         uint32_t capacity = iter->capacity ? 2 * iter->capacity : 16;
         struct pen_desc_iter_level *levels = realloc(iter->levels, capacity * sizeof *levels);
         if (!levels)
-            return pen_fail(st, PEN_NO_MEMORY, "out of memory while walking the groups");
+            return pen_fail(st, PEN_NO_MEMORY, "out of memory while reading the groups");
         iter->levels = levels;
         iter->capacity = capacity;
     }

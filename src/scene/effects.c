@@ -6,16 +6,34 @@
 
 #include "scene/internal/vec.h"
 
+_Static_assert(PEN_FX_SPECULAR == 1 << (PEN_FX_COUNT - 1), "the last effect has the last bit");
+
 const char *pen_effect_name(int bit)
 {
-    static const char *const names[PEN_FX_COUNT] = {
-        "ambient", "hard_shadows", "soft_shadows",  "shadow_transmittance",
-        "mirror",  "transmission", "anti_aliasing", "specular",
-    };
-    return bit >= 0 && bit < PEN_FX_COUNT ? names[bit] : "unknown";
+    if (bit < 0 || bit >= PEN_FX_COUNT)
+        return "unknown";
+    switch ((enum pen_effect)(1 << bit)) {
+    case PEN_FX_AMBIENT:
+        return "ambient";
+    case PEN_FX_HARD_SHADOWS:
+        return "hard_shadows";
+    case PEN_FX_SOFT_SHADOWS:
+        return "soft_shadows";
+    case PEN_FX_SHADOW_TRANSMITTANCE:
+        return "shadow_transmittance";
+    case PEN_FX_MIRROR:
+        return "mirror";
+    case PEN_FX_TRANSMISSION:
+        return "transmission";
+    case PEN_FX_ANTI_ALIASING:
+        return "anti_aliasing";
+    case PEN_FX_SPECULAR:
+        return "specular";
+    }
+    return "unknown";
 }
 
-/* What is known of a scene while its primitives are visited. */
+/* What has been found in a scene while its primitives are visited. */
 struct survey {
     bool ambient_light, lights; /* lights: one with intensity > 0 */
     unsigned shadows;           /* the kinds of shadows that such lights cast */
@@ -28,7 +46,7 @@ static unsigned shadow_kind(bool shadows, bool soft)
     return !shadows ? 0u : soft ? PEN_FX_SOFT_SHADOWS : PEN_FX_HARD_SHADOWS;
 }
 
-/* Adds the effects of one primitive's material; materials that no primitive has do not count. */
+/* Adds the effects of one primitive's material. Materials that no primitive has do not count. */
 static void add_material(struct survey *survey, const struct pen_material *m)
 {
     if (survey->ambient_light && color_is_lit(m->ka))
@@ -44,6 +62,7 @@ static void add_material(struct survey *survey, const struct pen_material *m)
     survey->see_through = survey->see_through || color_is_lit(m->kt);
 }
 
+/* All effects found. Light through see-through primitives matters only where there are shadows. */
 static unsigned survey_end(const struct survey *survey)
 {
     bool colours = (survey->effects & survey->shadows) && survey->see_through;

@@ -17,13 +17,14 @@
 /* Primitive numbers must fit into pen_prim_ref. */
 enum { PRIMS_MAX = 1 << 28 };
 
-static bool survey_primitive(struct pen_freezer *f, const struct pen_placed *placed, void *user)
+static bool summarize_primitive(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,
+                                void *user)
 {
     (void)user;
-    if (f->survey.total == PRIMS_MAX)
+    if (f->summary.total == PRIMS_MAX)
         return pen_fail(f->st, PEN_INVALID, "is one primitive too many: %d are possible",
                         PRIMS_MAX);
-    pen_survey_add(&f->survey, placed);
+    pen_prim_summary_add(&f->summary, scene_prim);
     return true;
 }
 
@@ -55,10 +56,10 @@ static bool freeze_views(struct pen_freezer *f)
 
 static bool freeze_frame(struct pen_freezer *f)
 {
-    f->survey = pen_survey_empty();
-    if (!pen_freeze_each(f, survey_primitive, NULL))
+    f->summary = pen_prim_summary_empty();
+    if (!pen_freeze_each(f, summarize_primitive, NULL))
         return false;
-    if (!pen_local_frame_make(&f->survey, f->cameras, f->desc->view_count, &f->frame))
+    if (!pen_local_frame_make(&f->summary, f->cameras, f->desc->view_count, &f->frame))
         return pen_fail(f->st, PEN_INVALID, "the scene is larger than a double can hold");
     f->scene->center = f->frame.center;
     f->scene->exponent = f->frame.exponent;

@@ -26,12 +26,12 @@ bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user
     if (!pen_desc_iter_init(&iter, f->desc, f->st))
         return false;
     struct pen_desc_iter_item at;
-    struct pen_placed placed;
+    struct pen_scene_prim scene_prim;
     enum pen_desc_iter_step step;
     while ((step = pen_desc_iter_next(&iter, &at, f->st)) == PEN_ITER_PRIMITIVE) {
         if (!reserve_buffer(f, &at))
             break;
-        if (!pen_place_primitive(&at, f->buffer, &placed, f->st) || !fn(f, &placed, user)) {
+        if (!pen_scene_prim_make(&at, f->buffer, &scene_prim, f->st) || !fn(f, &scene_prim, user)) {
             pen_desc_iter_pointer(&iter, f->st->at, sizeof f->st->at);
             break;
         }

@@ -7,27 +7,28 @@
 
 #include "scene/internal/freeze.h"
 
-/* A group around the current primitive. */
+/* A group around the current primitive. A group is identified by its position in the group around
+ * it, as the iterator's `next` at that level tells. */
 struct open_group {
-    uint32_t place; /* in the group around it: what the walk's level there says is next */
-    uint32_t span;
+    uint32_t next;  /* the iterator's `next` at the level of the group around it */
+    uint32_t range; /* index into gatherer.range */
 };
 
 struct gatherer {
-    struct pen_group_range *span; /* in the order in which groups open */
+    struct pen_group_range *range; /* in the order in which groups open */
     uint32_t count, capacity;
     struct open_group *open; /* the outermost first */
     uint32_t depth, depth_capacity;
 };
 
-static bool open_group(struct gatherer *g, uint32_t place, uint32_t prim)
+static bool open_group(struct gatherer *g, uint32_t next, uint32_t prim)
 {
     if (g->count == g->capacity) {
         uint32_t capacity = g->capacity ? 2 * g->capacity : 64;
-        struct pen_group_range *span = realloc(g->span, capacity * sizeof *span);
-        if (!span)
+        struct pen_group_range *range = realloc(g->range, capacity * sizeof *range);
+        if (!range)
             return false;
-        g->span = span;
+        g->range = range;
         g->capacity = capacity;
     }
     if (g->depth == g->depth_capacity) {
@@ -38,24 +39,24 @@ static bool open_group(struct gatherer *g, uint32_t place, uint32_t prim)
         g->open = open;
         g->depth_capacity = capacity;
     }
-    g->open[g->depth++] = (struct open_group){place, g->count};
-    g->span[g->count++].begin = prim;
+    g->open[g->depth++] = (struct open_group){next, g->count};
+    g->range[g->count++].begin = prim;
     return true;
 }
 
 static void close_groups(struct gatherer *g, uint32_t depth, uint32_t prim)
 {
     while (g->depth > depth)
-        g->span[g->open[--g->depth].span].end = prim;
+        g->range[g->open[--g->depth].range].end = prim;
 }
 
 /* Closes the groups that primitive number `prim` is not in, and opens those whose first primitive
  * it is. */
-static bool follow(struct gatherer *g, const struct pen_desc_iter *iter, uint32_t prim)
+static bool update_open_groups(struct gatherer *g, const struct pen_desc_iter *iter, uint32_t prim)
 {
     uint32_t same = 0;
     while (same < g->depth && same + 1 < iter->depth &&
-           g->open[same].place == iter->levels[same].next)
+           g->open[same].next == iter->levels[same].next)
         same++;
     close_groups(g, same, prim);
     for (uint32_t level = same; level + 1 < iter->depth; level++) {
@@ -74,7 +75,7 @@ static bool gather(struct pen_freezer *f, struct gatherer *g)
     if (!pen_desc_iter_init(&iter, f->desc, f->st))
         return false;
     while ((step = pen_desc_iter_next(&iter, &at, f->st)) == PEN_ITER_PRIMITIVE) {
-        if (!follow(g, &iter, prim++)) {
+        if (!update_open_groups(g, &iter, prim++)) {
             pen_freeze_no_memory(f);
             break;
         }
@@ -89,10 +90,10 @@ struct pen_accel *pen_freeze_manual(struct pen_freezer *f)
     struct gatherer g = {0};
     struct pen_accel *accel = NULL;
     if (gather(f, &g)) {
-        struct pen_groups groups = {g.span, g.count};
+        struct pen_groups groups = {g.range, g.count};
         accel = pen_accel_build_manual(&f->scene->prims, &groups, f->scene->arena, f->st);
     }
-    free(g.span);
+    free(g.range);
     free(g.open);
     return accel;
 }

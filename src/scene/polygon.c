@@ -116,19 +116,19 @@ static uint32_t farthest(const struct loop *loop, struct pen_vec3 normal, double
 
 static bool check_planar(const struct loop *loop, struct pen_vec3 normal, struct pen_status *st)
 {
-    double off, blame, allowed = PLANARITY * loop->extent;
+    double off, first_off, allowed = PLANARITY * loop->extent;
     uint32_t worst = farthest(loop, normal, &off);
     if (off <= allowed)
         return true;
-    uint32_t vertex = farthest(loop, first_normal(loop), &blame);
-    if (blame > allowed)
+    uint32_t vertex = farthest(loop, first_normal(loop), &first_off);
+    if (first_off > allowed)
         worst = vertex;
     char at[32];
     snprintf(at, sizeof at, "/vertices/%u", worst);
     return pen_fail_at(st, PEN_INVALID, at,
                        "is not in the plane of the other vertices: off by %.3g of the polygon's "
                        "extent, allowed is %g",
-                       (blame > allowed ? blame : off) / loop->extent, PLANARITY);
+                       (first_off > allowed ? first_off : off) / loop->extent, PLANARITY);
 }
 
 /* Scales one coordinate of the points by a power of two to be at most 1, which leaves all

@@ -26,7 +26,7 @@ struct pen_settings {
     int transfer;            /* enum pen_transfer_name */
     uint64_t seed;
     int tile;    /* tile edge, pixels */
-    int threads; /* at most this many of the thread pool; 0: all */
+    int threads; /* threads of the pool that may work on the render; 0: all */
 };
 
 /* The defaults of api/scene-format.md. */

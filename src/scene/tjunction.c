@@ -10,8 +10,7 @@
 #include "math/box.h"
 #include "math/exact.h"
 
-/* A vertex nearer to an edge than this part of the edge's length is taken to be meant to lie on it.
- */
+/* A vertex nearer to an edge than this part of the edge's length counts as lying on it. */
 static const double TOLERANCE = 1e-9;
 
 struct corner {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* T-junctions: a vertex of one triangle or polygon (a "loop") lies inside an edge of another, and
  * both run along that line. The edge and the edges beside it are then rounded differently, and a
- * ray may pass between them. Not a T-junction is
+ * ray may pass between them. The following are not T-junctions:
  *  - a vertex that merely touches an edge (the foot of a post);
  *  - an edge that two loops share end to end, as those of a box, which is closed whatever stands
  *    beside it;
@@ -22,8 +22,8 @@ struct pen_tjunction {
 
 typedef void pen_tjunction_fn(void *user, const struct pen_tjunction *found);
 
-/* Calls `found` for every vertex at a T-junction, in document order. Without memory nothing is
- * found. */
+/* Calls `found` for every vertex at a T-junction, in document order. When memory runs out,
+ * nothing is found. */
 void pen_tjunctions_find(const struct pen_scene_desc *desc, pen_tjunction_fn *found, void *user);
 
 #endif

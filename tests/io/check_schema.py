@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Holds api/scene.schema.json to what the reader says of the same documents.
+"""Compares api/scene.schema.json with the reader on the same documents.
 
 check_schema.py corpus        the files of tests/io/corpus and scenes/
 check_schema.py verdicts FILE one JSON object per line: {"errors": [messages], "document": ...}
@@ -7,7 +7,7 @@ check_schema.py verdicts FILE one JSON object per line: {"errors": [messages], "
 A document that the schema refuses must be refused by the reader. One that the reader refuses must
 be refused by the schema, unless every error is of a kind that no schema can express. The corpus
 marks such files `schema-blind:`; the mark is wrong, too, if the schema refuses the file.
-Prints what disagrees and ends with 1 if anything does.
+Prints the documents on which they disagree, and exits with 1 if there are any.
 """
 import glob
 import json
@@ -16,7 +16,7 @@ import sys
 
 import jsonschema
 
-# What only the reader can say, by a part of its message.
+# Errors that only the reader can find, by a part of the message.
 BLIND = (
     "unknown material",
     "is the same point as position",
@@ -41,7 +41,7 @@ def load_validator():
 
 
 def expectation(path):
-    """Whether the file is no JSON at all, and whether the schema is blind to what is wrong."""
+    """Whether the file is not JSON, and whether no schema can express its error."""
     with open(os.path.splitext(path)[0] + ".expect", encoding="utf-8") as file:
         lines = file.read().splitlines()
     return lines[0].startswith(("syntax ", "not-json: ")), lines[0].startswith("schema-blind: ")

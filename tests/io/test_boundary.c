@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The classroom's boundary cases of making things, in scenes: what threw there is refused here, by
- * the name of what is wrong and where; what the classroom refused without need is taken. */
+/* The classroom's boundary cases of constructing primitives, as scenes. What threw an exception
+ * there is refused here, with the reason and the place; what the classroom refused without need is
+ * accepted. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,21 +25,21 @@ static bool load(const char *text)
 
 struct refusal {
     const char *text;
-    int line;        /* of the error; 0: of a scene that is JSON, whose errors have pointers */
-    const char *at;  /* that pointer */
-    const char *say; /* part of the message */
+    int line;            /* of the error; 0: the error has a JSON Pointer */
+    const char *at;      /* that pointer */
+    const char *message; /* a part of the message */
 };
 
 static void assert_refused(const struct refusal *row, int rows)
 {
     for (int i = 0; i < rows; i++) {
-        ck_assert_msg(!load(row[i].text), "row %d is taken", i);
+        ck_assert_msg(!load(row[i].text), "row %d is accepted", i);
         const struct pen_status *st = &errors.item[0];
         ck_assert_int_eq(st->code, row[i].line && row[i].text[0] != '<' ? PEN_SYNTAX : PEN_INVALID);
         ck_assert_int_eq(st->line, row[i].line);
         if (!row[i].line)
             ck_assert_str_eq(st->at, row[i].at);
-        ck_assert_msg(strstr(st->msg, row[i].say) != NULL, "row %d: \"%s\"", i, st->msg);
+        ck_assert_msg(strstr(st->msg, row[i].message) != NULL, "row %d: \"%s\"", i, st->msg);
     }
 }
 
@@ -86,8 +87,8 @@ START_TEST(test_boundary__h027_polygons)
 }
 END_TEST
 
-/* Nothing is dropped: an outline that repeats a vertex is refused, one with a vertex on a side is
- * taken. */
+/* No vertex is dropped: a loop that repeats a vertex is refused, one with a vertex on a side is
+ * accepted. */
 START_TEST(test_boundary__h028_polygons)
 {
     static const struct refusal rows[] = {
@@ -122,7 +123,7 @@ START_TEST(test_boundary__h035_directions_of_length_zero)
 }
 END_TEST
 
-/* What is no finite number never gets into a scene; the error has its line. */
+/* NaN, infinity and overflowing numbers are refused, with the line. */
 START_TEST(test_boundary__h089_no_numbers)
 {
     static const struct refusal rows[] = {

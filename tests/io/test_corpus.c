@@ -4,11 +4,11 @@
  *
  *     CODE | PLACE | PART OF THE MESSAGE
  *
- * PLACE is a JSON Pointer, or LINE:COLUMN in XML and of a syntax error; one that ends in … stands
- * for all that begin so. The line `more | N |` says that N more were found than are kept. A line
- * `schema-blind: WHY` or `not-json: WHY` is for the schema's test. Beside good/NAME.json and
- * xml-good/NAME.xml, NAME.expect lists the notes that a person gets on the scene; without it there
- * are none. */
+ * PLACE is a JSON Pointer, or LINE:COLUMN for XML and for a syntax error; one that ends in …
+ * matches every place that begins with it. The line `more | N |` means that N more errors were
+ * counted than are kept. A line `schema-blind: WHY` or `not-json: WHY` is for test_schema.c. Beside
+ * good/NAME.json and xml-good/NAME.xml, NAME.expect lists the warnings about the scene; without the
+ * file there must be none. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,7 +38,7 @@ static char *read_file(const char *path, size_t *bytes)
     fseek(file, 0, SEEK_END);
     *bytes = (size_t)ftell(file);
     rewind(file);
-    char *text = malloc(*bytes + 1); /* one spare byte so that empty files have a place */
+    char *text = malloc(*bytes + 1); /* one spare byte, since malloc(0) may return NULL */
     ck_assert_uint_eq(fread(text, 1, *bytes, file), *bytes);
     fclose(file);
     return text;
@@ -51,7 +51,7 @@ static void copy_part(char *out, size_t bytes, const char *from, const char *to)
     out[to - from] = '\0';
 }
 
-/* The file NAME.expect beside NAME.json; none is an empty one. */
+/* Reads NAME.expect beside NAME.json; a missing file counts as empty. */
 static struct expectations read_expectations(const char *json_path)
 {
     struct expectations e = {0};
@@ -83,7 +83,7 @@ static struct expectations read_expectations(const char *json_path)
     return e;
 }
 
-static bool place_fits(const char *wanted, const char *found)
+static bool place_matches(const char *wanted, const char *found)
 {
     static const char more[] = "…";
     size_t length = strlen(wanted);
@@ -92,7 +92,7 @@ static bool place_fits(const char *wanted, const char *found)
     return strcmp(wanted, found) == 0;
 }
 
-/* Prints what differs. Returns whether nothing does. */
+/* Prints the differences. Returns whether there are none. */
 static bool compare(const char *path, const struct expectations *wanted,
                     const struct pen_errors *found)
 {
@@ -106,7 +106,7 @@ static bool compare(const char *path, const struct expectations *wanted,
             snprintf(place, sizeof place, "%s", st->at);
         bool fits = (int)i < wanted->count &&
                     strcmp(wanted->line[i].code, pen_code_name(st->code)) == 0 &&
-                    place_fits(wanted->line[i].place, place) &&
+                    place_matches(wanted->line[i].place, place) &&
                     strstr(st->msg, wanted->line[i].part) != NULL;
         if (!fits)
             printf("%s: found\n  %s | %s | %s\n", path, pen_code_name(st->code), place, st->msg);
@@ -118,11 +118,11 @@ static bool compare(const char *path, const struct expectations *wanted,
     if (!ok)
         printf("%s: %zu of %zu kept, expected %d and %zu more\n", path, found->count, found->total,
                wanted->count, wanted->more);
-    fflush(stdout); /* a failed test ends its process at once */
+    fflush(stdout); /* a failed test exits without flushing */
     return ok;
 }
 
-/* Reads a copy of exact size, so that a sanitizer sees a step beyond it. */
+/* Reads a copy of exact size, so that a sanitizer finds an access beyond it. */
 static bool load(const char *path, struct pen_errors *errors, struct pen_errors *warnings)
 {
     struct pen_limits limits = pen_limits_default();
@@ -181,7 +181,7 @@ START_TEST(test_corpus__bad_xml_is_refused_where_and_as_expected)
 }
 END_TEST
 
-/* What the reader takes, the renderer can make something of. */
+/* Every scene that the reader accepts can be frozen. */
 START_TEST(test_corpus__good_scenes_can_be_frozen)
 {
     struct pen_limits limits = pen_limits_default();
@@ -206,7 +206,7 @@ START_TEST(test_corpus__good_scenes_can_be_frozen)
 }
 END_TEST
 
-START_TEST(test_corpus__good_scenes_are_read_with_the_notes_expected)
+START_TEST(test_corpus__good_scenes_are_read_with_the_warnings_expected)
 {
     glob_t files;
     int wrong = 0;
@@ -226,7 +226,7 @@ START_TEST(test_corpus__good_scenes_are_read_with_the_notes_expected)
 }
 END_TEST
 
-/* Inside a job every pointer begins with the scene's own. */
+/* Inside a job every pointer begins with the place of the scene. */
 START_TEST(test_corpus__pointers_start_at_the_place_given)
 {
     static const char text[] = "{\"format\": \"penumbra-scene/1\", \"camera\": {}, \"x\": 1}";
@@ -248,5 +248,5 @@ END_TEST
 
 PEN_SUITE("io/corpus", test_corpus__bad_scenes_are_refused_where_and_as_expected,
           test_corpus__bad_xml_is_refused_where_and_as_expected,
-          test_corpus__good_scenes_are_read_with_the_notes_expected,
+          test_corpus__good_scenes_are_read_with_the_warnings_expected,
           test_corpus__good_scenes_can_be_frozen, test_corpus__pointers_start_at_the_place_given)

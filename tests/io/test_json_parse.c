@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is decided before a scene is read: length, nesting, numbers, memory. The wording of syntax
- * errors is held by the corpus. */
+/* What the parser of JSON checks: length, nesting, numbers, memory. The corpus tests the messages
+ * of syntax errors. */
 #include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,20 +77,20 @@ START_TEST(test_json_parse__one_byte_over_the_limit_is_too_large)
 }
 END_TEST
 
-/* Text that repeats a piece, within brackets. */
-static char *repeated(const char *piece, size_t bytes, size_t *length)
+/* An array that repeats an element, which ends with a comma, up to `bytes`. */
+static char *repeated(const char *element, size_t bytes, size_t *length)
 {
-    size_t n = strlen(piece);
+    size_t n = strlen(element);
     char *text = malloc(bytes + 1);
     ck_assert_ptr_nonnull(text);
     text[0] = '[';
     for (*length = 1; *length + n + 1 < bytes; *length += n)
-        memcpy(text + *length, piece, n);
+        memcpy(text + *length, element, n);
     text[*length - 1] = ']'; /* instead of the last comma */
     return text;
 }
 
-/* Memory of this process as malloc has it. */
+/* The memory in use, as malloc reports it. */
 static size_t in_use(void)
 {
     struct mallinfo2 info = mallinfo2();
@@ -99,29 +99,30 @@ static size_t in_use(void)
 
 START_TEST(test_json_parse__values_that_take_too_much_memory_are_too_large)
 {
-    static const char *const pieces[] = {"{},", "[],", "1,", "\"\",", "{\"a\":1},", "[1,2,3],"};
+    static const char *const elements[] = {"{},", "[],", "1,", "\"\",", "{\"a\":1},", "[1,2,3],"};
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     limits.parsed_bytes = 8000000;
-    for (size_t i = 0; i < sizeof pieces / sizeof pieces[0]; i++) {
+    for (size_t i = 0; i < sizeof elements / sizeof elements[0]; i++) {
         size_t length, before, taken;
-        char *small = repeated(pieces[i], 50000, &length);
+        char *small = repeated(elements[i], 50000, &length);
         before = in_use();
         json_t *document = pen_json_parse(small, length, &limits, &st);
         taken = in_use() - before;
-        ck_assert_msg(document != NULL, "%s: %s", pieces[i], st.msg);
+        ck_assert_msg(document != NULL, "%s: %s", elements[i], st.msg);
         json_decref(document);
         free(taken ? NULL : small);
-        if (taken == 0) /* a sanitizer's malloc does not tell */
+        if (taken == 0) /* a sanitizer's malloc reports nothing */
             continue;
-        /* The estimate is what is really taken: with a third less it would not do. */
+        /* The estimate is near the memory really taken: two thirds of it are not enough, three
+         * halves are. */
         limits.parsed_bytes = taken * 2 / 3;
-        ck_assert_msg(!pen_json_parse(small, length, &limits, &st), "%s took %zu", pieces[i],
+        ck_assert_msg(!pen_json_parse(small, length, &limits, &st), "%s took %zu", elements[i],
                       taken);
         ck_assert_int_eq(st.code, PEN_TOO_LARGE);
         limits.parsed_bytes = taken * 3 / 2;
         document = pen_json_parse(small, length, &limits, &st);
-        ck_assert_msg(document != NULL, "%s took %zu", pieces[i], taken);
+        ck_assert_msg(document != NULL, "%s took %zu", elements[i], taken);
         json_decref(document);
         limits.parsed_bytes = 8000000;
         free(small);
@@ -169,7 +170,7 @@ START_TEST(test_json_parse__text_need_not_end_with_a_zero)
 }
 END_TEST
 
-/* Allocations until one fails; each test is a process of its own. */
+/* The allocations that succeed before one fails. Each test is a process of its own. */
 static long allowed;
 static void *failing_malloc(size_t bytes)
 {

@@ -10,7 +10,7 @@
 static const char head[] = "{\"format\": \"penumbra-scene/1\", "
                            "\"camera\": {\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]}, ";
 
-/* A scene with one view and the given lights: soft ones have a radius. */
+/* A scene with one view and the given lights. */
 static struct pen_scene_desc scene_with(struct pen_light_desc *lights, uint32_t count,
                                         struct pen_view_desc *view)
 {

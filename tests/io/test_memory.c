@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a scene with too little memory: every allocation that can fail does, once. */
+/* Reading scenes with too little memory: each allocation fails once. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +37,7 @@ static bool load(const char *text, size_t bytes, size_t cap, struct pen_errors *
     return ok;
 }
 
-/* Sorting names takes memory if it can have some, so a refusal need not be a failure. */
+/* qsort works without memory, too, so a failed allocation need not be an error. */
 START_TEST(test_memory__any_failed_allocation_is_reported_as_such)
 {
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
@@ -76,7 +76,8 @@ START_TEST(test_memory__any_cap_of_the_arena_is_kept)
 }
 END_TEST
 
-static void explain(const char *path, size_t errors_wanted)
+/* Whichever allocation fails, the scene is refused; if none fails, with all its errors. */
+static void check_refusal(const char *path, size_t errors_wanted)
 {
     size_t bytes;
     char *text = read_file(path, &bytes);
@@ -92,15 +93,15 @@ static void explain(const char *path, size_t errors_wanted)
     free(text);
 }
 
-START_TEST(test_memory__a_bad_scene_is_explained_whatever_fails)
+START_TEST(test_memory__a_bad_scene_is_refused_whatever_fails)
 {
-    explain("tests/io/corpus/bad/several.json", 7);
-    explain("tests/io/corpus/xml-bad/camera-transforms.xml", 8);
-    explain("tests/io/corpus/xml-bad/mismatch.xml", 1);
-    explain("tests/io/corpus/xml-bad/plane-missing.xml", 2);
+    check_refusal("tests/io/corpus/bad/several.json", 7);
+    check_refusal("tests/io/corpus/xml-bad/camera-transforms.xml", 8);
+    check_refusal("tests/io/corpus/xml-bad/mismatch.xml", 1);
+    check_refusal("tests/io/corpus/xml-bad/plane-missing.xml", 2);
 }
 END_TEST
 
 PEN_SUITE("io/memory", test_memory__any_failed_allocation_is_reported_as_such,
           test_memory__any_cap_of_the_arena_is_kept,
-          test_memory__a_bad_scene_is_explained_whatever_fails)
+          test_memory__a_bad_scene_is_refused_whatever_fails)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What holds for any text: the reader survives it, every error has a place that is in the
- * document, and text is JSON exactly if jansson's own parser says so. A failure prints the seed:
- * PEN_SEED=… repeats it. */
+/* Properties of the reader for any text: it does not crash, every error has a place that is in the
+ * document, and exactly the texts that jansson's own parser accepts are JSON. A failure prints the
+ * seed: PEN_SEED=… repeats it. */
 #include <glob.h>
 #include <math.h>
 #include <stdio.h>
@@ -14,7 +14,7 @@
 #include "support/mutate.h"
 #include "support/suite.h"
 
-static const char *const pieces[] = {"{",
+static const char *const tokens[] = {"{",
                                      "}",
                                      "[",
                                      "]",
@@ -45,10 +45,11 @@ static const char *const pieces[] = {"{",
                                      "1e-999",
                                      "\r"};
 
-static const struct corrupt_kind kind = {pieces, sizeof pieces / sizeof pieces[0]};
+static const struct corrupt_kind kind = {tokens, sizeof tokens / sizeof tokens[0]};
 
-/* Whether a JSON Pointer leads to a value of the document. One that was cut is not followed. */
-static bool leads_somewhere(const json_t *value, const char *pointer)
+/* Whether the document has a value at a JSON Pointer. A pointer that was cut counts as one that
+ * does. */
+static bool exists_at(const json_t *value, const char *pointer)
 {
     if (strstr(pointer, "…"))
         return true;
@@ -67,15 +68,16 @@ static bool leads_somewhere(const json_t *value, const char *pointer)
     return value && !*pointer;
 }
 
-/* What was read can be frozen, but for bodies whose sizes no frame holds together. */
+/* Every scene that was read can be frozen, unless its sizes are too different for one local frame.
+ */
 static void check_freeze(const json_t *document, const struct pen_scene_desc *desc,
                          const struct random *random)
 {
     struct pen_status st = {0};
     struct pen_scene *scene = pen_scene_freeze(desc, PEN_ACCEL_NONE, 0, &st);
     if (!scene)
-        ck_assert_msg(st.code == PEN_INVALID && leads_somewhere(document, st.at),
-                      "PEN_SEED=%llu: %s: %s", (unsigned long long)random->seed, st.at, st.msg);
+        ck_assert_msg(st.code == PEN_INVALID && exists_at(document, st.at), "PEN_SEED=%llu: %s: %s",
+                      (unsigned long long)random->seed, st.at, st.msg);
     pen_scene_free(scene);
 }
 
@@ -94,14 +96,14 @@ static void check_read(const json_t *document, const struct random *random)
     for (size_t i = 0; i < errors.count + warnings.count; i++) {
         const struct pen_status *st =
             i < errors.count ? &errors.item[i] : &warnings.item[i - errors.count];
-        ck_assert_msg(leads_somewhere(document, st->at), "PEN_SEED=%llu: %s: %s",
+        ck_assert_msg(exists_at(document, st->at), "PEN_SEED=%llu: %s: %s",
                       (unsigned long long)random->seed, st->at, st->msg);
         ck_assert(st->msg[0] != '\0');
     }
     pen_arena_free(arena);
 }
 
-/* Equal, with integers that one of them reads as reals. */
+/* Whether two values are equal, where an integer in one may be a real in the other. */
 static bool equal(const json_t *a, const json_t *b)
 {
     if (json_is_number(a) && json_is_number(b))
@@ -127,7 +129,8 @@ static bool equal(const json_t *a, const json_t *b)
     return same;
 }
 
-/* Parses a copy of exact size; both parsers must agree. Returns the document, if it is one. */
+/* Parses a copy of exact size with both parsers, which must agree. Returns the document, or NULL.
+ */
 static json_t *check_parse(const struct corrupt_text *text, const struct random *random)
 {
     struct pen_limits limits = pen_limits_default();
@@ -139,7 +142,7 @@ static json_t *check_parse(const struct corrupt_text *text, const struct random 
         json_loadb(exact, text->bytes,
                    JSON_REJECT_DUPLICATES | JSON_DECODE_ANY | JSON_DECODE_INT_AS_REAL, NULL);
     bool deep = !ours && st.code == PEN_INVALID;
-    bool zero = memchr(exact, '\0', text->bytes) != NULL; /* jansson lets some pass after numbers */
+    bool zero = memchr(exact, '\0', text->bytes) != NULL; /* jansson accepts some after numbers */
     bool same = ours ? theirs && equal(ours, theirs) : deep || zero || !theirs;
     ck_assert_msg(same, "PEN_SEED=%llu: %s: %.*s", (unsigned long long)random->seed,
                   ours ? "accepted" : st.msg, (int)text->bytes, text->data);
@@ -155,7 +158,7 @@ static const char *some_file(struct random *random, const glob_t *files)
     return files->gl_pathv[random_below(random, (uint32_t)files->gl_pathc)];
 }
 
-START_TEST(test_property__corrupted_text_is_survived_and_judged_as_jansson_does)
+START_TEST(test_property__jansson_accepts_the_same_corrupted_text)
 {
     static struct corrupt_text text;
     struct random random = random_begin(1);
@@ -194,5 +197,5 @@ START_TEST(test_property__errors_point_into_the_document)
 }
 END_TEST
 
-PEN_SUITE("io/property", test_property__corrupted_text_is_survived_and_judged_as_jansson_does,
+PEN_SUITE("io/property", test_property__jansson_accepts_the_same_corrupted_text,
           test_property__errors_point_into_the_document)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* api/scene.schema.json says the same as the reader. The comparison itself is in
- * tests/io/check_schema.py, on a JSON Schema library apart from this code base; the documents are
- * the corpus, and good scenes changed at random places. */
+/* api/scene.schema.json accepts the same documents as the reader. tests/io/check_schema.py compares
+ * them with an independent JSON Schema library. The documents are the corpus, and good scenes
+ * changed at random places. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +13,8 @@
 #include "support/random.h"
 #include "support/suite.h"
 
-/* Not whatever python3 comes first: the one that Debian's python3-jsonschema belongs to. */
+/* The python3 that Debian's package python3-jsonschema belongs to, which need not be the first in
+ * PATH. */
 #define CHECKER "/usr/bin/python3 tests/io/check_schema.py "
 
 START_TEST(test_schema__agrees_with_the_reader_on_the_corpus)
@@ -22,8 +23,8 @@ START_TEST(test_schema__agrees_with_the_reader_on_the_corpus)
 }
 END_TEST
 
-/* Writes one line of verdict for the document. */
-static void judge(FILE *file, json_t *document)
+/* Writes one line with the document and the reader's errors. */
+static void write_verdict(FILE *file, json_t *document)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_arena *arena = pen_arena_new(0);
@@ -63,7 +64,7 @@ START_TEST(test_schema__agrees_with_the_reader_on_changed_scenes)
         ck_assert_ptr_nonnull(document);
         for (uint32_t changes = 1 + random_below(&random, 2); changes > 0; changes--)
             mutate_document(&random, document);
-        judge(file, document);
+        write_verdict(file, document);
         json_decref(document);
     }
     globfree(&files);

@@ -87,7 +87,7 @@ START_TEST(test_settings__every_accelerator_has_its_word)
 }
 END_TEST
 
-START_TEST(test_settings__what_is_still_to_come_is_refused_as_such)
+START_TEST(test_settings__unsupported_features_are_refused_as_such)
 {
     struct pen_status st = refuse("quality=draft");
     ck_assert_int_eq(st.code, PEN_UNSUPPORTED);
@@ -128,6 +128,6 @@ END_TEST
 PEN_SUITE("io/settings", test_settings__every_key_can_be_set_from_a_command_line,
           test_settings__a_wrong_assignment_names_its_key,
           test_settings__every_accelerator_has_its_word,
-          test_settings__what_is_still_to_come_is_refused_as_such,
+          test_settings__unsupported_features_are_refused_as_such,
           test_settings__a_job_overrides_what_it_names_and_nothing_else,
           test_settings__one_bad_key_leaves_all_as_they_were)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* T-junctions in numbers; the other notes are held by the corpus. */
+/* Counts of T-junctions. The corpus tests the other warnings. */
 #include <stdio.h>
 #include <string.h>
 
@@ -13,10 +13,10 @@ static const char head[] =
     " \"objects\": [{\"type\": \"group\", \"transform\": {\"rotate\": {\"axis\": [3, 5, 7],"
     " \"degrees\": 20}}, \"objects\": [";
 
-/* The notes on a rectangle above the x axis, 0 to `count` wide, and below it `count` teeth:
- * triangles that share one vertex each with the next. `split` gives the rectangle their vertices,
- * too. Everything is turned, so that points inside an edge are on it but for rounding. */
-static struct pen_errors notes(int count, bool split)
+/* The warnings about a rectangle above the x axis, from 0 to `count`, and `count` triangles below
+ * it, each of which shares one vertex with the next. `split` gives the rectangle their vertices,
+ * too. All is rotated, so that most points inside an edge are on it except for rounding. */
+static struct pen_errors warnings_of(int count, bool split)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_arena *arena = pen_arena_new(0);
@@ -47,11 +47,12 @@ static struct pen_errors notes(int count, bool split)
 
 START_TEST(test_warnings__h051_every_vertex_inside_an_edge_is_found)
 {
-    /* Two teeth meet at each vertex inside; a few are on the edge exactly, and are no fault. */
+    /* Two triangles meet at each vertex inside. A few vertices are on the edge exactly, which is
+     * not reported. */
     static const int counts[] = {3, 10, 1000, 6000};
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
         size_t inside = 2 * (size_t)(counts[i] - 1);
-        struct pen_errors found = notes(counts[i], false);
+        struct pen_errors found = warnings_of(counts[i], false);
         ck_assert_msg(found.total <= inside && 10 * found.total >= 8 * inside, "%zu of %zu",
                       found.total, inside);
         ck_assert_uint_eq(found.count, found.total < PEN_ERRORS_MAX ? found.total : PEN_ERRORS_MAX);
@@ -62,20 +63,20 @@ START_TEST(test_warnings__h051_every_vertex_inside_an_edge_is_found)
 }
 END_TEST
 
-START_TEST(test_warnings__shared_vertices_are_no_t_junctions)
+START_TEST(test_warnings__shared_vertices_are_not_t_junctions)
 {
-    ck_assert_uint_eq(notes(2, true).total, 0);
-    ck_assert_uint_eq(notes(1000, true).total, 0);
+    ck_assert_uint_eq(warnings_of(2, true).total, 0);
+    ck_assert_uint_eq(warnings_of(1000, true).total, 0);
 }
 END_TEST
 
-START_TEST(test_warnings__t_junctions_of_large_scenes_are_not_looked_for)
+START_TEST(test_warnings__large_scenes_are_not_searched_for_t_junctions)
 {
-    ck_assert_uint_gt(notes(6665, false).total, 0); /* 19 999 edges */
-    ck_assert_uint_eq(notes(6666, false).total, 0); /* 20 002 */
+    ck_assert_uint_gt(warnings_of(6665, false).total, 0); /* 19 999 edges */
+    ck_assert_uint_eq(warnings_of(6666, false).total, 0); /* 20 002 */
 }
 END_TEST
 
 PEN_SUITE("io/warnings", test_warnings__h051_every_vertex_inside_an_edge_is_found,
-          test_warnings__shared_vertices_are_no_t_junctions,
-          test_warnings__t_junctions_of_large_scenes_are_not_looked_for)
+          test_warnings__shared_vertices_are_not_t_junctions,
+          test_warnings__large_scenes_are_not_searched_for_t_junctions)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What scenes in XML mean, and what they may cost. */
+/* The meaning of scenes in XML, and their limits. */
 #include <glob.h>
 #include <math.h>
 #include <stdio.h>
@@ -35,7 +35,7 @@ static void check_vector(struct pen_vec3 v, double x, double y, double z)
                   z);
 }
 
-START_TEST(test_xml__a_scene_without_camera_is_seen_as_in_the_classroom)
+START_TEST(test_xml__without_a_camera_the_classrooms_is_used)
 {
     must_load("<scene background-color='75 127 190'><ambient-light color='255 191 51'/>"
               "<geometries><sphere center='0 0 -100' radius='50'/></geometries></scene>");
@@ -57,7 +57,7 @@ START_TEST(test_xml__a_scene_without_camera_is_seen_as_in_the_classroom)
 }
 END_TEST
 
-START_TEST(test_xml__a_camera_of_its_own_has_the_formats_defaults)
+START_TEST(test_xml__a_camera_element_has_the_defaults_of_the_format)
 {
     must_load("<scene><camera position='0 0 9' look-at='1 2 3'/></scene>");
     ck_assert(desc.views[0].camera.has_look_at && !desc.views[0].camera.has_view_plane);
@@ -104,7 +104,7 @@ START_TEST(test_xml__lights_and_materials_mean_what_json_means)
 }
 END_TEST
 
-/* The normal is that of the side from which the points run counter-clockwise, at any scale. */
+/* The normal is on the side from which the points run counter-clockwise, at any scale. */
 START_TEST(test_xml__three_points_make_a_plane_at_any_scale)
 {
     static const char *const sizes[] = {"1", "1e-160", "1e99", "-3e-300"};
@@ -127,7 +127,7 @@ START_TEST(test_xml__three_points_make_a_plane_at_any_scale)
 }
 END_TEST
 
-START_TEST(test_xml__groups_nest_and_are_moved)
+START_TEST(test_xml__groups_nest_and_are_transformed)
 {
     must_load("<scene><geometries><group name='outer'><sphere center='0 0 0' radius='1'/>"
               "<transform scale='2' translate='1 2 3'><rotate axis='0 0 1' degrees='90'/>"
@@ -144,7 +144,7 @@ START_TEST(test_xml__groups_nest_and_are_moved)
 }
 END_TEST
 
-/* The published schema knows every key; each that is no object or list must be an attribute. */
+/* The published schema has every key. Each that is not an object or a list must be an attribute. */
 static void check_attributes(const json_t *schema, const char *definition, const char *head,
                              const char *tail, const char *const *other)
 {
@@ -188,25 +188,25 @@ START_TEST(test_xml__every_key_of_the_schema_is_an_attribute)
 }
 END_TEST
 
-/* A member of a list as a repeated piece of text. */
-static char *repeat(const char *head, const char *piece, size_t count, const char *tail,
+/* `item` repeated between `head` and `tail`. */
+static char *repeat(const char *head, const char *item, size_t count, const char *tail,
                     size_t *bytes)
 {
-    size_t h = strlen(head), p = strlen(piece), t = strlen(tail);
+    size_t h = strlen(head), p = strlen(item), t = strlen(tail);
     char *text = malloc(h + count * p + t);
     memcpy(text, head, h);
     for (size_t i = 0; i < count; i++)
-        memcpy(text + h + i * p, piece, p);
+        memcpy(text + h + i * p, item, p);
     memcpy(text + h + count * p, tail, t);
     *bytes = h + count * p + t;
     return text;
 }
 
-static void refused(const char *head, const char *piece, size_t count, const char *tail,
+static void refused(const char *head, const char *item, size_t count, const char *tail,
                     enum pen_code code, const char *part)
 {
     size_t bytes;
-    char *text = repeat(head, piece, count, tail, &bytes);
+    char *text = repeat(head, item, count, tail, &bytes);
     ck_assert(!load(text, bytes));
     ck_assert_int_eq(errors.item[0].code, code);
     ck_assert_msg(strstr(errors.item[0].msg, part) != NULL, "%s", errors.item[0].msg);
@@ -241,7 +241,7 @@ START_TEST(test_xml__a_huge_attribute_is_read)
 }
 END_TEST
 
-START_TEST(test_xml__limits_of_a_caller_are_kept)
+START_TEST(test_xml__limits_of_the_caller_apply)
 {
     static const char text[] = "<scene><geometries><group><sphere center='0 0 0' radius='1'/>"
                                "</group><sphere center='0 0 0' radius='1'/></geometries></scene>";
@@ -320,8 +320,8 @@ START_TEST(test_xml__written_json_reads_back_as_the_same)
 }
 END_TEST
 
-/* The least limit on values with which the text is parsed. */
-static size_t least_room(const char *text, size_t bytes, bool xml)
+/* The least limit on the memory of values with which the text is accepted. */
+static size_t least_limit(const char *text, size_t bytes, bool xml)
 {
     struct pen_limits limits = pen_limits_default();
     size_t below = 0, above = limits.parsed_bytes;
@@ -337,9 +337,10 @@ static size_t least_room(const char *text, size_t bytes, bool xml)
     return above;
 }
 
-/* What stands in XML takes as much of the limit as the same scene in JSON; only what the dialect
- * says for itself (a camera, a format) comes without charge. Work in between needs a list. */
-static void check_room(const char *xml_path, const char *text, size_t bytes)
+/* A scene in XML needs nearly the same limit as the same scene in JSON. The XML parser adds the
+ * defaults of the XML format (a camera, the format) without counting them, and needs memory for a
+ * list while it parses. */
+static void check_memory(const char *xml_path, const char *text, size_t bytes)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_document document;
@@ -347,17 +348,17 @@ static void check_room(const char *xml_path, const char *text, size_t bytes)
     ck_assert_msg(pen_document_parse(text, bytes, true, &limits, &document, &st), "%s", st.msg);
     ck_assert_msg(load(text, bytes), "%s: %s", xml_path, errors.item[0].msg);
     char *json = json_dumps(document.json, JSON_COMPACT);
-    size_t xml_room = least_room(text, bytes, true);
-    size_t json_room = least_room(json, strlen(json), false);
-    ck_assert_msg(xml_room <= json_room + 1024 && json_room <= xml_room + 4096,
-                  "%s: %zu bytes, in JSON %zu", xml_path, xml_room, json_room);
+    size_t xml_bytes = least_limit(text, bytes, true);
+    size_t json_bytes = least_limit(json, strlen(json), false);
+    ck_assert_msg(xml_bytes <= json_bytes + 1024 && json_bytes <= xml_bytes + 4096,
+                  "%s: %zu bytes, in JSON %zu", xml_path, xml_bytes, json_bytes);
     free(json);
     pen_document_release(&document);
 }
 
-START_TEST(test_xml__values_take_what_they_take_in_json)
+START_TEST(test_xml__values_take_as_much_memory_as_in_json)
 {
-    static const char *const bodies[] = {
+    static const char *const primitives[] = {
         "<sphere center='0 0 0' radius='1'/>",
         "<sphere center='0 0 0' radius='1' kd='0.1 0.2 0.3' kt='0.5' emission='1 2 3'/>",
         "<plane p0='0 0 0' p1='1 0 0' p2='0 1 0'/>",
@@ -366,11 +367,11 @@ START_TEST(test_xml__values_take_what_they_take_in_json)
         ("<group><transform translate='1 2 3' scale='2'><rotate axis='1 0 0' degrees='9'/>"
          "</transform></group>"),
         "<group><transform matrix='1 0 0 0 0 1 0 0 0 0 1 0'/></group>"};
-    for (size_t i = 0; i < sizeof bodies / sizeof bodies[0]; i++) {
+    for (size_t i = 0; i < sizeof primitives / sizeof primitives[0]; i++) {
         size_t bytes;
         char *text =
-            repeat("<scene><geometries>", bodies[i], 1000, "</geometries></scene>", &bytes);
-        check_room(bodies[i], text, bytes);
+            repeat("<scene><geometries>", primitives[i], 1000, "</geometries></scene>", &bytes);
+        check_memory(primitives[i], text, bytes);
         free(text);
     }
     glob_t found;
@@ -379,19 +380,20 @@ START_TEST(test_xml__values_take_what_they_take_in_json)
         static char text[1 << 16];
         FILE *file = fopen(found.gl_pathv[i], "rb");
         ck_assert_ptr_nonnull(file);
-        check_room(found.gl_pathv[i], text, fread(text, 1, sizeof text, file));
+        check_memory(found.gl_pathv[i], text, fread(text, 1, sizeof text, file));
         fclose(file);
     }
     globfree(&found);
 }
 END_TEST
 
-PEN_SUITE("io/xml", test_xml__a_scene_without_camera_is_seen_as_in_the_classroom,
-          test_xml__a_camera_of_its_own_has_the_formats_defaults,
+PEN_SUITE("io/xml", test_xml__without_a_camera_the_classrooms_is_used,
+          test_xml__a_camera_element_has_the_defaults_of_the_format,
           test_xml__lights_and_materials_mean_what_json_means,
-          test_xml__three_points_make_a_plane_at_any_scale, test_xml__groups_nest_and_are_moved,
+          test_xml__three_points_make_a_plane_at_any_scale,
+          test_xml__groups_nest_and_are_transformed,
           test_xml__every_key_of_the_schema_is_an_attribute,
           test_xml__size_depth_and_counts_are_bounded, test_xml__a_huge_attribute_is_read,
-          test_xml__limits_of_a_caller_are_kept, test_xml__a_pointer_becomes_line_and_column,
+          test_xml__limits_of_the_caller_apply, test_xml__a_pointer_becomes_line_and_column,
           test_xml__written_json_reads_back_as_the_same,
-          test_xml__values_take_what_they_take_in_json)
+          test_xml__values_take_as_much_memory_as_in_json)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What holds for any text taken as XML: the reader survives it, every error and every note has a
- * line and a column that are in the text, and a scene that is accepted is the same as that of the
- * JSON written of it. A failure prints the seed: PEN_SEED=… repeats it. */
+/* Properties of the XML reader for any text: it does not crash, every error and warning has a line
+ * and a column that are in the text, and an accepted scene is equal to the one read from its values
+ * written as JSON. A failure prints the seed: PEN_SEED=… repeats it. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "support/corrupt.h"
 #include "support/suite.h"
 
-static const char *const pieces[] = {"<",
+static const char *const tokens[] = {"<",
                                      ">",
                                      "/>",
                                      "</",
@@ -48,9 +48,9 @@ static const char *const pieces[] = {"<",
                                      "\x01",
                                      "nan"};
 
-static const struct corrupt_kind kind = {pieces, sizeof pieces / sizeof pieces[0]};
+static const struct corrupt_kind kind = {tokens, sizeof tokens / sizeof tokens[0]};
 
-/* Whether a place is in the text, its end included. */
+/* Whether a position is in the text or at its end. */
 static bool is_inside(const struct corrupt_text *text, const struct pen_status *st)
 {
     int line = 1, column = 1;
@@ -134,7 +134,7 @@ static void check_round_trip(const struct pen_document *document, const struct p
 static bool check(const struct corrupt_text *text, const struct random *random)
 {
     struct pen_limits limits = pen_limits_default();
-    struct pen_errors errors = {0}, notes = {0};
+    struct pen_errors errors = {0}, warnings = {0};
     struct pen_document document;
     struct pen_scene_desc desc;
     struct pen_status st = {0};
@@ -148,11 +148,11 @@ static bool check(const struct corrupt_text *text, const struct random *random)
     ck_assert(ok == (errors.total == 0));
     check_places(text, &errors, random);
     if (ok) {
-        pen_scene_warnings(document.json, "", &desc, &notes);
-        for (size_t i = 0; i < notes.count; i++)
-            pen_document_locate(&document, &notes.item[i]);
-        for (size_t i = 0; i < notes.count; i++)
-            ck_assert(is_inside(text, &notes.item[i]));
+        pen_scene_warnings(document.json, "", &desc, &warnings);
+        for (size_t i = 0; i < warnings.count; i++)
+            pen_document_locate(&document, &warnings.item[i]);
+        for (size_t i = 0; i < warnings.count; i++)
+            ck_assert(is_inside(text, &warnings.item[i]));
         check_round_trip(&document, &desc, random);
     }
     pen_document_release(&document);
@@ -161,7 +161,7 @@ static bool check(const struct corrupt_text *text, const struct random *random)
     return ok;
 }
 
-START_TEST(test_xml_property__corrupted_text_is_survived_and_placed)
+START_TEST(test_xml_property__corrupted_text_gives_errors_with_positions)
 {
     static struct corrupt_text text;
     struct random random = random_begin(1);
@@ -180,4 +180,4 @@ START_TEST(test_xml_property__corrupted_text_is_survived_and_placed)
 }
 END_TEST
 
-PEN_SUITE("io/xml_property", test_xml_property__corrupted_text_is_survived_and_placed)
+PEN_SUITE("io/xml_property", test_xml_property__corrupted_text_gives_errors_with_positions)

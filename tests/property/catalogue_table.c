@@ -82,7 +82,7 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
             "test_camera__h036_refuses_what_gives_no_frame",
             ROW_TESTED, NULL},
     [37] = {"intersections of a 3 x 3 view plane with one primitive",
-            "test_freeze__h037_crossings_of_a_small_view_plane", ROW_TESTED, NULL},
+            "test_freeze__h037_intersections_of_a_small_view_plane", ROW_TESTED, NULL},
     [38] = {"a closed surface of 420 triangles is watertight",
             "test_watertight__h038_h039_bumpy_sphere", ROW_TESTED, NULL},
     [39] = {"the same 1e6 and 1e9 from the origin", "test_watertight__h038_h039_bumpy_sphere",

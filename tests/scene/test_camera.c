@@ -81,7 +81,7 @@ START_TEST(test_camera__h036_refuses_what_gives_no_frame)
     struct pen_camera_desc camera = camera_at(pen_vec3(1, 2, 3), pen_vec3(0, -2, 0));
     assert_refused(&camera, "/up");
     camera = camera_at(pen_vec3(0, 0, 0), pen_vec3(0.1, 0.2, 0.3));
-    camera.up = pen_vec3(-0.3, -0.6, -0.9); /* parallel but for the rounding of decimals */
+    camera.up = pen_vec3(-0.3, -0.6, -0.9); /* parallel except for the rounding of decimals */
     assert_refused(&camera, "/up");
     camera = camera_at(pen_vec3(1, 2, 3), pen_vec3(0, 0, 0));
     assert_refused(&camera, "/direction");
@@ -217,7 +217,7 @@ START_TEST(test_camera__orbit_about_any_axis_and_target)
 }
 END_TEST
 
-/* However it orbits, a camera that looks at the target goes on doing so, from the same distance,
+/* A camera that looks at the target of an orbit still does so afterwards, from the same distance,
  * and an orbit about the view direction is a rotation. */
 START_TEST(test_camera__orbit_keeps_its_target_in_place)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A scene calls for the same effects before and after it is frozen. */
+/* A description and the scene frozen from it need the same effects. */
 #include "support/kit.h"
 #include "support/random.h"
 #include "support/suite.h"
@@ -30,15 +30,15 @@ static void any_scene(struct random *random)
     kit.desc.ambient = sometimes(random);
     kit.settings.samples_per_pixel = 1 + (int)random_below(random, 2);
     kit.settings.max_depth = 1 + (int)random_below(random, 2);
-    uint32_t bodies = random_below(random, 4), lights = random_below(random, 3);
-    for (uint32_t i = 0; i < bodies; i++) {
+    uint32_t primitives = random_below(random, 4), lights = random_below(random, 3);
+    for (uint32_t i = 0; i < primitives; i++) {
         int material = kit_material(&kit, any_material(random));
         kit_sphere(&kit, pen_vec3(3 * i, 0, 0), 1, random_below(random, 4) ? material : -1);
     }
     /* A material that no primitive has must not count. */
     kit_material(&kit, any_material(random));
     struct pen_transform identity = pen_transform_identity();
-    if (bodies > 1 && random_below(random, 2))
+    if (primitives > 1 && random_below(random, 2))
         kit_group(&kit, 1, &identity);
     for (uint32_t i = 0; i < lights; i++) {
         struct pen_light_desc *light = kit_point(&kit, pen_vec3(0, 9, 0), sometimes(random));

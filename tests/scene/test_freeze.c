@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Freezing: what primitives become under transforms, the local frame, and what is kept of the rest.
- */
+/* Freezing: primitives under transforms, the local frame, materials, lights, groups, and errors. */
 #include <dlfcn.h>
 #include <math.h>
 #include <stdlib.h>
@@ -37,7 +36,7 @@ static struct pen_transform turn(double scale, double degrees, vec3 translate)
     return pen_transform_make(scale, pen_vec3(0, 0, 1), degrees, translate);
 }
 
-START_TEST(test_freeze__bodies_are_numbered_depth_first)
+START_TEST(test_freeze__primitives_are_numbered_depth_first)
 {
     kit_init(&kit);
     kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
@@ -135,13 +134,13 @@ START_TEST(test_freeze__mirrors_keep_the_outside)
 }
 END_TEST
 
-static void assert_freeze_fails(enum pen_code code, const char *at, const char *says)
+static void assert_freeze_fails(enum pen_code code, const char *at, const char *message)
 {
     struct pen_status st = {0};
     ck_assert(pen_scene_freeze(&kit.desc, PEN_ACCEL_NONE, 0, &st) == NULL);
     ck_assert_int_eq(st.code, code);
     ck_assert_str_eq(st.at, at);
-    ck_assert_msg(strstr(st.msg, says) != NULL, "%s", st.msg);
+    ck_assert_msg(strstr(st.msg, message) != NULL, "%s", st.msg);
 }
 
 START_TEST(test_freeze__refuses_stretched_quadrics)
@@ -156,8 +155,8 @@ START_TEST(test_freeze__refuses_stretched_quadrics)
 }
 END_TEST
 
-/* What counts is where the primitive ends up. */
-START_TEST(test_freeze__a_stretch_undone_is_none)
+/* Only the composition of all transforms counts. */
+START_TEST(test_freeze__a_stretch_that_is_undone_is_accepted)
 {
     kit_init(&kit);
     kit_sphere(&kit, pen_vec3(1, 1, 0), 1, -1);
@@ -171,7 +170,7 @@ START_TEST(test_freeze__a_stretch_undone_is_none)
 }
 END_TEST
 
-START_TEST(test_freeze__refuses_what_numbers_cannot_say)
+START_TEST(test_freeze__refuses_what_doubles_cannot_hold)
 {
     kit_init(&kit);
     kit_sphere(&kit, pen_vec3(1e308, 0, 0), 1, -1);
@@ -267,7 +266,7 @@ START_TEST(test_freeze__local_frame_is_about_one)
 }
 END_TEST
 
-/* Where the middle is half-way between two multiples, the same one is taken after every move. */
+/* If the middle is half-way between two multiples, the same one is chosen after every move. */
 START_TEST(test_freeze__local_frame_moves_along)
 {
     for (int k = -5; k <= 5; k++) {
@@ -283,7 +282,7 @@ START_TEST(test_freeze__local_frame_moves_along)
 }
 END_TEST
 
-START_TEST(test_freeze__scenes_without_finite_bodies)
+START_TEST(test_freeze__scenes_without_finite_primitives)
 {
     kit_init(&kit);
     struct pen_scene *scene = kit_freeze(&kit); /* nothing at all */
@@ -339,7 +338,7 @@ START_TEST(test_freeze__every_allocation_may_fail)
     kit_group(&kit, 2, &f);
     for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
         ck_assert_int_gt(allocations((enum pen_accelerator)kind), 3);
-    /* Groups are looked for only where they are wanted. */
+    /* Groups are collected only for the accelerator that uses them. */
     ck_assert_int_gt(allocations(PEN_ACCEL_MANUAL), allocations(PEN_ACCEL_CBR));
 }
 END_TEST
@@ -451,7 +450,7 @@ static int all_crossings(void)
     return n;
 }
 
-START_TEST(test_freeze__h037_crossings_of_a_small_view_plane)
+START_TEST(test_freeze__h037_intersections_of_a_small_view_plane)
 {
     static const struct {
         double z, r;
@@ -480,13 +479,14 @@ START_TEST(test_freeze__h037_crossings_of_a_small_view_plane)
 }
 END_TEST
 
-PEN_SUITE("freeze", test_freeze__bodies_are_numbered_depth_first,
+PEN_SUITE("freeze", test_freeze__primitives_are_numbered_depth_first,
           test_freeze__quadrics_under_similarities, test_freeze__mirrors_keep_the_outside,
-          test_freeze__refuses_stretched_quadrics, test_freeze__a_stretch_undone_is_none,
-          test_freeze__refuses_what_numbers_cannot_say, test_freeze__deep_groups,
+          test_freeze__refuses_stretched_quadrics,
+          test_freeze__a_stretch_that_is_undone_is_accepted,
+          test_freeze__refuses_what_doubles_cannot_hold, test_freeze__deep_groups,
           test_freeze__materials_and_lights, test_freeze__local_frame_is_about_one,
-          test_freeze__local_frame_moves_along, test_freeze__scenes_without_finite_bodies,
+          test_freeze__local_frame_moves_along, test_freeze__scenes_without_finite_primitives,
           test_freeze__memory_cap_is_an_error, test_freeze__every_allocation_may_fail,
           test_freeze__groups_are_the_structure_of_manual,
           test_freeze__manual_without_groups_is_cbr, test_freeze__groups_side_by_side,
-          test_freeze__h037_crossings_of_a_small_view_plane)
+          test_freeze__h037_intersections_of_a_small_view_plane)

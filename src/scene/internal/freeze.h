@@ -3,7 +3,8 @@
 #ifndef PEN_SCENE_INTERNAL_FREEZE_H
 #define PEN_SCENE_INTERNAL_FREEZE_H
 
-#include "scene/internal/place.h"
+#include "scene/internal/local_frame.h"
+#include "scene/internal/scene_prim.h"
 #include "scene/internal/vec.h"
 #include "scene/scene.h"
 
@@ -15,7 +16,7 @@ struct pen_freezer {
     const struct pen_scene_desc *desc;
     struct pen_scene *scene;
     struct pen_status *st;
-    struct pen_survey survey;
+    struct pen_prim_summary summary;
     struct pen_local_frame frame;
     struct pen_camera_frame *cameras; /* by view, scene units */
     struct pen_vec3 *buffer; /* malloced: the transformed vertices of the current primitive */
@@ -33,13 +34,13 @@ static inline bool pen_freeze_in_range(struct pen_vec3 local)
            fabs(local.z) <= FREEZE_LOCAL_MAX;
 }
 
-/* Calls fn for every primitive, in scene units, in document order, until fn returns false. The
- * status of an error gets the primitive's JSON Pointer. */
-typedef bool pen_freeze_primitive(struct pen_freezer *f, const struct pen_placed *placed,
+/* Calls fn for every primitive, in scene units and document order, until fn returns false. Adds the
+ * primitive's JSON Pointer to the status of an error. Returns whether all calls returned true. */
+typedef bool pen_freeze_primitive(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,
                                   void *user);
 bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user);
 
-/* Fills the typed arrays of the primitives; needs the survey and the local frame. */
+/* Fills the typed arrays of the primitives; needs f->summary and f->frame. */
 bool pen_freeze_prims(struct pen_freezer *f);
 
 /* Builds the accelerator `manual`; needs the typed arrays. Fails: as pen_accel_build. */
