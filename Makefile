@@ -80,7 +80,8 @@ CRASH_TEST := $(BUILD)/tests/crash/crash
 STABILITY := $(BUILD)/tests/property/stability
 FILMS := $(BUILD)/tests/property/films
 FAULTS := $(BUILD)/tests/faults/preload.so
-tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(STABILITY) $(FILMS)
+BENCHES := $(patsubst %.c,$(BUILD)/%,$(sort $(wildcard tests/bench/*.c)))
+tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(STABILITY) $(FILMS) $(BENCHES)
 
 have-deps:
 	@pkg-config --exists $(PKGS) || { \
@@ -236,7 +237,7 @@ $(FAULTS): tests/faults/preload.c
 	$(call say,CC ,$<)
 	$(Q)$(CC) $(CPP) $(OPT) $(WARN) -std=c11 -fPIC -shared -o $@ $< -ldl
 
-# Benchmarks, one program each.
+# Benchmarks, one program each. The tests build them, so that they keep compiling, but do not run them.
 $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/librender.a
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)

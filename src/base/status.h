@@ -30,7 +30,7 @@ enum pen_code {
     PEN_RANGE,         /* the requested range lies outside the object */
     PEN_QUOTA,         /* queue or client quota full */
     PEN_UNAVAILABLE,   /* not ready, draining, busy */
-    PEN_STORAGE_FULL,  /* the store has no room */
+    PEN_STORAGE_FULL,  /* the store's disk is full */
     PEN_STORAGE,       /* the store failed: I/O error, corrupt */
     PEN_IO,            /* a file cannot be read or written */
     PEN_NETWORK,       /* a daemon cannot be reached, or its answer is malformed */

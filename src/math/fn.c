@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Elementary functions. The hot one is pow, for highlights: x^y = exp(y log x), where the
- * logarithm must carry about 14 bits more than a double, since an error of log x is multiplied by
- * y log x, up to 745, on its way into the result's last bit. So the logarithm is an unevaluated
- * sum of two doubles, relative error below 2^-66, and the exponential takes such a sum.
+/* Elementary functions. The one called most is pow, for highlights: x^y = exp(y log x). A relative
+ * error of log x is multiplied by y log x, up to 745, so the logarithm must carry about 14 bits
+ * more than a double. It is therefore an unevaluated sum of two doubles with a relative error below
+ * 2^-66, and the exponential takes such a sum.
  *
  * Products that must be exact are formed from factors cut to 26 bits, not with fma, which on the
  * baseline x86-64 would be a slow call. Arguments are reduced by tables (Tang, ACM
@@ -36,7 +36,7 @@ static double of_bits(uint64_t bits)
     return x;
 }
 
-/* x cut to its upper 26 bits: a product of two such is exact. */
+/* x truncated to its upper 26 bits; the product of two such numbers is exact. */
 static double upper(double x)
 {
     return of_bits(bits_of(x) & UINT64_C(0xFFFFFFFFF8000000));
@@ -201,7 +201,7 @@ static double cosine_of_sum(struct sum a)
     return w.hi + (w.lo - 0.5 * lost + (z * z * q - a.hi * a.lo));
 }
 
-/* Turns a sine and cosine further by `quarters` quarter turns. */
+/* Adds `quarters` quarter turns to an angle, given and returned as its sine and cosine. */
 static void turn(int32_t quarters, double *sine, double *cosine)
 {
     double s = *sine, c = *cosine;
@@ -210,8 +210,8 @@ static void turn(int32_t quarters, double *sine, double *cosine)
     *cosine = (quarters + 1) & 2 ? -turned_c : turned_c;
 }
 
-/* The reduced angle must keep its relative precision where it nearly vanishes, which no double
- * below 2^20 does beyond 2^-64; the four parts of pi/2 reach 2^-150. */
+/* The reduced angle must keep its relative precision even when it is nearly 0. For doubles below
+ * 2^20 it is never nearer to 0 than 2^-64, and the four parts of pi/2 reach 2^-150. */
 void pen_sincos(double x, double *sine, double *cosine)
 {
     if (!(fabs(x) <= 0x1p20)) {

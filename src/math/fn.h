@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* exp, ln, pow, sin and cos of our own, so that a picture does not depend on the machine's
- * libm. Each is a fixed sequence of IEEE operations (+ - * and integer work): the same bits on
- * every machine, compiler and optimisation level. Error bounds are against the exact result, in
- * ulp of the result, and are tested against __float128.
+/* The project's own exp, ln, pow, sin and cos, so that a picture does not depend on the machine's
+ * libm. Each is a fixed sequence of IEEE operations (+ - * and integer operations), which gives the
+ * same bits on every machine, with every compiler and optimisation level. Error bounds are relative
+ * to the exact result, in ulp of the result, and are tested against __float128.
  *
- * Worst error met in 1e7 arguments per function, hard ranges among them (tests/math/test_fn.c,
+ * Worst error found in 1e7 arguments per function, hard ranges included (tests/math/test_fn.c,
  * PEN_N=1000000): exp 0.57, ln 0.501, pow 0.57, sincos 0.80, sincos_deg 0.81; where the result is
  * subnormal, exp and pow 0.76. */
 #ifndef PEN_MATH_FN_H

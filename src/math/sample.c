@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Points without state. A key is mixed to 64 bits; from them come the seeds of three Owen
- * scramblings: of the order of the points, and of either coordinate. Shuffling the order matters
+/* Sample points without state. A key is hashed to 64 bits, which give the seeds of three Owen
+ * scramblings: of the order of the points, and of both coordinates. Shuffling the order matters
  * as soon as one path uses several sets: unshuffled, point i of one and point i of another would
  * lie in the same cells of their first coordinates.
  *

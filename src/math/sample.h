@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Sampling: a pure function of its key, no generator state, so an effect that a scene does not
- * call for consumes nothing. The key of a sample is (seed, x, y, pixel sample, node in the path
- * tree, purpose, light); its value does not depend on tiles, threads or the number of samples.
- * Sources: Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020; Sobol' direction
- * numbers of dimensions 1 and 2; Shirley & Chiu, "A low distortion map", JGT 2(3), 1997. */
+/* Sampling. A sample is a pure function of its key. There is no generator state, so an effect that
+ * a scene does not use changes no other samples. The key of a sample is (seed, x, y, pixel sample,
+ * node in the path tree, purpose, light); its value does not depend on tiles, threads or the number
+ * of samples. Sources: Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020; Sobol'
+ * direction numbers of dimensions 1 and 2; Shirley & Chiu, "A low distortion map", JGT 2(3), 1997.
+ */
 #ifndef PEN_MATH_SAMPLE_H
 #define PEN_MATH_SAMPLE_H
 
@@ -18,8 +19,8 @@ enum pen_purpose {
     PEN_PURPOSE_TRANSMISSION = 5
 };
 
-/* What a set of samples is for. The keys are fixed for good: a change of what goes into one
- * changes every picture that samples.
+/* The key of a set of samples. Keys must never change: another key changes every picture that uses
+ * samples.
  *  - PEN_PURPOSE_PIXEL: point i is where camera ray i crosses the pixel; pixel_sample, node and
  *    light are 0.
  *  - PEN_PURPOSE_LIGHT: the points on the disk of one light as seen from one shaded point: those of
@@ -57,13 +58,13 @@ uint64_t pen_sample_hash(const struct pen_sample_key *key);
  * from `hash`. Any prefix of 2^k points is a (0, k, 2)-net in base 2. */
 struct pen_point2 pen_sobol2(uint64_t hash, uint32_t index);
 
-/* Independent uniform points: the baseline that studies compare with. */
+/* Independent uniform points, for comparison with the other two patterns. */
 struct pen_point2 pen_random2(uint64_t hash, uint32_t index);
 
 /* The point of one cell of edge x edge, uniform in the cell; cells count from 0, row by row. */
 struct pen_point2 pen_grid2(uint64_t hash, uint32_t edge, uint32_t cell);
 
-/* The concentric map from the unit square to the unit disk: keeps areas. */
+/* The concentric map from the unit square to the unit disk, which preserves areas. */
 struct pen_point2 pen_disk_of_square(struct pen_point2 p);
 
 #endif

@@ -30,11 +30,11 @@ struct pen_render_stats {
     int float_resets; /* of these, how many had a floating-point state that was not the default;
                        * expected 0 */
     struct pen_ray_counts rays;
-    bool tests_counted; /* if the task asked for it */
+    bool tests_counted; /* as the task requests */
     struct pen_test_counts
         tests; /* of all rays; the tests per ray are this over the sum of `rays` */
     uint32_t tile_count;
-    double *tile_ms; /* tile_count values; NULL if not asked for, or if the run failed.
+    double *tile_ms; /* tile_count values; NULL if the task does not request it, or failed.
                       * Owns: the caller frees it with free(). */
     const char *kernel;
     unsigned effects;

@@ -11,15 +11,16 @@ static bool add_note(json_t *notes, json_t *text)
     return json_array_append_new(notes, text) == 0;
 }
 
-/* Notes if fewer threads used on a row than it asks for. */
+/* Notes if fewer threads worked on a row than it requests. */
 static bool note_threads(const struct pen_bench *bench, const struct pen_bench_result *result,
                          int row, json_t *notes)
 {
-    int asked = bench->rows[row].settings.threads, pool = pen_thread_pool_size(bench->pool);
+    int requested = bench->rows[row].settings.threads, pool = pen_thread_pool_size(bench->pool);
     int used = result->rows[row].stats.threads;
-    int granted = asked > 0 && asked < pool ? asked : pool;
-    if (asked > pool && !add_note(notes, json_sprintf("row %d asks for %d threads; the pool has %d",
-                                                      row, asked, pool)))
+    int granted = requested > 0 && requested < pool ? requested : pool;
+    if (requested > pool &&
+        !add_note(notes, json_sprintf("row %d asks for %d threads; the pool has %d", row, requested,
+                                      pool)))
         return false;
     return used == granted ||
            add_note(notes, json_sprintf("of row %d no more than %d thread%s had tiles to work on",

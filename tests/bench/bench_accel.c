@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How fast rays find what they meet: millions of rays per second and thread, by scene, kind of ray
- * and compiled variant. Prints one line per scene and variant; figures of different runs compare
- * only as ratios.
+/* The speed of traversal: millions of rays per second and thread, by scene, kind of ray and
+ * instruction set. Prints one line for each scene and instruction set. Compare numbers within one
+ * run only: between runs the machine's speed changes.
  *
  * usage: bench_accel [all|room|bumpy|soup] [rays] [base|avx2] [accelerator] */
 #include <stdio.h>
@@ -12,8 +12,8 @@
 #include "base/clock.h"
 #include "support/random.h"
 
-/* Growing arrays of primitives, never freed: the program is short. */
-struct bench {
+/* A scene's primitives and its view. The arrays have a fixed capacity and are never freed. */
+struct bench_scene {
     struct pen_prims prims;
     struct pen_prim_ref *ref;
     struct pen_sphere *sphere;
@@ -33,9 +33,9 @@ static void *need(void *p)
     return p;
 }
 
-static struct bench *bench_new(size_t capacity)
+static struct bench_scene *scene_new(size_t capacity)
 {
-    struct bench *b = need(calloc(1, sizeof *b));
+    struct bench_scene *b = need(calloc(1, sizeof *b));
     b->arena = need(pen_arena_new(0));
     b->ref = need(calloc(capacity, sizeof *b->ref));
     b->sphere = need(calloc(capacity, sizeof *b->sphere));
@@ -52,7 +52,7 @@ static struct bench *bench_new(size_t capacity)
     return b;
 }
 
-static uint32_t add(struct bench *b, uint32_t kind)
+static uint32_t add(struct bench_scene *b, uint32_t kind)
 {
     uint32_t index = b->prims.kind_count[kind]++;
     b->ref[b->prims.count].kind = kind & 15u;
@@ -60,7 +60,7 @@ static uint32_t add(struct bench *b, uint32_t kind)
     return index;
 }
 
-static void add_box(struct bench *b, struct pen_vec3 lo, struct pen_vec3 hi)
+static void add_box(struct bench_scene *b, struct pen_vec3 lo, struct pen_vec3 hi)
 {
     static const int face[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                    {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
@@ -74,10 +74,10 @@ static void add_box(struct bench *b, struct pen_vec3 lo, struct pen_vec3 hi)
     }
 }
 
-/* About a hundred primitives of all kinds between a floor, a ceiling and walls. */
-static struct bench *room(void)
+/* 48 faces of boxes, 40 cylinders and 30 spheres between five planes: floor, ceiling and walls. */
+static struct bench_scene *room(void)
 {
-    struct bench *b = bench_new(4096);
+    struct bench_scene *b = scene_new(4096);
     struct random r = random_begin(7);
     double wall[5][6] = {{0, -0.5, 0, 0, 1, 0},
                          {0, 0.5, 0, 0, -1, 0},
@@ -108,11 +108,11 @@ static struct bench *room(void)
     return b;
 }
 
+/* A point of a bumpy sphere, for a vertex of an n x n grid. */
 static struct pen_vec3 bumpy_point(int i, int j, int n)
 {
-    /* A cube's face grid pushed onto a bumpy sphere: no trigonometry needed. */
     double u = 2.0 * i / n - 1, v = 2.0 * j / n - 1, s = 1 - fabs(u) - fabs(v);
-    struct pen_vec3 p = pen_vec3(u, v, s); /* octahedral map of the square */
+    struct pen_vec3 p = pen_vec3(u, v, s); /* the octahedral map of the square to the sphere */
     if (s < 0)
         p = pen_vec3((1 - fabs(v)) * (u < 0 ? -1 : 1), (1 - fabs(u)) * (v < 0 ? -1 : 1), s);
     p = pen_normalize(p);
@@ -122,11 +122,11 @@ static struct pen_vec3 bumpy_point(int i, int j, int n)
     return pen_scale(p, 0.45 + 0.03 * bump);
 }
 
-/* 980 000 triangles of one closed surface. */
-static struct bench *bumpy(void)
+/* A closed surface of 980 000 triangles. */
+static struct bench_scene *bumpy(void)
 {
     int n = 700;
-    struct bench *b = bench_new((size_t)n * (size_t)n * 2);
+    struct bench_scene *b = scene_new((size_t)n * (size_t)n * 2);
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
             struct pen_vec3 p = bumpy_point(i, j, n), q = bumpy_point(i + 1, j, n);
@@ -142,11 +142,11 @@ static struct bench *bumpy(void)
     return b;
 }
 
-/* 500 000 triangles without order. */
-static struct bench *soup(void)
+/* 500 000 small triangles at random places. */
+static struct bench_scene *soup(void)
 {
     uint32_t n = 500000;
-    struct bench *b = bench_new(n);
+    struct bench_scene *b = scene_new(n);
     struct random r = random_begin(3);
     for (uint32_t i = 0; i < n; i++) {
         struct pen_vec3 c = random_vec(&r, 0.5);
@@ -160,39 +160,40 @@ static struct bench *soup(void)
     return b;
 }
 
-struct job {
+struct query {
     struct pen_vec3 o, d;
     struct pen_origin_surface origin;
 };
 
-/* Rays of one kind; returns how many million per second. `sum` keeps the work alive. */
-static double shoot(const struct pen_accel *accel, const struct pen_trace_ops *ops,
-                    const struct job *job, size_t count, bool shadow, uint64_t *sum)
+/* Traces rays of one kind; returns millions of rays per second. The results are added to *sum, so
+ * that the compiler cannot leave the work out. */
+static double trace_rays(const struct pen_accel *accel, const struct pen_trace_ops *ops,
+                         const struct query *query, size_t count, bool shadow, uint64_t *sum)
 {
     uint32_t last = PEN_NO_PRIM;
     int64_t start = pen_clock_cpu_ns();
     for (size_t i = 0; i < count; i++) {
         struct pen_ray ray;
-        pen_ray_make(&ray, job[i].o, job[i].d);
+        pen_ray_make(&ray, query[i].o, query[i].d);
         if (shadow) {
-            struct pen_shadow query;
-            query.tmax = 1;
-            query.to_point = true;
-            query.see_through = NULL;
-            query.last_occluder = last;
-            *sum += ops->shadow(accel, &ray, &job[i].origin, &query);
-            last = query.last_occluder;
+            struct pen_shadow light;
+            light.tmax = 1;
+            light.to_point = true;
+            light.see_through = NULL;
+            light.last_occluder = last;
+            *sum += ops->shadow(accel, &ray, &query[i].origin, &light);
+            last = light.last_occluder;
         } else {
             struct pen_t_interval interval = {pen_after_start, INFINITY};
             struct pen_hit hit;
-            *sum += ops->nearest(accel, &ray, &job[i].origin, &interval, &hit) ? hit.prim : 0;
+            *sum += ops->nearest(accel, &ray, &query[i].origin, &interval, &hit) ? hit.prim : 0;
         }
     }
     return (double)count / (double)(pen_clock_cpu_ns() - start) * 1e3;
 }
 
-static size_t make_jobs(const struct bench *b, const struct pen_accel *accel, size_t side,
-                        struct job *primary, struct job *shadow, struct job *bounce)
+static size_t make_queries(const struct bench_scene *b, const struct pen_accel *accel, size_t side,
+                           struct query *primary, struct query *shadow, struct query *bounce)
 {
     struct pen_vec3 f = pen_normalize(b->forward);
     struct pen_vec3 right = pen_normalize(pen_cross(f, pen_vec3(0, 1, 0))),
@@ -204,7 +205,7 @@ static size_t make_jobs(const struct bench *b, const struct pen_accel *accel, si
         double x = (2.0 * (double)(i % side) + 1) / (double)side - 1;
         double y = (2.0 * (double)(i / side) + 1) / (double)side - 1;
         struct pen_vec3 d = pen_along(pen_along(f, right, b->spread * x), up, -b->spread * y);
-        primary[i] = (struct job){b->eye, d, pen_origin_none};
+        primary[i] = (struct query){.o = b->eye, .d = d, .origin = pen_origin_none};
         struct pen_ray ray;
         struct pen_t_interval interval = {pen_after_start, INFINITY};
         struct pen_hit hit;
@@ -213,20 +214,24 @@ static size_t make_jobs(const struct bench *b, const struct pen_accel *accel, si
             continue;
         struct pen_vec3 p = pen_prim_point(&b->prims, hit, &ray);
         struct pen_vec3 n = pen_prim_normal(&b->prims, hit, p), any = random_direction(&r);
-        struct pen_origin_surface origin = {hit.prim, hit.part, false, pen_neg(d),
-                                            pen_prim_rounding(&b->prims, hit.prim, p)};
+        struct pen_origin_surface origin = pen_origin_at(&b->prims, &ray, &pen_origin_none, hit, p);
         if (pen_dot(n, d) > 0)
             n = pen_neg(n);
-        shadow[hits] = (struct job){p, pen_sub(b->light, p), origin};
-        bounce[hits++] = (struct job){p, pen_dot(any, n) > 0 ? any : pen_neg(any), origin};
+        shadow[hits] = (struct query){.o = p, .d = pen_sub(b->light, p), .origin = origin};
+        bounce[hits++] =
+            (struct query){.o = p, .d = pen_dot(any, n) > 0 ? any : pen_neg(any), .origin = origin};
     }
     return hits;
 }
 
-static void run(const char *name, const struct bench *b, enum pen_accelerator kind, size_t side,
-                const char *only)
+static void run(const char *name, const struct bench_scene *b, enum pen_accelerator kind,
+                size_t side, const char *only)
 {
-    static const char *const names[PEN_ACCEL_COUNT] = {"auto", "none", "cbr", "manual", "median"};
+    static const char *const names[PEN_ACCEL_COUNT] = {[PEN_ACCEL_AUTO] = "auto",
+                                                       [PEN_ACCEL_NONE] = "none",
+                                                       [PEN_ACCEL_CBR] = "cbr",
+                                                       [PEN_ACCEL_MANUAL] = "manual",
+                                                       [PEN_ACCEL_MEDIAN] = "median"};
     struct pen_status st;
     int64_t start = pen_clock_cpu_ns();
     struct pen_accel *accel = need(pen_accel_build(&b->prims, kind, b->arena, &st));
@@ -237,20 +242,20 @@ static void run(const char *name, const struct bench *b, enum pen_accelerator ki
            name, names[kind], b->prims.count, stats->nodes, stats->leaves, stats->depth,
            (double)stats->bytes / 0x1p20, stats->sah_cost, stats->build_ms, cpu_ms);
     size_t n = side * side;
-    struct job *primary = need(calloc(n, sizeof *primary));
-    struct job *shadow = need(calloc(n, sizeof *shadow));
-    struct job *bounce = need(calloc(n, sizeof *bounce));
-    size_t hits = make_jobs(b, accel, side, primary, shadow, bounce);
-    for (int isa = PEN_ISA_BASE; isa <= PEN_ISA_AVX2; isa++) {
+    struct query *primary = need(calloc(n, sizeof *primary));
+    struct query *shadow = need(calloc(n, sizeof *shadow));
+    struct query *bounce = need(calloc(n, sizeof *bounce));
+    size_t hits = make_queries(b, accel, side, primary, shadow, bounce);
+    for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
         const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)isa);
         if (only && strcmp(only, ops->name) != 0)
             continue;
         uint64_t sum = 0;
         double best[3] = {0};
         for (int k = 0; k < 5; k++) {
-            double rate[3] = {shoot(accel, ops, primary, n, false, &sum),
-                              shoot(accel, ops, shadow, hits, true, &sum),
-                              shoot(accel, ops, bounce, hits, false, &sum)};
+            double rate[3] = {trace_rays(accel, ops, primary, n, false, &sum),
+                              trace_rays(accel, ops, shadow, hits, true, &sum),
+                              trace_rays(accel, ops, bounce, hits, false, &sum)};
             for (int i = 0; i < 3; i++)
                 best[i] = rate[i] > best[i] ? rate[i] : best[i];
         }

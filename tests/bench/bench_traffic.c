@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What keeping a job's work costs beside rendering it: the calls of a worker on the store, their
- * time (wall clock, and processor time of the thread that made them) and the transactions among
- * them, for jobs that take turns. Shares are of the time that the job's tiles took to render.
- * Packing of pixels goes on beside rendering, in a thread of its own; it costs processor time,
- * which has a share of its own. A heartbeat is also timed apart, since a short job sees few of
- * them: most only read, and one in a third of the lease extends it.
+/* The cost of a job besides rendering: a worker's calls on the store, their number of transactions,
+ * and their time (wall time, and processor time of the calling thread). The runs of several jobs
+ * are interleaved. Shares refer to the time that the job's tiles took to render. Pixels are
+ * compressed in a thread of its own while rendering goes on, so compression counts as processor
+ * time only. Heartbeats are also timed on their own, since a short job has few: most only read, and
+ * once in a third of the lease one extends it.
  *
- * usage: bench_traffic [runs] [folder]     the store is made in a new folder in there (/tmp) */
+ * usage: bench_traffic [runs] [folder]     makes the store in a new folder below `folder` (/tmp) */
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -19,25 +19,27 @@
 #include "jobs/worker.h"
 
 static const struct {
-    const char *title, *prim;
-} jobs_of[] = {
+    const char *title, *body;
+} workloads[] = {
     {"room 1000x1400", "{\"scene\": \"builtin:room\"}"},
     {"room 1000x1400, 4 samples",
      "{\"scene\": \"builtin:room\", \"render\": {\"samples_per_pixel\": 4}}"},
     {"spheres 64x48", "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 64,"
                       " \"height\": 48}}"},
 };
-enum { JOBS = sizeof jobs_of / sizeof jobs_of[0], RUNS_MAX = 100, WARM_UP = 1 };
+enum { JOBS = sizeof workloads / sizeof workloads[0], RUNS_MAX = 100, WARM_UP = 1 };
 
-/* The calls of one name. */
+/* The calls of one kind. */
 struct tally {
     int calls;
     int64_t transactions;
     double wall_ms, cpu_ms;
 };
-enum { COMMIT, CLAIM, READ, HEARTBEAT, PACK, CHECKPOINT, OTHER, KINDS };
-static const char *const kind_names[KINDS] = {"commit",   "claim",      "read", "heartbeat",
-                                              "compress", "checkpoint", "other"};
+enum { COMMIT, CLAIM, READ, HEARTBEAT, COMPRESS, CHECKPOINT, OTHER, KINDS };
+static const char *const kind_names[KINDS] = {
+    [COMMIT] = "commit",       [CLAIM] = "claim",       [READ] = "read",
+    [HEARTBEAT] = "heartbeat", [COMPRESS] = "compress", [CHECKPOINT] = "checkpoint",
+    [OTHER] = "other"};
 
 /* One run of a job. */
 struct run {
@@ -47,8 +49,8 @@ struct run {
 
 static struct {
     pthread_mutex_t lock;
-    struct run now; /* guarded by lock */
-} watch = {.lock = PTHREAD_MUTEX_INITIALIZER};
+    struct run run; /* guarded by lock */
+} current = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static int kind_of(const char *name)
 {
@@ -59,31 +61,32 @@ static int kind_of(const char *name)
     if (strcmp(name, "job") == 0 || strcmp(name, "scene") == 0 || strcmp(name, "pixels") == 0)
         return READ;
     if (strcmp(name, "compress") == 0)
-        return PACK;
+        return COMPRESS;
     if (strcmp(name, "checkpoint") == 0)
         return CHECKPOINT;
     return strcmp(name, "heartbeat") == 0 ? HEARTBEAT : OTHER;
 }
 
-static void called(void *user, const struct pen_store_call *call)
+/* Called after each call on the store. */
+static void count_call(void *user, const struct pen_store_call *call)
 {
     (void)user;
-    pthread_mutex_lock(&watch.lock);
-    struct tally *tally = &watch.now.kind[kind_of(call->name)];
+    pthread_mutex_lock(&current.lock);
+    struct tally *tally = &current.run.kind[kind_of(call->name)];
     tally->calls++;
     tally->transactions += call->transactions;
     tally->wall_ms += (double)call->wall_ns * 1e-6;
     tally->cpu_ms += (double)call->cpu_ns * 1e-6;
-    pthread_mutex_unlock(&watch.lock);
+    pthread_mutex_unlock(&current.lock);
 }
 
-static void die(const char *what, const struct pen_status *st)
+static void die(const char *step, const struct pen_status *st)
 {
-    fprintf(stderr, "bench_traffic: %s: %s\n", what, st->msg);
+    fprintf(stderr, "bench_traffic: %s: %s\n", step, st->msg);
     exit(1);
 }
 
-static const struct pen_store_observer observer = {.called = called};
+static const struct pen_store_observer observer = {.called = count_call};
 static struct pen_worker_options options = {.id = "bench:1:1", .threads = 2, .observer = &observer};
 static atomic_bool stop;
 
@@ -110,7 +113,7 @@ static void wait_until_ended(struct pen_store *store, const char *id)
         if (!pen_job_state_ended(state))
             pen_store_wait(store, PEN_SIGNAL_CHANGES, &seen, 100);
     }
-    usleep(20000); /* the last call is counted after its change is told */
+    usleep(20000); /* the change is notified before the last call is counted */
 }
 
 static void read_times(struct pen_jobs *jobs, const char *id, struct run *run)
@@ -126,23 +129,23 @@ static void read_times(struct pen_jobs *jobs, const char *id, struct run *run)
     json_decref(stats);
 }
 
-static struct run run_job(struct pen_jobs *jobs, const char *prim)
+static struct run run_job(struct pen_jobs *jobs, const char *body)
 {
-    struct pen_submission in = {.prim = prim, .bytes = strlen(prim)};
+    struct pen_submission in = {.body = body, .bytes = strlen(body)};
     struct pen_submitted out;
     struct pen_errors errors = {0};
-    pthread_mutex_lock(&watch.lock);
-    watch.now = (struct run){0};
-    pthread_mutex_unlock(&watch.lock);
+    pthread_mutex_lock(&current.lock);
+    current.run = (struct run){0};
+    pthread_mutex_unlock(&current.lock);
     if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
         fprintf(stderr, "bench_traffic: refused: %s\n", errors.item[0].msg);
         exit(1);
     }
     pen_buf_release(&out.answer);
     wait_until_ended(pen_jobs_store(jobs), out.id);
-    pthread_mutex_lock(&watch.lock);
-    struct run run = watch.now;
-    pthread_mutex_unlock(&watch.lock);
+    pthread_mutex_lock(&current.lock);
+    struct run run = current.run;
+    pthread_mutex_unlock(&current.lock);
     read_times(jobs, out.id, &run);
     return run;
 }
@@ -160,11 +163,12 @@ struct range {
 static struct range range_of(double *values, int count)
 {
     qsort(values, (size_t)count, sizeof *values, by_value);
-    return (struct range){(values[(count - 1) / 2] + values[count / 2]) / 2, values[0],
-                          values[count - 1]};
+    return (struct range){.median = (values[(count - 1) / 2] + values[count / 2]) / 2,
+                          .least = values[0],
+                          .most = values[count - 1]};
 }
 
-/* What rendering waits for: all calls of the worker's own thread. */
+/* The time that rendering waits: all calls of the worker's own thread. */
 static double waited_ms(const struct run *run)
 {
     return run->kind[COMMIT].wall_ms + run->kind[CLAIM].wall_ms + run->kind[READ].wall_ms +
@@ -222,11 +226,11 @@ static void print_job(const char *title, const struct run *runs, int count)
     print_range("store_ms of the statistics", stats, count);
 }
 
-/* Heartbeats of a claim that is held: what reading costs, and what extending does. */
+/* Times the two kinds of heartbeat of a valid lease: those that read, and those that extend it. */
 static void time_heartbeats(struct pen_jobs *jobs, const char *url)
 {
     enum { BEATS = 1000, EXTENSIONS = 50, LEASE_MS = 60000 };
-    struct pen_submission in = {.prim = jobs_of[2].prim, .bytes = strlen(jobs_of[2].prim)};
+    struct pen_submission in = {.body = workloads[2].body, .bytes = strlen(workloads[2].body)};
     struct pen_submitted out;
     struct pen_errors errors = {0};
     struct pen_claim claim;
@@ -242,11 +246,13 @@ static void time_heartbeats(struct pen_jobs *jobs, const char *url)
         pen_store_heartbeat(store, &claim, LEASE_MS, &held, &st);
     double read_ms = (double)(pen_clock_ns() - begun) * 1e-6 / BEATS;
     begun = pen_clock_ns();
-    for (int64_t i = 1; i <= EXTENSIONS; i++) /* a lease twice as long is always due */
+    for (int64_t i = 1; i <= EXTENSIONS;
+         i++) /* asks for a lease so long that it is extended each time */
         pen_store_heartbeat(store, &claim, (int64_t)LEASE_MS * 2 * (i + 1), &held, &st);
     double write_ms = (double)(pen_clock_ns() - begun) * 1e-6 / EXTENSIONS;
-    /* Five looks a second, one extension in 5 s at the worker's lease of 15 s. */
-    printf("one heartbeat: %.4f ms to look, %.3f ms to extend the lease; at five looks a second and"
+    /* A worker sends five heartbeats a second; with its lease of 15 s, one in 5 s extends the
+     * lease. */
+    printf("one heartbeat: %.4f ms to read, %.3f ms to extend the lease; at five a second and"
            " one extension in 5 s that is %.3f %% of the time\n",
            read_ms, write_ms, 100 * (5 * read_ms + write_ms / 5) / 1000);
     pen_store_close(store);
@@ -274,21 +280,21 @@ int main(int argc, char **argv)
     count = count < 1 ? 1 : count > RUNS_MAX ? RUNS_MAX : count;
     snprintf(folder, sizeof folder, "%s/penumbra-bench-XXXXXX", argc > 2 ? argv[2] : "/tmp");
     if (!mkdtemp(folder))
-        die("cannot make a folder there", &st);
+        die("cannot make a folder", &st);
     snprintf(url, sizeof url, "%s/penumbra.db", folder);
     options.store_url = url;
     struct pen_jobs *jobs = pen_jobs_open(url, &limits, &st);
     if (!jobs || pthread_create(&thread, NULL, work, NULL) != 0)
-        die("cannot begin", &st);
+        die("cannot start", &st);
     for (int i = -WARM_UP; i < count; i++) {
         for (int j = 0; j < JOBS; j++)
-            runs[j][i < 0 ? 0 : i] = run_job(jobs, jobs_of[j].prim);
+            runs[j][i < 0 ? 0 : i] = run_job(jobs, workloads[j].body);
     }
     atomic_store(&stop, true);
     pen_store_wake(pen_jobs_store(jobs), PEN_SIGNAL_WORK);
     pthread_join(thread, NULL);
     for (int j = 0; j < JOBS; j++)
-        print_job(jobs_of[j].title, runs[j], count);
+        print_job(workloads[j].title, runs[j], count);
     time_heartbeats(jobs, url);
     pen_jobs_close(jobs);
     remove_store(folder);

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Prints a room of 77 bodies under two disk lights, 400 x 600 pixels, sampled by a jittered grid of
-15 x 15 in a circle: what a classroom tracer and POV-Ray were timed on, in bodies, rays and pixels.
-One light hangs free, the other is in a bulb behind a shade, both of which let light pass; the floor
-and a mirror reflect. Usage: soft_room.py > soft_room.json"""
+"""Prints a scene: a room of 77 primitives under two disk lights, 400 x 600 pixels, with light samples
+on a jittered grid of 15 x 15 in a circle. A classroom ray tracer was timed with as many primitives,
+rays and pixels. One light hangs free; the other is in a bulb behind a lampshade, both of which transmit
+light. The floor and a mirror reflect. Usage: soft_room.py > soft_room.json"""
 
 import json
 

@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The table: ways to organise a scene, one thread and all, with hard and with soft shadows.
-#   table.sh [BUILD [FOLDER]]        BUILD/table by default
-# Leaves room.* and room-soft.* there, the reports of two benchmarks as HTML, JSON, CSV and
-# Markdown, and table.md, which puts both beside the figures that the report of a classroom tracer
-# gives for its own room. ROOM, SOFT (sizes), REPEATS and WARMUP may be set; runs of seconds need no
-# warm-up, and with soft shadows and no accelerator a full picture takes more than ten minutes.
+# Benchmarks every accelerator with one thread and with all, with hard and with soft shadows.
+#   table.sh [BUILD [FOLDER]]        FOLDER is BUILD/table by default
+# Writes room.* and room-soft.* into FOLDER, the reports of two benchmarks as HTML, JSON, CSV and
+# Markdown, and table.md, which shows both beside the times published for a classroom ray tracer and
+# its own room. The environment may set ROOM and SOFT (sizes), REPEATS and WARMUP. Runs that take
+# seconds need no warm-up. With soft shadows and no accelerator a picture of full size takes more than
+# ten minutes.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}
@@ -28,7 +29,7 @@ measure room "$room"
 echo "room-soft, $soft"
 measure room-soft "$soft"
 
-# The classroom's milliseconds: "Spring 2025" room, its authors' machine, Java 21.
+# The classroom tracer's milliseconds: "Spring 2025" room, its authors' machine, Java 21.
 jq -rn --slurpfile hard "$folder/room.json" --slurpfile soft "$folder/room-soft.json" '
     {none: [57805, 37170, 2055717, 1341216], cbr: [12873, 6430, 764358, 305627],
      manual: [8350, 4330, 268007, 164178], auto: [8607, 2670, 289321, 106268]} as $theirs |
@@ -56,7 +57,7 @@ jq -rn --slurpfile hard "$folder/room.json" --slurpfile soft "$folder/room-soft.
     "",
     "Processor time, which other work on the machine changes less:",
     "",
-    "| | room, 1 thread | \($all) threads | soft, 1 thread | \($all) threads | boxes, bodies tested per ray: room | soft |",
+    "| | room, 1 thread | \($all) threads | soft, 1 thread | \($all) threads | boxes, primitives tested per ray: room | soft |",
     "|---|---:|---:|---:|---:|---:|---:|",
     (["none", "cbr", "manual", "median", "auto"][] | . as $k |
         "| `\($k)` | \([row($hard[0]; $k; 1), row($hard[0]; $k; 0), row($soft[0]; $k; 1), row($soft[0]; $k; 0)] | map(.cpu_ms) | cells) | \([row($hard[0]; $k; 1), row($soft[0]; $k; 1)] | map(.accelerator | "\(.box_tests_per_ray | ms), \(.primitive_tests_per_ray | ms)") | join(" | ")) |")

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Writes a penumbra-scene/1 file as POV-Ray 3.7 scene text: the same bodies, camera, lights and
-image size, so that the two renderers can be given the same work. It decides how each of our terms
-is expressed in POV-Ray; pixels come out close, not equal.
+"""Translates a penumbra-scene/1 file into a POV-Ray 3.7 scene with the same primitives, camera, lights
+and image size, so that both renderers do the same work. The pictures are close, but not equal.
 
-What maps exactly: spheres, planes, triangles, polygons, cylinders and tubes (group transforms are
-applied here), the view plane, point, spot and parallel lights without shadows or with, attenuation
-with kl = 0, the diffuse and Phong terms, mirrors, straight transparency, depth and weight limits.
+Translated exactly: spheres, planes, triangles, polygons, cylinders and tubes (with their group
+transforms applied), the view plane, point, spot and directional lights with or without shadows,
+attenuation with kl = 0, the diffuse and Phong terms, mirrors, transparency without refraction, and
+the limits of depth and contribution.
 
-What is approximated: kl > 0 (matched at the light's distance to the scene's middle); coloured kt
-(POV-Ray's filter also tints the diffuse term); coloured ks (its brightness is used); ambient light,
-which POV-Ray shows in mirrors too; lights with a radius (an area light, circular, facing the point,
+Approximated: kl > 0 (matched at the light's distance from the centre of the scene); coloured kt
+(POV-Ray's filter also colours the diffuse term); coloured ks (its brightness is used); ambient light,
+which POV-Ray shows in mirrors too; lights with a radius (a circular area light that faces the point,
 with the same number of samples, none left out).
 
-Usage: to_pov.py SCENE.json > SCENE.pov     the first line tells width and height
+Usage: to_pov.py SCENE.json > SCENE.pov     the first line states width and height
 """
 
 import json
@@ -85,7 +85,7 @@ class Transform:
         return add(self.linear(p), self.shift)
 
     def normal(self, n):
-        """By the cofactor matrix: the inverse transpose up to a factor."""
+        """Transforms a normal by the cofactor matrix, the inverse transpose up to a factor."""
         a, b, c = self.rows
         return tuple(dot(col, n) for col in (cross(b, c), cross(c, a), cross(a, b)))
 
@@ -157,8 +157,8 @@ def quadric_tube(origin, axis, radius):
                                             dot(o, o) - radius * radius)
 
 
-def body(o, t):
-    """One primitive without its closing brace."""
+def primitive(o, t):
+    """One primitive, without its closing brace."""
     kind = o["type"]
     if kind == "sphere":
         return "sphere { %s, %.17g " % (vec(t.point(o["center"])), o["radius"] * t.size())
@@ -180,13 +180,13 @@ def body(o, t):
     raise SystemExit("to_pov.py: no translation for object type '%s'" % kind)
 
 
-def bodies(objects, t, materials, out):
+def primitives(objects, t, materials, out):
     for o in objects:
         if o["type"] == "group":
             inner = Transform.from_json(o["transform"]) if "transform" in o else Transform()
-            bodies(o["objects"], t.then_inner(inner), materials, out)
+            primitives(o["objects"], t.then_inner(inner), materials, out)
         else:
-            out.append("%stexture { %s } }" % (body(o, t), materials.texture(o.get("material"))))
+            out.append("%stexture { %s } }" % (primitive(o, t), materials.texture(o.get("material"))))
 
 
 class Camera:
@@ -247,7 +247,7 @@ def faded(light, middle):
 
 
 def area(light, samples):
-    """A disk light that faces the point, every sample taken; as many to the square as ours."""
+    """A disk light that faces the point, with as many samples to the square, all of them traced."""
     radius = light.get("radius", 0)
     if radius == 0 or not light.get("shadows", True):
         return ""
@@ -262,13 +262,13 @@ def light_text(light, middle, reach, samples):
         raise SystemExit("to_pov.py: no translation for directional lights with an angular_radius")
     tail += area(light, samples)
     if light["type"] == "directional":
-        way = unit(light["direction"])
+        direction = unit(light["direction"])
         return ("light_source { %s color rgb %s parallel point_at %s%s }"
-                % (vec(sub(middle, mul(way, reach))), vec(rgb(light["intensity"])), vec(middle),
+                % (vec(sub(middle, mul(direction, reach))), vec(rgb(light["intensity"])), vec(middle),
                    tail))
     intensity, fade = faded(light, middle)
     spot = ""
-    if light["type"] == "spot":  # no hard cone: the whole beam is cos^tightness
+    if light["type"] == "spot":  # no sharp cone: the intensity is cos^tightness everywhere
         spot = (" spotlight point_at %s radius 89.9 falloff 90 tightness %.9g"
                 % (vec(add(light["position"], light["direction"])),
                    light.get("beam_exponent", 1.0)))
@@ -289,7 +289,7 @@ def main():
     if look_at:
         middle = tuple(map(float, look_at))
     materials, out = Materials(scene), []
-    bodies(scene.get("objects", []), Transform(), materials, out)
+    primitives(scene.get("objects", []), Transform(), materials, out)
     lights = [light_text(l, middle, 1e5, render.get("light_samples", 16)) for l in scene.get("lights", [])]
     print("// width=%d height=%d" % (width, height))
     print("// %s, translated for a comparison of speed" % scene.get("name", "scene"))

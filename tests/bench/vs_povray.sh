@@ -1,10 +1,10 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Times Penumbra against POV-Ray on one scene: vs_povray.sh BUILD [SCENE] [RUNS]
-# For soft shadows: soft_room.py > soft_room.json, and that as SCENE.
-# Both run as whole programs with two threads, write a PNG, and take turns, so that what else the
-# machine does falls on both; the ratio is that of the medians. Processor time says less about
-# threads, but more than wall time does on a machine that is busy with something else.
+# For soft shadows: soft_room.py > soft_room.json, with soft_room.json as SCENE.
+# Both run as whole programs with two threads and write a PNG. Their runs are interleaved, so that
+# other load on the machine slows both alike; the ratio is that of the medians. Processor time does not
+# show how well threads are used, but it is more reliable than wall time on a busy machine.
 set -eu
 here=$(dirname "$0")
 build=${1:?usage: vs_povray.sh BUILD [SCENE] [RUNS]}
@@ -28,7 +28,7 @@ render_povray() {
     HOME=$work povray "+I$work/scene.pov" "+O$work/povray.png" +FN "+W$width" "+H$height" \
         "+WT$threads" +Q9 -A -D -P -V >"$work/povray.log" 2>&1
 }
-# Appends to a function's file: seconds of wall time, and of processor time.
+# Runs a function, and appends its wall time and processor time in seconds to its file.
 timed() {
     local TIMEFORMAT='%R %U %S'
     if ! { time "$1"; } 2>"$work/time"; then
@@ -38,7 +38,7 @@ timed() {
     fi
     awk '{ print $1, $2 + $3 }' "$work/time" >>"$work/$1.times"
 }
-# Median, least and most of a column of a function's file.
+# The median, least and greatest value of a column of a function's file.
 median() {
     awk -v column="$2" '{ print $column }' "$work/$1.times" | sort -n | awk '{ t[NR] = $1 } END {
         m = NR % 2 ? t[(NR + 1) / 2] : (t[NR / 2] + t[NR / 2 + 1]) / 2

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Exact signs, and the build flag they rest on: no product is fused into a sum unless it is
- * written as fma(). The fused variants are compiled for a processor that has fma, since on the
- * baseline a compiler has nothing to fuse with. */
+/* Exact signs, and the build flag that they depend on: the compiler fuses no product into a sum
+ * that is not written as fma(). The fused variants are compiled for a processor that has fma, since
+ * otherwise a compiler has nothing to fuse with. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -23,7 +23,8 @@ static bool same_bits(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* A coordinate of the numbers that scenes have: ordinary, or on a coarse grid where ties abound. */
+/* A coordinate as scenes have them: in [-1, 1], on a coarse grid where ties are frequent, or of any
+ * size from 2^-31 to 2^30. */
 static double coordinate(struct random *r)
 {
     switch (random_below(r, 3)) {
@@ -94,7 +95,7 @@ START_TEST(test_exact__dot2_is_as_if_in_twice_the_precision)
 }
 END_TEST
 
-/* H035: what threw in the classroom is an ordinary value here. */
+/* H035: the classroom tracer threw an exception here; the result is an ordinary value. */
 START_TEST(test_exact__h035_cross_of_parallels_is_zero)
 {
     struct random r = random_begin(3);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* src/math/internal/fn_tables.h is derived here, in __float128 (113 bits), and the file in the tree
- * is held against the derivation. To write it anew: PEN_WRITE_TABLES=1
- * build/tests/math/test_fn_tables */
+/* Derives src/math/internal/fn_tables.h in __float128 (113 bits), and compares the file in the tree
+ * with the result. To write the file: PEN_WRITE_TABLES=1 build/tests/math/test_fn_tables */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -36,7 +35,7 @@ static double on_grid(quad x, int e)
     return (double)ldexpq(rintq(ldexpq(x, -e)), e);
 }
 
-/* A number as hi, the nearest multiple of 2^e, and the rest. */
+/* Splits a number into hi, the nearest multiple of 2^e, and the rest. */
 static void split(struct pen_buf *out, const char *name, quad value, int e)
 {
     double hi = on_grid(value, e);
@@ -125,7 +124,7 @@ static bool read_file(struct pen_buf *out)
     return !out->failed;
 }
 
-/* Layout is clang-format's business: compare without white space. */
+/* Removes white space, which clang-format may change. */
 static void strip(struct pen_buf *buf)
 {
     size_t kept = 0;
@@ -137,7 +136,7 @@ static void strip(struct pen_buf *buf)
     buf->data[kept] = '\0';
 }
 
-START_TEST(test_fn_tables__are_what_their_derivation_gives)
+START_TEST(test_fn_tables__equal_their_derivation)
 {
     struct pen_buf derived = {0}, stored = {0};
     pen_buf_puts(&derived, head);
@@ -162,4 +161,4 @@ START_TEST(test_fn_tables__are_what_their_derivation_gives)
 }
 END_TEST
 
-PEN_SUITE("fn_tables", test_fn_tables__are_what_their_derivation_gives)
+PEN_SUITE("fn_tables", test_fn_tables__equal_their_derivation)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Sampling sequences: they are nets, uniform, independent of one another, and fixed for ever. */
+/* Sampling sequences are nets, uniform, independent of one another, and never change. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -99,9 +99,9 @@ START_TEST(test_sample__random_points_of_one_key_are_uniform)
 }
 END_TEST
 
-/* What one key gives tells nothing of what another gives: pairs of coordinates of point i of one
- * set and point i of the other fill the square evenly. Without a shuffled order they would fall
- * in 16 of the 256 cells. */
+/* Sets of different keys are independent: pairs of a coordinate of point i of one set and of point
+ * i of the other fill the square evenly. If the order of points were not shuffled, the pairs would
+ * fall into 16 of the 256 cells. */
 START_TEST(test_sample__sets_are_independent)
 {
     static struct pen_point2 pairs[4][POINTS];
@@ -161,9 +161,9 @@ START_TEST(test_sample__every_bit_of_the_key_counts)
 }
 END_TEST
 
-/* The part of the disk light seen over a straight edge through it at height h (closed form), and
- * how far means over n points are from it: RMSE over many edges. The figures to keep are those
- * published for these patterns: scrambled Sobol' 5.5e-3 at 256 points, random 2.4e-2. */
+/* The part of a disk light that is visible beyond a straight edge at height h, in closed form, and
+ * the error of its estimates from n points: RMSE over many edges. Published for these patterns are
+ * 5.5e-3 for scrambled Sobol' at 256 points, and 2.4e-2 for random points. */
 static double edge_rmse(bool sobol, uint32_t n, double *bias)
 {
     double squares = 0, sum = 0;
@@ -205,7 +205,7 @@ START_TEST(test_sample__shadow_edges_converge_as_published)
 }
 END_TEST
 
-START_TEST(test_sample__disk_map_keeps_areas)
+START_TEST(test_sample__disk_map_preserves_areas)
 {
     /* The Jacobian by differences is pi / 4 x 4 = pi everywhere but on the diagonals. */
     const double d = 1e-5;
@@ -213,7 +213,7 @@ START_TEST(test_sample__disk_map_keeps_areas)
         struct pen_point2 p = pen_random2(99, i);
         double a = fabs(p.x - 0.5), b = fabs(p.y - 0.5);
         if (fabs(a - b) < 2 * d || a + b < 0.05)
-            continue; /* the map bends there */
+            continue; /* the map is not differentiable there */
         struct pen_point2 q = pen_disk_of_square(p);
         struct pen_point2 qx = pen_disk_of_square((struct pen_point2){p.x + d, p.y});
         struct pen_point2 qy = pen_disk_of_square((struct pen_point2){p.x, p.y + d});
@@ -260,7 +260,8 @@ START_TEST(test_sample__grid_has_one_point_in_every_cell)
 }
 END_TEST
 
-/* Changing these changes every picture that samples: only with a new major version. */
+/* A change of these values changes every picture that uses samples, so it needs a new major
+ * version. */
 START_TEST(test_sample__values_are_fixed)
 {
     struct pen_sample_key k = {42, 640, 480, 1, 2, PEN_PURPOSE_LIGHT, 3};
@@ -279,5 +280,5 @@ PEN_SUITE("sample", test_sample__sobol_prefixes_are_nets, test_sample__a_point_i
           test_sample__random_points_of_one_key_are_uniform, test_sample__sets_are_independent,
           test_sample__pairs_within_one_set_fill_the_square,
           test_sample__every_bit_of_the_key_counts, test_sample__shadow_edges_converge_as_published,
-          test_sample__disk_map_keeps_areas, test_sample__disk_map_at_its_edges,
+          test_sample__disk_map_preserves_areas, test_sample__disk_map_at_its_edges,
           test_sample__grid_has_one_point_in_every_cell, test_sample__values_are_fixed)

@@ -11,7 +11,7 @@ static int same_bits(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* Any finite double, all exponents and subnormals among them. */
+/* Any finite double, of every exponent, subnormals included. */
 static double any_finite(struct random *r)
 {
     for (;;) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Affine maps against __float128, exactness where it is promised, and the edges of the tests that
- * refuse a map. */
+/* Affine maps against __float128, exact results where the header promises them, and the bounds of
+ * the tests that refuse a map. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -121,7 +121,7 @@ START_TEST(test_transform__compose_applies_the_inner_first)
 }
 END_TEST
 
-/* The image of a plane stays orthogonal to the image of its normal, and its outside outside. */
+/* The image of a normal stays orthogonal to the image of its plane, and points to the same side. */
 START_TEST(test_transform__normal_keeps_its_plane_and_its_side)
 {
     struct random r = random_begin(4);
@@ -184,7 +184,7 @@ static bool similar(struct pen_transform f, double *scale)
     return pen_transform_similarity(&f, scale);
 }
 
-START_TEST(test_transform__similarities_are_told_from_others)
+START_TEST(test_transform__similarity_is_recognised)
 {
     double scale;
     ck_assert(similar(pen_transform_identity(), &scale) && scale == 1);
@@ -211,7 +211,8 @@ END_TEST
 START_TEST(test_transform__flat_and_broken_maps_cannot_be_inverted)
 {
     struct pen_transform f = diagonal(1e-300, 1e300, 1);
-    ck_assert(pen_transform_invertible(&f)); /* sizes do not matter, flatness does */
+    ck_assert(pen_transform_invertible(
+        &f)); /* the size of a map does not matter, only whether it is flat */
     f = diagonal(1, 0, 1);
     ck_assert(!pen_transform_invertible(&f));
     f = pen_transform_identity();
@@ -234,5 +235,5 @@ PEN_SUITE("transform", test_transform__quarter_turns_about_axes_are_exact,
           test_transform__compose_applies_the_inner_first,
           test_transform__normal_keeps_its_plane_and_its_side,
           test_transform__normal_survives_any_scale, test_transform__det,
-          test_transform__similarities_are_told_from_others,
+          test_transform__similarity_is_recognised,
           test_transform__flat_and_broken_maps_cannot_be_inverted)

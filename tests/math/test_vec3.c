@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors and boxes: the classroom's boundary cases (H035) are ordinary values here, and every
- * operation rounds as written. */
+/* Vectors and boxes: the classroom tracer's boundary cases (H035) are ordinary values here, and
+ * every operation rounds as written. */
 #include <math.h>
 #include <stdbool.h>
 
@@ -27,7 +27,7 @@ START_TEST(test_vec3__arithmetic)
 }
 END_TEST
 
-/* H035: what threw in the classroom. */
+/* H035: the classroom tracer threw an exception for these. */
 START_TEST(test_vec3__h035_zero_is_a_vector)
 {
     struct pen_vec3 a = pen_vec3(1, 2, 3), zero = pen_vec3(0, 0, 0);
