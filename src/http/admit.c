@@ -41,13 +41,13 @@ static bool check_sender(const struct request *request, struct pen_status *st)
 {
     const struct fields *fields = &request->fields;
     if (fields->repeated)
-        return pen_fail(st, PEN_SYNTAX, "a header field that must come once came twice");
+        return pen_fail(st, PEN_SYNTAX, "a header field that may be sent only once was repeated");
     if (fields->content_length && fields->transfer_encoding)
         return pen_fail(st, PEN_SYNTAX, "both Content-Length and Transfer-Encoding were sent");
     const char *host = request->target.authority ? request->target.authority : fields->host;
     if (!pen_host_is_loopback(host))
         return pen_fail(st, PEN_FORBIDDEN,
-                        "the Host of this daemon is localhost, 127.0.0.1 or [::1], not \"%s\"",
+                        "the Host must be localhost, 127.0.0.1 or [::1], found \"%s\"",
                         host ? host : "");
     /* A browser lets a page of any site send simple requests to this server. It keeps the answers
      * from the page; the check here keeps the page from changing anything. */
@@ -87,10 +87,10 @@ static bool check_length(struct request *request, struct pen_status *st)
     const struct fields *fields = &request->fields;
     size_t limit = request->http->limits.body_bytes;
     if (fields->transfer_encoding)
-        return pen_fail(st, PEN_LENGTH, "chunked bodies are not taken: send Content-Length");
+        return pen_fail(st, PEN_LENGTH, "chunked bodies are not accepted; send Content-Length");
     if (!fields->content_length)
         return !request->route->takes_body ||
-               pen_fail(st, PEN_LENGTH, "a body with its Content-Length is needed here");
+               pen_fail(st, PEN_LENGTH, "a body with Content-Length is required here");
     if (request->declared_bytes > limit)
         return pen_fail(st, PEN_TOO_LARGE, "the body has %" PRIu64 " bytes, %zu are allowed",
                         request->declared_bytes, limit);
@@ -110,8 +110,8 @@ static bool check_media(const struct request *request, struct pen_status *st)
         break;
     }
     return pen_fail(st, PEN_MEDIA_TYPE,
-                    "a body of type %s is not taken; application/json and application/xml in UTF-8 "
-                    "are accepted",
+                    "a body of type %s is not accepted; application/json, text/xml and "
+                    "application/xml in UTF-8 are",
                     request->fields.content_type);
 }
 

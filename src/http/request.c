@@ -71,7 +71,7 @@ void pen_http_request_content(struct request *request, const struct content *con
         pen_http_reply_field(&request->reply, "Cache-Control", "%s", content->cache_control);
     } else {
         struct pen_status st;
-        pen_fail(&st, PEN_RANGE, "the range %s lies outside the %zu bytes there are", fields->range,
+        pen_fail(&st, PEN_RANGE, "the range %s lies outside the picture's %zu bytes", fields->range,
                  size);
         pen_http_request_fail(request, &st);
         pen_http_reply_field(&request->reply, "Content-Range", "bytes */%zu", size);

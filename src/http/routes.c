@@ -165,15 +165,16 @@ static bool fail_unknown_param(const struct route *route, const char *name, stru
     enum { NAMES = 8 };
     const char *names[NAMES + 1] = {0};
     if (!route->params)
-        return pen_fail(st, PEN_USAGE, "unknown query parameter \"%.100s\": none is allowed here",
+        return pen_fail(st, PEN_USAGE, "unknown query parameter \"%.100s\"; none is allowed here",
                         name);
     for (int i = 0; i < NAMES && route->params[i].name; i++)
         names[i] = route->params[i].name;
     char list[200];
     join_names(list, sizeof list, names);
     const char *near = pen_nearest_name(name, names);
-    return pen_fail(st, PEN_USAGE, "unknown query parameter \"%.100s\"%s%s%s: allowed are %s", name,
-                    near ? ", did you mean \"" : "", near ? near : "", near ? "\"?" : "", list);
+    return pen_fail(st, PEN_USAGE, "unknown query parameter \"%.100s\"; %s%s%s are %s", name,
+                    near ? "did you mean \"" : "", near ? near : "",
+                    near ? "\"? Allowed" : "allowed", list);
 }
 
 static bool check_value(const struct param_rule *rule, const char *value, struct pen_status *st)
@@ -186,21 +187,21 @@ static bool check_value(const struct param_rule *rule, const char *value, struct
         char list[200];
         join_names(list, sizeof list, rule->allowed);
         const char *near = pen_nearest_name(value, rule->allowed);
-        return pen_fail(st, PEN_USAGE, "query parameter %s is \"%.100s\"%s%s%s: allowed are %s",
-                        rule->name, value, near ? ", did you mean \"" : "", near ? near : "",
-                        near ? "\"?" : "", list);
+        return pen_fail(st, PEN_USAGE, "query parameter %s is \"%.100s\"; %s%s%s are %s",
+                        rule->name, value, near ? "did you mean \"" : "", near ? near : "",
+                        near ? "\"? Allowed" : "allowed", list);
     }
     if (rule->high > 0) {
         long number;
         return pen_number_parse(value, rule->low, rule->high, &number) ||
                pen_fail(st, PEN_USAGE,
-                        "query parameter %s is \"%.100s\": a whole number from %ld to %ld is "
+                        "query parameter %s is \"%.100s\"; a whole number from %ld to %ld is "
                         "allowed",
                         rule->name, value, rule->low, rule->high);
     }
     size_t length = strlen(value);
     return (length > 0 && length <= rule->longest) ||
-           pen_fail(st, PEN_USAGE, "query parameter %s has %zu bytes: 1 to %zu are allowed",
+           pen_fail(st, PEN_USAGE, "query parameter %s has %zu bytes; 1 to %zu are allowed",
                     rule->name, length, rule->longest);
 }
 

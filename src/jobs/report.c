@@ -15,8 +15,8 @@ static bool check_job(const struct pen_job_record *job, struct pen_status *st)
                         job->kind);
     if (job->state == PEN_JOB_SUCCEEDED)
         return true;
-    return pen_fail(st, PEN_CONFLICT, "job %s is %s; only a succeeded job has its report", job->id,
-                    pen_job_state_name(job->state));
+    return pen_fail(st, PEN_CONFLICT, "job %s is %s; only a job that succeeded has its report",
+                    job->id, pen_job_state_name(job->state));
 }
 
 /* Replaces the report's JSON in *bytes by another format. */

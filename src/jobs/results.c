@@ -215,9 +215,10 @@ static bool check_succeeded(const char *id, enum pen_job_state state, struct pen
 {
     if (state == PEN_JOB_SUCCEEDED)
         return true;
-    return pen_fail(st, PEN_CONFLICT, "job %s is %s; only a succeeded job has its picture%s", id,
-                    pen_job_state_name(state),
-                    pen_job_state_ended(state) ? "" : ", see preview meanwhile");
+    return pen_fail(st, PEN_CONFLICT, "job %s is %s; only a job that succeeded has its picture%s",
+                    id, pen_job_state_name(state),
+                    pen_job_state_ended(state) ? ""
+                                               : ". The preview shows what is rendered so far");
 }
 
 bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
@@ -280,7 +281,7 @@ json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status 
     if (pen_job_state_ended(job.state))
         stats = pen_stats_of_job(jobs->store, &job, st);
     else
-        pen_fail(st, PEN_CONFLICT, "job %s is %s; its statistics come when it has ended", id,
+        pen_fail(st, PEN_CONFLICT, "job %s is %s; it has statistics when it has ended", id,
                  pen_job_state_name(job.state));
     pen_job_record_release(&job);
     return stats;
