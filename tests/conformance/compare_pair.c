@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* Judges a picture against that of another implementation of the shading model:
+/* Compares a picture with that of another implementation of the shading model:
  *
  *     compare_pair REFERENCE.png OURS.png
  *
- * prints `SHARE RMSE UNEXPLAINED` (the share of pixels that agree, in per cent; the RMSE over
- * those; the number of others without an edge beside them) and, on standard error, the first
- * unexplained ones. Exit 0 if the pair conforms, 1 if not, 2 if it cannot be told.
+ * prints `SHARE RMSE UNEXPLAINED` (the share of pixels that agree, in per cent; the RMSE over these
+ * pixels; the number of other pixels without an edge beside them) and, on standard error, the first
+ * unexplained pixels. Exit code 0: the pair conforms; 1: it does not; 2: it could not be compared.
  *
- * A pixel agrees if no channel differs by more than 2/255; 99.7 % must, and their RMSE must be at
- * most 0.004. Every other pixel must have a silhouette, a shared edge or the outline of a shadow
- * within one pixel. That is read off the reference: among its eight neighbours there, some channel
- * varies by no less than the two pictures differ at the pixel itself, within the same 2/255. A
- * dot, a crack or a line that only our picture has is thus never excused.
+ *   - A pixel agrees if no channel differs by more than 2/255.
+ *   - 99.7 % of the pixels must agree, and their RMSE must be at most 0.004.
+ *   - Every other pixel must have an edge within one pixel: a silhouette, an edge between two
+ *     primitives, or the outline of a shadow. The reference shows such an edge: among the pixel's
+ *     eight neighbours in it, some channel varies by at least the difference of the two pictures at
+ *     the pixel, within 2/255. So a dot, a crack or a line in our picture alone is never excused.
  *
- * The reference holds values times 255 and does not say so: what is read as its encoded values
- * are its values. Ours says that it is linear. */
+ * The reference holds linear values times 255 but has no tag for that, so its encoded values are
+ * taken as linear ones. Our picture has a tag that it is linear. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -90,7 +91,7 @@ static int difference(const struct raster *a, const struct raster *b, int x, int
     return most;
 }
 
-/* By how much a channel varies among the neighbours of a pixel, itself left out. */
+/* By how much a channel varies among the neighbours of a pixel, the pixel itself left out. */
 static int variation(const struct raster *r, int x, int y)
 {
     int most = 0;

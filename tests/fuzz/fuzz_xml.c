@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as a scene in XML, for libFuzzer: `make fuzz SECONDS=120`. What is read must be
- * released, what is accepted must be accepted again as the JSON written of it, and all that is
- * said must have a place. */
+/* Reads any bytes as a scene in XML, for libFuzzer: `make fuzz SECONDS=120`. Checks that
+ *   - nothing leaks;
+ *   - an accepted scene is accepted again as the JSON that is written from it;
+ *   - every error has a place. */
 #include <stdint.h>
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Event streams: what they tell, where they go on, when they end, and what becomes of clients that
- * leave. Batches are committed by the test itself, through the store. */
+/* Event streams: their events, resuming, their end, and clients that disconnect. The test itself
+ * commits the batches, through the store. */
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,14 +33,14 @@ struct event {
 };
 
 /* A client of one stream. */
-struct listener {
+struct client {
     int fd;
     struct pen_buf raw;  /* as received */
     struct pen_buf text; /* the body so far, without its framing */
-    size_t head, taken;  /* bytes of raw before the body; bytes of raw already in text */
-    size_t read;         /* bytes of text already taken as events */
-    bool ended;          /* the last chunk has come */
-    int beats;
+    size_t head, taken;  /* bytes of raw before the body; bytes of raw that are in text already */
+    size_t read;         /* bytes of text that were read as events */
+    bool ended;          /* the last chunk was received */
+    int heartbeats;
     struct event events[EVENTS];
     int count;
 };
@@ -75,63 +75,63 @@ static void tear_down(void)
     server_stop(&server);
 }
 
-static void listen_from(struct listener *listener, const char *last_id)
+static void open_stream(struct client *client, const char *last_id)
 {
     char text[300];
-    *listener = (struct listener){.fd = server_connect(&server)};
+    *client = (struct client){.fd = server_connect(&server)};
     snprintf(text, sizeof text, "GET %s/events HTTP/1.1\r\nHost: localhost\r\n%s%s\r\n\r\n", path,
              last_id ? "Last-Event-ID: " : "Accept: text/event-stream", last_id ? last_id : "");
-    ck_assert(client_send(listener->fd, text));
+    ck_assert(client_send(client->fd, text));
 }
 
-static void leave(struct listener *listener)
+static void close_stream(struct client *client)
 {
-    close(listener->fd);
-    for (int i = 0; i < listener->count; i++)
-        json_decref(listener->events[i].data);
-    pen_buf_release(&listener->raw);
-    pen_buf_release(&listener->text);
+    close(client->fd);
+    for (int i = 0; i < client->count; i++)
+        json_decref(client->events[i].data);
+    pen_buf_release(&client->raw);
+    pen_buf_release(&client->text);
 }
 
-/* Takes whole chunks out of what has come. */
-static void unframe(struct listener *listener)
+/* Moves the contents of whole chunks from raw to text. */
+static void unframe(struct client *client)
 {
-    pen_buf_add(&listener->raw, "", 1); /* an end for the string functions, taken off again */
-    listener->raw.bytes--;
-    char *raw = (char *)listener->raw.data;
-    if (!listener->head) {
+    pen_buf_add(&client->raw, "", 1); /* a terminating zero for strstr, removed again below */
+    client->raw.bytes--;
+    char *raw = (char *)client->raw.data;
+    if (!client->head) {
         char *end = strstr(raw, "\r\n\r\n");
         if (!end)
             return;
         ck_assert_msg(strncmp(raw, "HTTP/1.1 200", 12) == 0, "%s", raw);
         ck_assert_ptr_nonnull(strstr(raw, "Content-Type: text/event-stream\r\n"));
-        listener->head = listener->taken = (size_t)(end + 4 - raw);
+        client->head = client->taken = (size_t)(end + 4 - raw);
     }
     for (;;) {
-        char *size = raw + listener->taken, *line = strstr(size, "\r\n");
+        char *size = raw + client->taken, *line = strstr(size, "\r\n");
         size_t bytes = line ? strtoul(size, NULL, 16) : 0;
         size_t whole = line ? (size_t)(line - size) + 2 + bytes + 2 : 0;
-        if (!line || listener->taken + whole > listener->raw.bytes)
+        if (!line || client->taken + whole > client->raw.bytes)
             return;
-        listener->ended = bytes == 0;
-        pen_buf_add(&listener->text, line + 2, bytes);
-        listener->taken += whole;
-        if (listener->ended)
+        client->ended = bytes == 0;
+        pen_buf_add(&client->text, line + 2, bytes);
+        client->taken += whole;
+        if (client->ended)
             return;
     }
 }
 
-/* One block of lines: an event, a comment, or the time to retry. */
-static void read_block(struct listener *listener, char *block)
+/* Reads one block of lines: an event, a comment, or the time to retry. */
+static void read_block(struct client *client, char *block)
 {
     if (block[0] == ':') {
-        listener->beats++;
+        client->heartbeats++;
         return;
     }
     if (strncmp(block, "retry: ", 7) == 0)
         return;
-    ck_assert_int_lt(listener->count, EVENTS);
-    struct event *event = &listener->events[listener->count++];
+    ck_assert_int_lt(client->count, EVENTS);
+    struct event *event = &client->events[client->count++];
     long long number;
     int data = 0;
     ck_assert_msg(sscanf(block, "event: %15s\nid: %lld\ndata: %n", event->type, &number, &data) ==
@@ -144,47 +144,47 @@ static void read_block(struct listener *listener, char *block)
     ck_assert_msg(event->data != NULL, "%s", block);
 }
 
-static void read_blocks(struct listener *listener)
+static void read_blocks(struct client *client)
 {
-    pen_buf_add(&listener->text, "", 1);
-    listener->text.bytes--;
-    char *text = (char *)listener->text.data + listener->read, *end;
+    pen_buf_add(&client->text, "", 1);
+    client->text.bytes--;
+    char *text = (char *)client->text.data + client->read, *end;
     for (; (end = strstr(text, "\n\n")) != NULL; text = end + 2) {
         *end = '\0';
-        read_block(listener, text);
+        read_block(client, text);
     }
-    listener->read = (size_t)(text - (char *)listener->text.data);
+    client->read = (size_t)(text - (char *)client->text.data);
 }
 
-/* Reads once; false when the connection is closed or silent for too long. */
-static bool hear(struct listener *listener)
+/* Reads once. Returns false if the connection is closed or silent for too long. */
+static bool read_some(struct client *client)
 {
     char part[65536];
-    ssize_t got = recv(listener->fd, part, sizeof part, 0);
+    ssize_t got = recv(client->fd, part, sizeof part, 0);
     if (got <= 0)
         return false;
-    pen_buf_add(&listener->raw, part, (size_t)got);
-    unframe(listener);
-    read_blocks(listener);
+    pen_buf_add(&client->raw, part, (size_t)got);
+    unframe(client);
+    read_blocks(client);
     return true;
 }
 
-static void hear_out(struct listener *listener)
+static void read_to_end(struct client *client)
 {
-    while (!listener->ended)
-        ck_assert_msg(hear(listener), "the stream is silent after %d events", listener->count);
+    while (!client->ended)
+        ck_assert_msg(read_some(client), "the stream is silent after %d events", client->count);
 }
 
 /* Reads until there were `count` events about the job. */
-static void hear_of_job(struct listener *listener, int count)
+static void read_job_events(struct client *client, int count)
 {
     for (;;) {
         int found = 0;
-        for (int i = 0; i < listener->count; i++)
-            found += strcmp(listener->events[i].type, "tile") != 0;
+        for (int i = 0; i < client->count; i++)
+            found += strcmp(client->events[i].type, "tile") != 0;
         if (found >= count)
             return;
-        ck_assert_msg(hear(listener), "%d of %d events", found, count);
+        ck_assert_msg(read_some(client), "%d of %d events", found, count);
     }
 }
 
@@ -199,31 +199,31 @@ static int number_of(const struct event *event, const char *key)
     return (int)json_integer_value(json_object_get(event->data, key));
 }
 
-static void expect_growing_ids(const struct listener *listener, int64_t after)
+static void expect_growing_ids(const struct client *client, int64_t after)
 {
-    for (int i = 0; i < listener->count; i++) {
-        ck_assert_int_gt(listener->events[i].id, after);
-        after = listener->events[i].id;
+    for (int i = 0; i < client->count; i++) {
+        ck_assert_int_gt(client->events[i].id, after);
+        after = client->events[i].id;
     }
 }
 
-/* Each pixel of both views was told once. */
-static void expect_whole_pictures(const struct listener *listener)
+/* The tiles cover each pixel of both views once. */
+static void expect_whole_pictures(const struct client *client)
 {
-    static unsigned char told[2][WIDTH * HEIGHT];
-    memset(told, 0, sizeof told);
-    for (int i = 0; i < listener->count; i++) {
-        const struct event *event = &listener->events[i];
+    static unsigned char covered[2][WIDTH * HEIGHT];
+    memset(covered, 0, sizeof covered);
+    for (int i = 0; i < client->count; i++) {
+        const struct event *event = &client->events[i];
         if (strcmp(event->type, "tile") != 0)
             continue;
         const char *view = json_string_value(json_object_get(event->data, "view"));
         int x = number_of(event, "x"), y = number_of(event, "y");
         for (int n = 0; n < number_of(event, "width") * number_of(event, "height"); n++)
-            told[strcmp(view, "left") != 0]
-                [(y + n / number_of(event, "width")) * WIDTH + x + n % number_of(event, "width")]++;
+            covered[strcmp(view, "left") != 0][(y + n / number_of(event, "width")) * WIDTH + x +
+                                               n % number_of(event, "width")]++;
     }
     for (int i = 0; i < WIDTH * HEIGHT; i++)
-        ck_assert(told[0][i] == 1 && told[1][i] == 1);
+        ck_assert(covered[0][i] == 1 && covered[1][i] == 1);
 }
 
 static int status_of(const char *head)
@@ -235,64 +235,64 @@ static int status_of(const char *head)
     return status;
 }
 
-START_TEST(test_events__tell_a_job_from_queue_to_end)
+START_TEST(test_events__follow_a_job_from_queue_to_end)
 {
-    static struct listener ear;
+    static struct client client;
     set_up(some_batches, 0);
-    listen_from(&ear, NULL);
-    hear_of_job(&ear, 1);
-    ck_assert_int_eq(ear.count, 1);
-    ck_assert_str_eq(ear.events[0].type, "state");
-    ck_assert_str_eq(state_of(&ear.events[0]), "queued");
+    open_stream(&client, NULL);
+    read_job_events(&client, 1);
+    ck_assert_int_eq(client.count, 1);
+    ck_assert_str_eq(client.events[0].type, "state");
+    ck_assert_str_eq(state_of(&client.events[0]), "queued");
     struct pen_claim claim = store_claim(store, "w");
-    hear_of_job(&ear, 2);
-    ck_assert_str_eq(ear.events[1].type, "state");
-    ck_assert_str_eq(state_of(&ear.events[1]), "running");
+    read_job_events(&client, 2);
+    ck_assert_str_eq(client.events[1].type, "state");
+    ck_assert_str_eq(state_of(&client.events[1]), "running");
     ck_assert_int_eq(store_commit(store, &claim), PEN_OK);
-    hear_of_job(&ear, 3);
-    const struct event *last = &ear.events[ear.count - 1];
-    ck_assert_int_gt(ear.count, 3);
-    ck_assert_str_eq(ear.events[2].type, "tile");
+    read_job_events(&client, 3);
+    const struct event *last = &client.events[client.count - 1];
+    ck_assert_int_gt(client.count, 3);
+    ck_assert_str_eq(client.events[2].type, "tile");
     ck_assert_str_eq(last->type, "progress");
     json_t *progress = json_object_get(last->data, "progress");
     ck_assert_int_eq(json_integer_value(json_object_get(progress, "done")), claim.pixels);
     ck_assert_int_gt(store_work_off(store, "w"), 4);
-    hear_out(&ear);
-    last = &ear.events[ear.count - 1];
+    read_to_end(&client);
+    last = &client.events[client.count - 1];
     ck_assert_str_eq(last->type, "state");
     ck_assert_str_eq(state_of(last), "succeeded");
-    expect_growing_ids(&ear, 0);
-    expect_whole_pictures(&ear);
-    leave(&ear);
+    expect_growing_ids(&client, 0);
+    expect_whole_pictures(&client);
+    close_stream(&client);
     tear_down();
 }
 END_TEST
 
 START_TEST(test_events__cancelled_job_ends_its_streams)
 {
-    static struct listener ear;
+    static struct client client;
     char head[160];
     set_up(some_batches, 0);
-    listen_from(&ear, NULL);
-    hear_of_job(&ear, 1);
+    open_stream(&client, NULL);
+    read_job_events(&client, 1);
     snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
     ck_assert_int_eq(status_of(head), 202);
-    hear_out(&ear);
-    ck_assert_int_eq(ear.count, 2);
-    ck_assert_str_eq(state_of(&ear.events[1]), "cancelled");
-    leave(&ear);
+    read_to_end(&client);
+    ck_assert_int_eq(client.count, 2);
+    ck_assert_str_eq(state_of(&client.events[1]), "cancelled");
+    close_stream(&client);
     tear_down();
 }
 END_TEST
 
-START_TEST(test_events__go_on_after_any_id)
+START_TEST(test_events__resume_after_any_id)
 {
-    static struct listener all, rest;
+    static struct client all, rest;
     set_up(some_batches, 0);
-    listen_from(&all, NULL);
-    hear_of_job(&all, 1);
+    open_stream(&all, NULL);
+    read_job_events(&all, 1);
     store_work_off(store, "w");
-    hear_out(&all);
+    read_to_end(&all);
     static struct event tiles[EVENTS];
     int tile_count = 0;
     for (int i = 0; i < all.count; i++) {
@@ -304,8 +304,8 @@ START_TEST(test_events__go_on_after_any_id)
         char last_id[32];
         int64_t after = all.events[i].id;
         snprintf(last_id, sizeof last_id, "%lld", (long long)after);
-        listen_from(&rest, last_id);
-        hear_out(&rest);
+        open_stream(&rest, last_id);
+        read_to_end(&rest);
         int skip = 0;
         while (skip < tile_count && tiles[skip].id <= after)
             skip++;
@@ -316,31 +316,31 @@ START_TEST(test_events__go_on_after_any_id)
         }
         ck_assert_int_eq(rest.events[rest.count - 1].id, final);
         ck_assert_str_eq(state_of(&rest.events[rest.count - 1]), "succeeded");
-        leave(&rest);
+        close_stream(&rest);
     }
-    leave(&all);
+    close_stream(&all);
     tear_down();
 }
 END_TEST
 
-START_TEST(test_events__of_old_and_of_foreign_clients)
+START_TEST(test_events__unusable_ids_begin_anew_and_the_last_id_ends)
 {
-    static struct listener ear;
-    static const char *const foreign[] = {"nonsense", "-4", "999999999", "99999999999999999999",
-                                          "12;",      "0"};
+    static struct client client;
+    static const char *const unusable[] = {"nonsense", "-4", "999999999", "99999999999999999999",
+                                           "12;",      "0"};
     char head[200];
     set_up(some_batches, 0);
     store_work_off(store, "w");
-    listen_from(&ear, NULL);
-    hear_out(&ear);
-    int all = ear.count;
-    int64_t final = ear.events[all - 1].id;
-    leave(&ear);
-    for (size_t i = 0; i < sizeof foreign / sizeof foreign[0]; i++) {
-        listen_from(&ear, foreign[i]);
-        hear_out(&ear);
-        ck_assert_int_eq(ear.count, all);
-        leave(&ear);
+    open_stream(&client, NULL);
+    read_to_end(&client);
+    int all = client.count;
+    int64_t final = client.events[all - 1].id;
+    close_stream(&client);
+    for (size_t i = 0; i < sizeof unusable / sizeof unusable[0]; i++) {
+        open_stream(&client, unusable[i]);
+        read_to_end(&client);
+        ck_assert_int_eq(client.count, all);
+        close_stream(&client);
     }
     snprintf(head, sizeof head, "GET %s/events HTTP/1.1\r\nLast-Event-ID: %lld", path,
              (long long) final);
@@ -358,42 +358,42 @@ START_TEST(test_events__of_old_and_of_foreign_clients)
 END_TEST
 
 /* More commits than one text holds. */
-START_TEST(test_events__of_a_long_past_come_in_several_texts)
+START_TEST(test_events__many_missed_events_come_in_several_texts)
 {
-    static struct listener ear;
+    static struct client client;
     set_up("{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 400, \"height\": 300,"
            " \"tile\": 8, \"samples_per_pixel\": 3500}}",
            0);
     ck_assert_int_gt(store_work_off(store, "w"), 300);
-    listen_from(&ear, NULL);
-    hear_out(&ear);
-    ck_assert_int_gt(ear.count, 300);
-    expect_growing_ids(&ear, 0);
+    open_stream(&client, NULL);
+    read_to_end(&client);
+    ck_assert_int_gt(client.count, 300);
+    expect_growing_ids(&client, 0);
     int64_t pixels = 0;
-    for (int i = 0; i + 1 < ear.count; i++)
-        pixels += number_of(&ear.events[i], "width") * number_of(&ear.events[i], "height");
+    for (int i = 0; i + 1 < client.count; i++)
+        pixels += number_of(&client.events[i], "width") * number_of(&client.events[i], "height");
     ck_assert_int_eq(pixels, 400 * 300);
-    ck_assert_str_eq(state_of(&ear.events[ear.count - 1]), "succeeded");
-    leave(&ear);
+    ck_assert_str_eq(state_of(&client.events[client.count - 1]), "succeeded");
+    close_stream(&client);
     tear_down();
 }
 END_TEST
 
-START_TEST(test_events__silent_streams_beat)
+START_TEST(test_events__silent_streams_get_heartbeats)
 {
-    static struct listener ear;
+    static struct client client;
     set_up(some_batches, 100);
-    listen_from(&ear, NULL);
-    while (ear.beats < 3)
-        ck_assert(hear(&ear));
-    ck_assert_int_eq(ear.count, 1);
-    ck_assert(!ear.ended);
-    leave(&ear);
+    open_stream(&client, NULL);
+    while (client.heartbeats < 3)
+        ck_assert(read_some(&client));
+    ck_assert_int_eq(client.count, 1);
+    ck_assert(!client.ended);
+    close_stream(&client);
     tear_down();
 }
 END_TEST
 
-enum { PLACES = 512 };
+enum { WAITERS_MAX = 512 };
 
 /* Descriptors for both ends of some hundred connections. */
 static void allow_many_files(void)
@@ -405,10 +405,10 @@ static void allow_many_files(void)
 }
 
 /* Opens streams and long polls in turn. */
-static void fill_places(int fds[PLACES])
+static void fill_waiters(int fds[WAITERS_MAX])
 {
     char text[200];
-    for (int i = 0; i < PLACES; i++) {
+    for (int i = 0; i < WAITERS_MAX; i++) {
         fds[i] = server_connect(&server);
         snprintf(text, sizeof text, "GET %s%s HTTP/1.1\r\nHost: localhost\r\n\r\n", path,
                  i % 2 ? "/events" : "?wait=60");
@@ -416,14 +416,14 @@ static void fill_places(int fds[PLACES])
     }
 }
 
-START_TEST(test_events__share_their_places_with_polls_and_give_them_back)
+START_TEST(test_events__share_a_limit_with_polls_and_release_it)
 {
     allow_many_files();
-    static int fds[PLACES];
+    static int fds[WAITERS_MAX];
     struct answer answer;
     char head[160], text[32];
     set_up(some_batches, 100);
-    fill_places(fds);
+    fill_waiters(fds);
     pause_ms(1000);
     snprintf(head, sizeof head, "GET %s/events HTTP/1.1", path);
     server_ask(&server, head, NULL, &answer);
@@ -431,9 +431,9 @@ START_TEST(test_events__share_their_places_with_polls_and_give_them_back)
     ck_assert_str_ne(answer_field(&answer, "Retry-After", text, sizeof text), "");
     answer_release(&answer);
     ck_assert_int_eq(status_of("GET /v1/jobs HTTP/1.1"), 200);
-    for (int i = 1; i < PLACES; i += 2)
-        close(fds[i]); /* the streams vanish, the polls stay */
-    static struct listener ear;
+    for (int i = 1; i < WAITERS_MAX; i += 2)
+        close(fds[i]); /* the streams disconnect, the polls stay */
+    static struct client client;
     int64_t begun = pen_clock_ns();
     int status = 503;
     while (status == 503 && pen_clock_ns() - begun < INT64_C(10000000000)) {
@@ -447,32 +447,32 @@ START_TEST(test_events__share_their_places_with_polls_and_give_them_back)
         close(fd);
     }
     ck_assert_int_eq(status, 200);
-    listen_from(&ear, NULL);
-    hear_of_job(&ear, 1);
-    for (int i = 0; i < PLACES; i += 2)
+    open_stream(&client, NULL);
+    read_job_events(&client, 1);
+    for (int i = 0; i < WAITERS_MAX; i += 2)
         close(fds[i]);
-    leave(&ear);
+    close_stream(&client);
     tear_down();
 }
 END_TEST
 
-START_TEST(test_events__reach_all_listeners)
+START_TEST(test_events__reach_all_clients)
 {
-    enum { LISTENERS = 100 };
+    enum { CLIENTS = 100 };
     allow_many_files();
-    static struct listener ears[LISTENERS];
+    static struct client clients[CLIENTS];
     set_up(some_batches, 0);
-    for (int i = 0; i < LISTENERS; i++)
-        listen_from(&ears[i], NULL);
-    for (int i = 0; i < LISTENERS; i += 2)
-        hear_of_job(&ears[i], 1); /* the others are still on their way */
+    for (int i = 0; i < CLIENTS; i++)
+        open_stream(&clients[i], NULL);
+    for (int i = 0; i < CLIENTS; i += 2)
+        read_job_events(&clients[i], 1); /* the others may still be connecting */
     store_work_off(store, "w");
-    for (int i = 0; i < LISTENERS; i++) {
-        hear_out(&ears[i]);
-        expect_growing_ids(&ears[i], 0);
-        expect_whole_pictures(&ears[i]);
-        ck_assert_str_eq(state_of(&ears[i].events[ears[i].count - 1]), "succeeded");
-        leave(&ears[i]);
+    for (int i = 0; i < CLIENTS; i++) {
+        read_to_end(&clients[i]);
+        expect_growing_ids(&clients[i], 0);
+        expect_whole_pictures(&clients[i]);
+        ck_assert_str_eq(state_of(&clients[i].events[clients[i].count - 1]), "succeeded");
+        close_stream(&clients[i]);
     }
     tear_down();
 }
@@ -480,27 +480,28 @@ END_TEST
 
 START_TEST(test_events__end_when_the_server_stops)
 {
-    enum { LISTENERS = 20 };
-    static struct listener ears[LISTENERS];
+    enum { CLIENTS = 20 };
+    static struct client clients[CLIENTS];
     set_up(some_batches, 0);
-    for (int i = 0; i < LISTENERS; i++) {
-        listen_from(&ears[i], NULL);
-        hear_of_job(&ears[i], 1);
+    for (int i = 0; i < CLIENTS; i++) {
+        open_stream(&clients[i], NULL);
+        read_job_events(&clients[i], 1);
     }
     int64_t begun = pen_clock_ns();
     tear_down();
     ck_assert_int_lt((pen_clock_ns() - begun) / 1000000, 3000);
-    for (int i = 0; i < LISTENERS; i++) {
-        hear_out(&ears[i]);
-        ck_assert_int_eq(ears[i].count, 1);
-        leave(&ears[i]);
+    for (int i = 0; i < CLIENTS; i++) {
+        read_to_end(&clients[i]);
+        ck_assert_int_eq(clients[i].count, 1);
+        close_stream(&clients[i]);
     }
 }
 END_TEST
 
-PEN_SUITE("events", test_events__tell_a_job_from_queue_to_end,
-          test_events__cancelled_job_ends_its_streams, test_events__go_on_after_any_id,
-          test_events__of_old_and_of_foreign_clients,
-          test_events__of_a_long_past_come_in_several_texts, test_events__silent_streams_beat,
-          test_events__share_their_places_with_polls_and_give_them_back,
-          test_events__reach_all_listeners, test_events__end_when_the_server_stops)
+PEN_SUITE("events", test_events__follow_a_job_from_queue_to_end,
+          test_events__cancelled_job_ends_its_streams, test_events__resume_after_any_id,
+          test_events__unusable_ids_begin_anew_and_the_last_id_ends,
+          test_events__many_missed_events_come_in_several_texts,
+          test_events__silent_streams_get_heartbeats,
+          test_events__share_a_limit_with_polls_and_release_it, test_events__reach_all_clients,
+          test_events__end_when_the_server_stops)

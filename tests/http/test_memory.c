@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The n-th allocation fails, and all after it, for every n, in the midst of a request: the client
- * gets the right answer, a 503 or a closed connection, but never silence, and the server lives. */
+/* The n-th allocation of a request fails, and all after it, for every n: the client gets the right
+ * answer, a 503 or a closed connection, and always one of these; the server goes on. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

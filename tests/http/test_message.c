@@ -89,7 +89,7 @@ START_TEST(test_message__target_refuses_bad_escapes)
 }
 END_TEST
 
-START_TEST(test_message__target_refuses_what_is_no_path)
+START_TEST(test_message__target_must_be_a_path)
 {
     static const char *const bad[] = {"", "*", "v1/jobs", "localhost:80", "ftp://localhost/"};
     for (size_t i = 0; i < COUNT(bad); i++)
@@ -135,7 +135,7 @@ START_TEST(test_message__target_bounds_segments_and_parameters)
 }
 END_TEST
 
-/* Bytes at random: whatever comes is taken or refused, and decoding never makes it longer. */
+/* Random bytes are parsed or refused, and decoding never makes a text longer. */
 START_TEST(test_message__target_survives_random_bytes)
 {
     static const char common[] = "/?&=%+0aF:htp.";
@@ -294,7 +294,7 @@ START_TEST(test_message__ranges)
 }
 END_TEST
 
-START_TEST(test_message__nothing_lies_in_an_empty_object)
+START_TEST(test_message__empty_body_has_no_ranges)
 {
     uint64_t first, count;
     ck_assert_int_eq(pen_range_parse("bytes=0-", 0, &first, &count), PEN_RANGE_OUTSIDE);
@@ -309,7 +309,7 @@ static int choose(const char *accept)
     return pen_accept_choose(accept, types, 4);
 }
 
-START_TEST(test_message__accept_is_answered_with_what_is_wanted_most)
+START_TEST(test_message__accept_chooses_the_most_preferred_type)
 {
     static const struct {
         const char *accept;
@@ -346,12 +346,11 @@ END_TEST
 PEN_SUITE("message", test_message__target_splits_path_and_query,
           test_message__target_root_has_no_segments, test_message__target_keeps_empty_segments,
           test_message__target_decodes_after_splitting, test_message__target_refuses_bad_escapes,
-          test_message__target_refuses_what_is_no_path,
-          test_message__target_takes_the_absolute_form,
+          test_message__target_must_be_a_path, test_message__target_takes_the_absolute_form,
           test_message__target_bounds_segments_and_parameters,
           test_message__target_survives_random_bytes, test_message__template_gives_its_argument,
           test_message__number_takes_plain_digits_in_range,
           test_message__host_is_loopback_by_name_only, test_message__origin_must_be_the_host,
           test_message__media_types, test_message__etag_lists, test_message__ranges,
-          test_message__nothing_lies_in_an_empty_object,
-          test_message__accept_is_answered_with_what_is_wanted_most)
+          test_message__empty_body_has_no_ranges,
+          test_message__accept_chooses_the_most_preferred_type)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The route table and api/openapi.yaml say the same: every route is documented, and everything
- * documented is a route. The definition is read as what it is carried as, by indentation. */
+/* The route table and api/openapi.yaml agree: every route is documented, and every documented
+ * operation is a route. The embedded text of the definition is read by its indentation. */
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>

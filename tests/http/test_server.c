@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The server against clients that break off, hurry, stall, lie or come in crowds. */
+/* The server against clients that disconnect, pipeline, stall, send wrong lengths, or are many. */
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -41,7 +41,7 @@ static void expect_alive(const struct server *server)
     ck_assert_int_eq(status_of(server, "GET /v1/jobs HTTP/1.1", NULL), 200);
 }
 
-/* Sends bytes on a connection of its own; the status of the answer, 0 if it ends without one. */
+/* Sends bytes on a new connection. Returns the status of the answer, 0 if there is none. */
 static int status_of_bytes(const struct server *server, const char *bytes)
 {
     struct answer answer;
@@ -77,7 +77,7 @@ START_TEST(test_server__partial_requests_are_ended)
 }
 END_TEST
 
-START_TEST(test_server__broken_off_uploads_leave_nothing)
+START_TEST(test_server__aborted_uploads_leave_nothing)
 {
     struct server server;
     server_start(&server, &(struct server_options){0});
@@ -170,7 +170,7 @@ START_TEST(test_server__ambiguous_lengths_are_refused)
     } rows[] = {{"Content-Length: 2\r\nTransfer-Encoding: chunked\r\n", 400},
                 {"Transfer-Encoding: chunked\r\nContent-Length: 2\r\n", 400},
                 {"Transfer-Encoding: gzip\r\n", 411},
-                {"Transfer-Encoding: chunked\r\n", 400} /* and no chunk after it */,
+                {"Transfer-Encoding: chunked\r\n", 400} /* no chunk follows */,
                 {"Transfer-Encoding: chunked\r\nTransfer-Encoding: identity\r\n", 400},
                 {"Content-Length: 2\r\nContent-Length: 3\r\n", 400},
                 {"Content-Length: 2\r\nContent-Length: 2\r\n", 400},
@@ -196,7 +196,7 @@ START_TEST(test_server__ambiguous_lengths_are_refused)
 }
 END_TEST
 
-START_TEST(test_server__body_is_asked_for_only_if_wanted)
+START_TEST(test_server__body_is_requested_only_if_accepted)
 {
     struct server server;
     server_start(&server, &(struct server_options){.body_bytes = 1000});
@@ -279,7 +279,7 @@ END_TEST
 
 enum { POLLS = 64 };
 
-/* Opens long polls on a job, `count` of them. */
+/* Opens `count` long polls on a job. */
 static void open_polls(const struct server *server, const char *path, const char *fields, int *fds,
                        int count)
 {
@@ -350,7 +350,7 @@ START_TEST(test_server__long_poll_ends_with_its_time)
 }
 END_TEST
 
-START_TEST(test_server__long_poll_of_a_job_that_goes)
+START_TEST(test_server__long_poll_of_a_deleted_job)
 {
     struct server server;
     server_start(&server, &(struct server_options){0});
@@ -405,7 +405,7 @@ START_TEST(test_server__waiting_requests_are_bounded)
 }
 END_TEST
 
-START_TEST(test_server__vanished_waiters_do_no_harm)
+START_TEST(test_server__disconnected_waiters_do_no_harm)
 {
     struct server server;
     server_start(&server, &(struct server_options){0});
@@ -425,7 +425,7 @@ START_TEST(test_server__vanished_waiters_do_no_harm)
 }
 END_TEST
 
-START_TEST(test_server__stop_answers_those_who_wait)
+START_TEST(test_server__stop_answers_waiting_requests)
 {
     struct server server;
     server_start(&server, &(struct server_options){0});
@@ -461,7 +461,7 @@ START_TEST(test_server__drain_refuses_new_jobs_only)
 }
 END_TEST
 
-/* Lets files grow to `bytes` at most, as a full disk would. */
+/* Lets files grow to `bytes` at most, like a disk that becomes full. */
 static void limit_files(rlim_t bytes)
 {
     struct rlimit size;
@@ -470,7 +470,7 @@ static void limit_files(rlim_t bytes)
     ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &size), 0);
 }
 
-START_TEST(test_server__store_that_takes_no_writes_is_said)
+START_TEST(test_server__store_that_takes_no_writes_is_reported)
 {
     static const char job[] = "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 8}}";
     struct server server;
@@ -564,7 +564,7 @@ static void *submit_keyed(void *arg)
     return NULL;
 }
 
-START_TEST(test_server__one_key_is_one_job_also_at_once)
+START_TEST(test_server__concurrent_submits_with_one_key_are_one_job)
 {
     struct server server;
     server_start(&server, &(struct server_options){0});
@@ -603,7 +603,7 @@ START_TEST(test_server__listening_socket_stays_the_callers)
     struct server server;
     server_start(&server, &(struct server_options){0});
     pen_http_stop(server.http);
-    int fd = server_connect(&server); /* into the backlog: the socket still listens */
+    int fd = server_connect(&server); /* waits in the backlog: the socket still listens */
     struct pen_status st;
     const struct pen_http_options again = {
         .listen_fd = server.listen_fd, .store_url = server.store, .limits = pen_limits_default()};
@@ -630,16 +630,17 @@ START_TEST(test_server__unusable_store_is_an_error)
 END_TEST
 
 PEN_SUITE("server", test_server__partial_requests_are_ended,
-          test_server__broken_off_uploads_leave_nothing,
+          test_server__aborted_uploads_leave_nothing,
           test_server__pipelined_requests_are_answered_in_order,
           test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
-          test_server__ambiguous_lengths_are_refused, test_server__body_is_asked_for_only_if_wanted,
-          test_server__endless_chunks_are_dropped, test_server__body_limit_is_exact,
-          test_server__old_clients_are_served, test_server__long_polls_end_with_the_job,
-          test_server__long_poll_ends_with_its_time, test_server__long_poll_of_a_job_that_goes,
-          test_server__waiting_requests_are_bounded, test_server__vanished_waiters_do_no_harm,
-          test_server__stop_answers_those_who_wait, test_server__drain_refuses_new_jobs_only,
-          test_server__store_that_takes_no_writes_is_said,
+          test_server__ambiguous_lengths_are_refused,
+          test_server__body_is_requested_only_if_accepted, test_server__endless_chunks_are_dropped,
+          test_server__body_limit_is_exact, test_server__old_clients_are_served,
+          test_server__long_polls_end_with_the_job, test_server__long_poll_ends_with_its_time,
+          test_server__long_poll_of_a_deleted_job, test_server__waiting_requests_are_bounded,
+          test_server__disconnected_waiters_do_no_harm, test_server__stop_answers_waiting_requests,
+          test_server__drain_refuses_new_jobs_only,
+          test_server__store_that_takes_no_writes_is_reported,
           test_server__concurrent_submits_are_all_kept,
-          test_server__one_key_is_one_job_also_at_once, test_server__jobs_are_rendered,
+          test_server__concurrent_submits_with_one_key_are_one_job, test_server__jobs_are_rendered,
           test_server__listening_socket_stays_the_callers, test_server__unusable_store_is_an_error)

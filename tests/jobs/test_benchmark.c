@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The members of a benchmark: what is refused and where, the rows that a matrix makes, limits. */
+/* Benchmark specs: the errors and their places, the rows that a matrix makes, the limits. */
 #include <stdio.h>
 #include <string.h>
 
 #include "jobs/bench_spec.h"
 #include "support/suite.h"
 
-static struct pen_bench_spec order;
+static struct pen_bench_spec spec;
 static struct pen_errors errors;
 
 static bool read_text(const char *text)
@@ -16,7 +16,7 @@ static bool read_text(const char *text)
     json_t *members = json_loads(text, 0, &error);
     ck_assert_msg(members != NULL, "%s: %s", error.text, text);
     errors = (struct pen_errors){0};
-    bool ok = pen_bench_spec_read(members, &base, &order, &errors);
+    bool ok = pen_bench_spec_read(members, &base, &spec, &errors);
     json_decref(members);
     ck_assert_msg(ok == (errors.count == 0), "%s", text);
     return ok;
@@ -61,7 +61,7 @@ static const struct bad bad_members[] = {
      "must be a key of the matrix"},
 };
 
-START_TEST(test_benchmark__what_is_wrong_is_named_with_its_place)
+START_TEST(test_benchmark__errors_name_their_place)
 {
     for (size_t i = 0; i < sizeof bad_members / sizeof bad_members[0]; i++) {
         const struct bad *bad = &bad_members[i];
@@ -71,32 +71,32 @@ START_TEST(test_benchmark__what_is_wrong_is_named_with_its_place)
         ck_assert_msg(st->code == bad->code, "%s: %s", bad->text, pen_code_name(st->code));
         ck_assert_msg(strcmp(st->at, bad->at) == 0, "%s: at %s", bad->text, st->at);
         ck_assert_msg(strstr(st->msg, bad->words) != NULL, "%s: %s", bad->text, st->msg);
-        pen_bench_spec_release(&order);
+        pen_bench_spec_release(&spec);
     }
 }
 END_TEST
 
-START_TEST(test_benchmark__all_errors_come_together)
+START_TEST(test_benchmark__all_errors_are_collected)
 {
     ck_assert(!read_text("{\"matrix\": {\"threads\": [1, \"x\", -1], \"tile\": [0]},"
                          " \"repeats\": 0, \"warmup\": 99}"));
     ck_assert_uint_eq(errors.count, 5);
-    pen_bench_spec_release(&order);
+    pen_bench_spec_release(&spec);
 }
 END_TEST
 
-START_TEST(test_benchmark__defaults_are_one_row_three_times_after_one)
+START_TEST(test_benchmark__defaults_are_one_row_three_repeats_one_warmup)
 {
     read_good("{}");
-    ck_assert_int_eq(order.row_count, 1);
-    ck_assert_int_eq(order.repeats, 3);
-    ck_assert_int_eq(order.warmup, 1);
-    ck_assert_int_eq(order.baseline, 0);
-    pen_bench_spec_release(&order);
+    ck_assert_int_eq(spec.row_count, 1);
+    ck_assert_int_eq(spec.repeats, 3);
+    ck_assert_int_eq(spec.warmup, 1);
+    ck_assert_int_eq(spec.baseline, 0);
+    pen_bench_spec_release(&spec);
 }
 END_TEST
 
-START_TEST(test_benchmark__rows_come_in_the_order_of_the_document)
+START_TEST(test_benchmark__rows_follow_the_order_of_the_document)
 {
     static const struct {
         int tile, threads, accelerator;
@@ -105,34 +105,34 @@ START_TEST(test_benchmark__rows_come_in_the_order_of_the_document)
                 {32, 0, PEN_ACCEL_NONE}, {32, 0, PEN_ACCEL_AUTO}};
     read_good("{\"matrix\": {\"tile\": [8, 32], \"threads\": [1, 0],"
               " \"accelerator\": [\"none\", \"auto\"]}}");
-    ck_assert_int_eq(order.row_count, 8);
+    ck_assert_int_eq(spec.row_count, 8);
     for (int i = 0; i < 8; i++) {
-        ck_assert_int_eq(order.rows[i].settings.tile, rows[i].tile);
-        ck_assert_int_eq(order.rows[i].settings.threads, rows[i].threads);
-        ck_assert_int_eq(order.rows[i].settings.accelerator, rows[i].accelerator);
-        ck_assert_int_eq(order.rows[i].settings.width, 800);
+        ck_assert_int_eq(spec.rows[i].settings.tile, rows[i].tile);
+        ck_assert_int_eq(spec.rows[i].settings.threads, rows[i].threads);
+        ck_assert_int_eq(spec.rows[i].settings.accelerator, rows[i].accelerator);
+        ck_assert_int_eq(spec.rows[i].settings.width, 800);
     }
-    char *chosen = json_dumps(order.rows[5].varied, 0);
+    char *chosen = json_dumps(spec.rows[5].varied, 0);
     ck_assert_str_eq(chosen, "{\"tile\": 32, \"threads\": 1, \"accelerator\": \"auto\"}");
     free(chosen);
-    pen_bench_spec_release(&order);
+    pen_bench_spec_release(&spec);
 }
 END_TEST
 
-START_TEST(test_benchmark__baseline_is_the_first_row_that_fits)
+START_TEST(test_benchmark__baseline_is_the_first_row_that_matches)
 {
     read_good("{\"matrix\": {\"accelerator\": [\"none\", \"auto\"], \"threads\": [1, 0]},"
               " \"baseline\": {\"accelerator\": \"auto\"}}");
-    ck_assert_int_eq(order.baseline, 2);
-    pen_bench_spec_release(&order);
+    ck_assert_int_eq(spec.baseline, 2);
+    pen_bench_spec_release(&spec);
     read_good("{\"matrix\": {\"accelerator\": [\"none\", \"auto\"], \"threads\": [1, 0]},"
               " \"baseline\": {\"threads\": 0, \"accelerator\": \"auto\"}}");
-    ck_assert_int_eq(order.baseline, 3);
-    pen_bench_spec_release(&order);
+    ck_assert_int_eq(spec.baseline, 3);
+    pen_bench_spec_release(&spec);
 }
 END_TEST
 
-/* A matrix of `seeds` seeds, as text. */
+/* A spec with 2 thread counts and `seeds` seeds, as text. */
 static const char *many_seeds(int seeds)
 {
     static char text[8192];
@@ -148,23 +148,23 @@ static const char *many_seeds(int seeds)
 START_TEST(test_benchmark__rows_are_capped)
 {
     read_good(many_seeds(PEN_BENCH_ROWS_MAX / 2));
-    ck_assert_int_eq(order.row_count, PEN_BENCH_ROWS_MAX);
-    pen_bench_spec_release(&order);
+    ck_assert_int_eq(spec.row_count, PEN_BENCH_ROWS_MAX);
+    pen_bench_spec_release(&spec);
     ck_assert(!read_text(many_seeds(PEN_BENCH_ROWS_MAX / 2 + 1)));
     ck_assert_str_eq(errors.item[0].at, "/matrix");
     ck_assert_ptr_nonnull(strstr(errors.item[0].msg, "makes 258 rows, at most 256"));
-    pen_bench_spec_release(&order);
+    pen_bench_spec_release(&spec);
 }
 END_TEST
 
-/* Checks an order against limits, for a scene without lights and one view. */
+/* Checks a spec against limits, for a scene without lights and one view. */
 static bool check(const char *text, const struct pen_limits *limits, struct pen_status *st)
 {
     struct pen_view_desc view = {.name = "main"};
     struct pen_scene_desc desc = {.view_count = 1, .views = &view};
     read_good(text);
-    bool ok = pen_bench_spec_check(&order, limits, &desc, 1, st);
-    pen_bench_spec_release(&order);
+    bool ok = pen_bench_spec_check(&spec, limits, &desc, 1, st);
+    pen_bench_spec_release(&spec);
     return ok;
 }
 
@@ -186,7 +186,7 @@ END_TEST
 
 START_TEST(test_benchmark__kept_pictures_are_bounded)
 {
-    /* One picture for each seed; the threads' are the same. */
+    /* One picture is kept for each seed; both thread counts give the same one. */
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     limits.pixels_per_view = 3 * 800 * 600;
@@ -198,10 +198,10 @@ START_TEST(test_benchmark__kept_pictures_are_bounded)
 }
 END_TEST
 
-PEN_SUITE("benchmark", test_benchmark__what_is_wrong_is_named_with_its_place,
-          test_benchmark__all_errors_come_together,
-          test_benchmark__defaults_are_one_row_three_times_after_one,
-          test_benchmark__rows_come_in_the_order_of_the_document,
-          test_benchmark__baseline_is_the_first_row_that_fits, test_benchmark__rows_are_capped,
+PEN_SUITE("benchmark", test_benchmark__errors_name_their_place,
+          test_benchmark__all_errors_are_collected,
+          test_benchmark__defaults_are_one_row_three_repeats_one_warmup,
+          test_benchmark__rows_follow_the_order_of_the_document,
+          test_benchmark__baseline_is_the_first_row_that_matches, test_benchmark__rows_are_capped,
           test_benchmark__work_of_all_runs_together_is_bounded,
           test_benchmark__kept_pictures_are_bounded)

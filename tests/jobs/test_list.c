@@ -17,7 +17,7 @@ static json_t *list(const struct pen_list_query *query)
     return answer;
 }
 
-/* The names of the jobs of a page, one letter each. */
+/* The names of the jobs on a page, one letter each. */
 static void names_of(const json_t *page, char *out)
 {
     const json_t *jobs = json_object_get(page, "jobs");
@@ -82,7 +82,7 @@ START_TEST(test_list__state_filters)
 }
 END_TEST
 
-START_TEST(test_list__foreign_cursors_and_limits_are_refused)
+START_TEST(test_list__wrong_cursors_and_limits_are_refused)
 {
     static const char *const bad[] = {
         "", "1", "j", "j0", "jx", "j1x", "j-1", "j99999999999999999999", "J1"};
@@ -104,7 +104,7 @@ START_TEST(test_list__foreign_cursors_and_limits_are_refused)
 }
 END_TEST
 
-START_TEST(test_list__cancel_and_delete_do_as_they_say)
+START_TEST(test_list__cancel_and_delete_follow_the_state)
 {
     struct pen_job_snapshot snapshot;
     struct pen_status st;
@@ -128,7 +128,7 @@ START_TEST(test_list__cancel_and_delete_do_as_they_say)
 }
 END_TEST
 
-/* The estimate is of the revision, not of the moment it is asked for. */
+/* The estimate belongs to the revision: reading the same revision later gives the same. */
 START_TEST(test_list__progress_is_frozen_per_revision)
 {
     static float rgb[64 * 64 * 3];
@@ -169,7 +169,7 @@ START_TEST(test_list__built_in_scenes_are_listed_by_name)
         ck_assert_ptr_nonnull(json_string_value(json_object_get(scene, "title")));
         if (strcmp(json_string_value(json_object_get(scene, "name")), "room") != 0)
             continue;
-        room = true; /* its bodies are all in nine groups */
+        room = true; /* all of its primitives are in nine groups */
         ck_assert_int_gt(json_integer_value(json_object_get(scene, "objects")), 400);
     }
     ck_assert(room);
@@ -256,7 +256,7 @@ START_TEST(test_list__workers_are_shown_with_host_and_work)
 END_TEST
 
 PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps, test_list__state_filters,
-          test_list__foreign_cursors_and_limits_are_refused,
-          test_list__cancel_and_delete_do_as_they_say, test_list__progress_is_frozen_per_revision,
+          test_list__wrong_cursors_and_limits_are_refused,
+          test_list__cancel_and_delete_follow_the_state, test_list__progress_is_frozen_per_revision,
           test_list__built_in_scenes_are_listed_by_name, test_list__problem_of_one_status,
           test_list__problem_of_several_errors, test_list__workers_are_shown_with_host_and_work)

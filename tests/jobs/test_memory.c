@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Out of memory at any allocation: every call says so, leaks nothing (the sanitizer run sees to
- * that), and leaves a store without fault in which the same call then succeeds. */
+/* Out of memory at any allocation: every call reports it, leaks nothing (the run with sanitizers
+ * checks that), and leaves a sound store, in which the same call then succeeds. */
 #include <stdio.h>
 #include <string.h>
 
@@ -12,10 +12,10 @@
 static struct jobs_bed bed;
 static char id[PEN_ID_BYTES];
 
-/* One call that either does its work whole or fails. */
+/* One call that either does all of its work or fails. */
 typedef bool work_fn(struct pen_status *st);
 
-/* Repeats the work with one more allocation each time until none is refused. */
+/* Repeats the call and lets one more allocation succeed each time, until none is refused. */
 static void starve(const char *name, work_fn *work)
 {
     for (long n = 0; n < 1000000; n++) {
@@ -166,7 +166,7 @@ static bool work_open(struct pen_status *st)
     return jobs != NULL;
 }
 
-START_TEST(test_memory__calls_fail_whole_and_then_succeed)
+START_TEST(test_memory__calls_fail_cleanly_and_then_succeed)
 {
     jobs_bed_open(&bed);
     starve("open", work_open);
@@ -187,7 +187,7 @@ START_TEST(test_memory__calls_fail_whole_and_then_succeed)
 }
 END_TEST
 
-START_TEST(test_memory__of_benchmarks_too)
+START_TEST(test_memory__benchmark_calls_fail_cleanly_too)
 {
     jobs_bed_open(&bed);
     starve("submit", work_submit_benchmark);
@@ -205,4 +205,5 @@ START_TEST(test_memory__of_benchmarks_too)
 }
 END_TEST
 
-PEN_SUITE("memory", test_memory__calls_fail_whole_and_then_succeed, test_memory__of_benchmarks_too)
+PEN_SUITE("memory", test_memory__calls_fail_cleanly_and_then_succeed,
+          test_memory__benchmark_calls_fail_cleanly_too)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of jobs: formats, views, the contact sheet, the preview of what is committed so far,
- * and what is refused. */
+/* Pictures of jobs: formats, views, the contact sheet, the preview of committed pixels, errors. */
 #include <stdio.h>
 #include <string.h>
 
@@ -37,7 +36,7 @@ static void finished_job(const char *more)
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
 }
 
-/* The film behind the job's PFM: rows from the bottom, after a header of three lines. */
+/* The job's PFM as a film. A PFM has its rows from the bottom up, after three header lines. */
 static struct pen_film *film_of_job(const char *view, int width, int height)
 {
     struct pen_status st;
@@ -92,7 +91,7 @@ START_TEST(test_results__transfer_of_the_settings_is_applied)
 }
 END_TEST
 
-START_TEST(test_results__tag_and_type_stay_and_differ_by_format)
+START_TEST(test_results__tag_and_type_are_stable_and_differ_by_format)
 {
     struct pen_image first, again, other;
     struct pen_status st;
@@ -113,7 +112,7 @@ START_TEST(test_results__tag_and_type_stay_and_differ_by_format)
 }
 END_TEST
 
-START_TEST(test_results__what_is_not_there_is_refused)
+START_TEST(test_results__missing_views_and_layers_are_refused)
 {
     finished_job(small);
     refuse("left", NULL, NULL, PEN_NOT_FOUND);
@@ -161,7 +160,7 @@ START_TEST(test_results__contact_sheet_holds_the_views_in_a_grid)
         }
         pen_film_free(view);
     }
-    for (int i = 0; i < 24 * 3; i++) /* nothing in the fourth place, and in the gaps */
+    for (int i = 0; i < 24 * 3; i++) /* the fourth cell is empty, and so are the gaps */
         ck_assert(sheet->rgb[3 * (19 * 49 + 25) + i] == 0);
     for (int i = 0; i < 49 * 3; i++)
         ck_assert(sheet->rgb[3 * 18 * 49 + i] == 0);
@@ -176,7 +175,7 @@ START_TEST(test_results__contact_sheet_holds_the_views_in_a_grid)
 }
 END_TEST
 
-/* Commits a batch of the job without rendering: each pixel its own number. */
+/* Commits a batch of the job without rendering: the value of each pixel is its number. */
 static void commit_numbers(const struct pen_claim *claim)
 {
     struct pen_status st;
@@ -242,8 +241,8 @@ END_TEST
 
 PEN_SUITE("results", test_results__formats_are_made_of_the_same_pixels,
           test_results__transfer_of_the_settings_is_applied,
-          test_results__tag_and_type_stay_and_differ_by_format,
-          test_results__what_is_not_there_is_refused,
+          test_results__tag_and_type_are_stable_and_differ_by_format,
+          test_results__missing_views_and_layers_are_refused,
           test_results__only_a_succeeded_job_has_its_picture,
           test_results__contact_sheet_holds_the_views_in_a_grid,
           test_results__preview_shows_committed_pixels_and_is_transparent_elsewhere)

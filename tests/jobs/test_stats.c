@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The statistics object: of one render, and of a job put together from its batches. */
+/* The statistics object: of one render, and of a job, merged from those of its batches. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,7 +67,7 @@ static void check_shape(const json_t *stats)
     ck_assert(number(ms, "max") > 0);
 }
 
-START_TEST(test_stats__of_a_job_is_the_sum_of_its_batches)
+START_TEST(test_stats__job_has_the_sums_of_its_batches)
 {
     jobs_bed_open(&bed);
     jobs_worker_start(&bed);
@@ -90,7 +90,7 @@ START_TEST(test_stats__of_a_job_is_the_sum_of_its_batches)
 }
 END_TEST
 
-START_TEST(test_stats__rays_do_not_depend_on_how_the_job_was_cut)
+START_TEST(test_stats__ray_counts_do_not_depend_on_the_batches)
 {
     json_t *rays[2];
     static const char *const threads[] = {"", ", \"threads\": 1"};
@@ -116,7 +116,7 @@ START_TEST(test_stats__rays_do_not_depend_on_how_the_job_was_cut)
 }
 END_TEST
 
-START_TEST(test_stats__wait_for_the_end_and_then_say_what_is_known)
+START_TEST(test_stats__come_only_after_the_end)
 {
     struct pen_status st;
     jobs_bed_open(&bed);
@@ -135,8 +135,9 @@ START_TEST(test_stats__wait_for_the_end_and_then_say_what_is_known)
 }
 END_TEST
 
-/* The first of two views is too far away; the job says so, whichever batch came last. */
-START_TEST(test_stats__of_a_job_hold_the_least_resolution)
+/* The first of two views is too far away for its resolution. The job warns of it, whichever batch
+ * is committed last. */
+START_TEST(test_stats__job_has_the_lowest_resolution_of_its_views)
 {
     static const char body[] =
         "{\"scene\": {\"format\": \"penumbra-scene/1\", \"ambient\": [1, 1, 1], "
@@ -159,8 +160,8 @@ START_TEST(test_stats__of_a_job_hold_the_least_resolution)
 }
 END_TEST
 
-/* A second job with the same scene neither parses nor builds it again. */
-START_TEST(test_stats__known_scene_costs_no_parse_and_no_build)
+/* The scene of a second job with the same document is neither parsed nor built again. */
+START_TEST(test_stats__cached_scene_costs_no_parse_and_no_build)
 {
     jobs_bed_open(&bed);
     jobs_worker_start(&bed);
@@ -247,7 +248,7 @@ START_TEST(test_stats__percentiles_of_tiles_are_nearest_ranks)
     ck_assert(number(json_object_get(stats, "timing"), "queue_ms") == 1.235);
     ck_assert(!json_object_get(json_object_get(stats, "accelerator"), "box_tests_per_ray"));
     json_decref(stats);
-    render.tests_counted = true; /* what a benchmark knows besides */
+    render.tests_counted = true; /* only benchmarks count tests */
     render.tests = (struct pen_test_counts){.boxes = 50, .primitives = 9};
     render.rays = (struct pen_ray_counts){.primary = 3, .shadow = 1};
     stats = pen_stats_json(&in);
@@ -259,9 +260,8 @@ START_TEST(test_stats__percentiles_of_tiles_are_nearest_ranks)
 }
 END_TEST
 
-PEN_SUITE("stats", test_stats__of_a_job_is_the_sum_of_its_batches,
-          test_stats__rays_do_not_depend_on_how_the_job_was_cut,
-          test_stats__wait_for_the_end_and_then_say_what_is_known,
-          test_stats__of_a_job_hold_the_least_resolution,
-          test_stats__known_scene_costs_no_parse_and_no_build, test_stats__views_share_one_build,
+PEN_SUITE("stats", test_stats__job_has_the_sums_of_its_batches,
+          test_stats__ray_counts_do_not_depend_on_the_batches, test_stats__come_only_after_the_end,
+          test_stats__job_has_the_lowest_resolution_of_its_views,
+          test_stats__cached_scene_costs_no_parse_and_no_build, test_stats__views_share_one_build,
           test_stats__percentiles_of_tiles_are_nearest_ranks)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Benchmark jobs from submit to report, and what ends them before. */
+/* Benchmark jobs, from submit to report, and the ways in which they end early. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,7 +27,7 @@ static const char small[] = "\"render\": {\"width\": 20, \"height\": 10}, \"matr
                             "{\"accelerator\": [\"none\", \"auto\"], \"threads\": [1, 0]},"
                             " \"repeats\": 2, \"baseline\": {\"accelerator\": \"auto\"},";
 
-/* Many runs of about a tenth of a second or more: it is never done before a test has looked. */
+/* Many runs of a tenth of a second or more: the benchmark never ends before a test has seen it. */
 static const char lengthy[] = "\"render\": {\"width\": 300, \"height\": 300, \"tile\": 8,"
                               " \"samples_per_pixel\": 16}, \"repeats\": 100,"
                               " \"matrix\": {\"threads\": [1, 2]},";
@@ -57,7 +57,7 @@ static const char *text_of(const json_t *object, const char *key)
     return text;
 }
 
-START_TEST(test_study__answer_to_a_submit_says_what_was_accepted)
+START_TEST(test_study__answer_to_a_submit_shows_what_was_accepted)
 {
     jobs_bed_open(&bed);
     jobs_submit(&bed, benchmark(small), id);
@@ -78,7 +78,7 @@ START_TEST(test_study__answer_to_a_submit_says_what_was_accepted)
 }
 END_TEST
 
-START_TEST(test_study__report_comes_in_every_form)
+START_TEST(test_study__report_has_every_format)
 {
     static const char *const forms[][2] = {{"html", "text/html; charset=utf-8"},
                                            {"csv", "text/csv; charset=utf-8"},
@@ -163,7 +163,7 @@ static void check_refused(bool ok, const struct pen_status *st, enum pen_code co
     ck_assert_msg(strstr(st->msg, words) != NULL, "%s", st->msg);
 }
 
-START_TEST(test_study__what_a_job_does_not_have_is_refused)
+START_TEST(test_study__missing_results_are_refused)
 {
     struct pen_image_query query = {0};
     struct pen_image image;
@@ -197,7 +197,7 @@ static void wait_for_runs(int runs)
     ck_assert_int_ge(done_runs(), runs);
 }
 
-START_TEST(test_study__cancel_is_felt_within_a_run)
+START_TEST(test_study__cancel_stops_a_run)
 {
     struct pen_job_snapshot snapshot;
     struct pen_status st;
@@ -211,7 +211,7 @@ START_TEST(test_study__cancel_is_felt_within_a_run)
     store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
     int64_t begun_ns = pen_clock_ns();
     json_decref(snapshot.json);
-    /* The next job can only be done once the worker has let go of the first. */
+    /* The next job is done only after the worker has left the first one. */
     ck_assert_int_eq(jobs_wait(&bed, next), PEN_JOB_SUCCEEDED);
     int64_t took_ms = (pen_clock_ns() - begun_ns) / 1000000;
     ck_assert_msg(took_ms < 10000, "it took %lld ms", (long long)took_ms);
@@ -240,7 +240,7 @@ START_TEST(test_study__time_limit_ends_it)
 }
 END_TEST
 
-START_TEST(test_study__worker_that_is_to_end_gives_it_back)
+START_TEST(test_study__stopping_worker_gives_it_back)
 {
     jobs_bed_open(&bed);
     jobs_worker_start(&bed);
@@ -252,7 +252,8 @@ START_TEST(test_study__worker_that_is_to_end_gives_it_back)
     ck_assert_msg(took_ms < 10000, "it took %lld ms", (long long)took_ms);
     struct pen_status st;
     int opened = -1;
-    store_must(pen_store_expire_leases(bed.bed.store, "test:1:1", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.bed.store, "test:1:1", &opened, &st), &st,
+               "expire leases");
     ck_assert_int_eq(opened, 0);
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     ck_assert_int_eq(job.state, PEN_JOB_RUNNING);
@@ -278,7 +279,8 @@ START_TEST(test_study__killed_worker_leaves_no_times_behind)
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     pen_clock_format(pen_clock_wall_ms(), killed);
-    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st,
+               "expire leases");
     ck_assert_int_eq(opened, 1);
     jobs_worker_start(&bed);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
@@ -296,9 +298,9 @@ START_TEST(test_study__killed_worker_leaves_no_times_behind)
 }
 END_TEST
 
-PEN_SUITE("study", test_study__answer_to_a_submit_says_what_was_accepted,
-          test_study__report_comes_in_every_form, test_study__all_views_of_the_job_are_rendered,
-          test_study__statistics_are_those_of_the_baseline,
-          test_study__what_a_job_does_not_have_is_refused, test_study__cancel_is_felt_within_a_run,
-          test_study__time_limit_ends_it, test_study__worker_that_is_to_end_gives_it_back,
+PEN_SUITE("study", test_study__answer_to_a_submit_shows_what_was_accepted,
+          test_study__report_has_every_format, test_study__all_views_of_the_job_are_rendered,
+          test_study__statistics_are_those_of_the_baseline, test_study__missing_results_are_refused,
+          test_study__cancel_stops_a_run, test_study__time_limit_ends_it,
+          test_study__stopping_worker_gives_it_back,
           test_study__killed_worker_leaves_no_times_behind)

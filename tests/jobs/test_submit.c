@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is accepted and what is refused, with which code, where, and in which words; keys; what an
- * accepted job looks like. */
+/* Submissions that are accepted or refused, with the code, place and words of each error;
+ * idempotency keys; the object of an accepted job. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -136,7 +136,7 @@ START_TEST(test_submit__each_bad_body_is_refused_at_its_place)
 }
 END_TEST
 
-START_TEST(test_submit__errors_of_job_and_scene_come_together)
+START_TEST(test_submit__errors_of_job_and_scene_are_collected)
 {
     static const char body[] =
         "{\"priority\": 1000, \"scene\": {\"format\": \"penumbra-scene/1\", \"camera\":"
@@ -187,7 +187,7 @@ START_TEST(test_submit__too_many_bytes_and_labels_are_refused)
 }
 END_TEST
 
-START_TEST(test_submit__xml_is_a_bare_scene_and_comes_back_as_sent)
+START_TEST(test_submit__xml_is_a_bare_scene_and_is_returned_as_sent)
 {
     static const char xml[] = "<scene name='x'><render width='8' height='6'/><geometries>"
                               "<sphere center='0 0 -9' radius='2'/></geometries></scene>";
@@ -211,7 +211,7 @@ START_TEST(test_submit__xml_is_a_bare_scene_and_comes_back_as_sent)
 }
 END_TEST
 
-START_TEST(test_submit__faults_of_xml_have_lines)
+START_TEST(test_submit__xml_errors_have_lines)
 {
     static const char wide[] = "<scene>\n <camera position='0 0 9' look-at='0 0 0' "
                                "image='9000 9000'/></scene>";
@@ -238,7 +238,7 @@ static double number_of(const json_t *job, const char *key)
     return json_number_value(json_object_get(job, key));
 }
 
-START_TEST(test_submit__bare_scene_is_a_job_of_defaults)
+START_TEST(test_submit__bare_scene_is_a_job_with_defaults)
 {
     jobs_bed_open(&bed);
     jobs_submit(&bed, jobs_scene(", \"render\": {\"width\": 30, \"height\": 20, \"seed\": 7}"), id);
@@ -289,7 +289,7 @@ static bool has_text(const json_t *list, const char *text)
     return false;
 }
 
-START_TEST(test_submit__job_keys_are_kept_and_render_goes_over_the_scene)
+START_TEST(test_submit__job_keys_are_kept_and_render_overrides_the_scene)
 {
     char body[8192];
     jobs_bed_open(&bed);
@@ -326,7 +326,7 @@ START_TEST(test_submit__job_keys_are_kept_and_render_goes_over_the_scene)
 }
 END_TEST
 
-/* The settings an answer shows are settings: sent back they give the same. */
+/* The settings in an answer can be sent back, and give the same answer. */
 START_TEST(test_submit__effective_settings_read_back_as_themselves)
 {
     struct pen_errors errors = {0};
@@ -368,7 +368,7 @@ START_TEST(test_submit__answer_is_the_stored_job)
 }
 END_TEST
 
-START_TEST(test_submit__scene_comes_back_as_accepted)
+START_TEST(test_submit__scene_is_returned_as_sent)
 {
     const char *scene = jobs_scene("");
     struct pen_status st;
@@ -438,7 +438,7 @@ START_TEST(test_submit__ids_are_uuids_of_their_time_in_order)
 }
 END_TEST
 
-/* Batches of a view, one after the other, are all of its tiles. */
+/* The batches of a view, one after the other, hold all of its tiles. */
 struct cover {
     int view, next_tile;
     int64_t pixels;
@@ -479,7 +479,7 @@ START_TEST(test_submit__batches_cover_every_tile_once)
 }
 END_TEST
 
-START_TEST(test_submit__validate_says_the_same_and_stores_nothing)
+START_TEST(test_submit__validate_gives_the_same_errors_and_stores_nothing)
 {
     json_t *answer = NULL;
     jobs_bed_open(&bed);
@@ -504,14 +504,14 @@ START_TEST(test_submit__validate_says_the_same_and_stores_nothing)
 END_TEST
 
 PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
-          test_submit__errors_of_job_and_scene_come_together,
+          test_submit__errors_of_job_and_scene_are_collected,
           test_submit__too_many_bytes_and_labels_are_refused,
-          test_submit__xml_is_a_bare_scene_and_comes_back_as_sent,
-          test_submit__faults_of_xml_have_lines, test_submit__bare_scene_is_a_job_of_defaults,
-          test_submit__job_keys_are_kept_and_render_goes_over_the_scene,
+          test_submit__xml_is_a_bare_scene_and_is_returned_as_sent,
+          test_submit__xml_errors_have_lines, test_submit__bare_scene_is_a_job_with_defaults,
+          test_submit__job_keys_are_kept_and_render_overrides_the_scene,
           test_submit__effective_settings_read_back_as_themselves,
-          test_submit__answer_is_the_stored_job, test_submit__scene_comes_back_as_accepted,
+          test_submit__answer_is_the_stored_job, test_submit__scene_is_returned_as_sent,
           test_submit__key_repeats_the_answer_and_refuses_another_body,
           test_submit__ids_are_uuids_of_their_time_in_order,
           test_submit__batches_cover_every_tile_once,
-          test_submit__validate_says_the_same_and_stores_nothing)
+          test_submit__validate_gives_the_same_errors_and_stores_nothing)

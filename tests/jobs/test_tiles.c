@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The rectangles that commits are told as: together the image, each pixel once. */
+/* The rectangles of commits: together they cover the image, each pixel once. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 enum { WIDTH = 203, HEIGHT = 150 };
 
 struct painted {
-    unsigned char times[2][WIDTH * HEIGHT]; /* how often each pixel was told, by view */
+    unsigned char times[2][WIDTH * HEIGHT]; /* how often each pixel was covered, by view */
     int rectangles, parts, left;
     int64_t revision, first_revision;
 };
@@ -87,7 +87,7 @@ START_TEST(test_tiles__cover_the_image_once)
 }
 END_TEST
 
-START_TEST(test_tiles__of_no_job_are_not_found)
+START_TEST(test_tiles__of_an_unknown_job_are_not_found)
 {
     static struct jobs_bed bed;
     static struct painted painted;
@@ -99,4 +99,5 @@ START_TEST(test_tiles__of_no_job_are_not_found)
 }
 END_TEST
 
-PEN_SUITE("tiles of jobs", test_tiles__cover_the_image_once, test_tiles__of_no_job_are_not_found)
+PEN_SUITE("tiles of jobs", test_tiles__cover_the_image_once,
+          test_tiles__of_an_unknown_job_are_not_found)

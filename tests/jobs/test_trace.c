@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where the threads of a worker are, and which one crashed. */
+/* The trace of a worker: the pixels of its threads, and the thread that crashed. */
 #include <pthread.h>
 
 #include "jobs/trace.h"
@@ -14,7 +14,7 @@ static void *crash_elsewhere(void *user)
     return NULL;
 }
 
-START_TEST(test_trace__says_where_the_only_thread_is)
+START_TEST(test_trace__finds_the_only_rendering_thread)
 {
     int x = 1, y = 1;
     ck_assert(!pen_trace_where(&trace, &x, &y));
@@ -24,16 +24,16 @@ START_TEST(test_trace__says_where_the_only_thread_is)
     pen_trace_pixel(&trace, 5, 12, 65536);
     ck_assert(pen_trace_where(&trace, &x, &y));
     ck_assert(x == 12 && y == 65536);
-    pen_trace_pixel(&trace, 0, 1, 2); /* now there are two, and it could be either */
+    pen_trace_pixel(&trace, 0, 1, 2); /* now two threads render, and either may have crashed */
     ck_assert(!pen_trace_where(&trace, &x, &y));
     pen_trace_idle(&trace);
     ck_assert(!pen_trace_where(&trace, &x, &y));
-    pen_trace_pixel(&trace, PEN_TRACE_THREADS, 1, 2); /* more threads than it has room for */
+    pen_trace_pixel(&trace, PEN_TRACE_THREADS, 1, 2); /* one thread more than the trace holds */
     ck_assert(!pen_trace_where(&trace, &x, &y));
 }
 END_TEST
 
-START_TEST(test_trace__says_where_the_thread_is_that_crashed)
+START_TEST(test_trace__finds_the_crashed_thread)
 {
     int x, y, other = 9;
     pthread_t thread;
@@ -48,5 +48,5 @@ START_TEST(test_trace__says_where_the_thread_is_that_crashed)
 }
 END_TEST
 
-PEN_SUITE("trace", test_trace__says_where_the_only_thread_is,
-          test_trace__says_where_the_thread_is_that_crashed)
+PEN_SUITE("trace", test_trace__finds_the_only_rendering_thread,
+          test_trace__finds_the_crashed_thread)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How often a worker goes to the store: transactions are what a queue of small jobs is made of. */
+/* How many transactions a worker makes: with a queue of small jobs they are most of its cost. */
 #include <string.h>
 
 #include "support/jobs.h"
@@ -7,9 +7,11 @@
 
 static struct jobs_bed bed;
 
-enum { CLAIM, COMMIT, FAIL, RELEASE, HEARTBEAT, PACK, OTHER, KINDS };
-static const char *const names[OTHER] = {"claim",   "commit",    "fail",
-                                         "release", "heartbeat", "compress"};
+enum { CLAIM, COMMIT, FAIL, RELEASE, HEARTBEAT, COMPRESS, OTHER, KINDS };
+static const char *const names[OTHER] = {
+    [CLAIM] = "claim",     [COMMIT] = "commit",       [FAIL] = "fail",
+    [RELEASE] = "release", [HEARTBEAT] = "heartbeat", [COMPRESS] = "compress",
+};
 
 static struct {
     pthread_mutex_t lock;
@@ -63,13 +65,13 @@ START_TEST(test_traffic__small_job_is_one_claim_and_one_commit)
     ck_assert_int_eq(seen.calls[COMMIT], 1);
     ck_assert_int_eq(seen.transactions[FAIL] + seen.transactions[RELEASE], 0);
     ck_assert_int_eq(seen.transactions[HEARTBEAT], 0);
-    ck_assert_int_eq(seen.calls[PACK], 1);
-    ck_assert_int_eq(seen.transactions[OTHER], 2); /* the worker comes and goes */
+    ck_assert_int_eq(seen.calls[COMPRESS], 1);
+    ck_assert_int_eq(seen.transactions[OTHER], 2); /* worker_seen and worker_gone */
     jobs_bed_close(&bed);
 }
 END_TEST
 
-START_TEST(test_traffic__claims_ride_with_the_commit_before)
+START_TEST(test_traffic__claim_shares_the_transaction_of_the_commit_before)
 {
     enum { JOBS = 12 };
     char id[JOBS][PEN_ID_BYTES];
@@ -96,13 +98,13 @@ START_TEST(test_traffic__job_of_several_batches_is_a_commit_for_each)
     start_observed();
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
     jobs_worker_stop(&bed);
-    ck_assert_int_gt(seen.calls[PACK], 3);
+    ck_assert_int_gt(seen.calls[COMPRESS], 3);
     ck_assert_int_eq(seen.transactions[CLAIM], 1);
-    ck_assert_int_eq(seen.transactions[COMMIT], seen.calls[PACK] + 1); /* and the picture */
+    ck_assert_int_eq(seen.transactions[COMMIT], seen.calls[COMPRESS] + 1); /* and the picture */
     jobs_bed_close(&bed);
 }
 END_TEST
 
 PEN_SUITE("jobs traffic", test_traffic__small_job_is_one_claim_and_one_commit,
-          test_traffic__claims_ride_with_the_commit_before,
+          test_traffic__claim_shares_the_transaction_of_the_commit_before,
           test_traffic__job_of_several_batches_is_a_commit_for_each)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The worker, from a submitted job to its picture: the same bits as a direct render, whatever the
- * batches; failures, cancels, timeouts and deaths on the way. */
+/* The worker, from a submitted job to its picture: the same bits as a direct render, however the
+ * job is divided into batches; failures, cancels, timeouts and deaths of workers. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ static const char several_batches[] =
     ", \"render\": {\"width\": 150, \"height\": 110, \"samples_per_pixel\": 400, \"tile\": 8}";
 static const char one_batch[] = ", \"render\": {\"width\": 40, \"height\": 30}";
 
-/* Renders a bare scene here and now. */
+/* Renders a bare scene without store and worker. */
 static struct pen_film *render_directly(const char *text)
 {
     struct pen_arena *arena = pen_arena_new(0);
@@ -106,7 +106,7 @@ START_TEST(test_worker__several_batches_give_the_pixels_of_a_direct_render)
 }
 END_TEST
 
-/* Pixels are packed in slices, while others are still rendered. */
+/* Pixels are compressed in slices while others are still rendered. */
 START_TEST(test_worker__large_batches_give_the_pixels_of_a_direct_render)
 {
     static const char *const sizes[] = {
@@ -127,7 +127,7 @@ START_TEST(test_worker__large_batches_give_the_pixels_of_a_direct_render)
 }
 END_TEST
 
-START_TEST(test_worker__views_are_rendered_each_from_its_camera)
+START_TEST(test_worker__each_view_is_rendered_from_its_camera)
 {
     static const char views[] =
         ", \"views\": [{\"name\": \"near\"}, {\"name\": \"far\", \"camera\": {\"position\":"
@@ -200,7 +200,7 @@ START_TEST(test_worker__cancel_reaches_a_running_batch)
     int64_t begin_ns = pen_clock_ns();
     ck_assert_int_eq(snapshot.state, PEN_JOB_CANCELLED);
     json_decref(snapshot.json);
-    /* The next job can only be done once the worker has let go of the first. */
+    /* The next job is done only after the worker has left the first one. */
     ck_assert_int_eq(jobs_wait(&bed, next), PEN_JOB_SUCCEEDED);
     int64_t took_ms = (pen_clock_ns() - begin_ns) / 1000000;
     ck_assert_msg(took_ms < 10000, "it took %lld ms", (long long)took_ms);
@@ -233,7 +233,7 @@ START_TEST(test_worker__job_that_takes_too_long_fails)
 }
 END_TEST
 
-/* A batch may be done before the heartbeat has looked once. */
+/* A batch may be done before the first check of the heartbeat. */
 START_TEST(test_worker__short_job_that_takes_longer_than_its_timeout_fails)
 {
     char body[4200];
@@ -248,7 +248,7 @@ START_TEST(test_worker__short_job_that_takes_longer_than_its_timeout_fails)
 }
 END_TEST
 
-/* Time runs from the first claim on, also while nobody works on the job. */
+/* The timeout counts from the first claim, also while no worker has the job. */
 START_TEST(test_worker__job_whose_time_ran_out_between_batches_fails)
 {
     struct pen_status st;
@@ -342,7 +342,7 @@ END_TEST
 PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__several_batches_give_the_pixels_of_a_direct_render,
           test_worker__large_batches_give_the_pixels_of_a_direct_render,
-          test_worker__views_are_rendered_each_from_its_camera,
+          test_worker__each_view_is_rendered_from_its_camera,
           test_worker__cancel_reaches_a_running_batch, test_worker__job_that_takes_too_long_fails,
           test_worker__short_job_that_takes_longer_than_its_timeout_fails,
           test_worker__job_whose_time_ran_out_between_batches_fails,

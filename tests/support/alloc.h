@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Allocations that fail on request. Included by one file of a test program, this defines the
- * program's malloc, calloc, realloc and aligned_alloc, which pass on to the system's. A test lets
- * the n-th allocation fail for every n until its work succeeds:
+/* Allocations that fail on request. One file of a test program includes this header, which defines
+ * the program's malloc, calloc, realloc and aligned_alloc; they call the system's functions. A test
+ * lets the n-th allocation fail for every n until its work succeeds:
  *
  *     for (long n = 0; ; n++) {
  *         alloc_fail_after(n);
@@ -39,8 +39,7 @@ static inline bool alloc_succeed(void)
     return alloc_state.refused;
 }
 
-/* The sanitizers' own start-up allocates through these functions too, before it is ready to
- * watch them. */
+/* The start-up of the sanitizers calls these functions too, before their instrumentation works. */
 #define ALLOC_UNWATCHED __attribute__((no_sanitize("thread"), no_sanitize("address")))
 
 ALLOC_UNWATCHED static bool alloc_refuse(void)
@@ -50,7 +49,8 @@ ALLOC_UNWATCHED static bool alloc_refuse(void)
     return alloc_state.refused = true;
 }
 
-/* The system's function of that name; ISO C has no cast from dlsym's object pointer. */
+/* The system's function of that name. ISO C has no cast from the object pointer that dlsym returns
+ * to a function pointer. */
 #define ALLOC_SYSTEM(type, name)                                                                   \
     static type system_##name;                                                                     \
     if (!system_##name) {                                                                          \

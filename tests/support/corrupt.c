@@ -27,8 +27,8 @@ static size_t somewhere(struct random *random, const struct corrupt_text *text)
     return random_below(random, (uint32_t)text->bytes + 1);
 }
 
-/* The next digit becomes another, or what stands beside digits: the text mostly stays well-formed.
- */
+/* Changes the next digit to another, or to a character that numbers have: the text mostly stays
+ * well-formed. */
 static void change_digit(struct random *random, struct corrupt_text *text, size_t at)
 {
     while (at < text->bytes && (text->data[at] < '0' || text->data[at] > '9'))

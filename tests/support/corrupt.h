@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Text with changes of the kind that typing, cutting, pasting and transmission make, for property
+/* Random changes of a text, like those of typing, cutting, pasting and transmission, for property
  * tests of readers. */
 #ifndef TESTS_SUPPORT_CORRUPT_H
 #define TESTS_SUPPORT_CORRUPT_H
@@ -15,17 +15,17 @@ struct corrupt_text {
     size_t bytes;
 };
 
-/* What a language is made of: inserted here and there. */
+/* The pieces of a language that are inserted at random. */
 struct corrupt_kind {
     const char *const *piece;
     size_t count;
 };
 
-/* Reads a file, at most half of what there is room for; the test fails if it cannot. */
+/* Reads a file, which may fill half of the buffer at most; the test fails if it cannot be read. */
 void corrupt_read(const char *path, struct corrupt_text *text);
 
-/* One change: a piece or a byte put in, a part taken out or put in again elsewhere, a byte or a
- * digit changed. */
+/* Makes one change: inserts a piece or a byte, removes a part or copies it elsewhere, or changes a
+ * byte or a digit. */
 void corrupt(struct random *random, struct corrupt_text *text, const struct corrupt_kind *kind);
 
 #endif

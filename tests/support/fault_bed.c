@@ -50,7 +50,7 @@ void fault_bed_renew(struct fault_bed *b)
 
 void fault_bed_open(struct fault_bed *b)
 {
-    pen_log_set_level(PEN_LOG_ERROR + 1); /* thousands of lines */
+    pen_log_set_level(PEN_LOG_ERROR + 1); /* the failures would log thousands of lines */
     faults_install();
     struct store_job in;
     store_bed_open(&b->bed);

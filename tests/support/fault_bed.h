@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* A store with a job in every situation, over a disk that can fail: opened anew from the same
- * template as often as a test likes. Also the ways to fail that tests go through. */
+/* A store with jobs in every state, on a disk that can fail. A test can restore it from the same
+ * template any number of times. Also the fault plans that tests go through. */
 #ifndef TESTS_SUPPORT_FAULT_BED_H
 #define TESTS_SUPPORT_FAULT_BED_H
 
 #include "support/faults.h"
 #include "support/store.h"
 
-/* Numbers of the jobs in the template, for fault_bed_id; the last one is in none. */
+/* Numbers of the jobs in the template, for fault_bed_id. FAULT_FRESH is not in the template. */
 enum { FAULT_QUEUED = 1, FAULT_HALF = 2, FAULT_LAST = 3, FAULT_ENDED = 4, FAULT_FRESH = 5 };
 
 struct fault_bed {
@@ -17,21 +17,22 @@ struct fault_bed {
                                  batch of FAULT_LAST */
 };
 
-/* Installs the disk, and makes the template; the log is silent but for worse than errors. */
+/* Installs the disk, makes the template, and turns the log off. */
 void fault_bed_open(struct fault_bed *b);
 void fault_bed_close(struct fault_bed *b);
 
-/* Puts the template in the store's place, which nobody may have open. */
+/* Replaces the store by the template. No handle may have the store open. */
 void fault_bed_renew(struct fault_bed *b);
 
-/* Owns: static, until the next call. */
+/* The id of a job. Owns: static, valid until the next call. */
 const char *fault_bed_id(int number);
 
-/* To be tried for n = 1, 2 and on. */
+/* The plans, to be tried with n = 1, 2, 3, … */
 enum { FAULT_PLANS = 12 };
 extern const struct fault_plan fault_plans[FAULT_PLANS];
 
-/* Fails the test unless a call that failed under a plan says so: by its code, with the store. */
+/* Fails the test unless the status of a call that failed under a plan fits the plan: its code, and
+ * a text that names the store. */
 void fault_bed_check_refusal(const struct fault_bed *b, const struct fault_plan *plan,
                              const struct pen_status *st, const char *what);
 

@@ -13,7 +13,7 @@
 
 enum { FILES_MAX = 16, SECTOR_BYTES = 512 };
 
-/* What the disk is known to hold of a file. */
+/* The contents of a file that are known to be on the disk. */
 struct durable {
     char path[256];
     unsigned char *data;
@@ -86,7 +86,7 @@ static int file_close(sqlite3_file *base)
 
 static int file_read(sqlite3_file *base, void *out, int bytes, sqlite3_int64 at)
 {
-    if (fails(FAULT_READ)) /* as the system's does */
+    if (fails(FAULT_READ)) /* as the system's VFS does */
         return disk.plan.error == EIO ? SQLITE_IOERR_CORRUPTFS : SQLITE_IOERR_READ;
     return below(base)->xRead(of(base)->real, out, bytes, at);
 }
@@ -210,7 +210,7 @@ static struct durable *find_durable(const char *path)
     return NULL;
 }
 
-/* A file met for the first time is taken for synced as it is. */
+/* A file that is seen for the first time counts as synced. */
 static void open_durable(struct file *file, const char *path)
 {
     file->durable = path ? find_durable(path) : NULL;
@@ -343,7 +343,7 @@ static unsigned char *read_file(const char *path, sqlite3_int64 *bytes)
     return data;
 }
 
-/* Of each sector that differs, either what was synced or what was written. */
+/* For each sector that differs, chooses either the synced or the written contents. */
 static void lose_unsynced(const struct durable *durable, struct random *random)
 {
     sqlite3_int64 bytes = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A disk that fails on request, below SQLite: a VFS that passes on to the system's. Calls on files
- * are counted by kind; from an armed plan follows which of them fail, and how. It can also remember
- * what was synced, so that a test cuts the power: all that was not synced may be lost, in any part.
+/* A disk that fails on request: a VFS of SQLite that calls the system's VFS. It counts the calls on
+ * files; the armed plan decides which of them fail, and how. It can also remember what was synced,
+ * so that a test can cut the power: then any part of what was not synced may be lost.
  *
  * One plan per process; libcheck runs each test in its own. */
 #ifndef TESTS_SUPPORT_FAULTS_H
@@ -16,7 +16,7 @@ enum fault_call {
     FAULT_READ = 4,
     FAULT_TRUNCATE = 8,
     FAULT_OPEN = 16,
-    FAULT_SHM = 32, /* the shared memory of the log's index */
+    FAULT_SHM = 32, /* the shared memory of the write-ahead log's index */
     FAULT_ALL = 63
 };
 
@@ -27,11 +27,11 @@ enum fault_mode {
 };
 
 struct fault_plan {
-    unsigned calls; /* of enum fault_call: these are counted, and fail */
+    unsigned calls; /* of enum fault_call: the calls that are counted, and fail */
     enum fault_mode mode;
-    long n;    /* from 1 */
-    int error; /* errno */
-    bool torn; /* a write that fails has written half */
+    long n;    /* from 1 on */
+    int error; /* the errno of the failure */
+    bool torn; /* a write that fails has written half of its bytes */
 };
 
 /* Makes the VFS the default of the process; syncs are not passed on to the disk. */
@@ -39,21 +39,21 @@ void faults_install(void);
 
 void faults_arm(const struct fault_plan *plan);
 
-/* From now on what is synced is remembered, for faults_cut_power: each sync costs a copy of its
- * file. */
+/* From now on the synced contents are remembered, for faults_cut_power. Each sync costs a copy of
+ * the file. */
 void faults_remember(void);
 
-/* Returns how many calls have failed since. */
+/* Lets all calls succeed again. Returns how many have failed since faults_arm. */
 long faults_disarm(void);
 
-/* Whether ever a descriptor was asked to sync after it had failed to. */
+/* Whether any descriptor was synced again after a sync of it had failed. */
 bool faults_synced_again(void);
 
-/* Turns every file written through the VFS into what a disk may hold after a power cut: what was
- * synced, and of the rest any part, by the seed. Files must be closed. */
+/* Gives every file that was written through the VFS contents that a disk may hold after a power
+ * cut: the synced ones, and a part of the others, chosen by the seed. Files must be closed. */
 void faults_cut_power(uint64_t seed);
 
-/* Forgets the files; called when a folder was made anew. */
+/* Forgets all files; call it when a folder was replaced. */
 void faults_forget(void);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the hashes of tests/golden/hashes.txt are of: shared by all who hold films against them. */
+/* How the hashes in tests/golden/hashes.txt are computed, for all tests that compare films with
+ * them. */
 #ifndef TESTS_SUPPORT_GOLDEN_H
 #define TESTS_SUPPORT_GOLDEN_H
 
@@ -9,7 +10,7 @@
 
 #include "scene/scene.h"
 
-/* FNV-1a, 64 bits: begin with this, and add bytes of a value from the lowest on. */
+/* FNV-1a with 64 bits: start with this value, and add the bytes of a number from the lowest on. */
 #define GOLDEN_HASH_BEGIN UINT64_C(14695981039346656037)
 
 static inline uint64_t golden_hash_add(uint64_t h, uint64_t value, int bytes)
@@ -19,7 +20,7 @@ static inline uint64_t golden_hash_add(uint64_t h, uint64_t value, int bytes)
     return h;
 }
 
-/* Of a film's floats. */
+/* The hash of a film's floats. */
 static inline uint64_t golden_hash(const float *film, size_t count)
 {
     uint64_t h = GOLDEN_HASH_BEGIN;
@@ -31,8 +32,8 @@ static inline uint64_t golden_hash(const float *film, size_t count)
     return h;
 }
 
-/* Shrinks the image, keeping its shape, and takes few of many samples, so that all scenes take
- * seconds. */
+/* Reduces the picture's size, but not its shape, and the number of samples, so that all scenes
+ * together take seconds. */
 static inline void golden_shrink(struct pen_settings *s)
 {
     enum { LONGEST_EDGE = 96 };

@@ -19,21 +19,21 @@ struct jobs_bed {
     bool working;
 };
 
-/* In the folder of store_bed_make, if that was called before. */
+/* Opens the bed, in the folder of store_bed_make if that was called before. */
 void jobs_bed_open(struct jobs_bed *bed);
 
-/* Stops the worker if one runs, and closes the store bed, with its audit. */
+/* Stops the worker if one runs, audits the store and closes the bed. */
 void jobs_bed_close(struct jobs_bed *bed);
 
-/* A worker of two threads. */
+/* Starts a worker with two threads, in a thread of this process. */
 void jobs_worker_start(struct jobs_bed *bed);
 void jobs_worker_stop(struct jobs_bed *bed);
 
-/* A worker process of its own, to be killed: "doomed:1:1". Between store_bed_make and
- * jobs_bed_open, so that it has no handle of this process. */
+/* Starts a worker process, "doomed:1:1", for the test to kill. Call it between store_bed_make and
+ * jobs_bed_open: the new process must not inherit a handle on the store. */
 pid_t jobs_worker_fork(const struct jobs_bed *bed);
 
-/* Submits; the test fails with the errors if it is refused. Writes the id. */
+/* Submits a job and writes its id. The test fails with the errors if the job is refused. */
 void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES]);
 
 /* Waits until the job has ended; the test fails after four minutes. */
@@ -42,12 +42,12 @@ enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id);
 /* The job as JSON; the caller json_decref()s. */
 json_t *jobs_get(struct jobs_bed *bed, const char *id);
 
-/* An image in a format; release it. */
+/* The picture of a view in a format; release it. */
 struct pen_buf jobs_image(struct jobs_bed *bed, const char *id, const char *view,
                           const char *format);
 
-/* A scene of a few primitives with lights and a mirror; `more` goes before the closing brace, such
- * as
+/* A scene of a few primitives with lights and a mirror. `more` is inserted before the closing
+ * brace:
  * ", \"render\": {…}". */
 const char *jobs_scene(const char *more);
 

@@ -125,7 +125,7 @@ struct pen_object_desc *kit_cylinder(struct kit *kit, struct pen_vec3 base, stru
     return o;
 }
 
-/* The members move to the end of the array, where the top level does not reach. */
+/* The group's objects move to the end of the array, behind those of the top level. */
 struct pen_object_desc *kit_group(struct kit *kit, uint32_t first,
                                   const struct pen_transform *transform)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds small scenes in code and looks at their pixels. A kit is large: keep it static. */
+/* Builds small scenes in code and renders their pixels. A kit is large: keep it static. */
 #ifndef TESTS_SUPPORT_KIT_H
 #define TESTS_SUPPORT_KIT_H
 
@@ -9,7 +9,7 @@
 enum { KIT_OBJECTS = 256, KIT_MATERIALS = 64, KIT_LIGHTS = 16, KIT_VERTICES = 2048 };
 
 struct kit {
-    struct pen_scene_desc desc; /* to be changed freely before kit_freeze */
+    struct pen_scene_desc desc; /* a test may change it before kit_freeze */
     struct pen_settings settings;
     struct pen_view_desc view;
     struct pen_object_desc objects[KIT_OBJECTS];
@@ -30,7 +30,7 @@ int kit_material(struct kit *kit, struct pen_material material);
 struct pen_material kit_matte(double kd);
 struct pen_material kit_glow(double r, double g, double b); /* emission only */
 
-/* Add an object at the top level; what is returned may be changed further. */
+/* Add an object at the top level. The test may change the returned object further. */
 struct pen_object_desc *kit_sphere(struct kit *kit, struct pen_vec3 center, double radius,
                                    int material);
 struct pen_object_desc *kit_plane(struct kit *kit, struct pen_vec3 point, struct pen_vec3 normal,
@@ -44,14 +44,14 @@ struct pen_object_desc *kit_tube(struct kit *kit, struct pen_vec3 origin, struct
 struct pen_object_desc *kit_cylinder(struct kit *kit, struct pen_vec3 base, struct pen_vec3 axis,
                                      double radius, double height, int material);
 
-/* A square of side 2 `half` across the z axis, facing +z. */
+/* A square with sides of 2 `half`, perpendicular to the z axis and centred on it, facing +z. */
 struct pen_object_desc *kit_sheet(struct kit *kit, double z, double half, int material);
 
-/* Puts all objects from number `first` on into one group with a transform. */
+/* Moves all objects from number `first` on into one group with a transform. */
 struct pen_object_desc *kit_group(struct kit *kit, uint32_t first,
                                   const struct pen_transform *transform);
 
-/* Add a light, casting shadows, without attenuation. */
+/* Add a light that casts shadows and has no attenuation. */
 struct pen_light_desc *kit_point(struct kit *kit, struct pen_vec3 position,
                                  struct pen_vec3 intensity);
 struct pen_light_desc *kit_directional(struct kit *kit, struct pen_vec3 direction,
@@ -59,33 +59,35 @@ struct pen_light_desc *kit_directional(struct kit *kit, struct pen_vec3 directio
 struct pen_light_desc *kit_spot(struct kit *kit, struct pen_vec3 position,
                                 struct pen_vec3 direction, struct pen_vec3 intensity);
 
-/* Applies a map to every point of the scene; lengths and directions stay. */
+/* Applies a map to every point of the scene. Lengths and directions do not change. */
 typedef struct pen_vec3 kit_point_fn(struct pen_vec3 p, double by);
 void kit_map_points(struct kit *kit, kit_point_fn *map, double by);
 
-/* Maps: times a number; moved by as much along x and by multiples of it along y and z; x times a
- * number, -1 in a mirror, whose directions are turned by kit_mirror_directions. */
+/* Maps for kit_map_points:
+ *   kit_times      multiplies by a number
+ *   kit_moved      moves by a number along x, and by multiples of it along y and z
+ *   kit_mirrored   multiplies x by a number, -1 for a mirror image; kit_mirror_directions then
+ *                  mirrors the directions */
 struct pen_vec3 kit_times(struct pen_vec3 p, double by);
 struct pen_vec3 kit_moved(struct pen_vec3 p, double by);
 struct pen_vec3 kit_mirrored(struct pen_vec3 p, double by);
 void kit_mirror_directions(struct kit *kit);
 
-/* Lengths times s, with the lights' falling off, so that a scene whose points are scaled as well
- * looks the same. */
+/* Multiplies lengths by s, and adapts the attenuation of lights, so that a scene whose points are
+ * scaled too looks the same. */
 void kit_scale_lengths(struct kit *kit, double s);
 
-/* Freezes with the accelerator of the settings; the test fails if that fails. */
+/* Freezes the scene with the accelerator of the settings. The test fails if that fails. */
 struct pen_scene *kit_freeze(struct kit *kit);
 
-/* Freezes, renders pixel (x, y), frees. */
+/* Freezes the scene, renders pixel (x, y) and frees the scene. */
 struct pen_vec3 kit_pixel(struct kit *kit, int x, int y, struct pen_ray_counts *rays);
 
 /* The film of a frozen scene's first view; free() it. */
 float *kit_film(const struct pen_scene *scene, const struct pen_settings *settings, int threads);
 
-/* A scene with every kind of primitive and light, glass, mirrors, hard and soft shadows; 40 x 30
- * pixels.
- */
+/* Makes a scene with every kind of primitive and light, glass, mirrors, hard and soft shadows, with
+ * 40 x 30 pixels. */
 void kit_medley(struct kit *kit);
 
 #endif

@@ -36,7 +36,7 @@ static json_t *at(const struct spot *spot)
                      : json_array_get(spot->parent, spot->index);
 }
 
-/* Steals value. */
+/* Replaces a member or element; takes the reference to value. */
 static void put(const struct spot *spot, json_t *value)
 {
     if (spot->key)
@@ -95,7 +95,7 @@ static json_t *odd_value(struct random *random)
     return json_loads(values[random_below(random, (uint32_t)count)], JSON_DECODE_ANY, NULL);
 }
 
-/* A key of the format, so that it may or may not belong where it is put. */
+/* A random key of the format; it may be wrong where it is put. */
 static const char *some_key(struct random *random)
 {
     static const char *const keys[] = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes changed at random, for property tests: a member or element of a document is removed,
+/* Random changes of scenes, for property tests: a member or element of a document is removed,
  * copied elsewhere, negated, or replaced by a value or key that the format has somewhere. */
 #ifndef TESTS_SUPPORT_MUTATE_H
 #define TESTS_SUPPORT_MUTATE_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the two halves of the oracle share: its primitives, lights and small vector sums. */
+/* The types and vector functions that the two files of the oracle share. */
 #ifndef TESTS_SUPPORT_ORACLE_PARTS_H
 #define TESTS_SUPPORT_ORACLE_PARTS_H
 
@@ -68,13 +68,13 @@ enum oracle_kind {
 struct oracle_primitive {
     enum oracle_kind kind;
     struct oracle_material material;
-    struct point origin; /* centre, a point of the plane or axis, the base's centre */
+    struct point origin; /* the centre, a point of the plane or axis, or the centre of the base */
     struct point
         axis; /* unit: of the infinite cylinder or cylinder; the normal of a flat primitive */
     real radius, height;
     real top; /* radius of a cone at its height */
     bool caps;
-    int count; /* of a ring's corners: triangles and polygons */
+    int count; /* corners of a triangle or polygon */
     struct point *corners;
 };
 
@@ -95,7 +95,7 @@ struct oracle_scene {
     bool square_pixels; /* the plane's width follows the image's shape */
     int max_depth;
     real min_contribution;
-    real tie; /* distances nearer than this are the same place */
+    real tie; /* distances that differ by less count as the same place */
     int body_count, body_capacity, light_count;
     struct oracle_primitive *primitives;
     struct oracle_light *lights;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The oracle's reader: a scene file to primitives in world space, straight from the JSON tree. */
+/* The oracle's reader: from the JSON tree of a scene file to primitives in world space. */
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #include "support/oracle_parts.h"
 
 struct map {
-    struct point x, y, z, shift; /* the images of the unit vectors, and of the origin */
+    struct point x, y, z, shift; /* where the unit vectors and the origin are mapped */
 };
 
 static const struct map stay = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};
@@ -55,7 +55,7 @@ static struct point triple_or(const json_t *o, const char *key, real otherwise)
     return (struct point){n, n, n};
 }
 
-/* A vector turned about a unit axis by the right-hand rule. */
+/* A vector rotated about a unit axis by the right-hand rule. */
 static struct point turned(struct point v, struct point axis, real degrees)
 {
     real a = degrees * 3.14159265358979323846264338327950288L / 180;
@@ -116,7 +116,7 @@ static struct oracle_primitive *body_add(struct oracle_scene *s)
     return b;
 }
 
-/* Corners to world space; the normal by Newell's sum about the first corner. */
+/* Transforms the corners to world space; computes the normal by Newell's sum about the first. */
 static bool ring_read(const json_t *o, const struct map *m, struct oracle_primitive *b)
 {
     const json_t *list = json_object_get(o, "vertices");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The oracle's optics: the shading model as src/shade/README.md states it, in long double, trying
- * every primitive on every ray. */
+/* The oracle's optics: the shading model of src/shade/README.md in long double; every ray is tested
+ * against every primitive. */
 #include "support/oracle.h"
 #include "support/oracle_parts.h"
 
@@ -105,8 +105,8 @@ static real cone_radius(const struct oracle_primitive *b, real h)
     return b->radius + (b->top - b->radius) * h / b->height;
 }
 
-/* Where the squared distance from the axis is the squared radius, between base and top; then the
- * caps. */
+/* Intersections with a cone: where the squared distance from the axis is the squared radius,
+ * between base and top; then the caps. */
 static int cone_roots(const struct oracle_primitive *b, struct ray ray, real t[4])
 {
     struct point m = point_difference(ray.from, b->origin);
@@ -198,7 +198,8 @@ static struct point normal_at(const struct oracle_primitive *b, struct point p, 
     return point_unit(out);
 }
 
-/* The product of kt over what lies strictly between; `reach` HUGE_VALL for a direction. */
+/* The product of kt over all primitives strictly between p and the light. `reach` is HUGE_VALL for
+ * a directional light. */
 static struct point transmittance(const struct oracle_scene *s, struct point p,
                                   struct point direction, real reach)
 {
@@ -214,16 +215,16 @@ static struct point transmittance(const struct oracle_scene *s, struct point p,
     return clear;
 }
 
-/* Any unit vector across a unit vector. */
+/* A unit vector perpendicular to a unit vector. */
 static struct point across(struct point n)
 {
     struct point other = fabsl(n.x) < 0.5L ? (struct point){1, 0, 0} : (struct point){0, 1, 0};
     return point_unit(point_cross(n, other));
 }
 
-/* T(p) of a light with a disk, by points in a sunflower pattern, which has equal areas per point
- * and shares nothing with the renderer's sampling. `direction` is the unit direction to the disk's
- * centre, `reach` how far. */
+/* T(p) of a light with a disk, from points in a sunflower pattern, which has equal areas per point
+ * and nothing in common with the renderer's sampling. `direction` is the unit direction to the
+ * disk's centre, `reach` the distance. */
 static struct point disk_transmittance(const struct oracle_scene *s,
                                        const struct oracle_light *light,
                                        const struct oracle_material *m, struct point p,
@@ -240,7 +241,7 @@ static struct point disk_transmittance(const struct oracle_scene *s,
         to = point_sum(to, point_times(v, r * sinl(turn)));
         real length = far ? HUGE_VALL : point_length(to);
         struct point t = transmittance(s, p, point_unit(to), length);
-        if (point_dot(n, to) <= 0) /* it comes through the surface at p */
+        if (point_dot(n, to) <= 0) /* this light comes from behind the surface at p */
             t = point_product(t, m->kt);
         sum = point_sum(sum, t);
     }
@@ -281,7 +282,7 @@ static struct point light_at(const struct oracle_scene *s, const struct oracle_l
     return point_product(arriving, term);
 }
 
-/* How far a path has come. */
+/* The state of a path. */
 struct progress {
     struct place after;
     int depth; /* surfaces shaded before */
@@ -290,7 +291,7 @@ struct progress {
 
 static struct point seen(const struct oracle_scene *s, struct ray ray, struct progress path);
 
-/* What a secondary ray adds, its factor applied. */
+/* The colour that a secondary ray adds, multiplied by its factor. */
 static struct point secondary(const struct oracle_scene *s, struct ray ray, struct progress path,
                               struct point factor)
 {

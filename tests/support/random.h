@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Random numbers for property tests: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). A test prints
- * its seed with its failures, and PEN_SEED in the environment repeats it. PEN_FEWER=10 has heavy
- * tests try a tenth of their cases: for builds with sanitizers, which find undefined behaviour, and
- * that does not need rare numbers. */
+ * its seed with its failures, and PEN_SEED in the environment repeats it. PEN_FEWER=10 makes heavy
+ * tests try a tenth of their cases. Builds with sanitizers use that: they find undefined behaviour,
+ * for which rare numbers are not needed. */
 #ifndef TESTS_SUPPORT_RANDOM_H
 #define TESTS_SUPPORT_RANDOM_H
 
@@ -15,7 +15,7 @@ struct random {
     uint64_t state, seed;
 };
 
-/* The seed given, or that of the environment. */
+/* PEN_SEED of the environment if it is set, else the given seed. */
 static inline struct random random_begin(uint64_t seed)
 {
     const char *given = getenv("PEN_SEED");
@@ -23,7 +23,7 @@ static inline struct random random_begin(uint64_t seed)
     return (struct random){seed, seed};
 }
 
-/* By what the cases of heavy tests are divided: 1 unless the environment says more. */
+/* The divisor of the number of cases in heavy tests: PEN_FEWER of the environment, 1 if not set. */
 static inline int random_fewer(void)
 {
     const char *given = getenv("PEN_FEWER");
@@ -31,13 +31,13 @@ static inline int random_fewer(void)
     return fewer > 1 ? fewer : 1;
 }
 
-/* How many of so many cases are tried. */
+/* The number of cases that are tried, out of `count`. */
 static inline int random_cases(int count)
 {
     return (count + random_fewer() - 1) / random_fewer();
 }
 
-/* The step from one n to the next where every n would be tried. */
+/* The step from one n to the next, for tests that would try every n. */
 static inline int random_stride(void)
 {
     return 1 + (random_fewer() - 1) / 3;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Closed rooms of flat primitives. */
+/* Building the closed rooms of rooms.h. */
 #include "support/rooms.h"
 
 typedef struct pen_vec3 vec3;
 
-/* The world that a room is put in, and the frame: turned and far off. */
+/* The world to which a room is added, and the room's frame, which is rotated and moved far away. */
 struct builder {
     struct world *w;
     struct random *r;
@@ -88,7 +88,7 @@ static void add_cube(struct builder *b, bool folded)
     }
 }
 
-/* 6 x 8 patches with corners at 1 ... 1.3 from the middle. */
+/* A ball of 6 x 8 patches whose corners are at 1 to 1.3 from its middle. */
 static void add_ball(struct builder *b)
 {
     enum { STACKS = 6, SLICES = 8 };

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Closed rooms of flat primitives, and places on their surfaces where rays arrive: for rays that
- * are aimed on purpose at edges and corners. */
+/* Closed rooms of flat primitives, from which no ray may escape, and places on their surfaces: for
+ * rays that are aimed at edges and corners. */
 #ifndef TESTS_SUPPORT_ROOMS_H
 #define TESTS_SUPPORT_ROOMS_H
 
 #include "support/world.h"
 
-/* Convex ones come first. Their faces have one outward side or the other, by chance. */
+/* The shapes of rooms; convex ones come first. The orientation of each face is random. */
 enum world_room {
     ROOM_BOX,       /* six quads */
     ROOM_TRIANGLES, /* the same, of twelve triangles */
@@ -18,11 +18,12 @@ enum world_room {
     ROOM_COUNT
 };
 
-/* Makes a room about 2 across, often turned, `far` from the origin; returns a point inside it that
- * sees all walls. */
+/* Makes a room of a size of about 2, often rotated, at a distance of `far` from the origin. Returns
+ * a point inside from which all walls are visible. */
 struct pen_vec3 world_room(struct world *w, struct random *r, enum world_room room, double far);
 
-/* A corner of the room, a point of an edge, or one that is exactly on it if its ends allow. */
+/* A random corner of the room, point of an edge, or point that lies exactly on an edge if the ends
+ * of the edge allow such a point. */
 struct pen_vec3 world_aim(const struct world *w, struct random *r);
 
 /* Where a ray has arrived. */
@@ -32,7 +33,7 @@ struct stand {
     struct pen_origin_surface origin;
 };
 
-/* The point of a hit of a ray that starts on `origin`, as shading computes it. */
+/* The place where a ray that starts on `origin` hits, as shading computes it. */
 struct stand world_stand(const struct world *w, const struct pen_ray *ray,
                          const struct pen_origin_surface *origin, struct pen_hit hit);
 

@@ -110,8 +110,8 @@ bool client_send(int fd, const char *text)
     return true;
 }
 
-/* Reads until the text holds `bytes` bytes, one by one while looking for the end of the head, so
- * that a pipelined answer stays in the socket. */
+/* Reads until the text holds `bytes` bytes. The head is read byte by byte, so that a pipelined
+ * answer stays in the socket. */
 static bool read_up_to(int fd, struct pen_buf *text, size_t bytes)
 {
     char part[4096];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An HTTP server inside the test process, on a free port with a store in a temporary folder, and a
- * client that speaks bytes, so that tests can say what no HTTP library would. */
+ * client that sends plain bytes, so that tests can send what no HTTP library would. */
 #ifndef TESTS_SUPPORT_SERVER_H
 #define TESTS_SUPPORT_SERVER_H
 
@@ -27,21 +27,21 @@ struct server_options {
     size_t body_bytes; /* the limit; 0: the default */
 };
 
-/* Both fail the test when something goes wrong. */
+/* Start and stop the server. The test fails if that fails. */
 void server_start(struct server *server, const struct server_options *options);
 void server_stop(struct server *server);
 
 /* A connected socket whose reads time out after 20 s. */
 int server_connect(const struct server *server);
 
-/* Sends text; false if the other side is gone. */
+/* Sends text. Returns false if the server has closed the connection. */
 bool client_send(int fd, const char *text);
 
-/* Reads one answer: head and body, by its Content-Length. The text is empty if the connection
- * ended or the time is up before. Owns: the caller releases *answer. */
+/* Reads one answer: the head, and a body of its Content-Length. The text is empty if the connection
+ * ends or times out before. Owns: the caller releases *answer. */
 struct answer {
     int status;
-    struct pen_buf text; /* all of it */
+    struct pen_buf text; /* the whole answer */
     const char *body;    /* in text */
 };
 void client_read(int fd, bool head_request, struct answer *answer);
@@ -50,15 +50,15 @@ void answer_release(struct answer *answer);
 /* The value of a field of the answer, or "". */
 const char *answer_field(const struct answer *answer, const char *name, char *out, size_t bytes);
 
-/* Whether the other side closes the connection within `seconds`. */
+/* Whether the server closes the connection within `seconds`. */
 bool client_sees_end(int fd, int seconds);
 
-/* One request on a connection of its own. `head` is a request line and fields, without Host and
- * the empty line; body may be NULL. */
+/* Makes one request on a new connection. `head` is a request line and fields, without Host and the
+ * empty line; body may be NULL. */
 void server_ask(const struct server *server, const char *head, const char *body,
                 struct answer *answer);
 
-/* Submits a small job and gives its path. */
+/* Submits a small job and writes its path. */
 void server_submit(const struct server *server, char path[80]);
 
 #endif

@@ -100,7 +100,7 @@ void world_box(struct world *w, struct pen_vec3 lo, struct pen_vec3 hi)
     }
 }
 
-/* A planar outline: a star-shaped polygon around c. */
+/* Makes a planar, star-shaped polygon around c. */
 static void random_polygon(struct world *w, struct random *random, struct pen_vec3 c, double size)
 {
     static const double circle[8][2] = {{1, 0},  {0.7, 0.7},   {0, 1},  {-0.7, 0.7},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Primitives that a test makes by hand and shoots rays at. */
+/* Primitives that a test makes one by one, and rays through them, without a scene. */
 #ifndef TESTS_SUPPORT_WORLD_H
 #define TESTS_SUPPORT_WORLD_H
 
@@ -8,8 +8,8 @@
 
 enum { WORLD_MAX = 2048 };
 
-/* Holds its own arrays; big, so tests keep it static. Primitive numbers count in order of adding.
- */
+/* Holds its own arrays; it is large, so tests keep it static. Primitives are numbered in the order
+ * in which they are added. */
 struct world {
     struct pen_prims prims;
     struct pen_prim_ref ref[WORLD_MAX];
@@ -39,35 +39,36 @@ uint32_t world_cylinder(struct world *w, struct pen_vec3 base, struct pen_vec3 a
 uint32_t world_cone(struct world *w, struct pen_vec3 base, struct pen_vec3 axis,
                     const double radius[2], double h, bool caps); /* of the base, of the top */
 
-/* A world of its own: a sphere of 16 x 14 patches whose vertices have random radii of 1 ... 6, as
- * 420 triangles that close, as in pbrt's test. */
+/* Makes a world of 420 triangles that form a closed surface: a sphere of 16 x 14 patches whose
+ * vertices have random radii of 1 to 6, as in pbrt's test of watertight triangles. */
 void world_bumpy(struct world *w, struct random *random, struct pen_vec3 middle);
 
-/* Six outward polygons: a box. */
+/* Adds a box of six polygons that face outwards. */
 void world_box(struct world *w, struct pen_vec3 lo, struct pen_vec3 hi);
 
-/* Adds `count` primitives of all kinds, of sizes up to `size`, inside a cube of half-width 1. */
+/* Adds `count` primitives of all kinds, with sizes up to `size`, in a cube of half-width 1. */
 void world_random(struct world *w, struct random *random, uint32_t count, double size);
 
 /* Makes a ray, and fails the test if that is impossible. */
 struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d);
 
-/* What a ray that starts at hit p of the world, reached along v, starts on: its origin surface. */
+/* The origin surface of a ray that starts at a hit p, which was reached along v. */
 struct pen_origin_surface world_origin_surface(const struct world *w, struct pen_hit hit,
                                                struct pen_vec3 p, struct pen_vec3 v, bool through);
 
-/* First intersection after `after` with t <= tmax, by trying all primitives; prim = PEN_NO_PRIM if
- * there is none. */
+/* Finds the first intersection after `after` with t <= tmax, by testing all primitives. prim is
+ * PEN_NO_PRIM if there is none. */
 struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
                              const struct pen_origin_surface *origin,
                              const struct pen_t_interval *interval);
 
-/* How many intersections with 0 < t <= tmax; the first `room` of them, in order, go to hit[]. */
+/* The number of intersections with 0 < t <= tmax; the first `room` of them are stored in hit[], in
+ * order. */
 int world_intersections(const struct world *w, const struct pen_ray *ray,
                         const struct pen_origin_surface *origin, double tmax, struct pen_hit *hit,
                         int room);
 
-/* How many intersections with t > 0 a ray from free space has. */
+/* The number of intersections with t > 0 of a ray that starts in free space. */
 int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d);
 
 #endif
