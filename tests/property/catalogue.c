@@ -57,7 +57,7 @@ void catalogue_markdown(FILE *f)
         const struct catalogue_case *c = catalogue_case(i);
         fprintf(f, "| H%03d | %s | %s%s%s | ", i, c->what, catalogue_status(c), c->why ? ": " : "",
                 c->why ? c->why : "");
-        put_tests(f, i, &(struct style){"`", "`", " ", " (fails as known)"});
+        put_tests(f, i, &(struct style){"`", "`", " ", " (a known defect)"});
         fputs(" |\n", f);
     }
 }
@@ -86,7 +86,7 @@ void catalogue_html(FILE *f)
         fprintf(f, "<tr><td>H%03d<td>%s<td class=%s>%s%s%s<td>", i, c->what,
                 c->status == ROW_TESTED ? "good" : "soft", catalogue_status(c), c->why ? ": " : "",
                 c->why ? c->why : "");
-        put_tests(f, i, &(struct style){"<code>", "</code>", " ", " (fails as known)"});
+        put_tests(f, i, &(struct style){"<code>", "</code>", " ", " (a known defect)"});
         fputc('\n', f);
     }
     fputs("</table>\n", f);

@@ -23,7 +23,7 @@ const char *report_verdict(const struct report_row *row)
         return "not run";
     if (!report_failed(row))
         return "passed";
-    return row->row->known ? "FAILED, as known" : "FAILED";
+    return row->row->known ? "FAILED, a known defect" : "FAILED";
 }
 
 struct report_sums report_sum(const struct report *report)
@@ -118,8 +118,10 @@ static void markdown_prices(const struct report *report, FILE *f)
 {
     if (report->prices == 0)
         return;
-    fputs("\n## The price\n\nPer ray and primitive, one ray against a list in cache, nearest hit "
-          "kept; ns: medians of interleaved runs on a shared machine.\n\n"
+    fputs("\n## Cost\n\nOf one ray and one primitive: a ray is tested against a list of primitives "
+          "in "
+          "the cache, and the nearest hit is kept. ns: medians of interleaved runs on a shared "
+          "machine.\n\n"
           "| primitive | method | ns | instructions |\n|---|---|---|---|\n",
           f);
     for (int i = 0; i < report->prices; i++) {
@@ -134,7 +136,7 @@ void report_markdown(const struct report *report, FILE *f)
     struct report_sums s = report_sum(report);
     fprintf(
         f,
-        "# Stability\n\nSeed %llu, %d processes, %.0f s of processor time, %.0f s by the clock; "
+        "# Stability\n\nSeed %llu, %d processes, %.0f s of processor time, %.0f s of wall time; "
         "%s; compiler %s; oracle: %s.\n\n%d rows tested, %d of them failed; %d pending, %d do "
         "not apply. %llu cases, %llu failures.\n\n"
         "| id | test | what | oracle | cases | failures | verdict | s |\n"
@@ -155,7 +157,7 @@ void report_markdown(const struct report *report, FILE *f)
           f);
     for (int i = 0; i < report->rows; i++)
         markdown_series(&report->row[i], f);
-    fputs("\n## Counted\n\n| id | what | cases |\n|---|---|---|\n", f);
+    fputs("\n## Counts\n\n| id | what was counted | cases |\n|---|---|---|\n", f);
     for (int i = 0; i < report->rows; i++)
         markdown_tallies(&report->row[i], f);
     catalogue_markdown(f);

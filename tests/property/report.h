@@ -22,7 +22,7 @@ struct report {
     struct price price[PRICE_MAX];
 };
 
-/* "passed", "FAILED", "fails as known", "not run", "pending", "does not apply". */
+/* "passed", "FAILED", "FAILED, a known defect", "not run", "pending", "does not apply". */
 const char *report_verdict(const struct report_row *row);
 /* Whether the row makes the suite fail. */
 bool report_failed(const struct report_row *row);

@@ -145,7 +145,7 @@ static void put_series(FILE *f, const struct report_row *row, const struct row_s
             (unsigned long long)s->count, row_quantile(s, .5), row_quantile(s, .999),
             s->over ? "bad" : "good", s->max);
     if (s->bound >= 0)
-        fprintf(f, ", allowed %g", s->bound);
+        fprintf(f, ", bound %g", s->bound);
     fprintf(f,
             "<details><summary>worst case</summary><code>%s</code></details></figcaption>"
             "</figure>\n",
@@ -172,8 +172,9 @@ static void put_prices(FILE *f, const struct report *report)
     if (report->prices == 0)
         return;
     fputs(
-        "<h2>The price</h2><p>Per ray and primitive: one ray against a list in cache, the nearest "
-        "hit kept. ns are medians of interleaved runs on a shared machine.</p><table><tr>"
+        "<h2>Cost</h2><p>Of one ray and one primitive: a ray is tested against a list of "
+        "primitives in the cache, and the nearest hit is kept. ns are medians of interleaved runs "
+        "on a shared machine.</p><table><tr>"
         "<th>primitive<th>method<th>ns<th>instructions\n",
         f);
     for (int i = 0; i < report->prices; i++) {
@@ -202,11 +203,11 @@ void report_html(const struct report *report, FILE *f)
     for (int i = 0; i < report->rows; i++)
         put_failures(f, &report->row[i]);
     fputs(s.failed ? "" : "<p>None.</p>\n", f);
-    fputs(
-        "<h2>Errors</h2><p>How many values (upwards, logarithmic) had which error (to the right, "
-        "logarithmic; the first column is exact or below 2<sup>-8</sup>). The dashed line is what "
-        "is allowed.</p>\n",
-        f);
+    fputs("<h2>Errors</h2><p>The number of values (upwards, logarithmic) with each error (to the "
+          "right, logarithmic; the first column is exact or below 2<sup>-8</sup>). The dashed line "
+          "is "
+          "the bound.</p>\n",
+          f);
     for (int i = 0; i < report->rows; i++)
         for (int k = 0; k < report->row[i].result.series_count; k++)
             put_series(f, &report->row[i], &report->row[i].result.series[k]);

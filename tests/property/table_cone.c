@@ -12,13 +12,14 @@ const struct row row_table_cone[] = {
             "cones of any shape, aimed at sides, caps, rims and the apex, along the axis and the "
             "side: t within 16 ulp or 4u (|f| + size) towards the part; no wrong hit or miss "
             "outside BE(8)",
-        .oracle = "113-bit roots; class by growing and shrinking the body",
+        .oracle = "113-bit roots; class by growing and shrinking the cone",
         .run = rows_cone_roots,
     },
     {
         .id = "H059 cone",
         .name = "cone_left",
-        .what = "a ray that goes on from a cone does not meet it outward, and meets it once inward",
+        .what =
+            "a ray that starts on a cone does not hit it again outwards, and hits it once inwards",
         .oracle = "the normal at the point",
         .run = rows_cone_left,
     },
@@ -32,8 +33,8 @@ const struct row row_table_cone[] = {
     {
         .id = "H095 H096 cone",
         .name = "cone_trees",
-        .what = "paths among cones: every tree, both variants, and shadow rays say what trying all "
-                "primitives says",
+        .what =
+            "paths among cones: every tree, both variants, and shadow rays agree with brute force",
         .oracle = "all primitives, one by one",
         .run = rows_cone_trees,
     },

@@ -56,15 +56,15 @@ const struct row row_table_flat[] = {
         .id = "H044",
         .name = "h044_needle_fan",
         .what = "1000 triangles of apex angle 1e-7 that share a vertex: a ray at the vertex or a "
-                "shared edge meets one",
+                "shared edge hits one",
         .oracle = "count = 1",
         .run = rows_fan,
     },
     {
         .id = "H045",
         .name = "h045_degenerate",
-        .what = "triangles whose vertices lie on one line are refused, all others made, whatever "
-                "their size; t is a number",
+        .what = "triangles whose vertices lie on one line are refused, all others of any size are "
+                "made; t is a number",
         .oracle = "exact cross product",
         .run = rows_degenerate,
     },
@@ -118,7 +118,8 @@ const struct row row_table_flat[] = {
     {
         .id = "H052",
         .name = "h052_star",
-        .what = "a concave star and the triangles in its notches: one is met, and the right one",
+        .what =
+            "a concave star and the triangles in its notches: exactly one is hit, the right one",
         .oracle = "count = 1; exact winding",
         .run = rows_star,
     },
@@ -139,15 +140,16 @@ const struct row row_table_flat[] = {
     {
         .id = "H055",
         .name = "h055_circle",
-        .what = "a circle of 10 000 corners and its complement: one is met at corners and the "
-                "middles of edges",
+        .what =
+            "a circle of 10 000 corners and its complement: exactly one is hit at corners and at "
+            "the middles of edges",
         .oracle = "count = 1",
         .run = rows_circle,
     },
     {
         .id = "H055",
         .name = "h055_circle_area",
-        .what = "the share of random rays that meet the circle of 10 000 corners is its area",
+        .what = "the share of random rays that hit the circle of 10 000 corners is its area",
         .oracle = "closed form, 5 sigma",
         .run = rows_circle_area,
         .full = 40,
@@ -156,7 +158,7 @@ const struct row row_table_flat[] = {
     {
         .id = "H056",
         .name = "h056_huge_beside_small",
-        .what = "a tetrahedron with edges of 1e6 and 1e-6: a line through a point inside meets two "
+        .what = "a tetrahedron with edges of 1e6 and 1e-6: a line through a point inside hits two "
                 "faces",
         .oracle = "exact inside; count = 2",
         .run = rows_huge_small,
@@ -172,7 +174,7 @@ const struct row row_table_flat[] = {
     {
         .id = "H087 O1 plane",
         .name = "h087_plane",
-        .what = "planes met at any angle down to 1e-300: the class is exact, t a number, the point "
+        .what = "planes hit at any angle down to 1e-300: the class is exact, t a number, the point "
                 "within 8 u of the plane",
         .oracle = "113 bits",
         .run = rows_plane,

@@ -28,9 +28,9 @@ const struct row row_table_light[] = {
     {
         .id = "H066",
         .name = "h066_acne",
-        .what = "a primitive without concave places alone, lit at 89.999 degrees and down to 1e-12 "
-                "rad, "
-                "tubes along their axis too, and from inside: the picture without shadows",
+        .what =
+            "a single convex primitive, lit at 89.999 degrees and down to 1e-12 rad, tubes along "
+            "their axis too, and from inside: the same picture as without shadows",
         .oracle = "itself, bit for bit",
         .run = rows_acne,
         .full = 200000,
@@ -49,7 +49,7 @@ const struct row row_table_light[] = {
     {
         .id = "H073",
         .name = "h073_at_seams",
-        .what = "the same from 1e-7 to 1e-14 of a seam, where all is within rounding",
+        .what = "the same from 1e-7 to 1e-14 of a seam, where everything lies within rounding",
         .oracle = "black",
         .run = rows_seam,
         .full = 20000,
@@ -58,7 +58,7 @@ const struct row row_table_light[] = {
     {
         .id = "H073",
         .name = "h073_crossing_walls",
-        .what = "the same where the walls are planes, or quads that reach through each other",
+        .what = "the same where the walls are planes, or quads that cross each other",
         .oracle = "black",
         .run = rows_crossing,
         .full = 20000,

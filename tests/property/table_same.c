@@ -33,7 +33,7 @@ const struct row row_table_same[] = {
         .id = "H101",
         .name = "h101_tiles",
         .what = "every golden film in tiles of 1, 7, 32 and one for all, in tiles in a random "
-                "order, and cancelled in the middle and gone on with",
+                "order, and cancelled in the middle and resumed",
         .oracle = golden,
         .run = rows_films_tiles,
         .full = ALL,
@@ -52,7 +52,7 @@ const struct row row_table_same[] = {
     {
         .id = "H103",
         .name = "h103_films",
-        .what = "every golden film, as this build makes it",
+        .what = "every golden film, as this build renders it",
         .oracle = golden,
         .run = rows_films_plain,
         .full = ALL,
@@ -61,7 +61,7 @@ const struct row row_table_same[] = {
     {
         .id = "H105",
         .name = "h105_mxcsr",
-        .what = "every golden film made by a thread that flushes subnormals, takes them for 0, or "
+        .what = "every golden film made by a thread that flushes subnormals, treats them as 0, or "
                 "rounds down, up or to zero, and so do the threads that it starts",
         .oracle = golden,
         .run = rows_films_states,

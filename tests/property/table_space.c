@@ -19,7 +19,7 @@ const struct row row_table_space[] = {
         .name = "h060_leave_flat",
         .what =
             "from a hit on a triangle, a polygon or a plane of size e^-8 to e^8 at offsets 0 to "
-            "1e9: it is not met again",
+            "1e9: it is not hit again",
         .oracle = "count = 0",
         .run = rows_self_intersection_flat,
         .full = 5000000,
@@ -37,7 +37,7 @@ const struct row row_table_space[] = {
         .id = "H062",
         .name = "h062_dihedral",
         .what =
-            "two triangles at 10^-k rad, k up to 12: from one, into the wedge, the other is met",
+            "two triangles at 10^-k rad, k up to 12: from one, into the wedge, the other is hit",
         .oracle = "construction",
         .run = rows_wedge,
     },
@@ -47,7 +47,7 @@ const struct row row_table_space[] = {
         .what =
             "an opaque sphere in a glass one with gaps of 4e-5 to 64u of the coordinates: it is "
             "always seen, and "
-            "nothing meets itself",
+            "nothing hits itself",
         .oracle = "order of spheres",
         .run = rows_shell,
     },
@@ -55,16 +55,17 @@ const struct row row_table_space[] = {
         .id = "H068 H069",
         .name = "h068_coincident",
         .what =
-            "of two coincident primitives the first in the document is met, by the tree too; on "
-            "leaving it neither is met at the start",
+            "of two coincident primitives the first in the document is hit, by the tree too; a ray "
+            "that starts on it hits neither at its start",
         .oracle = "document order",
         .run = rows_twins,
     },
     {
         .id = "H070",
         .name = "h070_coplanar_overlap",
-        .what = "coplanar squares that overlap: what is met is there, and is the same by tree and "
-                "by trying all",
+        .what =
+            "coplanar squares that overlap: the hit is right, and the same by tree and by brute "
+            "force",
         .oracle = "exact winding; brute force",
         .run = rows_overlap,
     },
@@ -167,7 +168,7 @@ const struct row row_table_space[] = {
     {
         .id = "H078",
         .name = "h078_picture",
-        .what = "a mirrored scene gives the mirrored picture but for 2 pixels",
+        .what = "a mirrored scene gives the mirrored picture except for 2 pixels",
         .oracle = "itself, bit for bit",
         .run = rows_picture_mirrored,
         .full = 4000,
@@ -191,9 +192,9 @@ const struct row row_table_space[] = {
     {
         .id = "H079",
         .name = "h079_permuted_tied",
-        .what = "the same for rays whose direction has three components of one size, which make no "
-                "axis their own, and for triangles whose edges have the same lengths along the "
-                "axes but for the axes' names",
+        .what = "the same for rays whose direction has three components of equal size, so that no "
+                "axis is the longest, and for triangles whose edges have the same extents along "
+                "the axes in another order",
         .oracle = "itself",
         .run = rows_permuted_tied,
         .known =
@@ -228,7 +229,7 @@ const struct row row_table_space[] = {
     {
         .id = "H083",
         .name = "h083_planet",
-        .what = "the horizon of a planet: rays begin to meet it within an ulp of the direction",
+        .what = "the horizon of a planet: rays begin to hit it within an ulp of the direction",
         .oracle = "113-bit class at d and its neighbours",
         .run = rows_planet,
     },
@@ -270,7 +271,7 @@ const struct row row_table_space[] = {
         .name = "h091_vanishing",
         .what =
             "coordinates of primitives and rays down to the least subnormal, beside ones of unit "
-            "size: the structures of all builders meet what trying all meets",
+            "size: the structures of all builders hit what brute force hits",
         .oracle = "brute force, bit for bit",
         .run = rows_vanishing,
     },
@@ -293,7 +294,7 @@ const struct row row_table_space[] = {
         .name = "h094_tmax",
         .what =
             "tmax equal to t of an intersection includes it, an ulp less does not, by tree and by "
-            "trying all",
+            "brute force",
         .oracle = "brute force, bit for bit",
         .run = rows_tmax,
     },
@@ -308,8 +309,9 @@ const struct row row_table_space[] = {
     {
         .id = "H095 H096",
         .name = "h095_trees",
-        .what = "random mixed scenes, paths of three rays: the structures of all builders and "
-                "trying all meet the same (t, primitive, part), and say the same of shadows",
+        .what =
+            "random mixed scenes, paths of three rays: the structures of all builders and brute "
+            "force find the same (t, primitive, part), and agree on shadows",
         .oracle = "brute force, bit for bit",
         .run = rows_paths,
         .full = 2000000,
@@ -318,7 +320,7 @@ const struct row row_table_space[] = {
         .id = "H097",
         .name = "h097_copies",
         .what =
-            "up to 1e5 copies of one triangle: the tree is less than 64 deep, the first is met, "
+            "up to 1e5 copies of one triangle: the tree is less than 64 deep, the first is hit, "
             "then each",
         .oracle = "document order",
         .run = rows_copies,
@@ -328,7 +330,7 @@ const struct row row_table_space[] = {
     {
         .id = "H098",
         .name = "h098_unbounded",
-        .what = "planes and tubes beside 1e5 triangles: the tree meets what trying all meets",
+        .what = "planes and tubes beside 1e5 triangles: the tree hits what brute force hits",
         .oracle = "brute force, bit for bit",
         .run = rows_crowd,
         .full = 3000,
@@ -337,7 +339,7 @@ const struct row row_table_space[] = {
     {
         .id = "H099",
         .name = "h099_few",
-        .what = "none, one or a few primitives: what trying all says",
+        .what = "none, one or a few primitives: the same hits as brute force",
         .oracle = "brute force, bit for bit",
         .run = rows_few,
     },

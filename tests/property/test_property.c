@@ -29,7 +29,8 @@ static void run_row(int i)
         return;
     row_print(text, sizeof text, &result.kept[0].small);
     if (row->known)
-        printf("%s fails as known (%s): %s: %s\n", row->name, row->known, result.kept[0].why, text);
+        printf("%s fails by a known defect (%s): %s: %s\n", row->name, row->known,
+               result.kept[0].why, text);
     else
         ck_abort_msg("%s: %llu of %llu cases failed, the first: %s: %s %s; seed %llu", row->id,
                      (unsigned long long)result.failures, (unsigned long long)result.tried,
