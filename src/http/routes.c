@@ -9,20 +9,22 @@
 #include "http/server.h"
 #include "io/scene_json.h"
 
-static const char *const states[] = {"queued", "running", "succeeded", "failed", "cancelled", NULL};
-static const char *const kinds[] = {"render", "benchmark", "accuracy", "effects", NULL};
-static const char *const layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
-static const char *const formats[] = {"png", "png16", "pfm", NULL};
+static const char *const states[PEN_JOB_STATE_COUNT + 1] = {
+    [PEN_JOB_QUEUED] = "queued",       [PEN_JOB_RUNNING] = "running",
+    [PEN_JOB_SUCCEEDED] = "succeeded", [PEN_JOB_FAILED] = "failed",
+    [PEN_JOB_CANCELLED] = "cancelled",
+};
+_Static_assert(PEN_JOB_STATE_COUNT == 5, "each state of a job has its name here");
 
 static const struct param_rule list_params[] = {{.name = "state", .allowed = states},
-                                                {.name = "kind", .allowed = kinds},
+                                                {.name = "kind", .allowed = pen_job_kinds},
                                                 {.name = "limit", .low = 1, .high = 500},
                                                 {.name = "cursor", .longest = 200},
                                                 {0}};
 static const struct param_rule job_params[] = {{.name = "wait", .low = 0, .high = 60}, {0}};
 static const struct param_rule image_params[] = {{.name = "view", .longest = 200},
-                                                 {.name = "layer", .allowed = layers},
-                                                 {.name = "format", .allowed = formats},
+                                                 {.name = "layer", .allowed = pen_job_layers},
+                                                 {.name = "format", .allowed = pen_image_formats},
                                                  {0}};
 static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};
 

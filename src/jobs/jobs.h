@@ -20,6 +20,12 @@
 
 struct pen_jobs;
 
+/* The names that the API knows, those that are not supported yet included. Each list ends with NULL
+ * and begins with the default. */
+extern const char *const pen_job_kinds[];     /* of jobs */
+extern const char *const pen_job_layers[];    /* of pictures */
+extern const char *const pen_image_formats[]; /* of pictures */
+
 /* Opens a handle. Owns: close it with pen_jobs_close. Fails: as pen_store_open. */
 struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *limits,
                                struct pen_status *st);
@@ -85,7 +91,7 @@ bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, struct pen_status *s
 struct pen_image_query {
     const char *view;   /* "all": a contact sheet of all views; NULL: the first view */
     const char *layer;  /* NULL: beauty */
-    const char *format; /* "png" (also for NULL), "png16", "pfm" */
+    const char *format; /* one of pen_image_formats; NULL: the first */
 };
 
 struct pen_image {

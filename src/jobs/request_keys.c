@@ -10,6 +10,10 @@
 
 static const char benchmark[] = "benchmark";
 
+const char *const pen_job_kinds[] = {"render", benchmark, "accuracy", "effects", NULL};
+const char *const pen_job_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
+enum { LAYER_COUNT = (int)(sizeof pen_job_layers / sizeof pen_job_layers[0]) - 1 };
+
 enum { TIMEOUT_MAX_S = 1000000000, POSITION_BYTES = 24 };
 
 typedef void key_fn(struct pen_request *request, const json_t *value, struct pen_errors *errors);
@@ -52,8 +56,7 @@ static const char *read_word(const json_t *value, const char *up, const char *ke
 
 static void read_kind(struct pen_request *request, const json_t *value, struct pen_errors *errors)
 {
-    static const char *const kinds[] = {"render", "benchmark", "accuracy", "effects", NULL};
-    const char *kind = read_word(value, "", "kind", kinds, errors);
+    const char *kind = read_word(value, "", "kind", pen_job_kinds, errors);
     if (kind && strcmp(kind, "render") != 0 && strcmp(kind, benchmark) != 0)
         pen_request_fail(errors, PEN_UNSUPPORTED, "", "kind",
                          "jobs of kind \"%s\" are known, not supported yet; \"render\" and "
@@ -113,11 +116,11 @@ static void read_labels(struct pen_request *request, const json_t *value, struct
 
 static void read_layer(const json_t *list, size_t i, struct pen_errors *errors)
 {
-    static const char *const layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
     char position[POSITION_BYTES];
     snprintf(position, sizeof position, "%zu", i);
-    const char *layer = read_word(json_array_get(list, i), "/layers", position, layers, errors);
-    if (layer && strcmp(layer, "beauty") != 0)
+    const char *layer =
+        read_word(json_array_get(list, i), "/layers", position, pen_job_layers, errors);
+    if (layer && strcmp(layer, pen_job_layers[0]) != 0)
         pen_request_fail(errors, PEN_UNSUPPORTED, "/layers", position,
                          "the layer \"%s\" is known, not supported yet; only \"beauty\" is", layer);
     for (size_t k = 0; layer && k < i; k++) {
@@ -131,11 +134,11 @@ static void read_layers(struct pen_request *request, const json_t *value, struct
 {
     (void)request;
     size_t count = json_array_size(value);
-    if (count < 1 || count > 5)
+    if (count < 1 || count > LAYER_COUNT)
         pen_request_fail(errors, PEN_INVALID, "", "layers",
-                         "must be an array of 1 to 5 names of layers, found %s",
+                         "must be an array of 1 to %d names of layers, found %s", (int)LAYER_COUNT,
                          pen_found(value).text);
-    for (size_t i = 0; i < count && count <= 5; i++)
+    for (size_t i = 0; i < count && count <= LAYER_COUNT; i++)
         read_layer(value, i, errors);
 }
 

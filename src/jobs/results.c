@@ -17,21 +17,19 @@ enum { ALL_VIEWS = -1, SHEET_PIXELS_MAX = 16 * 1024 * 1024 };
 
 static const char beauty[] = "beauty";
 
-static const struct format {
-    const char *name, *media_type;
-} formats[] = {
-    {.name = "png", .media_type = "image/png"}, /* the default */
-    {.name = "png16", .media_type = "image/png"},
-    {.name = "pfm", .media_type = "image/x-portable-floatmap"},
-};
-enum { FORMAT_COUNT = (int)(sizeof formats / sizeof formats[0]) };
+enum { FORMAT_PNG, FORMAT_PNG16, FORMAT_PFM, FORMAT_COUNT };
+const char *const pen_image_formats[FORMAT_COUNT + 1] = {
+    [FORMAT_PNG] = "png", [FORMAT_PNG16] = "png16", [FORMAT_PFM] = "pfm"};
+static const char *const media_types[FORMAT_COUNT] = {[FORMAT_PNG] = "image/png",
+                                                      [FORMAT_PNG16] = "image/png",
+                                                      [FORMAT_PFM] = "image/x-portable-floatmap"};
 
 /* A request for a picture, its names looked up in the job. */
 struct wanted {
     const char *id;
     struct pen_stored_request request;
-    int view; /* index in the job; ALL_VIEWS: the contact sheet */
-    const struct format *format;
+    int view;   /* index in the job; ALL_VIEWS: the contact sheet */
+    int format; /* FORMAT_… */
 };
 
 static bool read_job(struct pen_jobs *jobs, const char *id, struct pen_stored_request *request,
@@ -65,11 +63,10 @@ static bool resolve_view(struct wanted *want, const char *name, bool sheet, stru
 
 static bool resolve_layer(const char *layer, struct pen_status *st)
 {
-    static const char *const layers[] = {"beauty", "cost", "samples", "depth", "normal"};
     if (!layer || strcmp(layer, beauty) == 0)
         return true;
-    for (size_t i = 1; i < sizeof layers / sizeof layers[0]; i++) {
-        if (strcmp(layer, layers[i]) == 0)
+    for (int i = 0; pen_job_layers[i]; i++) {
+        if (strcmp(layer, pen_job_layers[i]) == 0)
             return pen_fail(st, PEN_NOT_FOUND, "the layer \"%s\" was not requested", layer);
     }
     return pen_fail(st, PEN_USAGE,
@@ -79,9 +76,8 @@ static bool resolve_layer(const char *layer, struct pen_status *st)
 
 static bool resolve_format(struct wanted *want, const char *format, struct pen_status *st)
 {
-    for (int i = 0; i < FORMAT_COUNT; i++) {
-        want->format = &formats[i];
-        if (!format || strcmp(format, formats[i].name) == 0)
+    for (want->format = 0; want->format < FORMAT_COUNT; want->format++) {
+        if (!format || strcmp(format, pen_image_formats[want->format]) == 0)
             return true;
     }
     return pen_fail(st, PEN_USAGE, "format must be one of png, png16, pfm; found \"%.60s\"",
@@ -183,7 +179,8 @@ static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struc
 {
     struct pen_film *film =
         want->view == ALL_VIEWS ? make_sheet(jobs, want, st) : make_view(jobs, want, st);
-    bool ok = film && pen_view_encode(film, &want->request.settings, want->format->name, out, st);
+    bool ok = film && pen_view_encode(film, &want->request.settings,
+                                      pen_image_formats[want->format], out, st);
     pen_film_free(film);
     return ok;
 }
@@ -194,7 +191,7 @@ static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct
                         struct pen_status *st)
 {
     struct pen_status ignored;
-    const char *format = want->format->name;
+    const char *format = pen_image_formats[want->format];
     if (pen_store_artefact(jobs->store, want->id, want->view, beauty, format, out, st))
         return true;
     if (st->code != PEN_NOT_FOUND || !make_picture(jobs, want, out, st))
@@ -231,7 +228,7 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
         return false;
     bool ok = resolve_layer(query->layer, st) && resolve_view(&want, query->view, true, st) &&
               check_succeeded(id, state, st) && get_picture(jobs, &want, &out->bytes, st) &&
-              fill_image(out, want.format->media_type);
+              fill_image(out, media_types[want.format]);
     pen_stored_request_release(&want.request);
     if (!ok)
         pen_buf_release(&out->bytes);
@@ -265,7 +262,7 @@ bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
     if (!read_job(jobs, id, &want.request, &state, st))
         return false;
     bool ok = resolve_view(&want, view, false, st) && make_preview(jobs, &want, &out->bytes, st) &&
-              fill_image(out, "image/png");
+              fill_image(out, media_types[FORMAT_PNG]);
     pen_stored_request_release(&want.request);
     if (!ok)
         pen_buf_release(&out->bytes);
