@@ -6,7 +6,7 @@
  *   - MHD_stop_daemon shuts the listening socket down, but the socket belongs to the supervisor.
  *
  * libmicrohttpd's limits are set so high that it never refuses a connection itself: in version
- * 0.9.75 a thread that refuses a connection which another thread added keeps its lock for ever.
+ * 0.9.75 a thread that refuses a connection which another thread added never releases its lock.
  * The acceptor counts connections instead. */
 #include "http/internal/listener.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finding the text of a member in the text of an object: a part of a document can then be stored as
- * it was sent, without writing it anew. */
+ * it was sent, without writing it again. */
 #ifndef PEN_JOBS_INTERNAL_JSON_MEMBER_H
 #define PEN_JOBS_INTERNAL_JSON_MEMBER_H
 
