@@ -22,43 +22,41 @@
 
 enum { STREAM_BYTES = 4096 }; /* read from a stream at once, for clients of HTTP/1.0 */
 
+/* The header fields that the server reads. */
+static const struct {
+    const char *name;
+    size_t offset;
+    bool single; /* a request that has the field twice is refused */
+} read_fields[] = {
+    {.name = "Host", .offset = offsetof(struct fields, host), .single = true},
+    {.name = "Content-Length", .offset = offsetof(struct fields, content_length), .single = true},
+    {.name = "Transfer-Encoding",
+     .offset = offsetof(struct fields, transfer_encoding),
+     .single = true},
+    {.name = "Content-Type", .offset = offsetof(struct fields, content_type), .single = true},
+    {.name = "Idempotency-Key", .offset = offsetof(struct fields, idempotency_key), .single = true},
+    {.name = "If-None-Match", .offset = offsetof(struct fields, if_none_match)},
+    {.name = "Range", .offset = offsetof(struct fields, range)},
+    {.name = "If-Range", .offset = offsetof(struct fields, if_range)},
+    {.name = "Origin", .offset = offsetof(struct fields, origin), .single = true},
+    {.name = "X-Request-Id", .offset = offsetof(struct fields, request_id)},
+    {.name = "Expect", .offset = offsetof(struct fields, expect)},
+    {.name = "Last-Event-ID", .offset = offsetof(struct fields, last_event_id)},
+    {.name = "Accept", .offset = offsetof(struct fields, accept)},
+};
+
 /* Keeps the value of a header field that the server reads; notes a repeated one. */
 static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
                                 const char *value)
 {
-    static const struct {
-        const char *name;
-        size_t offset;
-        bool single; /* a request that has the field twice is refused */
-    } wanted[] = {
-        {.name = "Host", .offset = offsetof(struct fields, host), .single = true},
-        {.name = "Content-Length",
-         .offset = offsetof(struct fields, content_length),
-         .single = true},
-        {.name = "Transfer-Encoding",
-         .offset = offsetof(struct fields, transfer_encoding),
-         .single = true},
-        {.name = "Content-Type", .offset = offsetof(struct fields, content_type), .single = true},
-        {.name = "Idempotency-Key",
-         .offset = offsetof(struct fields, idempotency_key),
-         .single = true},
-        {.name = "If-None-Match", .offset = offsetof(struct fields, if_none_match)},
-        {.name = "Range", .offset = offsetof(struct fields, range)},
-        {.name = "If-Range", .offset = offsetof(struct fields, if_range)},
-        {.name = "Origin", .offset = offsetof(struct fields, origin), .single = true},
-        {.name = "X-Request-Id", .offset = offsetof(struct fields, request_id)},
-        {.name = "Expect", .offset = offsetof(struct fields, expect)},
-        {.name = "Last-Event-ID", .offset = offsetof(struct fields, last_event_id)},
-        {.name = "Accept", .offset = offsetof(struct fields, accept)},
-    };
     (void)kind;
     struct fields *fields = cls;
-    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
-        if (strcasecmp(name, wanted[i].name) != 0)
+    for (size_t i = 0; i < sizeof read_fields / sizeof read_fields[0]; i++) {
+        if (strcasecmp(name, read_fields[i].name) != 0)
             continue;
-        const char **field = (const char **)((char *)fields + wanted[i].offset);
+        const char **field = (const char **)((char *)fields + read_fields[i].offset);
         if (*field)
-            fields->repeated = fields->repeated || wanted[i].single;
+            fields->repeated = fields->repeated || read_fields[i].single;
         else
             *field = value ? value : "";
     }
