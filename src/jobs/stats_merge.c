@@ -6,9 +6,10 @@
  *   threads, memory      the largest of all batches
  *   percentiles          of all tiles together
  *   queue_ms, total_ms   from the times of the job itself
- *   store_ms             the time that workers waited for the store. Each batch stores the waiting
- *                        time before its commit; for the last commit there is no later batch, so
- * its time is counted up to the wall clock that its transaction has stored */
+ *   store_ms             the time that workers waited for the store
+ *
+ * Each batch stores the waiting time before its own commit. No later batch stores that of the last
+ * commit, so it is counted up to the wall clock that the commit's transaction has stored. */
 #include <stdlib.h>
 #include <string.h>
 

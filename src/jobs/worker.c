@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The worker's loop, and what the worker does when something goes wrong:
  *
- *   the job is at fault (scene, memory, time)     fails the job with a problem document
- *   the lease is lost, or the job was cancelled   drops the result
- *   the worker must stop during a benchmark       gives the benchmark back; it starts again
- * elsewhere the store is busy, full or failing            keeps the result and tries again; these
- * calls also make the store recover once its disk works again the store cannot be read for a batch
- * starts the batch again once the store can be read
+ *   - The job is at fault (scene, memory, time): the job fails with a problem document.
+ *   - The lease is lost, or the job was cancelled: the result is dropped.
+ *   - The worker must stop during a benchmark: it gives the benchmark back, to be started again.
+ *   - The store is busy, full or failing: the worker keeps the result and tries again. These calls
+ *     also make the store recover once its disk works again.
+ *   - The store cannot be read for a batch: the batch starts again once the store can be read.
  *
  * A result is kept until the store has stored or refused it. A commit whose outcome is unknown is
  * repeated, which does no harm. */
