@@ -313,9 +313,10 @@ bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, i
                              struct pen_status *st);
 
 /* Opens and quarantines the batches of every dead worker, and removes these workers from the list.
- * A worker lives while a handle holds its lock (pen_store_worker_lock). Leases of dead workers
- * would expire anyway; this saves the wait when everything was killed at once and no supervisor is
- * left to report the worker's end. *opened is the number of batches. */
+ * A worker lives while a handle holds its lock (pen_store_worker_lock); if that cannot be told, it
+ * counts as living. Leases of dead workers would expire anyway; this saves the wait when everything
+ * was killed at once and no supervisor is left to report the worker's end. *opened is the number of
+ * batches. */
 bool pen_store_release_dead(struct pen_store *store, int *opened, struct pen_status *st);
 
 enum pen_worker_end {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The audit: one query per rule, each selecting what breaks it. State numbers are those of
- * store.h: jobs 0 queued, 1 running, 2 succeeded, 3 failed, 4 cancelled; batches 0 open, 1 leased,
- * 2 done, 3 ended; kinds 0 render, 1 assemble, 2 study. */
+/* The audit: one query per rule, which selects the rows that break it. Numbers of states and kinds
+ * are those of store.h (asserted in sql.c): jobs 0 queued, 1 running, 2 succeeded, 3 failed, 4
+ * cancelled; batches 0 open, 1 leased, 2 done, 3 ended; kinds 0 render, 1 assemble, 2 study. */
 #include "store/sqlite/sqlite.h"
 
 struct rule {
-    const char *finding; /* what a row means; the row's first column is shown after it */
+    const char *finding; /* what a row means; the message ends with the row's first column */
     const char *sql;
 };
 

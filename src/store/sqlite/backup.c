@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* A copy of a store, taken while others read and write it: all pages as one reader sees them at
- * one moment (SQLite's backup in one step, which writers do not start over). The copy is made
- * beside its name, checked, synced and then named, so under that name there is always a whole
- * backup or what was there before. It keeps no log: it is one file, to be copied as such. The
- * store itself is only read; one of an older schema is copied as it is. */
+/* Copies a store while others read and write it.
+ *  - The copy has all pages as of one moment: SQLite's backup in one step is one read transaction,
+ * which writers do not restart.
+ *  - It is made under another name, checked, synced and then renamed. So the name always stands for
+ * a complete backup, or for the file that was there before.
+ *  - It has no log: it is one file.
+ *  - The store itself is only read. A store of an older schema is copied as it is. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -19,7 +21,7 @@ enum { PATH_BYTES = 4096 };
 struct copy {
     struct pen_sqlite_store from, to;
     char path[PATH_BYTES + 16]; /* of the unfinished copy */
-    const char *name;           /* that it is to have */
+    const char *name;           /* the final name */
     bool replace;
 };
 
@@ -29,7 +31,7 @@ static bool cannot_write(const char *path, int error, struct pen_status *st)
                     "cannot write the backup %s: %s", path, strerror(error));
 }
 
-/* Whether both names are of one file. */
+/* Tells whether both names are names of one file. */
 static bool is_same_file(const char *a, const char *b)
 {
     struct stat first, second;
@@ -79,8 +81,8 @@ static bool open_copy(struct copy *copy, struct pen_status *st)
     return rc == SQLITE_OK || cannot_write(copy->path, sqlite3_system_errno(copy->to.db), st);
 }
 
-/* SQLite says what failed, not on which side: the store is only read, and the copy is read only
- * after it was written. */
+/* SQLite tells what failed, but not on which side. The store is only read, so a failed write is one
+ * of the copy. */
 static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
 {
     int error = sqlite3_system_errno(copy->to.db);
@@ -96,7 +98,7 @@ static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
     }
 }
 
-/* The copy is not kept if the power fails meanwhile, so it needs no journal. */
+/* The copy needs no journal: after a power failure it is not used. */
 static bool copy_pages(struct copy *copy, struct pen_status *st)
 {
     if (!pen_sqlite_exec(&copy->to, "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF", st))
@@ -155,7 +157,8 @@ static bool name_copy(struct copy *copy, struct pen_status *st)
         return pen_sqlite_sync_folder(copy->name) || cannot_write(copy->name, errno, st);
     }
     if (errno == EEXIST)
-        return pen_fail(st, PEN_CONFLICT, "%s has come to be there meanwhile; it was left",
+        return pen_fail(st, PEN_CONFLICT,
+                        "%s was made by another program meanwhile; it was left as it is",
                         copy->name);
     return cannot_write(copy->name, errno, st);
 }
@@ -170,7 +173,7 @@ static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_st
     return sync_file(copy->path, &out->bytes, st) && name_copy(copy, st);
 }
 
-/* What a backup that failed has made. */
+/* Removes the files of a failed backup. */
 static void remove_part(struct copy *copy)
 {
     char journal[sizeof copy->path + 8];

@@ -202,19 +202,18 @@ bool pen_sqlite_lost_jobs(struct pen_driver *driver, const struct pen_lost *lost
                           struct pen_status *st)
 {
     struct pen_sqlite_query query = lost_query(driver, SQL_LOST_JOBS, lost);
-    bool row = true;
+    bool ok;
     pen_sqlite_int(&query, after);
     pen_sqlite_int(&query, capacity);
     *count = 0;
-    while (row) {
-        if (!pen_sqlite_next(&query, &row, st))
-            return false;
-        if (row)
-            jobs[(*count)++] = (struct pen_lost_job){
-                pen_sqlite_column_int(&query, 0), pen_sqlite_column_int(&query, 1),
-                pen_sqlite_column_int(&query, 2), pen_sqlite_column_int(&query, 3)};
-    }
-    return true;
+    while (pen_sqlite_next_row(&query, &ok, st))
+        jobs[(*count)++] = (struct pen_lost_job){
+            .number = pen_sqlite_column_int(&query, 0),
+            .deaths = pen_sqlite_column_int(&query, 1),
+            .charges = pen_sqlite_column_int(&query, 2),
+            .max_attempts = pen_sqlite_column_int(&query, 3),
+        };
+    return ok;
 }
 
 bool pen_sqlite_open_lost(struct pen_driver *driver, const struct pen_lost *lost, bool quarantine,
@@ -228,79 +227,71 @@ bool pen_sqlite_open_lost(struct pen_driver *driver, const struct pen_lost *lost
     return true;
 }
 
+/* Begins the query for a page of a job's batches above `after`. */
+static struct pen_sqlite_query page_query(struct pen_driver *driver, enum pen_sqlite_sql sql,
+                                          int64_t job, int64_t after, int capacity)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), sql);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, after);
+    pen_sqlite_int(&query, capacity);
+    return query;
+}
+
 bool pen_sqlite_stats_page(struct pen_driver *driver, int64_t job, int64_t after,
                            struct pen_arena *arena, struct pen_stats_row *rows, int capacity,
                            int *count, struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_STATS_PAGE);
-    bool row = true, ok = true;
-    pen_sqlite_int(&query, job);
-    pen_sqlite_int(&query, after);
-    pen_sqlite_int(&query, capacity);
+    struct pen_sqlite_query query = page_query(driver, SQL_STATS_PAGE, job, after, capacity);
+    bool ok, memory = true;
     *count = 0;
-    while (row) {
-        if (!pen_sqlite_next(&query, &row, st))
-            return false;
-        if (row)
-            rows[(*count)++] = (struct pen_stats_row){
-                .batch = pen_sqlite_column_int(&query, 0),
-                .stats = {.view = (int)pen_sqlite_column_int(&query, 1),
-                          .kind = (enum pen_batch_kind)pen_sqlite_column_int(&query, 2),
-                          .done_ms = pen_sqlite_column_int(&query, 3),
-                          .stats = pen_sqlite_column_keep(&query, 4, arena, &ok)}};
-    }
-    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
+    while (pen_sqlite_next_row(&query, &ok, st))
+        rows[(*count)++] = (struct pen_stats_row){
+            .batch = pen_sqlite_column_int(&query, 0),
+            .stats = {.view = (int)pen_sqlite_column_int(&query, 1),
+                      .kind = (enum pen_batch_kind)pen_sqlite_column_int(&query, 2),
+                      .done_ms = pen_sqlite_column_int(&query, 3),
+                      .stats = pen_sqlite_column_keep(&query, 4, arena, &memory)},
+        };
+    return ok && (memory || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics"));
 }
 
 bool pen_sqlite_batch_page(struct pen_driver *driver, int64_t job, int64_t after,
                            struct pen_arena *arena, struct pen_batch_record *rows, int capacity,
                            int *count, struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_BATCH_PAGE);
-    bool row = true, ok = true;
-    pen_sqlite_int(&query, job);
-    pen_sqlite_int(&query, after);
-    pen_sqlite_int(&query, capacity);
+    struct pen_sqlite_query query = page_query(driver, SQL_BATCH_PAGE, job, after, capacity);
+    bool ok, memory = true;
     *count = 0;
-    while (row) {
-        if (!pen_sqlite_next(&query, &row, st))
-            return false;
-        if (row)
-            rows[(*count)++] = (struct pen_batch_record){
-                .batch = pen_sqlite_column_int(&query, 0),
-                .attempt = pen_sqlite_column_int(&query, 1),
-                .kind = (enum pen_batch_kind)pen_sqlite_column_int(&query, 2),
-                .state = (enum pen_batch_state)pen_sqlite_column_int(&query, 3),
-                .view = (int)pen_sqlite_column_int(&query, 4),
-                .first_tile = (int)pen_sqlite_column_int(&query, 5),
-                .tile_count = (int)pen_sqlite_column_int(&query, 6),
-                .pixels = pen_sqlite_column_int(&query, 7),
-                .worker = pen_sqlite_column_keep(&query, 8, arena, &ok),
-                .quarantined = pen_sqlite_column_int(&query, 9) != 0,
-            };
-    }
-    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for a list of batches");
+    while (pen_sqlite_next_row(&query, &ok, st))
+        rows[(*count)++] = (struct pen_batch_record){
+            .batch = pen_sqlite_column_int(&query, 0),
+            .attempt = pen_sqlite_column_int(&query, 1),
+            .kind = (enum pen_batch_kind)pen_sqlite_column_int(&query, 2),
+            .state = (enum pen_batch_state)pen_sqlite_column_int(&query, 3),
+            .view = (int)pen_sqlite_column_int(&query, 4),
+            .first_tile = (int)pen_sqlite_column_int(&query, 5),
+            .tile_count = (int)pen_sqlite_column_int(&query, 6),
+            .pixels = pen_sqlite_column_int(&query, 7),
+            .worker = pen_sqlite_column_keep(&query, 8, arena, &memory),
+            .quarantined = pen_sqlite_column_int(&query, 9) != 0,
+        };
+    return ok && (memory || pen_fail(st, PEN_NO_MEMORY, "no memory for a list of batches"));
 }
 
 bool pen_sqlite_commit_page(struct pen_driver *driver, int64_t job, int64_t after,
                             struct pen_commit_record *rows, int capacity, int *count,
                             struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_COMMIT_PAGE);
-    bool row = true;
-    pen_sqlite_int(&query, job);
-    pen_sqlite_int(&query, after);
-    pen_sqlite_int(&query, capacity);
+    struct pen_sqlite_query query = page_query(driver, SQL_COMMIT_PAGE, job, after, capacity);
+    bool ok;
     *count = 0;
-    while (row) {
-        if (!pen_sqlite_next(&query, &row, st))
-            return false;
-        if (row)
-            rows[(*count)++] =
-                (struct pen_commit_record){.revision = pen_sqlite_column_int(&query, 0),
-                                           .view = (int)pen_sqlite_column_int(&query, 1),
-                                           .first_tile = (int)pen_sqlite_column_int(&query, 2),
-                                           .tile_count = (int)pen_sqlite_column_int(&query, 3)};
-    }
-    return true;
+    while (pen_sqlite_next_row(&query, &ok, st))
+        rows[(*count)++] = (struct pen_commit_record){
+            .revision = pen_sqlite_column_int(&query, 0),
+            .view = (int)pen_sqlite_column_int(&query, 1),
+            .first_tile = (int)pen_sqlite_column_int(&query, 2),
+            .tile_count = (int)pen_sqlite_column_int(&query, 3),
+        };
+    return ok;
 }

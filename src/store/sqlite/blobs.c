@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Blobs in ranges, by SQLite's incremental input and output; a blob of one range is written with
- * its row. https://www.sqlite.org/c3ref/blob_open.html */
+ * its row. Source: https://www.sqlite.org/c3ref/blob_open.html */
 #include "store/sqlite/sqlite.h"
 
 static const struct {
     const char *table, *column;
 } places[] = {
-    [PEN_BLOB_SCENE] = {"scene", "document"},
-    [PEN_BLOB_PIXELS] = {"pixels", "data"},
-    [PEN_BLOB_ARTEFACT] = {"artefact", "data"},
+    /* where the blobs of each kind are stored */
+    [PEN_BLOB_SCENE] = {.table = "scene", .column = "document"},
+    [PEN_BLOB_PIXELS] = {.table = "pixels", .column = "data"},
+    [PEN_BLOB_ARTEFACT] = {.table = "artefact", .column = "data"},
 };
 
 /* Opens a blob for one range of it. */
@@ -65,7 +66,7 @@ bool pen_sqlite_blob_read(struct pen_driver *driver, enum pen_blob_kind kind, in
     return ok;
 }
 
-/* A blob of several ranges is made of zeros, which the ranges then replace. */
+/* Binds a new blob. One of several ranges is bound as zeros, which the ranges then replace. */
 static void bind_start(struct pen_sqlite_query *query, const struct pen_blob_start *start)
 {
     if (start->bytes == start->total)
@@ -127,24 +128,21 @@ bool pen_sqlite_pixels_page(struct pen_driver *driver, int64_t job, int view, in
                             struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_PIXELS_PAGE);
-    bool row = true;
+    bool ok;
     pen_sqlite_int(&query, job);
     pen_sqlite_int(&query, view);
     pen_sqlite_int(&query, after);
     pen_sqlite_int(&query, capacity);
     *count = 0;
-    while (row) {
-        if (!pen_sqlite_next(&query, &row, st))
-            return false;
-        if (row)
-            rows[(*count)++] =
-                (struct pen_pixels_row){.batch = pen_sqlite_column_int(&query, 0),
-                                        .pixels = pen_sqlite_column_int(&query, 1),
-                                        .first_tile = (int)pen_sqlite_column_int(&query, 2),
-                                        .tile_count = (int)pen_sqlite_column_int(&query, 3),
-                                        .bytes = (size_t)pen_sqlite_column_int(&query, 4)};
-    }
-    return true;
+    while (pen_sqlite_next_row(&query, &ok, st))
+        rows[(*count)++] = (struct pen_pixels_row){
+            .batch = pen_sqlite_column_int(&query, 0),
+            .pixels = pen_sqlite_column_int(&query, 1),
+            .first_tile = (int)pen_sqlite_column_int(&query, 2),
+            .tile_count = (int)pen_sqlite_column_int(&query, 3),
+            .bytes = (size_t)pen_sqlite_column_int(&query, 4),
+        };
+    return ok;
 }
 
 static void bind_artefact(struct pen_sqlite_query *query, const struct pen_artefact_key *key)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether a store is whole. SQLite's own check reads every page of every table and index, and that
- * each index has what its table has. It knows nothing of a log that was overwritten, which it
- * would silently take for an empty one: wal.c looks at that first. */
+/* Looks for damage in a store. SQLite's own check reads every page of every table and index, and
+ * compares each index with its table. It silently takes a log that was overwritten for an empty
+ * one, so the log is checked first (wal.c). */
 #include <stdio.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 
 enum { NAME_BYTES = 64 };
 
-/* The table or index of a tree, or "". */
+/* Finds the table or index of a tree; "" if there is none. */
 static void name_tree(struct pen_sqlite_store *store, int root, char name[NAME_BYTES])
 {
     sqlite3_stmt *stmt = NULL;
@@ -22,7 +22,7 @@ static void name_tree(struct pen_sqlite_store *store, int root, char name[NAME_B
     sqlite3_finalize(stmt);
 }
 
-/* A verdict may begin with a line that names the database. */
+/* Fails with SQLite's verdict, whose first line may only name the database. */
 static bool report(struct pen_sqlite_store *store, const char *verdict, struct pen_status *st)
 {
     char what[200], name[NAME_BYTES] = "";
@@ -57,7 +57,7 @@ bool pen_sqlite_check_file(struct pen_sqlite_store *store, struct pen_status *st
     return pen_sqlite_check_log(store, st) && pen_sqlite_check_pages(store, st);
 }
 
-/* A schema that is not the one of its version shows in statements that do not fit it. */
+/* Compiles every statement: one that fails shows that the schema is not that of its version. */
 static bool check_schema(struct pen_sqlite_store *store, struct pen_status *st)
 {
     for (int sql = 0; sql < SQL_COUNT; sql++) {

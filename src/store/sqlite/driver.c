@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of the driver's operations, and those that concern the handle as a whole: clock,
- * signals, trial writes, space. */
+/* The table of the driver's operations, and the operations on the handle as a whole: clock,
+ * signals, trial writes, free space. */
 #include "base/clock.h"
 #include "store/sqlite/sqlite.h"
 #include "store/sqlite/wake.h"
@@ -71,11 +71,11 @@ bool pen_sqlite_probe(struct pen_driver *driver, struct pen_status *st)
     return write_probe(driver, SQL_PROBE, st);
 }
 
-/* The large row and then the small one in its place. A log that is there to be overwritten proves
- * nothing about space on the disk, so it is given back first. */
+/* Writes a large row and then a small one in its place. Overwriting an existing log would prove
+ * nothing about space on the disk, so the log is truncated first. */
 bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
 {
-    pen_sqlite_wind_back_log(pen_sqlite_of(driver));
+    pen_sqlite_truncate_log(pen_sqlite_of(driver));
     return write_probe(driver, SQL_PROBE_LARGE, st) && write_probe(driver, SQL_PROBE, st);
 }
 
@@ -90,8 +90,8 @@ static bool count_free_pages(struct pen_sqlite_store *store, int64_t *count, str
     return true;
 }
 
-/* Moves the file's end into its gaps, a bounded number of pages at a time so that writers get in
- * between; the file itself shrinks when the log is wound back. */
+/* Moves pages from the end of the file into free pages, a bounded number at a time, so that writers
+ * get their turn. The file shrinks when the log is copied into it and truncated. */
 bool pen_sqlite_reclaim(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
@@ -104,8 +104,8 @@ bool pen_sqlite_reclaim(struct pen_driver *driver, struct pen_status *st)
         struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
         if (!pen_sqlite_run(&vacuum, st))
             return false;
-        pen_sqlite_wind_back_log(store);
+        pen_sqlite_truncate_log(store);
     }
-    pen_sqlite_wind_back_log(store);
+    pen_sqlite_truncate_log(store);
     return true;
 }

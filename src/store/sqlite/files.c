@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Names of files: given once the file is whole, and on the disk before anybody is told. */
+/* Renaming a complete file to its final name, and syncing the folder so that the name is durable.
+ */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -24,7 +25,7 @@ bool pen_sqlite_sync_folder(const char *path)
     return ok;
 }
 
-/* File systems that cannot promise it have to do with a look. */
+/* Not every file system supports RENAME_NOREPLACE; for the others the name is looked up first. */
 bool pen_sqlite_name_new_file(const char *from, const char *to)
 {
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rows of jobs, their keys, scenes and views. */
+/* Rows of jobs, idempotency keys, scenes and views. */
 #include <string.h>
 
 #include "store/sqlite/sqlite.h"

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Opening and closing. A file is touched only once it is known to be ours: its first bytes are
- * looked at before the first statement, which could already write; and it is closed without a
- * checkpoint unless it was opened without fault. Handles of several processes
- * may open at the same time; making and migrating is done under a lock on the file of the wake-up
- * hints. The database file is read through SQLite's own descriptor: closing another one would
- * drop the POSIX locks that other handles of this process hold on the file. */
+/* Opening, reopening and closing.
+ *  - Nothing is written to a file before its header shows that it is a Penumbra store. The first
+ *    statement could write already, so the header is read before it.
+ *  - A file that was not opened without a fault is closed without a checkpoint.
+ *  - Handles of several processes may open a store at the same time. Making and migrating it is
+ * done under a lock (flock) on the file ending in -wake.
+ *  - The database file is read through SQLite's own descriptor. Closing another descriptor of it
+ * would drop the POSIX locks of all handles of this process
+ * (https://www.sqlite.org/howtocorrupt.html, 2.2). */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -21,7 +24,8 @@
 
 enum { PATIENCE_MS = 5000 };
 
-/* A log without content is removed by the last to close; nothing is written for that. */
+/* Tells whether the log has content. The last handle that closes removes an empty log, which writes
+ * nothing to the database. */
 static bool has_log(const struct pen_sqlite_store *store)
 {
     char path[4112];
@@ -30,7 +34,7 @@ static bool has_log(const struct pen_sqlite_store *store)
     return stat(path, &info) != 0 || info.st_size > 0;
 }
 
-/* Without a checkpoint, where the file or the handle is not to be trusted: nothing is written. */
+/* Makes no checkpoint, and so writes nothing, unless the file and the handle are sound. */
 static void close_database(struct pen_sqlite_store *store)
 {
     for (int i = 0; i < SQL_COUNT; i++) {
@@ -59,7 +63,8 @@ void pen_sqlite_close(struct pen_driver *driver)
 static bool open_database(struct pen_sqlite_store *store, struct pen_status *st);
 static bool cannot_open(const char *path, int error, struct pen_status *st);
 
-/* Another file in the store's place must not be opened with the log of the one before. */
+/* Checks that the path still names the same file: another one must not be opened with the first
+ * one's log. Fails: PEN_STORAGE. */
 static bool is_same_file(const struct pen_sqlite_store *store, struct pen_status *st)
 {
     struct stat now;
@@ -72,9 +77,9 @@ static bool is_same_file(const struct pen_sqlite_store *store, struct pen_status
                     store->path);
 }
 
-/* The new connection comes before the old one goes: were there none in between, the next would
- * read the whole log again and find a transaction there whose sync had failed, after others saw
- * the store without it. */
+/* The new connection is opened before the old one is closed. If there were none in between, the
+ * next one would read the whole log again, and could find a transaction whose sync had failed after
+ * other readers saw the store without it. */
 bool pen_sqlite_reopen(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver), old = *store;
@@ -110,8 +115,8 @@ static uint32_t big_endian(const unsigned char bytes[4])
     return (uint32_t)bytes[0] << 24 | (uint32_t)bytes[1] << 16 | (uint32_t)bytes[2] << 8 | bytes[3];
 }
 
-/* Refuses a file that is not a store of ours, from the header of SQLite's file format (magic at
- * 0, application id at 68). */
+/* Refuses a file that is not a Penumbra store, by the header of SQLite's file format: magic at 0,
+ * application id at 68. Source: SQLite, "Database File Format", 1.3. */
 static bool check_header(struct pen_sqlite_store *store, struct pen_status *st)
 {
     unsigned char header[100];
@@ -144,7 +149,7 @@ static bool cannot_open(const char *path, int error, struct pen_status *st)
                     "cannot open the store %s: %s", path, strerror(error));
 }
 
-/* What SQLite would not say, or would say in riddles. */
+/* Refuses paths for which SQLite's messages would be unclear or missing. */
 static bool check_kind(const char *path, struct pen_status *st)
 {
     struct stat info;
@@ -156,8 +161,8 @@ static bool check_kind(const char *path, struct pen_status *st)
                     S_ISDIR(info.st_mode) ? "folder" : "device or pipe");
 }
 
-/* Waits for another's write in short, slightly growing steps; SQLite's own handler sleeps up to
- * 100 ms at a time, many times what a commit takes. */
+/* Waits for another handle's write in short, slightly growing steps. SQLite's own handler sleeps up
+ * to 100 ms at a time, many times as long as a commit takes. */
 static int on_busy(void *arg, int count)
 {
     const struct pen_sqlite_store *store = arg;
@@ -202,7 +207,7 @@ static bool connect(struct pen_sqlite_store *store, const char *path, struct pen
     return true;
 }
 
-/* Opens a store that is there. */
+/* Opens a store that exists. */
 static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
 {
     bool ok = check_kind(store->path, st) && connect(store, store->path, st) &&
@@ -234,8 +239,8 @@ void pen_sqlite_close_unwritten(struct pen_sqlite_store *store)
     close_database(store);
 }
 
-/* A new store is made whole beside its path and then named, so an empty or half-made file under
- * that path is never ours. */
+/* Makes a new store under another name and renames it when it is complete, so that an empty or
+ * incomplete file under the store's path is never ours. */
 static bool make_store(struct pen_sqlite_store *store, const char *path, struct pen_status *st)
 {
     char leftover[4128];
@@ -250,7 +255,7 @@ static bool make_store(struct pen_sqlite_store *store, const char *path, struct 
     close_database(store);
     if (ok && !pen_sqlite_name_new_file(path, store->path) && errno != EEXIST)
         ok = cannot_open(store->path, errno, st);
-    unlink(path); /* if it still has that name */
+    unlink(path); /* unless it was renamed */
     if (ok && !pen_sqlite_sync_folder(store->path))
         ok = cannot_open(store->path, errno, st);
     return ok;
@@ -268,7 +273,7 @@ static bool make_missing(struct pen_sqlite_store *store, struct pen_status *st)
     return make_store(store, path, st);
 }
 
-/* The steps that must not be taken by two at once. */
+/* The steps of opening that only one process may do at a time. */
 static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
                         struct pen_status *st)
 {
@@ -285,7 +290,7 @@ static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
     bool ok = make_missing(store, st) && open_database(store, st);
     if (ok && stat(store->path, &store->opened) != 0)
         ok = cannot_open(store->path, errno, st);
-    if (!ok && made) /* a file that is no store is left as it was found, without company */
+    if (!ok && made) /* no new file stays beside a file that is not a store */
         unlink(lock_path);
     close(lock);
     if (!ok)

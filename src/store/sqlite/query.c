@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Statements, transactions and errors of the SQLite driver. Also here: how the write-ahead log is
- * kept short. SQLite's own rule (a passive checkpoint every so many pages) lets the log grow for
- * as long as readers overlap; beyond a second mark the log is wound back with a short wait for
- * readers instead. */
+/* Statements, transactions and errors of the SQLite driver, and the length of the write-ahead log.
+ * SQLite's own rule for the log, a passive checkpoint every so many pages, lets it grow as long as
+ * readers overlap. So there is a second limit, beyond which the log is truncated after a short wait
+ * for readers. */
 #include "store/sqlite/sqlite.h"
 
 #include <errno.h>
@@ -14,9 +14,9 @@
 #include "base/clock.h"
 
 enum {
-    WAL_CHECKPOINT_PAGES = 2000, /* 8 MiB: copied into the database as far as readers allow */
-    WAL_TRUNCATE_PAGES = 6000,   /* 24 MiB: wound back, waiting for readers */
-    WAL_PATIENCE_MS = 20         /* for readers to leave; writers wait meanwhile */
+    WAL_CHECKPOINT_PAGES = 2000, /* 8 MiB: copy the log as far as readers allow */
+    WAL_TRUNCATE_PAGES = 6000,   /* 24 MiB: wait for readers, copy and truncate the log */
+    WAL_PATIENCE_MS = 20         /* how long to wait for readers; writers wait, too */
 };
 
 struct pen_sqlite_query pen_sqlite_query(struct pen_sqlite_store *store, enum pen_sqlite_sql sql)
@@ -70,6 +70,13 @@ bool pen_sqlite_next(struct pen_sqlite_query *query, bool *row, struct pen_statu
     return ok;
 }
 
+bool pen_sqlite_next_row(struct pen_sqlite_query *query, bool *ok, struct pen_status *st)
+{
+    bool row;
+    *ok = pen_sqlite_next(query, &row, st);
+    return row;
+}
+
 bool pen_sqlite_run(struct pen_sqlite_query *query, struct pen_status *st)
 {
     bool row = true;
@@ -86,11 +93,6 @@ bool pen_sqlite_run_changed(struct pen_sqlite_query *query, bool *changed, struc
         return false;
     *changed = sqlite3_changes(query->store->db) > 0;
     return true;
-}
-
-int pen_sqlite_changes(const struct pen_sqlite_store *store)
-{
-    return sqlite3_changes(store->db);
 }
 
 int64_t pen_sqlite_column_int(const struct pen_sqlite_query *query, int column)
@@ -190,14 +192,14 @@ bool pen_sqlite_io_error(struct pen_sqlite_store *store, int rc, int error, stru
                     store->path, what_failed(rc), error ? strerror(error) : sqlite3_errstr(rc));
 }
 
-/* Of a process that has run out of something: says nothing of the store. */
-static bool is_own_want(int rc, int error)
+/* Tells whether the process lacks memory or descriptors, which is no fault of the store. */
+static bool is_process_limit(int rc, int error)
 {
     return rc == SQLITE_NOMEM || rc == SQLITE_IOERR_NOMEM ||
            (rc != SQLITE_FULL && (error == ENOMEM || error == EMFILE || error == ENFILE));
 }
 
-/* What the files say of their last failure; 0: none. */
+/* The errno of the files' last failure; 0: none. */
 static int errno_of_files(struct pen_sqlite_store *store)
 {
     static const int files[] = {SQLITE_FCNTL_JOURNAL_POINTER, SQLITE_FCNTL_FILE_POINTER};
@@ -211,7 +213,8 @@ static int errno_of_files(struct pen_sqlite_store *store)
     return error;
 }
 
-/* SQLite passes on the errno of most failures; of those in a commit, only the files know it. */
+/* SQLite passes on the errno of most failures. That of a failed commit is known to the files only.
+ */
 static int errno_of(struct pen_sqlite_store *store)
 {
     int error = sqlite3_system_errno(store->db);
@@ -231,7 +234,7 @@ bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status 
     int kind = rc & 0xff;
     bool system = kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN;
     int error = system ? errno_of(store) : 0;
-    if (is_own_want(rc, error))
+    if (is_process_limit(rc, error))
         return error == EMFILE || error == ENFILE
                    ? pen_fail(st, PEN_UNAVAILABLE, "the store %s cannot be opened: %s", store->path,
                               strerror(error))
@@ -266,8 +269,8 @@ bool pen_sqlite_exec(struct pen_sqlite_store *store, const char *sql, struct pen
     return rc == SQLITE_OK || pen_sqlite_error(store, rc, st);
 }
 
-/* A checkpoint that does not get through is no failure of its caller: the next one does. Where it
- * met a fault, that is noted. */
+/* A checkpoint that does not complete is no failure of its caller: a later one completes. A fault
+ * that it meets is noted. */
 static void checkpoint(struct pen_sqlite_store *store, int mode)
 {
     struct pen_status ignored;
@@ -280,7 +283,7 @@ static void checkpoint(struct pen_sqlite_store *store, int mode)
         pen_sqlite_error(store, rc, &ignored);
 }
 
-void pen_sqlite_wind_back_log(struct pen_sqlite_store *store)
+void pen_sqlite_truncate_log(struct pen_sqlite_store *store)
 {
     checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
 }
@@ -320,8 +323,8 @@ static bool run_plain(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
     return pen_sqlite_run(&query, st);
 }
 
-/* Some failures have ended the transaction already. One that cannot be ended, as for want of
- * memory, ends with the handle. */
+/* Some failures have ended the transaction already. One that cannot be rolled back, for lack of
+ * memory, ends when the handle is reopened. */
 static void roll_back(struct pen_sqlite_store *store)
 {
     struct pen_status ignored;
@@ -331,7 +334,7 @@ static void roll_back(struct pen_sqlite_store *store)
         store->base.closed = true;
 }
 
-/* Within another transaction it fails, and leaves that one as it is. */
+/* Fails inside another transaction, and leaves that one open. */
 static bool begin(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, struct pen_status *st)
 {
     bool outermost = sqlite3_get_autocommit(store->db);
@@ -342,7 +345,8 @@ static bool begin(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, struc
     return false;
 }
 
-/* A file that lost its name goes with the process, and what was written to it. */
+/* Checks that the file still has its name. Without one it ends with the process, and so does
+ * everything written to it. */
 static bool has_name(struct pen_sqlite_store *store, struct pen_status *st)
 {
     int moved = 0;
@@ -368,7 +372,8 @@ bool pen_sqlite_begin_write(struct pen_driver *driver, struct pen_status *st)
     return has_name(store, st) && begin(store, SQL_BEGIN_WRITE, st);
 }
 
-/* A commit whose log could not be written or synced may be found in the log by a recovery. */
+/* If the log could not be written or synced, a later recovery may still find the transaction in it.
+ */
 bool pen_sqlite_commit(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);

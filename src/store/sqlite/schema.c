@@ -1,23 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 /* The schema and its migrations. A store's schema version (PRAGMA user_version) is the number of
- * steps it has been through; a step once released is never edited, a change is a new step.
+ * steps it has been through. A released step is never edited; a change is a new step.
  *
- * scene        a document, once per content; gone with the last job that names it
- * job, view, batch   what is to be done and how far it is
- * pixels       what a render batch came to; exactly one row for a batch that is done
- * artefact     encoded pictures; view -1 is for what is made from all views; sum is that of data,
- *              NULL for what was stored by schemas before there were any
- * idempotency  keys of submits, their bodies' hashes and the answers given; they outlive the job,
- *              since what a client was promised does not end with a delete
- * worker       who works, and when it was last heard of; nothing depends on it
+ * scene             a document, stored once per content; removed with the last job that names it
+ * job, view, batch  the work and its progress
+ * pixels            the pixels of a render batch; one row for each that is done
+ * artefact          pictures and reports; view -1: made from all views. checksum is that of data,
+ *                   NULL in rows from before schema 7
+ * idempotency       keys of submits, hashes of their bodies, and the answers. They outlive their
+ *                   jobs: deleting a job does not revoke what its client was promised. The row with
+ *                   the empty key belongs to the trial writes
+ * worker            the list of workers, for readers, and the inode of the file that each has
+ * locked
  *
- * Numbers of jobs and batches are never used twice (AUTOINCREMENT): a claim names a batch by
- * number and attempt, and must not fit another batch after a delete. view.open_batches and
- * job.open_views are counted down by commits, so that a commit costs the same in a job of many
- * batches as in one of few. job.deaths counts the times that workers were lost over a job since
- * its last commit, job.charges those that are its own fault; until job.rest_until_ms other jobs go
- * first. batch.suspect: a worker was lost over it. batch.revision is the revision that its
- * commit gave the job, so that whoever knows an older one can be told what was committed since. */
+ * Numbers of jobs and batches are never reused (AUTOINCREMENT): a claim names a batch by number and
+ * attempt, and must not fit another batch after a delete.
+ *
+ * view.open_batches    commits count these two down, so that a commit costs the same in a job of
+ * job.open_views       many batches as in a job of few
+ * job.deaths           workers lost over the job since its last commit
+ * job.charges          those of them that crashed by the job's fault
+ * job.paused_until_ms  until then other jobs go first
+ * batch.quarantined    a worker was lost while it held the batch
+ * batch.revision       the revision that the commit gave the job; a reader that knows an older one
+ *                      asks for the commits since */
 #include "store/sqlite/sqlite.h"
 
 #include <stdio.h>
@@ -107,14 +113,14 @@ static const char step_1[] =
     ") STRICT, WITHOUT ROWID;"
     "CREATE INDEX idempotency_by_age ON idempotency(created_ms);";
 
-/* What is known of deaths of workers: batches they held, and what that means for the jobs. */
+/* Lost workers: the batches they held, and the consequences for the jobs. */
 static const char step_2[] =
     "ALTER TABLE job ADD COLUMN deaths INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN rest_until_ms INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE batch ADD COLUMN suspect INTEGER NOT NULL DEFAULT 0 CHECK (suspect IN (0, 1));";
 
-/* Which revision of its job a batch was committed at. Jobs from before were submitted at 1 and
- * begun at 2, and each commit counted one on. */
+/* The revision that a batch's commit gave its job. Jobs of earlier schemas had revision 1 when
+ * submitted, 2 when started, and one more after each commit. */
 static const char step_3[] =
     "ALTER TABLE batch ADD COLUMN revision INTEGER;"
     "UPDATE batch SET revision = past.revision FROM (SELECT id, 2 + row_number()"
@@ -122,7 +128,7 @@ static const char step_3[] =
     " WHERE batch.id = past.id;"
     "CREATE INDEX batch_by_revision ON batch(job, revision) WHERE revision IS NOT NULL;";
 
-/* Who works, see workers.c. */
+/* The list of workers. */
 static const char step_4[] = "CREATE TABLE worker ("
                              " name TEXT PRIMARY KEY,"
                              " threads INTEGER NOT NULL,"
@@ -131,19 +137,20 @@ static const char step_4[] = "CREATE TABLE worker ("
                              " seen_ms INTEGER NOT NULL"
                              ") STRICT, WITHOUT ROWID;";
 
-/* No change of tables: from here on pixels may be of the form 0x02, see pixels.c, which a build of
- * the schema before cannot read. */
+/* No change of tables. From here on pixels may have the form 0x02 (store/pixels.c), which builds of
+ * earlier schemas cannot read. */
 static const char step_5[] = "";
 
-/* From here on there may be batches of kind 2, studies, which builds of the schemas before would
- * take for batches that assemble a picture. */
+/* No change of tables. From here on there may be batches of kind 2, studies, which builds of
+ * earlier schemas would take for assemble batches. */
 static const char step_6[] = "";
 
-/* Sums of artefacts; those from before have none. */
+/* Checksums of artefacts; earlier artefacts have none. */
 static const char step_7[] = "ALTER TABLE artefact ADD COLUMN sum INTEGER;";
 
-/* Names that say what they mean; workers with random ids instead of names made of host and process,
- * none of which is left from before; and no second assemble batch of a view, by a constraint. */
+/* Plainer names of columns; workers with random ids instead of names made of host and process
+ * (earlier workers have ended, so their rows are dropped); a constraint against a second assemble
+ * batch. */
 static const char step_8[] =
     "ALTER TABLE batch RENAME COLUMN suspect TO quarantined;"
     "ALTER TABLE job RENAME COLUMN rest_until_ms TO paused_until_ms;"
@@ -160,7 +167,7 @@ static const char step_8[] =
     " seen_ms INTEGER NOT NULL"
     ") STRICT, WITHOUT ROWID;";
 
-/* In which file a worker holds its lock, see workers.c. */
+/* The inode of the file in which a worker holds its lock (workers.c). */
 static const char step_9[] = "ALTER TABLE worker ADD COLUMN lock_file INTEGER;";
 
 static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5,
@@ -181,7 +188,7 @@ static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t
     return ok;
 }
 
-/* The schema's version, from inside. The header of the file can be older than its log. */
+/* Reads the schema's version by SQL, because the header of the file can be older than its log. */
 static bool read_version(struct pen_sqlite_store *store, int64_t *version, struct pen_status *st)
 {
     int64_t application = 0;
@@ -203,7 +210,8 @@ static bool read_version(struct pen_sqlite_store *store, int64_t *version, struc
     return true;
 }
 
-/* All missing steps in one transaction: after a crash the store is of the old schema or the new. */
+/* Takes all missing steps in one transaction: after a crash the store has the old schema or the
+ * new. */
 static bool take_steps(struct pen_sqlite_store *store, int version, struct pen_status *st)
 {
     char mark[96];
@@ -224,7 +232,7 @@ bool pen_sqlite_make_schema(struct pen_sqlite_store *store, struct pen_status *s
            take_steps(store, 0, st);
 }
 
-/* Steps are taken only from a store without fault, and only if it has the schema it says. */
+/* Upgrades a store, unless it is damaged or its tables are not those of its version. */
 static bool upgrade(struct pen_sqlite_store *store, int version, struct pen_status *st)
 {
     if (!pen_sqlite_check_file(store, st))
@@ -246,7 +254,7 @@ bool pen_sqlite_migrate(struct pen_sqlite_store *store, struct pen_status *st)
            pen_sqlite_exec(store, "PRAGMA journal_mode = WAL", st);
 }
 
-/* A trigger that refuses every change of state that has no arrow. */
+/* Makes a trigger that refuses every change of state that is not in the table of transitions. */
 static bool guard(struct pen_sqlite_store *store, const char *table, const struct pen_arrow *arrows,
                   int count, struct pen_status *st)
 {

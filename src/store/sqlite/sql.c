@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The statements of the SQLite driver. Parameters are bound in the order of their numbers. States
- * and kinds are the numbers of store.h: jobs 0 queued, 1 running, 2 succeeded, 3 failed,
- * 4 cancelled; batches 0 open, 1 leased, 2 done, 3 ended; kinds 0 render, 1 assemble, 2 study. */
+/* The statements of the SQLite driver. Parameters are bound in the order of their numbers. Numbers
+ * of states and kinds are those of store.h: jobs 0 queued, 1 running, 2 succeeded, 3 failed, 4
+ * cancelled; batches 0 open, 1 leased, 2 done, 3 ended; kinds 0 render, 1 assemble, 2 study. */
 #include "store/sqlite/sqlite.h"
 
 _Static_assert(PEN_JOB_QUEUED == 0 && PEN_JOB_RUNNING == 1 && PEN_JOB_SUCCEEDED == 2 &&
@@ -18,7 +18,7 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
     " timeout_ms, created_ms, started_ms, finished_ms, updated_ms, done_pixels, total_pixels, "    \
     "scene"
 
-/* What a claim says; pen_sqlite_read_claim reads it. */
+/* The columns of a claim, which pen_sqlite_read_claim reads. */
 #define BATCH_COLUMNS                                                                              \
     "b.id, b.attempt, b.kind, b.job, b.view, b.first_tile, b.tile_count, b.pixels, v.batches,"     \
     " j.id, j.created_ms, j.started_ms, j.timeout_ms, s.sha256"
@@ -26,7 +26,7 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
     " FROM batch b JOIN job j ON j.number = b.job"                                                 \
     " JOIN view v ON v.job = b.job AND v.view = b.view JOIN scene s ON s.id = j.scene"
 
-/* Leases of ?2, and those that ran out before ?1. */
+/* The leases of worker ?2, and those that ended before ?1. */
 #define LOST "state = 1 AND (lease_until_ms < ?1 OR worker = ?2)"
 
 #define OPEN "state = 0, worker = NULL, lease_until_ms = NULL"
@@ -36,7 +36,7 @@ static const char *const sql_text[] = {
     [SQL_BEGIN_WRITE] = "BEGIN IMMEDIATE",
     [SQL_COMMIT] = "COMMIT",
     [SQL_ROLLBACK] = "ROLLBACK",
-    /* Any change will do, as long as it is written and synced. */
+    /* Any change will do that is written and synced; no caller's key is empty. */
     [SQL_PROBE] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
                   " VALUES ('', zeroblob(32), '', ?) ON CONFLICT (key)"
                   " DO UPDATE SET answer = '', created_ms = excluded.created_ms",

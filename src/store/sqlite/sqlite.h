@@ -2,11 +2,11 @@
 /* Inside the SQLite driver: the handle, its statements, and the list of its operations.
  *
  * Invariants
- *  - A write transaction takes the write lock before it reads (BEGIN IMMEDIATE): what was read is
- *    still so when it is changed.
- *  - A statement is prepared once per handle and is always reset before its function returns, so
- *    no forgotten read keeps the write-ahead log from being wound back.
- *  - Only schema.c, sql.c and audit.c contain SQL, and check.c and backup.c a line each. */
+ *  - A write transaction takes the write lock before it reads (BEGIN IMMEDIATE), so what it has
+ * read does not change before it writes.
+ *  - A statement is prepared once per handle and always reset before its function returns, so that
+ * no forgotten read keeps the write-ahead log from being reset.
+ *  - SQL is in schema.c, sql.c and audit.c; open.c, check.c and backup.c have a few lines. */
 #ifndef PEN_STORE_SQLITE_SQLITE_H
 #define PEN_STORE_SQLITE_SQLITE_H
 
@@ -16,7 +16,7 @@
 #include "store/internal/compress.h"
 #include "store/internal/driver.h"
 
-/* The statements; their text is in sql.c, in this order. */
+/* The statements; their texts are in sql.c, in this order. */
 enum pen_sqlite_sql {
     SQL_BEGIN_READ,
     SQL_BEGIN_WRITE,
@@ -88,10 +88,10 @@ struct pen_sqlite_store {
     sqlite3 *db;
     char *path;
     struct pen_wake *wake;
-    int64_t patience_ms; /* how long to wait for another's write */
+    int64_t patience_ms; /* how long to wait for locks of other handles */
     int wal_pages;       /* length of the write-ahead log after the last commit */
-    struct stat opened;  /* the file as first opened: device and inode */
-    bool sound;          /* opened without fault, and none since: closing may write */
+    struct stat opened;  /* the file when it was first opened, for device and inode */
+    bool sound;          /* opened without a fault, and none met since: closing may write */
     int lock_fd;         /* holds the lock of a worker; -1: none */
     ino_t lock_file;     /* the inode of lock_fd */
     sqlite3_stmt *stmt[SQL_COUNT];
@@ -102,93 +102,98 @@ static inline struct pen_sqlite_store *pen_sqlite_of(struct pen_driver *driver)
     return (struct pen_sqlite_store *)driver;
 }
 
-/* A statement being bound and stepped. Binding errors are kept and reported by the step. */
+/* A statement that is being bound and stepped. Errors of binding are kept in rc, and the next step
+ * reports them. */
 struct pen_sqlite_query {
     struct pen_sqlite_store *store;
     sqlite3_stmt *stmt;
     int bound, rc;
 };
 
-/* Statement text by number. */
+/* The text of a statement. */
 const char *pen_sqlite_sql_text(enum pen_sqlite_sql sql);
 
+/* Begins a statement, compiled when it is first used. Each binding call binds the next parameter.
+ */
 struct pen_sqlite_query pen_sqlite_query(struct pen_sqlite_store *store, enum pen_sqlite_sql sql);
 void pen_sqlite_int(struct pen_sqlite_query *query, int64_t value);
-void pen_sqlite_text(struct pen_sqlite_query *query, const char *text); /* NULL is allowed */
+void pen_sqlite_text(struct pen_sqlite_query *query, const char *text); /* NULL binds SQL's NULL */
 void pen_sqlite_blob(struct pen_sqlite_query *query, const void *data, size_t bytes);
 
-/* Steps once. *row: whether there is a row to look at. The last step, one without a row, resets
- * the statement; leave earlier by pen_sqlite_end. Fails: as pen_sqlite_error. */
+/* Steps once. *row: there is a row to read. The step without a row resets the statement; a caller
+ * that stops earlier calls pen_sqlite_end. Fails: as pen_sqlite_error. */
 bool pen_sqlite_next(struct pen_sqlite_query *query, bool *row, struct pen_status *st);
 void pen_sqlite_end(struct pen_sqlite_query *query);
+
+/* The same for loops over rows: returns true if there is a row to read, false after the last row
+ * and after a failure; *ok: there was no failure. */
+bool pen_sqlite_next_row(struct pen_sqlite_query *query, bool *ok, struct pen_status *st);
 
 /* Runs a statement that gives no rows. */
 bool pen_sqlite_run(struct pen_sqlite_query *query, struct pen_status *st);
 
-/* Rows changed by the last pen_sqlite_run. */
-int pen_sqlite_changes(const struct pen_sqlite_store *store);
-
-/* Columns of the current row. pen_sqlite_column_dup gives a malloc()ed copy of a text, NULL for
- * null; *ok becomes false when out of memory. */
+/* Columns of the current row. pen_sqlite_column_dup returns a malloc()ed copy of a text, NULL for
+ * SQL's NULL; *ok becomes false when out of memory. */
 int64_t pen_sqlite_column_int(const struct pen_sqlite_query *query, int column);
 const char *pen_sqlite_column_text(const struct pen_sqlite_query *query, int column);
 struct pen_bytes pen_sqlite_column_blob(const struct pen_sqlite_query *query, int column);
 char *pen_sqlite_column_dup(const struct pen_sqlite_query *query, int column, bool *ok);
 
-/* Turns an SQLite result into a status, and takes note of what it says of the store's health:
+/* Turns a result code of SQLite into a status, and notes the fault that it stands for:
  * PEN_STORAGE_FULL, PEN_STORAGE (input, output, damage), PEN_UNAVAILABLE (busy), PEN_NO_MEMORY,
- * PEN_TOO_LARGE, else PEN_INTERNAL with SQLite's words. */
+ * PEN_TOO_LARGE, else PEN_INTERNAL with SQLite's message. Fails: always. */
 bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status *st);
 
-/* The same for a result of a file's own methods, with its errno (0: not known). */
+/* The same for a result of a file's methods, with its errno (0: unknown). */
 bool pen_sqlite_io_error(struct pen_sqlite_store *store, int rc, int error, struct pen_status *st);
 
-/* Whether what looks like damage is a read that the disk refused: SQLite then takes the file system
- * for corrupt. */
+/* Tells whether a result that means damage comes from a read that the disk refused. SQLite reports
+ * such a read as a corrupt file. */
 bool pen_sqlite_is_refused_read(struct pen_sqlite_store *store, int rc);
 
-/* Notes damage; the message is what was found and what to do. Fails: always, PEN_STORAGE. */
+/* Notes damage. The message tells what was found and what to do. Fails: always, PEN_STORAGE. */
 bool pen_sqlite_damaged(struct pen_sqlite_store *store, struct pen_status *st, const char *format,
                         ...) __attribute__((format(printf, 3, 4)));
 
-/* Prepares what transactions themselves need, so that none is left open, with the lock of all
- * writers, for want of memory. Comes last: whatever changes the connection or its triggers outdates
- * statements, and those are compiled anew when they are run. */
+/* Compiles the statements that begin and end transactions, so that a lack of memory leaves none
+ * open with the write lock. Called last when opening: a change of the connection or of its triggers
+ * invalidates statements, which are then compiled again when they run. */
 bool pen_sqlite_prepare(struct pen_sqlite_store *store, struct pen_status *st);
 
 /* Runs SQL text without results, for opening. */
 bool pen_sqlite_exec(struct pen_sqlite_store *store, const char *sql, struct pen_status *st);
 
-/* Copies the write-ahead log into the database and empties it, if readers leave soon enough. */
-void pen_sqlite_wind_back_log(struct pen_sqlite_store *store);
+/* Copies the write-ahead log into the database and truncates it, if readers finish soon enough. */
+void pen_sqlite_truncate_log(struct pen_sqlite_store *store);
 
-/* schema.c: makes the schema in a new file; upgrades an older one, once it was checked;
- * installs the rules on changes of state. */
+/* schema.c: makes the schema in a new file; checks and upgrades a file of an older schema; installs
+ * the triggers that refuse illegal changes of state. */
 bool pen_sqlite_make_schema(struct pen_sqlite_store *store, struct pen_status *st);
 bool pen_sqlite_migrate(struct pen_sqlite_store *store, struct pen_status *st);
 bool pen_sqlite_guard_states(struct pen_sqlite_store *store, struct pen_status *st);
 
-/* open.c. Opens a store that is there, of any schema, to be read alone; close it without
- * writing to it. Fails: as pen_store_open, and PEN_NOT_FOUND. */
+/* open.c: opens a store of any schema for reading; makes none. Close it with
+ * pen_sqlite_close_unwritten. Fails: as pen_store_open, and PEN_NOT_FOUND. */
 bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *st);
 void pen_sqlite_close_unwritten(struct pen_sqlite_store *store);
 
-/* files.c. Gives a file its name, unless that is taken (EEXIST); puts names on the disk. */
+/* files.c: renames a file, unless the new name exists (EEXIST); syncs the folder of a path. Fail
+ * with errno. */
 bool pen_sqlite_name_new_file(const char *from, const char *to);
 bool pen_sqlite_sync_folder(const char *path);
 
-/* check.c: the pages; the whole of the file and of its log, of any schema. */
+/* check.c: look for damage in the pages; in the log and the pages. For a store of any schema. */
 bool pen_sqlite_check_pages(struct pen_sqlite_store *store, struct pen_status *st);
 bool pen_sqlite_check_file(struct pen_sqlite_store *store, struct pen_status *st);
 
-/* wal.c: whether the write-ahead log is one that SQLite has written, up to its torn end. */
+/* wal.c: looks for damage in the write-ahead log. */
 bool pen_sqlite_check_log(struct pen_sqlite_store *store, struct pen_status *st);
 
-/* What marks a file as a Penumbra store: PRAGMA application_id, "Penm". */
+/* PRAGMA application_id of a Penumbra store: "Penm". */
 enum { SQL_APPLICATION_ID = 0x50656e6d };
 
-/* Every operation of struct pen_driver_ops, once. PEN_SQLITE_DECLARE makes of each NAME the
- * declaration of pen_sqlite_NAME; the table in driver.c is made of the same list. */
+/* Every operation of struct pen_driver_ops, once. PEN_SQLITE_DECLARE declares pen_sqlite_NAME for
+ * each NAME; the table in driver.c is made from the same list. */
 #define PEN_SQLITE_OPS(OP)                                                                         \
     OP(close)                                                                                      \
     OP(reopen)                                                                                     \
@@ -267,14 +272,16 @@ PEN_SQLITE_OPS(PEN_SQLITE_DECLARE)
 /* driver.c: the table of these operations. */
 const struct pen_driver_ops *pen_sqlite_ops(void);
 
-/* Reads a row of BATCH_COLUMNS (sql.c) as a claim of its present attempt; *job: its number. */
+/* Reads a row of BATCH_COLUMNS (sql.c) as a claim of the batch's present attempt; *job: the number
+ * of its job. */
 void pen_sqlite_read_claim(const struct pen_sqlite_query *row, struct pen_claim *claim,
                            int64_t *job);
 
-/* Runs a statement; *changed: whether it changed a row. */
+/* Runs a statement; *changed: it changed a row. */
 bool pen_sqlite_run_changed(struct pen_sqlite_query *query, bool *changed, struct pen_status *st);
 
-/* A copy of a text column in an arena, NULL for null; *ok becomes false when out of memory. */
+/* A copy of a text column in an arena, NULL for SQL's NULL; *ok becomes false when out of memory.
+ */
 const char *pen_sqlite_column_keep(const struct pen_sqlite_query *query, int column,
                                    struct pen_arena *arena, bool *ok);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The counters only grow, so a waiter that read a counter before it looked at the store cannot
- * miss what came after: it either sees another value or the futex wakes it. The file keeps its
- * length for ever (it is extended when short, never truncated), because a mapping of a file that
- * shrinks faults. */
+/* The counters only grow. A waiter reads a counter, then the store, then waits: if a signal comes
+ * in between, the counter has another value; if it comes later, the futex wakes the waiter. The
+ * file is extended when it is short and never truncated, because access to a mapping beyond the end
+ * of its file kills the process. */
 #include "store/sqlite/wake.h"
 
 #include <errno.h>
@@ -22,16 +22,20 @@
 #include "base/clock.h"
 
 enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, FILE_BYTES = 4096 };
+_Static_assert((int)PEN_SIGNAL_CHANGES + 1 == SIGNAL_COUNT && (int)SIGNAL_COUNT <= (int)FIRST_WORD,
+               "a counter for each signal, before the health words");
+_Static_assert((FIRST_WORD + PEN_HEALTH_WORDS) * sizeof(uint32_t) <= FILE_BYTES,
+               "the file has space for all words");
 
 struct pen_wake {
     char *path;
-    _Atomic uint32_t *counter; /* SIGNAL_COUNT of them; atomic: release with the wake, acquire in
-                                  the wait. The words of health.h follow at FIRST_WORD */
-    _Atomic uint32_t own[FIRST_WORD + PEN_HEALTH_WORDS]; /* used where the file is not */
+    _Atomic uint32_t *counter; /* SIGNAL_COUNT of them; atomic: release in the wake, acquire in
+                                  the wait. The health words follow at FIRST_WORD */
+    _Atomic uint32_t own[FIRST_WORD + PEN_HEALTH_WORDS]; /* used if the file cannot be mapped */
 };
 
-/* Extends a short file with written zeros: a hole could not be filled on a full disk, and storing
- * to a mapped hole would then kill the process. */
+/* Extends a short file by writing zeros. A hole could not be filled on a full disk, and storing to
+ * a mapped hole would then kill the process. */
 static bool fill_file(int fd)
 {
     struct stat info;

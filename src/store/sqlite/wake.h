@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Wake-up hints between processes that share a store on one host: two counters in a small file
- * mapped by all of them, and futexes to wait on. Nothing depends on a hint: where the file cannot
- * be made or mapped, waiting is just sleeping. The same page has words by which the processes tell
- * each other of faults of the store (health.h); without the file every handle has its own. */
+/* Signals between processes that share a store on one host: two counters in a small file that all
+ * of them map, and futexes to wait on. Nothing depends on a signal: where the file cannot be made
+ * or mapped, a wait is a sleep. The same page has the words in which processes share the faults of
+ * the store (store/internal/health.h); without the file every handle has its own. */
 #ifndef PEN_STORE_SQLITE_WAKE_H
 #define PEN_STORE_SQLITE_WAKE_H
 
@@ -25,8 +25,8 @@ void pen_wake_all(struct pen_wake *wake, enum pen_signal signal);
 /* The words of health.h, zero in a new file. */
 _Atomic uint32_t *pen_wake_words(struct pen_wake *wake);
 
-/* Takes the lock on the file, unless somebody has it. *lock is for pen_wake_unlock. A file that
- * cannot be opened has nobody to keep away: true. */
+/* Takes the lock on the file; returns false if another handle has it. *lock is for pen_wake_unlock.
+ * Returns true without a lock if the file cannot be opened. */
 bool pen_wake_try_lock(struct pen_wake *wake, int *lock);
 void pen_wake_unlock(int lock);
 

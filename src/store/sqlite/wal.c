@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The write-ahead log as a file. SQLite reads it up to the first frame that does not fit and takes
- * what follows for the torn end of a transaction that was never committed. That is right after a
- * crash; but a log that was damaged later loses committed transactions the same way, without a
- * word. Here those cases are told apart:
+/* Looks for damage in the write-ahead log. SQLite reads the log up to the first frame whose
+ * checksum is wrong, and takes the rest for the torn end of a transaction that was never committed.
+ * After a crash that is right. But a log that was damaged later silently loses committed
+ * transactions the same way. The two cases differ:
  *
- *  - The header is written and synced before the first commit. So a header that is neither zero
- *    nor fits its checksum was overwritten.
- *  - A transaction is synced before the next begins, and the checksums of the next go on from its
- *    own. So where a frame does not fit, and after it two commits follow each other in one chain of
- *    checksums (begun anew from what a frame says of itself), the first of them was whole on the
- *    disk once. What a failed or torn transaction leaves behind is a chain with one commit at most:
- *    none was ever built on it.
+ *  - The header is written and synced before the first commit. So a header that is neither zero nor
+ *    has the right checksum was overwritten.
+ *  - A transaction is synced before the next one begins, and checksums continue from one
+ * transaction to the next. Suppose a frame is wrong, and in a chain of checksums restarted behind
+ * it two commits follow each other. Then the first of the two was complete on the disk once, and
+ * the wrong frame before it is damage. A failed or torn transaction leaves a chain with one commit
+ * at most, since no transaction was ever built on it.
  *
  * Source: SQLite, "Database File Format", section 4, the write-ahead log. */
 #include <errno.h>
@@ -22,7 +22,7 @@
 
 #include "store/sqlite/sqlite.h"
 
-enum { HEADER_BYTES = 32, FRAME_HEADER_BYTES = 24, LOOKS = 3 };
+enum { HEADER_BYTES = 32, FRAME_HEADER_BYTES = 24, TRIES = 3 };
 static const uint32_t magic_little = 0x377f0682; /* checksums of little-endian words; +1: big */
 
 struct wal {
@@ -56,7 +56,7 @@ static bool has_sum(const struct wal *wal, const unsigned char *data)
 
 enum verdict { WAL_GOOD, WAL_BAD_HEADER, WAL_BAD_FRAME, WAL_UNREADABLE, WAL_NO_MEMORY };
 
-/* Reads the header; *any: whether frames may follow. */
+/* Reads the header; *any: frames may follow. */
 static enum verdict read_header(struct wal *wal, bool *any)
 {
     static const unsigned char zero[HEADER_BYTES];
@@ -80,7 +80,8 @@ static enum verdict read_header(struct wal *wal, bool *any)
     return WAL_GOOD;
 }
 
-/* Whether frame i is one of this generation; false at the end. */
+/* Reads frame i; returns false at the end. *ours: the frame belongs to this generation of the log,
+ * *commit: it ends a transaction. */
 static bool read_frame(const struct wal *wal, int64_t i, bool *ours, bool *commit)
 {
     size_t bytes = FRAME_HEADER_BYTES + wal->page_bytes;
@@ -92,14 +93,15 @@ static bool read_frame(const struct wal *wal, int64_t i, bool *ours, bool *commi
     return true;
 }
 
-static bool fits(struct wal *wal)
+/* Continues the chain of checksums by the frame; tells whether the frame has that checksum. */
+static bool continues_chain(struct wal *wal)
 {
     add_sum(wal, wal->frame, 8);
     add_sum(wal, wal->frame + FRAME_HEADER_BYTES, wal->page_bytes);
     return has_sum(wal, wal->frame + 16);
 }
 
-/* Begins a chain from what the frame says. */
+/* Restarts the chain from the checksum that the frame states. */
 static void begin_chain(struct wal *wal)
 {
     wal->sum[0] = word_at(wal->frame + 16, true);
@@ -109,9 +111,9 @@ static void begin_chain(struct wal *wal)
 static enum verdict read_frames(struct wal *wal)
 {
     bool ours, commit, broken = false;
-    int commits = 0; /* in a chain after the first break */
+    int commits = 0; /* in the present chain, behind the first wrong frame */
     for (int64_t i = 0; read_frame(wal, i, &ours, &commit); i++) {
-        if (!fits(wal) || !ours) {
+        if (!continues_chain(wal) || !ours) {
             broken = true;
             commits = 0;
             begin_chain(wal);
@@ -123,7 +125,7 @@ static enum verdict read_frames(struct wal *wal)
     return WAL_GOOD;
 }
 
-static enum verdict look(const char *path)
+static enum verdict check_file(const char *path)
 {
     struct wal wal = {.fd = open(path, O_RDONLY | O_CLOEXEC)};
     bool any;
@@ -145,10 +147,10 @@ bool pen_sqlite_check_log(struct pen_sqlite_store *store, struct pen_status *st)
 {
     char path[4112];
     snprintf(path, sizeof path, "%s-wal", store->path);
-    enum verdict verdict = look(path);
-    /* Others may be writing: what looks damaged is looked at again. */
-    for (int i = 1; i < LOOKS && (verdict == WAL_BAD_HEADER || verdict == WAL_BAD_FRAME); i++)
-        verdict = look(path);
+    enum verdict verdict = check_file(path);
+    /* Other handles may be writing, so a log that seems damaged is read again. */
+    for (int i = 1; i < TRIES && (verdict == WAL_BAD_HEADER || verdict == WAL_BAD_FRAME); i++)
+        verdict = check_file(path);
     switch (verdict) {
     case WAL_GOOD:
         break;

@@ -103,16 +103,13 @@ bool pen_sqlite_worker_list(struct pen_driver *driver, struct pen_arena *arena,
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_WORKER_LIST);
     struct rows found = {.arena = arena};
-    bool row = true, kept = true;
-    while (row && kept) {
-        if (!pen_sqlite_next(&query, &row, st))
-            return false;
-        kept = !row || fill_worker(&query, &found);
-    }
+    bool ok, memory = true;
+    while (memory && pen_sqlite_next_row(&query, &ok, st))
+        memory = fill_worker(&query, &found);
     pen_sqlite_end(&query);
     *rows = found.list;
     *count = found.count;
-    return kept || pen_fail(st, PEN_NO_MEMORY, "no memory for a list of workers");
+    return ok && (memory || pen_fail(st, PEN_NO_MEMORY, "no memory for a list of workers"));
 }
 
 bool pen_sqlite_worker_id_page(struct pen_driver *driver, const char *after,
@@ -120,17 +117,13 @@ bool pen_sqlite_worker_id_page(struct pen_driver *driver, const char *after,
                                struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_WORKER_IDS);
-    bool row = true, ok = true;
+    bool ok, memory = true;
     pen_sqlite_text(&query, after);
     pen_sqlite_int(&query, capacity);
     *count = 0;
-    while (row) {
-        if (!pen_sqlite_next(&query, &row, st))
-            return false;
-        if (row)
-            ids[(*count)++] = pen_sqlite_column_keep(&query, 0, arena, &ok);
-    }
-    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for a list of workers");
+    while (pen_sqlite_next_row(&query, &ok, st))
+        ids[(*count)++] = pen_sqlite_column_keep(&query, 0, arena, &memory);
+    return ok && (memory || pen_fail(st, PEN_NO_MEMORY, "no memory for a list of workers"));
 }
 
 /* The byte of an id: its checksum, without the sign and beyond the bytes of the file itself. */
