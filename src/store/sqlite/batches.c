@@ -28,26 +28,30 @@ bool pen_sqlite_any_open(struct pen_driver *driver, bool *any, struct pen_status
     return true;
 }
 
-void pen_sqlite_read_claim(const struct pen_sqlite_query *row, struct pen_claim *claim,
-                           int64_t *job)
+#define COLUMN(name, value) CLAIM_##name,
+enum { PEN_SQLITE_CLAIM_COLUMNS(COLUMN, COLUMN) };
+
+/* Reads a row of the claim columns as a claim of the batch's present attempt; *job: its job's
+ * number. */
+static void read_claim(const struct pen_sqlite_query *row, struct pen_claim *claim, int64_t *job)
 {
     *claim = (struct pen_claim){
-        .batch = pen_sqlite_column_int(row, 0),
-        .attempt = pen_sqlite_column_int(row, 1),
-        .kind = (enum pen_batch_kind)pen_sqlite_column_int(row, 2),
-        .view = (int)pen_sqlite_column_int(row, 4),
-        .first_tile = (int)pen_sqlite_column_int(row, 5),
-        .tile_count = (int)pen_sqlite_column_int(row, 6),
-        .pixels = pen_sqlite_column_int(row, 7),
-        .view_batches = (int)pen_sqlite_column_int(row, 8),
-        .submitted_ms = pen_sqlite_column_int(row, 10),
-        .started_ms = pen_sqlite_column_int(row, 11),
-        .timeout_ms = pen_sqlite_column_int(row, 12),
+        .batch = pen_sqlite_column_int(row, CLAIM_batch),
+        .attempt = pen_sqlite_column_int(row, CLAIM_attempt),
+        .kind = (enum pen_batch_kind)pen_sqlite_column_int(row, CLAIM_kind),
+        .view = (int)pen_sqlite_column_int(row, CLAIM_view),
+        .first_tile = (int)pen_sqlite_column_int(row, CLAIM_first_tile),
+        .tile_count = (int)pen_sqlite_column_int(row, CLAIM_tile_count),
+        .pixels = pen_sqlite_column_int(row, CLAIM_pixels),
+        .view_batches = (int)pen_sqlite_column_int(row, CLAIM_view_batches),
+        .submitted_ms = pen_sqlite_column_int(row, CLAIM_submitted_ms),
+        .started_ms = pen_sqlite_column_int(row, CLAIM_started_ms),
+        .timeout_ms = pen_sqlite_column_int(row, CLAIM_timeout_ms),
     };
-    *job = pen_sqlite_column_int(row, 3);
-    const char *id = pen_sqlite_column_text(row, 9);
+    *job = pen_sqlite_column_int(row, CLAIM_job);
+    const char *id = pen_sqlite_column_text(row, CLAIM_job_id);
     snprintf(claim->job_id, sizeof claim->job_id, "%s", id ? id : "");
-    struct pen_bytes hash = pen_sqlite_column_blob(row, 13);
+    struct pen_bytes hash = pen_sqlite_column_blob(row, CLAIM_scene_sha256);
     if (hash.bytes == sizeof claim->scene_sha256)
         memcpy(claim->scene_sha256, hash.data, hash.bytes);
 }
@@ -58,7 +62,7 @@ static bool first_claim(struct pen_sqlite_query *query, struct pen_claim *claim,
     if (!pen_sqlite_next(query, found, st))
         return false;
     if (*found) {
-        pen_sqlite_read_claim(query, claim, job);
+        read_claim(query, claim, job);
         pen_sqlite_end(query);
     }
     return true;

@@ -4,27 +4,8 @@
 
 #include "store/sqlite/sqlite.h"
 
-/* The columns of JOB_COLUMNS (sql.c), in order. */
-enum {
-    COL_NUMBER,
-    COL_ID,
-    COL_STATE,
-    COL_REVISION,
-    COL_KIND,
-    COL_REQUEST,
-    COL_ERROR,
-    COL_PRIORITY,
-    COL_MAX_ATTEMPTS,
-    COL_CHARGES,
-    COL_TIMEOUT,
-    COL_CREATED,
-    COL_STARTED,
-    COL_FINISHED,
-    COL_UPDATED,
-    COL_DONE,
-    COL_TOTAL,
-    COL_SCENE
-};
+#define COLUMN(name) JOB_##name,
+enum { PEN_SQLITE_JOB_COLUMNS(COLUMN, COLUMN) };
 
 bool pen_sqlite_key_add(struct pen_driver *driver, const struct pen_key_row *key, bool *added,
                         struct pen_status *st)
@@ -126,26 +107,26 @@ static bool fill_row(const struct pen_sqlite_query *query, struct pen_job_row *r
 {
     bool ok = true;
     *row = (struct pen_job_row){
-        .charges = pen_sqlite_column_int(query, COL_CHARGES),
-        .scene = pen_sqlite_column_int(query, COL_SCENE),
+        .charges = pen_sqlite_column_int(query, JOB_charges),
+        .scene = pen_sqlite_column_int(query, JOB_scene),
         .record = {
-            .number = pen_sqlite_column_int(query, COL_NUMBER),
-            .state = (enum pen_job_state)pen_sqlite_column_int(query, COL_STATE),
-            .revision = pen_sqlite_column_int(query, COL_REVISION),
-            .kind = pen_sqlite_column_dup(query, COL_KIND, &ok),
-            .request = pen_sqlite_column_dup(query, COL_REQUEST, &ok),
-            .error = pen_sqlite_column_dup(query, COL_ERROR, &ok),
-            .priority = (int)pen_sqlite_column_int(query, COL_PRIORITY),
-            .max_attempts = (int)pen_sqlite_column_int(query, COL_MAX_ATTEMPTS),
-            .timeout_ms = pen_sqlite_column_int(query, COL_TIMEOUT),
-            .created_ms = pen_sqlite_column_int(query, COL_CREATED),
-            .started_ms = pen_sqlite_column_int(query, COL_STARTED),
-            .finished_ms = pen_sqlite_column_int(query, COL_FINISHED),
-            .updated_ms = pen_sqlite_column_int(query, COL_UPDATED),
-            .done_pixels = pen_sqlite_column_int(query, COL_DONE),
-            .total_pixels = pen_sqlite_column_int(query, COL_TOTAL),
+            .number = pen_sqlite_column_int(query, JOB_number),
+            .state = (enum pen_job_state)pen_sqlite_column_int(query, JOB_state),
+            .revision = pen_sqlite_column_int(query, JOB_revision),
+            .kind = pen_sqlite_column_dup(query, JOB_kind, &ok),
+            .request = pen_sqlite_column_dup(query, JOB_request, &ok),
+            .error = pen_sqlite_column_dup(query, JOB_error, &ok),
+            .priority = (int)pen_sqlite_column_int(query, JOB_priority),
+            .max_attempts = (int)pen_sqlite_column_int(query, JOB_max_attempts),
+            .timeout_ms = pen_sqlite_column_int(query, JOB_timeout_ms),
+            .created_ms = pen_sqlite_column_int(query, JOB_created_ms),
+            .started_ms = pen_sqlite_column_int(query, JOB_started_ms),
+            .finished_ms = pen_sqlite_column_int(query, JOB_finished_ms),
+            .updated_ms = pen_sqlite_column_int(query, JOB_updated_ms),
+            .done_pixels = pen_sqlite_column_int(query, JOB_done_pixels),
+            .total_pixels = pen_sqlite_column_int(query, JOB_total_pixels),
         }};
-    const char *id = pen_sqlite_column_text(query, COL_ID);
+    const char *id = pen_sqlite_column_text(query, JOB_id);
     size_t length = id ? strlen(id) : 0;
     if (length < sizeof row->record.id)
         memcpy(row->record.id, id ? id : "", length + 1);

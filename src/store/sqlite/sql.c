@@ -13,16 +13,14 @@ _Static_assert(PEN_BATCH_OPEN == 0 && PEN_BATCH_LEASED == 1 && PEN_BATCH_DONE ==
 _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STUDY == 2,
                "stores have these numbers");
 
-#define JOB_COLUMNS                                                                                \
-    "number, id, state, revision, kind, request, error, priority, max_attempts, charges,"          \
-    " timeout_ms, created_ms, started_ms, finished_ms, updated_ms, done_pixels, total_pixels, "    \
-    "scene"
+#define FIRST_COLUMN(name) #name
+#define NEXT_COLUMN(name) ", " #name
+#define JOB_COLUMNS PEN_SQLITE_JOB_COLUMNS(FIRST_COLUMN, NEXT_COLUMN)
 
-/* The columns of a claim, which pen_sqlite_read_claim reads. */
-#define BATCH_COLUMNS                                                                              \
-    "b.id, b.attempt, b.kind, b.job, b.view, b.first_tile, b.tile_count, b.pixels, v.batches,"     \
-    " j.id, j.created_ms, j.started_ms, j.timeout_ms, s.sha256"
-#define BATCH_TABLES                                                                               \
+#define FIRST_VALUE(name, value) #value
+#define NEXT_VALUE(name, value) ", " #value
+#define CLAIM_COLUMNS PEN_SQLITE_CLAIM_COLUMNS(FIRST_VALUE, NEXT_VALUE)
+#define CLAIM_TABLES                                                                               \
     " FROM batch b JOIN job j ON j.number = b.job"                                                 \
     " JOIN view v ON v.job = b.job AND v.view = b.view JOIN scene s ON s.id = j.scene"
 
@@ -98,12 +96,12 @@ static const char *const sql_text[] = {
     [SQL_JOB_REMOVE] = "DELETE FROM job WHERE number = ?",
 
     [SQL_ANY_OPEN] = "SELECT 1 FROM batch WHERE state = 0 LIMIT 1",
-    [SQL_NEXT_OPEN] = "SELECT " BATCH_COLUMNS BATCH_TABLES
+    [SQL_NEXT_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
                       " WHERE b.state = 0 AND j.paused_until_ms <= ?1 AND b.quarantined <= ?2"
                       " ORDER BY b.priority DESC, b.job, b.id LIMIT 1",
     [SQL_HELD_BY] = "SELECT count(*), coalesce(sum(quarantined OR kind = 2), 0) FROM batch"
                     " WHERE state = 1 AND worker = ?",
-    [SQL_FIRST_HELD] = "SELECT " BATCH_COLUMNS BATCH_TABLES
+    [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
                        " WHERE b.state = 1 AND b.worker = ? ORDER BY b.id LIMIT 1",
     [SQL_BATCH_GET] = "SELECT job, view, kind, state, attempt, pixels, lease_until_ms FROM batch"
                       " WHERE id = ?",

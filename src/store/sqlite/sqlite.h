@@ -81,6 +81,43 @@ enum pen_sqlite_sql {
     SQL_COUNT
 };
 
+/* Columns that several statements select, and one function reads. sql.c makes a list of SQL from
+ * each of these lists, and the reading function the columns' numbers, JOB_NAME and CLAIM_NAME. */
+#define PEN_SQLITE_JOB_COLUMNS(FIRST, NEXT)                                                        \
+    FIRST(number)                                                                                  \
+    NEXT(id)                                                                                       \
+    NEXT(state)                                                                                    \
+    NEXT(revision)                                                                                 \
+    NEXT(kind)                                                                                     \
+    NEXT(request)                                                                                  \
+    NEXT(error)                                                                                    \
+    NEXT(priority)                                                                                 \
+    NEXT(max_attempts)                                                                             \
+    NEXT(charges)                                                                                  \
+    NEXT(timeout_ms)                                                                               \
+    NEXT(created_ms)                                                                               \
+    NEXT(started_ms)                                                                               \
+    NEXT(finished_ms)                                                                              \
+    NEXT(updated_ms)                                                                               \
+    NEXT(done_pixels)                                                                              \
+    NEXT(total_pixels)                                                                             \
+    NEXT(scene)
+#define PEN_SQLITE_CLAIM_COLUMNS(FIRST, NEXT)                                                      \
+    FIRST(batch, b.id)                                                                             \
+    NEXT(attempt, b.attempt)                                                                       \
+    NEXT(kind, b.kind)                                                                             \
+    NEXT(job, b.job)                                                                               \
+    NEXT(view, b.view)                                                                             \
+    NEXT(first_tile, b.first_tile)                                                                 \
+    NEXT(tile_count, b.tile_count)                                                                 \
+    NEXT(pixels, b.pixels)                                                                         \
+    NEXT(view_batches, v.batches)                                                                  \
+    NEXT(job_id, j.id)                                                                             \
+    NEXT(submitted_ms, j.created_ms)                                                               \
+    NEXT(started_ms, j.started_ms)                                                                 \
+    NEXT(timeout_ms, j.timeout_ms)                                                                 \
+    NEXT(scene_sha256, s.sha256)
+
 struct pen_wake;
 
 struct pen_sqlite_store {
@@ -271,11 +308,6 @@ PEN_SQLITE_OPS(PEN_SQLITE_DECLARE)
 
 /* driver.c: the table of these operations. */
 const struct pen_driver_ops *pen_sqlite_ops(void);
-
-/* Reads a row of BATCH_COLUMNS (sql.c) as a claim of the batch's present attempt; *job: the number
- * of its job. */
-void pen_sqlite_read_claim(const struct pen_sqlite_query *row, struct pen_claim *claim,
-                           int64_t *job);
 
 /* Runs a statement; *changed: it changed a row. */
 bool pen_sqlite_run_changed(struct pen_sqlite_query *query, bool *changed, struct pen_status *st);
