@@ -12,8 +12,7 @@ bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *j
            (found || pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id));
 }
 
-/* Sets the attempt that the job is on: one more than its charges, unless the last one has ended it.
- */
+/* Sets the attempt that the job is on: one more than its charges, unless the last one ended it. */
 static void set_attempts(struct pen_job_row *row)
 {
     struct pen_job_record *job = &row->record;

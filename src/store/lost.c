@@ -219,9 +219,8 @@ static bool release_if_dead(struct pen_store *store, const char *id, int *opened
     return true;
 }
 
-/* Does so for a page of workers above *last. *last becomes the last of them, NULL after the last
- * page.
- */
+/* Does so for a page of workers above *last, which becomes the last of them; NULL: there are no
+ * more. */
 static bool release_page(struct pen_store *store, struct pen_arena *arena, const char **last,
                          int *opened, struct pen_status *st)
 {

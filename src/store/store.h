@@ -14,7 +14,7 @@
  *    unknown.
  *  - After a failed read, write or sync, or on a full disk, all handles of all processes refuse
  *    calls whose effect they cannot promise (PEN_STORAGE, PEN_STORAGE_FULL). The store is used
- * again once it was reopened, checked and written to. Handles stay valid; callers call again
+ *    again once it was reopened, checked and written to. Handles stay valid; callers call again
  *    (src/store/internal/health.h has the rules).
  *  - Time is the store's clock (pen_store_now), never a caller's.
  *  - A caller's function is never called inside a transaction. It may use the same handle.
@@ -267,7 +267,7 @@ struct pen_result {
 /* Commits a batch.
  *  - The last commit of a view of several render batches adds the view's assemble batch.
  *  - The commit that ends a view (of its only batch, or of the assemble batch) must bring the
- * view's picture, that of a study its report.
+ *    view's picture, that of a study its report.
  *  - The commit that ends the last view makes the job succeeded.
  * Fails: PEN_STALE; PEN_STORAGE_FULL, PEN_STORAGE, PEN_UNAVAILABLE (see pen_store_failure; the same
  * commit may be repeated in any case); PEN_INTERNAL (the result does not fit the batch). */
@@ -291,8 +291,7 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                         struct pen_status *st);
 
-/* Gives a batch back without a result, and without a charge. Does nothing if it is no longer held.
- */
+/* Gives a batch back without a result or a charge. Does nothing if it is no longer held. */
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 
@@ -339,13 +338,12 @@ struct pen_worker_death {
 
 /* Opens the batches of a worker that has ended; *opened is their number.
  *  - Unless the worker left, they are quarantined: a quarantined batch is leased only to a worker
- * that holds nothing else, and that worker gets nothing else meanwhile.
+ *    that holds nothing else, and that worker gets nothing else meanwhile.
  *  - A job that loses workers repeatedly is paused, for a time that doubles with each loss.
  *  - A crash is charged to the job if the worker held batches of that job only. max_attempts
- * charges in a row end the job as failed.
+ *    charges in a row end the job as failed.
  *  - A commit ends the quarantine of its batch, and the pause and the charges of its job.
- * Fails: PEN_UNAVAILABLE (the worker's batches keep changing), PEN_NO_MEMORY, and as other writes.
- */
+ * Fails: PEN_UNAVAILABLE (the worker's batches keep changing), PEN_NO_MEMORY, and as any write. */
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
                             int *opened, struct pen_status *st);
 
@@ -462,8 +460,7 @@ struct pen_worker_record {
 };
 
 /* Calls `each` for every worker, oldest first: once for every batch that it holds, or once if it
- * holds none; stops when it returns false. The list may contain workers that have died unnoticed.
- */
+ * holds none; stops when it returns false. The list may contain workers that died unnoticed. */
 typedef bool pen_worker_fn(void *user, const struct pen_worker_record *worker);
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                        struct pen_status *st);

@@ -6,14 +6,15 @@
  *
  * Transactions
  *  - An operation that changes rows is called between begin_write and commit, unless its comment
- * says otherwise. An operation that reads is called there, between begin_read and rollback, or
- * alone.
+ *    says otherwise. An operation that reads is called there, between begin_read and rollback, or
+ *    alone.
  *  - begin_read shows one unchanging state of the database until rollback. PostgreSQL: REPEATABLE
  *    READ, READ ONLY.
  *  - begin_write: where this header says "locks", the rows that were read stay as they are until
- * the end of the transaction. Elsewhere a conditional UPDATE tells by its number of rows whether
- * they were as expected. SQLite takes its one write lock (BEGIN IMMEDIATE), which locks everything.
- *    PostgreSQL: READ COMMITTED, with the row locks named beside the operations.
+ *    the end of the transaction. Elsewhere a conditional UPDATE tells by its number of rows
+ *    whether they were as expected. SQLite takes its one write lock (BEGIN IMMEDIATE), which
+ *    locks everything. PostgreSQL: READ COMMITTED, with the row locks named beside the
+ *    operations.
  *  - A unique constraint alone closes the race between find and insert. `*added = false` means that
  *    another transaction has inserted the row; the caller then reads that row.
  *  - No operation calls a function of the caller. Lists are pages, or arrays that the caller owns.
@@ -23,9 +24,9 @@
  *  - A failed commit sets outcome_unknown if its changes may be stored (a sync failed, or the
  *    connection was lost after COMMIT was sent). Otherwise nothing has happened.
  *  - A failure that tells something about the store's health sets a bit in `faults` (health.h).
- *  - A statement that the database refuses because of a concurrent transaction (PostgreSQL: 40001,
- *    40P01, a foreign key whose row was just removed) fails with PEN_UNAVAILABLE, without an
- * effect.
+ *  - A statement that the database refuses because of a concurrent transaction (PostgreSQL:
+ *    40001, 40P01, a foreign key whose row was just removed) fails with PEN_UNAVAILABLE, without
+ *    an effect.
  *
  * Time: `now` is the policy's only clock, the same for all handles. */
 #ifndef PEN_STORE_INTERNAL_DRIVER_H

@@ -24,8 +24,7 @@ struct pen_store {
     uint32_t epoch; /* the number of the store's faults when the driver's handle was opened */
 };
 
-/* Runs `body` in a write transaction, which is committed if it returns true and else rolled back.
- */
+/* Runs `body` in a write transaction: committed if it returns true, else rolled back. */
 typedef bool pen_body(struct pen_store *store, void *arg, struct pen_status *st);
 bool pen_store_write(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st);
 

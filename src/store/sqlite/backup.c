@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Copies a store while others read and write it.
- *  - The copy has all pages as of one moment: SQLite's backup in one step is one read transaction,
- * which writers do not restart.
- *  - It is made under another name, checked, synced and then renamed. So the name always stands for
- * a complete backup, or for the file that was there before.
+ *  - The copy has all pages as of one moment: SQLite's backup in one step is one read
+ *    transaction, which writers do not restart.
+ *  - It is made under another name, checked, synced and then renamed. So the name always stands
+ *    for a complete backup, or for the file that was there before.
  *  - It has no log: it is one file.
  *  - The store itself is only read. A store of an older schema is copied as it is. */
 #include <errno.h>

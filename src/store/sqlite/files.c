@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Renaming a complete file to its final name, and syncing the folder so that the name is durable.
- */
+/* Renaming a complete file to its final name, and syncing the folder to make the name durable. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>

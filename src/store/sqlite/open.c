@@ -4,10 +4,10 @@
  *    statement could write already, so the header is read before it.
  *  - A file that was not opened without a fault is closed without a checkpoint.
  *  - Handles of several processes may open a store at the same time. Making and migrating it is
- * done under a lock (flock) on the file ending in -wake.
+ *    done under a lock (flock) on the file ending in -wake.
  *  - The database file is read through SQLite's own descriptor. Closing another descriptor of it
- * would drop the POSIX locks of all handles of this process
- * (https://www.sqlite.org/howtocorrupt.html, 2.2). */
+ *    would drop the POSIX locks of all handles of this process
+ *    (https://www.sqlite.org/howtocorrupt.html, 2.2). */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>

@@ -213,8 +213,7 @@ static int errno_of_files(struct pen_sqlite_store *store)
     return error;
 }
 
-/* SQLite passes on the errno of most failures. That of a failed commit is known to the files only.
- */
+/* SQLite passes on the errno of most failures. Only the files know that of a failed commit. */
 static int errno_of(struct pen_sqlite_store *store)
 {
     int error = sqlite3_system_errno(store->db);
@@ -372,8 +371,7 @@ bool pen_sqlite_begin_write(struct pen_driver *driver, struct pen_status *st)
     return has_name(store, st) && begin(store, SQL_BEGIN_WRITE, st);
 }
 
-/* If the log could not be written or synced, a later recovery may still find the transaction in it.
- */
+/* If the log could not be written or synced, a later recovery may find the transaction in it. */
 bool pen_sqlite_commit(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);

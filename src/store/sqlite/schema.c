@@ -10,8 +10,7 @@
  * idempotency       keys of submits, hashes of their bodies, and the answers. They outlive their
  *                   jobs: deleting a job does not revoke what its client was promised. The row with
  *                   the empty key belongs to the trial writes
- * worker            the list of workers, for readers, and the inode of the file that each has
- * locked
+ * worker            the list of workers, for readers, and the inode of the file that each locked
  *
  * Numbers of jobs and batches are never reused (AUTOINCREMENT): a claim names a batch by number and
  * attempt, and must not fit another batch after a delete.

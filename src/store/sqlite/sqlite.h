@@ -3,9 +3,9 @@
  *
  * Invariants
  *  - A write transaction takes the write lock before it reads (BEGIN IMMEDIATE), so what it has
- * read does not change before it writes.
- *  - A statement is prepared once per handle and always reset before its function returns, so that
- * no forgotten read keeps the write-ahead log from being reset.
+ *    read does not change before it writes.
+ *  - A statement is prepared once per handle and always reset before its function returns, so
+ *    that no forgotten read keeps the write-ahead log from being reset.
  *  - SQL is in schema.c, sql.c and audit.c; open.c, check.c and backup.c have a few lines. */
 #ifndef PEN_STORE_SQLITE_SQLITE_H
 #define PEN_STORE_SQLITE_SQLITE_H
@@ -150,8 +150,7 @@ struct pen_sqlite_query {
 /* The text of a statement. */
 const char *pen_sqlite_sql_text(enum pen_sqlite_sql sql);
 
-/* Begins a statement, compiled when it is first used. Each binding call binds the next parameter.
- */
+/* Begins a statement, compiled at its first use. Each binding call binds the next parameter. */
 struct pen_sqlite_query pen_sqlite_query(struct pen_sqlite_store *store, enum pen_sqlite_sql sql);
 void pen_sqlite_int(struct pen_sqlite_query *query, int64_t value);
 void pen_sqlite_text(struct pen_sqlite_query *query, const char *text); /* NULL binds SQL's NULL */
@@ -312,8 +311,7 @@ const struct pen_driver_ops *pen_sqlite_ops(void);
 /* Runs a statement; *changed: it changed a row. */
 bool pen_sqlite_run_changed(struct pen_sqlite_query *query, bool *changed, struct pen_status *st);
 
-/* A copy of a text column in an arena, NULL for SQL's NULL; *ok becomes false when out of memory.
- */
+/* Copies a text column to an arena; NULL for SQL's NULL. *ok becomes false when out of memory. */
 const char *pen_sqlite_column_keep(const struct pen_sqlite_query *query, int column,
                                    struct pen_arena *arena, bool *ok);
 

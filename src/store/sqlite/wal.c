@@ -7,10 +7,10 @@
  *  - The header is written and synced before the first commit. So a header that is neither zero nor
  *    has the right checksum was overwritten.
  *  - A transaction is synced before the next one begins, and checksums continue from one
- * transaction to the next. Suppose a frame is wrong, and in a chain of checksums restarted behind
- * it two commits follow each other. Then the first of the two was complete on the disk once, and
- * the wrong frame before it is damage. A failed or torn transaction leaves a chain with one commit
- * at most, since no transaction was ever built on it.
+ *    transaction to the next. Suppose a frame is wrong, and in a chain of checksums restarted
+ *    behind it two commits follow each other. Then the first of the two was complete on the disk
+ *    once, and the wrong frame before it is damage. A failed or torn transaction leaves a chain
+ *    with one commit at most, since no transaction was ever built on it.
  *
  * Source: SQLite, "Database File Format", section 4, the write-ahead log. */
 #include <errno.h>
