@@ -1,26 +1,25 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Scenes in XML on the command line: render, validate, bench's reader and `penumbra convert`; no
-# daemon.
+# Scenes in XML without a daemon: render, validate, bench and convert.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 corpus=$root/tests/io/corpus
 golden=$root/tests/golden
 
-# Golden scenes, written in both dialects, are the same pictures, bit for bit
+# Golden scenes that exist in XML and JSON give the same pictures, bit for bit
 for xml in "$golden"/xml/*.xml; do
     name=$(basename "$xml" .xml)
     json=$golden/scenes/$name.json
     [ -e "$json" ] || json=$root/scenes/$name.json
     set -- --set width=61 --set height=43
     "$penumbra" render "$xml" -o x.pfm "$@" && "$penumbra" render "$json" -o j.pfm "$@"
-    check "$name in XML is $name in JSON" cmp x.pfm j.pfm
+    check "$name gives the same picture in XML and JSON" cmp x.pfm j.pfm
 done
 
-# What convert writes renders to the same bytes, every view, at the scene's own settings
+# The output of convert renders to the same bytes, in every view, with the scene's own settings
 for xml in "$golden"/xml/*.xml "$corpus"/xml-good/*.xml; do
     name=$(basename "$xml" .xml)
-    ends "convert $name" 0 "$penumbra" convert "$xml" converted.json
+    exits "convert $name" 0 "$penumbra" convert "$xml" converted.json
     expect "$name: prints nothing" "$(cat stdout stderr)" ""
     views=$(jq -r '.views[]?.name' converted.json)
     for view in ${views:-main}; do
@@ -32,23 +31,23 @@ for xml in "$golden"/xml/*.xml "$corpus"/xml-good/*.xml; do
     check "$name: converted again, the same text" cmp converted.json again.json
 done
 
-# Ways to say it
+# Ways to name input and output
 classroom=$corpus/xml-good/classroom.xml
 "$penumbra" convert "$classroom" want.json
-ends "-o" 0 "$penumbra" convert "$classroom" -o o.json
-check "is the same" cmp o.json want.json
+exits "convert -o" 0 "$penumbra" convert "$classroom" -o o.json
+check "-o OUT equals the argument OUT" cmp o.json want.json
 "$penumbra" convert - - <"$classroom" >pipe.json
-check "standard input to standard output" cmp pipe.json want.json
+check "convert from standard input to standard output" cmp pipe.json want.json
 cp "$classroom" scene
 "$penumbra" convert scene other.json
-check "a name without an ending" cmp other.json want.json
+check "XML in a file without an ending" cmp other.json want.json
 echo old >o.json
-ends "an old file" 0 "$penumbra" convert "$classroom" o.json
-check "is replaced whole" cmp o.json want.json
+exits "convert over an existing file" 0 "$penumbra" convert "$classroom" o.json
+check "the file is replaced as a whole" cmp o.json want.json
 "$penumbra" convert builtin:spheres s.json
 "$penumbra" render s.json -o a.png --set width=40 --set height=30
 "$penumbra" render builtin:spheres -o b.png --set width=40 --set height=30
-check "a built-in scene" cmp a.png b.png
+check "a built-in scene converted, the same picture" cmp a.png b.png
 "$penumbra" render - -o a.png --set width=40 --set height=30 <"$classroom"
 "$penumbra" render "$classroom" -o b.png --set width=40 --set height=30
 check "render from standard input" cmp a.png b.png
@@ -56,34 +55,34 @@ expect "the classroom's picture is encoded linearly" "$(jq -c .render want.json)
     '{"width":1000,"height":1000,"transfer":"linear"}'
 
 sed -n '/^```xml$/,/^```$/p' "$root/README.md" | sed '1d;$d' >readme.xml
-ends "the README's scene" 0 "$penumbra" validate readme.xml
+exits "the README's scene" 0 "$penumbra" validate readme.xml
 
-# What is refused, and that nothing is written then
-ends "no output" 2 "$penumbra" convert "$classroom"
-says "says what is missing" stderr "missing OUT"
-ends "two outputs" 2 "$penumbra" convert "$classroom" a.json -o b.json
-says "says so" stderr '"a.json"'
-ends "output in XML" 2 "$penumbra" convert "$classroom" out.xml
-says "says that the output is JSON" stderr "the output is JSON"
-ends "output that cannot be" 8 "$penumbra" convert "$classroom" none/out.json
-ends "no such file" 4 "$penumbra" convert none.xml out.json
+# Errors, after which no output is written
+exits "convert without an output" 2 "$penumbra" convert "$classroom"
+prints "the error says that OUT is missing" stderr "missing OUT"
+exits "convert with two outputs" 2 "$penumbra" convert "$classroom" a.json -o b.json
+prints "the error names one of them" stderr '"a.json"'
+exits "convert to XML" 2 "$penumbra" convert "$classroom" out.xml
+prints "the error says that the output is JSON" stderr "the output is JSON"
+exits "convert to a missing folder" 8 "$penumbra" convert "$classroom" none/out.json
+exits "convert a missing file" 4 "$penumbra" convert none.xml out.json
 printf '<scene>\n  <geometries>\n    <sphere center="0 0 -9" radius="-1"/>\n  </geometries>\n</scene>\n' >bad.xml
-ends "a bad scene" 3 "$penumbra" convert bad.xml bad.json
-says "is placed" stderr \
+exits "convert an invalid scene" 3 "$penumbra" convert bad.xml bad.json
+prints "the error has file, line and column" stderr \
     'penumbra: bad.xml:3:29: attribute "radius" of <sphere>: must be a number greater than 0, found -1'
-check "and nothing is written" test ! -e bad.json
-ends "a bad scene to render" 3 "$penumbra" render bad.xml -o bad.png
-says "is placed" stderr "penumbra: bad.xml:3:29: "
-ends "a bad scene to bench" 3 "$penumbra" bench bad.xml --matrix threads=1
-says "is placed" stderr "penumbra: bad.xml:3:29: "
-ends "a bad scene as JSON" 3 "$penumbra" validate bad.xml --json
-expect "has lines in its problem" "$(jq -c '.errors[0] | [.line, .column, has("pointer")]' stdout)" \
+check "no output is written" test ! -e bad.json
+exits "render an invalid scene" 3 "$penumbra" render bad.xml -o bad.png
+prints "the error has file, line and column" stderr "penumbra: bad.xml:3:29: "
+exits "bench an invalid scene" 3 "$penumbra" bench bad.xml --matrix threads=1
+prints "the error has file, line and column" stderr "penumbra: bad.xml:3:29: "
+exits "validate an invalid scene with --json" 3 "$penumbra" validate bad.xml --json
+expect "the problem document has line and column" "$(jq -c '.errors[0] | [.line, .column, has("pointer")]' stdout)" \
     '[3,29,false]'
-ends "notes on a scene" 0 "$penumbra" validate "$corpus/xml-good/notes.xml"
-says "are placed" stderr 'notes.xml:4:29: warning: attribute "color" of <point>: '
-ends "a bad view" 4 "$penumbra" render "$corpus/xml-good/views.xml" -o a.png --view lift
-says "names the nearest" stderr 'nearest is "left"'
-ends "too many pixels" 3 "$penumbra" render "$corpus/xml-good/views.xml" -o a.png --set width=100000 --set height=9999
+exits "validate a scene with warnings" 0 "$penumbra" validate "$corpus/xml-good/notes.xml"
+prints "the warnings have file, line and column" stderr 'notes.xml:4:29: warning: attribute "color" of <point>: '
+exits "render an unknown view" 4 "$penumbra" render "$corpus/xml-good/views.xml" -o a.png --view lift
+prints "the error names the nearest view" stderr 'nearest is "left"'
+exits "render too many pixels" 3 "$penumbra" render "$corpus/xml-good/views.xml" -o a.png --set width=100000 --set height=9999
 cat >far.xml <<'SCENE'
 <scene>
   <geometries>
@@ -92,14 +91,14 @@ cat >far.xml <<'SCENE'
   </geometries>
 </scene>
 SCENE
-ends "what only freezing refuses" 3 "$penumbra" render far.xml -o a.png
-says "is placed, too" stderr "penumbra: far.xml:4:5: <sphere>: "
+exits "render a scene that only freezing refuses" 3 "$penumbra" render far.xml -o a.png
+prints "the error has file, line and column, too" stderr "penumbra: far.xml:4:5: <sphere>: "
 echo '<scene/>' >xml.json
-ends "XML in a .json" 3 "$penumbra" validate xml.json
-says "is no JSON" stderr "is not JSON"
+exits "validate XML in a .json file" 3 "$penumbra" validate xml.json
+prints "the error says that it is not JSON" stderr "is not JSON"
 echo '{}' >json.xml
-ends "JSON in a .xml" 3 "$penumbra" validate json.xml
-says "is no XML" stderr "a scene in XML begins with <scene>"
+exits "validate JSON in a .xml file" 3 "$penumbra" validate json.xml
+prints "the error says how XML begins" stderr "a scene in XML begins with <scene>"
 head -c 17000000 /dev/zero | tr '\0' ' ' >big.xml
-ends "a file over the limit" 3 "$penumbra" validate big.xml
+exits "validate a file over the size limit" 3 "$penumbra" validate big.xml
 finish

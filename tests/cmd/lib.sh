@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Shared by the tests of the programs, in addition to tests/e2e/lib.sh: running a command and checking
-# its output, and the processes of a daemon.
+# Helpers of the tests of the programs, in addition to tests/e2e/lib.sh: running a command and checking
+# its exit code and output, and finding the processes of a daemon.
 . "$(dirname "$0")/../e2e/lib.sh"
 root=$(cd "$(dirname "$0")/../.." && pwd)
 penumbra=$build/penumbra
@@ -12,16 +12,16 @@ unset PENUMBRA_URL PENUMBRA_TOKEN PENUMBRA_LISTEN PENUMBRA_STORE PENUMBRA_ROLE P
 check() {
     name=$1
     shift
-    if "$@" >"$work/said" 2>&1; then
+    if "$@" >"$work/output" 2>&1; then
         ok "$name"
     else
-        not_ok "$name" "exit $? of: $* $(head -c 600 "$work/said")"
+        not_ok "$name" "exit $? of: $* $(head -c 600 "$work/output")"
     fi
 }
 
-# ends NAME CODE COMMAND…: the command ends with this exit code; what it printed is in $work/stdout
-# and $work/stderr.
-ends() {
+# exits NAME CODE COMMAND…: the command ends with this exit code. Its output is in $work/stdout and
+# $work/stderr afterwards.
+exits() {
     name=$1
     want=$2
     shift 2
@@ -34,8 +34,8 @@ ends() {
     fi
 }
 
-# says NAME STREAM TEXT: what the last command printed to stdout or stderr has the text in it.
-says() {
+# prints NAME STREAM TEXT: the output of the last command to stdout or stderr contains the text.
+prints() {
     if grep -qF -- "$3" "$work/$2"; then
         ok "$1"
     else
@@ -43,7 +43,7 @@ says() {
     fi
 }
 
-# within SECONDS COMMAND…: whether the command succeeds before the time is over.
+# within SECONDS COMMAND…: repeats the command until it succeeds; fails after that time.
 within() {
     tries=$(($1 * 50))
     shift
@@ -54,13 +54,13 @@ within() {
     done
 }
 
-# child ROLE: the process id of the daemon's child in that role (api or work).
+# child ROLE: prints the process id of the daemon's child in that role (api or work).
 child() {
     pgrep -P "$daemon" -x "penumbrad-$1"
 }
 
-# gone PID…: none of the processes exists any more. A zombie counts as gone: its new parent may
-# collect it later.
+# gone PID…: whether none of the processes exists any more. A zombie counts as gone, since its new
+# parent may collect it later.
 gone() {
     for pid; do
         case $(ps -o stat= -p "$pid") in

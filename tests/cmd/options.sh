@@ -1,61 +1,61 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the programs say to command lines right and wrong.
+# Command lines of both programs, right and wrong: help, version, exit codes, error messages.
 . "$(dirname "$0")/lib.sh"
 
-ends "penumbra alone is a wrong call" 2 "$penumbra"
-says "penumbra alone shows its commands" stderr "submit"
-ends "penumbra --help" 0 "$penumbra" --help
+exits "penumbra without a command is a wrong command line" 2 "$penumbra"
+prints "it lists the commands" stderr "submit"
+exits "penumbra --help" 0 "$penumbra" --help
 for command in render validate compare scenes submit wait fetch list stats cancel delete; do
-    says "penumbra --help names $command" stdout "  $command "
+    prints "penumbra --help names $command" stdout "  $command "
 done
-says "penumbra --help documents exit codes" stdout "7  the compared pictures differ"
+prints "penumbra --help documents exit codes" stdout "7  the compared pictures differ"
 for command in render validate compare scenes submit wait fetch list stats cancel delete; do
-    ends "penumbra $command --help" 0 "$penumbra" $command --help
-    says "penumbra $command --help shows its usage" stdout "Usage: penumbra $command"
-    ends "penumbra $command --version" 0 "$penumbra" $command --version
-    ends "penumbra $command refuses unknown options" 2 "$penumbra" $command --no-such-option
+    exits "penumbra $command --help" 0 "$penumbra" $command --help
+    prints "penumbra $command --help shows its usage" stdout "Usage: penumbra $command"
+    exits "penumbra $command --version" 0 "$penumbra" $command --version
+    exits "penumbra $command refuses unknown options" 2 "$penumbra" $command --no-such-option
 done
-ends "penumbra --version" 0 "$penumbra" --version
+exits "penumbra --version" 0 "$penumbra" --version
 expect "penumbra --version is one line" "$(sed 's/[0-9.]*$//' "$work/stdout")" "penumbra "
-ends "penumbrad --help" 0 "$build/penumbrad" --help
-says "penumbrad --help shows environment variables" stdout "[PENUMBRA_LISTEN]"
-expect "penumbrad --help keeps internals to itself" "$(grep -c internal "$work/stdout")" 0
-ends "penumbrad --version" 0 "$build/penumbrad" --version
+exits "penumbrad --help" 0 "$build/penumbrad" --help
+prints "penumbrad --help shows environment variables" stdout "[PENUMBRA_LISTEN]"
+expect "penumbrad --help does not show internal options" "$(grep -c internal "$work/stdout")" 0
+exits "penumbrad --version" 0 "$build/penumbrad" --version
 
 for word in plan accuracy effects; do
-    ends "the later command $word" 3 "$penumbra" "$word" x
-    says "is known" stderr "\"$word\" is known, not supported yet"
+    exits "the command $word of a later version" 3 "$penumbra" "$word" x
+    prints "is known, not supported yet" stderr "\"$word\" is known, not supported yet"
 done
-ends "an unknown command" 2 "$penumbra" rendr
-says "is answered with the nearest" stderr 'nearest is "render"'
-ends "an unknown option" 2 "$penumbra" render x --ouput y
-says "is answered with the nearest" stderr "nearest is --output"
-ends "a missing value" 2 "$penumbra" render builtin:spheres -o
-says "is answered with what is wanted" stderr "-o: needs a value, OUT"
-ends "a value that is an option" 2 "$penumbra" list --state --json
-says "is a missing value" stderr "--state: needs a value"
-ends "a wrong number" 2 "$penumbra" render builtin:spheres --threads=-1 -o "$work/x.png"
-says "is answered with what is allowed" stderr 'found "-1", allowed is an integer from 0 to 1024'
-ends "a number with a tail" 2 "$penumbra" render builtin:spheres --threads 2x -o "$work/x.png"
-ends "a wrong choice" 2 "$penumbra" list --state done
-says "is answered with the choices" stderr "queued, running, succeeded, failed or cancelled"
-ends "an option given twice" 2 "$penumbra" render builtin:spheres -o a.png -o b.png
-says "is said to be" stderr "given twice"
-ends "a flag with a wrong value" 2 "$penumbra" list --json=maybe
-ends "too many arguments" 2 "$penumbra" render a b -o "$work/x.png"
-says "names the one too many" stderr 'unexpected argument "b"'
-ends "no argument where one is needed" 2 "$penumbra" validate
-ends "an output without a known ending" 2 "$penumbra" render builtin:spheres -o "$work/x.gif"
-says "is answered with the endings" stderr ".png or .pfm"
-ends "nothing to be made" 2 "$penumbra" render builtin:spheres
-ends "a wrong pixel" 2 "$penumbra" render builtin:spheres --pixel 1
-ends "a pixel outside" 2 "$penumbra" render builtin:spheres --pixel 100000,0
-ends "a layer still to come" 3 "$penumbra" render builtin:spheres --layer depth -o "$work/x.png"
-says "is known" stderr "known, not supported yet"
-ends "a wrong server" 2 "$penumbra" list --server ftp://x
-ends "a wrong server of the environment" 2 env PENUMBRA_URL=nonsense:// "$penumbra" list
+exits "an unknown command" 2 "$penumbra" rendr
+prints "the error names the nearest command" stderr 'nearest is "render"'
+exits "an unknown option" 2 "$penumbra" render x --ouput y
+prints "the error names the nearest option" stderr "nearest is --output"
+exits "a missing value" 2 "$penumbra" render builtin:spheres -o
+prints "the error names the value" stderr "-o: needs a value, OUT"
+exits "an option in place of a value" 2 "$penumbra" list --state --json
+prints "counts as a missing value" stderr "--state: needs a value"
+exits "a wrong number" 2 "$penumbra" render builtin:spheres --threads=-1 -o "$work/x.png"
+prints "the error has what was found and what is allowed" stderr 'found "-1", allowed is an integer from 0 to 1024'
+exits "a number followed by a letter" 2 "$penumbra" render builtin:spheres --threads 2x -o "$work/x.png"
+exits "a wrong choice" 2 "$penumbra" list --state done
+prints "the error lists the choices" stderr "queued, running, succeeded, failed or cancelled"
+exits "an option given twice" 2 "$penumbra" render builtin:spheres -o a.png -o b.png
+prints "the error says so" stderr "given twice"
+exits "a flag with a wrong value" 2 "$penumbra" list --json=maybe
+exits "too many arguments" 2 "$penumbra" render a b -o "$work/x.png"
+prints "the error names the second one" stderr 'unexpected argument "b"'
+exits "a missing argument" 2 "$penumbra" validate
+exits "an output without a known ending" 2 "$penumbra" render builtin:spheres -o "$work/x.gif"
+prints "the error lists the endings" stderr ".png or .pfm"
+exits "render without any output" 2 "$penumbra" render builtin:spheres
+exits "a wrong pixel" 2 "$penumbra" render builtin:spheres --pixel 1
+exits "a pixel outside" 2 "$penumbra" render builtin:spheres --pixel 100000,0
+exits "a layer of a later version" 3 "$penumbra" render builtin:spheres --layer depth -o "$work/x.png"
+prints "is known, not supported yet" stderr "known, not supported yet"
+exits "a wrong server" 2 "$penumbra" list --server ftp://x
+exits "a wrong server in the environment" 2 env PENUMBRA_URL=nonsense:// "$penumbra" list
 "$penumbra" --version >/dev/full 2>"$work/stderr"
-expect "output that gets lost is an error" $? 8
+expect "lost output is an error" $? 8
 
 finish

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Jobs that bring their worker down: each fails alone, with what is known, and others go on.
+# Jobs that crash or block their worker: each fails alone, with an error that says where and how, and
+# other jobs succeed.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 unset PENUMBRA_MEMORY_LIMIT
@@ -27,7 +28,7 @@ all_good() { # whether every good job has succeeded
         "$penumbra" wait "$one" >/dev/null 2>&1 || return 1
     done <goods
 }
-failed() { # NAME TYPE: the bad job failed with a problem of this type, which is in $work/body then
+failed() { # NAME TYPE: the bad job failed with a problem document of this type; it is in $work/body
     "$penumbra" wait "$id" >/dev/null 2>&1
     call "/v1/jobs/$id"
     expect "$1" "$(body .state) $(body .error.type)" "failed urn:penumbra:problem:$2"
@@ -39,38 +40,38 @@ bad ', "priority": 100'
 : >goods
 for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do good; done
 failed "a job that crashes its worker fails" job-failed
-expect "after three attempts" "$(body .attempts)" 3
-expect "it says at which batch" "$(body '.error.batch | [.view, .first_tile] | join(",")')" 0,0
-expect_match "and shows the log" "$(body '.error.log | join("|")')" "*job=$id batch=*"
+expect "it fails after three attempts" "$(body .attempts)" 3
+expect "its error has the batch" "$(body '.error.batch | [.view, .first_tile] | join(",")')" 0,0
+expect_match "and the last log lines" "$(body '.error.log | join("|")')" "*job=$id batch=*"
 line=$(body .error.repeat)
 if [ -z "$sanitized" ]; then
-    expect "it says by what" "$(body .error.signal)" SIGSEGV
-    expect "and at which pixel" "$(body '.error.pixel | join(",")')" 3,5
+    expect "and the signal" "$(body .error.signal)" SIGSEGV
+    expect "and the pixel" "$(body '.error.pixel | join(",")')" 3,5
     (PATH=$build:$PATH && eval "$line") >repeated 2>&1
-    expect_match "the line that repeats it does" "$(cat repeated)" "*pixel   3,5 of 64 x 48*"
+    expect_match "and a command line that repeats the failure" "$(cat repeated)" "*pixel   3,5 of 64 x 48*"
 else
-    expect_match "there is a line that repeats it" "$line" "*penumbra render -*"
+    expect_match "and a command line that repeats the failure" "$line" "*penumbra render -*"
 fi
-check "20 others succeed meanwhile" all_good
+check "20 other jobs succeed meanwhile" all_good
 expect "on their first attempt" \
     "$("$penumbra" list --json | jq -c '[.jobs[] | select(.name != "bad") | .attempts] | unique')" "[1]"
-expect "in a queue of 21" "$("$penumbra" list --json | jq '.jobs | length')" 21
+expect "all 21 jobs are listed" "$("$penumbra" list --json | jq '.jobs | length')" 21
 daemon_stop
 forget_injected_segv
 
-# Other ways to go
+# Other kinds of crashes
 for kind in abort exit; do
     start $kind@0,0@bad
     bad ', "max_attempts": 1'
     failed "a job is charged with $kind" job-failed
     case $kind in
-    exit) expect "and says so" "$(body .error.exit_code)" 1 ;;
-    abort) [ -n "$sanitized" ] || expect "and says so" "$(body .error.signal)" SIGABRT ;;
+    exit) expect "its error has the exit code" "$(body .error.exit_code)" 1 ;;
+    abort) [ -n "$sanitized" ] || expect "its error has the signal" "$(body .error.signal)" SIGABRT ;;
     esac
     daemon_stop
 done
 
-# SIGKILL charges nothing, unless memory ran out meanwhile
+# A worker's end by SIGKILL is charged to no job, unless memory ran out meanwhile
 echo "oom_kill 7" >events
 PENUMBRA_TEST_OOM=$work/events
 export PENUMBRA_TEST_OOM
@@ -80,13 +81,13 @@ bad ', "max_attempts": 1, "priority": 100'
 for _ in 1 2 3 4 5 6; do good; done
 died_often() { [ "$(grep -c 'signal 9' "$work/log")" -ge 4 ]; }
 check "a job whose worker is killed is tried again" within 20 died_often
-check "others go on" all_good
+check "other jobs succeed" all_good
 call "/v1/jobs/$id"
-expect "and it is not charged" "$(body .state) $(body .attempts)" "running 1"
+expect "and the job is not charged" "$(body .state) $(body .attempts)" "running 1"
 (n=8 && while :; do echo "oom_kill $n" >events.new && mv events.new events && n=$((n + 1)) && sleep 0.02; done) &
 loop=$!
-failed "but when memory ran out it is" job-failed
-expect "and it says so" "$(body .error.signal)" SIGKILL
+failed "a job whose worker the OOM killer ends fails" job-failed
+expect "its error has the signal" "$(body .error.signal)" SIGKILL
 kill $loop
 daemon_stop
 unset PENUMBRA_TEST_OOM
@@ -98,32 +99,32 @@ if [ -z "$sanitized" ]; then
     bad ''
     failed "a job that takes too much memory fails" no-memory
     good
-    check "the next one does not" all_good
-    expect "and the worker lives on" "$(child work)" "$worker"
+    check "the next job succeeds" all_good
+    expect "the worker process is the same" "$(child work)" "$worker"
     daemon_stop
 fi
 
-# One pixel that takes for ever
+# A pixel that never ends
 start hang@2,1@bad
 worker=$(child work)
 bad ', "timeout_seconds": 1'
 begun=$(date +%s)
-failed "a pixel that takes for ever ends its job in time" timeout
-expect "in time" "$(($(date +%s) - begun < 4))" 1
-expect "and it says where" "$(body '.error.pixel | join(",")')" 2,1
+failed "a job with a pixel that never ends fails with a timeout" timeout
+expect "it fails within 4 s" "$(($(date +%s) - begun < 4))" 1
+expect "its error has the pixel" "$(body '.error.pixel | join(",")')" 2,1
 : >goods
 good
-check "others go on" all_good
-check "with another worker" gone "$worker"
+check "other jobs succeed" all_good
+check "in another worker" gone "$worker"
 worker=$(child work)
 bad ''
 within 10 grep -q "job=$id" "$work/log"
 sleep 0.5
-ends "such a job can be cancelled" 0 "$penumbra" cancel "$id"
+exits "such a job can be cancelled" 0 "$penumbra" cancel "$id"
 good
-check "and others go on" all_good
-check "with yet another worker" gone "$worker"
-expect "nobody was charged" \
+check "other jobs succeed" all_good
+check "in another worker" gone "$worker"
+expect "no other job was charged" \
     "$("$penumbra" list --json | jq -c '[.jobs[] | select(.name != "bad") | .attempts] | unique')" "[1]"
 
 finish

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# `penumbra render`, `validate`, `scenes` and `compare`: no daemon.
+# `penumbra render`, `validate`, `scenes` and `compare`, without a daemon.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
@@ -23,60 +23,60 @@ cat >scene.json <<'SCENE'
 SCENE
 sed 's/"radius": 2,/"radius": -2,/; s/"kd": 0.6/"kd": 7/; s/"ambient"/"ambiant"/' scene.json >bad.json
 
-# Numbers that are too coarse for the picture
+# Coordinates at which doubles are too coarse for the picture
 sed 's/\[0, 0, 10\]/[1e13, 0, 10]/; s/\[0, 0, 0\]/[1e13, 0, 0]/' scene.json >coarse.json
-ends "render far away" 0 "$penumbra" render coarse.json -o far.png --stats far.json
-says "warns" stderr 'coarse.json: view "front": warning: coordinates reach to 1e+13'
-expect "in the statistics, too" "$(jq '.precision | .resolution < 256 and has("warning")' far.json)" true
-ends "validate far away" 0 "$penumbra" validate coarse.json
-says "warns of the view" stderr 'coarse.json: /views/0: warning: coordinates reach to 1e+13'
-ends "the other view of it" 0 "$penumbra" render scene.json --view side -o near.png --stats near.json
-expect "is not warned of" "$(cat stderr)$(jq '.precision | .resolution > 1e9 and (has("warning") | not)' near.json)" true
+exits "render with large coordinates" 0 "$penumbra" render coarse.json -o far.png --stats far.json
+prints "warns of the view" stderr 'coarse.json: view "front": warning: coordinates reach to 1e+13'
+expect "the statistics have the warning, too" "$(jq '.precision | .resolution < 256 and has("warning")' far.json)" true
+exits "validate with large coordinates" 0 "$penumbra" validate coarse.json
+prints "warns of the view" stderr 'coarse.json: /views/0: warning: coordinates reach to 1e+13'
+exits "render of a view with enough precision" 0 "$penumbra" render scene.json --view side -o near.png --stats near.json
+expect "gives no warning" "$(cat stderr)$(jq '.precision | .resolution > 1e9 and (has("warning") | not)' near.json)" true
 
 # Formats and sources
-ends "render to png" 0 "$penumbra" render scene.json -o a.png
-expect "prints nothing" "$(cat stdout stderr)" ""
+exits "render to png" 0 "$penumbra" render scene.json -o a.png
+expect "render prints nothing" "$(cat stdout stderr)" ""
 expect "writes a png" "$(head -c 4 a.png | tail -c 3)" "PNG"
-ends "render to pfm" 0 "$penumbra" render scene.json -o a.pfm
+exits "render to pfm" 0 "$penumbra" render scene.json -o a.pfm
 expect "writes a pfm" "$(head -n 2 a.pfm | tr '\n' ' ')" "PF 61 43 "
-ends "render to 16 bits" 0 "$penumbra" render scene.json -o deep.png --format png16
+exits "render to 16 bits" 0 "$penumbra" render scene.json -o deep.png --format png16
 expect "writes 16 bits a channel" "$(od -An -tu1 -j24 -N1 deep.png | tr -d ' ')" 16
-ends "--format wins over the ending" 0 "$penumbra" render scene.json -o odd.png --format pfm
+exits "--format wins over the ending" 0 "$penumbra" render scene.json -o odd.png --format pfm
 check "and gives the same bytes" cmp odd.png a.pfm
 "$penumbra" render - -o b.png <scene.json
-check "standard input" cmp a.png b.png
+check "a scene from standard input gives the same bytes" cmp a.png b.png
 "$penumbra" render scene.json -o - --format png >c.png
-ends "standard output for two things" 2 "$penumbra" render scene.json -o - --format png --json
-check "standard output" cmp a.png c.png
-ends "a built-in scene" 0 "$penumbra" render builtin:spheres -o s.png --set width=40 --set height=30
-check "is the file" sh -c "'$penumbra' render '$root/scenes/spheres.json' -o t.png --set width=40 \
+exits "standard output for picture and JSON" 2 "$penumbra" render scene.json -o - --format png --json
+check "a picture on standard output has the same bytes" cmp a.png c.png
+exits "render a built-in scene" 0 "$penumbra" render builtin:spheres -o s.png --set width=40 --set height=30
+check "it equals the scene's file" sh -c "'$penumbra' render '$root/scenes/spheres.json' -o t.png --set width=40 \
     --set height=30 && cmp s.png t.png"
 
-# The same bytes whatever the means
+# The same bytes with any number of threads, tile size and accelerator
 for threads in 1 2 3 8; do
     "$penumbra" render scene.json -o t.pfm --threads $threads
-    check "$threads threads, same bytes" cmp t.pfm a.pfm
+    check "$threads threads give the same bytes" cmp t.pfm a.pfm
 done
 "$penumbra" render scene.json -o t.pfm --set tile=7 --set accelerator=none
-check "other tiles and no accelerator, same bytes" cmp t.pfm a.pfm
+check "other tiles and no accelerator give the same bytes" cmp t.pfm a.pfm
 
 # Settings, views, statistics
-ends "--set" 0 "$penumbra" render scene.json -o small.pfm --set width=20 --set height=8e0
-expect "changes the picture's size" "$(sed -n 2p small.pfm)" "20 8"
+exits "--set" 0 "$penumbra" render scene.json -o small.pfm --set width=20 --set height=8e0
+expect "--set changes the picture's size" "$(sed -n 2p small.pfm)" "20 8"
 mkdir folder.png
-for out in folder.png none/x.png; do # and not only when hours of work are done
-    ends "a picture that cannot be written: $out" 8 timeout 60 "$penumbra" render scene.json \
+for out in folder.png none/x.png; do # these renders would take hours
+    exits "a picture that cannot be written is refused before rendering: $out" 8 timeout 60 "$penumbra" render scene.json \
         -o "$out" --set width=6000 --set height=4300 --set samples_per_pixel=100000
-    says "is told at once" stderr "cannot write $out"
-    ends "statistics that cannot be written: $out" 8 timeout 60 "$penumbra" render scene.json \
+    prints "the error names the file" stderr "cannot write $out"
+    exits "statistics that cannot be written are refused before rendering: $out" 8 timeout 60 "$penumbra" render scene.json \
         --stats "$out" --set width=6000 --set height=4300 --set samples_per_pixel=100000
 done
-ends "picture and statistics in one file" 2 "$penumbra" render scene.json -o x.png --stats x.png
-expect "leaves nothing behind" "$(echo x.png* folder.png*)" "x.png* folder.png"
-ends "a setting that is misspelt" 2 "$penumbra" render scene.json -o x.png --set widht=20
-says "is answered with the nearest" stderr '"width"'
-ends "a setting out of range" 2 "$penumbra" render scene.json -o x.png --set width=0
-ends "--view" 0 "$penumbra" render scene.json -o side.png --view side
+exits "picture and statistics in one file" 2 "$penumbra" render scene.json -o x.png --stats x.png
+expect "no file is left behind" "$(echo x.png* folder.png*)" "x.png* folder.png"
+exits "a misspelt setting" 2 "$penumbra" render scene.json -o x.png --set widht=20
+prints "the error names the nearest setting" stderr '"width"'
+exits "a setting out of range" 2 "$penumbra" render scene.json -o x.png --set width=0
+exits "--view" 0 "$penumbra" render scene.json -o side.png --view side
 if cmp -s side.png a.png; then
     not_ok "another view is another picture" "same bytes"
 else
@@ -84,18 +84,18 @@ else
 fi
 "$penumbra" render scene.json -o front.png --view front
 check "the first view is the default" cmp front.png a.png
-ends "a view that is not there" 4 "$penumbra" render scene.json -o x.png --view sidd
-says "is answered with the nearest" stderr 'nearest is "side"'
-ends "--stats" 0 "$penumbra" render scene.json --stats stats.json --threads 2
-expect "counts primary rays" "$(jq .rays.primary stats.json)" $((61 * 43))
-expect "counts threads" "$(jq .threads stats.json)" 2
-ends "--json" 0 "$penumbra" render scene.json -o a.png --json
-expect "prints one line" "$(wc -l <stdout | tr -d ' ')" 1
-expect "with what was made" "$(jq -c '[.output, .format, .view, .width, .height]' stdout)" \
+exits "an unknown view" 4 "$penumbra" render scene.json -o x.png --view sidd
+prints "the error names the nearest view" stderr 'nearest is "side"'
+exits "--stats" 0 "$penumbra" render scene.json --stats stats.json --threads 2
+expect "--stats counts primary rays" "$(jq .rays.primary stats.json)" $((61 * 43))
+expect "--stats counts threads" "$(jq .threads stats.json)" 2
+exits "--json" 0 "$penumbra" render scene.json -o a.png --json
+expect "--json prints one line" "$(wc -l <stdout | tr -d ' ')" 1
+expect "--json describes the picture" "$(jq -c '[.output, .format, .view, .width, .height]' stdout)" \
     '["a.png","png","front",61,43]'
-expect "and the statistics" "$(jq .stats.rays.primary stdout)" $((61 * 43))
+expect "--json has the statistics" "$(jq .stats.rays.primary stdout)" $((61 * 43))
 
-# One pixel: the very values of the film, which has its bottom row first
+# One pixel: exactly the values of the film, whose first row is the bottom one
 cat >film_pixel.py <<'PYTHON'
 import json, struct, sys
 film, x, y = open(sys.argv[1], "rb").read(), int(sys.argv[2]), int(sys.argv[3])
@@ -105,71 +105,71 @@ sys.exit([float.fromhex(v) for v in pixel["film_hex"]] != list(struct.unpack_fro
 PYTHON
 for at in 30,20 0,0 60,42 12,33; do
     "$penumbra" render scene.json --pixel $at --json >pixel.json
-    check "--pixel $at is the film's" python3 film_pixel.py a.pfm ${at%,*} ${at#*,} <pixel.json
+    check "--pixel $at prints the film's values" python3 film_pixel.py a.pfm ${at%,*} ${at#*,} <pixel.json
 done
-ends "--pixel for people" 0 "$penumbra" render scene.json --pixel 30,20
-says "shows rays" stdout "rays    primary 1, shadow"
-says "shows hexadecimal floats" stdout "0x1."
+exits "--pixel as text" 0 "$penumbra" render scene.json --pixel 30,20
+prints "--pixel prints ray counts" stdout "rays    primary 1, shadow"
+prints "--pixel prints hexadecimal floats" stdout "0x1."
 
-# A result is there whole or not at all
+# Outputs are replaced as a whole or not at all
 echo precious >keep.png
 chmod 640 keep.png
-ends "a scene with errors" 3 "$penumbra" render bad.json -o keep.png
-expect "leaves the old output" "$(cat keep.png)" precious
-says "locates a wrong value" stderr "bad.json: "
-says "by pointer" stderr "/objects/0/radius"
-says "locates another" stderr "/objects/1/material/kd"
-says "names the nearest key" stderr '"ambient"'
-expect "prints one line an error" "$(grep -c '^penumbra: bad.json' stderr)" 3
-ends "and with --json" 3 "$penumbra" render bad.json -o keep.png --json
-expect "a problem document too" "$(jq .status stdout)" 422
+exits "render a scene with errors" 3 "$penumbra" render bad.json -o keep.png
+expect "the old output stays" "$(cat keep.png)" precious
+prints "errors name the file" stderr "bad.json: "
+prints "errors have a JSON Pointer" stderr "/objects/0/radius"
+prints "further errors are reported, too" stderr "/objects/1/material/kd"
+prints "an unknown key's error names the nearest key" stderr '"ambient"'
+expect "each error is one line" "$(grep -c '^penumbra: bad.json' stderr)" 3
+exits "render a scene with errors and --json" 3 "$penumbra" render bad.json -o keep.png --json
+expect "--json prints a problem document, too" "$(jq .status stdout)" 422
 check "a picture replaces the old one" "$penumbra" render scene.json -o keep.png
-check "whole" cmp keep.png a.png
-expect "and keeps its mode" "$(stat -c %a keep.png)" 640
+check "the new picture is complete" cmp keep.png a.png
+expect "the file keeps its mode" "$(stat -c %a keep.png)" 640
 ln -s keep.png link.png
-check "a link is followed" "$penumbra" render scene.json -o link.png --view side
-check "to what it leads to" sh -c "test -L link.png && cmp keep.png side.png"
+check "a picture replaces the target of a link" "$penumbra" render scene.json -o link.png --view side
+check "the link stays" sh -c "test -L link.png && cmp keep.png side.png"
 expect "no temporary file stays" "$(ls | grep -c '.png.')" 0
-ends "an output that cannot be written" 8 "$penumbra" render scene.json -o /nonexistent/a.png
-ends "a full disk" 8 "$penumbra" render scene.json -o /dev/full --format png
-ends "an input that is not there" 4 "$penumbra" render nothing.json -o x.png
-ends "an input that is a folder" 8 "$penumbra" render . -o x.png
-ends "a built-in scene that is not there" 4 "$penumbra" render builtin:sheres -o x.png
-says "is answered with the nearest" stderr 'nearest is "spheres"'
+exits "an output in a missing folder" 8 "$penumbra" render scene.json -o /nonexistent/a.png
+exits "a full disk" 8 "$penumbra" render scene.json -o /dev/full --format png
+exits "a missing input" 4 "$penumbra" render nothing.json -o x.png
+exits "an input that is a folder" 8 "$penumbra" render . -o x.png
+exits "an unknown built-in scene" 4 "$penumbra" render builtin:sheres -o x.png
+prints "the error names the nearest scene" stderr 'nearest is "spheres"'
 printf '{"format": "penumbra-scene/1",\n "camera": }' >broken.json
-ends "malformed JSON" 3 "$penumbra" render broken.json -o x.png
-says "is located by line and column" stderr "broken.json:2:"
-ends "an empty input" 3 "$penumbra" render /dev/null -o x.png
+exits "malformed JSON" 3 "$penumbra" render broken.json -o x.png
+prints "the error has line and column" stderr "broken.json:2:"
+exits "an empty input" 3 "$penumbra" render /dev/null -o x.png
 
 # validate and scenes
-ends "validate a good scene" 0 "$penumbra" validate scene.json builtin:room
-says "says so" stdout "scene.json: valid"
-ends "validate a bad one among good ones" 3 "$penumbra" validate scene.json bad.json
-says "says which" stderr "penumbra: bad.json: "
-says "and still does the others" stdout "scene.json: valid"
-ends "validate --json" 0 "$penumbra" validate scene.json --json
-expect "is the service's answer" "$(jq .valid stdout)" true
-ends "scenes" 0 "$penumbra" scenes
-says "lists the room" stdout "room"
-ends "scenes NAME" 0 "$penumbra" scenes room
-check "prints the scene" cmp stdout "$root/scenes/room.json"
-ends "scenes --json" 0 "$penumbra" scenes --json
-expect "is a list" "$(jq -r '.scenes | map(.name) | index("spheres") != null' stdout)" true
-ends "scenes of a wrong name" 4 "$penumbra" scenes rom
+exits "validate valid scenes" 0 "$penumbra" validate scene.json builtin:room
+prints "validate prints that they are valid" stdout "scene.json: valid"
+exits "validate an invalid and a valid scene" 3 "$penumbra" validate scene.json bad.json
+prints "the error names the invalid one" stderr "penumbra: bad.json: "
+prints "the other one is reported as valid" stdout "scene.json: valid"
+exits "validate --json" 0 "$penumbra" validate scene.json --json
+expect "validate --json prints the API's answer" "$(jq .valid stdout)" true
+exits "scenes" 0 "$penumbra" scenes
+prints "scenes lists the room" stdout "room"
+exits "scenes NAME" 0 "$penumbra" scenes room
+check "scenes NAME prints the scene" cmp stdout "$root/scenes/room.json"
+exits "scenes --json" 0 "$penumbra" scenes --json
+expect "scenes --json prints a list" "$(jq -r '.scenes | map(.name) | index("spheres") != null' stdout)" true
+exits "scenes with an unknown name" 4 "$penumbra" scenes rom
 
 # compare
-ends "equal pictures" 0 "$penumbra" compare a.png front.png --max-error 0
-says "have no error" stdout "rmse       0"
-ends "different pictures without a bound" 0 "$penumbra" compare a.png side.png
-ends "different pictures" 7 "$penumbra" compare a.png side.png --max-rmse 0.001
-says "are said to differ" stderr "the pictures differ: rmse"
-ends "different pictures, largest error" 7 "$penumbra" compare a.png side.png --max-error 0.001 -q
-expect "quietly" "$(cat stdout stderr)" ""
-ends "8 bits against the film" 0 "$penumbra" compare a.png a.pfm --json
-expect "differ by rounding only" "$(jq '.max_error < 0.00197 and .max_error > 0' stdout)" true
-expect "name their figures" "$(jq -c 'has("rmse") and has("psnr") and has("differing")' stdout)" true
-ends "pictures of different sizes" 3 "$penumbra" compare a.png small.pfm
-ends "a file that is no picture" 3 "$penumbra" compare a.png scene.json
-says "is named" stderr "scene.json"
+exits "compare equal pictures" 0 "$penumbra" compare a.png front.png --max-error 0
+prints "their error is 0" stdout "rmse       0"
+exits "compare different pictures without a bound" 0 "$penumbra" compare a.png side.png
+exits "compare different pictures with --max-rmse" 7 "$penumbra" compare a.png side.png --max-rmse 0.001
+prints "the error has the RMSE" stderr "the pictures differ: rmse"
+exits "compare different pictures with --max-error" 7 "$penumbra" compare a.png side.png --max-error 0.001 -q
+expect "-q prints nothing" "$(cat stdout stderr)" ""
+exits "compare 8 bits with the film" 0 "$penumbra" compare a.png a.pfm --json
+expect "they differ only by rounding" "$(jq '.max_error < 0.00197 and .max_error > 0' stdout)" true
+expect "--json names the figures" "$(jq -c 'has("rmse") and has("psnr") and has("differing")' stdout)" true
+exits "compare pictures of different sizes" 3 "$penumbra" compare a.png small.pfm
+exits "compare a file that is no picture" 3 "$penumbra" compare a.png scene.json
+prints "the error names the file" stderr "scene.json"
 
 finish

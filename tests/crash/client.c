@@ -9,23 +9,23 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-enum { PATIENCE_S = 5, REQUEST_BYTES = 8192 };
+enum { TIMEOUT_S = 5, REQUEST_BYTES = 8192 };
 
 static int connect_to(int port)
 {
     struct sockaddr_in address = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    struct timeval patience = {.tv_sec = PATIENCE_S};
+    struct timeval timeout = {.tv_sec = TIMEOUT_S};
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
+    setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof timeout);
     if (fd >= 0 && connect(fd, (struct sockaddr *)&address, sizeof address) == 0)
         return fd;
     close(fd);
     return -1;
 }
 
-/* All that comes until the other side closes. Returns its length. */
+/* Receives until the other side closes the connection. Returns the length. */
 static size_t receive(int fd, char *text, size_t bytes)
 {
     size_t length = 0;
@@ -38,8 +38,8 @@ static size_t receive(int fd, char *text, size_t bytes)
     return length;
 }
 
-/* An answer counts if its head and as many bytes as that says have come. */
-static void take(const char *text, struct answer *answer)
+/* Takes the answer if it is complete: its head, and as many bytes as Content-Length says. */
+static void take_answer(const char *text, struct answer *answer)
 {
     const char *head_end = strstr(text, "\r\n\r\n"),
                *length = strcasestr(text, "\r\nContent-Length:");
@@ -68,7 +68,7 @@ int client_call(int port, const char *method, const char *path, const char *key,
                  method, path, port, body ? strlen(body) : 0, key ? "Idempotency-Key: " : "",
                  key ? key : "", key ? "\r\n" : "", body ? body : "");
     if (send(fd, request, (size_t)bytes, MSG_NOSIGNAL) == bytes && receive(fd, text, sizeof text))
-        take(text, answer);
+        take_answer(text, answer);
     close(fd);
     return answer->status;
 }

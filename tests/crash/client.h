@@ -6,12 +6,12 @@
 enum { ANSWER_BYTES = 16384 };
 
 struct answer {
-    int status; /* 0: none came, or not whole */
+    int status; /* 0: no answer, or an incomplete one */
     char body[ANSWER_BYTES];
 };
 
-/* Sends a request and waits a few seconds for the answer. key: Idempotency-Key, or NULL; body may
- * be NULL. Returns the status. */
+/* Sends a request and waits at most 5 s for the answer. key: Idempotency-Key, or NULL; body may be
+ * NULL. Returns the status, 0 without a complete answer. */
 int client_call(int port, const char *method, const char *path, const char *key, const char *body,
                 struct answer *answer);
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The crash test: crash BUILD ROUNDS [SEED].
  *
- * Each round submits jobs while processes of the daemon are killed, stopped past their lease and
- * continued, drained, and jobs are cancelled. Then everything is left in peace until all jobs have
- * ended, and the store is audited:
+ * In each round one thread submits jobs, while the other one kills processes of the daemon, stops a
+ * worker for longer than its lease, drains the daemon, and cancels jobs. When all jobs have ended
+ * undisturbed, the round checks:
  *
- *   acknowledged ⊆ stored     a job whose submit was answered is there, once, in a legal state
- *   nothing fails by a kill   it has succeeded, or was cancelled by us
- *   the same bytes            each picture, and the count of rays, is that of an undisturbed run
+ *   acknowledged ⊆ stored     each acknowledged job is stored once
+ *   no job fails by a kill    each job has succeeded, or was cancelled by this test
+ *   the same bytes            pictures and ray counts are those of an undisturbed run
  *   nothing is left over      pen_store_audit finds nothing; no process outlives its supervisor */
 #include <inttypes.h>
 #include <pthread.h>
@@ -25,12 +25,12 @@
 #include "jobs/jobs.h"
 #include "kinds.h"
 
-enum { LEASE_MS = 600, ROUND_JOBS = 6, KEY_BYTES = 48, PATIENCE_MS = 120000 };
+enum { LEASE_MS = 600, ROUND_JOBS = 6, KEY_BYTES = 48, JOBS_END_MS = 120000 };
 
 struct job {
     int kind, priority;
     char id[PEN_ID_BYTES], key[KEY_BYTES]; /* id "": never acknowledged; key "": without */
-    bool cancelled;                        /* asked for, and acknowledged */
+    bool cancelled;                        /* a cancel of it was acknowledged */
 };
 
 enum disturbance {
@@ -50,7 +50,7 @@ struct test {
     uint64_t random; /* of the main thread */
     int round;
     int done[DISTURBANCES];
-    int child_kills; /* since the supervisor was started: its pauses grow */
+    int child_kills; /* since the supervisor's start: its pauses grow with each */
     int submitted, acknowledged, succeeded, cancelled, extra_killed, repeats;
     atomic_int checks, failures; /* of both threads */
     pthread_mutex_t lock;
@@ -75,7 +75,7 @@ static void check(struct test *t, bool ok, const char *what, const char *about)
     fflush(stdout);
 }
 
-/* Submits one job; with a key, until there is an answer. Returns whether it was acknowledged. */
+/* Submits one job; with a key, again until it is acknowledged. Returns whether it was. */
 static bool submit(struct test *t, struct job *job)
 {
     char body[4096];
@@ -106,7 +106,7 @@ static void *submit_round(void *user)
         pthread_mutex_unlock(&t->lock);
         t->submitted++;
         t->acknowledged += acknowledged;
-        check(t, acknowledged || !job.key[0], "a submit with a key is answered in the end",
+        check(t, acknowledged || !job.key[0], "a submit with a key is acknowledged at last",
               job.key);
         pause_ms((int)draw(&t->submit_random, 100));
     }
@@ -148,7 +148,7 @@ static void stop_worker(struct test *t)
         t->extra_killed++;
     } else {
         kill(extra, SIGTERM);
-        check(t, process_end(extra, 10000), "a worker alone ends well", "");
+        check(t, process_end(extra, 10000), "a worker alone ends with exit code 0", "");
     }
 }
 
@@ -188,11 +188,12 @@ static void disturb(struct test *t)
         kill_child(t, "work", disturbance);
         break;
     case STOP_WORKER:
-        if (draw(&t->random, 3) == 0) /* they take long */
+        if (draw(&t->random, 3) == 0) /* seldom: it takes long */
             stop_worker(t);
         break;
     case DRAIN:
-        check(t, daemon_drain(&t->daemon), "a drained daemon ends well within 10 s", "");
+        check(t, daemon_drain(&t->daemon), "a drained daemon ends with exit code 0 within 10 s",
+              "");
         t->done[disturbance]++;
         break;
     case CANCEL:
@@ -205,12 +206,12 @@ static void disturb(struct test *t)
         start(t);
 }
 
-/* Waits until no job is queued or running any more. */
+/* Waits until no job is queued or running. Returns false if that takes too long. */
 static bool wait_for_all(struct test *t)
 {
     struct pen_store *store = pen_jobs_store(t->jobs);
     struct pen_status st;
-    int64_t until_ns = pen_clock_ns() + (int64_t)PATIENCE_MS * 1000000;
+    int64_t until_ns = pen_clock_ns() + (int64_t)JOBS_END_MS * 1000000;
     for (int state = PEN_JOB_QUEUED; state <= PEN_JOB_RUNNING;) {
         struct pen_job_filter filter = {.state = state, .limit = 1};
         struct pen_job_record *jobs;
@@ -230,8 +231,8 @@ static bool wait_for_all(struct test *t)
 static void compare(struct test *t, const char *id, int kind)
 {
     struct outcome got = outcome_of(t->jobs, id, kind);
-    check(t, outcome_same_pixels(&got, &t->wanted[kind]), "the same bytes", id);
-    check(t, json_equal(got.rays, t->wanted[kind].rays), "the same rays", id);
+    check(t, outcome_same_pixels(&got, &t->wanted[kind]), "the pictures have the same bytes", id);
+    check(t, json_equal(got.rays, t->wanted[kind].rays), "the ray counts are the same", id);
     outcome_release(&got);
 }
 
@@ -240,7 +241,7 @@ static void print_finding(void *user, const char *finding)
     check(user, false, "audit", finding);
 }
 
-/* One stored job; it may be one whose acknowledgement was lost. */
+/* Checks one stored job. job: what was submitted; NULL if its acknowledgement was lost. */
 static void check_job(struct test *t, const struct pen_job_record *record, const struct job *job)
 {
     json_t *request = json_loads(record->request, 0, NULL);
@@ -266,7 +267,7 @@ static const struct job *find_job(const struct test *t, const char *id)
     return NULL;
 }
 
-/* A submit repeated with its key is the same job, also after a restart. */
+/* Checks that a submit repeated with its key gives the same job, also after a restart. */
 static void repeat_keys(struct test *t)
 {
     for (int i = 0; i < t->job_count; i++) {
@@ -275,26 +276,26 @@ static void repeat_keys(struct test *t)
             continue;
         again.id[0] = '\0';
         check(t, submit(t, &again) && strcmp(again.id, t->job[i].id) == 0,
-              "a repeated submit is the same job", again.key);
+              "a repeated submit gives the same job", again.key);
         t->repeats++;
     }
 }
 
-/* All jobs in the store are this round's; in the end they are deleted. */
+/* Checks all jobs in the store, which are this round's, and deletes them. */
 static void check_round(struct test *t)
 {
     struct pen_store *store = pen_jobs_store(t->jobs);
     struct pen_status st;
     struct pen_job_filter filter = {.state = -1, .limit = 500};
     struct pen_job_record *records;
-    int count, found, there = 0;
+    int count, found, found_jobs = 0;
     check(t, wait_for_all(t), "all jobs end", "");
     repeat_keys(t);
     must(pen_store_audit(store, print_finding, t, &found, &st), &st, "audit");
     must(pen_store_jobs(store, &filter, &records, &count, &st), &st, "list");
     for (int i = 0; i < count; i++) {
         const struct job *job = find_job(t, records[i].id);
-        there += job != NULL;
+        found_jobs += job != NULL;
         check_job(t, &records[i], job);
         must(pen_store_delete(store, records[i].id, &st), &st, "delete");
     }
@@ -302,8 +303,8 @@ static void check_round(struct test *t)
     int acknowledged = 0;
     for (int i = 0; i < t->job_count; i++)
         acknowledged += t->job[i].id[0] != '\0';
-    check(t, there == acknowledged, "what was acknowledged is stored", "");
-    check(t, count <= t->job_count, "what was submitted once is stored once", "");
+    check(t, found_jobs == acknowledged, "every acknowledged job is stored", "");
+    check(t, count <= t->job_count, "no job is stored twice", "");
     must(pen_store_audit(store, print_finding, t, &found, &st), &st, "audit");
 }
 
@@ -323,13 +324,13 @@ static void run_undisturbed(struct test *t)
     for (int k = 0; k < KINDS; k++) {
         struct job job = {.kind = k};
         struct pen_status st;
-        check(t, submit(t, &job) && wait_for_all(t), "a job undisturbed", kind_name(k));
+        check(t, submit(t, &job) && wait_for_all(t), "an undisturbed job succeeds", kind_name(k));
         t->wanted[k] = outcome_of(t->jobs, job.id, k);
         must(pen_store_delete(pen_jobs_store(t->jobs), job.id, &st), &st, "delete");
     }
 }
 
-/* How often the log says something. */
+/* The number of lines of the log that contain a text. */
 static int count_log(const struct test *t, const char *what)
 {
     char line[4096];
@@ -342,12 +343,12 @@ static int count_log(const struct test *t, const char *what)
     return count;
 }
 
-/* What the kills came to: without these the test would have tested nothing. */
-static void print_hits(const struct test *t)
+/* Prints how often the disturbances had an effect: without any, the test would prove nothing. */
+static void print_effects(const struct test *t)
 {
-    printf("leases taken back from dead workers %d times, run out %d times; results refused as "
-           "stale %d times\n",
-           count_log(t, "took back"), count_log(t, "their leases ran out"),
+    printf("leases of dead workers released %d times, leases run out %d times; results refused "
+           "as stale %d times\n",
+           count_log(t, "released"), count_log(t, "their leases ran out"),
            count_log(t, "no longer held"));
 }
 
@@ -368,7 +369,7 @@ static int report(const struct test *t, int rounds, int64_t begin_ns)
     return t->failures ? 1 : 0;
 }
 
-static void open_bed(struct test *t, const char *build, char folder[])
+static void set_up(struct test *t, const char *build, char folder[])
 {
     static char program[4096], store[128], log[128];
     char lease[16];
@@ -390,14 +391,14 @@ static void open_bed(struct test *t, const char *build, char folder[])
     must(t->jobs != NULL, &st, store);
 }
 
-/* Keeps the folder when there is something to look at. */
-static void close_bed(struct test *t, const char *folder)
+/* Removes the folder, unless a check has failed. */
+static void tear_down(struct test *t, const char *folder)
 {
     check(t, daemon_drain(&t->daemon), "the last drain", "");
-    check(t, daemon_processes(&t->daemon) == 0, "no process is left over", "");
+    check(t, daemon_processes(&t->daemon) == 0, "no process of the daemon is left over", "");
     check(t, count_log(t, "Sanitizer") + count_log(t, "runtime error:") == 0,
-          "no sanitizer has found anything", t->daemon.log);
-    print_hits(t);
+          "no sanitizer reports an error", t->daemon.log);
+    print_effects(t);
     pen_jobs_close(t->jobs);
     for (int k = 0; k < KINDS; k++)
         outcome_release(&t->wanted[k]);
@@ -425,10 +426,10 @@ int main(int argc, char **argv)
     t->random = seed;
     t->submit_random = seed ^ 0x9e3779b97f4a7c15u;
     int64_t begin_ns = pen_clock_ns();
-    open_bed(t, argv[1], folder);
+    set_up(t, argv[1], folder);
     run_undisturbed(t);
     for (t->round = 1; t->round <= rounds; t->round++)
         run_round(t);
-    close_bed(t, folder);
+    tear_down(t, folder);
     return report(t, rounds, begin_ns);
 }

@@ -19,7 +19,7 @@ void pause_ms(int ms)
     nanosleep(&time, NULL);
 }
 
-/* Starts the program; its standard output is `out`. */
+/* Starts the program with standard output to `out` and standard error to the log. */
 static pid_t spawn(const struct daemon *daemon, char *const *arguments, int out)
 {
     pid_t pid = fork();
@@ -59,7 +59,7 @@ pid_t daemon_extra_worker(const struct daemon *daemon)
     return spawn(daemon, arguments, STDOUT_FILENO);
 }
 
-/* A process as the kernel lists it. */
+/* A process from /proc. */
 struct process {
     pid_t pid, parent;
     char name[32], state;
@@ -79,7 +79,7 @@ static bool read_process(const char *entry, struct process *process)
     return ok;
 }
 
-/* Counts the living processes for which `want` holds; *last is one of them. */
+/* Counts the processes for which `want` returns true, without zombies; *last is one of them. */
 static int find(bool (*want)(const void *user, const struct process *process), const void *user,
                 pid_t *last)
 {
@@ -119,8 +119,8 @@ pid_t daemon_child(const struct daemon *daemon, const char *role)
     return pid;
 }
 
-/* Runs our program on our store: other daemons of the machine do not concern us. */
-static bool is_ours(const void *user, const struct process *process)
+/* Whether the process is a daemon on this test's store; others may run on the same machine. */
+static bool uses_our_store(const void *user, const struct process *process)
 {
     const struct daemon *daemon = user;
     char path[64], text[2048];
@@ -137,17 +137,17 @@ static bool is_ours(const void *user, const struct process *process)
 int daemon_processes(const struct daemon *daemon)
 {
     pid_t last;
-    return find(is_ours, daemon, &last);
+    return find(uses_our_store, daemon, &last);
 }
 
-/* Zombies that we have inherited from a supervisor that was killed. */
-static void reap_others(pid_t but)
+/* Reaps zombies that this process has inherited from a killed supervisor, except `kept`. */
+static void reap_others(pid_t kept)
 {
     siginfo_t info;
     for (;;) {
         info.si_pid = 0;
         if (waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0 ||
-            info.si_pid == but)
+            info.si_pid == kept)
             return;
         waitpid(info.si_pid, NULL, 0);
     }

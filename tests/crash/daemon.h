@@ -13,26 +13,27 @@ struct daemon {
     atomic_int port;
 };
 
-/* Starts it on a free port, with leases of `lease_ms`, and waits for its first line. */
+/* Starts the daemon on a free port and waits for its first line. Returns whether that has come. */
 bool daemon_start(struct daemon *daemon);
 
-/* Starts a worker of its own beside it. */
+/* Starts a worker process on the same store, without a supervisor. */
 pid_t daemon_extra_worker(const struct daemon *daemon);
 
-/* The process id of its "api" or "work" child, 0 if there is none just now. */
+/* The process id of the "api" or "work" child, 0 if there is none at the moment. */
 pid_t daemon_child(const struct daemon *daemon, const char *role);
 
-/* Kills it, and waits until its children are gone too. Returns false if they are not within 2 s. */
+/* Kills the supervisor, and waits for the end of its children. Returns false after 2 s. */
 bool daemon_kill(struct daemon *daemon);
 
-/* SIGTERM; waits for its end. Returns false unless it ended well, within 10 s, children too. */
+/* Sends SIGTERM and waits. Returns whether the daemon ended within 10 s with exit code 0, and its
+ * children too. */
 bool daemon_drain(struct daemon *daemon);
 
-/* Waits for the end of a process of ours, at most this long, then kills it. Returns whether it
+/* Waits for the end of a child of this process, at most `ms`, then kills it. Returns whether it
  * ended by itself with exit code 0. */
 bool process_end(pid_t pid, int ms);
 
-/* How many processes run the program; zombies do not count. */
+/* The number of processes that run the daemon on this store, without zombies. */
 int daemon_processes(const struct daemon *daemon);
 
 void pause_ms(int ms);

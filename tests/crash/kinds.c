@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is submitted. Batches are cut by an upper bound of rays; lights that few pixels see make
- * many batches of little work. */
+/* The scene of all kinds. Batches are divided by an upper bound of rays, which eight lights raise;
+ * few pixels see the sphere that they light, so there are many batches of little work. */
 #define LIGHT "{\"type\": \"point\", \"intensity\": [1, 1, 1], \"position\": [3, 6, 4]}"
 static const char scene[] =
     "{\"format\": \"penumbra-scene/1\", \"ambient\": [0.1, 0.1, 0.1],"
@@ -25,7 +25,8 @@ static const struct kind {
 } kinds[KINDS] = {
     {"tiny", "", "{\"width\": 64, \"height\": 48}", 1},
     {"batches", "", "{\"width\": 120, \"height\": 90, \"samples_per_pixel\": 289, \"tile\": 8}", 1},
-    {"slices", "", "{\"width\": 420, \"height\": 330}", 1}, /* of stored pixels: three */
+    {"slices", "", "{\"width\": 420, \"height\": 330}",
+     1}, /* its pixels are stored in three slices */
     {"views", views, "{\"width\": 48, \"height\": 32, \"samples_per_pixel\": 9}", 3},
     {"both", views, "{\"width\": 64, \"height\": 40, \"samples_per_pixel\": 289, \"tile\": 8}", 3},
 };

@@ -7,23 +7,24 @@
 
 enum { KINDS = 5, VIEWS = 3 };
 
-/* The submit of a job of a kind; its name is the kind's. */
+/* Writes the body of a submit of that kind. The job's name is the kind's. */
 void kind_body(int kind, int priority, char *out, size_t bytes);
 const char *kind_name(int kind);
 int kind_of(const char *name); /* -1: none */
 
-/* What a job came to: each view's pixels and picture, and the count of rays. */
+/* The results of a job: each view's pixels and picture, and the ray counts. */
 struct outcome {
     struct pen_buf pfm[VIEWS], png[VIEWS];
     json_t *rays;
 };
 
-/* Ends the program when there is none. Owns: release it. */
+/* Reads the results of a job that has succeeded; ends the program if there are none. Owns: release
+ * the outcome. */
 struct outcome outcome_of(struct pen_jobs *jobs, const char *id, int kind);
 void outcome_release(struct outcome *outcome);
 bool outcome_same_pixels(const struct outcome *a, const struct outcome *b);
 
-/* Ends the program unless ok. */
+/* Ends the program with a message unless `ok`. */
 void must(bool ok, const struct pen_status *st, const char *what);
 
 #endif

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Event streams of a daemon: many at once, and across a restart of the api process.
+# Event streams of a daemon: many at once, and one that is resumed from the next api process.
 . "$(dirname "$0")/lib.sh"
 daemon_start
 
@@ -27,7 +27,7 @@ while read -r line; do
     esac
 done <"$work/many"
 
-# A listener whose api process is killed goes on with its successor, where it was.
+# After the api process is killed, a listener resumes its stream from the next api process.
 submit "$long"
 curl -sN -m 60 "$url$job/events" >"$work/first" 2>/dev/null &
 listener=$!
@@ -44,7 +44,7 @@ for _ in $(seq 100); do
     [ "$status" = 200 ] && break
     sleep 0.1
 done
-sleep 1 # something is committed meanwhile
+sleep 1 # time for some commits
 curl -sN -m 60 -H "Last-Event-ID: $last" "$url$job/events" >"$work/second" 2>/dev/null &
 listener=$!
 for _ in $(seq 300); do
@@ -54,8 +54,8 @@ done
 call "$job/cancel" -X POST
 wait "$listener"
 expect second-stream-ends "$?" 0
-expect last-event-is-the-end "$(sed -n 's/^event: //p' "$work/second" | tail -n 1) $(sed -n 's/^data: //p' "$work/second" | tail -n 1 | jq -r .state)" "state cancelled"
-# Each rectangle came once, and together they are what was committed.
+expect last-event-is-the-cancelled-state "$(sed -n 's/^event: //p' "$work/second" | tail -n 1) $(sed -n 's/^data: //p' "$work/second" | tail -n 1 | jq -r .state)" "state cancelled"
+# The streams sent each rectangle once, and together all committed pixels.
 sed -n 's/^data: \({"view".*\)/\1/p' "$work/first" "$work/second" >"$work/tiles"
 expect no-tile-twice "$(sort "$work/tiles" | uniq -d | wc -l | tr -d ' ')" 0
 call "$job"

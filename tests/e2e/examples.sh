@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The curl sessions of api/examples do what they say.
+# Runs every script of api/examples and checks its output.
 . "$(dirname "$0")/lib.sh"
 daemon_start
 PENUMBRA_URL=$url
@@ -24,7 +24,7 @@ expect fetch-again "$? $(cmp "$work/picture.png" "$work/before.png" && echo same
 
 key=$(sh $examples/retry.sh key-1)
 expect retry "$(sh $examples/retry.sh key-1)" "$key"
-expect_match retry-with-a-key-of-its-own "$(sh $examples/retry.sh)" '/v1/jobs/*'
+expect_match retry-with-a-random-key "$(sh $examples/retry.sh)" '/v1/jobs/*'
 expect list "$(sh $examples/list.sh | wc -l | tr -d ' ')" 3
 job=$(sh $examples/submit-xml.sh)
 expect_match submit-xml "$job" '/v1/jobs/????????-*'
@@ -46,11 +46,11 @@ expect cancel-removes "$status" 404
 expect validate "$(sh $examples/validate.sh scenes/spheres.json)" valid
 echo '{"format": "penumbra-scene/1", "camera": {"position": [0,0,9], "look_at": [0,0,0]}, "fog": 1}' \
     >"$work/bad.json"
-sh $examples/validate.sh "$work/bad.json" >"$work/said"
-expect validate-refuses "$? $(grep -c '^  /fog: ' "$work/said")" "1 1"
+sh $examples/validate.sh "$work/bad.json" >"$work/output"
+expect validate-refuses "$? $(grep -c '^  /fog: ' "$work/output")" "1 1"
 printf '{"format": }' >"$work/bad.json"
-sh $examples/validate.sh "$work/bad.json" >"$work/said"
-expect_match validate-places-syntax "$? $(tail -n 1 "$work/said")" '1   1:1*: *'
+sh $examples/validate.sh "$work/bad.json" >"$work/output"
+expect_match validate-places-syntax "$? $(tail -n 1 "$work/output")" '1   1:1*: *'
 
 expect every-example-is-run "$(for f in $examples/*.sh; do grep -q "/$(basename "$f")" "$0" || echo "$f"; done)" ""
 finish

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A job's way through the service: submit, follow, fetch, list, cancel, remove.
+# The life of a job over HTTP: submit, follow, fetch, list, cancel, remove.
 . "$(dirname "$0")/lib.sh"
 daemon_start
 
@@ -54,7 +54,7 @@ call "$job/image" -I -H 'Range: bytes=0-9'
 expect head-has-no-ranges "$status $(header content-length)" "200 $size"
 call "$job/image" -H "Range: bytes=0-99"
 expect range-status "$status" 206
-expect range-says-where "$(header content-range)" "bytes 0-99/$size"
+expect range-content-range "$(header content-range)" "bytes 0-99/$size"
 expect range-length "$(wc -c <"$work/body" | tr -d ' ')" 100
 cp "$work/body" "$work/parts"
 call "$job/image" -H "Range: bytes=100-" -H "If-Range: $tag"
@@ -67,7 +67,7 @@ call "$job/image" -H "Range: bytes=-10"
 expect range-suffix "$(header content-range)" "bytes $((size - 10))-$((size - 1))/$size"
 call "$job/image" -H "Range: bytes=$size-"
 expect_problem range-outside 416
-expect range-outside-says-size "$(header content-range)" "bytes */$size"
+expect range-outside-has-size "$(header content-range)" "bytes */$size"
 call "$job/image" -H "Range: bytes=0-1,5-6"
 expect several-ranges-get-all "$status" 200
 call "$job/image?view=main&layer=beauty&format=png"
@@ -99,7 +99,7 @@ tag=$(header etag)
 call "$job/scene" -H "If-None-Match: $tag"
 expect scene-not-modified "$status" 304
 
-# The same key is the same job; the same key with another body is an error.
+# The same key gives the same job; with another body it is an error.
 submit "$small" -H 'Idempotency-Key: once'
 keyed=$job
 submit "$small" -H 'Idempotency-Key: once'
@@ -129,7 +129,7 @@ expect preview-unfinished "$status $(header content-type)" "200 image/png"
 call "$big" -X DELETE
 expect_problem delete-unfinished 409
 
-# A wait ends when the job changes, and the change is a cancel.
+# A waiting GET ends when the job changes, here by a cancel.
 curl -s -m 60 "$url$big?wait=50" >"$work/waited" &
 waiter=$!
 sleep 0.5
@@ -138,8 +138,8 @@ call "$big/cancel" -X POST
 expect cancel "$status $(body .state)" "202 cancelled"
 wait $waiter
 took=$((($(date +%s%N) - begun) / 1000000))
-expect waiter-saw-the-cancel "$(jq -r .state "$work/waited")" cancelled
-expect_match waiter-saw-it-at-once "$([ $took -lt 1000 ] && echo yes || echo "after $took ms")" yes
+expect wait-returns-the-cancelled-job "$(jq -r .state "$work/waited")" cancelled
+expect_match wait-returns-within-a-second "$([ $took -lt 1000 ] && echo yes || echo "after $took ms")" yes
 call "$big/cancel" -X POST
 expect cancel-again "$status $(body .state)" "202 cancelled"
 call "$first/cancel" -X POST

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-# Shared by the end-to-end tests: a daemon of the script's own on a free port with a temporary store,
-# requests through curl, and checks that print `ok NAME` or `not ok NAME: why`.
-# A script whose first argument is the build folder reads this file with `.` and ends with `finish`.
-# A trap ends the daemon.
+# Helpers of the end-to-end tests: a daemon of the script's own on a free port with a temporary store,
+# requests through curl, and checks that print `ok NAME` or `not ok NAME: reason`.
+# A script reads this file with `.` and ends with `finish`; its first argument is the build folder. A
+# trap stops the daemon when the script ends.
 set -u
 build=${1:-build}
 case $build in /*) ;; *) build=$PWD/$build ;; esac
@@ -14,7 +14,7 @@ checks=0
 failures=0
 status= # of the last call
 
-daemon_stop() { # [SIGNAL]
+daemon_stop() { # [SIGNAL]: stops the daemon, and sets $stopped to its exit code
     [ -n "$daemon" ] || return 0
     kill "-${1:-TERM}" "$daemon" 2>/dev/null
     for _ in $(seq 500); do
@@ -37,7 +37,8 @@ trap 'exit 129' HUP
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-# Starts a daemon with $threads threads (2) and sets $url. Extra arguments go to it.
+# daemon_start [ARGUMENT…]: starts a daemon with these arguments and $threads threads (default 2), and
+# sets $daemon and $url once it is ready.
 daemon_start() {
     : >"$work/out"
     "$build/penumbrad" --listen 127.0.0.1:0 --store "$store" --threads "${threads:-2}" "$@" \
@@ -68,7 +69,7 @@ not_ok() {
     echo "not ok $1: $2"
 }
 
-# expect NAME ACTUAL EXPECTED
+# expect NAME ACTUAL EXPECTED: the two are equal.
 expect() {
     if [ "$2" = "$3" ]; then
         ok "$1"
@@ -77,7 +78,7 @@ expect() {
     fi
 }
 
-# expect_match NAME ACTUAL PATTERN (of the shell)
+# expect_match NAME ACTUAL PATTERN: the text matches the shell pattern.
 expect_match() {
     # shellcheck disable=SC2254
     case $2 in
@@ -90,26 +91,27 @@ expect_match() {
 call() {
     path=$1
     shift
-    : >"$work/body" # curl leaves it alone when there is no body
+    : >"$work/body" # curl does not write it if the answer has no body
     status=$(curl -sS -m 90 -o "$work/body" -D "$work/head" -w '%{http_code}' "$@" "$url$path" \
         2>"$work/curl") || status="curl: $(cat "$work/curl")"
 }
 
-# header NAME: the field's value in the last answer.
+# header NAME: prints the field's value in the last answer.
 header() {
     tr -d '\r' <"$work/head" | sed -n "s/^$1: //Ip" | tail -n 1
 }
 
-# body FILTER: jq on the last answer.
+# body FILTER: prints the output of jq on the last answer.
 body() {
     jq -r "$1" "$work/body" 2>/dev/null
 }
 
-# expect_problem NAME STATUS [DETAIL-PATTERN]: the last answer is a problem document that says so.
+# expect_problem NAME STATUS [DETAIL-PATTERN]: the last answer is a problem document with this status
+# and a matching detail.
 expect_problem() {
     got="$status $(header content-type) $(body .status) $(body 'has("type") and has("title")')"
     expect "$1" "$got" "$2 application/problem+json $2 true"
-    [ $# -lt 3 ] || expect_match "$1-says-what" "$(body .detail)" "$3"
+    [ $# -lt 3 ] || expect_match "$1-detail" "$(body .detail)" "$3"
 }
 
 # submit JSON [CURL-ARGUMENT...]: sets $job to the new job's path.
@@ -120,17 +122,17 @@ submit() {
     job=$(header location)
 }
 
-# A small job, done within milliseconds; and one that is still running whenever a test checks it.
+# A job of a few milliseconds, and one that is still running whenever a test checks it.
 small='{"scene": "builtin:spheres", "render": {"width": 64, "height": 48}}'
 long='{"scene": "builtin:spheres", "render": {"width": 4000, "height": 4000, "samples_per_pixel": 64}}'
 
-# Removes from the log what a sanitizer says of the null pointer that an injected segv writes to.
+# Removes from the log a sanitizer's report of the null pointer that an injected segv writes to.
 forget_injected_segv() {
     sed -i '/fault_injection\.c:.*runtime error: store to null pointer/d' "$work/log"
 }
 
-# Fails if a daemon built with sanitizers reported an error or a leak in its log.
-look_for_reports() {
+# Stops the daemon and checks that no sanitizer reported an error or a leak in its log.
+check_sanitizer_reports() {
     daemon_stop
     [ -e "$work/log" ] || return 0
     if grep -q -e 'Sanitizer' -e 'runtime error:' "$work/log"; then
@@ -141,8 +143,9 @@ look_for_reports() {
     fi
 }
 
+# Prints the summary and ends the script; exit code 0 if all checks passed.
 finish() {
-    look_for_reports
+    check_sanitizer_reports
     good=100
     [ "$checks" -eq 0 ] || good=$(((checks - failures) * 100 / checks))
     echo "$good%: Checks: $checks, Failures: $failures, Errors: 0"

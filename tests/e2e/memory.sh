@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Bad requests leave nothing behind: between the 1 000th and the 10 000th the api process grows by
-# less than 4 MiB.
+# Bad requests leak no memory: between the 1 000th and the 10 000th bad request the api process grows
+# by less than 4 MiB.
 . "$(dirname "$0")/lib.sh"
 daemon_start
 
-api=$daemon # or that child of it which serves
+api=$daemon # or its api child, if it has one
 for child in $(pgrep -P "$daemon"); do
     [ "$(cat "/proc/$child/comm")" = penumbrad-api ] && api=$child
 done
@@ -13,7 +13,7 @@ resident_kib() {
     awk '/^VmRSS:/ {print $2}' "/proc/$api/status"
 }
 
-# Bodies of all sorts.
+# Bodies: a syntax error, deep nesting, many errors, too large, no text.
 awk 'BEGIN {printf "{\"scene\": ["; for (i = 0; i < 20000; i++) printf "[1,2],"; print "}"}' >"$work/syntax"
 awk 'BEGIN {for (i = 0; i < 100000; i++) printf "["}' >"$work/deep"
 awk 'BEGIN {
@@ -36,7 +36,7 @@ hundred() {
         for body in syntax deep invalid noise; do
             request $path "data-binary = @$work/$body"
         done
-        request $path "upload-file = $work/large" 'request = POST' # read only as far as it is sent
+        request $path "upload-file = $work/large" 'request = POST' # the daemon refuses it before reading all of it
         request $path 'data = <scene>'
         request $path 'data = {}' 'header = "Content-Type: text/plain"'
         request $path 'data = {}' 'header = "Transfer-Encoding: chunked"'
@@ -66,7 +66,7 @@ expect a-thousand "$(grep -c ^next "$work/thousand")" 1000
 thousand() {
     curl -s -Z --parallel-max 8 -K "$work/thousand" 2>/dev/null
 }
-# Memory goes back to the system when the daemon falls idle, which takes a moment.
+# The least size within 2 s: an idle daemon returns memory to the system after a moment.
 settled_kib() {
     least=$(resident_kib)
     for _ in 1 2 3 4 5 6 7 8 9 10; do
@@ -77,7 +77,7 @@ settled_kib() {
     echo "$least"
 }
 if nm "$build/penumbrad" | grep -qE '__(asan|tsan)_init'; then
-    # A sanitizer keeps what was freed; its own report on leaks is what counts then.
+    # A sanitizer keeps freed memory; its own report of leaks is checked instead.
     thousand
     call /healthz
     expect alive-after-a-thousand "$status" 200

@@ -1,14 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The daemon does what api/openapi.yaml says: for each operation every documented status is really
-# given, with a documented type of body and the fields that are required, and none that is not
-# documented.
+# The daemon answers as api/openapi.yaml documents: openapi.py provokes every documented status of every
+# operation, and checks type and members of each answer.
 . "$(dirname "$0")/lib.sh"
 daemon_start
-python3 "$(dirname "$0")/openapi.py" "$url" >"$work/said"
+python3 "$(dirname "$0")/openapi.py" "$url" >"$work/output"
 code=$?
-grep -E '^(not )?ok ' "$work/said"
-checks=$(grep -cE '^(not )?ok ' "$work/said")
-failures=$(grep -c '^not ok ' "$work/said")
+grep -E '^(not )?ok ' "$work/output"
+checks=$(grep -cE '^(not )?ok ' "$work/output")
+failures=$(grep -c '^not ok ' "$work/output")
 expect openapi-examined "$code" 0
 finish

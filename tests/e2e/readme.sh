@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Runs the curl session of README.md as it stands there, against a daemon of this test's own, and
-# looks at what it leaves. Also holds the README's example of a located error to the truth.
+# Runs the curl session of README.md as printed there, with this test's own daemon, and checks its
+# results. Also checks the README's example of an error with a place.
 . "$(dirname "$0")/lib.sh"
 root=$(cd "$(dirname "$0")/../.." && pwd)
 
@@ -13,7 +13,7 @@ sed -i "s|^URL=.*|URL=$url|; s|@scenes/|@$root/scenes/|" "$work/session.sh"
 cd "$work" || exit 1
 sh -eu session.sh >session.out 2>session.err
 expect session-exit "$?" 0
-expect session-says-nothing-wrong "$(cat session.err)" ""
+expect session-prints-no-errors "$(cat session.err)" ""
 answer() { # NUMBER FILTER: the n-th JSON value that the session printed
     jq -c . session.out 2>/dev/null | sed -n "$1p" | jq "$2"
 }

@@ -44,13 +44,13 @@ expect absolute-form "$status $(body .name)" "200 spheres"
 call /healthz --request-target "http://evil.com/v1/scenes/spheres"
 expect_problem absolute-form-of-another-host 403
 
-# The log says which request, job, batch and attempt a line is about.
+# A line of the log names the request, job, batch and attempt that it is about.
 daemon_stop
 daemon_start --log-format json --log-level debug
 submit "$small" -H 'X-Request-Id: find.me-1'
 call "$job?wait=60"
 daemon_stop
-lines() { # FILTER: how many lines of JSON it holds for
+lines() { # FILTER: prints the number of JSON lines in the log that match
     grep '^{' "$work/log" | jq -c --arg job "${job##*/}" "select($1)" | wc -l | tr -d ' '
 }
 expect log-names-the-request "$(lines '.process == "api" and .job == $job and .request == "find.me-1"')" 1

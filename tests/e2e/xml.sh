@@ -15,28 +15,28 @@ call /v1/jobs --data-binary "@$xml"
 expect "submitted without a type" "$status" 202
 job=$(header location)
 call "$job?wait=60"
-expect "it is rendered" "$(body .state)" succeeded
+expect "the job succeeds" "$(body .state)" succeeded
 call "$job/image?format=pfm"
 cp "$work/body" "$work/xml.pfm"
 "$penumbra" render $xml -o "$work/local.pfm"
-expect "the picture is that of the command line" \
+expect "its picture equals that of penumbra render" \
     "$(cmp "$work/xml.pfm" "$work/local.pfm" && echo same)" same
 "$penumbra" render tests/golden/scenes/primitives.json -o "$work/json.pfm"
-expect "and that of the same scene in JSON" \
+expect "and the picture of the same scene in JSON" \
     "$(cmp "$work/xml.pfm" "$work/json.pfm" && echo same)" same
 call "$job/scene"
-expect "the scene is the bytes that were sent" "$status $(cmp "$work/body" $xml && echo same)" \
+expect "GET scene gives the bytes that were sent" "$status $(cmp "$work/body" $xml && echo same)" \
     "200 same"
-expect "with their type" "$(header content-type)" application/xml
+expect "GET scene has the type application/xml" "$(header content-type)" application/xml
 call "$job" # the job's own settings are those of the XML
-expect "settings" "$(jq -c '.render | [.width, .height, .transfer]' "$work/body")" \
+expect "the job's settings are those of the XML" "$(jq -c '.render | [.width, .height, .transfer]' "$work/body")" \
     "$(jq -c '.render | [.width, .height, "srgb"]' tests/golden/scenes/primitives.json)"
 
 call /v1/jobs -H 'Content-Type: application/xml' -H 'Idempotency-Key: k' --data-binary "@$xml"
-expect "with a key" "$status" 202
+expect "submitted with a key" "$status" 202
 first=$(jq -r .id "$work/body")
 call /v1/jobs -H 'Content-Type: application/xml' -H 'Idempotency-Key: k' --data-binary "@$xml"
-expect "again, the same job" "$status $(jq -r .id "$work/body")" "202 $first"
+expect "submitted again with the same key, the same job" "$status $(jq -r .id "$work/body")" "202 $first"
 
 # Errors have lines
 bad='<scene>
@@ -53,13 +53,13 @@ done
 call /v1/validate -H 'Content-Type: application/xml' --data-binary '<scene>
 </scen>'
 expect_problem "not well-formed" 400 '*does not close <scene>*'
-expect "is placed" "$(jq -c '.errors[0] | [.line, .column]' "$work/body")" '[2,1]'
+expect "a syntax error has line and column" "$(jq -c '.errors[0] | [.line, .column]' "$work/body")" '[2,1]'
 for bomb in billion-laughs external-entity parameter-entity doctype-system utf16-le zero-byte; do
     call /v1/jobs -H 'Content-Type: text/xml' --data-binary "@tests/io/corpus/xml-bad/$bomb.xml"
     expect_problem "$bomb" 400
 done
 call /v1/validate --data-binary "@tests/io/corpus/xml-good/notes.xml"
-expect "notes have lines" "$(jq -c '[.warnings[] | [.line, .column]]' "$work/body")" \
+expect "warnings have line and column" "$(jq -c '[.warnings[] | [.line, .column]]' "$work/body")" \
     '[[1,1],[2,14],[4,29]]'
 cat >"$work/far.xml" <<'SCENE'
 <scene>
@@ -71,26 +71,26 @@ cat >"$work/far.xml" <<'SCENE'
 SCENE
 call /v1/jobs -H 'Content-Type: application/xml' --data-binary "@$work/far.xml"
 call "$(header location)?wait=60"
-expect "what the worker refuses is placed, too" \
+expect "an error of the worker has line and column, too" \
     "$(jq -c '.error.errors[0] | [.line, .column]' "$work/body")" '[3,5]'
 
 # The command line
 PENUMBRA_URL=$url
 export PENUMBRA_URL
 "$penumbra" submit $xml -q -o "$work/s.pfm" >/dev/null
-expect "penumbra submit" "$(cmp "$work/s.pfm" "$work/local.pfm" && echo same)" same
+expect "the picture of penumbra submit is the same" "$(cmp "$work/s.pfm" "$work/local.pfm" && echo same)" same
 id=$("$penumbra" submit $xml --name from-xml --set samples_per_pixel=4 --wait -q)
 call "/v1/jobs/$id"
-expect "with options" "$(jq -c '[.name, .render.samples_per_pixel, .state]' "$work/body")" \
+expect "penumbra submit with options" "$(jq -c '[.name, .render.samples_per_pixel, .state]' "$work/body")" \
     '["from-xml",4,"succeeded"]'
 call "/v1/jobs/$id/image?format=pfm"
 "$penumbra" render $xml -o "$work/four.pfm" --set samples_per_pixel=4
-expect "with options, the picture" "$(cmp "$work/body" "$work/four.pfm" && echo same)" same
+expect "the picture of penumbra submit with options is the same" "$(cmp "$work/body" "$work/four.pfm" && echo same)" same
 printf '%s' "$bad" >"$work/bad.xml"
-"$penumbra" submit "$work/bad.xml" --name x 2>"$work/said"
-expect "a bad scene" "$? $(grep -c "bad.xml:[23]:[0-9]*: " "$work/said")" "3 2"
-"$penumbra" submit $xml --set width=20000 --set height=20000 2>"$work/said"
-expect "too large a picture" "$?" 3
+"$penumbra" submit "$work/bad.xml" --name x 2>"$work/errors"
+expect "penumbra submit of an invalid scene" "$? $(grep -c "bad.xml:[23]:[0-9]*: " "$work/errors")" "3 2"
+"$penumbra" submit $xml --set width=20000 --set height=20000 2>"$work/errors"
+expect "penumbra submit of too large a picture" "$?" 3
 "$penumbra" submit - -q <$xml >"$work/id"
-expect "standard input" "$?" 0
+expect "penumbra submit from standard input" "$?" 0
 finish

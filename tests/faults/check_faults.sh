@@ -1,19 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # A daemon whose disk fails: it accepts no job that could be lost, loses no accepted job, serves what
-# can be read, and recovers by itself when the disk works again. The disk is
-# preload.c; where tmpfs may be mounted, also one that is really full.
+# can be read, and recovers by itself when the disk works again. preload.c simulates the failing disk;
+# where tmpfs may be mounted, there is also a disk that is really full.
 . "$(dirname "$0")/../cmd/lib.sh"
 cd "$work" || exit 1
 export FAULTS_STORE="$store" FAULTS_CONTROL="$work/control"
-# The sanitizer's library wants to be the first one loaded; here it need not be.
+# The sanitizer's library insists on being loaded first; here preload.so comes before it.
 export ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}verify_asan_link_order=0"
 : >control
 start() {
     LD_PRELOAD="$build/tests/faults/preload.so" daemon_start "$@"
     export PENUMBRA_URL="$url"
 }
-fault() { # TEXT: from now on, at once
+fault() { # TEXT: the faults from now on, see preload.c
     printf '%s\n' "$1" >control.new
     mv control.new control
 }
@@ -32,19 +32,19 @@ set -- "$@" --set samples_per_pixel=$(jq '700 / (.timing.render_ms + 1) | floor 
 : >taken # every job that was answered with 202
 longest=0
 
-# refuses NAME STATUS DETAIL-PATTERN: a submit is refused, and readiness gives the reason.
+# refuses NAME STATUS DETAIL-PATTERN: a submit is refused, and /readyz gives the reason.
 refuses() {
-    # Before the daemon meets the fault, a submit may still be accepted; it counts then.
+    # Until the daemon meets the fault, it may still accept a submit; such a job must not be lost.
     for _ in 1 2 3 4 5 6 7 8; do
         submit "$small"
         [ "$status" = 202 ] || break
         basename "$job" >>taken
     done
     expect_problem "$1: a submit is refused" "$2" "$3"
-    [ -n "$(header retry-after)" ] && ok "$1: and told when to come back" ||
-        not_ok "$1: and told when to come back" "no Retry-After"
+    [ -n "$(header retry-after)" ] && ok "$1: the refusal has Retry-After" ||
+        not_ok "$1: the refusal has Retry-After" "no Retry-After"
     call /readyz
-    expect_problem "$1: readiness" 503 '*the store does not take writes: *'
+    expect_problem "$1: the daemon is not ready" 503 '*the store does not take writes: *'
 }
 
 # serves NAME ID: stored jobs and pictures can be read.
@@ -52,33 +52,34 @@ serves() {
     call "/v1/jobs/$2"
     expect "$1: a job is served" "$status $(body .state)" "200 succeeded"
     call "/v1/jobs/$2/image"
-    expect "$1: its picture too" "$status" 200
+    expect "$1: its picture is served" "$status" 200
     call "/v1/jobs?limit=3"
-    expect "$1: and lists" "$status" 200
+    expect "$1: lists of jobs are served" "$status" 200
     call /healthz
-    expect "$1: the daemon lives" "$status" 200
+    expect "$1: /healthz answers" "$status" 200
 }
 
-# heals NAME: ready again within seconds, by the same processes.
-heals() {
+# recovers NAME: without the fault the same processes are ready again within 5 s.
+recovers() {
     begun=$(now_ms)
     fault ""
     if within 20 is_ready; then
         took=$(($(now_ms) - begun))
         [ "$took" -le "$longest" ] || longest=$took
         echo "# $1: ready $took ms after the disk"
-        expect "$1: ready within 5 s" "$((took < 5000))" 1
+        expect "$1: ready within 5 s afterwards" "$((took < 5000))" 1
     else
-        not_ok "$1: ready again" "$(cat ready.json)"
+        not_ok "$1: ready within 5 s afterwards" "$(cat ready.json)"
     fi
     submit "$small"
-    expect "$1: and takes jobs" "$status" 202
+    expect "$1: jobs are accepted again" "$status" 202
     basename "$job" >>taken
-    expect "$1: by the same processes" "$(child api) $(child work)" "$children"
+    expect "$1: the processes are the same" "$(child api) $(child work)" "$children"
 }
 
-# strikes NAME FAULT STATUS DETAIL-PATTERN: the fault occurs while a job is running.
-strikes() {
+# fails_and_recovers NAME FAULT STATUS DETAIL-PATTERN READS: the fault occurs while a job is running
+# and ends again. READS: `read` if stored results can be read meanwhile, `unread` if not.
+fails_and_recovers() {
     id=$("$penumbra" submit scene.json $args)
     echo "$id" >>taken
     within 20 is_running "$id" || not_ok "$1: the job starts" "$(state_of "$id")"
@@ -86,11 +87,11 @@ strikes() {
     fault "$2"
     refuses "$1" "$3" "$4"
     [ "$5" = unread ] || serves "$1" "$done_id"
-    sleep 1.5 # the worker meets the fault as well, and keeps what it has rendered
-    heals "$1"
-    ends "$1: the job at work succeeds" 0 "$penumbra" wait "$id"
+    sleep 1.5 # time for the worker to meet the fault; it keeps what it has rendered
+    recovers "$1"
+    exits "$1: the running job succeeds" 0 "$penumbra" wait "$id"
     "$penumbra" fetch "$id" -o got.pfm
-    check "$1: with the same bytes" cmp got.pfm wanted.pfm
+    check "$1: its picture has the same bytes" cmp got.pfm wanted.pfm
 }
 
 args=$*
@@ -98,34 +99,33 @@ start
 done_id=$("$penumbra" submit builtin:spheres --set width=32 --set height=32 --wait -o first.png)
 done_id=$("$penumbra" list --json | jq -r '.jobs[0].id')
 echo "$done_id" >>taken
-strikes "full disk" "write ENOSPC" 507 '*no space left*' read
-strikes "disk that fills in mid write" "write SHORT" 507 '*no space left*' read
-strikes "write errors" "write EIO" 503 '*could not be*Input/output error*' read
-strikes "failed fsync" "sync EIO" 503 '*could not be*Input/output error*' read
-strikes "fsync that finds no room" "sync ENOSPC" 507 '*could not be*No space left*' read
-strikes "read errors" "read EIO
+fails_and_recovers "full disk" "write ENOSPC" 507 '*no space left*' read
+fails_and_recovers "disk that fills in mid write" "write SHORT" 507 '*no space left*' read
+fails_and_recovers "write errors" "write EIO" 503 '*could not be*Input/output error*' read
+fails_and_recovers "failed fsync" "sync EIO" 503 '*could not be*Input/output error*' read
+fails_and_recovers "fsync without space" "sync ENOSPC" 507 '*could not be*No space left*' read
+fails_and_recovers "read errors" "read EIO
 write EIO" 503 '*could not be*Input/output error*' unread
 
-# Every third sync fails for a while: an accepted job is on disk all the same
+# Every third sync fails for a while: an accepted job is on disk nevertheless
 fault "sync EIO 3"
-given=0
 for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
     submit "$small"
     case $status in
     202) basename "$job" >>taken ;;
-    503) given=$((given + 1)) ;;
+    503) ;;
     *) not_ok "a disk that fails now and then" "$status" ;;
     esac
     sleep 0.2
 done
 children="$(child api) $(child work)"
-heals "a disk that fails now and then"
-echo "# longest time to get ready: $longest ms"
+recovers "a disk that fails now and then"
+echo "# longest time until ready: $longest ms"
 
-# The log reports the failure, and is not flooded
+# The log reports failure and recovery, each once
 lines=$(grep -c 'trying again' log)
 expect "the log is not flooded" "$((lines < 60))" 1
-check "it says when the store fails" grep -q 'the store .* has a fault: ' log
+check "the log says when the store fails" grep -q 'the store .* has a fault: ' log
 check "and when it has recovered" grep -q 'the store .* has recovered from its fault: ' log
 
 # A daemon stopped while the disk fails ends in time and loses nothing
@@ -137,24 +137,24 @@ submit "$small"
 sleep 1
 begun=$(date +%s)
 daemon_stop
-expect "a daemon whose disk fails ends in time" "$(($(date +%s) - begun < 11))" 1
+expect "a daemon whose disk fails ends within 11 s" "$(($(date +%s) - begun < 11))" 1
 fault ""
 start
-ends "the job goes on with the next start" 0 "$penumbra" wait "$id"
+exits "the next daemon completes the job" 0 "$penumbra" wait "$id"
 "$penumbra" fetch "$id" -o got.pfm
-check "to the same bytes" cmp got.pfm wanted.pfm
+check "its picture has the same bytes" cmp got.pfm wanted.pfm
 
 # Every accepted job is there and has ended
-ends "all that was taken succeeds" 0 "$penumbra" wait $(cat taken)
+exits "wait for all accepted jobs" 0 "$penumbra" wait $(cat taken)
 "$penumbra" wait $(cat taken) >ends 2>>log
-expect "every one" "$(grep -c ' succeeded$' ends)" "$(sort -u taken | wc -l | tr -d ' ')"
+expect "every accepted job succeeds" "$(grep -c ' succeeded$' ends)" "$(sort -u taken | wc -l | tr -d ' ')"
 daemon_stop
 
 # A daemon started with a failing disk reports that and ends
 fault "read EIO"
-ends "a store that cannot be read ends the start" 8 env LD_PRELOAD="$build/tests/faults/preload.so" \
+exits "a daemon does not start with a store that it cannot read" 8 env LD_PRELOAD="$build/tests/faults/preload.so" \
     "$build/penumbrad" --listen 127.0.0.1:0 --store "$store"
-says "which says so" stderr "Input/output error"
+prints "the error has the cause" stderr "Input/output error"
 fault ""
 
 # A disk that is really full
@@ -169,7 +169,7 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
     first=$(basename "$job")
     PENUMBRA_URL=$url "$penumbra" wait "$first" >/dev/null
     dd if=/dev/zero of="$full/ballast" bs=64k 2>/dev/null
-    # Each scene is another, so each takes room
+    # Every scene is different, so each takes space
     taken=0
     for i in $(seq 200); do
         submit "{\"scene\": {\"format\": \"penumbra-scene/1\", \"name\": \"$(head -c 6000 /dev/urandom |
@@ -178,21 +178,21 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
         [ "$status" = 202 ] || break
         taken=$((taken + 1))
     done
-    expect_problem "a disk that is really full" 507 '*no space left*'
+    expect_problem "a really full disk: a submit is refused" 507 '*no space left*'
     call /readyz
-    expect_problem "makes the daemon unready" 503 '*no space left*'
+    expect_problem "a really full disk: the daemon is not ready" 503 '*no space left*'
     call "/v1/jobs/$first"
-    expect "and what is there is served" "$status" 200
+    expect "a really full disk: a job is served" "$status" 200
     rm "$full/ballast"
-    within 10 is_ready && ok "room makes it ready" || not_ok "room makes it ready" "$(cat ready.json)"
+    within 10 is_ready && ok "with space on the disk the daemon is ready" || not_ok "with space on the disk the daemon is ready" "$(cat ready.json)"
     submit "$small"
-    expect "and take jobs" "$status" 202
+    expect "with space on the disk jobs are accepted" "$status" 202
     expect "by the same processes" "$(child api) $(child work)" "$children"
-    check "all it took are done" within 30 sh -c "[ \$(curl -s '$url/v1/jobs?limit=500&state=succeeded' |
+    check "all accepted jobs succeed" within 30 sh -c "[ \$(curl -s '$url/v1/jobs?limit=500&state=succeeded' |
         jq '.jobs | length') = $((taken + 2)) ]"
     daemon_stop
     umount "$full"
 else
-    echo "# tmpfs may not be mounted here: the full disk is only played"
+    echo "# tmpfs may not be mounted here: the full disk is only simulated"
 fi
 finish

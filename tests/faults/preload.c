@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* A disk that fails on request, under a running daemon: preloaded, it stands before the system
- * calls that SQLite makes on files whose path begins with $FAULTS_STORE (except the one ending in
- * -wake). The file $FAULTS_CONTROL says what fails, one line each, and is read at every call:
+/* Simulates a failing disk under a running daemon. Preloaded, this library replaces the functions
+ * by which SQLite accesses files whose path begins with $FAULTS_STORE, except the one ending in
+ * -wake. Each line of the file $FAULTS_CONTROL, which is read at every call, makes an operation
+ * fail:
  *
  *     write ENOSPC       every write; or EIO, or SHORT: half is written, then the disk is full
  *     sync EIO 3         every third sync of a process
- *     read EIO
+ *     read EIO           every read
  *
- * Truncation fails with `write`. An empty or missing file: all is well. */
+ * Truncation fails with `write`. With an empty or missing file nothing fails. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -22,9 +23,10 @@
 
 enum { SHORT_WRITE = 10000 };
 
-static atomic_long calls; /* atomic: relaxed, only counts */
+static atomic_long calls; /* of failing operations; a counter without order */
 
-/* The system's function of that name; ISO C has no cast from dlsym's object pointer. */
+/* Defines system_NAME, the replaced function. ISO C has no cast from dlsym's object pointer to a
+ * function pointer, so its bytes are copied. */
 #define SYSTEM(type, name)                                                                         \
     static type system_##name;                                                                     \
     if (!system_##name) {                                                                          \
@@ -32,7 +34,7 @@ static atomic_long calls; /* atomic: relaxed, only counts */
         memcpy(&system_##name, &found, sizeof found);                                              \
     }
 
-static bool is_ours(int fd)
+static bool is_store_file(int fd)
 {
     char link[40], path[512];
     const char *store = getenv("FAULTS_STORE");
@@ -50,7 +52,7 @@ static int error_of(const char *name)
     return strcmp(name, "ENOSPC") == 0 ? ENOSPC : strcmp(name, "SHORT") == 0 ? SHORT_WRITE : EIO;
 }
 
-/* What the control file says of an operation: an errno, SHORT_WRITE, or 0. */
+/* The control file's fault for an operation: an errno, SHORT_WRITE, or 0 for none. */
 static int fault_of(const char *operation)
 {
     char text[256], *rest = text, *line;
@@ -72,12 +74,12 @@ static int fault_of(const char *operation)
 static bool fails(int fd, const char *operation, int *error)
 {
     int saved = errno;
-    *error = is_ours(fd) ? fault_of(operation) : 0;
+    *error = is_store_file(fd) ? fault_of(operation) : 0;
     errno = *error && *error != SHORT_WRITE ? *error : saved;
     return *error != 0;
 }
 
-static size_t cut(size_t bytes, int error)
+static size_t written_bytes(size_t bytes, int error)
 {
     return error == SHORT_WRITE ? bytes / 2 : 0;
 }
@@ -93,8 +95,8 @@ ssize_t pwrite64(int fd, const void *data, size_t bytes, off_t at)
     SYSTEM(write_at *, pwrite64)
     if (!fails(fd, "write", &error))
         return system_pwrite64(fd, data, bytes, at);
-    if (cut(bytes, error))
-        return system_pwrite64(fd, data, cut(bytes, error), at);
+    if (written_bytes(bytes, error))
+        return system_pwrite64(fd, data, written_bytes(bytes, error), at);
     errno = error == SHORT_WRITE ? ENOSPC : error;
     return -1;
 }

@@ -3,13 +3,13 @@
 # scenes/teapot.json is what scenes/teapot.py writes, and as large as it is meant to be.
 . "$(dirname "$0")/../cmd/lib.sh"
 cd "$root" || exit 1
-ends "the generator runs" 0 python3 scenes/teapot.py
+exits "the generator runs" 0 python3 scenes/teapot.py
 check "it writes the scene that is kept" cmp "$work/stdout" scenes/teapot.json
 count() {
     jq "[.. | objects | select(.type == \"$1\")] | length" scenes/teapot.json
 }
 check "the scene has a thousand triangles or more" test "$(count triangle)" -ge 1000
 check "and four hundred spheres or more" test "$(count sphere)" -ge 400
-ends "the scene is right" 0 "$penumbra" validate scenes/teapot.json --json
+exits "the scene is right" 0 "$penumbra" validate scenes/teapot.json --json
 expect "and nothing in it is odd" "$(jq -c .warnings "$work/stdout")" '[]'
 finish
