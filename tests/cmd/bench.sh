@@ -25,7 +25,7 @@ expect "JSON names the scene, and the settings of all rows" "$(jq -r '.scene + "
 expect "CSV has columns" "$(head -n 1 r.csv | cut -d, -f 1-4)" "row,tile,threads_worked,median_ms"
 expect "Markdown has a table" "$(grep -c '^| [01] |' r.md)" 4
 expect "HTML has a chart" "$(grep -c '<svg ' r.html)" 1
-exits "several forms at once" 0 "$penumbra" bench builtin:spheres $small -q -o two.md -o two.html
+exits "two reports at once" 0 "$penumbra" bench builtin:spheres $small -q -o two.md -o two.html
 expect "both reports are written" "$(head -c 11 two.md) $(head -c 9 two.html)" "# Benchmark <!doctype"
 exits "--format with several outputs" 2 "$penumbra" bench builtin:spheres $small -q -o two.md -o two.html --format md
 exits "--format wins over the ending" 0 "$penumbra" bench builtin:spheres $small -q -o odd.txt --format csv

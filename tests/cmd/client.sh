@@ -107,6 +107,10 @@ prints "the error has the line in the file" stderr "broken.json:2:"
 exits "submit an unknown setting" 2 "$penumbra" submit scene.json --set widht=3
 prints "the error names the option --set" stderr '--set widht=3: '
 exits "submit a label without a value" 2 "$penumbra" submit scene.json --label x
+for option in --name --view --label; do
+    exits "submit with $option that is not UTF-8" 2 "$penumbra" submit scene.json $option "$(printf 'a=\377')"
+    prints "the error names the option" stderr "$option: must be text in UTF-8"
+done
 exits "submit an unknown view" 3 "$penumbra" submit scene.json --view nowhere
 exits "submit an unknown built-in scene" 4 "$penumbra" submit builtin:nowhere
 

@@ -94,6 +94,11 @@ struct body {
     bool wrapped; /* it is a job whose member "scene" is the document, beginning on line 2 */
 };
 
+static bool fail_text(const char *option, struct pen_status *st)
+{
+    return pen_fail(st, PEN_USAGE, "--%s: must be text in UTF-8", option);
+}
+
 static bool add_labels(json_t *job, const struct pen_option_list *label, struct pen_status *st)
 {
     json_t *labels = json_object_get(job, "labels");
@@ -108,8 +113,9 @@ static bool add_labels(json_t *job, const struct pen_option_list *label, struct 
         if (!equals || equals == label->item[i])
             return pen_fail(st, PEN_USAGE, "--label: found \"%s\", allowed is KEY=VALUE",
                             label->item[i]);
-        json_object_setn_new(labels, label->item[i], (size_t)(equals - label->item[i]),
-                             json_string(equals + 1));
+        if (json_object_setn_new(labels, label->item[i], (size_t)(equals - label->item[i]),
+                                 json_string(equals + 1)) != 0)
+            return fail_text("label", st);
     }
     return true;
 }
@@ -119,12 +125,14 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
 {
     if (values->view.count > 0) {
         json_t *views = json_array();
-        for (int i = 0; i < values->view.count; i++)
-            json_array_append_new(views, json_string(values->view.item[i]));
         json_object_set_new(job, "views", views);
+        for (int i = 0; i < values->view.count; i++) {
+            if (json_array_append_new(views, json_string(values->view.item[i])) != 0)
+                return fail_text("view", st);
+        }
     }
-    if (values->name)
-        json_object_set_new(job, "name", json_string(values->name));
+    if (values->name && json_object_set_new(job, "name", json_string(values->name)) != 0)
+        return fail_text("name", st);
     if (values->has_priority)
         json_object_set_new(job, "priority", json_integer(values->priority));
     if (values->kind)
