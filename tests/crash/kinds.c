@@ -23,12 +23,21 @@ static const struct kind {
     const char *name, *scene_more, *render;
     int views;
 } kinds[KINDS] = {
-    {"tiny", "", "{\"width\": 64, \"height\": 48}", 1},
-    {"batches", "", "{\"width\": 120, \"height\": 90, \"samples_per_pixel\": 289, \"tile\": 8}", 1},
-    {"slices", "", "{\"width\": 420, \"height\": 330}",
-     1}, /* its pixels are stored in three slices */
-    {"views", views, "{\"width\": 48, \"height\": 32, \"samples_per_pixel\": 9}", 3},
-    {"both", views, "{\"width\": 64, \"height\": 40, \"samples_per_pixel\": 289, \"tile\": 8}", 3},
+    {.name = "tiny", .scene_more = "", .render = "{\"width\": 64, \"height\": 48}", .views = 1},
+    {.name = "batches",
+     .scene_more = "",
+     .render = "{\"width\": 120, \"height\": 90, \"samples_per_pixel\": 289, \"tile\": 8}",
+     .views = 1},
+    /* Its pixels are stored in three slices. */
+    {.name = "slices", .scene_more = "", .render = "{\"width\": 420, \"height\": 330}", .views = 1},
+    {.name = "views",
+     .scene_more = views,
+     .render = "{\"width\": 48, \"height\": 32, \"samples_per_pixel\": 9}",
+     .views = 3},
+    {.name = "both",
+     .scene_more = views,
+     .render = "{\"width\": 64, \"height\": 40, \"samples_per_pixel\": 289, \"tile\": 8}",
+     .views = 3},
 };
 
 void kind_body(int kind, int priority, char *out, size_t bytes)

@@ -48,7 +48,8 @@ static int serve(const struct pen_config *config, int argc, char **argv)
 static int run(const struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
-    struct pen_log_target target = {config->log_level, config->log_format, config->log_file};
+    struct pen_log_target target = {
+        .level = config->log_level, .format = config->log_format, .file = config->log_file};
     pen_log_set_name("supervisor");
     if (!pen_config_log(&target, &st))
         return pen_report(program, NULL, &st);

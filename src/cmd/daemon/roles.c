@@ -35,9 +35,10 @@ static void reopen_log(const struct pen_config *config, const char *text)
     char level[16] = "", format[16] = "";
     int end = 0;
     struct pen_status st;
-    struct pen_log_target target = {config->log_level, config->log_format, config->log_file};
+    struct pen_log_target target = {
+        .level = config->log_level, .format = config->log_format, .file = config->log_file};
     if (sscanf(text, "%15s %15s %n", level, format, &end) == 2)
-        target = (struct pen_log_target){level, format, text + end};
+        target = (struct pen_log_target){.level = level, .format = format, .file = text + end};
     if (!pen_config_log(&target, &st))
         pen_log(PEN_LOG_ERROR, "%s", st.msg);
 }

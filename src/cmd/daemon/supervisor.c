@@ -133,7 +133,8 @@ static void reload(struct supervisor *s)
     pen_config_release(&s->reloaded);
     s->reloaded = s->now = fresh;
     s->now.store = s->first->store;
-    struct pen_log_target target = {fresh.log_level, fresh.log_format, fresh.log_file};
+    struct pen_log_target target = {
+        .level = fresh.log_level, .format = fresh.log_format, .file = fresh.log_file};
     if (!pen_config_log(&target, &st))
         pen_log(PEN_LOG_ERROR, "%s", st.msg);
     char text[PEN_CONTROL_BYTES];
