@@ -43,8 +43,8 @@ static void close_fd(int *fd)
     *fd = -1;
 }
 
-/* The child's command line. It has the whole configuration: a child reads neither environment nor
- * file. */
+/* The child's command line. It has the whole configuration, which a child takes from neither the
+ * environment nor the file. */
 struct arguments {
     int count;
     char *list[ARGUMENTS_MAX + 1];

@@ -19,7 +19,9 @@ struct pen_config {
      * its command line has the whole configuration. */
     int listen_fd, control_fd;   /* -1: none */
     int trace_fd, dead_trace_fd; /* -1: none */
-    const char *worker_name, *dead_worker, *dead_how, *dead_end;
+    const char *worker_name;     /* a worker's id in the store */
+    /* Of its predecessor: the id, the end as text, and "crashed" or "died". NULL: none. */
+    const char *dead_worker, *dead_how, *dead_end;
 
     struct pen_address address; /* of `listen` */
     json_t *document;           /* the file; texts from it point into this */
