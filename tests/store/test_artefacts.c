@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures and reports as stored: what is damaged is not given out, wherever the damage is. */
+/* Stored pictures and reports: a damaged one is refused, wherever the damage is. */
 #include <string.h>
 
 #include "base/log.h"
@@ -84,8 +84,8 @@ START_TEST(test_artefacts__missing_and_added_bytes_are_noticed)
 }
 END_TEST
 
-/* What was stored before there were checksums has none, and is given out as it is. */
-START_TEST(test_artefacts__of_a_store_from_before)
+/* Artefacts of schemas before 7 have no checksum; they are returned as they are. */
+START_TEST(test_artefacts__of_schemas_without_checksums_are_returned)
 {
     put("old", 3);
     pen_store_close(bed.store);
@@ -98,4 +98,4 @@ END_TEST
 
 PEN_SUITE("store artefacts", test_artefacts__every_changed_bit_is_noticed,
           test_artefacts__missing_and_added_bytes_are_noticed,
-          test_artefacts__of_a_store_from_before)
+          test_artefacts__of_schemas_without_checksums_are_returned)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Copies of a store: whole while others write, checked, named last, and never in another's place.
- */
+/* Backups: a copy is whole although others write meanwhile, is checked, gets its name last, and
+ * never replaces a file without being told to. */
 #include <dirent.h>
 #include <errno.h>
 #include <pthread.h>
@@ -50,7 +50,7 @@ static void refuse(enum pen_code code, const char *hint)
     ck_assert_msg(strstr(st.msg, hint) != NULL, "\"%s\" lacks \"%s\"", st.msg, hint);
 }
 
-/* Nothing unfinished lies about. */
+/* The folder holds no unfinished copy. */
 static void expect_no_parts(void)
 {
     DIR *dir = opendir(bed.folder);
@@ -93,7 +93,7 @@ START_TEST(test_backup__is_a_store_of_one_file)
     store_audit_clean(copy);
     ck_assert_int_eq(jobs_in(copy), 5);
     int opened;
-    store_must(pen_store_expire_leases(copy, "w", &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(copy, "w", &opened, &st), &st, "expire");
     ck_assert_int_eq(opened, 1);
     ck_assert_int_eq(store_work_off(copy, "x"), 5 * 4);
     pen_store_close(copy);
@@ -101,7 +101,7 @@ START_TEST(test_backup__is_a_store_of_one_file)
 }
 END_TEST
 
-START_TEST(test_backup__takes_no_other_files_place)
+START_TEST(test_backup__replaces_only_what_it_may)
 {
     struct stat before, after;
     char name[128];
@@ -191,7 +191,7 @@ START_TEST(test_backup__of_nothing_or_of_a_damaged_store_is_refused)
     ck_assert_int_ne(access(file, F_OK), 0);
     unlink(bed.url);
     refuse(PEN_NOT_FOUND, "there is no store");
-    ck_assert_int_ne(access(bed.url, F_OK), 0); /* and none was made */
+    ck_assert_int_ne(access(bed.url, F_OK), 0); /* the call has made no store */
     expect_no_parts();
     char command[128];
     snprintf(command, sizeof command, "rm -rf %s", bed.folder);
@@ -199,7 +199,7 @@ START_TEST(test_backup__of_nothing_or_of_a_damaged_store_is_refused)
 }
 END_TEST
 
-/* The disk of the copy fails, at every write in turn. */
+/* The disk fails while the copy is written, at every write in turn. */
 START_TEST(test_backup__that_cannot_be_written_leaves_nothing)
 {
     static const int errors[] = {ENOSPC, EIO};
@@ -225,7 +225,7 @@ START_TEST(test_backup__that_cannot_be_written_leaves_nothing)
             ck_assert_msg(st.code == (errors[i] == ENOSPC ? PEN_STORAGE_FULL : PEN_IO),
                           "%ld: %s: %s", n, pen_code_name(st.code), st.msg);
             ck_assert_msg(strstr(st.msg, file) != NULL, "%s", st.msg);
-            ck_assert_int_eq(access(file, F_OK), i == 0 ? -1 : 0); /* as it was before */
+            ck_assert_int_eq(access(file, F_OK), i == 0 ? -1 : 0); /* as before */
             expect_no_parts();
         }
     }
@@ -233,7 +233,7 @@ START_TEST(test_backup__that_cannot_be_written_leaves_nothing)
 }
 END_TEST
 
-PEN_SUITE("backup", test_backup__is_a_store_of_one_file, test_backup__takes_no_other_files_place,
+PEN_SUITE("backup", test_backup__is_a_store_of_one_file, test_backup__replaces_only_what_it_may,
           test_backup__under_load_has_what_was_acknowledged_before,
           test_backup__of_nothing_or_of_a_damaged_store_is_refused,
           test_backup__that_cannot_be_written_leaves_nothing)

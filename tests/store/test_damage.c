@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Files that are not what they should be: every page of a store overwritten in turn, and all that
- * else may have happened to it. Each must be refused with what was found, where, and what to do,
- * and be left as it was, its log included; and damage met while the store is in use is not
- * served. */
+/* Damaged files: every page of a store is overwritten in turn, and headers, lengths, logs, schema
+ * and permissions are wrong. The store must refuse each with a message that has what was found,
+ * where, and what to do, and must leave the file and its log as they were. Damage that is met while
+ * the store is in use is not served. */
 #include <fcntl.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -59,8 +59,8 @@ static void expect_content(const char *path, struct content *before)
     free(before->data);
 }
 
-/* As the daemon begins: opening or the check must fail with words that contain `hint`, name the
- * file, and change nothing. */
+/* As a daemon does at its start: opening or the check must fail with a message that contains `hint`
+ * and names the file, and must change nothing. */
 static void refuse(const char *what, const char *hint)
 {
     struct pen_status st = {0};
@@ -76,7 +76,7 @@ static void refuse(const char *what, const char *hint)
     expect_content(log_path, &log);
 }
 
-/* A closed store with jobs in all tables, of some pages each. */
+/* A closed store with rows in all tables, several pages of each. */
 static struct content make_store(void)
 {
     static char picture[20000] = "a picture";
@@ -115,7 +115,7 @@ static void clear_up(struct content *good)
     free(good->data);
 }
 
-/* The owner of every page, by SQLite's own count. */
+/* A row of SQLite's table dbstat: overwrites the page, which must be noticed. */
 static int each_page(void *user, int columns, char **value, char **name)
 {
     const struct content *good = user;
@@ -125,7 +125,7 @@ static int each_page(void *user, int columns, char **value, char **name)
     (void)name;
     unsigned char *bad = malloc((size_t)good->bytes);
     ck_assert_ptr_nonnull(bad);
-    /* What an overflow page holds is a part of one value; only its link is SQLite's own. */
+    /* An overflow page holds a part of one value; SQLite can check only the link on it. */
     bool value_only = strcmp(value[2], "overflow") == 0;
     for (int fill = value_only ? 0x5a : 0; fill <= 0x5a; fill += 0x5a) {
         memcpy(bad, good->data, (size_t)good->bytes);
@@ -206,7 +206,7 @@ START_TEST(test_damage__lengths)
 }
 END_TEST
 
-/* A schema that lacks what its version has. */
+/* The version is right, but a column is missing. */
 START_TEST(test_damage__schema_that_is_not_of_its_version)
 {
     sqlite3 *db;
@@ -235,7 +235,7 @@ START_TEST(test_damage__not_a_file)
 }
 END_TEST
 
-/* In a process that is not root, to whom everything is permitted. */
+/* In a process that is not root, since root may open any file. */
 START_TEST(test_damage__no_permission)
 {
     struct content good = make_store();
@@ -264,7 +264,7 @@ START_TEST(test_damage__no_permission)
 }
 END_TEST
 
-/* What a process that was killed leaves: a store whose last jobs are in its log alone. */
+/* The files that a killed process leaves: the last jobs are only in the log. */
 static void make_killed_store(struct content *file, struct content *log)
 {
     store_bed_make(&bed);
@@ -339,7 +339,7 @@ START_TEST(test_damage__logs)
 }
 END_TEST
 
-/* What a crash leaves is no damage. */
+/* A crash may tear the last transaction of a log: that is no damage. */
 START_TEST(test_damage__torn_logs_are_no_damage)
 {
     struct content file, log;
@@ -358,7 +358,7 @@ START_TEST(test_damage__torn_logs_are_no_damage)
     }
     put_log(&file, log.data, (size_t)log.bytes);
     ck_assert_int_eq(jobs_found(), 6);
-    log.data[log.bytes - 100] ^= 1; /* in the last transaction: it may have been torn */
+    log.data[log.bytes - 100] ^= 1; /* in the last transaction, which a crash may tear */
     put_log(&file, log.data, (size_t)log.bytes);
     ck_assert_int_eq(jobs_found(), 5);
     clear_up(&file);
@@ -375,7 +375,7 @@ static void overwrite(const struct content *content, long from)
     close(fd);
 }
 
-/* While handles are open: all but the first page are overwritten, and later put right again. */
+/* While handles are open, all pages after the first are overwritten, and later restored. */
 START_TEST(test_damage__found_in_use_is_not_served_until_it_is_gone)
 {
     struct pen_status st = {0};
@@ -391,7 +391,8 @@ START_TEST(test_damage__found_in_use_is_not_served_until_it_is_gone)
     ck_assert_int_eq(st.code, PEN_STORAGE);
     ck_assert_msg(strstr(st.msg, "damaged") && strstr(st.msg, "restore a backup"), "%s", st.msg);
     st = (struct pen_status){0};
-    ck_assert(!pen_store_job(other, in.id, &job, &st)); /* it has not met the damage itself */
+    ck_assert(
+        !pen_store_job(other, in.id, &job, &st)); /* this handle has not met the damage itself */
     ck_assert_msg(strstr(st.msg, "damaged") != NULL, "%s", st.msg);
     ck_assert(!pen_store_cancel(other, in.id, &st));
     ck_assert(!pen_store_probe(other, &st));
@@ -433,7 +434,7 @@ static void expect_refusal(int n, const char *hint)
     ck_assert_msg(strstr(st.msg, hint) != NULL, "\"%s\" lacks \"%s\"", st.msg, hint);
 }
 
-/* Jobs written to it would be gone with the process. */
+/* Jobs written to a file without a name would vanish with the process. */
 START_TEST(test_damage__file_that_loses_its_name_takes_no_jobs)
 {
     char away[128], command[300];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Workers that end: whose batches are quarantined, who gets those, what is charged. */
+/* Workers that end: which batches are quarantined, which workers get those, which job is charged.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 #include "support/suite.h"
 
 static struct store_bed bed;
-static struct pen_claim blamed; /* the batch that the error of the last failed job was made of */
+static struct pen_claim blamed; /* the claim that the last error was made from */
 
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
 {
@@ -115,7 +116,7 @@ START_TEST(test_deaths__other_ends_are_not_charged)
         ck_assert_int_eq(end_worker("w", PEN_WORKER_DIED), 1);
         ck_assert_int_eq(quarantined_batches(&in), 1);
         store_claim(bed.store, "w");
-        store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "sweep");
+        store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "expire");
         ck_assert_int_eq(opened, 1);
         ck_assert_int_eq(attempts(&in), 1);
     }
@@ -141,7 +142,7 @@ START_TEST(test_deaths__crash_over_two_jobs_charges_neither_and_quarantined_batc
     ck_assert_int_eq(end_worker("w", PEN_WORKER_CRASHED), 2);
     ck_assert_int_eq(quarantined_batches(&bad) + quarantined_batches(&good), 2);
 
-    /* One quarantined batch per worker, and nothing beside it; others pass by. */
+    /* A worker with a quarantined batch holds nothing else. */
     one = store_claim(bed.store, "w");
     ck_assert_str_eq(one.job_id, bad.id);
     ck_assert(!claim_any("w", &claim));
@@ -152,7 +153,7 @@ START_TEST(test_deaths__crash_over_two_jobs_charges_neither_and_quarantined_batc
     ck_assert_str_eq(claim.job_id, other.id);
     store_audit_clean(bed.store);
 
-    /* Who holds something gets no quarantined batch, but the next of the others. */
+    /* A worker that holds a batch gets no quarantined one, but the next of the others. */
     end_worker("v", PEN_WORKER_LEFT);
     claim = store_claim(bed.store, "u");
     ck_assert_str_eq(claim.job_id, other.id);
@@ -191,7 +192,7 @@ START_TEST(test_deaths__any_commit_of_the_job_takes_its_charges_back)
 }
 END_TEST
 
-START_TEST(test_deaths__job_that_keeps_losing_workers_lets_others_go_first_for_a_while)
+START_TEST(test_deaths__job_that_keeps_losing_workers_is_paused_while_others_are_open)
 {
     struct store_job bad, good;
     struct pen_claim claim;
@@ -200,14 +201,14 @@ START_TEST(test_deaths__job_that_keeps_losing_workers_lets_others_go_first_for_a
     claim = store_claim(bed.store, "w");
     end_worker("w", PEN_WORKER_DIED);
     submit(&good, 2, 4, 3);
-    claim = store_claim(bed.store, "w"); /* the first death does not count yet */
+    claim = store_claim(bed.store, "w"); /* the first death does not pause the job */
     ck_assert_str_eq(claim.job_id, bad.id);
     end_worker("w", PEN_WORKER_DIED);
     claim = store_claim(bed.store, "w");
     ck_assert_str_eq(claim.job_id, good.id);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     nanosleep(&(struct timespec){.tv_nsec = 600000000}, NULL);
-    claim = store_claim(bed.store, "w"); /* and nobody waits for ever */
+    claim = store_claim(bed.store, "w"); /* the pause is over */
     ck_assert_str_eq(claim.job_id, bad.id);
     end_worker("w", PEN_WORKER_DIED);
     for (int i = 0; i < 4; i++) {
@@ -215,14 +216,14 @@ START_TEST(test_deaths__job_that_keeps_losing_workers_lets_others_go_first_for_a
         ck_assert_str_eq(claim.job_id, good.id);
         ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     }
-    claim = store_claim(bed.store, "w"); /* with nothing else to do there is no resting */
+    claim = store_claim(bed.store, "w"); /* a paused job goes on when no other job is open */
     ck_assert_str_eq(claim.job_id, bad.id);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     store_bed_close(&bed);
 }
 END_TEST
 
-START_TEST(test_deaths__store_of_the_first_schema_goes_on)
+START_TEST(test_deaths__store_of_the_first_schema_is_migrated)
 {
     struct store_job in;
     store_bed_open(&bed);
@@ -242,5 +243,5 @@ PEN_SUITE("store deaths", test_deaths__crash_over_one_job_is_charged_up_to_its_f
           test_deaths__other_ends_are_not_charged,
           test_deaths__crash_over_two_jobs_charges_neither_and_quarantined_batches_are_tried_alone,
           test_deaths__any_commit_of_the_job_takes_its_charges_back,
-          test_deaths__job_that_keeps_losing_workers_lets_others_go_first_for_a_while,
-          test_deaths__store_of_the_first_schema_goes_on)
+          test_deaths__job_that_keeps_losing_workers_is_paused_while_others_are_open,
+          test_deaths__store_of_the_first_schema_is_migrated)

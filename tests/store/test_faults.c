@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A disk that fails below SQLite, at the n-th call for every n: whatever a call of the store says
- * must be so. One that succeeded has done its work; one that failed has done all or nothing, says
- * what is wrong with which store, and leaves a handle that works as soon as the disk does. */
+/* A disk that fails below SQLite, at the n-th call for every n. A call of the store that returns
+ * true has had its effect; one that fails has had all of its effect or none, has a message with the
+ * fault and the store, and leaves a handle that works as soon as the disk does. */
 #include <errno.h>
 #include <fcntl.h>
 #include <sqlite3.h>
@@ -17,7 +17,7 @@
 
 static struct fault_bed disk;
 
-/* What can be seen of a store, times left out; a row of a probe is not seen. */
+/* All rows of a store without their times, and without the row of a probe. */
 static const char dump_sql[] =
     "SELECT 'job', id, state, revision, done_pixels, open_views, error IS NULL, charges, deaths"
     " FROM job UNION ALL "
@@ -63,7 +63,7 @@ static bool same(const struct pen_buf *a, const struct pen_buf *b)
 
 typedef bool work_fn(struct pen_status *st);
 
-/* With a key: whoever is told that it failed asks again with that. */
+/* With a key, as a client has that repeats a submit after a failure. */
 static bool work_submit(struct pen_status *st)
 {
     static const unsigned char body[32] = {1};
@@ -140,7 +140,7 @@ static bool work_release(struct pen_status *st)
     return pen_store_release(disk.bed.store, &disk.held[0], st);
 }
 
-static bool work_sweep(struct pen_status *st)
+static bool work_expire(struct pen_status *st)
 {
     int opened;
     return pen_store_expire_leases(disk.bed.store, "gone", &opened, st);
@@ -153,7 +153,7 @@ static bool work_picture(struct pen_status *st)
                                   data, sizeof data, st);
 }
 
-static bool work_tidy(struct pen_status *st)
+static bool work_purge(struct pen_status *st)
 {
     return pen_store_purge(disk.bed.store, 0, st);
 }
@@ -168,7 +168,7 @@ static bool work_open(struct pen_status *st)
 static const struct scenario {
     const char *name;
     work_fn *work;
-    enum pen_code again; /* what a repeat says when the first time had its effect */
+    enum pen_code again; /* the code of a repeat after the first call had its effect */
 } scenarios[] = {
     {"submit", work_submit, PEN_OK},
     {"claim", work_claim, PEN_OK},
@@ -179,15 +179,15 @@ static const struct scenario {
     {"delete", work_delete, PEN_NOT_FOUND},
     {"fail", work_fail, PEN_STALE},
     {"release", work_release, PEN_OK},
-    {"sweep", work_sweep, PEN_OK},
+    {"expire", work_expire, PEN_OK},
     {"picture", work_picture, PEN_OK},
-    {"tidy", work_tidy, PEN_OK},
+    {"purge", work_purge, PEN_OK},
     {"open", work_open, PEN_OK},
 };
 enum { SCENARIOS = (int)(sizeof scenarios / sizeof scenarios[0]) };
 
 static struct pen_buf before, after;
-static long injected; /* faults, over all */
+static long injected; /* faults in all runs */
 
 static void describe(const struct scenario *s, const struct fault_plan *plan, char out[160])
 {
@@ -196,11 +196,11 @@ static void describe(const struct scenario *s, const struct fault_plan *plan, ch
              strerror(plan->error), modes[plan->mode], plan->n);
 }
 
-/* The disk works again: so must the handle, at once, with what was asked and with all else. */
+/* The disk works again: the handle must repeat the work at once, and do any other. */
 static void check_healed(const struct scenario *s, bool done, const char *what)
 {
     struct pen_status st = {0};
-    bool claims = s->work == work_claim; /* again, it is another claim */
+    bool claims = s->work == work_claim; /* repeated, it claims another batch */
     if (s->work == work_open)
         disk.bed.store = store_bed_handle(&disk.bed);
     if (!(claims && done)) {
@@ -216,7 +216,7 @@ static void check_healed(const struct scenario *s, bool done, const char *what)
     pen_store_close(disk.bed.store);
 }
 
-/* Runs a scenario under a plan. Returns whether a fault was met. */
+/* Runs a scenario under a plan. Returns whether the plan made a call fail. */
 static bool run_faulty(const struct scenario *s, const struct fault_plan *plan)
 {
     char what[160];
@@ -263,14 +263,14 @@ static void run_plans(int first, int end)
                 runs++;
         }
         printf("%s: %ld runs, %ld faults\n", scenarios[i].name, runs, injected);
-        ck_assert(runs > 0 || scenarios[i].work == work_open); /* which only reads */
+        ck_assert(runs > 0 || scenarios[i].work == work_open); /* opening only reads */
         pen_buf_release(&before);
         pen_buf_release(&after);
     }
     fault_bed_close(&disk);
 }
 
-/* Does a scenario until the disk stops for good at call n, and cuts the power. */
+/* Runs a scenario on a disk that stops for good at call n, then cuts the power. */
 static bool run_to_power_cut(const struct scenario *s, long n, uint64_t seed)
 {
     char what[160];

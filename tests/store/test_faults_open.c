@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A disk that fails while a store is made, or taken to this build's schema: it is then whole, of
- * the one schema or the other, or not there. */
+/* A disk that fails while a store is made or migrated: a new store is then whole or not there, a
+ * migrated one is whole and of the old schema or the new. */
 #include <sqlite3.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,7 +18,7 @@ static void remove_store(void)
     unlink(disk.bed.url);
 }
 
-/* A new store is there whole or not at all. */
+/* A new store is whole or not there. */
 static bool make_faulty(const struct fault_plan *plan)
 {
     struct pen_status st = {0};

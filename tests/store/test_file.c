@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The store as a file: what opens, what is refused and left as it is, what stays small, and many
- * processes at once. */
+/* The store as a file: which files are opened, which are refused and left unchanged, that the file
+ * and its log stay small, and many processes at once. */
 #include <fcntl.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -43,7 +43,7 @@ static void remove_bed(void)
     bed = (struct store_bed){0};
 }
 
-/* Opening must fail with words that contain `hint`, and leave the file as it was. */
+/* Opening must fail with a message that contains `hint`, and leave the file unchanged. */
 static void refuse(const char *hint)
 {
     struct pen_status st = {0};
@@ -173,7 +173,7 @@ START_TEST(test_file__postgres_is_known_and_not_supported_yet)
 }
 END_TEST
 
-START_TEST(test_file__folder_that_cannot_be_made_is_said)
+START_TEST(test_file__folder_that_cannot_be_made_is_an_error)
 {
     store_bed_open(&bed);
     char url[128];
@@ -208,13 +208,13 @@ static void submit_many(int from, int count)
 
 enum { LOG_LIMIT = 40 << 20 };
 
-/* The log must have grown for a test to mean anything, and must not have grown too far. */
+/* The log must have grown, or the test would show nothing, and must not have grown too far. */
 static void check_log(void)
 {
     struct pen_status st;
     ck_assert_msg(largest_log < LOG_LIMIT, "the log grew to %lld bytes", (long long)largest_log);
     ck_assert_msg(largest_log > 4 << 20, "the log only grew to %lld bytes", (long long)largest_log);
-    store_must(pen_store_purge(bed.store, 0, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 0, &st), &st, "purge");
     ck_assert_msg(file_bytes("-wal") <= 9 << 20, "the log is left at %lld bytes",
                   (long long)file_bytes("-wal"));
 }
@@ -246,7 +246,7 @@ START_TEST(test_file__log_stays_bounded_with_a_long_reader_now_and_then)
 }
 END_TEST
 
-/* Stores one more picture, of that size. */
+/* Stores one more picture, of this size. */
 static void put_bytes(struct pen_store *store, const char *id, size_t bytes)
 {
     static int view;
@@ -257,7 +257,7 @@ static void put_bytes(struct pen_store *store, const char *id, size_t bytes)
     free(picture);
 }
 
-START_TEST(test_file__settling_can_be_left_to_another_handle)
+START_TEST(test_file__checkpoints_can_be_left_to_another_handle)
 {
     enum { MIB = 1 << 20 };
     struct store_job job;
@@ -272,11 +272,11 @@ START_TEST(test_file__settling_can_be_left_to_another_handle)
     put_bytes(bed.store, job.id, 9 * MIB);
     ck_assert(pen_store_checkpoint_due(bed.store));
     ck_assert_int_lt(file_bytes(""), MIB);
-    store_must(pen_store_checkpoint(other, &st), &st, "settle");
+    store_must(pen_store_checkpoint(other, &st), &st, "checkpoint");
     ck_assert_int_gt(file_bytes(""), 9 * MIB);
     put_bytes(bed.store, job.id, MIB);
     ck_assert(!pen_store_checkpoint_due(bed.store)); /* the log begins anew */
-    for (int i = 0; i < 12; i++)                     /* nobody settles: commits do so in the end */
+    for (int i = 0; i < 12; i++) /* no handle makes the checkpoint: commits do in the end */
         put_bytes(bed.store, job.id, 8 * MIB);
     ck_assert_int_lt(file_bytes("-wal"), LOG_LIMIT);
     pen_store_close(other);
@@ -304,7 +304,7 @@ static void *read_on(void *arg)
     return NULL;
 }
 
-/* There is never a moment without a reader, so the log cannot be wound back without waiting. */
+/* There is always a reader, so the log can be truncated only by waiting for readers. */
 START_TEST(test_file__log_stays_bounded_with_readers_all_the_time)
 {
     enum { READERS = 4 };
@@ -324,7 +324,7 @@ START_TEST(test_file__log_stays_bounded_with_readers_all_the_time)
 }
 END_TEST
 
-START_TEST(test_file__room_of_deleted_jobs_is_given_back)
+START_TEST(test_file__space_of_deleted_jobs_is_given_back)
 {
     store_bed_open(&bed);
     struct pen_status st;
@@ -344,8 +344,8 @@ START_TEST(test_file__room_of_deleted_jobs_is_given_back)
         store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
         store_must(pen_store_delete(bed.store, in.id, &st), &st, "delete");
     }
-    store_must(pen_store_purge(bed.store, 0, &st), &st, "tidy");
-    store_must(pen_store_purge(bed.store, 0, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 0, &st), &st, "purge");
+    store_must(pen_store_purge(bed.store, 0, &st), &st, "purge");
     ck_assert_msg(file_bytes("") < 1 << 20, "the store still has %lld bytes",
                   (long long)file_bytes(""));
     store_bed_close(&bed);
@@ -398,7 +398,7 @@ START_TEST(test_file__processes_share_the_work_without_doing_any_twice)
         total += WEXITSTATUS(status);
     }
     bed.store = store_bed_handle(&bed);
-    /* A worker that finds nothing open may leave before an assemble batch appears. */
+    /* A worker that finds no open batch may leave before an assemble batch is added. */
     total += store_work_off(bed.store, "last");
     ck_assert_int_eq(total, JOBS * (BATCHES + 1));
     for (int n = 0; n < JOBS; n++) {
@@ -423,7 +423,7 @@ static void *open_and_submit(void *arg)
 START_TEST(test_file__many_may_open_a_new_store_at_once)
 {
     enum { THREADS = 8 };
-    for (int round = 0; round < 5; round++) {
+    for (int try = 0; try < 5; try++) {
         store_bed_make(&bed);
         pthread_t thread[THREADS];
         for (int i = 0; i < THREADS; i++)
@@ -442,10 +442,10 @@ PEN_SUITE("store file", test_file__what_was_stored_is_there_after_reopening,
           test_file__folders_are_made_and_all_is_private,
           test_file__other_files_are_refused_and_left, test_file__newer_schema_is_refused_and_left,
           test_file__damage_is_found_and_left, test_file__postgres_is_known_and_not_supported_yet,
-          test_file__folder_that_cannot_be_made_is_said,
+          test_file__folder_that_cannot_be_made_is_an_error,
           test_file__log_stays_bounded_with_a_long_reader_now_and_then,
           test_file__log_stays_bounded_with_readers_all_the_time,
-          test_file__settling_can_be_left_to_another_handle,
-          test_file__room_of_deleted_jobs_is_given_back,
+          test_file__checkpoints_can_be_left_to_another_handle,
+          test_file__space_of_deleted_jobs_is_given_back,
           test_file__processes_share_the_work_without_doing_any_twice,
           test_file__many_may_open_a_new_store_at_once)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs in the store: submit and its keys, get, list, scene, cancel, delete, tidy. */
+/* Jobs in the store: submit and idempotency keys, get, list, scene, cancel, delete, purge. */
 #include <stdio.h>
 #include <string.h>
 
@@ -136,9 +136,9 @@ START_TEST(test_jobs__key_is_forgotten_when_it_is_old)
     struct pen_buf answer = {0};
     struct pen_status st;
     submit_with_key(bed.store, 1, "k", 9, &answer);
-    store_must(pen_store_purge(bed.store, 3600000, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 3600000, &st), &st, "purge");
     ck_assert_int_eq(submit_with_key(bed.store, 2, "k", 9, &answer), PEN_SUBMIT_REPEATED);
-    store_must(pen_store_purge(bed.store, -1000, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, -1000, &st), &st, "purge");
     ck_assert_int_eq(submit_with_key(bed.store, 3, "k", 9, &answer), PEN_SUBMIT_CREATED);
     pen_buf_release(&answer);
     store_bed_close(&bed);
@@ -163,7 +163,7 @@ START_TEST(test_jobs__key_outlives_its_job)
 }
 END_TEST
 
-/* Lists ids as the last digits of their numbers, newest first. */
+/* Lists jobs as a text: the last digit of each id, newest first. */
 static void list_as_text(struct pen_store *store, const struct pen_job_filter *filter, char *out,
                          int64_t *last)
 {
@@ -266,7 +266,7 @@ START_TEST(test_jobs__cancel_ends_a_job_once_and_leaves_ended_ones)
 }
 END_TEST
 
-START_TEST(test_jobs__delete_wants_an_ended_job_and_leaves_nothing)
+START_TEST(test_jobs__delete_needs_an_ended_job_and_leaves_nothing)
 {
     struct store_bed bed = {0};
     store_bed_open(&bed);
@@ -287,7 +287,7 @@ START_TEST(test_jobs__delete_wants_an_ended_job_and_leaves_nothing)
     struct pen_job_record job;
     ck_assert(!pen_store_job(bed.store, in.id, &job, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
-    /* The audit of the closing bed finds rows without an owner and unused scenes. */
+    /* The audit at the end would find rows without an owner and unused scenes. */
     store_bed_close(&bed);
 }
 END_TEST
@@ -344,7 +344,7 @@ START_TEST(test_jobs__names_of_states_go_both_ways)
 }
 END_TEST
 
-/* Commits as they are listed; `left` is how many more are wanted. */
+/* The commits listed so far; `left` is how many more to take. */
 struct listed {
     struct pen_commit_record commit[16];
     int count, left;
@@ -382,7 +382,7 @@ START_TEST(test_jobs__commits_are_listed_in_their_order_by_revision)
     store_work_off(bed.store, "w");
 
     struct listed all = list_commits(bed.store, in.id, 0, 16);
-    ck_assert_int_eq(all.count, 6); /* those that assemble bring no pixels */
+    ck_assert_int_eq(all.count, 6); /* assemble batches have no pixels */
     ck_assert_int_eq(all.commit[0].revision, revision);
     ck_assert_int_eq(all.commit[0].first_tile, second.first_tile);
     ck_assert_int_eq(all.commit[0].tile_count, second.tile_count);
@@ -405,7 +405,7 @@ PEN_SUITE("store jobs", test_jobs__submitted_job_is_there_as_given,
           test_jobs__list_is_newest_first_and_continues_below_a_number,
           test_jobs__list_filters_by_state_and_kind,
           test_jobs__cancel_ends_a_job_once_and_leaves_ended_ones,
-          test_jobs__delete_wants_an_ended_job_and_leaves_nothing,
+          test_jobs__delete_needs_an_ended_job_and_leaves_nothing,
           test_jobs__delete_keeps_a_scene_that_another_job_names,
           test_jobs__submit_without_batches_for_a_view_stores_nothing,
           test_jobs__names_of_states_go_both_ways,

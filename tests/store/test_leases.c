@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Claims and what may be done under them: order, fences, duplicates, leases that run out,
+/* Claims and what a worker does under them: their order, fences, duplicates, expired leases,
  * pictures, progress. */
 #include <math.h>
 #include <stdio.h>
@@ -34,11 +34,11 @@ static struct pen_claim claim_for(const char *worker, int64_t lease_ms)
     return claim;
 }
 
-static int sweep(const char *dead_worker)
+static int expire(const char *dead_worker)
 {
     struct pen_status st;
     int opened = -1;
-    store_must(pen_store_expire_leases(bed.store, dead_worker, &opened, &st), &st, "sweep");
+    store_must(pen_store_expire_leases(bed.store, dead_worker, &opened, &st), &st, "expire");
     return opened;
 }
 
@@ -50,7 +50,7 @@ static bool held(const struct pen_claim *claim)
     return answer;
 }
 
-START_TEST(test_leases__claim_says_what_is_to_be_done)
+START_TEST(test_leases__claim_describes_its_batch)
 {
     struct store_job in;
     store_bed_open(&bed);
@@ -142,7 +142,7 @@ START_TEST(test_leases__stale_attempt_is_refused_and_changes_nothing)
     open_with_job(&in, 1, 2);
     struct pen_claim slow = claim_for("slow", 1);
     sleep_ms(10);
-    ck_assert_int_eq(sweep(NULL), 1);
+    ck_assert_int_eq(expire(NULL), 1);
     struct pen_claim quick = claim_for("quick", 60000);
     ck_assert_int_eq(quick.batch, slow.batch);
     ck_assert_int_eq(quick.attempt, slow.attempt + 1);
@@ -182,14 +182,14 @@ START_TEST(test_leases__commit_again_is_a_duplicate_that_changes_nothing)
 }
 END_TEST
 
-START_TEST(test_leases__expired_lease_still_commits_until_it_is_swept)
+START_TEST(test_leases__lease_that_has_run_out_still_commits_until_it_is_expired)
 {
     struct store_job in;
     open_with_job(&in, 1, 1);
     struct pen_claim claim = claim_for("w", 1);
     sleep_ms(10);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
-    ck_assert_int_eq(sweep(NULL), 0);
+    ck_assert_int_eq(expire(NULL), 0);
     store_bed_close(&bed);
 }
 END_TEST
@@ -205,24 +205,24 @@ START_TEST(test_leases__heartbeat_keeps_a_lease_alive)
         sleep_ms(50);
         store_must(pen_store_heartbeat(bed.store, &claim, 300, &answer, &st), &st, "heartbeat");
         ck_assert(answer);
-        ck_assert_int_eq(sweep(NULL), 0);
+        ck_assert_int_eq(expire(NULL), 0);
     }
     sleep_ms(350);
-    ck_assert_int_eq(sweep(NULL), 1);
+    ck_assert_int_eq(expire(NULL), 1);
     ck_assert(!held(&claim));
     store_bed_close(&bed);
 }
 END_TEST
 
-START_TEST(test_leases__sweep_opens_the_batches_of_a_dead_worker_alone)
+START_TEST(test_leases__expire_opens_the_batches_of_a_dead_worker_alone)
 {
     struct store_job in;
     open_with_job(&in, 1, 4);
     struct pen_claim one = claim_for("dead", 60000), two = claim_for("alive", 60000);
     struct pen_claim three = claim_for("dead", 60000);
-    ck_assert_int_eq(sweep(NULL), 0);
-    ck_assert_int_eq(sweep("dead"), 2);
-    ck_assert_int_eq(sweep("dead"), 0);
+    ck_assert_int_eq(expire(NULL), 0);
+    ck_assert_int_eq(expire("dead"), 2);
+    ck_assert_int_eq(expire("dead"), 0);
     ck_assert(!held(&one));
     ck_assert(held(&two));
     ck_assert(!held(&three));
@@ -265,7 +265,7 @@ START_TEST(test_leases__cancelled_while_leased_refuses_the_commit)
     store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
     ck_assert(!held(&two));
     ck_assert_int_eq(store_commit(bed.store, &two), PEN_STALE);
-    ck_assert_int_eq(sweep("w"), 0);
+    ck_assert_int_eq(expire("w"), 0);
     ck_assert_int_eq(store_work_off(bed.store, "w"), 0);
     ck_assert_int_eq(store_job_state(bed.store, in.id), PEN_JOB_CANCELLED);
     store_bed_close(&bed);
@@ -302,7 +302,7 @@ START_TEST(test_leases__deleted_job_leaves_its_worker_stale)
     store_must(pen_store_delete(bed.store, in.id, &st), &st, "delete");
     ck_assert(!held(&claim));
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_STALE);
-    /* A number is never given out twice, so the old claim does not fit the next job's batch. */
+    /* Numbers are never used twice, so the old claim does not fit the next job's batch. */
     struct store_job next;
     store_job_init(&next, 2, 1, 1);
     store_job_submit(bed.store, &next);
@@ -313,7 +313,7 @@ START_TEST(test_leases__deleted_job_leaves_its_worker_stale)
 }
 END_TEST
 
-START_TEST(test_leases__last_commit_of_a_view_calls_for_its_picture)
+START_TEST(test_leases__last_commit_of_a_view_adds_its_assemble_batch)
 {
     struct store_job in;
     open_with_job(&in, 2, 3);
@@ -368,7 +368,7 @@ START_TEST(test_leases__view_does_not_end_without_its_picture)
 }
 END_TEST
 
-START_TEST(test_leases__claim_rides_in_the_commit)
+START_TEST(test_leases__commit_also_claims_the_next_batch)
 {
     struct store_job in;
     open_with_job(&in, 1, 2);
@@ -385,7 +385,7 @@ START_TEST(test_leases__claim_rides_in_the_commit)
     ck_assert(next.found);
     ck_assert_int_eq(next.claim.kind, PEN_BATCH_ASSEMBLE);
     ck_assert_int_eq(store_commit(bed.store, &next.claim), PEN_OK);
-    /* A duplicate claims too, when there is something. */
+    /* A duplicate commit claims too, if a batch is open. */
     store_must(pen_store_commit_and_claim(bed.store, &two, &result, &next, &st), &st, "commit");
     ck_assert(!next.found);
     store_bed_close(&bed);
@@ -412,7 +412,7 @@ START_TEST(test_leases__stale_commit_claims_nothing)
 }
 END_TEST
 
-/* Pixels that a lossy store would give away: signs of zero, NaN, infinities, denormals. */
+/* Values that a lossy store would change: signs of zero, NaN, infinities, denormals. */
 static void hard_pixels(float rgb[48], int tile)
 {
     static const float hard[] = {0.0f, -0.0f, 1e-42f, INFINITY, -INFINITY, NAN, 1.0f / 3.0f, 65504};
@@ -503,22 +503,22 @@ START_TEST(test_leases__picture_put_again_replaces_the_first)
 }
 END_TEST
 
-PEN_SUITE("store leases", test_leases__claim_says_what_is_to_be_done,
+PEN_SUITE("store leases", test_leases__claim_describes_its_batch,
           test_leases__larger_priority_first_then_older_jobs,
           test_leases__assemble_batch_comes_before_younger_jobs,
           test_leases__nothing_to_claim_is_no_error,
           test_leases__stale_attempt_is_refused_and_changes_nothing,
           test_leases__commit_again_is_a_duplicate_that_changes_nothing,
-          test_leases__expired_lease_still_commits_until_it_is_swept,
+          test_leases__lease_that_has_run_out_still_commits_until_it_is_expired,
           test_leases__heartbeat_keeps_a_lease_alive,
-          test_leases__sweep_opens_the_batches_of_a_dead_worker_alone,
+          test_leases__expire_opens_the_batches_of_a_dead_worker_alone,
           test_leases__release_gives_back_without_charge,
           test_leases__cancelled_while_leased_refuses_the_commit,
           test_leases__failed_batch_ends_its_job_with_the_error,
           test_leases__deleted_job_leaves_its_worker_stale,
-          test_leases__last_commit_of_a_view_calls_for_its_picture,
+          test_leases__last_commit_of_a_view_adds_its_assemble_batch,
           test_leases__view_does_not_end_without_its_picture,
-          test_leases__claim_rides_in_the_commit, test_leases__stale_commit_claims_nothing,
+          test_leases__commit_also_claims_the_next_batch, test_leases__stale_commit_claims_nothing,
           test_leases__pixels_come_back_bit_for_bit_in_order_of_tiles,
           test_leases__statistics_of_finished_batches_are_listed,
           test_leases__picture_put_again_replaces_the_first)

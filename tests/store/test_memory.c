@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The n-th allocation fails, and all after it, for every n but where it says so: a handle that has
- * run out of memory keeps nothing that others wait for, and want of memory is no fault of the
- * store. */
+/* The n-th allocation fails, and all after it, for every n unless a test says otherwise. A handle
+ * that has run out of memory keeps no lock that others wait for, and running out of memory is no
+ * fault of the store. */
 #include <errno.h>
 #include <unistd.h>
 
@@ -48,8 +48,8 @@ static bool list(struct pen_store *store, int number, struct pen_status *st)
 
 typedef bool work_fn(struct pen_store *store, int number, struct pen_status *st);
 
-/* A handle just opened meets want of memory in its first call; another one writes meanwhile. */
-static bool is_no_obstacle(work_fn *work, long n, struct pen_store *other, struct pen_status *st)
+/* A new handle runs out of memory in its first call; another handle must write afterwards. */
+static bool blocks_nobody(work_fn *work, long n, struct pen_store *other, struct pen_status *st)
 {
     struct pen_store *store = store_bed_handle(&bed);
     alloc_fail_after(n);
@@ -58,7 +58,8 @@ static bool is_no_obstacle(work_fn *work, long n, struct pen_store *other, struc
     ck_assert_msg(ok || (refused && st->code == PEN_NO_MEMORY), "allocation %ld: %s", n, st->msg);
     int64_t begun_ns = pen_clock_ns();
     store_must(pen_store_probe(other, st), st, "another handle writes");
-    ck_assert_int_lt((pen_clock_ns() - begun_ns) / 1000000, 4000); /* busy for 5 s is a failure */
+    ck_assert_int_lt((pen_clock_ns() - begun_ns) / 1000000,
+                     4000); /* a wait for the lock would take 5 s */
     store_must(work(store, 2000 + (int)n, st), st, "and so does this one");
     pen_store_close(store);
     return refused;
@@ -69,9 +70,9 @@ static void fail_every_allocation(work_fn *work)
     struct pen_status st = {0};
     long n = 0;
     pen_log_set_level(PEN_LOG_ERROR + 1);
-    faults_install(); /* for its quick syncs */
+    faults_install(); /* its syncs are quick */
     store_bed_open(&bed);
-    while (is_no_obstacle(work, n, bed.store, &st))
+    while (blocks_nobody(work, n, bed.store, &st))
         n += random_stride();
     ck_assert_int_gt(n, 5);
     store_bed_close(&bed);
@@ -95,8 +96,8 @@ START_TEST(test_memory__of_a_list_keeps_no_lock)
 }
 END_TEST
 
-/* A sync fails, so that the store is ill until somebody mends it. */
-static void make_ill(void)
+/* Makes a sync fail: the store has a fault until a call recovers it. */
+static void make_faulty(void)
 {
     struct pen_status st;
     struct fault_plan plan = {.calls = FAULT_SYNC, .mode = FAULT_FROM, .n = 1, .error = EIO};
@@ -106,12 +107,12 @@ static void make_ill(void)
     ck_assert_int_gt(faults_disarm(), 0);
 }
 
-/* A mend runs out of memory at its n-th allocation. The next is not put off, as it would be for
- * half a second after a fault of the disk, unless this one was costly: 125 ms. */
-static bool is_mended_next(long n, bool *failed)
+/* A recovery runs out of memory at its n-th allocation. The next one must not wait half a second,
+ * as it would after a fault of the disk, unless this one took long (125 ms). */
+static bool recovers_next(long n, bool *failed)
 {
     struct pen_status st = {0};
-    make_ill();
+    make_faulty();
     int64_t begun_ns = pen_clock_ns();
     alloc_fail_after(n);
     *failed = !pen_store_probe(bed.store, &st);
@@ -126,16 +127,16 @@ static bool is_mended_next(long n, bool *failed)
     return refused;
 }
 
-START_TEST(test_memory__of_a_mend_does_not_put_it_off)
+START_TEST(test_memory__of_a_recovery_does_not_delay_the_next)
 {
     bool failed;
     long n = 0, failures = 0;
     pen_log_set_level(PEN_LOG_ERROR + 1);
     faults_install();
     store_bed_open(&bed);
-    while (is_mended_next(n, &failed)) {
+    while (recovers_next(n, &failed)) {
         failures += failed;
-        n += random_stride() * (n < 200 ? 1 : 41); /* thousands are of one check */
+        n += random_stride() * (n < 200 ? 1 : 41); /* one check makes thousands */
     }
     ck_assert_int_gt(failures, random_cases(200));
     store_bed_close(&bed);
@@ -144,4 +145,4 @@ END_TEST
 
 PEN_SUITE("store memory", test_memory__of_a_submit_keeps_no_lock,
           test_memory__of_a_claim_keeps_no_lock, test_memory__of_a_list_keeps_no_lock,
-          test_memory__of_a_mend_does_not_put_it_off)
+          test_memory__of_a_recovery_does_not_delay_the_next)

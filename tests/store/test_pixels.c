@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Stored pixels come back bit for bit, however they were packed; those that an earlier version
- * stored are read; damage is noticed. */
+/* Stored pixels are read back bit for bit, in whatever parts they were compressed; those of the
+ * form before are read; damage is noticed. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +17,7 @@ static struct store_job job;
 enum { SIDE = STORE_JOB_TILE, TILE_PIXELS = SIDE * SIDE, MOST = 3 * PEN_PIXELS_SLICE + 1 };
 static float sent[3 * MOST];
 
-/* Bits of every kind: smooth values, equal ones, and any pattern at all, NaNs among them. */
+/* Smooth values, equal values, and random bit patterns, NaNs among them. */
 static void fill(struct random *random, int pixels)
 {
     for (int i = 0; i < 3 * pixels; i++) {
@@ -35,7 +35,7 @@ static void fill(struct random *random, int pixels)
     }
 }
 
-/* A job of one batch of so many pixels, claimed. */
+/* Submits a job of one batch of so many pixels, and claims it. */
 static struct pen_claim claim_of(int n, int pixels)
 {
     store_job_init(&job, n, 1, 1);
@@ -92,7 +92,7 @@ START_TEST(test_pixels__come_back_bit_for_bit_whatever_their_number)
 }
 END_TEST
 
-START_TEST(test_pixels__may_be_packed_beforehand_in_parts_of_any_size)
+START_TEST(test_pixels__may_be_compressed_beforehand_in_parts_of_any_size)
 {
     struct random random = random_begin(72);
     struct pen_pixels *pixels = pen_pixels_new();
@@ -120,7 +120,7 @@ START_TEST(test_pixels__may_be_packed_beforehand_in_parts_of_any_size)
 }
 END_TEST
 
-START_TEST(test_pixels__packed_in_another_number_are_refused)
+START_TEST(test_pixels__compressed_in_another_number_are_refused)
 {
     struct pen_pixels *pixels = pen_pixels_new();
     struct pen_status st;
@@ -137,9 +137,10 @@ START_TEST(test_pixels__packed_in_another_number_are_refused)
 }
 END_TEST
 
-/* What the version before stored: one frame of three times four planes of bytes, of the zigzag of
- * differences along each channel. Written from its description, with division for shifts. */
-static size_t pack_as_before(int pixels, unsigned char *out, size_t room)
+/* The form before: one zstd frame of three times four planes of bytes, of the zigzag-coded
+ * differences along each channel. Written from its description, with divisions in place of shifts.
+ */
+static size_t compress_as_before(int pixels, unsigned char *out, size_t capacity)
 {
     unsigned char *planes = malloc((size_t)pixels * 12);
     for (int channel = 0; channel < 3; channel++) {
@@ -155,20 +156,20 @@ static size_t pack_as_before(int pixels, unsigned char *out, size_t room)
             last = bits;
         }
     }
-    size_t bytes = ZSTD_compress(out, room, planes, (size_t)pixels * 12, 1);
+    size_t bytes = ZSTD_compress(out, capacity, planes, (size_t)pixels * 12, 1);
     ck_assert(!ZSTD_isError(bytes));
     free(planes);
     return bytes;
 }
 
-START_TEST(test_pixels__of_the_version_before_are_read)
+START_TEST(test_pixels__of_the_form_before_are_read)
 {
     enum { PIXELS = 5000 };
     static unsigned char old[PIXELS * 13 + 1000];
     struct random random = random_begin(73);
     store_bed_open(&bed);
     fill(&random, PIXELS);
-    size_t bytes = pack_as_before(PIXELS, old, sizeof old);
+    size_t bytes = compress_as_before(PIXELS, old, sizeof old);
     struct pen_claim claim = claim_of(1, PIXELS);
     static const float black[3 * PIXELS];
     struct pen_result result = {.rgb = black, .pixels = PIXELS};
@@ -204,7 +205,7 @@ static void expect_damaged(const char *data)
 
 START_TEST(test_pixels__damage_is_noticed)
 {
-    /* What is left of the stored bytes, and what comes before and after. */
+    /* The stored bytes cut, extended or changed. */
     static const char *const damages[] = {
         "x''",
         "x'02'",
@@ -233,6 +234,6 @@ START_TEST(test_pixels__damage_is_noticed)
 END_TEST
 
 PEN_SUITE("store pixels", test_pixels__come_back_bit_for_bit_whatever_their_number,
-          test_pixels__may_be_packed_beforehand_in_parts_of_any_size,
-          test_pixels__packed_in_another_number_are_refused,
-          test_pixels__of_the_version_before_are_read, test_pixels__damage_is_noticed)
+          test_pixels__may_be_compressed_beforehand_in_parts_of_any_size,
+          test_pixels__compressed_in_another_number_are_refused,
+          test_pixels__of_the_form_before_are_read, test_pixels__damage_is_noticed)

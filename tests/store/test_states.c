@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The state machine, exhaustively: every public operation is applied to a job in every situation
- * it can be in, and each change of state of the job or of one of its batches must be an arrow of
- * the table with that operation behind it. In the end every arrow must have been seen. */
+/* The state machine, exhaustively: every public operation is applied to a job in every situation.
+ * Each change of state of the job or of a batch must be an arrow of the tables in states.h, with
+ * that operation as its function, and every arrow of the tables must be seen. */
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -12,7 +12,7 @@
 
 enum { BATCHES = 2, ALL_BATCHES = BATCHES + 1 }; /* and an assemble batch */
 
-/* Where a job may stand: the states of its batches, and how it ended. */
+/* A situation of a job: the states of its batches, and how it ended. */
 struct situation {
     const char *name;
     int committed, leased; /* batches, of those in order: render, render, assemble */
@@ -43,7 +43,7 @@ static const char *const operations[] = {
 };
 enum { OPERATIONS = (int)(sizeof operations / sizeof operations[0]) };
 
-struct stand {
+struct snapshot {
     bool exists;
     enum pen_job_state job;
     int batch_count;
@@ -52,27 +52,27 @@ struct stand {
 
 static bool note_batch(void *user, const struct pen_batch_record *batch)
 {
-    struct stand *stand = user;
-    ck_assert_int_lt(stand->batch_count, ALL_BATCHES);
-    stand->batch[stand->batch_count++] = batch->state;
+    struct snapshot *snapshot = user;
+    ck_assert_int_lt(snapshot->batch_count, ALL_BATCHES);
+    snapshot->batch[snapshot->batch_count++] = batch->state;
     return true;
 }
 
-static struct stand look(struct pen_store *store, const char *id)
+static struct snapshot take_snapshot(struct pen_store *store, const char *id)
 {
     struct pen_status st;
-    struct stand stand = {0};
+    struct snapshot snapshot = {0};
     struct pen_job_record job;
-    stand.exists = pen_store_job(store, id, &job, &st);
-    if (!stand.exists)
-        return stand;
-    stand.job = job.state;
+    snapshot.exists = pen_store_job(store, id, &job, &st);
+    if (!snapshot.exists)
+        return snapshot;
+    snapshot.job = job.state;
     pen_job_record_release(&job);
-    store_must(pen_store_batches(store, id, note_batch, &stand, &st), &st, "batches");
-    return stand;
+    store_must(pen_store_batches(store, id, note_batch, &snapshot, &st), &st, "batches");
+    return snapshot;
 }
 
-/* Brings a new job into a situation; last is the last claim taken, if any was. */
+/* Brings a new job into a situation; *last is the last claim taken, if there was one. */
 static void bring(struct pen_store *store, const struct store_job *in, const struct situation *to,
                   struct pen_claim *last)
 {
@@ -97,7 +97,7 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
     return strdup("{}");
 }
 
-/* Its worker crashes, which a job of one attempt does not survive. */
+/* The worker crashes; a job of one attempt fails by that. */
 static void end_worker(struct pen_store *store, const struct store_job *in)
 {
     struct pen_status st;
@@ -107,7 +107,7 @@ static void end_worker(struct pen_store *store, const struct store_job *in)
     store_must(pen_store_worker_ended(store, &death, &opened, &st), &st, in->id);
 }
 
-/* Applies an operation to the job, or under its last claim. It may be refused. */
+/* Applies an operation to the job, or under its last claim. The store may refuse it. */
 static void apply(struct pen_store *store, const char *operation, const struct store_job *in,
                   const struct pen_claim *last)
 {
@@ -159,8 +159,8 @@ static void find_arrow(const struct pen_arrow *arrows, int count, bool *seen,
 
 static bool job_seen[32], batch_seen[32];
 
-static void compare(const struct stand *before, const struct stand *after, const char *operation,
-                    const char *situation)
+static void compare(const struct snapshot *before, const struct snapshot *after,
+                    const char *operation, const char *situation)
 {
     int jobs, batches;
     const struct pen_arrow *job_arrows = pen_job_arrows(&jobs);
@@ -185,7 +185,7 @@ static void compare(const struct stand *before, const struct stand *after, const
     }
 }
 
-/* Tries one pair in a store that is empty before and after. */
+/* Tries one operation in one situation, in a store that is empty before and after. */
 static void try_one(struct pen_store *store, int number, const struct situation *situation,
                     const char *operation, int max_attempts)
 {
@@ -195,9 +195,9 @@ static void try_one(struct pen_store *store, int number, const struct situation 
     store_job_init(&in, number, 1, BATCHES);
     in.job.max_attempts = max_attempts;
     bring(store, &in, situation, &last);
-    struct stand before = look(store, in.id);
+    struct snapshot before = take_snapshot(store, in.id);
     apply(store, operation, &in, &last);
-    struct stand after = look(store, in.id);
+    struct snapshot after = take_snapshot(store, in.id);
     compare(&before, &after, operation, situation->name);
     store_audit_clean(store);
     pen_store_cancel(store, in.id, &st);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Studies: who gets them and what else, how far they are, and what becomes of them when their
- * worker dies. */
+/* Studies: which worker gets one and what else it may hold, their progress, and the death of their
+ * worker. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,7 +38,7 @@ static void progress(const struct pen_claim *claim, int64_t done)
     store_must(pen_store_progress(bed.store, claim, done, &st), &st, "progress");
 }
 
-START_TEST(test_studies__commit_brings_the_report_and_ends_the_job)
+START_TEST(test_studies__commit_stores_the_report_and_ends_the_job)
 {
     struct pen_buf report = {0};
     store_bed_open(&bed);
@@ -81,7 +81,7 @@ START_TEST(test_studies__worker_holds_nothing_beside_one)
     claim = store_claim(bed.store, "w");
     ck_assert_int_eq(claim.kind, PEN_BATCH_STUDY);
     ck_assert(!claim_any("w", &other));
-    ck_assert(claim_any("v", &other)); /* another worker may */
+    ck_assert(claim_any("v", &other)); /* another worker may have it */
     ck_assert_int_eq(other.kind, PEN_BATCH_RENDER);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     ck_assert(claim_any("w", &other));
@@ -89,7 +89,7 @@ START_TEST(test_studies__worker_holds_nothing_beside_one)
 }
 END_TEST
 
-START_TEST(test_studies__one_whose_turn_it_is_waits_for_an_idle_worker)
+START_TEST(test_studies__next_study_waits_for_an_idle_worker)
 {
     struct pen_claim held, more, claim;
     store_bed_open(&bed);
@@ -98,13 +98,13 @@ START_TEST(test_studies__one_whose_turn_it_is_waits_for_an_idle_worker)
     submit_job(&second, 3, 1);
     held = store_claim(bed.store, "w");
     more = store_claim(bed.store, "w");
-    /* The third job has to stand behind, or a busy worker would never come to the study. */
+    /* The third job must wait behind the study: a busy worker would never become idle for it. */
     ck_assert(!claim_any("w", &claim));
     ck_assert_int_eq(store_commit(bed.store, &held), PEN_OK);
     ck_assert(!claim_any("w", &claim));
     ck_assert_int_eq(store_commit(bed.store, &more), PEN_OK);
     claim = store_claim(bed.store, "w");
-    ck_assert_int_eq(claim.kind, PEN_BATCH_ASSEMBLE); /* of the job that was before */
+    ck_assert_int_eq(claim.kind, PEN_BATCH_ASSEMBLE); /* of the first job */
     ck_assert(!claim_any("w", &more));
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     claim = store_claim(bed.store, "w");
@@ -186,7 +186,7 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
     return strdup("{}");
 }
 
-START_TEST(test_studies__crashes_are_charged_though_progress_was_told)
+START_TEST(test_studies__crashes_are_charged_although_progress_was_stored)
 {
     struct pen_worker_death death = {
         .worker = "w", .end = PEN_WORKER_CRASHED, .error = death_error};
@@ -205,7 +205,7 @@ START_TEST(test_studies__crashes_are_charged_though_progress_was_told)
 }
 END_TEST
 
-START_TEST(test_studies__store_from_before_takes_them_once_it_was_opened)
+START_TEST(test_studies__store_of_an_earlier_schema_takes_them_once_migrated)
 {
     store_bed_open(&bed);
     int current = store_schema_version(bed.url);
@@ -225,12 +225,12 @@ START_TEST(test_studies__store_from_before_takes_them_once_it_was_opened)
 }
 END_TEST
 
-PEN_SUITE("studies", test_studies__commit_brings_the_report_and_ends_the_job,
+PEN_SUITE("studies", test_studies__commit_stores_the_report_and_ends_the_job,
           test_studies__commit_without_a_report_is_refused,
           test_studies__worker_holds_nothing_beside_one,
-          test_studies__one_whose_turn_it_is_waits_for_an_idle_worker,
+          test_studies__next_study_waits_for_an_idle_worker,
           test_studies__next_claim_of_a_commit_may_be_one,
           test_studies__progress_is_seen_and_fenced,
           test_studies__cancel_in_the_middle_leaves_a_sound_store,
-          test_studies__crashes_are_charged_though_progress_was_told,
-          test_studies__store_from_before_takes_them_once_it_was_opened)
+          test_studies__crashes_are_charged_although_progress_was_stored,
+          test_studies__store_of_an_earlier_schema_takes_them_once_migrated)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Wake-up hints: which calls give them, across processes, and without the file. */
+/* Signals: which calls give which, across processes, and without the file that carries them. */
 #include <stdio.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -45,7 +45,7 @@ START_TEST(test_wake__waiting_ends_when_time_is_up)
 }
 END_TEST
 
-START_TEST(test_wake__a_change_missed_before_the_wait_ends_it_at_once)
+START_TEST(test_wake__signal_given_before_the_wait_ends_it_at_once)
 {
     store_bed_open(&bed);
     uint32_t seen = count(PEN_SIGNAL_CHANGES);
@@ -85,7 +85,7 @@ START_TEST(test_wake__submit_in_another_process_wakes_a_waiting_worker)
 END_TEST
 
 struct tally {
-    uint32_t work, news;
+    uint32_t work, changes;
 };
 
 static struct tally take(void)
@@ -93,16 +93,16 @@ static struct tally take(void)
     return (struct tally){count(PEN_SIGNAL_WORK), count(PEN_SIGNAL_CHANGES)};
 }
 
-/* Whether work and news have grown since the last look. */
-static void expect(struct tally *last, bool work, bool news, const char *what)
+/* Whether the counters have grown since `last`, which becomes the present. */
+static void expect(struct tally *last, bool work, bool changes, const char *what)
 {
     struct tally now = take();
     ck_assert_msg((now.work != last->work) == work, "%s: work", what);
-    ck_assert_msg((now.news != last->news) == news, "%s: news", what);
+    ck_assert_msg((now.changes != last->changes) == changes, "%s: changes", what);
     *last = now;
 }
 
-START_TEST(test_wake__each_call_tells_whom_it_concerns)
+START_TEST(test_wake__each_call_gives_the_signals_of_what_it_changed)
 {
     store_bed_open(&bed);
     struct pen_status st;
@@ -121,13 +121,13 @@ START_TEST(test_wake__each_call_tells_whom_it_concerns)
     store_must(pen_store_release(bed.store, &two, &st), &st, "release");
     expect(&last, true, false, "release");
     two = store_claim(bed.store, "w");
-    store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "sweep");
-    expect(&last, true, false, "sweep");
-    store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "sweep");
-    expect(&last, false, false, "sweep of nothing");
+    store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "expire");
+    expect(&last, true, false, "expire");
+    store_must(pen_store_expire_leases(bed.store, "w", &opened, &st), &st, "expire");
+    expect(&last, false, false, "expire nothing");
     two = store_claim(bed.store, "w");
     ck_assert_int_eq(store_commit(bed.store, &two), PEN_OK);
-    expect(&last, true, true, "commit that calls for the picture");
+    expect(&last, true, true, "commit that adds the assemble batch");
     ck_assert_int_eq(store_commit(bed.store, &two), PEN_OK);
     expect(&last, false, false, "duplicate commit");
     ck_assert(!pen_store_delete(bed.store, in.id, &st));
@@ -165,7 +165,7 @@ START_TEST(test_wake__file_missing_short_or_unusable_is_no_failure)
 END_TEST
 
 PEN_SUITE("store wake", test_wake__waiting_ends_when_time_is_up,
-          test_wake__a_change_missed_before_the_wait_ends_it_at_once,
+          test_wake__signal_given_before_the_wait_ends_it_at_once,
           test_wake__submit_in_another_process_wakes_a_waiting_worker,
-          test_wake__each_call_tells_whom_it_concerns,
+          test_wake__each_call_gives_the_signals_of_what_it_changed,
           test_wake__file_missing_short_or_unusable_is_no_failure)

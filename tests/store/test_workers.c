@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of workers, and what it says of their leases. */
+/* The list of workers, with the batches that they hold. */
 #include <stdio.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 
 struct row {
     char name[40], job_id[PEN_ID_BYTES], view[40];
-    struct pen_worker_record worker; /* its texts are not valid any more */
+    struct pen_worker_record worker; /* without its texts, which are no longer valid */
 };
 
 struct rows {
@@ -36,7 +36,7 @@ static struct rows list(struct pen_store *store)
     return rows;
 }
 
-static void show_up(struct pen_store *store, const char *name, int threads, int64_t lease_ms)
+static void see(struct pen_store *store, const char *name, int threads, int64_t lease_ms)
 {
     struct pen_status st;
     struct pen_worker_new worker = {
@@ -51,8 +51,8 @@ START_TEST(test_workers__are_listed_with_what_they_hold)
     store_bed_open(&bed);
     ck_assert_int_eq(list(bed.store).count, 0);
     int64_t before_ms = pen_clock_wall_ms();
-    show_up(bed.store, "a", 4, 60000);
-    show_up(bed.store, "b", 2, 60000);
+    see(bed.store, "a", 4, 60000);
+    see(bed.store, "b", 2, 60000);
     store_job_init(&in, 1, 2, 3);
     store_job_submit(bed.store, &in);
     struct pen_claim first = store_claim(bed.store, "b"), second = store_claim(bed.store, "b");
@@ -82,13 +82,13 @@ START_TEST(test_workers__are_listed_with_what_they_hold)
 }
 END_TEST
 
-/* A worker at a long batch does not say so, but its lease does. */
+/* A worker that works on a long batch reports itself only by extending its lease. */
 START_TEST(test_workers__are_seen_by_their_leases)
 {
     struct store_bed bed = {0};
     struct store_job in;
     store_bed_open(&bed);
-    show_up(bed.store, "w", 1, 10000); /* and claims with 60 s: as if seen 50 s from now */
+    see(bed.store, "w", 1, 10000); /* and claims with 60 s: as if seen 50 s from now */
     store_job_init(&in, 1, 1, 1);
     store_job_submit(bed.store, &in);
     store_claim(bed.store, "w");
@@ -99,17 +99,17 @@ START_TEST(test_workers__are_seen_by_their_leases)
 }
 END_TEST
 
-START_TEST(test_workers__go_when_told_or_with_time)
+START_TEST(test_workers__are_removed_by_id_or_by_age)
 {
     struct store_bed bed = {0};
     struct pen_status st;
     store_bed_open(&bed);
-    show_up(bed.store, "a", 1, 1000);
-    show_up(bed.store, "b", 1, 1000);
+    see(bed.store, "a", 1, 1000);
+    see(bed.store, "b", 1, 1000);
     int64_t started_ms = list(bed.store).row[1].worker.started_ms;
     while (pen_clock_wall_ms() == started_ms)
         ;
-    show_up(bed.store, "b", 3, 1000);
+    see(bed.store, "b", 3, 1000);
     struct rows rows = list(bed.store);
     ck_assert_int_eq(rows.count, 2);
     ck_assert_int_eq(rows.row[1].worker.started_ms, started_ms);
@@ -118,13 +118,13 @@ START_TEST(test_workers__go_when_told_or_with_time)
     store_must(pen_store_worker_gone(bed.store, "a", &st), &st, "gone");
     store_must(pen_store_worker_gone(bed.store, "nobody", &st), &st, "gone");
     ck_assert_int_eq(list(bed.store).count, 1);
-    store_must(pen_store_purge(bed.store, 3600000, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, 3600000, &st), &st, "purge");
     ck_assert_int_eq(list(bed.store).count, 1);
-    store_must(pen_store_purge(bed.store, -1000, &st), &st, "tidy");
+    store_must(pen_store_purge(bed.store, -1000, &st), &st, "purge");
     ck_assert_int_eq(list(bed.store).count, 0);
     store_bed_close(&bed);
 }
 END_TEST
 
 PEN_SUITE("store workers", test_workers__are_listed_with_what_they_hold,
-          test_workers__are_seen_by_their_leases, test_workers__go_when_told_or_with_time)
+          test_workers__are_seen_by_their_leases, test_workers__are_removed_by_id_or_by_age)

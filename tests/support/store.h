@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A store in a folder of its own, and jobs to put in it, for tests of rooms store and jobs. The
- * URL is a parameter of this file alone: the tests that use it hold for every engine. */
+/* A store in a folder of its own, and jobs to put in it, for tests of the rooms store and jobs.
+ * Only this file names the URL: the tests that use it hold for every driver. */
 #ifndef TESTS_SUPPORT_STORE_H
 #define TESTS_SUPPORT_STORE_H
 
@@ -11,11 +11,12 @@ struct store_bed {
     struct pen_store *store;
 };
 
-/* Makes the folder and names the store, and opens nothing: a test that forks does so before it
- * opens the store, since SQLite handles must not be carried across a fork. */
+/* Makes the folder and the URL, and opens nothing. A test that forks calls this, forks, and opens
+ * the store then: handles must not be carried across a fork. */
 void store_bed_make(struct store_bed *bed);
 
-/* Opens a new store, in a new folder unless one was made; ends the test when it cannot. */
+/* Opens a new store, in the folder of store_bed_make or in a new one; fails the test if it cannot.
+ */
 void store_bed_open(struct store_bed *bed);
 
 /* Audits the store (the test fails on any finding), closes it, removes the folder. */
@@ -24,7 +25,7 @@ void store_bed_close(struct store_bed *bed);
 /* A further handle on the bed's store. */
 struct pen_store *store_bed_handle(const struct store_bed *bed);
 
-/* Fails the test with every finding of the audit. */
+/* Fails the test, and prints every finding, if the audit finds anything. */
 void store_audit_clean(struct pen_store *store);
 
 enum { STORE_JOB_BATCHES = 64, STORE_JOB_TILE = 4 };
@@ -42,17 +43,17 @@ struct store_job {
 /* Number n gives the id and, modulo 8, the scene. */
 void store_job_init(struct store_job *job, int n, int views, int batches);
 
-/* The same for a job that is one study of so many runs. */
+/* Makes a job that is one study of so many runs. */
 void store_study_init(struct store_job *job, int n, int runs);
 
-/* Submits; fails the test unless it was created. */
+/* Submits a job; fails the test unless it was created. */
 void store_job_submit(struct pen_store *store, const struct store_job *job);
 
-/* Claims; fails the test when there is nothing to claim. */
+/* Claims a batch; fails the test if none is open. */
 struct pen_claim store_claim(struct pen_store *store, const char *worker);
 
-/* Commits what the batch calls for: pixels that depend on the tile alone, and a picture where the
- * batch ends a view. Returns the code. */
+/* Commits the result that the batch needs: pixels, which depend on the tile alone, and a picture if
+ * the batch ends its view. Returns the code. */
 enum pen_code store_commit(struct pen_store *store, const struct pen_claim *claim);
 
 /* Claims and commits until nothing is left; returns the number of batches. */
@@ -65,7 +66,7 @@ void store_worker_seen(struct pen_store *store, const char *id);
 struct pen_job_record store_job_get(struct pen_store *store, const char *id);
 enum pen_job_state store_job_state(struct pen_store *store, const char *id);
 
-/* Ends the test with the status's message. */
+/* Fails the test with the message of the status unless ok. */
 void store_must(bool ok, const struct pen_status *st, const char *what);
 
 #endif

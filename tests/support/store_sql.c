@@ -18,7 +18,7 @@ void store_run_sql(const struct store_bed *bed, const char *sql, const void *blo
     sqlite3_close(db);
 }
 
-/* What undoes the step to schema i + 2; "" for a step that changed no table. */
+/* undo[i] takes schema i + 2 back to i + 1; "" where the step changed no table. */
 static const char *const undo[] = {
     "ALTER TABLE job DROP COLUMN deaths; ALTER TABLE job DROP COLUMN rest_until_ms;"
     "ALTER TABLE batch DROP COLUMN suspect",

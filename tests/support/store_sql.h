@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The file of a store in SQLite, changed behind the store's back. */
+/* The file of a SQLite store, changed without the store's knowledge. */
 #ifndef TESTS_SUPPORT_STORE_SQL_H
 #define TESTS_SUPPORT_STORE_SQL_H
 
@@ -10,10 +10,11 @@
 /* Runs one statement without results, with a blob (or NULL) for its first parameter. */
 void store_run_sql(const struct store_bed *bed, const char *sql, const void *blob, size_t bytes);
 
-/* Takes the file of a store, which no handle has open, back to an earlier schema. */
+/* Changes the file of a store back to an earlier schema; no handle may be open. Stores that earlier
+ * versions really wrote are in tests/store/kept. */
 void store_downgrade(const char *file, int version);
 
-/* The version of its schema. */
+/* The schema's version of a store's file. */
 int store_schema_version(const char *file);
 
 #endif
