@@ -222,24 +222,24 @@ START_TEST(test_driver_leases__only_an_open_batch_is_leased)
 }
 END_TEST
 
-/* What a holder does with its batch. */
-enum deed { DEED_OPEN, DEED_DONE, DEED_EXTEND, DEEDS };
+/* The changes that only the holder of a batch may make. */
+enum change { CHANGE_OPEN, CHANGE_DONE, CHANGE_EXTEND, CHANGES };
 
-static bool act(enum deed deed, int64_t batch, int64_t attempt)
+static bool make_change(enum change change, int64_t batch, int64_t attempt)
 {
     bool changed = false;
     DRIVER_RUN(bed.driver, begin_write);
-    switch (deed) {
-    case DEED_OPEN:
+    switch (change) {
+    case CHANGE_OPEN:
         DRIVER_DO(bed.driver, batch_open, batch, attempt, &changed);
         break;
-    case DEED_DONE:
+    case CHANGE_DONE:
         DRIVER_DO(bed.driver, batch_done, batch, attempt, "{}", 9, &changed);
         break;
-    case DEED_EXTEND:
+    case CHANGE_EXTEND:
         DRIVER_DO(bed.driver, batch_extend, batch, attempt, 5000, &changed);
         break;
-    case DEEDS:
+    case CHANGES:
         break;
     }
     DRIVER_RUN(bed.driver, commit);
@@ -252,24 +252,24 @@ START_TEST(test_driver_leases__stale_attempt_changes_nothing)
     driver_bed_open(&bed, _i);
     struct driver_job job = driver_submit_new(bed.driver, 1, 1, 1, 0);
     int64_t batch = job.batch[0];
-    for (int deed = 0; deed < DEEDS; deed++)
-        ck_assert(!act((enum deed)deed, batch, 0)); /* open */
+    for (int change = 0; change < CHANGES; change++)
+        ck_assert(!make_change((enum change)change, batch, 0)); /* open */
     ck_assert(driver_lease(bed.driver, batch, 1, "a", 1000));
     ck_assert_int_eq(open_lost("a", false), 1);
-    for (int deed = 0; deed < DEEDS; deed++)
-        ck_assert(!act((enum deed)deed, batch, 1)); /* open again */
+    for (int change = 0; change < CHANGES; change++)
+        ck_assert(!make_change((enum change)change, batch, 1)); /* open again */
     ck_assert(driver_lease(bed.driver, batch, 2, "b", 1000));
-    for (int deed = 0; deed < DEEDS; deed++)
-        ck_assert(!act((enum deed)deed, batch, 1)); /* another holds it */
+    for (int change = 0; change < CHANGES; change++)
+        ck_assert(!make_change((enum change)change, batch, 1)); /* another holds it */
     struct pen_batch_row row = driver_batch_row(bed.driver, batch);
     ck_assert_int_eq(row.state, PEN_BATCH_LEASED);
     ck_assert_int_eq(row.attempt, 2);
     ck_assert_int_eq(row.lease_until_ms, 1000);
-    ck_assert(act(DEED_EXTEND, batch, 2));
+    ck_assert(make_change(CHANGE_EXTEND, batch, 2));
     ck_assert_int_eq(driver_batch_row(bed.driver, batch).lease_until_ms, 5000);
-    ck_assert(act(DEED_DONE, batch, 2));
-    for (int deed = 0; deed < DEEDS; deed++) {
-        ck_assert(!act((enum deed)deed, batch, 2)); /* done */
+    ck_assert(make_change(CHANGE_DONE, batch, 2));
+    for (int change = 0; change < CHANGES; change++) {
+        ck_assert(!make_change((enum change)change, batch, 2)); /* done */
         ck_assert_int_eq(driver_batch_row(bed.driver, batch).state, PEN_BATCH_DONE);
     }
     driver_bed_close(&bed);
@@ -282,7 +282,7 @@ START_TEST(test_driver_leases__released_batch_is_found_again_with_its_attempt)
     driver_bed_open(&bed, _i);
     struct driver_job job = driver_submit_new(bed.driver, 1, 1, 1, 0);
     driver_lease(bed.driver, job.batch[0], 3, "a", 1000);
-    ck_assert(act(DEED_OPEN, job.batch[0], 3));
+    ck_assert(make_change(CHANGE_OPEN, job.batch[0], 3));
     ck_assert(next_open(NOBODY_PAUSED, false, &claim)); /* it is not quarantined */
     ck_assert_int_eq(claim.batch, job.batch[0]);
     ck_assert_int_eq(claim.attempt, 3);
