@@ -135,23 +135,24 @@ END_TEST
 
 START_TEST(test_driver_signals__wake_reaches_other_processes)
 {
-    int told[2];
+    int ready[2];
     char byte;
     driver_bed_open(&bed, _i);
     bed.driver->ops->close(bed.driver);
-    ck_assert_int_eq(pipe(told), 0);
+    ck_assert_int_eq(pipe(ready), 0);
     pid_t pid = fork();
     ck_assert_int_ge(pid, 0);
     if (pid == 0) {
         struct pen_driver *driver = driver_bed_handle(&bed);
         uint32_t seen = counter(driver, PEN_SIGNAL_WORK);
-        if (write(told[1], "x", 1) != 1)
+        if (write(ready[1], "x", 1) != 1)
             _exit(1);
         _exit(time_to_wake(driver, PEN_SIGNAL_WORK, seen) < 10000 ? 0 : 2);
     }
     int status;
     bed.driver = driver_bed_handle(&bed);
-    ck_assert_int_eq(read(told[0], &byte, 1), 1);
+    close(ready[1]); /* a child that fails ends the read */
+    ck_assert_int_eq(read(ready[0], &byte, 1), 1);
     usleep(100000);
     bed.driver->ops->wake(bed.driver, PEN_SIGNAL_WORK);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
@@ -194,14 +195,14 @@ START_TEST(test_driver_signals__repair_is_locked_by_one)
 }
 END_TEST
 
-/* Takes the lock when told to, tells that it has it, and stays. */
-static void lock_and_stay(const int told[2], const int tells[2])
+/* Waits for a byte of `go`, takes the lock, writes a byte to `ready`, and keeps the lock. */
+static void lock_and_stay(const int go[2], const int ready[2])
 {
     struct pen_driver *driver = driver_bed_handle(&bed);
     char byte;
     int lock;
-    if (read(told[0], &byte, 1) != 1 || !driver->ops->repair_lock(driver, &lock) ||
-        write(tells[1], "x", 1) != 1)
+    if (read(go[0], &byte, 1) != 1 || !driver->ops->repair_lock(driver, &lock) ||
+        write(ready[1], "x", 1) != 1)
         _exit(1);
     for (;;)
         pause();
@@ -209,20 +210,20 @@ static void lock_and_stay(const int told[2], const int tells[2])
 
 START_TEST(test_driver_signals__repair_lock_ends_with_its_process)
 {
-    int there[2], back[2], lock = -1;
+    int go[2], ready[2], lock = -1;
     char byte;
     driver_bed_open(&bed, _i);
     bed.driver->ops->close(bed.driver);
-    ck_assert_int_eq(pipe(there), 0);
-    ck_assert_int_eq(pipe(back), 0);
+    ck_assert_int_eq(pipe(go), 0);
+    ck_assert_int_eq(pipe(ready), 0);
     pid_t pid = fork();
     ck_assert_int_ge(pid, 0);
     if (pid == 0)
-        lock_and_stay(there, back);
-    close(back[1]);
+        lock_and_stay(go, ready);
+    close(ready[1]);
     bed.driver = driver_bed_handle(&bed); /* before: a driver may open no handle during a repair */
-    ck_assert_int_eq(write(there[1], "x", 1), 1);
-    ck_assert_int_eq(read(back[0], &byte, 1), 1);
+    ck_assert_int_eq(write(go[1], "x", 1), 1);
+    ck_assert_int_eq(read(ready[0], &byte, 1), 1);
     ck_assert(!bed.driver->ops->repair_lock(bed.driver, &lock));
     ck_assert_int_eq(kill(pid, SIGKILL), 0);
     ck_assert_int_eq(waitpid(pid, NULL, 0), pid);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Contract of a driver: the list of workers, and the locks by which the living are told from the
+/* Contract of a driver: the list of workers, and the locks by which the living are ready from the
  * dead. */
 #include <signal.h>
 #include <stdio.h>
@@ -183,22 +183,23 @@ END_TEST
 
 START_TEST(test_driver_workers__lock_ends_at_once_with_its_process)
 {
-    int told[2];
+    int ready[2];
     char byte;
     driver_bed_open(&bed, _i);
     bed.driver->ops->close(bed.driver);
-    ck_assert_int_eq(pipe(told), 0);
+    ck_assert_int_eq(pipe(ready), 0);
     pid_t pid = fork();
     ck_assert_int_ge(pid, 0);
     if (pid == 0) {
         struct pen_driver *driver = driver_bed_handle(&bed);
         DRIVER_DO(driver, worker_lock, "w");
-        if (write(told[1], "x", 1) != 1)
+        if (write(ready[1], "x", 1) != 1)
             _exit(1);
         for (;;)
             pause();
     }
-    ck_assert_int_eq(read(told[0], &byte, 1), 1);
+    close(ready[1]); /* a child that fails ends the read */
+    ck_assert_int_eq(read(ready[0], &byte, 1), 1);
     bed.driver = driver_bed_handle(&bed);
     ck_assert(lives(bed.driver, "w"));
     expect_taken(bed.driver, "w");

@@ -55,14 +55,14 @@ static size_t read_file(const char *name, void *to, size_t capacity)
 }
 
 /* A bed whose folder has the kept store in the place of its own, not yet opened. */
-static void unpack(struct store_bed *bed, int schema)
+static void decompress(struct store_bed *bed, int schema)
 {
-    static char packed[FILE_BYTES], file[FILE_BYTES];
+    static char compressed[FILE_BYTES], file[FILE_BYTES];
     char name[40];
     store_bed_make(bed);
     snprintf(name, sizeof name, "schema-%d.db.zst", schema);
-    size_t bytes = read_file(name, packed, sizeof packed);
-    bytes = ZSTD_decompress(file, sizeof file, packed, bytes);
+    size_t bytes = read_file(name, compressed, sizeof compressed);
+    bytes = ZSTD_decompress(file, sizeof file, compressed, bytes);
     ck_assert_msg(!ZSTD_isError(bytes), "%s", name);
     int fd = open(bed->url, O_WRONLY | O_CREAT | O_EXCL, 0600);
     ck_assert_int_ge(fd, 0);
@@ -107,7 +107,7 @@ static bool note_batch(void *user, const struct pen_batch_record *batch)
     return true;
 }
 
-static struct half look_at_half(struct pen_store *store, const char *id)
+static struct half batches_of_half(struct pen_store *store, const char *id)
 {
     struct half half = {0};
     struct pen_status st;
@@ -125,10 +125,10 @@ static void check_expired(int schema)
     struct pen_status st;
     char id[JOBS][PEN_ID_BYTES];
     int opened = -1;
-    unpack(&bed, schema);
+    decompress(&bed, schema);
     store_bed_open(&bed);
     list(bed.store, schema, false, id);
-    struct half half = look_at_half(bed.store, id[HALF]);
+    struct half half = batches_of_half(bed.store, id[HALF]);
     store_must(pen_store_expire_leases(bed.store, NULL, &opened, &st), &st, "expire");
     ck_assert_int_eq(opened, 1);
     struct pen_claim claim = store_claim(bed.store, "w");
@@ -220,7 +220,7 @@ static void finish(int schema, const struct pictures *fresh)
     struct pen_status st;
     char id[JOBS][PEN_ID_BYTES];
     int opened = -1;
-    unpack(&bed.bed, schema);
+    decompress(&bed.bed, schema);
     renew_lease(&bed.bed);
     jobs_bed_open(&bed);
     list(bed.bed.store, schema, false, id);
