@@ -122,7 +122,9 @@ START_TEST(test_driver_jobs__key_of_a_job_has_its_state_and_scene)
     bool found;
     driver_bed_open(&bed, _i);
     driver_submit_new(bed.driver, 1, 1, 1, 0);
+    driver_submit_new(bed.driver, 9, 1, 1, 0); /* of the same scene: numbers differ from here on */
     struct driver_job job = driver_submit_new(bed.driver, 2, 1, 1, 0);
+    ck_assert_int_ne(job.number, job.scene);
     start_job(bed.driver, job.number, 50);
     end_job(bed.driver, job.number, PEN_JOB_FAILED);
     store_job_init(&in, 2, 1, 1);
