@@ -87,14 +87,16 @@ START_TEST(test_driver_workers__are_removed_by_id_or_by_age)
     put("a", 1, 100);
     put("b", 1, 200);
     put("c", 1, 300);
+    put("d", 1, 400);
     DRIVER_RUN(bed.driver, begin_write);
     DRIVER_DO(bed.driver, worker_remove, "c");
     DRIVER_DO(bed.driver, worker_remove, "nobody");
     DRIVER_DO(bed.driver, workers_remove, 200);
     DRIVER_RUN(bed.driver, commit);
     struct pen_worker_record *rows = list(&count);
-    ck_assert_int_eq(count, 1);
+    ck_assert_int_eq(count, 2);
     ck_assert_str_eq(rows[0].id, "b");
+    ck_assert_str_eq(rows[1].id, "d");
     driver_bed_close(&bed);
 }
 END_TEST
