@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Escapes the five characters that have a meaning in HTML. */
 #include "study/internal/html.h"
 
 void pen_html_escape(const char *text, struct pen_buf *out)

@@ -219,8 +219,11 @@ static bool measure_view(const struct pen_bench_pictures *pictures, int row, int
                          struct pen_bench_row_result *out, double *square, struct pen_status *st)
 {
     const struct pen_settings *s = &pictures->bench->rows[row].settings;
-    struct pen_film a = {s->width, s->height, *reference_of(pictures, out->compared_with, view)};
-    struct pen_film b = {s->width, s->height, *reference_of(pictures, out->same_as, view)};
+    struct pen_film a = {.width = s->width,
+                         .height = s->height,
+                         .rgb = *reference_of(pictures, out->compared_with, view)};
+    struct pen_film b = {
+        .width = s->width, .height = s->height, .rgb = *reference_of(pictures, out->same_as, view)};
     struct pen_difference difference;
     struct pen_picture *left = pen_picture_of_film(&a, st);
     struct pen_picture *right = left ? pen_picture_of_film(&b, st) : NULL;

@@ -137,7 +137,7 @@ static void write_bar(const struct chart *chart, size_t number, struct pen_buf *
     pen_bench_write_number(pen_bench_report_number(row, "median_ms"), "\xE2\x80\xAF", out);
     pen_buf_printf(out, " ms</text><text class=\"figure\" x=\"%d\" y=\"%.1f\" text-anchor=\"end\">",
                    (int)WIDTH, text);
-    pen_bench_time_columns[2].write(row, out);
+    pen_bench_write_speedup(row, out);
     pen_buf_puts(out, "</text>");
 }
 

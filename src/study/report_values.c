@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The accessors first, then the texts, then the columns of the two tables. */
 #include "study/internal/report_values.h"
 
 #include <limits.h>
@@ -179,7 +180,7 @@ static void write_range(const json_t *row, struct pen_buf *out)
     write_figure(row, "max_ms", out);
 }
 
-static void write_speedup(const json_t *row, struct pen_buf *out)
+void pen_bench_write_speedup(const json_t *row, struct pen_buf *out)
 {
     double times = pen_bench_report_number(row, "speedup");
     pen_buf_printf(out, "%.*f\xC3\x97", times < 0.1 ? 3 : times < 100 ? 2 : 0, times);
@@ -212,7 +213,7 @@ static void write_build(const json_t *row, struct pen_buf *out)
 
 const struct pen_bench_column pen_bench_time_columns[] = {{"median ms", write_median},
                                                           {"range", write_range},
-                                                          {"speed-up", write_speedup},
+                                                          {"speed-up", pen_bench_write_speedup},
                                                           {"Mray/s", write_rate},
                                                           {"boxes/ray", write_boxes},
                                                           {"primitives/ray", write_primitives},

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: MIT */
+/* Makes the cells of a table. Columns of words are recognised by their type: settings that are
+ * strings, and the comparison of pictures. */
 #include "study/internal/table.h"
 
 #include <stdlib.h>

@@ -38,6 +38,9 @@ void pen_bench_write_threads(const json_t *row, struct pen_buf *out);
  * "max 0.0123, rmse 0.00045 from row 0". */
 void pen_bench_write_picture(const json_t *row, struct pen_buf *out);
 
+/* Appends a row's speed-up over the baseline: "1.25×". */
+void pen_bench_write_speedup(const json_t *row, struct pen_buf *out);
+
 /* Appends the sentence on how the times were measured. */
 void pen_bench_write_method(const json_t *report, struct pen_buf *out);
 
