@@ -10,7 +10,8 @@
  *
  * Errors: a function that can fail returns NULL or 0 and, if its argument `errors` is not NULL,
  * stores a new object in *errors, which the caller frees with penumbra_errors_free. On success
- * *errors is left as it was. A failed call changes nothing else: a scene stays usable.
+ * *errors is left as it was. A failed call changes nothing else: a scene stays usable. No other
+ * argument may be NULL unless its function allows it.
  *
  * Binary compatibility: scenes, images and errors are opaque. The other structures begin with
  * `size`, which the caller sets to sizeof; a later version appends members and neither reads nor
@@ -22,11 +23,11 @@
  *
  * The process around it: the library installs no signal handlers and changes no signal mask; render
  * threads are made with the mask of the thread that calls penumbra_render. It does not call
- * setlocale, and no locale changes what it reads or writes. It keeps the caller's floating-point
- * environment, and whatever that is, the picture is the same. It prints nothing and never ends the
- * process. It opens no files except /proc/self/status, /proc/cpuinfo and a source of random numbers
- * (for hashing of keys), and reads one environment variable: PENUMBRA_ISA=base avoids AVX2, for the
- * same picture.
+ * setlocale, and no locale changes what it reads or writes. It keeps the calling thread's locale
+ * and floating-point environment, and whatever these are, the picture is the same. It prints
+ * nothing and never ends the process. It opens no files except /proc/self/status, /proc/cpuinfo and
+ * a source of random numbers (for hashing of keys), and reads one environment variable:
+ * PENUMBRA_ISA=base avoids AVX2, for the same picture.
  *
  * Pictures: the same scene and settings give the same bits on every machine, for any number of
  * threads, and from the programs `penumbra` and `penumbrad`. */
@@ -50,7 +51,11 @@ struct penumbra_scene;  /* a scene and its render settings */
 struct penumbra_image;  /* a rendered picture and its statistics */
 struct penumbra_errors; /* one or more errors */
 
-/* The version of the library that is linked, for example "0.1.0". */
+/* The version of this header: 10000 * major + 100 * minor + patch. */
+#define PENUMBRA_VERSION_NUMBER 100
+
+/* The version of the library that is linked, for example "0.1.0".
+ * Owns: the text is constant. */
 PENUMBRA_API const char *penumbra_version(void);
 
 /* ---- Scenes ---- */
@@ -105,16 +110,18 @@ struct penumbra_estimate {
 
 /* Fills *estimate. Returns 1. Fails: 0; "too-large" if the settings go beyond the limits on pixels
  * or rays, "usage" if `size` is wrong. */
-PENUMBRA_API int penumbra_estimate(const struct penumbra_scene *scene,
-                                   struct penumbra_estimate *estimate,
-                                   struct penumbra_errors **errors);
+PENUMBRA_API int penumbra_scene_estimate(const struct penumbra_scene *scene,
+                                         struct penumbra_estimate *estimate,
+                                         struct penumbra_errors **errors);
 
 /* How to render. A zero in any member but `size` means the default.
- * Threads: `progress` and `cancel` are called from render threads, one call of either at a time;
- * they must not call functions of this library on the scene that is being rendered. */
+ * Threads: `progress` and `cancel` are called from render threads, never from the thread that calls
+ * penumbra_render, and one call of either at a time. They must return (no longjmp, no C++
+ * exception), and must not call functions of this library on the scene that is being rendered. */
 struct penumbra_render_options {
     size_t size; /* set by the caller: sizeof(struct penumbra_render_options) */
-    int threads; /* render threads, at most 1024; 0: one per processor */
+    /* Render threads, at most 1024; 0: one per processor. The setting `threads` may lower it. */
+    int threads;
     /* Called after each tile with the fraction that is done, above 0 and up to 1. */
     void (*progress)(void *user, double done);
     /* Called about every 10 ms, and after each tile; returns nonzero to stop the rendering. */
@@ -165,11 +172,11 @@ struct penumbra_error {
     const char *text;    /* place and message in one line */
 };
 
-/* The number of errors found. The first 20 are kept. */
+/* The number of errors found, of which the first 20 are kept; 0 for NULL. */
 PENUMBRA_API size_t penumbra_errors_count(const struct penumbra_errors *errors);
 
 /* Fills *error with error number `index`, from 0. Returns 1, or 0 if there is none, or it was not
- * kept, or `size` is wrong. */
+ * kept, or `size` is wrong, or `errors` is NULL. */
 PENUMBRA_API int penumbra_errors_get(const struct penumbra_errors *errors, size_t index,
                                      struct penumbra_error *error);
 

@@ -51,7 +51,7 @@ bool pen_embed_fail_list(struct penumbra_errors **errors, const struct pen_error
 
 size_t penumbra_errors_count(const struct penumbra_errors *errors)
 {
-    return errors->total;
+    return errors ? errors->total : 0;
 }
 
 int penumbra_errors_get(const struct penumbra_errors *errors, size_t index,
@@ -59,6 +59,8 @@ int penumbra_errors_get(const struct penumbra_errors *errors, size_t index,
 {
     const struct pen_status *st = &out_of_memory;
     const char *text = out_of_memory.msg;
+    if (!errors)
+        return 0;
     if (errors != &no_list && index < errors->count) {
         st = &errors->item[index].status;
         text = errors->item[index].text;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Images: rendering one view, and what can be read from the result. */
-#include <fenv.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -186,8 +185,11 @@ struct penumbra_image *penumbra_render(struct penumbra_scene *scene, const char 
     struct run run = {.calling = PTHREAD_MUTEX_INITIALIZER};
     struct pen_status st;
     struct penumbra_image *image = calloc(1, sizeof *image);
+    struct pen_embed_caller caller;
+    pen_embed_enter(&caller);
     bool ok = image ? take_options(options, &run, &st) && render(scene, view, &run, image, &st)
                     : pen_fail(&st, PEN_NO_MEMORY, "out of memory for an image");
+    pen_embed_leave(&caller);
     pthread_mutex_destroy(&run.calling);
     if (ok)
         return image;
@@ -224,11 +226,10 @@ void *penumbra_image_encode(const struct penumbra_image *image, const char *form
 {
     struct pen_buf out = {0};
     struct pen_status st;
-    fenv_t caller; /* a picture is the same whatever the caller's rounding */
-    fegetenv(&caller);
-    fesetenv(FE_DFL_ENV);
+    struct pen_embed_caller caller;
+    pen_embed_enter(&caller);
     bool ok = encode(image, format, &out, &st);
-    fesetenv(&caller);
+    pen_embed_leave(&caller);
     if (ok) {
         *bytes = out.bytes;
         return pen_embed_detach(&out);

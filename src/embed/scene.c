@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes: from text to a description, its settings, and what rendering it takes at most. Numbers
- * are read in the default floating-point environment, so that the caller's rounding direction does
- * not change the picture. */
-#include <fenv.h>
+/* Scenes: from text to a description, its settings, and what rendering it takes at most. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,13 +31,12 @@ static bool read_text(struct penumbra_scene *scene, const char *text, size_t byt
         pen_errors_add(list, &st);
         return false;
     }
-    fenv_t caller;
-    fegetenv(&caller);
-    fesetenv(FE_DFL_ENV);
+    struct pen_embed_caller caller;
+    pen_embed_enter(&caller);
     int64_t begun = pen_clock_ns();
     bool ok = pen_document_load(text, bytes, xml, &limits, scene->arena, &scene->desc, list);
     scene->parse_ms = (double)(pen_clock_ns() - begun) * 1e-6;
-    fesetenv(&caller);
+    pen_embed_leave(&caller);
     return ok;
 }
 
@@ -95,11 +91,10 @@ int penumbra_scene_set(struct penumbra_scene *scene, const char *assignment,
                        struct penumbra_errors **errors)
 {
     struct pen_status st;
-    fenv_t caller;
-    fegetenv(&caller);
-    fesetenv(FE_DFL_ENV);
+    struct pen_embed_caller caller;
+    pen_embed_enter(&caller);
     bool ok = pen_settings_set(&scene->desc.settings, assignment, &st);
-    fesetenv(&caller);
+    pen_embed_leave(&caller);
     return ok || pen_embed_fail(errors, &st);
 }
 
@@ -107,9 +102,12 @@ char *penumbra_scene_settings(const struct penumbra_scene *scene, struct penumbr
 {
     struct pen_buf text = {0};
     struct pen_status st;
+    struct pen_embed_caller caller;
+    pen_embed_enter(&caller);
     json_t *json = pen_settings_json(&scene->desc.settings);
     bool ok = json && pen_json_write(json, &text);
     json_decref(json);
+    pen_embed_leave(&caller);
     if (ok)
         return pen_embed_detach(&text);
     pen_buf_release(&text);
@@ -129,15 +127,19 @@ static uint64_t scene_bytes(const struct pen_scene_desc *desc, const struct pen_
            1024 * desc->primitive_count;
 }
 
-int penumbra_estimate(const struct penumbra_scene *scene, struct penumbra_estimate *estimate,
-                      struct penumbra_errors **errors)
+int penumbra_scene_estimate(const struct penumbra_scene *scene, struct penumbra_estimate *estimate,
+                            struct penumbra_errors **errors)
 {
     enum { SECONDARY = PEN_FX_MIRROR | PEN_FX_TRANSMISSION };
     const struct pen_scene_desc *desc = &scene->desc;
     const struct pen_settings *s = &desc->settings;
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
-    if (!pen_limits_check(&limits, desc, s, 1, "", &st))
+    struct pen_embed_caller caller;
+    pen_embed_enter(&caller);
+    bool ok = pen_limits_check(&limits, desc, s, 1, "", &st);
+    pen_embed_leave(&caller);
+    if (!ok)
         return pen_embed_fail(errors, &st);
     double pixels = (double)s->width * s->height;
     struct penumbra_estimate full = {

@@ -54,6 +54,15 @@ expect "an unknown scene ends the example with code 1" $? 1
 expect_match "and with the library's words" "$(cat "$work/printed")" '*"sphere", nearest is "spheres"'
 expect "the example is short" "$(($(wc -l <api/examples/embed.c) <= 40))" 1
 
+sed -n '/^<!-- embed: /,/^```$/p' README.md | sed '1,2d;$d' >"$work/readme.c"
+# shellcheck disable=SC2046,SC2086
+for language in 'gcc -std=c11 -x c' 'g++ -std=c++11 -x c++'; do
+    succeeds "the program of README.md compiles: ${language%% *}" $language $warnings $(pkg-config --cflags penumbra) \
+        "$work/readme.c" -o "$work/readme" -x none $(pkg-config --libs penumbra)
+    LD_LIBRARY_PATH=$installed/lib succeeds "and runs: ${language%% *}" "$work/readme"
+    expect_match "and prints a pixel: ${language%% *}" "$(cat "$work/printed")" '[0-9]* x [0-9]*, the first pixel is *'
+done
+
 library=$installed/lib/libpenumbra.so
 gcc -E -P "$installed/include/penumbra.h" | grep -o 'penumbra_[a-z0-9_]*(' | tr -d '(' | sort >"$work/declared"
 nm -D --defined-only "$library" | awk '{ print $3 }' | sort >"$work/exported"

@@ -57,6 +57,23 @@ START_TEST(test_embed__errors_have_their_places)
 }
 END_TEST
 
+START_TEST(test_embed__header_and_library_have_one_version)
+{
+    int major, minor, patch;
+    ck_assert_int_eq(sscanf(penumbra_version(), "%d.%d.%d", &major, &minor, &patch), 3);
+    ck_assert_int_eq(PENUMBRA_VERSION_NUMBER, 10000 * major + 100 * minor + patch);
+}
+END_TEST
+
+START_TEST(test_embed__no_errors_are_an_empty_list)
+{
+    struct penumbra_error error = {.size = sizeof error};
+    ck_assert_uint_eq(penumbra_errors_count(NULL), 0);
+    ck_assert_int_eq(penumbra_errors_get(NULL, 0, &error), 0);
+    penumbra_errors_free(NULL);
+}
+END_TEST
+
 START_TEST(test_embed__bad_arguments_are_errors)
 {
     struct penumbra_scene *scene = small_scene("spheres");
@@ -105,7 +122,7 @@ START_TEST(test_embed__structures_of_other_sizes_are_taken)
     ck_assert_ptr_null(penumbra_render(scene, NULL, &options.known, NULL));
     struct penumbra_estimate estimate = {.size = offsetof(struct penumbra_estimate, rays),
                                          .rays = -1};
-    ck_assert(penumbra_estimate(scene, &estimate, NULL));
+    ck_assert(penumbra_scene_estimate(scene, &estimate, NULL));
     ck_assert(estimate.width == 64 && estimate.height == 48 && estimate.rays == -1);
     penumbra_scene_free(scene);
 }
@@ -119,7 +136,7 @@ START_TEST(test_embed__estimates_bound_what_is_rendered)
     for (size_t i = 0; (name = penumbra_builtin_name(i)); i++) {
         struct penumbra_scene *scene = penumbra_scene_builtin(name, NULL);
         struct penumbra_estimate estimate = {.size = sizeof estimate};
-        ck_assert(penumbra_estimate(scene, &estimate, NULL));
+        ck_assert(penumbra_scene_estimate(scene, &estimate, NULL));
         penumbra_scene_free(scene);
         size_t bytes;
         const char *text = pen_builtin_find(name, &bytes);
@@ -276,8 +293,9 @@ START_TEST(test_embed__no_allocation_is_taken_for_granted)
 }
 END_TEST
 
-PEN_SUITE("embed", test_embed__errors_have_their_places, test_embed__bad_arguments_are_errors,
-          test_embed__structures_of_other_sizes_are_taken,
+PEN_SUITE("embed", test_embed__errors_have_their_places,
+          test_embed__header_and_library_have_one_version, test_embed__no_errors_are_an_empty_list,
+          test_embed__bad_arguments_are_errors, test_embed__structures_of_other_sizes_are_taken,
           test_embed__estimates_bound_what_is_rendered,
           test_embed__progress_grows_to_one_and_cancel_stops,
           test_embed__two_threads_give_the_bytes_of_the_program,

@@ -4,6 +4,9 @@
 #ifndef PEN_EMBED_INTERNAL_EMBED_H
 #define PEN_EMBED_INTERNAL_EMBED_H
 
+#include <fenv.h>
+#include <locale.h>
+
 #include "base/buf.h"
 #include "io/document.h"
 #include "penumbra.h"
@@ -17,6 +20,19 @@ struct penumbra_scene {
     enum pen_accelerator built; /* the accelerator that `frozen` was built with */
     double parse_ms, build_ms;  /* of work that no image's statistics contain yet */
 };
+
+/* What pen_embed_enter has changed in the calling thread. */
+struct pen_embed_caller {
+    fenv_t environment;
+    locale_t plain;  /* locale "C" */
+    locale_t locale; /* the caller's */
+};
+
+/* Sets the default floating-point environment and the locale "C" for the calling thread alone, so
+ * that neither changes a picture or a text; pen_embed_leave restores the caller's. glibc has the
+ * locale "C" as a constant, so it costs no memory and the call cannot fail. */
+void pen_embed_enter(struct pen_embed_caller *caller);
+void pen_embed_leave(const struct pen_embed_caller *caller);
 
 /* Creates an error list for the caller of the public function. Returns false.
  * Fails: out of memory gives a constant list that says so. `errors` may be NULL. */

@@ -2,7 +2,6 @@
 #include "io/json/token.h"
 
 #include <errno.h>
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,16 +57,6 @@ bool pen_json_is_number(const struct pen_json_text *json, size_t offset, size_t 
     return at == end;
 }
 
-/* strtod reads the decimal point of the host program's locale. */
-static double to_real(struct pen_buf *text)
-{
-    char point = localeconv()->decimal_point[0];
-    char *dot = strchr((char *)text->data, '.');
-    if (dot)
-        *dot = point;
-    return strtod((char *)text->data, NULL);
-}
-
 bool pen_json_number(const char *text, size_t bytes, bool integer, struct pen_buf *scratch,
                      json_t **out)
 {
@@ -81,7 +70,7 @@ bool pen_json_number(const char *text, size_t bytes, bool integer, struct pen_bu
         *out = json_integer(whole);
         return true;
     }
-    double value = to_real(scratch);
+    double value = strtod((char *)scratch->data, NULL); /* in the locale "C", see io/document.h */
     if (!isfinite(value))
         return false;
     *out = json_real(value);
