@@ -25,9 +25,9 @@
  * threads are made with the mask of the thread that calls penumbra_render. It does not call
  * setlocale, and no locale changes what it reads or writes. It keeps the calling thread's locale
  * and floating-point environment, and whatever these are, the picture is the same. It prints
- * nothing and never ends the process. It opens no files except /proc/self/status, /proc/cpuinfo and
- * a source of random numbers (for hashing of keys), and reads one environment variable:
- * PENUMBRA_ISA=base avoids AVX2, for the same picture.
+ * nothing and never ends the process. It opens no files but some of /proc and /sys and a source
+ * of random numbers (for hashing of keys), and reads one environment variable: PENUMBRA_ISA=base
+ * avoids AVX2, for the same picture.
  *
  * Pictures: the same scene and settings give the same bits on every machine, for any number of
  * threads, and from the programs `penumbra` and `penumbrad`. */
@@ -124,7 +124,8 @@ struct penumbra_render_options {
     int threads;
     /* Called after each tile with the fraction that is done, above 0 and up to 1. */
     void (*progress)(void *user, double done);
-    /* Called about every 10 ms, and after each tile; returns nonzero to stop the rendering. */
+    /* Called about every 10 ms, and after each tile; returns nonzero to stop the rendering. Not
+     * called while the acceleration structure is built. */
     int (*cancel)(void *user);
     void *user;
 };

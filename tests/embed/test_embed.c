@@ -278,6 +278,7 @@ static bool work(bool *told)
 START_TEST(test_embed__no_allocation_is_taken_for_granted)
 {
     bool told;
+    alloc_spare_new_threads();
     ck_assert(work(&told)); /* the C library allocates for good at its first use of some parts */
     for (long n = 0;; n++) {
         alloc_fail_after(n);

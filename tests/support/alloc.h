@@ -14,15 +14,27 @@
 #define TESTS_SUPPORT_ALLOC_H
 
 #include <dlfcn.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 static struct {
-    bool armed, refused;
+    bool armed, refused, one_thread;
     long left;
+    pthread_t thread; /* the only one, if one_thread */
 } alloc_state;
+
+/* For work that starts threads. A sanitizer's runtime allocates in each and ends the process if it
+ * cannot, so in such a build only the calling thread's allocations fail. */
+static inline void alloc_spare_new_threads(void)
+{
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    alloc_state.one_thread = true;
+    alloc_state.thread = pthread_self();
+#endif
+}
 
 /* Lets n allocations succeed, then all fail until alloc_succeed. */
 static inline void alloc_fail_after(long n)
@@ -44,7 +56,9 @@ static inline bool alloc_succeed(void)
 
 ALLOC_UNWATCHED static bool alloc_refuse(void)
 {
-    if (!alloc_state.armed || alloc_state.left-- > 0)
+    if (!alloc_state.armed ||
+        (alloc_state.one_thread && !pthread_equal(pthread_self(), alloc_state.thread)) ||
+        alloc_state.left-- > 0)
         return false;
     return alloc_state.refused = true;
 }
