@@ -12,8 +12,8 @@
  *  - a primitive's element has the attributes of its own material;
  *  - without `transfer` in `<render>`, pictures are encoded linearly.
  *
- * Numbers are read and written in the calling thread's locale, which must be "C": the programs never
- * set another, and room embed sets it during its calls.
+ * Numbers are read and written in the calling thread's locale, which must be "C": the programs
+ * never set another, and room embed sets it during its calls.
  *
  * Text that is not well-formed, or not UTF-8, is PEN_SYNTAX: the first error only, with line and
  * column. Document types and entity declarations are refused likewise. All other errors are

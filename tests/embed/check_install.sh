@@ -43,6 +43,7 @@ try() { # NAME COMPILER-AND-LANGUAGE LINK-OPTIONS [PKG-CONFIG-OPTION]
 }
 
 succeeds "make install" in_copy install
+[ "$failures" -eq 0 ] || finish
 expect "compiles nothing again" "$(grep -cE '^  (CC|AR|LD|MAN|GEN) ' "$work/printed")" 0
 succeeds "the program renders" "$installed/bin/penumbra" render builtin:spheres -q -o "$work/program.png"
 try c-shared 'gcc -std=c11 -x c' '' ''
@@ -78,37 +79,39 @@ expect "the SONAME leads to the library" "$(readlink -f "$installed/lib/libpenum
 expect "pkg-config knows the version" "penumbra $(pkg-config --modversion penumbra)" \
     "$("$installed/bin/penumbra" --version)"
 
-page() { # NAME: the installed page's path
+path() { # NAME: the installed page's path
     echo "$installed/share/man/man${1##*.}/$1"
 }
 for name in penumbra.1 penumbrad.8 penumbra-scene.5 penumbra.3; do
-    expect "$name has its name" "$(sed -n '/^\.SH NAME/{n;s/ .*//;s/\\//g;p}' "$(page $name)")" "${name%.*}"
-    expect "$name has nothing left of its template" "$(grep -n '@' "$(page $name)")" ""
+    expect "$name has its name" "$(sed -n '/^\.SH NAME/{n;s/ .*//;s/\\//g;p}' "$(path $name)")" "${name%.*}"
+    expect "$name has nothing left of its template" "$(grep -n '@' "$(path $name)")" ""
     if command -v groff >/dev/null; then
-        expect "groff finds nothing in $name" "$(groff -man -Tutf8 -Kutf8 -ww -z "$(page $name)" 2>&1)" ""
+        expect "groff finds nothing in $name" "$(groff -man -Tutf8 -Kutf8 -ww -z "$(path $name)" 2>&1)" ""
     fi
     if command -v mandoc >/dev/null; then
-        expect "mandoc finds nothing in $name" "$(mandoc -T lint -W warning "$(page $name)")" ""
+        expect "mandoc finds nothing in $name" "$(mandoc -T lint -W warning "$(path $name)")" ""
     fi
 done
 plain() { # what a page says, without markup and in one line
-    sed 's/\\f[BIR]//g; s/\\-/-/g; s/\\&//; s/\\~/ /g' "$(page "$1")" | tr '\n' ' '
+    sed 's/\\f[BIR]//g; s/\\-/-/g; s/\\&//; s/\\~/ /g' "$(path "$1")" | tr '\n' ' '
 }
 for command in $("$build/penumbra" --help | sed -n 's/^  \([a-z][a-z]*\) .*/\1/p'); do
     "$build/penumbra" "$command" --help | grep -oE '^  (-., |    )--[a-z-]+' | grep -o -- '--.*' |
         grep -vxE -- '--(help|version)' >"$work/options"
-    sed -n "/^\.SS penumbra $command\$/,/^\.S[SH] /p" "$(page penumbra.1)" |
+    sed -n "/^\.SS penumbra $command\$/,/^\.S[SH] /p" "$(path penumbra.1)" |
         sed 's/\\-/-/g' | grep -A 1 '^\.TP' | grep -oE -- '--[a-z-]+' >"$work/documented"
     succeeds "penumbra(1) has the options of $command" diff "$work/options" "$work/documented"
 done
 missing=
+page=$(plain penumbra.3)
 for function in $(cat "$work/declared"); do
-    case $(plain penumbra.3) in *"$function("*) ;; *) missing="$missing $function" ;; esac
+    case $page in *"$function("*) ;; *) missing="$missing $function" ;; esac
 done
 expect "penumbra(3) has every function" "$missing" ""
 missing=
+page=$(plain penumbra-scene.5)
 for key in $(jq -r '[.. | .properties? // empty | keys[]] | unique[]' api/scene.schema.json); do
-    case $(plain penumbra-scene.5) in *"$key"*) ;; *) missing="$missing $key" ;; esac
+    case $page in *"$key"*) ;; *) missing="$missing $key" ;; esac
 done
 expect "penumbra-scene(5) has every key of the schema" "$missing" ""
 
