@@ -32,7 +32,7 @@ static const struct rule rules[] = {
      " AND a.format = CASE WHEN a.layer = 'report' THEN 'json' ELSE 'png' END"
      " AND a.layer = CASE WHEN EXISTS (SELECT 1 FROM batch WHERE job = j.number AND kind = 2)"
      " THEN 'report' ELSE 'beauty' END)"},
-    {"a failed or cancelled job whose batches may still be worked on",
+    {"a failed or cancelled job with open or leased batches",
      "SELECT id FROM job WHERE state IN (3, 4) AND EXISTS"
      " (SELECT 1 FROM batch WHERE job = number AND state IN (0, 1))"},
     {"an ended batch of a job that did not fail and was not cancelled",
@@ -81,11 +81,11 @@ static const struct rule rules[] = {
      "SELECT b.id FROM batch b JOIN job j ON j.number = b.job WHERE b.priority <> j.priority"},
     {"a job charged without a death, or more than it allows",
      "SELECT id FROM job WHERE charges NOT BETWEEN 0 AND min(deaths, max_attempts)"},
-    {"a job that has used up its attempts and goes on",
+    {"a job that has used up its attempts and has not ended",
      "SELECT id FROM job WHERE charges >= max_attempts AND state IN (0, 1)"},
     {"a job that is paused though no worker was lost over it",
      "SELECT id FROM job WHERE deaths < 2 AND paused_until_ms <> 0"},
-    {"a quarantined batch that was never attempted, or has come to its end",
+    {"a quarantined batch that was never attempted, or has ended",
      "SELECT id FROM batch WHERE quarantined = 1 AND (attempt = 0 OR state IN (2, 3))"},
     {"a worker that holds more than a quarantined batch, or than a study",
      "SELECT a.worker FROM batch a WHERE a.state = 1 AND (a.quarantined = 1 OR a.kind = 2)"
