@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Picks the reader of a file by its signature, and gives out rows, encoded or linear, whatever the
- * type of the samples. */
+/* Pictures in memory: gives out rows, encoded or linear, whatever the type of the samples. */
 #include "film/internal/picture.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "film/encode.h"
 
@@ -38,18 +36,6 @@ struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_
                                     .samples = samples,
                                     .owned = samples};
     return picture;
-}
-
-struct pen_picture *pen_picture_read(const void *bytes, size_t count, struct pen_status *st)
-{
-    static const unsigned char png[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-    const unsigned char *data = bytes;
-    if (count >= sizeof png && memcmp(data, png, sizeof png) == 0)
-        return pen_png_read(data, count, st);
-    if (count >= 3 && data[0] == 'P' && (data[1] == 'F' || data[1] == 'f'))
-        return pen_pfm_read(data, count, st);
-    pen_fail(st, PEN_MEDIA_TYPE, "neither a PNG nor a PFM file");
-    return NULL;
 }
 
 struct pen_picture *pen_picture_of_film(const struct pen_film *film, struct pen_status *st)

@@ -18,14 +18,6 @@ static double own_rounding(const struct pen_prims *prims, uint32_t prim, struct 
     return 8 * PEN_U * pen_prim_scale(prims, prim, p);
 }
 
-double pen_farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n, struct pen_vec3 p)
-{
-    double far = -INFINITY;
-    for (uint32_t i = 0; i < count; i++)
-        far = max2(far, pen_dot(n, pen_sub(v[i], p)));
-    return far;
-}
-
 /* How far the primitive extends along unit vector n beyond point p. */
 static double reach(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                     struct pen_vec3 p)

@@ -172,14 +172,6 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
            leave(store, &start, pen_policy_submit(store, job, result, first_answer, st));
 }
 
-void pen_job_record_release(struct pen_job_record *job)
-{
-    free(job->kind);
-    free(job->request);
-    free(job->error);
-    job->kind = job->request = job->error = NULL;
-}
-
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st)
 {
@@ -193,13 +185,6 @@ bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter
 {
     return enter(store, PEN_NEED_READ, st) &&
            leave(store, NULL, pen_policy_jobs(store, filter, jobs, count, st));
-}
-
-void pen_job_records_free(struct pen_job_record *jobs, int count)
-{
-    for (int i = 0; i < count; i++)
-        pen_job_record_release(&jobs[i]);
-    free(jobs);
 }
 
 bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st)

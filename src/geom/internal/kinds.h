@@ -49,6 +49,15 @@ static inline void pen_intersections_chord(struct pen_intersections *out, double
 }
 
 /* How far the farthest of the points lies along unit vector n beyond p. */
-double pen_farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n, struct pen_vec3 p);
+static inline double pen_farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n,
+                                  struct pen_vec3 p)
+{
+    double far = -INFINITY;
+    for (uint32_t i = 0; i < count; i++) {
+        double d = pen_dot(n, pen_sub(v[i], p));
+        far = far > d ? far : d;
+    }
+    return far;
+}
 
 #endif
