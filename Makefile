@@ -7,6 +7,8 @@ BUILD ?= build
 PREFIX ?= /usr/local
 DESTDIR ?=
 OPT ?= -O2 -g
+# Optimisation of the rooms that compute pixels, where a build with sanitizers spends most of its time.
+PIXEL_OPT ?=
 SAN ?=
 WERROR ?=
 # V=1 shows whole commands; JOBS is how many run at once in check and demo.
@@ -32,7 +34,7 @@ WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmis
 PIXEL_FLAGS := -std=c11 -ffp-contract=off -fno-math-errno
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
 CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc -Iinclude $(CPPFLAGS)
-COMPILE = $(CC) $(CPP) $(OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
+COMPILE = $(CC) $(CPP) $(OPT) $(ROOM_OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
 LINK = $(CC) $(SAN) -pthread $(LDFLAGS)
 
 PKGS := libmicrohttpd jansson expat libpng sqlite3 libzstd libsodium libcurl
@@ -137,6 +139,7 @@ $(COMPLETION): $(BUILD)/completion/penumbra.%: deploy/completion/penumbra.% depl
 	$(call say,GEN,$@)
 	$(Q)sh deploy/completion/make.sh $(BUILD)/completion/table $< > $@.tmp && mv $@.tmp $@
 
+$(foreach r,math geom accel shade film,$(eval $$(BUILD)/src/$(r)/%.o: ROOM_OPT := $$(PIXEL_OPT)))
 $(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
 # Loops over bytes of pixels, which the compiler vectorises at -O3.
 $(BUILD)/src/store/pixels.o: EXTRA := -O3
@@ -270,13 +273,14 @@ lint:
 
 # Sanitizers find undefined behaviour with a part of the cases of heavy tests as well.
 FEWER ?= 10
-ASAN := BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" OPT="-O1 -g"
+CHECKED := OPT="-O1 -g1" PIXEL_OPT=-O2
+ASAN := BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" $(CHECKED)
 asan-build:
 	$(MAKE) $(ASAN) tests
 asan:
 	PEN_FEWER=$(FEWER) $(MAKE) $(ASAN) run-tests
 tsan:
-	PEN_FEWER=$(FEWER) $(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" OPT="-O1 -g" run-tests
+	PEN_FEWER=$(FEWER) $(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" $(CHECKED) run-tests
 
 # Feeds inputs made by libFuzzer to the XML reader, for SECONDS; needs clang.
 SECONDS ?= 120
