@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "io/scene_json.h"
+#include "io/settings_json.h"
 #include "support/suite.h"
 
 static struct pen_settings set_all(const char *const *assignments)
@@ -125,9 +126,64 @@ START_TEST(test_settings__one_bad_key_leaves_all_as_they_were)
 }
 END_TEST
 
+static void check_same(const struct pen_settings *a, const struct pen_settings *b)
+{
+    ck_assert(a->width == b->width && a->height == b->height);
+    ck_assert(a->samples_per_pixel == b->samples_per_pixel);
+    ck_assert(a->light_samples == b->light_samples && a->light_pattern == b->light_pattern);
+    ck_assert(a->blur_samples == b->blur_samples && a->lens_samples == b->lens_samples);
+    ck_assert(a->max_samples == b->max_samples && a->max_depth == b->max_depth);
+    ck_assert(a->min_contribution == b->min_contribution && a->target_error == b->target_error);
+    ck_assert(a->precision == b->precision && a->accelerator == b->accelerator);
+    ck_assert(a->transfer == b->transfer && a->seed == b->seed);
+    ck_assert(a->tile == b->tile && a->threads == b->threads);
+}
+
+/* Reads the JSON of the settings on top of the defaults. */
+static void check_json(const struct pen_settings *settings)
+{
+    struct pen_settings read = pen_settings_default();
+    struct pen_errors errors = {0};
+    json_t *json = pen_settings_json(settings);
+    ck_assert_ptr_nonnull(json);
+    ck_assert_msg(pen_settings_read(json, "", &read, &errors), "%s", errors.item[0].msg);
+    check_same(&read, settings);
+    json_decref(json);
+}
+
+START_TEST(test_settings__json_reads_back_to_the_same_settings)
+{
+    static const char *const numbers[] = {"width=1001",
+                                          "height=1402",
+                                          "samples_per_pixel=3",
+                                          "light_samples=4",
+                                          "blur_samples=5",
+                                          "lens_samples=6",
+                                          "max_samples=7",
+                                          "max_depth=8",
+                                          "tile=9",
+                                          "threads=10",
+                                          "min_contribution=0.1",
+                                          "seed=9007199254740992",
+                                          NULL};
+    static const char *const words[] = {
+        "light_pattern=sobol", "light_pattern=grid", "light_pattern=random", "accelerator=auto",
+        "accelerator=none",    "accelerator=cbr",    "accelerator=manual",   "accelerator=median",
+        "transfer=srgb",       "transfer=linear",    "precision=robust"};
+    struct pen_settings settings = set_all(numbers);
+    check_json(&settings);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        const char *const one[] = {words[i], NULL};
+        settings = set_all(one);
+        check_json(&settings);
+    }
+}
+END_TEST
+
 PEN_SUITE("io/settings", test_settings__every_key_can_be_set_from_a_command_line,
           test_settings__a_wrong_assignment_names_its_key,
           test_settings__every_accelerator_has_its_word,
           test_settings__unsupported_features_are_refused_as_such,
           test_settings__a_job_overrides_what_it_names_and_nothing_else,
-          test_settings__one_bad_key_leaves_all_as_they_were)
+          test_settings__one_bad_key_leaves_all_as_they_were,
+          test_settings__json_reads_back_to_the_same_settings)

@@ -59,11 +59,6 @@ static const struct pen_xml_entry *find_entry(struct pen_xml *xml, const json_t 
     return bsearch(&wanted, xml->entries, xml->count, sizeof wanted, compare_entries);
 }
 
-static bool is_space(char c)
-{
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
 /* expat has accepted the text up to this tag. In a later tag the search ends where the text is
  * malformed. */
 bool pen_xml_attribute_find(const struct pen_xml *xml, size_t tag, const char *name,
@@ -71,16 +66,17 @@ bool pen_xml_attribute_find(const struct pen_xml *xml, size_t tag, const char *n
 {
     const char *s = xml->text;
     size_t length = strlen(name), i = tag + 1;
-    while (i < xml->bytes && !is_space(s[i]) && s[i] != '>' && s[i] != '/')
+    while (i < xml->bytes && !pen_xml_is_space(s[i]) && s[i] != '>' && s[i] != '/')
         i++;
     for (;;) {
-        while (i < xml->bytes && is_space(s[i]))
+        while (i < xml->bytes && pen_xml_is_space(s[i]))
             i++;
         span->name = i;
-        while (i < xml->bytes && !is_space(s[i]) && s[i] != '=' && s[i] != '>' && s[i] != '/')
+        while (i < xml->bytes && !pen_xml_is_space(s[i]) && s[i] != '=' && s[i] != '>' &&
+               s[i] != '/')
             i++;
         size_t bytes = i - span->name;
-        while (i < xml->bytes && (is_space(s[i]) || s[i] == '='))
+        while (i < xml->bytes && (pen_xml_is_space(s[i]) || s[i] == '='))
             i++;
         if (bytes == 0 || i >= xml->bytes || (s[i] != '"' && s[i] != '\''))
             return false;

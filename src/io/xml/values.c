@@ -17,19 +17,14 @@ struct text {
     struct pen_xml_value_error *error;
 };
 
-static bool is_space(char c)
-{
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
 bool pen_xml_token(const char *text, size_t bytes, size_t index, size_t *start, size_t *end)
 {
     size_t at = 0;
     for (;; index--) {
-        while (at < bytes && (is_space(text[at]) || text[at] == ';'))
+        while (at < bytes && (pen_xml_is_space(text[at]) || text[at] == ';'))
             at++;
         *start = at;
-        while (at < bytes && !is_space(text[at]) && text[at] != ';')
+        while (at < bytes && !pen_xml_is_space(text[at]) && text[at] != ';')
             at++;
         *end = at;
         if (index == 0 || *end == *start)
@@ -39,7 +34,7 @@ bool pen_xml_token(const char *text, size_t bytes, size_t index, size_t *start, 
 
 static void skip_space(struct text *t)
 {
-    while (t->at < t->bytes && is_space(t->s[t->at]))
+    while (t->at < t->bytes && pen_xml_is_space(t->s[t->at]))
         t->at++;
 }
 
@@ -76,7 +71,7 @@ static json_t *next_token(struct text *t)
     const struct pen_json_text json = {t->s, t->bytes};
     size_t start = t->at;
     bool integer;
-    while (t->at < t->bytes && !is_space(t->s[t->at]) && t->s[t->at] != ';')
+    while (t->at < t->bytes && !pen_xml_is_space(t->s[t->at]) && t->s[t->at] != ';')
         t->at++;
     json_t *value = NULL;
     bool number = pen_json_is_number(&json, start, t->at, &integer);

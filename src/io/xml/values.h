@@ -21,6 +21,12 @@ struct pen_xml_value_error {
 json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
                       size_t *bytes_left, struct pen_xml_value_error *error);
 
+/* White space of XML. */
+static inline bool pen_xml_is_space(char c)
+{
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
 /* Finds token number `index` of the text: a run without white space and semicolons. Returns false
  * if there are fewer. */
 bool pen_xml_token(const char *text, size_t bytes, size_t index, size_t *start, size_t *end);
