@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Checks the project's rules: layers, headers that compile alone, format, exported symbols, no libm in
-# the renderer, no absolute epsilon where intersections are decided, references to files that exist.
-# Prints every offence; exit 1 if there is any.
+# Checks the project's rules: layers, headers that compile alone, format, exported symbols and who calls
+# them, no libm in the renderer, no absolute epsilon where intersections are decided, references to
+# files that exist, words. Prints every offence; exit 1 if there is any.
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."
@@ -234,6 +234,45 @@ BEGIN {
     split("png.h math.h sqlite3.h jansson.h microhttpd.h expat.h zstd.h sodium.h pthread.h sysexits.h report.md table.md", list, " ")
     for (i in list) other[list[i]] = 1
 }' "$work/all" $(cat "$work/files") >"$work/out"
+count "$work/out"
+
+# 10. An exported function is called by another file of the programs, or src/LAYERS names it as a test
+# door, and then a test does call it. Rule 4 has made sure that each name has one definition.
+git ls-files 'src/cmd/*.c' | sed "s|^|$build/|; s|c\$|o|" >"$work/programs" # no leftovers of files that were renamed
+nm -A "$build/librender.a" "$build/libservice.a" $(cat "$work/programs") 2>/dev/null |
+    awk 'NF < 2 { next }
+    $(NF - 1) == "U" { called[$NF] = 1 }
+    $(NF - 1) == "T" && $NF ~ /^pen_/ { defined[$NF] = 1 }
+    END { for (name in defined) if (!(name in called)) print name }' | sort >"$work/uncalled"
+sed -n 's/^\(pen_[a-z0-9_]*\)() < tests$/\1/p' src/LAYERS | sort >"$work/doors"
+comm -23 "$work/uncalled" "$work/doors" |
+    sed 's/$/: no other file of the programs calls it: make it static, or list it in src\/LAYERS as a test door/' >"$work/out"
+comm -13 "$work/uncalled" "$work/doors" |
+    sed 's/$/: src\/LAYERS lists it as a test door, but the programs call it, or it is gone/' >>"$work/out"
+while read -r door; do
+    git grep -qw "$door" -- tests || echo "$door: src/LAYERS lists it as a test door, but no test calls it"
+done <"$work/doors" >>"$work/out"
+count "$work/out"
+
+# 11. Words that are no parts of identifiers, because the field has others: fan (shadow-ray packet), gate
+# (candidate), tint (transmissive occluder), obituary (death report), twofold (double-double), crossing
+# (intersection), fate (visibility), suspect (quarantined), tidy (purge).
+git ls-files 'src/*.[ch]' 'include/*.h' >"$work/files"
+awk '
+FNR == 1 { comment = 0 }
+{
+    line = $0
+    if (comment && !sub(/^.*\*\//, "", line)) next
+    comment = 0
+    gsub(/\/\*([^*]|\*+[^*\/])*\*+\//, " ", line)
+    if (sub(/\/\*.*$/, "", line)) comment = 1
+    gsub(/"([^"\\]|\\.)*"/, "", line)
+    for (; match(line, /[A-Za-z_][A-Za-z0-9_]*/); line = substr(line, RSTART + RLENGTH)) {
+        name = substr(line, RSTART, RLENGTH)
+        if (("_" tolower(name) "_") ~ /_(fans?|gates?|tints?|obituary|obituaries|twofolds?|crossings?|fates?|suspects?|tidy)_/)
+            print FILENAME ":" FNR ": not a word of the field: " name
+    }
+}' $(cat "$work/files") >"$work/out"
 count "$work/out"
 
 if [ "$fails" -gt 0 ]; then

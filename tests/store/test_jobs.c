@@ -36,6 +36,28 @@ START_TEST(test_jobs__submitted_job_is_there_as_given)
 }
 END_TEST
 
+START_TEST(test_jobs__counts_are_by_state)
+{
+    struct store_bed bed = {0};
+    store_bed_open(&bed);
+    struct store_job first, second;
+    store_job_init(&first, 1, 1, 2);
+    store_job_init(&second, 2, 1, 3);
+    store_job_submit(bed.store, &first);
+    store_job_submit(bed.store, &second);
+    struct pen_status st;
+    ck_assert(pen_store_cancel(bed.store, second.id, &st));
+    store_claim(bed.store, "w");
+    struct pen_counts counts;
+    store_must(pen_store_counts(bed.store, &counts, &st), &st, "counts");
+    for (int s = 0; s < PEN_JOB_STATE_COUNT; s++)
+        ck_assert_int_eq(counts.jobs[s], s == PEN_JOB_RUNNING || s == PEN_JOB_CANCELLED);
+    ck_assert_int_eq(counts.leased_batches, 1);
+    ck_assert_int_eq(counts.open_batches, 1); /* the other one with tiles */
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_jobs__unknown_job_is_not_found)
 {
     struct store_bed bed = {0};
@@ -398,7 +420,7 @@ START_TEST(test_jobs__commits_are_listed_in_their_order_by_revision)
 }
 END_TEST
 
-PEN_SUITE("store jobs", test_jobs__submitted_job_is_there_as_given,
+PEN_SUITE("store jobs", test_jobs__submitted_job_is_there_as_given, test_jobs__counts_are_by_state,
           test_jobs__unknown_job_is_not_found, test_jobs__scene_is_given_back_byte_for_byte,
           test_jobs__key_gives_the_first_answer_again, test_jobs__key_is_forgotten_when_it_is_old,
           test_jobs__key_outlives_its_job,

@@ -1,20 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of the driver's operations, and the operations on the handle as a whole: clock,
- * signals, trial writes, free space. */
+/* The driver's operations on the handle as a whole: clock, signals, trial writes, free space. */
 #include "base/clock.h"
 #include "store/sqlite/sqlite.h"
 #include "store/sqlite/wake.h"
-
-#define ENTRY(name) .name = pen_sqlite_##name,
-#define COUNT(name) +1
-
-const struct pen_driver_ops *pen_sqlite_ops(void)
-{
-    static const struct pen_driver_ops ops = {PEN_SQLITE_OPS(ENTRY)};
-    _Static_assert((0 PEN_SQLITE_OPS(COUNT)) * sizeof(void (*)(void)) == sizeof ops,
-                   "an operation is missing in PEN_SQLITE_OPS");
-    return &ops;
-}
 
 /* Transactions of one reclaim, each of SQL_VACUUM's 2048 pages (8 MiB). */
 enum { RECLAIM_STEPS = 128 };

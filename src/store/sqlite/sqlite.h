@@ -305,7 +305,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
 PEN_SQLITE_OPS(PEN_SQLITE_DECLARE)
 #undef PEN_SQLITE_DECLARE
 
-/* driver.c: the table of these operations. */
+/* ops.c: the table of these operations. */
 const struct pen_driver_ops *pen_sqlite_ops(void);
 
 /* Runs a statement; *changed: it changed a row. */
