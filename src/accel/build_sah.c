@@ -31,7 +31,8 @@ struct bin {
     uint32_t lanes[CLASSES];
 };
 
-struct cut {
+/* A way to split a range in two. */
+struct split {
     int axis, bin; /* the first bin on the right; axis -1: none found */
     float cost;
 };
@@ -117,7 +118,7 @@ static void add_bin(struct bin *sum, const struct bin *b)
 }
 
 /* Finds the cheapest split between one axis's bins, if it is cheaper than *best. */
-static void sweep(const struct bin bins[BINS], int axis, struct cut *best)
+static void sweep(const struct bin bins[BINS], int axis, struct split *best)
 {
     float right[BINS];
     struct bin sum = {empty(), {0}};
@@ -130,14 +131,15 @@ static void sweep(const struct bin bins[BINS], int axis, struct cut *best)
         add_bin(&sum, &bins[i - 1]);
         float cost = half_area(&sum.box) * pen_leaf_cost(sum.lanes) + right[i];
         if (cost < best->cost)
-            *best = (struct cut){axis, i, cost};
+            *best = (struct split){axis, i, cost};
     }
 }
 
-static struct cut find_cut(const struct pen_ref *ref, const struct range *r, const float scale[3])
+static struct split find_split(const struct pen_ref *ref, const struct range *r,
+                               const float scale[3])
 {
     struct bin bins[3][BINS];
-    struct cut best = {-1, 0, INFINITY};
+    struct split best = {-1, 0, INFINITY};
     fill_bins(ref, r, scale, bins);
     for (int axis = 0; axis < 3; axis++) {
         if (scale[axis] > 0)
@@ -148,15 +150,15 @@ static struct cut find_cut(const struct pen_ref *ref, const struct range *r, con
 
 /* Moves the primitives left of the split to the front, not keeping the order, and measures both
  * sides. */
-static void divide(struct pen_ref *ref, const struct range *r, const struct cut *cut, float scale,
-                   struct range *left, struct range *right)
+static void divide(struct pen_ref *ref, const struct range *r, const struct split *split,
+                   float scale, struct range *left, struct range *right)
 {
-    float start = r->centroid.lo[cut->axis];
+    float start = r->centroid.lo[split->axis];
     uint32_t i = r->begin, j = r->end;
     *left = (struct range){.box = empty(), .centroid = empty()};
     *right = *left;
     while (i < j) {
-        if (bin_of(&ref[i], cut->axis, start, scale) < cut->bin) {
+        if (bin_of(&ref[i], split->axis, start, scale) < split->bin) {
             add_ref(left, &ref[i++]);
         } else {
             struct pen_ref moved = ref[i];
@@ -171,8 +173,8 @@ static void divide(struct pen_ref *ref, const struct range *r, const struct cut 
 }
 
 /* Splits a range in two; if a leaf is cheaper, marks the range as one and returns false. */
-static bool split(struct pen_tree_layout *layout, struct range *r, uint32_t depth,
-                  struct range *right)
+static bool split_range(struct pen_tree_layout *layout, struct range *r, uint32_t depth,
+                        struct range *right)
 {
     uint32_t count = r->end - r->begin, blocks = 0;
     for (int k = 0; k < CLASSES; k++)
@@ -181,18 +183,18 @@ static bool split(struct pen_tree_layout *layout, struct range *r, uint32_t dept
     if (r->leaf)
         return false;
     float scale[3] = {bin_scale(r, 0), bin_scale(r, 1), bin_scale(r, 2)};
-    struct cut cut = {-1, 0, INFINITY};
+    struct split best = {-1, 0, INFINITY};
     if (depth < PEN_MAX_DEPTH / 2)
-        cut = find_cut(layout->ref, r, scale);
+        best = find_split(layout->ref, r, scale);
     float area = half_area(&r->box);
     if (blocks <= BLOCKS_MAX &&
-        !(cut.cost + pen_node_cost * area < pen_leaf_cost(r->lanes) * area)) {
+        !(best.cost + pen_node_cost * area < pen_leaf_cost(r->lanes) * area)) {
         r->leaf = true;
         return false;
     }
     struct range whole = *r;
-    if (cut.axis >= 0) {
-        divide(layout->ref, &whole, &cut, scale[cut.axis], r, right);
+    if (best.axis >= 0) {
+        divide(layout->ref, &whole, &best, scale[best.axis], r, right);
     } else {
         uint32_t middle = whole.begin + count / 2;
         *r = measure(layout->ref, whole.begin, middle);
@@ -214,7 +216,7 @@ static int widen(struct pen_tree_layout *layout, struct range *child, uint32_t d
         }
         if (largest < 0)
             break;
-        if (split(layout, &child[largest], depth, &child[count]))
+        if (split_range(layout, &child[largest], depth, &child[count]))
             count++;
     }
     return count;

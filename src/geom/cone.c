@@ -123,12 +123,12 @@ bool pen_cone_interval(const struct pen_cone *c, const struct pen_ray *ray, stru
 {
     double side[2];
     if (!pen_cylinder_slab(&c->hull, ray, in) || !side_interval(c, ray, side) ||
-        !pen_interval_cut(in, side))
+        !pen_interval_clip(in, side))
         return false;
     if (!pen_cylinder_slab_loses(&c->hull, ray))
         return true;
     pen_cylinder_slab_refine(&c->hull, ray, in);
-    return pen_interval_cut(in, side);
+    return pen_interval_clip(in, side);
 }
 
 /* Where a point is, in the half plane through the axis and the point. */
@@ -212,7 +212,7 @@ static bool interval_from(const struct pen_cone *c, const struct pen_ray *ray, u
     if (!pen_cylinder_slab_from(&c->hull, ray, on, in))
         return false;
     bool inside = on & PEN_ON_SIDE ? side_from(c, ray, b, side) : side_interval(c, ray, side);
-    return inside && pen_interval_cut(in, side);
+    return inside && pen_interval_clip(in, side);
 }
 
 /* Whether a ray that leaves the cone at `part` goes inward; then in->hi is where it comes out again
@@ -228,7 +228,7 @@ static bool goes_inward(const struct pen_cone *c, const struct pen_ray *ray, uin
     if (part != PEN_PART_SIDE && !side_interval(c, ray, side))
         side[1] = 0;
     pen_cylinder_slab(&c->hull, ray, in);
-    pen_interval_cut(in, side);
+    pen_interval_clip(in, side);
     return true;
 }
 

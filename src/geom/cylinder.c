@@ -69,7 +69,7 @@ static bool interval_from(const struct pen_cylinder *c, const struct pen_ray *ra
     if (!(on & PEN_ON_SIDE ? side_from(&c->round, ray, side)
                            : pen_cylinder_side_roots(&c->round, ray, side, &parallel)))
         return parallel && pen_cylinder_side_contains(&c->round, ray->o) && in->lo < in->hi;
-    return pen_interval_cut(in, side);
+    return pen_interval_clip(in, side);
 }
 
 /* Whether a ray that starts on `part` of the cylinder goes inward; then in->hi, in->hi_part are
@@ -91,7 +91,7 @@ static bool goes_inward(const struct pen_cylinder *c, const struct pen_ray *ray,
         if (!pen_cylinder_side_roots(&c->round, ray, side, &parallel))
             side[1] = parallel && pen_cylinder_side_contains(&c->round, ray->o) ? INFINITY : 0;
     }
-    pen_interval_cut(in, side);
+    pen_interval_clip(in, side);
     return true;
 }
 

@@ -52,9 +52,9 @@ static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct 
     return true;
 }
 
-/* Intersects the slab's t-interval with the side's: the later entry and the earlier exit; where
+/* Clips the slab's t-interval to the side's: the later entry and the earlier exit; where
  * they are equal the cap wins. False if nothing is left. */
-static inline bool pen_interval_cut(struct pen_interval *in, const double side[2])
+static inline bool pen_interval_clip(struct pen_interval *in, const double side[2])
 {
     if (side[0] > in->lo) {
         in->lo = side[0];
@@ -105,12 +105,12 @@ static inline bool pen_cylinder_interval(const struct pen_cylinder *c, const str
         side[0] = -INFINITY;
         side[1] = INFINITY;
     }
-    if (!pen_interval_cut(in, side))
+    if (!pen_interval_clip(in, side))
         return false;
     if (!pen_cylinder_slab_loses(c, ray))
         return true;
     pen_cylinder_slab_refine(c, ray, in);
-    return pen_interval_cut(in, side);
+    return pen_interval_clip(in, side);
 }
 
 /* The parts that p lies on, up to `bound` and the primitive's own rounding. */

@@ -106,53 +106,54 @@ static inline unsigned bits(__m256d mask)
 #define LESS_EQUAL(a, b) _mm256_cmp_pd(a, b, _CMP_LE_OQ)
 
 /* The t beyond which intersections do not count. */
-static inline __m256d tmax4(const struct trace *w, bool any)
+static inline __m256d tmax4(const struct trace *trace, bool any)
 {
-    return splat4(any ? w->shadow->tmax : w->best.t);
+    return splat4(any ? trace->shadow->tmax : trace->best.t);
 }
 
 /* The lane whose primitive the ray starts on, as a mask. */
-static inline unsigned origin_lanes(const struct trace *w, const uint32_t prim[PEN_LANES])
+static inline unsigned origin_lanes(const struct trace *trace, const uint32_t prim[PEN_LANES])
 {
     __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)prim),
-                                   _mm_set1_epi32((int)w->origin->prim));
-    return w->from_surface ? (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) : 0;
+                                   _mm_set1_epi32((int)trace->origin->prim));
+    return trace->from_surface ? (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) : 0;
 }
 
 /* Lanes whose interval [t0, t1] overlaps the query's. */
-static inline unsigned useful_pairs(const struct trace *w, __m256d t0, __m256d t1, bool any)
+static inline unsigned useful_pairs(const struct trace *trace, __m256d t0, __m256d t1, bool any)
 {
-    __m256d after = splat4(any ? 0 : w->after.t);
-    return bits(_mm256_and_pd(LESS(t0, t1),
-                              _mm256_and_pd(LESS_EQUAL(t0, tmax4(w, any)), LESS_EQUAL(after, t1))));
+    __m256d after = splat4(any ? 0 : trace->after.t);
+    return bits(_mm256_and_pd(
+        LESS(t0, t1), _mm256_and_pd(LESS_EQUAL(t0, tmax4(trace, any)), LESS_EQUAL(after, t1))));
 }
 
 /* The same where t0 and t1 are only bounds, or NaN where there is no bound. */
-static inline unsigned overlaps4(const struct trace *w, __m256d t0, __m256d t1, bool any)
+static inline unsigned overlaps4(const struct trace *trace, __m256d t0, __m256d t1, bool any)
 {
-    __m256d out = _mm256_or_pd(LESS(tmax4(w, any), t0), LESS(t1, splat4(any ? 0 : w->after.t)));
+    __m256d out =
+        _mm256_or_pd(LESS(tmax4(trace, any), t0), LESS(t1, splat4(any ? 0 : trace->after.t)));
     return 15 & ~bits(_mm256_or_pd(LESS(t1, t0), out));
 }
 
 /* Tests lanes by the scalar function; empty lanes are skipped. */
-static inline bool test_lanes(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
+static inline bool test_lanes(struct trace *trace, const uint32_t prim[PEN_LANES], unsigned lanes,
                               bool any)
 {
     for (; lanes; lanes &= lanes - 1) {
         if (prim[__builtin_ctz(lanes)] != PEN_NO_PRIM &&
-            test_prim(w, prim[__builtin_ctz(lanes)], any))
+            test_prim(trace, prim[__builtin_ctz(lanes)], any))
             return true;
     }
     return false;
 }
 
 /* The same by the reference, for flat primitives that may have the ray's origin on their border. */
-static inline bool test_at_border(struct trace *w, const uint32_t prim[PEN_LANES], unsigned lanes,
-                                  bool any)
+static inline bool test_at_border(struct trace *trace, const uint32_t prim[PEN_LANES],
+                                  unsigned lanes, bool any)
 {
     for (; lanes; lanes &= lanes - 1) {
         uint32_t number = prim[__builtin_ctz(lanes)];
-        if (number != PEN_NO_PRIM && test_reference(w, number, any))
+        if (number != PEN_NO_PRIM && test_reference(trace, number, any))
             return true;
     }
     return false;
@@ -165,20 +166,20 @@ static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256
     return bits(_mm256_or_pd(near, LESS(abs4(disc), _mm256_mul_pd(splat4(PEN_GRAZING), rr))));
 }
 
-static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, bool any)
+static inline bool test_spheres4(struct trace *trace, const struct pen_spheres4 *b, bool any)
 {
-    struct vec4 o = splat_vec4(w->ray->permuted_o), d = splat_vec4(w->ray->permuted_d),
-                c = permuted4(w->ray, b->c);
+    struct vec4 o = splat_vec4(trace->ray->permuted_o), d = splat_vec4(trace->ray->permuted_d),
+                c = permuted4(trace->ray, b->c);
     struct vec4 f = sub3(o, c);
     struct vec4 low = {difference_error4(o.x, c.x, f.x), difference_error4(o.y, c.y, f.y),
                        difference_error4(o.z, c.z, f.z)};
-    __m256d inv_dd = splat4(w->ray->inv_dd);
+    __m256d inv_dd = splat4(trace->ray->inv_dd);
     __m256d tp = _mm256_mul_pd(neg4(dot4(f, d)), inv_dd);
     struct vec4 l = add3(along4(f, d, tp), low);
     __m256d rest = _mm256_mul_pd(neg4(dot4(l, d)), inv_dd);
     __m256d rr = _mm256_loadu_pd(b->rr);
     __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
-    unsigned own = origin_lanes(w, b->prim);
+    unsigned own = origin_lanes(trace, b->prim);
     /* All lanes surely miss, by more than the refinement may change. */
     if ((bits(LESS(_mm256_mul_pd(splat4(-PEN_GRAZING), rr), disc)) | own) == 0)
         return false;
@@ -186,14 +187,15 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
     double t[2][PEN_LANES];
     __m256d t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
     __m256d t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
-    unsigned lanes = useful_pairs(w, t0, t1, any) & ~own, refined = refined_lanes(tp, h, disc, rr);
+    unsigned lanes = useful_pairs(trace, t0, t1, any) & ~own,
+             refined = refined_lanes(tp, h, disc, rr);
     if (refined)
         own |= refined;
     lanes &= ~own;
-    if (w->reaches_origin) {
+    if (trace->reaches_origin) {
         __m256d r = _mm256_loadu_pd(b->r);
         __m256d near = _mm256_mul_pd(
-            splat4(4), _mm256_mul_pd(r, _mm256_add_pd(splat4(w->origin->bound),
+            splat4(4), _mm256_mul_pd(r, _mm256_add_pd(splat4(trace->origin->bound),
                                                       _mm256_mul_pd(splat4(8 * PEN_U), r))));
         own |= bits(
             _mm256_and_pd(LESS_EQUAL(abs4(_mm256_sub_pd(dot4(f, f), rr)), near), LESS(t0, t1)));
@@ -204,16 +206,16 @@ static inline bool test_spheres4(struct trace *w, const struct pen_spheres4 *b, 
     for (; lanes; lanes &= lanes - 1) {
         int lane = __builtin_ctz(lanes);
         double pair[2] = {t[0][lane], t[1][lane]};
-        if (offer_pair(w, b->prim[lane], pair, any))
+        if (offer_pair(trace, b->prim[lane], pair, any))
             return true;
     }
-    return own && test_lanes(w, b->prim, own, any);
+    return own && test_lanes(trace, b->prim, own, any);
 }
 
 /* pen_sheared */
-static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LANES])
+static inline struct vec4 shear4(const struct trace *trace, const double v[3][PEN_LANES])
 {
-    const struct pen_ray *ray = w->ray;
+    const struct pen_ray *ray = trace->ray;
     struct vec4 f = sub3(permuted4(ray, v), splat_vec4(ray->permuted_o));
     f.x = _mm256_sub_pd(f.x, _mm256_mul_pd(splat4(ray->sx), f.z));
     f.y = _mm256_sub_pd(f.y, _mm256_mul_pd(splat4(ray->sy), f.z));
@@ -221,12 +223,12 @@ static inline struct vec4 shear4(const struct trace *w, const double v[3][PEN_LA
 }
 
 /* Offers the intersections of the lanes of a flat block. */
-static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], __m256d t,
+static inline bool offer_lanes(struct trace *trace, const uint32_t prim[PEN_LANES], __m256d t,
                                unsigned lanes, bool any)
 {
-    __m256d useful = _mm256_and_pd(LESS(splat4(0), t), LESS_EQUAL(t, tmax4(w, any)));
-    if (w->from_surface)
-        useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), splat4(w->near_sq)));
+    __m256d useful = _mm256_and_pd(LESS(splat4(0), t), LESS_EQUAL(t, tmax4(trace, any)));
+    if (trace->from_surface)
+        useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), splat4(trace->near_sq)));
     lanes &= bits(useful);
     if (lanes == 0)
         return false;
@@ -234,7 +236,7 @@ static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], 
     _mm256_storeu_pd(at, t);
     for (; lanes; lanes &= lanes - 1) {
         int lane = __builtin_ctz(lanes);
-        if (offer_flat(w, prim[lane], at[lane], any))
+        if (offer_flat(trace, prim[lane], at[lane], any))
             return true;
     }
     return false;
@@ -243,20 +245,21 @@ static inline bool offer_lanes(struct trace *w, const uint32_t prim[PEN_LANES], 
 /* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
  * space the shear at most doubles distances across the ray. An edge that is a single point there
  * has a neighbour that is not, and that passes as near. */
-static inline __m256d edge_passes_origin4(const struct trace *w, struct vec4 a, struct vec4 b)
+static inline __m256d edge_passes_origin4(const struct trace *trace, struct vec4 a, struct vec4 b)
 {
     __m256d size = _mm256_add_pd(abs4(_mm256_sub_pd(b.x, a.x)), abs4(_mm256_sub_pd(b.y, a.y)));
     __m256d area = _mm256_sub_pd(_mm256_mul_pd(a.x, b.y), _mm256_mul_pd(a.y, b.x));
-    return LESS(abs4(area), _mm256_mul_pd(splat4(16 * w->slack), size));
+    return LESS(abs4(area), _mm256_mul_pd(splat4(16 * trace->slack), size));
 }
 
 /* A superset of the triangles with the ray's origin on their border. */
-static __attribute__((noinline)) unsigned triangle_borders4(const struct trace *w,
+static __attribute__((noinline)) unsigned triangle_borders4(const struct trace *trace,
                                                             const struct pen_triangles4 *block)
 {
-    struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
-    __m256d ab = edge_passes_origin4(w, a, b), bc = edge_passes_origin4(w, b, c);
-    return bits(_mm256_or_pd(_mm256_or_pd(ab, bc), edge_passes_origin4(w, c, a)));
+    struct vec4 a = shear4(trace, block->v[0]), b = shear4(trace, block->v[1]),
+                c = shear4(trace, block->v[2]);
+    __m256d ab = edge_passes_origin4(trace, a, b), bc = edge_passes_origin4(trace, b, c);
+    return bits(_mm256_or_pd(_mm256_or_pd(ab, bc), edge_passes_origin4(trace, c, a)));
 }
 
 /* pen_triangle_grazed */
@@ -277,10 +280,12 @@ static inline __m256d edge_even4(struct vec4 p, struct vec4 q)
     return _mm256_add_pd(_mm256_sub_pd(a, b), low);
 }
 
-static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 *block, bool any)
+static inline bool test_triangles4(struct trace *trace, const struct pen_triangles4 *block,
+                                   bool any)
 {
     const __m256d zero = splat4(0);
-    struct vec4 a = shear4(w, block->v[0]), b = shear4(w, block->v[1]), c = shear4(w, block->v[2]);
+    struct vec4 a = shear4(trace, block->v[0]), b = shear4(trace, block->v[1]),
+                c = shear4(trace, block->v[2]);
     __m256d ew = dop4(a.x, b.y, a.y, b.x), eu = dop4(b.x, c.y, b.y, c.x);
     __m256d ev = minus_dop4(a.x, c.y, a.y, c.x);
     __m256d a_low = LESS_EQUAL(a.y, zero), b_low = LESS_EQUAL(b.y, zero);
@@ -295,9 +300,9 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
                                   _mm256_and_pd(_mm256_andnot_pd(b_low, c_low), LESS(eu, zero))),
                      _mm256_and_pd(_mm256_andnot_pd(c_low, a_low), LESS(ev, zero)));
     unsigned lanes = bits(_mm256_xor_pd(up, down));
-    if (w->reaches_origin) {
-        unsigned border = triangle_borders4(w, block) & ~origin_lanes(w, block->prim);
-        if (border && test_at_border(w, block->prim, border, any))
+    if (trace->reaches_origin) {
+        unsigned border = triangle_borders4(trace, block) & ~origin_lanes(trace, block->prim);
+        if (border && test_at_border(trace, block->prim, border, any))
             return true;
         lanes &= ~border;
     }
@@ -309,30 +314,30 @@ static inline bool test_triangles4(struct trace *w, const struct pen_triangles4 
     __m256d area = _mm256_add_pd(eu, _mm256_add_pd(ev, ew));
     unsigned grazed = lanes & grazed4(a, b, c, area);
     if (grazed) {
-        if (test_lanes(w, block->prim, grazed & ~origin_lanes(w, block->prim), any))
+        if (test_lanes(trace, block->prim, grazed & ~origin_lanes(trace, block->prim), any))
             return true;
         lanes &= ~grazed;
     }
-    __m256d t = _mm256_div_pd(_mm256_mul_pd(sum, splat4(w->ray->sz)), area);
-    return offer_lanes(w, block->prim, t, lanes, any);
+    __m256d t = _mm256_div_pd(_mm256_mul_pd(sum, splat4(trace->ray->sz)), area);
+    return offer_lanes(trace, block->prim, t, lanes, any);
 }
 
 /* A superset of the polygons that wind around the ray, by the winding rule of pen_polygon_root,
  * and if `border` is not NULL, a superset of those with the ray's origin on their border. Two
  * products that round to different numbers are in that order too before rounding, so only ties are
  * undecided. */
-static inline unsigned polygons_entered4(const struct trace *w, const struct pen_polygons4 *block,
-                                         unsigned *border)
+static inline unsigned polygons_entered4(const struct trace *trace,
+                                         const struct pen_polygons4 *block, unsigned *border)
 {
     const __m256d zero = splat4(0);
     const __m256i one = _mm256_set1_epi64x(1);
-    const struct pen_corner4 *corner = &w->accel->corners[block->first];
+    const struct pen_corner4 *corner = &trace->accel->corners[block->first];
     __m256i winding = _mm256_setzero_si256();
     __m256d ties = zero, near = zero;
-    struct vec4 a = shear4(w, corner[block->count - 1].v);
+    struct vec4 a = shear4(trace, corner[block->count - 1].v);
     __m256d a_low = LESS_EQUAL(a.y, zero);
     for (uint32_t i = 0; i < block->count; i++) {
-        struct vec4 b = shear4(w, corner[i].v);
+        struct vec4 b = shear4(trace, corner[i].v);
         __m256d b_low = LESS_EQUAL(b.y, zero), passes = _mm256_xor_pd(a_low, b_low);
         __m256d p = _mm256_mul_pd(a.x, b.y), q = _mm256_mul_pd(a.y, b.x);
         ties = _mm256_or_pd(ties, _mm256_and_pd(passes, _mm256_cmp_pd(p, q, _CMP_EQ_OQ)));
@@ -341,7 +346,7 @@ static inline unsigned polygons_entered4(const struct trace *w, const struct pen
         __m256i turn = _mm256_or_si256(_mm256_castpd_si256(a_low), one); /* up: -1, down: 1 */
         winding = _mm256_add_epi64(winding, _mm256_and_si256(_mm256_castpd_si256(right), turn));
         if (border)
-            near = _mm256_or_pd(near, edge_passes_origin4(w, a, b));
+            near = _mm256_or_pd(near, edge_passes_origin4(trace, a, b));
         a = b;
         a_low = b_low;
     }
@@ -352,20 +357,20 @@ static inline unsigned polygons_entered4(const struct trace *w, const struct pen
 }
 
 static __attribute__((noinline)) bool
-test_polygons_at_origin(struct trace *w, const struct pen_polygons4 *block, bool any)
+test_polygons_at_origin(struct trace *trace, const struct pen_polygons4 *block, bool any)
 {
-    unsigned border, lanes = polygons_entered4(w, block, &border),
-                     others = ~origin_lanes(w, block->prim);
-    return (border & others && test_at_border(w, block->prim, border & others, any)) ||
-           test_lanes(w, block->prim, lanes & ~border & others, any);
+    unsigned border, lanes = polygons_entered4(trace, block, &border),
+                     others = ~origin_lanes(trace, block->prim);
+    return (border & others && test_at_border(trace, block->prim, border & others, any)) ||
+           test_lanes(trace, block->prim, lanes & ~border & others, any);
 }
 
-static inline bool test_polygons4(struct trace *w, const struct pen_polygons4 *block, bool any)
+static inline bool test_polygons4(struct trace *trace, const struct pen_polygons4 *block, bool any)
 {
-    if (w->reaches_origin)
-        return test_polygons_at_origin(w, block, any);
-    unsigned lanes = polygons_entered4(w, block, NULL);
-    return lanes && test_lanes(w, block->prim, lanes & ~origin_lanes(w, block->prim), any);
+    if (trace->reaches_origin)
+        return test_polygons_at_origin(trace, block, any);
+    unsigned lanes = polygons_entered4(trace, block, NULL);
+    return lanes && test_lanes(trace, block->prim, lanes & ~origin_lanes(trace, block->prim), any);
 }
 
 /* a + b, and the rounding error of that sum in *lost (Knuth), as in pen_dot2. */
@@ -393,23 +398,23 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
     return _mm256_blendv_pd(_mm256_add_pd(total, low), sum, plain);
 }
 
-static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bool any)
+static inline bool test_planes4(struct trace *trace, const struct pen_planes4 *b, bool any)
 {
-    struct vec4 g = permuted4(w->ray, b->g),
-                f = sub3(permuted4(w->ray, b->q), splat_vec4(w->ray->permuted_o));
-    __m256d gd = dot_guarded4(g, splat_vec4(w->ray->permuted_d));
+    struct vec4 g = permuted4(trace->ray, b->g),
+                f = sub3(permuted4(trace->ray, b->q), splat_vec4(trace->ray->permuted_o));
+    __m256d gd = dot_guarded4(g, splat_vec4(trace->ray->permuted_d));
     __m256d t = _mm256_div_pd(dot4(g, f), gd);
-    __m256d crossed = _mm256_cmp_pd(gd, splat4(0), _CMP_NEQ_OQ);
-    __m256d after = splat4(any ? 0 : w->after.t);
-    __m256d useful = _mm256_and_pd(LESS_EQUAL(after, t), LESS_EQUAL(t, tmax4(w, any)));
-    unsigned lanes = bits(_mm256_and_pd(crossed, useful)), near = 0;
-    if (w->from_surface) {
+    __m256d oblique = _mm256_cmp_pd(gd, splat4(0), _CMP_NEQ_OQ);
+    __m256d after = splat4(any ? 0 : trace->after.t);
+    __m256d useful = _mm256_and_pd(LESS_EQUAL(after, t), LESS_EQUAL(t, tmax4(trace, any)));
+    unsigned lanes = bits(_mm256_and_pd(oblique, useful)), near = 0;
+    if (trace->from_surface) {
         /* A superset of the lanes that the ray's origin touches; |g| < 2. */
         __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(f.x), abs4(f.y)), abs4(f.z));
-        __m256d bound = _mm256_fmadd_pd(splat4(8 * PEN_U), size, splat4(w->origin->bound));
+        __m256d bound = _mm256_fmadd_pd(splat4(8 * PEN_U), size, splat4(trace->origin->bound));
         __m256d touches = LESS_EQUAL(abs4(_mm256_mul_pd(t, gd)), _mm256_mul_pd(splat4(4), bound));
-        unsigned own = origin_lanes(w, b->prim);
-        near = bits(_mm256_and_pd(crossed, touches)) & ~own;
+        unsigned own = origin_lanes(trace, b->prim);
+        near = bits(_mm256_and_pd(oblique, touches)) & ~own;
         lanes &= ~(near | own);
     }
     if ((lanes | near) == 0)
@@ -418,12 +423,12 @@ static inline bool test_planes4(struct trace *w, const struct pen_planes4 *b, bo
     _mm256_storeu_pd(at, t);
     for (; near; near &= near - 1) {
         int lane = __builtin_ctz(near);
-        if (offer_flat(w, b->prim[lane], at[lane], any))
+        if (offer_flat(trace, b->prim[lane], at[lane], any))
             return true;
     }
     for (; lanes; lanes &= lanes - 1) {
         int lane = __builtin_ctz(lanes);
-        if (offer(w, b->prim[lane], at[lane], PEN_PART_SIDE, any))
+        if (offer(trace, b->prim[lane], at[lane], PEN_PART_SIDE, any))
             return true;
     }
     return false;
@@ -437,16 +442,16 @@ struct side4 {
     __m256d least, most;
 };
 
-static inline struct side4 side_roots4(const struct trace *w, const struct pen_cylinders4 *b,
+static inline struct side4 side_roots4(const struct trace *trace, const struct pen_cylinders4 *b,
                                        struct vec4 f, struct vec4 a)
 {
-    struct vec4 o = splat_vec4(w->ray->permuted_o), q = permuted4(w->ray, b->q);
+    struct vec4 o = splat_vec4(trace->ray->permuted_o), q = permuted4(trace->ray, b->q);
     struct vec4 low = {difference_error4(o.x, q.x, f.x), difference_error4(o.y, q.y, f.y),
                        difference_error4(o.z, q.z, f.z)};
     struct vec4 rest3 = {_mm256_sub_pd(_mm256_mul_pd(low.y, a.z), _mm256_mul_pd(low.z, a.y)),
                          _mm256_sub_pd(_mm256_mul_pd(low.z, a.x), _mm256_mul_pd(low.x, a.z)),
                          _mm256_sub_pd(_mm256_mul_pd(low.x, a.y), _mm256_mul_pd(low.y, a.x))};
-    struct vec4 m = cross4(splat_vec4(w->ray->permuted_d), a), n = add3(cross4(f, a), rest3);
+    struct vec4 m = cross4(splat_vec4(trace->ray->permuted_d), a), n = add3(cross4(f, a), rest3);
     struct side4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
     __m256d inv = _mm256_div_pd(splat4(1), out.mm);
     __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
@@ -474,11 +479,12 @@ static inline __m256d size4(struct vec4 a, struct vec4 b)
 }
 
 /* A superset of the lanes that the ray's origin touches, as pen_cylinder_touches; |a| < 2. */
-static inline __m256d cylinder_touches4(const struct trace *w, const struct pen_cylinders4 *b,
+static inline __m256d cylinder_touches4(const struct trace *trace, const struct pen_cylinders4 *b,
                                         __m256d nn, __m256d fa)
 {
     __m256d size = _mm256_loadu_pd(b->size);
-    __m256d bound = _mm256_add_pd(splat4(w->origin->bound), _mm256_mul_pd(splat4(8 * PEN_U), size));
+    __m256d bound =
+        _mm256_add_pd(splat4(trace->origin->bound), _mm256_mul_pd(splat4(8 * PEN_U), size));
     __m256d off_side = abs4(_mm256_sub_pd(nn, _mm256_loadu_pd(b->rr)));
     __m256d off_top = abs4(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa));
     __m256d twice = _mm256_mul_pd(splat4(2), bound);
@@ -487,11 +493,11 @@ static inline __m256d cylinder_touches4(const struct trace *w, const struct pen_
 }
 
 /* pen_cylinder_slab_loses */
-static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylinders4 *b,
+static inline unsigned slab_loses4(const struct trace *trace, const struct pen_cylinders4 *b,
                                    struct vec4 f, struct vec4 a)
 {
     const __m256d four = splat4(4);
-    struct vec4 d = splat_vec4(w->ray->permuted_d);
+    struct vec4 d = splat_vec4(trace->ray->permuted_d);
     __m256d top = _mm256_loadu_pd(b->top), fa = dot4(f, a), da = dot4(d, a);
     __m256d rest = abs4(_mm256_sub_pd(top, fa)), least = _mm256_min_pd(rest, abs4(fa));
     return bits(_mm256_or_pd(LESS(_mm256_mul_pd(four, least), size4(f, a)),
@@ -500,29 +506,29 @@ static inline unsigned slab_loses4(const struct trace *w, const struct pen_cylin
 }
 
 /* Offers the two ends of the ray's interval inside one cylinder. */
-static inline bool offer_inside(struct trace *w, const struct pen_cylinders4 *b, int lane,
+static inline bool offer_inside(struct trace *trace, const struct pen_cylinders4 *b, int lane,
                                 const struct pen_interval *in, bool any)
 {
     bool caps = !(b->open >> lane & 1);
     return ((caps || in->lo_part == PEN_PART_SIDE) &&
-            offer(w, b->prim[lane], in->lo, in->lo_part, any)) ||
+            offer(trace, b->prim[lane], in->lo, in->lo_part, any)) ||
            ((caps || in->hi_part == PEN_PART_SIDE) &&
-            offer(w, b->prim[lane], in->hi, in->hi_part, any));
+            offer(trace, b->prim[lane], in->hi, in->hi_part, any));
 }
 
-static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 *b, bool any)
+static inline bool test_cylinders4(struct trace *trace, const struct pen_cylinders4 *b, bool any)
 {
     const __m256d zero = splat4(0);
-    struct vec4 a = permuted4(w->ray, b->a), o = splat_vec4(w->ray->permuted_o);
-    struct vec4 f = sub3(o, permuted4(w->ray, b->q));
-    __m256d da = dot_guarded4(splat_vec4(w->ray->permuted_d), a), fa = dot4(f, a);
+    struct vec4 a = permuted4(trace->ray, b->a), o = splat_vec4(trace->ray->permuted_o);
+    struct vec4 f = sub3(o, permuted4(trace->ray, b->q));
+    __m256d da = dot_guarded4(splat_vec4(trace->ray->permuted_d), a), fa = dot4(f, a);
     __m256d inv = _mm256_div_pd(splat4(1), da);
     __m256d base = _mm256_mul_pd(neg4(fa), inv);
     __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);
     __m256d forward = LESS(zero, da);
     __m256d lo = _mm256_blendv_pd(top, base, forward), hi = _mm256_blendv_pd(base, top, forward);
-    struct side4 side = side_roots4(w, b, f, a);
-    unsigned plain = origin_lanes(w, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
+    struct side4 side = side_roots4(trace, b, f, a);
+    unsigned plain = origin_lanes(trace, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
                      bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ));
     __m256d t0 = _mm256_max_pd(side.t0, lo), t1 = _mm256_min_pd(side.t1, hi);
     __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
@@ -532,16 +538,16 @@ static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 
         __m256d size = _mm256_add_pd(size4(f, a), _mm256_loadu_pd(b->top));
         __m256d pad = _mm256_mul_pd(_mm256_mul_pd(splat4(0x1p-40), size), abs4(inv));
         if (side.near)
-            plain |= side.near & overlaps4(w, _mm256_max_pd(side.least, _mm256_sub_pd(lo, pad)),
+            plain |= side.near & overlaps4(trace, _mm256_max_pd(side.least, _mm256_sub_pd(lo, pad)),
                                            _mm256_min_pd(side.most, _mm256_add_pd(hi, pad)), any);
         lanes &= ~side.near;
         if (lanes & ~plain)
-            plain |= lanes & slab_loses4(w, b, f, a) &
-                     overlaps4(w, _mm256_sub_pd(t0, pad), _mm256_add_pd(t1, pad), any);
+            plain |= lanes & slab_loses4(trace, b, f, a) &
+                     overlaps4(trace, _mm256_sub_pd(t0, pad), _mm256_add_pd(t1, pad), any);
     }
-    lanes &= useful_pairs(w, t0, t1, any);
-    if (w->reaches_origin)
-        plain |= bits(cylinder_touches4(w, b, side.nn, fa));
+    lanes &= useful_pairs(trace, t0, t1, any);
+    if (trace->reaches_origin)
+        plain |= bits(cylinder_touches4(trace, b, side.nn, fa));
     lanes &= ~plain;
     if (lanes) {
         double s0[PEN_LANES], s1[PEN_LANES], l[PEN_LANES], h[PEN_LANES];
@@ -558,11 +564,11 @@ static inline bool test_cylinders4(struct trace *w, const struct pen_cylinders4 
                 in.lo_part = PEN_PART_TOP;
                 in.hi_part = PEN_PART_BASE;
             }
-            if (pen_interval_cut(&in, s) && offer_inside(w, b, lane, &in, any))
+            if (pen_interval_clip(&in, s) && offer_inside(trace, b, lane, &in, any))
                 return true;
         }
     }
-    return plain && test_lanes(w, b->prim, plain, any);
+    return plain && test_lanes(trace, b->prim, plain, any);
 }
 
 #endif

@@ -106,20 +106,20 @@ static inline unsigned enter_pair(const struct pen_pair *pair, const struct box_
     return (unsigned)_mm_movemask_ps(_mm_cmp_ps(t0, t1, _CMP_LE_OQ)) & 3;
 }
 
-static inline bool test_item(struct trace *w, uint32_t item, bool any)
+static inline bool test_item(struct trace *trace, uint32_t item, bool any)
 {
     uint32_t index = PEN_ITEM_INDEX(item);
     switch (PEN_ITEM_KIND(item)) {
     case PEN_BLOCK_TRIANGLES:
-        return test_triangles4(w, &w->accel->triangles[index], any);
+        return test_triangles4(trace, &trace->accel->triangles[index], any);
     case PEN_BLOCK_POLYGONS:
-        return test_polygons4(w, &w->accel->polygons[index], any);
+        return test_polygons4(trace, &trace->accel->polygons[index], any);
     case PEN_BLOCK_SPHERES:
-        return test_spheres4(w, &w->accel->spheres[index], any);
+        return test_spheres4(trace, &trace->accel->spheres[index], any);
     case PEN_BLOCK_CYLINDERS:
-        return test_cylinders4(w, &w->accel->cylinders[index], any);
+        return test_cylinders4(trace, &trace->accel->cylinders[index], any);
     case PEN_BLOCK_PLANES:
-        return test_planes4(w, &w->accel->planes[index], any);
+        return test_planes4(trace, &trace->accel->planes[index], any);
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_INFINITE_CYLINDERS:
     case PEN_BLOCK_NOTHING:
@@ -127,7 +127,7 @@ static inline bool test_item(struct trace *w, uint32_t item, bool any)
     case PEN_BLOCK_KIND_COUNT:
         break;
     }
-    return test_each(w, item, any);
+    return test_each(trace, item, any);
 }
 
 #endif

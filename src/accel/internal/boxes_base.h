@@ -87,9 +87,9 @@ static inline unsigned enter_pair(const struct pen_pair *pair, const struct box_
                        << 1;
 }
 
-static inline bool test_item(struct trace *w, uint32_t item, bool any)
+static inline bool test_item(struct trace *trace, uint32_t item, bool any)
 {
-    return test_each(w, item, any);
+    return test_each(trace, item, any);
 }
 
 #endif

@@ -261,13 +261,13 @@ static uint64_t packet_test(struct pen_shadow_packet *packet, const double a[PEN
 static bool packet_ray(const struct pen_accel *accel, const struct pen_shadow_packet *packet,
                        const struct pen_ray *ray, int i, struct pen_shadow *query)
 {
-    struct trace w = trace_begin_shadow(accel, ray, packet->origin, query);
+    struct trace trace = trace_begin_shadow(accel, ray, packet->origin, query);
     for (int k = 0; k < packet->candidate_count; k++) {
         const struct pen_candidate *candidate = &packet->candidate[k];
         if (!(candidate->fallback >> i & 1))
             continue;
-        if (candidate->by_reference ? test_reference(&w, candidate->prim, true)
-                                    : test_prim(&w, candidate->prim, true))
+        if (candidate->by_reference ? test_reference(&trace, candidate->prim, true)
+                                    : test_prim(&trace, candidate->prim, true))
             return true;
     }
     return false;

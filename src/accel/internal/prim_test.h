@@ -70,27 +70,28 @@ static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
 }
 
 /* At least pen_prim_scale of a flat primitive. */
-static inline double flat_scale(const struct trace *w, struct pen_prim_ref ref, struct pen_vec3 p)
+static inline double flat_scale(const struct trace *trace, struct pen_prim_ref ref,
+                                struct pen_vec3 p)
 {
     if (ref.kind != PEN_PRIM_PLANE)
-        return w->accel->scale;
-    return pen_norm1(pen_sub(p, w->accel->prims->plane[ref.index].q));
+        return trace->accel->scale;
+    return pen_norm1(pen_sub(p, trace->accel->prims->plane[ref.index].q));
 }
 
 /* Whether pen_prim_ends_ray may be true. A cheaper test, which nearly always shows that the light
  * is not on the surface. */
-static inline bool may_end_ray(const struct trace *w, struct pen_hit h)
+static inline bool may_end_ray(const struct trace *trace, struct pen_hit h)
 {
-    const struct pen_prims *prims = w->accel->prims;
+    const struct pen_prims *prims = trace->accel->prims;
     const struct pen_prim_ref ref = prims->ref[h.prim];
     const struct pen_vec3 *n = flat_normal(prims, ref);
     if (n)
-        return fabs((w->shadow->tmax - h.t) * pen_dot(w->ray->d, *n)) <=
-               w->light_bound + 8 * PEN_U * flat_scale(w, ref, w->light);
+        return fabs((trace->shadow->tmax - h.t) * pen_dot(trace->ray->d, *n)) <=
+               trace->light_bound + 8 * PEN_U * flat_scale(trace, ref, trace->light);
     if (ref.kind == PEN_PRIM_SPHERE)
-        return pen_sphere_touches(&prims->sphere[ref.index], w->light, w->light_bound);
+        return pen_sphere_touches(&prims->sphere[ref.index], trace->light, trace->light_bound);
     return ref.kind != PEN_PRIM_CYLINDER ||
-           pen_cylinder_touches(&prims->cylinder[ref.index], w->light, w->light_bound) &
+           pen_cylinder_touches(&prims->cylinder[ref.index], trace->light, trace->light_bound) &
                1u << h.part;
 }
 
@@ -108,19 +109,19 @@ static inline void keep_intersection(struct pen_shadow *query, struct pen_hit h)
 }
 
 /* Records an intersection; true if it ends the query. */
-static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part, bool any)
+static inline bool offer(struct trace *trace, uint32_t prim, double t, uint8_t part, bool any)
 {
     struct pen_hit h = {t, prim, part};
     if (!any) {
-        if (pen_hit_before(w->after, h) && pen_hit_before(h, w->best))
-            w->best = h;
+        if (pen_hit_before(trace->after, h) && pen_hit_before(h, trace->best))
+            trace->best = h;
         return false;
     }
-    struct pen_shadow *query = w->shadow;
+    struct pen_shadow *query = trace->shadow;
     if (!(t > 0 && t < query->tmax))
         return false;
-    if (query->to_point && may_end_ray(w, h) &&
-        pen_prim_ends_ray(w->accel->prims, h, w->ray, query->tmax, w->light_bound))
+    if (query->to_point && may_end_ray(trace, h) &&
+        pen_prim_ends_ray(trace->accel->prims, h, trace->ray, query->tmax, trace->light_bound))
         return false;
     if (query->see_through && query->see_through[prim]) {
         keep_intersection(query, h);
@@ -132,125 +133,129 @@ static inline bool offer(struct trace *w, uint32_t prim, double t, uint8_t part,
 
 /* The intersections of any primitive, by the reference: for kinds without a test here, and for
  * primitives that the ray's origin is on or touches. */
-static __attribute__((noinline)) bool test_reference(struct trace *w, uint32_t prim, bool any)
+static __attribute__((noinline)) bool test_reference(struct trace *trace, uint32_t prim, bool any)
 {
     struct pen_intersections c;
-    pen_prim_intersect(w->accel->prims, prim, w->ray, w->origin, &c);
+    pen_prim_intersect(trace->accel->prims, prim, trace->ray, trace->origin, &c);
     for (int i = 0; i < c.count; i++) {
-        if (offer(w, prim, c.t[i], c.part[i], any))
+        if (offer(trace, prim, c.t[i], c.part[i], any))
             return true;
     }
     return false;
 }
 
-static inline bool offer_pair(struct trace *w, uint32_t prim, const double t[2], bool any)
+static inline bool offer_pair(struct trace *trace, uint32_t prim, const double t[2], bool any)
 {
-    return offer(w, prim, t[0], PEN_PART_SIDE, any) || offer(w, prim, t[1], PEN_PART_SIDE, any);
+    return offer(trace, prim, t[0], PEN_PART_SIDE, any) ||
+           offer(trace, prim, t[1], PEN_PART_SIDE, any);
 }
 
-static inline bool test_sphere(struct trace *w, uint32_t prim, const struct pen_sphere *s, bool any)
+static inline bool test_sphere(struct trace *trace, uint32_t prim, const struct pen_sphere *s,
+                               bool any)
 {
     double t[2];
-    if (prim == w->origin->prim)
-        return !pen_sphere_outward(s, w->ray) && test_reference(w, prim, any);
-    if (w->from_surface && pen_sphere_touches(s, w->ray->o, w->origin->bound))
-        return test_reference(w, prim, any);
-    return pen_sphere_roots(s, w->ray, t) && offer_pair(w, prim, t, any);
+    if (prim == trace->origin->prim)
+        return !pen_sphere_outward(s, trace->ray) && test_reference(trace, prim, any);
+    if (trace->from_surface && pen_sphere_touches(s, trace->ray->o, trace->origin->bound))
+        return test_reference(trace, prim, any);
+    return pen_sphere_roots(s, trace->ray, t) && offer_pair(trace, prim, t, any);
 }
 
-static inline bool test_infinite_cylinder(struct trace *w, uint32_t prim,
+static inline bool test_infinite_cylinder(struct trace *trace, uint32_t prim,
                                           const struct pen_infinite_cylinder *infinite_cylinder,
                                           bool any)
 {
     double t[2];
     bool parallel;
-    if (prim == w->origin->prim)
-        return test_reference(w, prim, any);
-    if (!pen_cylinder_side_roots(&infinite_cylinder->round, w->ray, t, &parallel))
+    if (prim == trace->origin->prim)
+        return test_reference(trace, prim, any);
+    if (!pen_cylinder_side_roots(&infinite_cylinder->round, trace->ray, t, &parallel))
         return false;
-    if (w->from_surface &&
-        pen_cylinder_side_touches(&infinite_cylinder->round, w->ray->o,
-                                  w->origin->bound +
+    if (trace->from_surface &&
+        pen_cylinder_side_touches(&infinite_cylinder->round, trace->ray->o,
+                                  trace->origin->bound +
                                       pen_infinite_cylinder_rounding(infinite_cylinder)))
-        return test_reference(w, prim, any);
-    return offer_pair(w, prim, t, any);
+        return test_reference(trace, prim, any);
+    return offer_pair(trace, prim, t, any);
 }
 
-static inline bool test_cylinder(struct trace *w, uint32_t prim, const struct pen_cylinder *c,
+static inline bool test_cylinder(struct trace *trace, uint32_t prim, const struct pen_cylinder *c,
                                  bool any)
 {
     struct pen_interval in;
-    if (prim == w->origin->prim)
-        return !(w->origin->part == PEN_PART_SIDE &&
-                 pen_cylinder_side_outward(&c->round, w->ray)) &&
-               test_reference(w, prim, any);
-    if (w->from_surface && pen_cylinder_touches(c, w->ray->o, w->origin->bound))
-        return test_reference(w, prim, any);
-    if (!pen_cylinder_interval(c, w->ray, &in))
+    if (prim == trace->origin->prim)
+        return !(trace->origin->part == PEN_PART_SIDE &&
+                 pen_cylinder_side_outward(&c->round, trace->ray)) &&
+               test_reference(trace, prim, any);
+    if (trace->from_surface && pen_cylinder_touches(c, trace->ray->o, trace->origin->bound))
+        return test_reference(trace, prim, any);
+    if (!pen_cylinder_interval(c, trace->ray, &in))
         return false;
-    return ((c->caps || in.lo_part == PEN_PART_SIDE) && offer(w, prim, in.lo, in.lo_part, any)) ||
-           ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(w, prim, in.hi, in.hi_part, any));
+    return ((c->caps || in.lo_part == PEN_PART_SIDE) &&
+            offer(trace, prim, in.lo, in.lo_part, any)) ||
+           ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(trace, prim, in.hi, in.hi_part, any));
 }
 
 /* Offers the intersection of the ray's line with a flat primitive at t, if the self-intersection
  * rule does not decide otherwise. */
-static inline bool offer_flat(struct trace *w, uint32_t prim, double t, bool any)
+static inline bool offer_flat(struct trace *trace, uint32_t prim, double t, bool any)
 {
-    bool late = t > (any ? w->shadow->tmax : w->best.t);
-    if (!w->from_surface)
-        return t > 0 && !late && offer(w, prim, t, PEN_PART_SIDE, any);
-    if (prim == w->origin->prim)
+    bool late = t > (any ? trace->shadow->tmax : trace->best.t);
+    if (!trace->from_surface)
+        return t > 0 && !late && offer(trace, prim, t, PEN_PART_SIDE, any);
+    if (prim == trace->origin->prim)
         return false;
-    if (t * t <= w->near_sq)
-        return test_reference(w, prim, any);
+    if (t * t <= trace->near_sq)
+        return test_reference(trace, prim, any);
     if (late)
         return false;
-    const struct pen_prim_ref ref = w->accel->prims->ref[prim];
-    struct pen_vec3 n = *flat_normal(w->accel->prims, ref);
-    if (fabs(t * pen_dot(w->ray->d, n)) <=
-            w->origin->bound + 8 * PEN_U * flat_scale(w, ref, w->ray->o) &&
-        pen_flat_touches(n, pen_prim_scale(w->accel->prims, prim, w->ray->o), w->ray, t,
-                         w->origin->bound))
-        return test_reference(w, prim, any);
-    return offer(w, prim, t, PEN_PART_SIDE, any);
+    const struct pen_prim_ref ref = trace->accel->prims->ref[prim];
+    struct pen_vec3 n = *flat_normal(trace->accel->prims, ref);
+    if (fabs(t * pen_dot(trace->ray->d, n)) <=
+            trace->origin->bound + 8 * PEN_U * flat_scale(trace, ref, trace->ray->o) &&
+        pen_flat_touches(n, pen_prim_scale(trace->accel->prims, prim, trace->ray->o), trace->ray, t,
+                         trace->origin->bound))
+        return test_reference(trace, prim, any);
+    return offer(trace, prim, t, PEN_PART_SIDE, any);
 }
 
 /* The same for a finite primitive. Most of those behind the origin are dropped at once. */
-static inline bool offer_bounded(struct trace *w, uint32_t prim, double t, bool any)
+static inline bool offer_bounded(struct trace *trace, uint32_t prim, double t, bool any)
 {
-    if (t < 0 && (!w->from_surface || t * t > w->near_sq))
+    if (t < 0 && (!trace->from_surface || t * t > trace->near_sq))
         return false;
-    return offer_flat(w, prim, t, any);
+    return offer_flat(trace, prim, t, any);
 }
 
 /* Tests one primitive of any kind, by the functions of its header or by the reference. */
-static inline bool test_prim(struct trace *w, uint32_t prim, bool any)
+static inline bool test_prim(struct trace *trace, uint32_t prim, bool any)
 {
-    const struct pen_prims *prims = w->accel->prims;
+    const struct pen_prims *prims = trace->accel->prims;
     const struct pen_prim_ref ref = prims->ref[prim];
     double t;
     switch (pen_block_of(ref.kind)) {
     case PEN_BLOCK_SPHERES:
-        return test_sphere(w, prim, &prims->sphere[ref.index], any);
+        return test_sphere(trace, prim, &prims->sphere[ref.index], any);
     case PEN_BLOCK_INFINITE_CYLINDERS:
-        return test_infinite_cylinder(w, prim, &prims->infinite_cylinder[ref.index], any);
+        return test_infinite_cylinder(trace, prim, &prims->infinite_cylinder[ref.index], any);
     case PEN_BLOCK_CYLINDERS:
-        return test_cylinder(w, prim, &prims->cylinder[ref.index], any);
+        return test_cylinder(trace, prim, &prims->cylinder[ref.index], any);
     case PEN_BLOCK_PLANES:
-        return pen_plane_root(&prims->plane[ref.index], w->ray, &t) && offer_flat(w, prim, t, any);
+        return pen_plane_root(&prims->plane[ref.index], trace->ray, &t) &&
+               offer_flat(trace, prim, t, any);
     case PEN_BLOCK_TRIANGLES:
-        return pen_triangle_root(&prims->triangle[ref.index], w->ray, &t) &&
-               offer_bounded(w, prim, t, any);
+        return pen_triangle_root(&prims->triangle[ref.index], trace->ray, &t) &&
+               offer_bounded(trace, prim, t, any);
     case PEN_BLOCK_POLYGONS:
-        return pen_polygon_root(&prims->polygon[ref.index], w->ray, &t) &&
-               offer_bounded(w, prim, t, any);
+        return pen_polygon_root(&prims->polygon[ref.index], trace->ray, &t) &&
+               offer_bounded(trace, prim, t, any);
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
         break;
     }
-    return test_reference(w, prim, any);
+    return test_reference(trace, prim, any);
 }
 
 /* The primitives of a block, in order; NULL if the item is not a block. */
@@ -282,23 +287,23 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
 
 /* Tests one primitive of a leaf. A flat primitive with the ray's origin on its border may count as
  * hit although the ray's line misses its inside, so the reference decides near the origin. */
-static inline bool test_one(struct trace *w, uint32_t prim, bool any)
+static inline bool test_one(struct trace *trace, uint32_t prim, bool any)
 {
-    uint32_t kind = w->accel->prims->ref[prim].kind;
-    if (w->reaches_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
-        return prim != w->origin->prim && test_reference(w, prim, any);
-    return test_prim(w, prim, any);
+    uint32_t kind = trace->accel->prims->ref[prim].kind;
+    if (trace->reaches_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
+        return prim != trace->origin->prim && test_reference(trace, prim, any);
+    return test_prim(trace, prim, any);
 }
 
 /* Tests the primitives of an item one by one. */
-static inline bool test_each(struct trace *w, uint32_t item, bool any)
+static inline bool test_each(struct trace *trace, uint32_t item, bool any)
 {
     if (PEN_ITEM_KIND(item) == PEN_BLOCK_SINGLE)
-        return test_one(w, PEN_ITEM_INDEX(item), any);
+        return test_one(trace, PEN_ITEM_INDEX(item), any);
     bool generic = PEN_ITEM_KIND(item) == PEN_BLOCK_GENERIC;
-    const uint32_t *prim = block_prims(w->accel, item);
+    const uint32_t *prim = block_prims(trace->accel, item);
     for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
-        if (generic ? test_reference(w, prim[lane], any) : test_one(w, prim[lane], any))
+        if (generic ? test_reference(trace, prim[lane], any) : test_one(trace, prim[lane], any))
             return true;
     }
     return false;

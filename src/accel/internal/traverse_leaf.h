@@ -7,31 +7,31 @@
 #include "accel/internal/prim_test.h"
 
 /* Counts the boxes of a node: all at once, as they are tested. */
-static inline void count_boxes(const struct trace *w, const uint32_t *child, int lanes)
+static inline void count_boxes(const struct trace *trace, const uint32_t *child, int lanes)
 {
     for (int lane = 0; lane < lanes; lane++)
-        w->accel->counts->boxes += child[lane] != PEN_CHILD_LEAF;
+        trace->accel->counts->boxes += child[lane] != PEN_CHILD_LEAF;
 }
 
 /* Counts the primitives of an item: all of a block, whichever of them ends the query. */
-static inline void count_prims(const struct trace *w, uint32_t item)
+static inline void count_prims(const struct trace *trace, uint32_t item)
 {
-    const uint32_t *prim = block_prims(w->accel, item);
-    w->accel->counts->primitives += PEN_ITEM_KIND(item) == PEN_BLOCK_SINGLE;
+    const uint32_t *prim = block_prims(trace->accel, item);
+    trace->accel->counts->primitives += PEN_ITEM_KIND(item) == PEN_BLOCK_SINGLE;
     for (int lane = 0; prim && lane < PEN_LANES; lane++)
-        w->accel->counts->primitives += prim[lane] != PEN_NO_PRIM;
+        trace->accel->counts->primitives += prim[lane] != PEN_NO_PRIM;
 }
 
 /* Tests the items of a leaf, or of a list beside the nodes; true if an intersection ended the
  * query. `starts_inside` tells whether the ray enters the leaf's box no later than the query
  * begins, so that the box contains the origin. */
-static inline bool test_leaf(struct trace *w, uint32_t first, bool starts_inside, bool any)
+static inline bool test_leaf(struct trace *trace, uint32_t first, bool starts_inside, bool any)
 {
-    w->reaches_origin = w->from_surface && starts_inside;
-    for (const uint32_t *item = &w->accel->items[first];; item++) {
+    trace->reaches_origin = trace->from_surface && starts_inside;
+    for (const uint32_t *item = &trace->accel->items[first];; item++) {
         if (COUNTING)
-            count_prims(w, *item);
-        if (test_item(w, *item, any))
+            count_prims(trace, *item);
+        if (test_item(trace, *item, any))
             return true;
         if (*item & PEN_ITEM_LAST)
             return false;
@@ -39,9 +39,9 @@ static inline bool test_leaf(struct trace *w, uint32_t first, bool starts_inside
 }
 
 /* The box t beyond which intersections do not count. */
-static inline float traverse_limit(const struct trace *w, const struct box_ray *box, bool any)
+static inline float traverse_limit(const struct trace *trace, const struct box_ray *box, bool any)
 {
-    return pen_float_up((any ? w->shadow->tmax : w->best.t) * box->scale);
+    return pen_float_up((any ? trace->shadow->tmax : trace->best.t) * box->scale);
 }
 
 #endif

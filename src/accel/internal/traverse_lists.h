@@ -15,28 +15,28 @@ struct list_level {
     float near[PEN_WIDE];
 };
 
-static inline void list_enter(const struct trace *w, const struct box_ray *box, float limit,
+static inline void list_enter(const struct trace *trace, const struct box_ray *box, float limit,
                               uint32_t number, struct list_level *level)
 {
-    const struct pen_node *node = &w->accel->nodes[number];
+    const struct pen_node *node = &trace->accel->nodes[number];
     if (COUNTING)
-        count_boxes(w, node->child, PEN_WIDE);
+        count_boxes(trace, node->child, PEN_WIDE);
     level->node = number;
     level->mask = enter_node(node, box, limit, level->near);
 }
 
-static inline bool traverse_lists(struct trace *w, const struct box_ray *box, bool any)
+static inline bool traverse_lists(struct trace *trace, const struct box_ray *box, bool any)
 {
     struct list_level stack[PEN_MAX_DEPTH];
-    float limit = traverse_limit(w, box, any);
+    float limit = traverse_limit(trace, box, any);
     int top = 0;
-    list_enter(w, box, limit, 0, &stack[0]);
+    list_enter(trace, box, limit, 0, &stack[0]);
     while (top >= 0) {
         struct list_level *level = &stack[top];
-        const struct pen_node *node = &w->accel->nodes[level->node];
+        const struct pen_node *node = &trace->accel->nodes[level->node];
         if (level->mask == 0) {
             if (node->child[0] & PEN_CHILD_MORE)
-                list_enter(w, box, limit, level->node + 1, level);
+                list_enter(trace, box, limit, level->node + 1, level);
             else
                 top--;
             continue;
@@ -47,12 +47,12 @@ static inline bool traverse_lists(struct trace *w, const struct box_ray *box, bo
         if (level->near[lane] > limit)
             continue;
         if (!(child & PEN_CHILD_LEAF)) {
-            list_enter(w, box, limit, child, &stack[++top]);
+            list_enter(trace, box, limit, child, &stack[++top]);
             continue;
         }
-        if (test_leaf(w, child & ~PEN_CHILD_LEAF, level->near[lane] <= box->tmin, any))
+        if (test_leaf(trace, child & ~PEN_CHILD_LEAF, level->near[lane] <= box->tmin, any))
             return true;
-        limit = traverse_limit(w, box, any);
+        limit = traverse_limit(trace, box, any);
     }
     return false;
 }

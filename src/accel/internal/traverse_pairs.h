@@ -10,26 +10,26 @@ struct pair_pending {
     uint32_t child;
 };
 
-static inline bool traverse_pairs(struct trace *w, const struct box_ray *box, bool any)
+static inline bool traverse_pairs(struct trace *trace, const struct box_ray *box, bool any)
 {
     struct pair_pending stack[PEN_MAX_DEPTH];
     int top = 0;
     stack[top++] = (struct pair_pending){0, 0};
-    float limit = traverse_limit(w, box, any);
+    float limit = traverse_limit(trace, box, any);
     while (top > 0) {
         struct pair_pending at = stack[--top];
         if (at.near > limit)
             continue;
         if (at.child & PEN_CHILD_LEAF) {
-            if (test_leaf(w, at.child & ~PEN_CHILD_LEAF, at.near <= box->tmin, any))
+            if (test_leaf(trace, at.child & ~PEN_CHILD_LEAF, at.near <= box->tmin, any))
                 return true;
-            limit = traverse_limit(w, box, any);
+            limit = traverse_limit(trace, box, any);
             continue;
         }
-        const struct pen_pair *pair = &w->accel->pairs[at.child];
+        const struct pen_pair *pair = &trace->accel->pairs[at.child];
         float near[2];
         if (COUNTING)
-            count_boxes(w, pair->child, 2);
+            count_boxes(trace, pair->child, 2);
         unsigned mask = enter_pair(pair, box, limit, near);
         unsigned first = mask == 3 && near[1] < near[0] ? 1 : 0;
         if (mask >> (1 - first) & 1)

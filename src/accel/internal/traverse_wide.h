@@ -32,21 +32,21 @@ static inline int push_children(struct pending *stack, int top, const struct pen
 
 /* Visits the boxes that the ray enters, nearest first. A box is entered if its near distance is <=
  * the best t, so that of intersections at equal t the one with the lowest number wins. */
-static inline void traverse_nearest(struct trace *w, const struct box_ray *box)
+static inline void traverse_nearest(struct trace *trace, const struct box_ray *box)
 {
     struct pending stack[STACK];
     int top = 0;
     uint32_t child = 0;
-    float limit = pen_float_up(w->best.t * box->scale), entry = box->tmin;
+    float limit = pen_float_up(trace->best.t * box->scale), entry = box->tmin;
     for (;;) {
         if (child & PEN_CHILD_LEAF) {
-            test_leaf(w, child & ~PEN_CHILD_LEAF, entry <= box->tmin, false);
-            limit = pen_float_up(w->best.t * box->scale);
+            test_leaf(trace, child & ~PEN_CHILD_LEAF, entry <= box->tmin, false);
+            limit = pen_float_up(trace->best.t * box->scale);
         } else {
-            const struct pen_node *node = &w->accel->nodes[child];
+            const struct pen_node *node = &trace->accel->nodes[child];
             float near[PEN_WIDE];
             if (COUNTING)
-                count_boxes(w, node->child, PEN_WIDE);
+                count_boxes(trace, node->child, PEN_WIDE);
             unsigned mask = enter_node(node, box, limit, near);
             if (mask && !(mask & (mask - 1))) {
                 child = node->child[__builtin_ctz(mask)];
@@ -66,24 +66,24 @@ static inline void traverse_nearest(struct trace *w, const struct box_ray *box)
 }
 
 /* Visits the boxes that the ray enters, in any order; true if an intersection ended the query. */
-static inline bool traverse_any(struct trace *w, const struct box_ray *box)
+static inline bool traverse_any(struct trace *trace, const struct box_ray *box)
 {
     uint32_t stack[STACK];
     int top = 0;
-    float limit = pen_float_up(w->shadow->tmax * box->scale);
+    float limit = pen_float_up(trace->shadow->tmax * box->scale);
     stack[top++] = 0;
     while (top > 0) {
-        const struct pen_node *node = &w->accel->nodes[stack[--top]];
+        const struct pen_node *node = &trace->accel->nodes[stack[--top]];
         float near[PEN_WIDE];
         if (COUNTING)
-            count_boxes(w, node->child, PEN_WIDE);
+            count_boxes(trace, node->child, PEN_WIDE);
         unsigned mask = enter_node(node, box, limit, near);
         for (; mask; mask &= mask - 1) {
             int lane = __builtin_ctz(mask);
             uint32_t child = node->child[lane];
             if (!(child & PEN_CHILD_LEAF))
                 stack[top++] = child;
-            else if (test_leaf(w, child & ~PEN_CHILD_LEAF, near[lane] <= box->tmin, true))
+            else if (test_leaf(trace, child & ~PEN_CHILD_LEAF, near[lane] <= box->tmin, true))
                 return true;
         }
     }
