@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 # Builds Penumbra: build/penumbrad, build/penumbra, build/libpenumbra.a, build/libpenumbra.so.
 # Results depend on the flags in PIXEL_FLAGS: no contraction, no fast-math, on every file.
-# Files named *_avx2.c are compiled with -mavx2 -mfma and are entered only after a cpuid check.
+# Files named *_isa.c are compiled once for each instruction set; those objects are entered only after a
+# cpuid check.
 
 BUILD ?= build
 PREFIX ?= /usr/local
@@ -49,6 +50,9 @@ MACHINE := $(shell $(CC) -dumpmachine 2>/dev/null)
 ifneq ($(findstring x86_64,$(MACHINE)),)
 AVX2_FLAGS := -mavx2 -mfma
 endif
+# The instruction sets of PEN_ISA_LIST and the flags of each.
+ISAS := $(shell sed -n 's/^ *X.[A-Z0-9]*, \([a-z0-9]*\),.*/\1/p' src/base/cpu.h)
+ISA_FLAGS_avx2 := $(AVX2_FLAGS)
 
 # libpenumbra, for other programs. A sanitizer's runtime belongs to a program, so those builds make no
 # shared library.
@@ -62,7 +66,9 @@ COMPLETION := $(if $(SAN),,$(BUILD)/completion/penumbra.bash $(BUILD)/completion
 
 LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(call room_files,$(r)))
 SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r)))
-LIB_OBJ := $(LIB_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/builtin_scenes.o
+ISA_SRC := $(filter %_isa.c,$(LIB_SRC))
+ISA_OBJ := $(foreach isa,$(ISAS),$(ISA_SRC:%.c=$(BUILD)/%_$(isa).o))
+LIB_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ISA_SRC),$(LIB_SRC))) $(ISA_OBJ) $(BUILD)/gen/builtin_scenes.o
 SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o
 CMD_COMMON := $(sort $(wildcard src/cmd/*.c))
 CMD_OBJ := $(CMD_COMMON:%.c=$(BUILD)/%.o)
@@ -140,13 +146,21 @@ $(COMPLETION): $(BUILD)/completion/penumbra.%: deploy/completion/penumbra.% depl
 	$(Q)sh deploy/completion/make.sh $(BUILD)/completion/table $< > $@.tmp && mv $@.tmp $@
 
 $(foreach r,math geom accel shade film,$(eval $$(BUILD)/src/$(r)/%.o: ROOM_OPT := $$(PIXEL_OPT)))
-$(BUILD)/src/%_avx2.o: EXTRA := $(AVX2_FLAGS)
 # Loops over bytes of pixels, which the compiler vectorises at -O3.
 $(BUILD)/src/store/pixels.o: EXTRA := -O3
+define compile_object
+@mkdir -p $(@D)
+$(call say,CC ,$<)
+$(Q)$(COMPILE) $(PKG_CFLAGS) $(LIB_FLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
+endef
 $(BUILD)/%.o: %.c Makefile
-	@mkdir -p $(@D)
-	$(call say,CC ,$<)
-	$(Q)$(COMPILE) $(PKG_CFLAGS) $(LIB_FLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
+	$(compile_object)
+define isa_rules
+$(ISA_SRC:%.c=$(BUILD)/%_$(1).o): EXTRA := $(ISA_FLAGS_$(1)) -DPEN_ISA=$(1)
+$(ISA_SRC:%.c=$(BUILD)/%_$(1).o): $(BUILD)/%_$(1).o: %.c Makefile
+	$$(compile_object)
+endef
+$(foreach isa,$(ISAS),$(eval $(call isa_rules,$(isa))))
 
 # Files that are compiled into the programs: scenes/*.json and api/*.
 $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh

@@ -9,7 +9,7 @@
 
 const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa)
 {
-#define TABLE_ROW(UPPER, lower) [PEN_ISA_##UPPER] = &pen_trace_##lower,
+#define TABLE_ROW(UPPER, lower, ...) [PEN_ISA_##UPPER] = &pen_trace_##lower,
     static const struct pen_trace_ops *const ops[PEN_ISA_COUNT] = {PEN_ISA_LIST(TABLE_ROW)};
 #undef TABLE_ROW
     return ops[isa];
@@ -17,7 +17,7 @@ const struct pen_trace_ops *pen_trace_ops_get(enum pen_isa isa)
 
 const struct pen_trace_ops *pen_trace_count_ops_get(enum pen_isa isa)
 {
-#define TABLE_ROW(UPPER, lower) [PEN_ISA_##UPPER] = &pen_trace_count_##lower,
+#define TABLE_ROW(UPPER, lower, ...) [PEN_ISA_##UPPER] = &pen_trace_count_##lower,
     static const struct pen_trace_ops *const ops[PEN_ISA_COUNT] = {PEN_ISA_LIST(TABLE_ROW)};
 #undef TABLE_ROW
     return ops[isa];

@@ -11,21 +11,18 @@
 
 #include "base/utf8.h"
 
-static bool has_avx2(void)
-{
-#if defined(__x86_64__) && defined(__GNUC__)
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#else
-    return false;
-#endif
-}
-
 enum pen_isa pen_cpu_isa(void)
 {
-    const char *forced = getenv("PENUMBRA_ISA");
-    if (forced && strcmp(forced, "base") == 0)
-        return PEN_ISA_BASE;
-    return has_avx2() ? PEN_ISA_AVX2 : PEN_ISA_BASE;
+    const char *last = getenv("PENUMBRA_ISA");
+    enum pen_isa best = PEN_ISA_BASE;
+#define TRY(UPPER, lower, runs)                                                                    \
+    if (runs)                                                                                      \
+        best = PEN_ISA_##UPPER;                                                                    \
+    if (last && strcmp(last, #lower) == 0)                                                         \
+        return best;
+    PEN_ISA_LIST(TRY)
+#undef TRY
+    return best;
 }
 
 bool pen_float_is_default(void)
@@ -39,7 +36,7 @@ bool pen_float_is_default(void)
 
 const char *pen_isa_name(enum pen_isa isa)
 {
-#define NAME(UPPER, lower) [PEN_ISA_##UPPER] = #lower,
+#define NAME(UPPER, lower, ...) [PEN_ISA_##UPPER] = #lower,
     static const char *const name[PEN_ISA_COUNT] = {PEN_ISA_LIST(NAME)};
 #undef NAME
     return name[isa];

@@ -6,24 +6,32 @@
 #include <stdbool.h>
 
 /* The instruction sets that performance-critical files are compiled for, the preferred one last:
- * X(name in capitals, name). BASE is the compiler's baseline. The files *_avx2.c are compiled for
- * AVX2 and FMA.
- * Token pasting makes PEN_ISA_<name in capitals> here, the names of the tables of each room that
- * has such files, as their headers state, and the names that statistics show. */
+ *   X(NAME, name, whether this processor runs it)
+ * BASE is the compiler's baseline. The Makefile reads the names here, has flags for each, and
+ * compiles each file *_isa.c once for each, with PEN_ISA defined as the name. Token pasting makes
+ * PEN_ISA_<NAME> here, the names of the tables of each room that has such files, as their headers
+ * state, and the names that statistics show. */
 #define PEN_ISA_LIST(X)                                                                            \
-    X(BASE, base)                                                                                  \
-    X(AVX2, avx2)
+    X(BASE, base, true)                                                                            \
+    X(AVX2, avx2, PEN_CPU_HAS("avx2") && PEN_CPU_HAS("fma"))
 
-#define PEN_ISA_ENUMERATOR(UPPER, lower) PEN_ISA_##UPPER,
+#if defined(__x86_64__) && defined(__GNUC__)
+#define PEN_CPU_HAS(feature) __builtin_cpu_supports(feature)
+#else
+#define PEN_CPU_HAS(feature) false
+#endif
+
+#define PEN_ISA_ENUMERATOR(UPPER, ...) PEN_ISA_##UPPER,
 enum pen_isa { PEN_ISA_LIST(PEN_ISA_ENUMERATOR) };
 #undef PEN_ISA_ENUMERATOR
 
-#define PEN_ISA_COUNT_ONE(UPPER, lower) +1
+#define PEN_ISA_COUNT_ONE(...) +1
 enum { PEN_ISA_COUNT = 0 PEN_ISA_LIST(PEN_ISA_COUNT_ONE) };
 #undef PEN_ISA_COUNT_ONE
 
 /* The preferred instruction set among those that this processor has. The environment variable
- * PENUMBRA_ISA=base forces the baseline, for tests; the pictures are the same. */
+ * PENUMBRA_ISA=NAME, for tests, rules out those after that one in the list; the pictures are the
+ * same. */
 enum pen_isa pen_cpu_isa(void);
 
 /* The name in PEN_ISA_LIST: "base" or "avx2". */

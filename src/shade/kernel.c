@@ -7,7 +7,7 @@
 
 static const struct pen_kernel *table_of(enum pen_isa isa)
 {
-#define TABLE_ROW(UPPER, lower) [PEN_ISA_##UPPER] = pen_kernels_##lower,
+#define TABLE_ROW(UPPER, lower, ...) [PEN_ISA_##UPPER] = pen_kernels_##lower,
     static const struct pen_kernel *const table[PEN_ISA_COUNT] = {PEN_ISA_LIST(TABLE_ROW)};
 #undef TABLE_ROW
     return table[isa];

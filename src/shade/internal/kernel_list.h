@@ -2,11 +2,11 @@
 /* The compiled kernels: one line each, a name and the mask of the effects that it computes. The
  * masks are the sets of effects that scenes really call for. Adding a kernel is adding a line.
  *
- * Each kernel_<instruction set>.c compiles the whole list by including kernel_table.h. Names made
- * by token pasting, from the identifier in a line's first column:
- *   pixel_<identifier>   static in kernel_<instruction set>.c: the kernel's pen_kernel_fn
- * and, from the names in PEN_ISA_LIST (base/cpu.h):
- *   pen_kernels_<instruction set>   the table that each of these files defines
+ * kernel_isa.c compiles the whole list, once for each instruction set of PEN_ISA_LIST (base/cpu.h).
+ * Names made by token pasting:
+ *   pixel_<identifier>              static there, from a line's first column: the kernel's
+ *                                   pen_kernel_fn
+ *   pen_kernels_<instruction set>   the table of them
  *
  * The last line must be the kernel of all effects: it covers what no other line does. */
 #ifndef PEN_SHADE_INTERNAL_KERNEL_LIST_H
@@ -46,7 +46,7 @@ enum { PEN_KERNEL_COUNT = 0 PEN_KERNEL_LIST(PEN_KERNEL_COUNT_ONE) };
 #undef PEN_KERNEL_COUNT_ONE
 
 /* One table for each instruction set, in the list's order. */
-#define PEN_KERNEL_DECLARE(UPPER, lower)                                                           \
+#define PEN_KERNEL_DECLARE(UPPER, lower, ...)                                                      \
     extern const struct pen_kernel pen_kernels_##lower[PEN_KERNEL_COUNT];
 PEN_ISA_LIST(PEN_KERNEL_DECLARE)
 #undef PEN_KERNEL_DECLARE

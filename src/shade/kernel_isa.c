@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Compiles every kernel of the list and the table of them, for one instruction set. The including
- * file defines KERNEL_ISA, the instruction set's name in PEN_ISA_LIST (base/cpu.h), and is itself
- * compiled with that instruction set's flags. */
-#ifndef PEN_SHADE_INTERNAL_KERNEL_TABLE_H
-#define PEN_SHADE_INTERNAL_KERNEL_TABLE_H
-
+/* Every kernel of the list and the table of them, pen_kernels_<instruction set>. Compiled once for
+ * each instruction set, PEN_ISA (base/cpu.h). */
 #include "shade/internal/kernel_body.h"
 #include "shade/internal/kernel_list.h"
 
@@ -23,7 +19,5 @@ PEN_KERNEL_LIST(PIXEL_FUNCTION)
 #define TABLE_OF_TOKEN(token) pen_kernels_##token
 
 #define TABLE_ROW(identifier, kernel_name, mask)                                                   \
-    {.name = kernel_name "/" NAME_OF_ISA(KERNEL_ISA), .effects = mask, .pixel = pixel_##identifier},
-const struct pen_kernel TABLE_OF_ISA(KERNEL_ISA)[PEN_KERNEL_COUNT] = {PEN_KERNEL_LIST(TABLE_ROW)};
-
-#endif
+    {.name = kernel_name "/" NAME_OF_ISA(PEN_ISA), .effects = mask, .pixel = pixel_##identifier},
+const struct pen_kernel TABLE_OF_ISA(PEN_ISA)[PEN_KERNEL_COUNT] = {PEN_KERNEL_LIST(TABLE_ROW)};

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/* The queries and their table, pen_trace_<instruction set>. */
+#include "accel/internal/isa.h"
+
+enum { COUNTING = 0 };
+
+#include "accel/internal/packet_test.h"
+#include "accel/internal/traverse_query.h"
+#include "accel/internal/variants.h"
+
+const struct pen_trace_ops ISA_NAMED(pen_trace_, PEN_ISA) = {
+    .name = ISA_NAME(PEN_ISA),
+    .nearest = nearest,
+    .shadow = shadow,
+    .packet_begin = packet_begin,
+    .packet_test = packet_test,
+    .packet_ray = packet_ray,
+};
