@@ -3,21 +3,24 @@
 # A suite that cannot fail proves nothing: builds the renderer with one mistake at a time, and each
 # must make the row fail that was written against it. The same row must pass without the mistake.
 #   tests/property/mutants.sh BUILD [NAME…]      only these mutants
+#   tests/property/mutants.sh BUILD --edits      builds nothing: does each edit still fit the source?
 # A mistake is an edit that must change exactly as many lines as the list at the end says. One that
 # does not fit the source any more, or does not compile, is an error, not a kill.
 # Writes BUILD/stability/mutants.json; exit 1 if a mutant survives or could not be judged.
 set -u
 build=$1
 shift
+edits=
+[ "${1:-}" != --edits ] || { edits=1 && shift; }
 only=" $* "
 cd "$(dirname "$0")/../.." || exit 2
-dir=$build/mutants
+dir=$build/mutants${edits:+-edits}
 facts=$dir/facts
 stability=build/tests/property/stability
 films=build/tests/property/films
 make="${MAKE:-make} BUILD=build"
 unset MAKEFLAGS MAKELEVEL
-survived=0 errors=0 killed=0
+survived=0 errors=0 killed=0 fit=0
 mkdir -p "$dir/control" "$build/stability"
 : >"$facts"
 
@@ -26,14 +29,15 @@ for entry in "$dir"/* "$dir"/control/*; do
     case $entry in "$dir/control" | "$dir/control/build" | "$facts") ;; *) rm -rf "$entry" ;; esac
 done
 cp -a Makefile src "$dir/control"
-[ ! -d include ] || cp -a include "$dir/control"
-mkdir "$dir/control/tests"
-cp -a tests/property tests/support tests/golden "$dir/control/tests"
-cp -a scenes api deploy "$dir/control"
-(cd "$dir/control" && $make -s -j"${JOBS:-$(nproc)}" $stability $films) >"$dir/control.log" 2>&1 || {
-    tail -n 20 "$dir/control.log"
-    echo "mutants: the source as it is does not build" >&2
-    exit 2
+[ -n "$edits" ] || {
+    cp -a include scenes api deploy "$dir/control"
+    mkdir "$dir/control/tests"
+    cp -a tests/property tests/support tests/golden "$dir/control/tests"
+    (cd "$dir/control" && $make -s -j"${JOBS:-$(nproc)}" $stability $films) >"$dir/control.log" 2>&1 || {
+        tail -n 20 "$dir/control.log"
+        echo "mutants: the source as it is does not build" >&2
+        exit 2
+    }
 }
 
 wrong() { # WHAT
@@ -44,6 +48,7 @@ wrong() { # WHAT
 }
 
 fact() { # OUTCOME FIGURES
+    [ -z "$edits" ] || return
     jq -nc --arg name "$name" --arg what "$what" --arg row "$row" --argjson cases "$cases" \
         --arg outcome "$1" --arg figures "$2" \
         '{id: "mutant", name: ("mutant_" + $name), what: $what, row: $row, outcome: $outcome,
@@ -83,6 +88,11 @@ run_row() {
 # Builds what was edited, with the variables of make that are given.
 build_mutant() {
     [ -z "$skip" ] || return
+    [ -z "$edits" ] || {
+        rm -rf "${dir:?}/$name"
+        skip=1 fit=$((fit + 1))
+        return
+    }
     (cd "$dir/$name" && $make -s -j"${JOBS:-$(nproc)}" $stability $films "$@") >"$dir/$name.log" 2>&1 ||
         wrong "does not compile: $(grep -m1 -E 'error|Error' "$dir/$name.log")"
 }
@@ -224,10 +234,33 @@ mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point 
 edit src/base/thread_pool.c 1 's/^        fesetenv\(FE_DFL_ENV\);$//'
 judge
 
+mutant cone_digits o1_cone 20000 "a cone's side is never found in twice the precision"
+edit src/geom/cone.c 1 's/^    if \(!\(4 \* \(k \* k\) < mm\)\)$/    if (!(k * k < mm))/'
+edit src/geom/cone.c 1 's/^    if \(8 \* fabs\(wp\) < widest \|\| .*$/    if (0 * widest > 0 ||/'
+edit src/geom/cone.c 1 's/^        fabs\(fabs\(tp\) - h\) < PEN_NEAR \* h\)$/        fabs(fabs(tp) - h) < 0)/'
+judge
+
+mutant cone_nappe o1_cone 20000 "a steep ray meets the nappe of a cone on which the radius is negative"
+edit src/geom/cone.c 1 's/^    else if \(e->grows > 0\)$/    else if (e->grows < 0)/'
+judge
+
+mutant cone_inward cone_left 20000 "a ray that leaves a cone's side goes inward where it should go outward"
+edit src/geom/cone.c 1 's/^    bool inward = apex \? e\.grows > 0 : e\.b\.hi < 0;$/    bool inward = apex ? e.grows > 0 : e.b.hi > 0;/'
+judge
+
+mutant cone_box cone_boxes 20000 "the box of a cone holds its base, not its top"
+edit src/geom/cone.c 2 's/^    b = pen_box_add_point\(b, pen_along\(top, rim, -?c->top_radius\)\);$/    b = pen_box_add_point(b, pen_along(top, rim, -0.0 * c->top_radius));/'
+judge
+
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'
 judge_libm
 
+[ -z "$edits" ] || {
+    echo "$fit mutants fit the source, $errors do not"
+    [ "$errors" -eq 0 ] && [ "$fit" -gt 0 ]
+    exit
+}
 jq -s '{killed: map(select(.outcome == "killed")) | length, total: length, rows: .}' "$facts" \
     >"$build/stability/mutants.json"
 echo "$killed killed, $survived survived, $errors could not be judged"
