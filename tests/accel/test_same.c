@@ -149,6 +149,18 @@ static void follow_path(struct random *random, const struct ways *ways, const ui
     }
 }
 
+/* Cones for a world: pointed or truncated, capped or open, either way up. */
+static void add_cones(struct random *random, uint32_t count, double size)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        double top = random_below(random, 2) ? 0 : random_in(random, .1, .9);
+        const double radius[2] = {size, size * top};
+        struct pen_vec3 base = random_vec(random, 1);
+        world_cone(&world, base, random_direction(random), radius, random_in(random, .3, 3) * size,
+                   random_below(random, 2));
+    }
+}
+
 START_TEST(test_accel__h095_equals_brute_force)
 {
     struct random random = random_begin(2);
@@ -156,6 +168,8 @@ START_TEST(test_accel__h095_equals_brute_force)
     for (int scene = 0; scene < random_cases(150); scene++) {
         world_clear(&world);
         world_random(&world, &random, random_below(&random, 60), random_in(&random, 0.02, 1));
+        if (scene & 1)
+            add_cones(&random, 1 + random_below(&random, 20), random_in(&random, 0.02, 1));
         for (uint32_t i = 0; i < world.prims.count; i++)
             see_through[i] = random_below(&random, 8) != 0;
         struct ways ways = build(&world, &random);
@@ -223,6 +237,8 @@ START_TEST(test_accel__h073_seams)
         see_through[6] = room == ROOM_PANE;
         if (i & 1) /* something else in the leaves */
             world_cylinder(&world, eye, random_direction(&r), .1, .1, true);
+        if (i & 2)
+            world_cone(&world, eye, random_direction(&r), (const double[2]){.1, 0}, .1, true);
         struct ways ways = build(&world, &r);
         for (int k = 0; k < 40; k++)
             follow_seam(&r, &ways, eye, room < ROOM_CONVEX_COUNT, see_through);
