@@ -38,20 +38,20 @@ static int walk(int direction, vec3 o, vec3 d, struct pen_hit hit[MOST])
     return count;
 }
 
-struct crossing {
+struct wanted_hit {
     double t;
     uint32_t prim;
 };
 
-static void assert_intersections(vec3 o, vec3 d, const struct crossing *want, int wanted)
+static void assert_intersections(vec3 o, vec3 d, const struct wanted_hit *want, int wanted)
 {
     for (int direction = 0; direction < WAYS; direction++) {
         struct pen_hit hit[MOST];
         int count = walk(direction, o, d, hit);
-        ck_assert_msg(count == wanted, "way %d: %d crossings, not %d", direction, count, wanted);
+        ck_assert_msg(count == wanted, "way %d: %d hits, not %d", direction, count, wanted);
         for (int i = 0; i < count; i++)
             ck_assert_msg(hit[i].t == want[i].t && hit[i].prim == want[i].prim,
-                          "way %d, crossing %d: %a of %u", direction, i, hit[i].t, hit[i].prim);
+                          "way %d, hit %d: %a of %u", direction, i, hit[i].t, hit[i].prim);
     }
 }
 
@@ -68,8 +68,8 @@ static void three_bodies(double plane_z)
 START_TEST(test_collections__h033_intersections_of_several_primitives)
 {
     const vec3 up = {0, 0, 1}, beside = {5, 5, 0}, rim = {0, .6, 0}, through = {0, 0, 0};
-    const struct crossing one[] = {{.5, 0}}, three[] = {{.5, 0}, {1.2, 1}, {2.8, 1}},
-                          four[] = {{.5, 0}, {1, 1}, {3, 1}, {4, 2}};
+    const struct wanted_hit one[] = {{.5, 0}}, three[] = {{.5, 0}, {1.2, 1}, {2.8, 1}},
+                            four[] = {{.5, 0}, {1, 1}, {3, 1}, {4, 2}};
     world_clear(&world);
     build();
     assert_intersections(through, up, NULL, 0);
@@ -86,8 +86,8 @@ END_TEST
 /* Equal t: in document order. */
 START_TEST(test_collections__h033_equal_distances)
 {
-    const struct crossing near[] = {{1, 0}, {1, 1}, {3, 1}, {4, 2}},
-                          far[] = {{1, 1}, {3, 0}, {3, 1}, {4, 2}};
+    const struct wanted_hit near[] = {{1, 0}, {1, 1}, {3, 1}, {4, 2}},
+                            far[] = {{1, 1}, {3, 0}, {3, 1}, {4, 2}};
     for (int i = 0; i < 2; i++) {
         three_bodies(i ? 3 : 1);
         assert_intersections(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), i ? far : near, 4);
@@ -101,12 +101,12 @@ START_TEST(test_collections__h034_nearest_wherever_it_is_in_the_document)
     static const int order[6][3] = {{1, 2, 3}, {1, 3, 2}, {2, 1, 3},
                                     {2, 3, 1}, {3, 1, 2}, {3, 2, 1}};
     for (int i = 0; i < 6; i++) {
-        struct crossing want[3];
+        struct wanted_hit want[3];
         world_clear(&world);
         for (uint32_t k = 0; k < 3; k++) {
             world_triangle(&world, pen_vec3(0, 1, order[i][k]), pen_vec3(1, -1, order[i][k]),
                            pen_vec3(-1, -1, order[i][k]));
-            want[order[i][k] - 1] = (struct crossing){order[i][k], k};
+            want[order[i][k] - 1] = (struct wanted_hit){order[i][k], k};
         }
         build();
         assert_intersections(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), want, 3);

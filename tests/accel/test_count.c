@@ -15,8 +15,8 @@ static struct pen_accel *build(struct pen_arena *arena, enum pen_accelerator kin
 }
 
 /* Asks for the nearest and for a shadow, counting; the plain queries must agree. */
-static struct pen_test_counts ask(const struct pen_accel *accel, enum pen_isa isa,
-                                  const struct pen_ray *ray)
+static struct pen_test_counts count_tests(const struct pen_accel *accel, enum pen_isa isa,
+                                          const struct pen_ray *ray)
 {
     struct pen_test_counts counts = {0};
     struct pen_accel *view = pen_accel_count_new(accel, &counts);
@@ -52,8 +52,8 @@ START_TEST(test_count__variants_agree)
             struct pen_accel *accel = build(arena, (enum pen_accelerator)k);
             for (int i = 0; i < 60; i++) {
                 struct pen_ray ray = world_ray(random_vec(&r, 2), random_direction(&r));
-                struct pen_test_counts a = ask(accel, PEN_ISA_BASE, &ray);
-                struct pen_test_counts b = ask(accel, pen_cpu_isa(), &ray);
+                struct pen_test_counts a = count_tests(accel, PEN_ISA_BASE, &ray);
+                struct pen_test_counts b = count_tests(accel, pen_cpu_isa(), &ray);
                 ck_assert_msg(a.boxes == b.boxes && a.primitives == b.primitives,
                               "accelerator %d: %llu %llu and %llu %llu; seed %llu", k,
                               (unsigned long long)a.boxes, (unsigned long long)a.primitives,
@@ -94,8 +94,8 @@ START_TEST(test_count__variants_agree_at_the_faces_of_boxes)
             struct pen_ray ray;
             if (!pen_ray_make(&ray, random_below(&r, 2) ? p->v[0] : o, d))
                 continue;
-            struct pen_test_counts a = ask(accel, PEN_ISA_BASE, &ray);
-            struct pen_test_counts b = ask(accel, pen_cpu_isa(), &ray);
+            struct pen_test_counts a = count_tests(accel, PEN_ISA_BASE, &ray);
+            struct pen_test_counts b = count_tests(accel, pen_cpu_isa(), &ray);
             ck_assert_uint_eq(a.boxes, b.boxes);
             ck_assert_uint_eq(a.primitives, b.primitives);
             boxes += a.boxes;

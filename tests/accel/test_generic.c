@@ -144,7 +144,7 @@ START_TEST(test_generic__packets_leave_them_to_the_reference)
     struct random r = random_begin(64);
     static struct pen_shadow_packet packet;
     static const uint8_t opaque[WORLD_MAX];
-    int asked[PEN_PRIM_KIND_COUNT] = {0};
+    int fallbacks[PEN_PRIM_KIND_COUNT] = {0};
     for (int i = 0; i < random_cases(600); i++) {
         uint32_t kind = (uint32_t)i % PEN_PRIM_KIND_COUNT;
         world_clear(&world);
@@ -160,10 +160,10 @@ START_TEST(test_generic__packets_leave_them_to_the_reference)
         packet.to_point = i & 1;
         packet.see_through = i & 2 ? opaque : NULL;
         for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++)
-            asked[kind] += compare_packet(&r, accel, (enum pen_isa)isa, &packet);
+            fallbacks[kind] += compare_packet(&r, accel, (enum pen_isa)isa, &packet);
     }
     for (int kind = 0; kind < PEN_PRIM_KIND_COUNT; kind++)
-        ck_assert_msg(asked[kind] > 0, "kind %d is never left to the reference", kind);
+        ck_assert_msg(fallbacks[kind] > 0, "kind %d is never left to the reference", kind);
 }
 END_TEST
 

@@ -9,10 +9,10 @@ static struct world world;
 
 /* Every accelerator, manual with groups and without; and every accelerator once more with some
  * kinds of primitives in generic blocks, as a kind is kept that has no block of its own. */
-enum { GENERIC = PEN_ACCEL_COUNT + 1, ACCELS = GENERIC + PEN_ACCEL_COUNT, WAYS = 2 * ACCELS };
+enum { GENERIC = PEN_ACCEL_COUNT + 1, ACCELS = GENERIC + PEN_ACCEL_COUNT, VARIANTS = 2 * ACCELS };
 
-/* All ways to ask. */
-struct ways {
+/* Every accelerator with every instruction set. */
+struct variants {
     struct pen_arena *arena;
     const struct pen_accel *accel[ACCELS];
     const struct pen_trace_ops *ops[2];
@@ -34,42 +34,45 @@ static void random_groups(struct random *random, uint32_t begin, uint32_t end, i
     }
 }
 
-static struct ways build(const struct world *w, struct random *random)
+static struct variants build(const struct world *w, struct random *random)
 {
     static struct pen_group_range group[WORLD_MAX];
     struct pen_status st;
-    struct ways ways = {.arena = pen_arena_new(0)};
+    struct variants variants = {.arena = pen_arena_new(0)};
     struct pen_groups groups = {group, 0};
     random_groups(random, 0, w->prims.count, 8, group, &groups.count);
     for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
-        ways.accel[kind] = pen_accel_build(&w->prims, (enum pen_accelerator)kind, ways.arena, &st);
-    ways.accel[PEN_ACCEL_COUNT] = pen_accel_build_manual(&w->prims, &groups, ways.arena, &st);
+        variants.accel[kind] =
+            pen_accel_build(&w->prims, (enum pen_accelerator)kind, variants.arena, &st);
+    variants.accel[PEN_ACCEL_COUNT] =
+        pen_accel_build_manual(&w->prims, &groups, variants.arena, &st);
     unsigned kinds = (1u << PEN_PRIM_KIND_COUNT) - 1;
     if (random_below(random, 2))
         kinds &= random_below(random, kinds + 1);
     for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
-        ways.accel[GENERIC + kind] =
-            pen_accel_build_generic(&w->prims, (enum pen_accelerator)kind, kinds, ways.arena, &st);
+        variants.accel[GENERIC + kind] = pen_accel_build_generic(
+            &w->prims, (enum pen_accelerator)kind, kinds, variants.arena, &st);
     for (int i = 0; i < ACCELS; i++)
-        ck_assert(ways.accel[i]);
-    ways.ops[0] = pen_trace_ops_get(PEN_ISA_BASE);
-    ways.ops[1] = pen_trace_ops_get(pen_cpu_isa());
-    return ways;
+        ck_assert(variants.accel[i]);
+    variants.ops[0] = pen_trace_ops_get(PEN_ISA_BASE);
+    variants.ops[1] = pen_trace_ops_get(pen_cpu_isa());
+    return variants;
 }
 
 /* Compares one nearest query; returns the hit. */
-static struct pen_hit nearest(const struct world *w, const struct ways *ways,
+static struct pen_hit nearest(const struct world *w, const struct variants *variants,
                               const struct pen_ray *ray, const struct pen_origin_surface *origin,
                               const struct pen_t_interval *interval)
 {
     struct pen_hit truth = world_nearest(w, ray, origin, interval);
-    for (int i = 0; i < WAYS; i++) {
+    for (int i = 0; i < VARIANTS; i++) {
         struct pen_hit hit = {0, PEN_NO_PRIM, 0};
-        bool found = ways->ops[i & 1]->nearest(ways->accel[i / 2], ray, origin, interval, &hit);
+        bool found =
+            variants->ops[i & 1]->nearest(variants->accel[i / 2], ray, origin, interval, &hit);
         ck_assert_msg(
             found == (truth.prim != PEN_NO_PRIM) &&
                 (!found || (hit.t == truth.t && hit.prim == truth.prim && hit.part == truth.part)),
-            "way %d: o %a %a %a d %a %a %a: %a %u.%u, not %a %u.%u", i, ray->o.x, ray->o.y,
+            "variant %d: o %a %a %a d %a %a %a: %a %u.%u, not %a %u.%u", i, ray->o.x, ray->o.y,
             ray->o.z, ray->d.x, ray->d.y, ray->d.z, hit.t, hit.prim, hit.part, truth.t, truth.prim,
             truth.part);
     }
@@ -78,8 +81,9 @@ static struct pen_hit nearest(const struct world *w, const struct ways *ways,
 
 /* Compares one shadow query with a walk over all intersections; true if it is blocked. What was met
  * last must not matter: each primitive is tried in turn. */
-static bool shadow(const struct world *w, const struct ways *ways, const struct pen_ray *ray,
-                   const struct pen_origin_surface *origin, const uint8_t *see_through)
+static bool shadow(const struct world *w, const struct variants *variants,
+                   const struct pen_ray *ray, const struct pen_origin_surface *origin,
+                   const uint8_t *see_through)
 {
     static uint32_t last;
     bool blocked = false;
@@ -99,11 +103,11 @@ static bool shadow(const struct world *w, const struct ways *ways, const struct 
         count++;
         interval.after = h;
     }
-    for (int i = 0; i < WAYS; i++) {
+    for (int i = 0; i < VARIANTS; i++) {
         struct pen_shadow query = {.tmax = 1, .see_through = see_through};
         query.last_occluder = i < 2 && w->prims.count ? last++ % w->prims.count : PEN_NO_PRIM;
-        bool b = ways->ops[i & 1]->shadow(ways->accel[i / 2], ray, origin, &query);
-        ck_assert_msg(b == blocked, "way %d: blocked %d, not %d", i, b, blocked);
+        bool b = variants->ops[i & 1]->shadow(variants->accel[i / 2], ray, origin, &query);
+        ck_assert_msg(b == blocked, "variant %d: blocked %d, not %d", i, b, blocked);
         if (blocked)
             continue;
         ck_assert(query.overflow == (count > PEN_SHADOW_MAX));
@@ -117,8 +121,9 @@ static bool shadow(const struct world *w, const struct ways *ways, const struct 
     return blocked;
 }
 
-/* A path of a few bounces through the world, comparing everything asked on the way. */
-static void follow_path(struct random *random, const struct ways *ways, const uint8_t *see_through)
+/* A path of a few bounces through the world, comparing every query on it. */
+static void follow_path(struct random *random, const struct variants *variants,
+                        const uint8_t *see_through)
 {
     struct pen_origin_surface origin = pen_origin_none;
     struct pen_vec3 o = random_vec(random, 2), d = random_direction(random);
@@ -129,17 +134,17 @@ static void follow_path(struct random *random, const struct ways *ways, const ui
     for (int bounce = 0; bounce < 4; bounce++) {
         struct pen_ray ray = world_ray(o, d);
         struct pen_t_interval interval = {pen_after_start, random_below(random, 3) ? INFINITY : 1};
-        shadow(&world, ways, &ray, &origin, see_through);
-        shadow(&world, ways, &ray, &origin, NULL);
-        struct pen_hit hit = nearest(&world, ways, &ray, &origin, &interval);
+        shadow(&world, variants, &ray, &origin, see_through);
+        shadow(&world, variants, &ray, &origin, NULL);
+        struct pen_hit hit = nearest(&world, variants, &ray, &origin, &interval);
         if (hit.prim == PEN_NO_PRIM)
             return;
         interval.after = hit;
-        nearest(&world, ways, &ray, &origin, &interval);
+        nearest(&world, variants, &ray, &origin, &interval);
         interval = (struct pen_t_interval){pen_after_start, hit.t}; /* H094: tmax is inclusive */
-        nearest(&world, ways, &ray, &origin, &interval);
+        nearest(&world, variants, &ray, &origin, &interval);
         interval.tmax = nextafter(hit.t, 0);
-        nearest(&world, ways, &ray, &origin, &interval);
+        nearest(&world, variants, &ray, &origin, &interval);
         o = pen_prim_point(&world.prims, hit, &ray);
         origin = world_origin_surface(&world, hit, o, pen_scale(d, hit.t), false);
         struct pen_vec3 n = pen_prim_normal(&world.prims, hit, o);
@@ -172,18 +177,18 @@ START_TEST(test_accel__h095_equals_brute_force)
             add_cones(&random, 1 + random_below(&random, 20), random_in(&random, 0.02, 1));
         for (uint32_t i = 0; i < world.prims.count; i++)
             see_through[i] = random_below(&random, 8) != 0;
-        struct ways ways = build(&world, &random);
+        struct variants variants = build(&world, &random);
         for (int i = 0; i < 60; i++)
-            follow_path(&random, &ways, see_through);
-        pen_arena_free(ways.arena);
+            follow_path(&random, &variants, see_through);
+        pen_arena_free(variants.arena);
     }
 }
 END_TEST
 
-/* A path that is aimed at a seam of a closed room, and what is asked on it: H073 says that nothing
+/* A path that is aimed at a seam of a closed room, and the queries on it. H073: nothing
  * opaque lets it out. Rays go on through what is see-through. */
-static void follow_seam(struct random *r, const struct ways *ways, struct pen_vec3 o, bool convex,
-                        const uint8_t *see_through)
+static void follow_seam(struct random *r, const struct variants *variants, struct pen_vec3 o,
+                        bool convex, const uint8_t *see_through)
 {
     struct pen_origin_surface origin = pen_origin_none;
     struct pen_vec3 at = world_aim(&world, r);
@@ -193,26 +198,26 @@ static void follow_seam(struct random *r, const struct ways *ways, struct pen_ve
     for (int bounce = 0; bounce < 3; bounce++) {
         struct pen_ray ray = world_ray(o, d);
         struct pen_t_interval interval = {pen_after_start, INFINITY};
-        struct pen_hit hit = nearest(&world, ways, &ray, &origin, &interval);
+        struct pen_hit hit = nearest(&world, variants, &ray, &origin, &interval);
         ck_assert_msg(hit.prim != PEN_NO_PRIM, "no way out; seed %llu",
                       (unsigned long long)r->seed);
         struct stand s = world_stand(&world, &ray, &origin, hit);
         d = stand_turn(&s, r, see_through[hit.prim], &origin);
         o = s.p;
         ray = world_ray(o, pen_scale(d, 9));
-        ck_assert_msg(shadow(&world, ways, &ray, &origin, see_through), "no light in; seed %llu",
-                      (unsigned long long)r->seed);
+        ck_assert_msg(shadow(&world, variants, &ray, &origin, see_through),
+                      "no light in; seed %llu", (unsigned long long)r->seed);
     }
 }
 
 /* From a point beside a seam, rays that pass it within rounding, seen from inside or outside. */
-static void graze_seam(struct random *r, const struct ways *ways, struct pen_vec3 eye)
+static void graze_seam(struct random *r, const struct variants *variants, struct pen_vec3 eye)
 {
     struct pen_vec3 seam = world_aim(&world, r);
     struct pen_vec3 at = pen_along(seam, random_direction(r), exp2(random_in(r, -45, -27)));
     struct pen_ray ray = world_ray(eye, pen_sub(at, eye));
     struct pen_t_interval interval = {pen_after_start, INFINITY};
-    struct pen_hit hit = nearest(&world, ways, &ray, &pen_origin_none, &interval);
+    struct pen_hit hit = nearest(&world, variants, &ray, &pen_origin_none, &interval);
     if (hit.prim == PEN_NO_PRIM)
         return;
     struct stand s = world_stand(&world, &ray, &pen_origin_none, hit);
@@ -221,8 +226,8 @@ static void graze_seam(struct random *r, const struct ways *ways, struct pen_vec
         struct pen_vec3 d = pen_scale(pen_sub(to, s.p), exp2(random_in(r, 0, 48)));
         if (!pen_ray_make(&ray, s.p, d)) /* it is where it starts */
             continue;
-        shadow(&world, ways, &ray, &s.origin, NULL);
-        nearest(&world, ways, &ray, &s.origin, &interval);
+        shadow(&world, variants, &ray, &s.origin, NULL);
+        nearest(&world, variants, &ray, &s.origin, &interval);
     }
 }
 
@@ -239,12 +244,12 @@ START_TEST(test_accel__h073_seams)
             world_cylinder(&world, eye, random_direction(&r), .1, .1, true);
         if (i & 2)
             world_cone(&world, eye, random_direction(&r), (const double[2]){.1, 0}, .1, true);
-        struct ways ways = build(&world, &r);
+        struct variants variants = build(&world, &r);
         for (int k = 0; k < 40; k++)
-            follow_seam(&r, &ways, eye, room < ROOM_CONVEX_COUNT, see_through);
+            follow_seam(&r, &variants, eye, room < ROOM_CONVEX_COUNT, see_through);
         for (int k = 0; k < 100; k++)
-            graze_seam(&r, &ways, k & 1 ? eye : pen_along(eye, random_direction(&r), 4));
-        pen_arena_free(ways.arena);
+            graze_seam(&r, &variants, k & 1 ? eye : pen_along(eye, random_direction(&r), 4));
+        pen_arena_free(variants.arena);
     }
 }
 END_TEST
@@ -283,15 +288,15 @@ START_TEST(test_accel__h085_hairs_beside_surfaces)
             world_box(&world, a, pen_add(a, pen_vec3(1, 1, .5)));
             world_triangle(&world, a, pen_add(a, pen_vec3(1, 0, 1)), pen_add(a, pen_vec3(0, 1, 1)));
         }
-        struct ways ways = build(&world, &r);
+        struct variants variants = build(&world, &r);
         for (int i = 0; i < 300; i++) {
             struct pen_vec3 o = tiny3(&r), d = tiny3(&r);
             struct pen_ray ray;
             struct pen_t_interval interval = {pen_after_start, INFINITY};
             if (pen_ray_make(&ray, o, d))
-                nearest(&world, &ways, &ray, &pen_origin_none, &interval);
+                nearest(&world, &variants, &ray, &pen_origin_none, &interval);
         }
-        pen_arena_free(ways.arena);
+        pen_arena_free(variants.arena);
     }
 }
 END_TEST

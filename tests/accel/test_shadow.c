@@ -8,19 +8,21 @@ typedef struct pen_vec3 vec3;
 static struct world world;
 static uint8_t clear[WORLD_MAX];
 
-/* One query in every way there is; all must agree. The answers of the last are in *query. */
-static bool ask(vec3 o, vec3 d, const struct pen_origin_surface *origin, struct pen_shadow *query)
+/* Traces one shadow ray with every accelerator and instruction set, which must all agree. *query
+ * holds the results of the last. */
+static bool occluded(vec3 o, vec3 d, const struct pen_origin_surface *origin,
+                     struct pen_shadow *query)
 {
     static const enum pen_accelerator kinds[] = {PEN_ACCEL_NONE, PEN_ACCEL_AUTO};
     struct pen_ray ray = world_ray(o, d);
-    struct pen_shadow asked = *query, first = asked;
+    struct pen_shadow fresh = *query, first = fresh;
     bool answer = false;
     for (int i = 0; i < 4; i++) {
         struct pen_status st;
         struct pen_arena *arena = pen_arena_new(0);
         const struct pen_accel *accel = pen_accel_build(&world.prims, kinds[i / 2], arena, &st);
         const struct pen_trace_ops *ops = pen_trace_ops_get(i & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
-        *query = asked;
+        *query = fresh;
         bool blocked = ops->shadow(accel, &ray, origin, query);
         if (i == 0) {
             answer = blocked;
@@ -42,7 +44,7 @@ static bool ask(vec3 o, vec3 d, const struct pen_origin_surface *origin, struct 
 static bool shaded(vec3 o, vec3 light)
 {
     struct pen_shadow query = {.tmax = 1, .to_point = true, .last_occluder = PEN_NO_PRIM};
-    return ask(o, pen_sub(light, o), &pen_origin_none, &query);
+    return occluded(o, pen_sub(light, o), &pen_origin_none, &query);
 }
 
 static void sheet(double z)
@@ -57,17 +59,18 @@ START_TEST(test_shadow__the_interval_is_open)
     world_clear(&world);
     sheet(2);
     vec3 o = pen_vec3(.1, .2, 0), up = pen_vec3(0, 0, 1);
-    ck_assert(!ask(o, up, &pen_origin_none, &query));
+    ck_assert(!occluded(o, up, &pen_origin_none, &query));
     query.tmax = nextafter(2, 3);
-    ck_assert(ask(o, up, &pen_origin_none, &query));
+    ck_assert(occluded(o, up, &pen_origin_none, &query));
     ck_assert_uint_eq(query.last_occluder, 0);
     query.tmax = INFINITY;
-    ck_assert(ask(o, up, &pen_origin_none, &query));
-    ck_assert(!ask(pen_vec3(.1, .2, 2), up, &pen_origin_none, &query));
+    ck_assert(occluded(o, up, &pen_origin_none, &query));
+    ck_assert(!occluded(pen_vec3(.1, .2, 2), up, &pen_origin_none, &query));
 }
 END_TEST
 
-/* Rays from free space that start exactly on a primitive and go away from it: t = 0 is no crossing.
+/* Rays from free space that start exactly on a primitive and go away from it: t = 0 is no
+ * intersection.
  */
 START_TEST(test_shadow__a_ray_does_not_cross_where_it_starts)
 {
@@ -82,13 +85,13 @@ START_TEST(test_shadow__a_ray_does_not_cross_where_it_starts)
             world_infinite_cylinder(&world, pen_vec3(0, 0, -1), pen_vec3(1, 0, 0), 1);
         else
             world_cylinder(&world, pen_vec3(0, 0, -1), pen_vec3(0, 0, 1), 1, 1, true);
-        ck_assert_msg(!ask(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query),
+        ck_assert_msg(!occluded(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query),
                       "kind %d", kind);
     }
 }
 END_TEST
 
-/* A surface that contains the light is not crossed, whatever rounding says; one before it is. */
+/* A surface that contains the light does not count, however it is rounded; one before it does. */
 START_TEST(test_shadow__light_on_a_surface)
 {
     struct random r = random_begin(117);
@@ -150,13 +153,13 @@ START_TEST(test_shadow__see_through_intersections_come_in_order)
     sheet(8); /* coincident with number 1: after it */
     clear[20] = 1;
     struct pen_shadow query = {.tmax = INFINITY, .see_through = clear, .last_occluder = 3};
-    ck_assert(!ask(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
+    ck_assert(!occluded(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
     ck_assert_int_eq(query.count, 21);
     for (int i = 1; i < 21; i++)
         ck_assert(pen_hit_before(query.hit[i - 1], query.hit[i]));
     ck_assert(query.hit[7].prim == 1 && query.hit[8].prim == 20);
     clear[5] = 0;
-    ck_assert(ask(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
+    ck_assert(occluded(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
     ck_assert_uint_eq(query.last_occluder, 5);
     clear[5] = 1;
 }
@@ -171,11 +174,11 @@ START_TEST(test_shadow__too_many_to_keep)
             clear[i] = 1;
         }
         struct pen_shadow query = {.tmax = 1e3, .see_through = clear, .last_occluder = PEN_NO_PRIM};
-        ck_assert(!ask(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
+        ck_assert(!occluded(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
         ck_assert(query.overflow == (count > PEN_SHADOW_MAX));
         sheet(500);
         clear[count] = 0;
-        ck_assert(ask(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
+        ck_assert(occluded(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
     }
 }
 END_TEST
@@ -188,9 +191,9 @@ START_TEST(test_shadow__last_occluder_is_only_a_hint)
     world_sphere(&world, pen_vec3(5, 0, 0), 1);
     for (uint32_t hint = 0; hint < 4; hint++) {
         struct pen_shadow query = {.tmax = 10, .last_occluder = hint == 3 ? PEN_NO_PRIM : hint};
-        ck_assert(ask(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
+        ck_assert(occluded(pen_vec3(.1, .2, 0), pen_vec3(0, 0, 1), &pen_origin_none, &query));
         ck_assert_uint_eq(query.last_occluder, 0);
-        ck_assert(!ask(pen_vec3(.1, .2, 0), pen_vec3(0, 0, -1), &pen_origin_none, &query));
+        ck_assert(!occluded(pen_vec3(.1, .2, 0), pen_vec3(0, 0, -1), &pen_origin_none, &query));
     }
 }
 END_TEST

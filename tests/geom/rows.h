@@ -43,7 +43,8 @@ static inline void row_check(const struct world *w, const struct pen_origin_surf
     struct pen_hit hit[2];
     struct pen_ray ray = world_ray(row->o, row->d);
     int count = world_intersections(w, &ray, origin, INFINITY, hit, 2);
-    ck_assert_msg(count == row->count, "row %d: %d crossings, not %d", number, count, row->count);
+    ck_assert_msg(count == row->count, "row %d: %d intersections, not %d", number, count,
+                  row->count);
     for (int k = 0; k < count; k++) {
         vec3 p = pen_along(ray.o, ray.d, hit[k].t), off = pen_sub(p, row->point[k]);
         double most = 8 * PEN_U * ulps;

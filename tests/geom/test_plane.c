@@ -129,7 +129,7 @@ START_TEST(test_plane__h087_grazing_rays_have_finite_intersections_or_none)
 }
 END_TEST
 
-/* The crossing does not lose digits to the slope, nor to a far away point of the plane. */
+/* The intersection does not lose digits to the slope, nor to a far away point of the plane. */
 START_TEST(test_plane__intersections_match_quad)
 {
     struct random r = random_begin(21);

@@ -88,8 +88,8 @@ START_TEST(test_self_intersection__h059_h061_round_bodies)
             struct pen_origin_surface origin = world_origin_surface(&world, hit, p, v, in);
             struct pen_ray ray = world_ray(p, d);
             int count = world_intersections(&world, &ray, &origin, INFINITY, again, 3);
-            ck_assert_msg(count == in, "kind %d r %g at %g: %d crossings; seed %llu", kind, size,
-                          far, count, (unsigned long long)r.seed);
+            ck_assert_msg(count == in, "kind %d r %g at %g: %d intersections; seed %llu", kind,
+                          size, far, count, (unsigned long long)r.seed);
             inward += in;
             if (!in || far > 1e3 * size) /* there the point is off its surface by much */
                 continue;
@@ -240,7 +240,7 @@ START_TEST(test_self_intersection__h068_h069_coincident)
         struct pen_ray ray = world_ray(p, d);
         int count = world_intersections(&world, &ray, &origin, INFINITY, next, 5);
         bool in = kind > 1 && pen_dot(n, d) < 0;
-        ck_assert_msg(count == (in ? 2 : 0), "kind %d: %d crossings %s; seed %llu", kind, count,
+        ck_assert_msg(count == (in ? 2 : 0), "kind %d: %d intersections %s; seed %llu", kind, count,
                       in ? "inward" : "outward", (unsigned long long)r.seed);
         if (in) /* both are left at once, the first in the document first */
             ck_assert(next[0].t == next[1].t && next[0].prim == 0 && next[1].prim == 1);

@@ -33,14 +33,14 @@ START_TEST(test_watertight__h038_h039_bumpy_sphere)
         vec3 o = pen_along(middle, random_direction(&r), .5);
         vec3 d = pen_sub(target(&r, i % 4), o);
         int count = world_count(&world, o, i & 8 ? d : pen_normalize(d));
-        ck_assert_msg(count % 2 == 1, "offset %d, ray %d: %d crossings; seed %llu", _i, i, count,
-                      (unsigned long long)r.seed);
+        ck_assert_msg(count % 2 == 1, "offset %d, ray %d: %d intersections; seed %llu", _i, i,
+                      count, (unsigned long long)r.seed);
     }
 }
 END_TEST
 
 /* H040, and H058 for the parity: a cube of n x n squares a side, as polygons and triangles mixed,
- * far off; from inside one crossing, through it two. */
+ * far off; from inside one intersection, through it two. */
 START_TEST(test_watertight__h040_h058_cube)
 {
     enum { N = 8 };
@@ -159,7 +159,7 @@ START_TEST(test_watertight__h050_h057_folded_sheet_of_all_kinds)
                            i & 4 ? random_unit(&r) : random_below(&r, 9) / 8.);
         vec3 o = pen_add(to, pen_add(pen_vec3(0, 0, 30), random_vec(&r, 3)));
         int count = world_count(&world, o, pen_sub(to, o));
-        ck_assert_msg(count == 1, "offset %d, ray %d: %d crossings; seed %llu", _i, i, count,
+        ck_assert_msg(count == 1, "offset %d, ray %d: %d intersections; seed %llu", _i, i, count,
                       (unsigned long long)r.seed);
         hits += count;
     }
@@ -212,7 +212,7 @@ START_TEST(test_watertight__h056_huge_beside_small)
         if (pen_norm1(d) == 0)
             continue;
         int count = world_count(&world, middle, d);
-        ck_assert_msg(count % 2 == 1, "ray %d: %d crossings; seed %llu", i, count,
+        ck_assert_msg(count % 2 == 1, "ray %d: %d intersections; seed %llu", i, count,
                       (unsigned long long)r.seed);
     }
 }

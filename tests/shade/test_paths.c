@@ -130,7 +130,7 @@ START_TEST(test_paths__h114_coincident_glass_in_document_order)
 }
 END_TEST
 
-/* The ray goes on beyond the crossing; it is not begun anew at a point that rounding moved. */
+/* The ray goes on beyond the intersection; it is not begun anew at a point that rounding moved. */
 START_TEST(test_paths__h110_glass_keeps_the_ray)
 {
     kit_init(&kit);
