@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The classroom's boundary cases of collections: how many intersections a ray has with several
- * primitives, in which order, and which is the nearest. Every accelerator and compiled variant is
- * asked. */
+/* Boundary cases of several primitives: how many intersections a ray has with them, in which order,
+ * and which is the nearest, by every accelerator and compiled variant. */
 #include "support/suite.h"
 #include "support/world.h"
 
@@ -55,8 +54,8 @@ static void assert_intersections(vec3 o, vec3 d, const struct wanted_hit *want, 
     }
 }
 
-/* A plane, a sphere and a triangle in the way of +z, the first two touching where asked to. */
-static void three_bodies(double plane_z)
+/* A plane at plane_z, a sphere from z = 1 to 3 and a triangle at z = 4, across a ray along +z. */
+static void three_primitives(double plane_z)
 {
     world_clear(&world);
     world_plane(&world, pen_vec3(0, 0, plane_z), pen_vec3(0, 0, 1));
@@ -74,7 +73,7 @@ START_TEST(test_collections__h033_intersections_of_several_primitives)
     build();
     assert_intersections(through, up, NULL, 0);
     pen_arena_free(arena);
-    three_bodies(.5);
+    three_primitives(.5);
     assert_intersections(through, pen_vec3(1, 0, 0), NULL, 0);
     assert_intersections(beside, up, one, 1);
     assert_intersections(rim, up, three, 3);
@@ -89,7 +88,7 @@ START_TEST(test_collections__h033_equal_distances)
     const struct wanted_hit near[] = {{1, 0}, {1, 1}, {3, 1}, {4, 2}},
                             far[] = {{1, 1}, {3, 0}, {3, 1}, {4, 2}};
     for (int i = 0; i < 2; i++) {
-        three_bodies(i ? 3 : 1);
+        three_primitives(i ? 3 : 1);
         assert_intersections(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), i ? far : near, 4);
         pen_arena_free(arena);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Counting queries: the same answers, counts that every variant agrees on, and counts that can be
- * said beforehand. */
+/* Counting queries give the same answers, counts that are equal in every variant, and known counts
+ * for simple scenes. */
 #include "support/suite.h"
 #include "support/world.h"
 
@@ -14,7 +14,7 @@ static struct pen_accel *build(struct pen_arena *arena, enum pen_accelerator kin
     return accel;
 }
 
-/* Asks for the nearest and for a shadow, counting; the plain queries must agree. */
+/* Traces a ray with both counting queries; the plain queries must agree. */
 static struct pen_test_counts count_tests(const struct pen_accel *accel, enum pen_isa isa,
                                           const struct pen_ray *ray)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Generic blocks: what a kind of primitive without a block of its own gets. Every kind is put into
- * them in turn; see also test_same.c, which compares intersections. */
+/* Generic blocks, for kinds of primitives without a block of their own. Every kind is put into them
+ * in turn; test_same.c compares the intersections. */
 #include "accel/internal/build_generic.h"
 #include "accel/internal/structure.h"
 #include "support/suite.h"
@@ -29,7 +29,7 @@ static const struct pen_accel *build(enum pen_accelerator kind, unsigned generic
     return accel;
 }
 
-/* The items of all leaves are in a row: how many primitives are in generic blocks, and in others.
+/* Counts the primitives in generic blocks and in others; the items of all leaves follow each other.
  */
 static void count_items(const struct pen_accel *accel, uint32_t last, uint32_t *generic,
                         uint32_t *others)
@@ -72,7 +72,7 @@ START_TEST(test_generic__holds_the_kinds_that_have_no_block)
 }
 END_TEST
 
-/* Builders weigh a generic primitive as one that is tested alone: no leaf holds several. */
+/* Builders count a generic primitive as tested alone, so no leaf holds several. */
 START_TEST(test_generic__primitives_do_not_share_a_leaf)
 {
     for (int i = 0; i < 64; i++)
@@ -85,8 +85,7 @@ START_TEST(test_generic__primitives_do_not_share_a_leaf)
 }
 END_TEST
 
-/* Both directions of a packet: what it says of each ray, and what `shadow` says of the ray alone.
- */
+/* The verdict of a packet on each ray, and of `shadow` on the ray alone. */
 static void compare_ray(const struct pen_accel *accel, const struct pen_trace_ops *ops,
                         const struct pen_shadow_packet *packet, double a, double b, int i,
                         bool blocked, bool fallback)
@@ -110,7 +109,7 @@ static void compare_ray(const struct pen_accel *accel, const struct pen_trace_op
         ck_assert(together.hit[k].t == alone.hit[k].t && together.hit[k].prim == alone.hit[k].prim);
 }
 
-/* Compares a packet's rays, and counts those that it leaves to the reference. */
+/* Compares the rays of a packet, and counts those that take the scalar fallback. */
 static int compare_packet(struct random *r, const struct pen_accel *accel, enum pen_isa isa,
                           struct pen_shadow_packet *packet)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What each kind of accelerator is, seen from outside: its counts, its depth, and which boxes and
- * primitives a ray is tested against, where these can be said beforehand. */
+/* Each kind of accelerator, seen from outside: its counts, its depth, and, for simple scenes, which
+ * boxes and primitives a ray is tested against. */
 #include "support/suite.h"
 #include "support/world.h"
 
@@ -47,7 +47,7 @@ static void check_stats(const struct pen_accel *accel, uint32_t nodes, uint32_t 
     ck_assert(s->bytes > 0 && s->build_ms >= 0);
 }
 
-/* The tests that one ray takes; *hit is what it meets. */
+/* Counts the tests of one ray; *hit is what it meets. */
 static struct pen_test_counts tests(const struct pen_accel *accel, vec3 o, vec3 d, uint32_t *hit)
 {
     struct pen_test_counts counts = {0};
@@ -201,7 +201,7 @@ START_TEST(test_kinds__median_is_balanced_for_any_number)
 }
 END_TEST
 
-/* On a row of 64 numbered anyhow, a ray across it takes one way down: two boxes at each of six
+/* A ray across a row of 64 spheres in any order takes one path down: two boxes at each of six
  * levels, and one sphere. */
 START_TEST(test_kinds__median_cuts_the_longest_axis_in_the_middle)
 {

@@ -8,7 +8,7 @@
 static struct world world;
 
 /* Every accelerator, manual with groups and without; and every accelerator once more with some
- * kinds of primitives in generic blocks, as a kind is kept that has no block of its own. */
+ * kinds of primitives in generic blocks. */
 enum { GENERIC = PEN_ACCEL_COUNT + 1, ACCELS = GENERIC + PEN_ACCEL_COUNT, VARIANTS = 2 * ACCELS };
 
 /* Every accelerator with every instruction set. */
@@ -79,8 +79,8 @@ static struct pen_hit nearest(const struct world *w, const struct variants *vari
     return truth;
 }
 
-/* Compares one shadow query with a walk over all intersections; true if it is blocked. What was met
- * last must not matter: each primitive is tried in turn. */
+/* Compares one shadow query with a walk over all intersections; true if the ray is blocked. The
+ * hint last_occluder must not matter: each primitive is tried in turn. */
 static bool shadow(const struct world *w, const struct variants *variants,
                    const struct pen_ray *ray, const struct pen_origin_surface *origin,
                    const uint8_t *see_through)
@@ -224,7 +224,7 @@ static void graze_seam(struct random *r, const struct variants *variants, struct
     for (int i = 0; i < 4; i++) {
         struct pen_vec3 to = pen_along(seam, random_direction(r), exp2(random_in(r, -53, -48)));
         struct pen_vec3 d = pen_scale(pen_sub(to, s.p), exp2(random_in(r, 0, 48)));
-        if (!pen_ray_make(&ray, s.p, d)) /* it is where it starts */
+        if (!pen_ray_make(&ray, s.p, d)) /* it has no direction */
             continue;
         shadow(&world, variants, &ray, &s.origin, NULL);
         nearest(&world, variants, &ray, &s.origin, &interval);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What shadow queries promise. */
+/* Shadow queries: which surfaces count, and the results for transmissive ones. */
 #include "support/suite.h"
 #include "support/world.h"
 
@@ -125,7 +125,7 @@ START_TEST(test_shadow__light_on_a_surface)
         struct pen_hit hit[3];
         int before = world_intersections(&world, &ray, &pen_origin_none, 1 - 1e-9, hit, 3);
         if (before > 0 && hit[before - 1].t > .999)
-            continue; /* a chord so short that it takes a closer look to tell its ends apart */
+            continue; /* a chord so short that only double-double tells its ends apart */
         ck_assert_msg(shaded(o, light) == (before > 0), "%d: %d before; seed %llu", i, before,
                       (unsigned long long)r.seed);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Accelerators on inputs that they stumble over, against trying every primitive. */
+/* Accelerators on inputs that are hard for them, against trying every primitive. */
 #include <stdlib.h>
 
 #include "support/suite.h"
@@ -216,8 +216,8 @@ static vec3 adversarial_point(struct random *r)
                     random_nudge(q.z, step[random_below(r, 7)]));
 }
 
-/* H091, H092, H093, H086: rays at and from corners, edges and faces of flat boxes, parallel to
- * axes with both zeros, far from the origin: nothing that brute force finds is missed. */
+/* H091, H092, H093, H086: rays at and from corners, edges and faces of flat boxes, parallel to axes
+ * with both zeros, far from the origin: they miss nothing that brute force finds. */
 START_TEST(test_tree__h091_h092_h093_no_false_box_misses)
 {
     static const double far[] = {0, 1e3, 1e6, 1e9};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The geometry written down once more in __float128 (113 bits): products of two inputs are exact.
- * What the tests of this room hold results against. */
+/* The geometry once more in __float128 (113 bits), where products of two inputs are exact. The
+ * tests of this room compare results with it. */
 #ifndef TESTS_GEOM_QUAD_H
 #define TESTS_GEOM_QUAD_H
 
@@ -75,7 +75,7 @@ static inline quad quad_sphere(struct pen_vec3 c, double r, struct pen_vec3 o, s
     return quad_roots(quad_dot(dd, dd), quad_dot(f, dd), quad_dot(f, f) - (quad)r * r, t);
 }
 
-/* A infinite cylinder's intersections: axis through q along a, of any length. */
+/* An infinite cylinder's intersections: axis through q along a, of any length. */
 static inline quad quad_tube(struct pen_vec3 q, struct pen_vec3 a, double r, struct pen_vec3 o,
                              struct pen_vec3 d, quad t[2])
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Boundary cases as tables: rays with the points where they should cross the primitives of a
- * world. */
+/* Boundary cases as tables: rays with the points where they should meet the primitives of a world.
+ */
 #ifndef TESTS_GEOM_ROWS_H
 #define TESTS_GEOM_ROWS_H
 
@@ -10,7 +10,7 @@
 
 typedef struct pen_vec3 vec3;
 
-/* One ray, and where it crosses. */
+/* One ray, and the points where it meets the world. */
 struct row {
     vec3 o, d;
     int count;
@@ -35,8 +35,8 @@ struct row {
         }                                                                                          \
     }
 
-/* Checks one ray: the number of intersections, unless it is said to be unsure, and the last points,
- * whose components may be off by `ulps` ulps of 4. */
+/* Checks one ray: the number of intersections, unless the row marks it as unsure, and the last
+ * points, whose components may be off by `ulps` ulps of 4. */
 static inline void row_check(const struct world *w, const struct pen_origin_surface *origin,
                              const struct row *row, int number, double ulps)
 {

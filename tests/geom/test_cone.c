@@ -209,7 +209,7 @@ static vec3 axis_of(const struct pen_cone *c)
     return pen_normalize(c->hull.round.a);
 }
 
-/* A point of the side or of a rim or cap: where rays are aimed at. */
+/* A point of the side, a rim or a cap, for rays to be aimed at. */
 static vec3 surface_point(struct random *r, const struct pen_cone *c)
 {
     static const double near[] = {0, 1e-12, 1e-9, 1e-6, 1e-3};
@@ -237,7 +237,8 @@ static double size_of(const struct pen_cone *c)
     return c->hull.round.r + c->hull.h;
 }
 
-/* Rays aimed at the surface enter and leave, or do neither; from inside they leave once. */
+/* Rays aimed at the surface have an entry and an exit, or neither; from inside they have one exit.
+ */
 START_TEST(test_cone__intersections_pair_up)
 {
     struct random r = random_begin(52);
@@ -279,7 +280,8 @@ static struct equation equation_quad(const struct pen_cone *cone, const struct p
     return e;
 }
 
-/* What the ray's line has inside, in quad; false if it is too close to call. */
+/* The interval of the ray's line inside, in quad; false if rounding of the inputs could change hit
+ * or miss. */
 static bool inside_quad(const struct pen_cone *c, const struct pen_ray *ray, quad t[2],
                         uint8_t part[2], bool *met)
 {
@@ -311,7 +313,7 @@ static bool inside_quad(const struct pen_cone *c, const struct pen_ray *ray, qua
            quad_abs(lo - side[0]) > slack && quad_abs(hi - side[1]) > slack;
 }
 
-/* By how much an end of the inside is off, towards the part, in u times |f| + size. */
+/* The error of an end of the interval, measured towards the part, in units of u (|f| + size). */
 static double departure(const struct pen_cone *c, const struct pen_ray *ray, double t, quad truth,
                         uint8_t part)
 {
@@ -360,8 +362,8 @@ START_TEST(test_cone__intersections_match_quad)
 END_TEST
 
 /* Whether a ray from p, a point of the part, surely goes into the cone (1), surely does not (0), or
- * rounding decides (-1): it goes along it, or p is near the apex. At the apex the cone of
- * directions decides, elsewhere the normal. */
+ * rounding decides (-1), because it runs along the surface or p is near the apex. At the apex the
+ * cone of directions decides, elsewhere the normal. */
 static int goes_into(const struct pen_cone *c, uint8_t part, vec3 p, vec3 d)
 {
     vec3 axis = axis_of(c), apex = pen_along(c->hull.round.q, axis, c->hull.h);
@@ -373,8 +375,8 @@ static int goes_into(const struct pen_cone *c, uint8_t part, vec3 p, vec3 d)
     return sure ? into > 0 : -1;
 }
 
-/* Of rays that leave a cone from where they met it, those that go outward do not meet it again, and
- * those that go inward meet it once: an open one perhaps not. */
+/* Rays that start where an earlier ray met the cone: outward ones do not meet it again, inward ones
+ * meet it once (at most once if the cone is open). */
 START_TEST(test_cone__is_not_met_where_it_is_left)
 {
     struct random r = random_begin(54);
@@ -407,7 +409,7 @@ START_TEST(test_cone__is_not_met_where_it_is_left)
 }
 END_TEST
 
-/* Where a ray that goes inward from the side comes out: as quad says, up to the bound of p. */
+/* A ray that goes inward from the side comes out where quad puts it, up to the bound of p. */
 START_TEST(test_cone__comes_out_where_quad_says)
 {
     struct random r = random_begin(55);
@@ -440,7 +442,7 @@ START_TEST(test_cone__comes_out_where_quad_says)
 }
 END_TEST
 
-/* A point put on the surface is there, within the bound that rays from it assume. */
+/* A point projected on the surface lies on it, within the bound that rays from there assume. */
 START_TEST(test_cone__points_are_put_on_the_surface)
 {
     struct random r = random_begin(56);

@@ -33,7 +33,7 @@ END_TEST
 
 START_TEST(test_cylinder__h025_at_a_rim_the_cap_wins)
 {
-    /* Straight down and up the side's line, a hair inside, and through the rim from the side. */
+    /* Down and up along the side, just inside of it, and through the rim from the side. */
     const vec3 o[] = {{0, 0, 3}, {2, 0, 1}, {2, 0, 3}}, d[] = {{0, 0, -1}, {-1, 0, 1}, {-1, 0, -1}};
     standing(true);
     for (int i = 0; i < 3; i++) {
@@ -123,7 +123,8 @@ static vec3 rim_point(struct random *r, const struct pen_cylinder *c)
                     random_nudge(p.z, step[random_below(r, 8)]));
 }
 
-/* D6: rays aimed at the rim enter and leave, or do neither; from inside they leave once. */
+/* D6: rays aimed at the rim have an entry and an exit, or neither; from inside they have one exit.
+ */
 START_TEST(test_cylinder__rim_intersections_pair_up)
 {
     static const double radius[] = {1e-3, 1, 1e4};
@@ -148,7 +149,8 @@ START_TEST(test_cylinder__rim_intersections_pair_up)
 }
 END_TEST
 
-/* What the ray's line has inside, in quad; false if it is too close to call. */
+/* The interval of the ray's line inside, in quad; false if rounding of the inputs could change hit
+ * or miss. */
 static bool inside_quad(const struct pen_cylinder *c, const struct pen_ray *ray, quad t[2],
                         uint8_t part[2], bool *met)
 {

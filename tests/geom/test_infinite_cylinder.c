@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Tubes. The classroom's cases use two: around (1, 1, *) along z, and around (1, *, 1) along y,
- * both of radius 1. */
+/* Infinite cylinders. The first cases use two: around (1, 1, *) along z, and around (1, *, 1) along
+ * y, both of radius 1. */
 #include "geom/quad.h"
 #include "geom/rows.h"
 #include "support/suite.h"
@@ -94,7 +94,7 @@ START_TEST(test_infinite_cylinder__h020_start_on_it_inward)
 {
     tube_z(1, pen_vec3(1, 1, -7));
     rows_check_leaving(&world, inward, ROWS(inward), 4);
-    for (int i = 0; i < ROWS(inward); i++) /* told as a ray in free space: never lost */
+    for (int i = 0; i < ROWS(inward); i++) /* as a ray from free space: it is never lost */
         ck_assert_int_ge(world_count(&world, inward[i].o, inward[i].d), 1);
 }
 END_TEST

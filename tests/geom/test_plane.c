@@ -123,13 +123,13 @@ START_TEST(test_plane__h087_grazing_rays_have_finite_intersections_or_none)
     ck_assert(quad_ulps(t, 1 / (quad)1e-15) <= 1);
     ck_assert_int_eq(cross_z(1, o, pen_vec3(1, 0, 0x1p-129), INFINITY, &t), 1);
     ck_assert(t > 0 && t <= DBL_MAX);
-    /* A ray takes what is below PEN_LEAST_DIRECTION of its direction as 0: it runs along the plane.
-     */
+    /* Components of a direction below PEN_LEAST_DIRECTION count as 0, so this ray runs along the
+     * plane. */
     ck_assert_int_eq(cross_z(1, o, pen_vec3(1, 0, 1e-300), INFINITY, &t), 0);
 }
 END_TEST
 
-/* The intersection does not lose digits to the slope, nor to a far away point of the plane. */
+/* The intersection loses no digits to the slope, nor to a point of the plane that is far away. */
 START_TEST(test_plane__intersections_match_quad)
 {
     struct random r = random_begin(21);

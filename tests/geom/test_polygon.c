@@ -77,7 +77,7 @@ START_TEST(test_polygon__h031_the_rest_of_the_rim)
     world_polygon(&world, square, 4);
     ck_assert(at(-1, 0) == 1 && at(0, -1) == 1 && at(-1, -1) == 1);
     ck_assert(at(0, 1) == 0 && at(1, -1) == 0 && at(-1, 1) == 0);
-    /* Neighbours all round: every point of the rim belongs to one of the nine. */
+    /* Nine squares, neighbours on all sides: every point of a border belongs to one of them. */
     for (int i = -1; i <= 1; i++) {
         for (int j = -1; j <= 1; j++) {
             vec3 v[4];

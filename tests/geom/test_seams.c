@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* H073: no light comes in at the seams of a closed room. Rays are aimed at its edges and corners,
- * and from where they arrive, wherever rounding puts that, no ray back into the room finds a way
- * out, and none is stopped on the way to a point inside. */
+/* H073: no light enters a closed room at its seams. Rays are aimed at edges and corners. From the
+ * computed hit point, wherever rounding puts it, no ray back into the room gets out, and no ray to
+ * a point inside is blocked. */
 #include <check.h>
 
 #include "geom/rows.h"
@@ -14,7 +14,7 @@ static const double offsets[] = {0, 1e3, 1e6};
 
 enum { WAYS_ON = 6 };
 
-/* Whether something opaque is met: anything but a pane. */
+/* Whether the ray meets something opaque, which is everything except a pane. */
 static bool stopped(enum world_room room, const struct pen_ray *ray,
                     const struct pen_origin_surface *origin, double tmax)
 {
@@ -27,7 +27,7 @@ static bool stopped(enum world_room room, const struct pen_ray *ray,
     return false;
 }
 
-/* Goes on from s in a random direction to what is met next; false if nothing is. */
+/* Continues from s in a random direction to the next hit; false if there is none. */
 static bool bounce(struct random *r, struct stand *s)
 {
     struct pen_origin_surface origin;
@@ -40,7 +40,7 @@ static bool bounce(struct random *r, struct stand *s)
     return true;
 }
 
-/* Where a ray from `eye` arrives that is aimed at a seam. */
+/* The hit of a ray from `eye` that is aimed at a seam. */
 static struct stand look(struct random *r, vec3 eye)
 {
     struct pen_ray ray = world_ray(eye, pen_sub(world_aim(&world, r), eye));
@@ -50,7 +50,7 @@ static struct stand look(struct random *r, vec3 eye)
     return world_stand(&world, &ray, &pen_origin_none, hit);
 }
 
-/* d turned into the plane of some wall, as far as rounding allows. */
+/* d projected into the plane of some wall, as far as rounding allows. */
 static vec3 along_wall(struct random *r, vec3 d)
 {
     struct pen_hit wall = {0, random_below(r, world.prims.count), PEN_PART_SIDE};
@@ -151,8 +151,8 @@ START_TEST(test_seams__h073_no_way_out_of_a_drum)
 }
 END_TEST
 
-/* A point that is an ulp under a floor, and light that is still under it where the next wall
- * stands: the wall on the floor is met, a wall that goes down from the floor's edge is not. */
+/* A point one ulp below a floor, and a light that is still below it where the next wall stands: the
+ * wall on the floor is met, a wall that goes down from the floor's edge is not. */
 START_TEST(test_seams__h073_light_round_the_foot_of_a_wall)
 {
     for (int up = 0; up < 2; up++) {
@@ -173,8 +173,8 @@ START_TEST(test_seams__h073_light_round_the_foot_of_a_wall)
 }
 END_TEST
 
-/* Two ways along the foot of a wall: where neither began beside it, the wall's side is where the
- * first began. */
+/* Two path segments along the foot of a wall: if neither began beside it, the side of the wall is
+ * that where the first began. */
 START_TEST(test_seams__h073_the_way_before_tells_the_side)
 {
     const vec3 floor[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};

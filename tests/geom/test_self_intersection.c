@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays that start on surfaces: what they left is not met again, and everything else is. */
+/* Rays that start on surfaces: they do not meet the surface that they start on, and meet everything
+ * else. */
 #include <check.h>
 
 #include "geom/quad.h"
@@ -24,7 +25,8 @@ static void make_round(struct random *r, int kind, double size, double far)
         world_cylinder(&world, at, random_direction(r), size, size * random_in(r, .5, 3), true);
 }
 
-/* Shoots at primitive 0 from a few sizes away until it is met; the start of the next ray. */
+/* Shoots at primitive 0 from a few sizes away until a ray hits; returns the start of the next ray.
+ */
 static vec3 meet(struct random *r, double size, vec3 at, struct pen_hit *hit, vec3 *v)
 {
     for (;;) {
@@ -41,7 +43,8 @@ static vec3 meet(struct random *r, double size, vec3 at, struct pen_hit *hit, ve
     }
 }
 
-/* Where the ray from p comes out of primitive 0, in quad, p taken as being on the part. */
+/* The t at which the ray from p comes out of primitive 0, in quad, with p taken as a point of the
+ * part. */
 static quad way_out(int kind, struct pen_hit hit, vec3 p, vec3 d)
 {
     const struct pen_cylinder_side *s =
@@ -91,7 +94,7 @@ START_TEST(test_self_intersection__h059_h061_round_bodies)
             ck_assert_msg(count == in, "kind %d r %g at %g: %d intersections; seed %llu", kind,
                           size, far, count, (unsigned long long)r.seed);
             inward += in;
-            if (!in || far > 1e3 * size) /* there the point is off its surface by much */
+            if (!in || far > 1e3 * size) /* there the point is far off its surface */
                 continue;
             quad truth = way_out(kind, hit, p, d);
             bool chord = kind < 2 || (hit.part == PEN_PART_SIDE && again[0].part == PEN_PART_SIDE);
@@ -145,7 +148,7 @@ static bool blocked(uint32_t prim, vec3 eye, vec3 p, vec3 d)
     return world_intersections(&world, &ray, &origin, INFINITY, NULL, 0) > 0;
 }
 
-/* H062: two triangles at 10^-k rad; from one, into the wedge, the other is met. */
+/* H062: two triangles at 10^-k rad; a ray from one into the wedge meets the other. */
 START_TEST(test_self_intersection__h062_dihedral)
 {
     int smallest = 0;
@@ -185,14 +188,14 @@ START_TEST(test_self_intersection__h063_thin_shell)
             struct pen_hit hit[4];
             int n = world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 4);
             ck_assert(n == 4 && hit[0].prim == 1 && hit[1].prim == 0);
-            /* Bent into the glass: the inner sphere is next. */
+            /* A ray into the glass meets the inner sphere next. */
             vec3 p = pen_prim_point(&world.prims, hit[0], &ray);
             vec3 d = pen_along(pen_normalize(v), random_direction(&r), .1);
             struct pen_origin_surface origin = world_origin_surface(&world, hit[0], p, v, true);
             struct pen_ray bent = world_ray(p, d);
             n = world_intersections(&world, &bent, &origin, INFINITY, hit, 4);
             ck_assert_msg(n == 3 && hit[0].prim == 0, "gap %g: %d", gaps[g], n);
-            /* From the inner one outward: the glass is met, and nothing else. */
+            /* A ray outward from the inner sphere meets the glass, and nothing else. */
             p = pen_prim_point(&world.prims, hit[0], &bent);
             origin = world_origin_surface(&world, hit[0], p, d, false);
             bent = world_ray(
@@ -207,8 +210,8 @@ END_TEST
 static const vec3 square[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
 static const vec3 turned[4] = {{-1, 1, 0}, {1, 1, 0}, {1, -1, 0}, {-1, -1, 0}};
 
-/* H068, H069: of coincident primitives the first in the document is met, and from it the other is
- * neither met on the near side nor crossed again on the way through. */
+/* H068, H069: of coincident primitives the first in the document is hit. A ray that starts there
+ * meets the other neither on the near side nor when it goes through. */
 START_TEST(test_self_intersection__h068_h069_coincident)
 {
     struct random r = random_begin(68);
@@ -242,7 +245,7 @@ START_TEST(test_self_intersection__h068_h069_coincident)
         bool in = kind > 1 && pen_dot(n, d) < 0;
         ck_assert_msg(count == (in ? 2 : 0), "kind %d: %d intersections %s; seed %llu", kind, count,
                       in ? "inward" : "outward", (unsigned long long)r.seed);
-        if (in) /* both are left at once, the first in the document first */
+        if (in) /* the ray comes out of both at once, of the first in the document first */
             ck_assert(next[0].t == next[1].t && next[0].prim == 0 && next[1].prim == 1);
     }
 }
@@ -260,7 +263,7 @@ START_TEST(test_self_intersection__h071_touching_spheres)
     ck_assert(hit[0].t == 1 && hit[1].t == 3 && hit[2].t == 3 && hit[3].t == 5);
     ck_assert(hit[1].prim == 0 && hit[2].prim == 1);
     ck_assert_int_eq(world_count(&world, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0)), 0);
-    /* At the contact each is in the way of the other. */
+    /* At the contact each sphere blocks the other's ray. */
     ck_assert(blocked(0, pen_vec3(0, 1, 0), pen_vec3(0, 0, 0), pen_vec3(-1, .001, 0)));
 }
 END_TEST
@@ -275,8 +278,8 @@ static vec3 on_face(struct random *r, int f)
     return pen_along(pen_along(pg->v[0], e, x), g, y);
 }
 
-/* From outside a box, at faces, edges and corners alike, nothing of it is in the way of a ray that
- * leaves the face outward, wherever it is seen from; on flush neighbours neither. */
+/* Outside of a box, at faces, edges and corners alike, no part of the box blocks a ray that goes
+ * outward from a face, wherever the face is seen from; nor does a flush neighbour. */
 START_TEST(test_self_intersection__convex_edges_and_seams_cast_no_shadow)
 {
     struct random r = random_begin(65);
@@ -297,8 +300,8 @@ START_TEST(test_self_intersection__convex_edges_and_seams_cast_no_shadow)
 }
 END_TEST
 
-/* H065: a box that stands on the floor: from the floor at its foot, rays into it are stopped, and
- * rays away from it are free. The foot of the left side is x = 0. */
+/* H065: a box on the floor: from the floor at its foot, rays into the box are blocked, and rays
+ * away from it are free. The foot of the left side is x = 0. */
 START_TEST(test_self_intersection__h065_resting_box)
 {
     struct random r = random_begin(66);
@@ -320,8 +323,8 @@ START_TEST(test_self_intersection__h065_resting_box)
 }
 END_TEST
 
-/* In the corner of a room, exactly on a wall's foot and beside it, walls stop rays; from the sides
- * that face the room nothing is in the way of rays back into it. */
+/* In the corner of a room, exactly on a wall's foot and beside it, walls block rays. From the sides
+ * that face the room nothing blocks rays back into it. */
 START_TEST(test_self_intersection__corners_stop_rays)
 {
     struct random r = random_begin(67);

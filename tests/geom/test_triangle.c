@@ -35,7 +35,7 @@ START_TEST(test_triangle__normal_is_on_the_counter_clockwise_side)
 }
 END_TEST
 
-/* H045: what has no area is refused; what has, however little, is not. */
+/* H045: a triangle without area is refused; one with an area, however small, is not. */
 START_TEST(test_triangle__h045_degenerate)
 {
     struct pen_triangle tri;
@@ -149,7 +149,7 @@ static struct pen_ray aim(struct random *r, double aspect, bool cap, vec3 v[3])
     return world_ray(o, pen_sub(to, o));
 }
 
-/* H043: t of needles is as good as that of any triangle. */
+/* H043: t of needles is as exact as that of any triangle. */
 START_TEST(test_triangle__h043_needles)
 {
     static const double aspect[] = {1, 1e-3, 1e-6, 1e-9, 1e-12};

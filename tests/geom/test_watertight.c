@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Surfaces that close have no leaks and no double intersections: rays aimed at vertices, edges and
+/* Closed surfaces have no leaks and no double intersections: rays aimed at vertices, edges and
  * points of edges that are exact in binary, from near and far of the coordinate origin. */
 #include <check.h>
 
