@@ -139,7 +139,7 @@ START_TEST(test_kinds__manual_looks_into_the_groups_it_meets)
 }
 END_TEST
 
-START_TEST(test_kinds__groups_of_nothing_and_of_infinite_bodies_have_no_box)
+START_TEST(test_kinds__groups_of_nothing_and_of_infinite_primitives_have_no_box)
 {
     row(0, 3, 1);
     world_plane(&world, pen_vec3(0, -1, 0), pen_vec3(0, 1, 0));
@@ -282,7 +282,7 @@ int main(void)
     tcase_add_test(tcase, test_kinds__cbr_tests_every_box_and_what_is_in_those_met);
     tcase_add_test(tcase, test_kinds__manual_without_groups_is_cbr);
     tcase_add_test(tcase, test_kinds__manual_looks_into_the_groups_it_meets);
-    tcase_add_test(tcase, test_kinds__groups_of_nothing_and_of_infinite_bodies_have_no_box);
+    tcase_add_test(tcase, test_kinds__groups_of_nothing_and_of_infinite_primitives_have_no_box);
     tcase_add_test(tcase, test_kinds__groups_nested_without_end);
     tcase_add_test(tcase, test_kinds__median_is_balanced_for_any_number);
     tcase_add_test(tcase, test_kinds__median_cuts_the_longest_axis_in_the_middle);

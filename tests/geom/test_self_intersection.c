@@ -72,7 +72,7 @@ static quad way_out(int kind, struct pen_hit hit, vec3 p, vec3 d)
 }
 
 /* H059, H061: no self-intersections outward, exactly one inward, to 4 ulp of -2 b / a. */
-START_TEST(test_self_intersection__h059_h061_round_bodies)
+START_TEST(test_self_intersection__h059_h061_round_primitives)
 {
     struct random r = random_begin(59);
     int inward = 0;
@@ -110,7 +110,7 @@ START_TEST(test_self_intersection__h059_h061_round_bodies)
 END_TEST
 
 /* H060: flat primitives never meet themselves, of any size. */
-START_TEST(test_self_intersection__h060_flat_bodies)
+START_TEST(test_self_intersection__h060_flat_primitives)
 {
     struct random r = random_begin(60);
     for (int i = 0; i < 2000; i++) {
@@ -350,8 +350,8 @@ START_TEST(test_self_intersection__corners_stop_rays)
 }
 END_TEST
 
-PEN_SUITE("self_intersection", test_self_intersection__h059_h061_round_bodies,
-          test_self_intersection__h060_flat_bodies, test_self_intersection__h062_dihedral,
+PEN_SUITE("self_intersection", test_self_intersection__h059_h061_round_primitives,
+          test_self_intersection__h060_flat_primitives, test_self_intersection__h062_dihedral,
           test_self_intersection__h063_thin_shell, test_self_intersection__h068_h069_coincident,
           test_self_intersection__h071_touching_spheres,
           test_self_intersection__convex_edges_and_seams_cast_no_shadow,

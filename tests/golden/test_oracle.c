@@ -31,7 +31,8 @@ static char *file_text(const char *path, size_t *bytes)
     return text;
 }
 
-/* Our own picture of a view, as wide as asked and of the scene's shape, one sample per pixel. */
+/* Penumbra's picture of a view, of the given width and the scene's aspect ratio, one sample per
+ * pixel. */
 static struct picture rendered(const char *path, const char *view, int width)
 {
     struct pen_status st;
@@ -48,7 +49,7 @@ static struct picture rendered(const char *path, const char *view, int width)
     settings.height = settings.height * width / settings.width;
     settings.width = width;
     settings.samples_per_pixel = 1;
-    settings.light_samples = 1024; /* of soft lights, to be held against other points */
+    settings.light_samples = 1024; /* of soft lights, because the oracle takes other points */
     settings.light_pattern = PEN_PATTERN_SOBOL;
     struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_AUTO, 0, &st);
     ck_assert_msg(scene != NULL, "%s: %s", path, st.msg);
@@ -107,7 +108,7 @@ static int differences(const char *name, const char *view, int width)
     return different;
 }
 
-START_TEST(test_oracle__agrees_on_bodies)
+START_TEST(test_oracle__agrees_on_primitives)
 {
     static const char *const names[] = {"primitives", "transforms", "polygons-concave",
                                         "crowd",      "infinite",   "far-from-origin",
@@ -122,9 +123,9 @@ START_TEST(test_oracle__agrees_on_bodies)
 }
 END_TEST
 
-/* Where two sheets overlap in one plane, which of them a ray meets first is rounding's choice;
- * elsewhere, and where primitives are the same, nothing is. */
-START_TEST(test_oracle__agrees_on_ties_but_for_overlapping_sheets)
+/* Where two sheets overlap in one plane, rounding decides which of them a ray meets first;
+ * elsewhere, and where primitives are equal, it decides nothing. */
+START_TEST(test_oracle__agrees_on_ties_except_in_overlapping_sheets)
 {
     int different = differences("tests/golden/scenes/ties", NULL, 128);
     ck_assert_int_lt(different, 128 * 64 / 50);
@@ -204,10 +205,11 @@ START_TEST(test_oracle__agrees_on_soft_shadows)
     compare_soft("soft-spot-grid", 48);
     compare_soft("soft-directional", 48);
     compare_soft("soft-horizon", 48);
+    compare_soft("soft-cones", 48);
 }
 END_TEST
 
-PEN_SUITE("oracle", test_oracle__agrees_on_bodies,
-          test_oracle__agrees_on_ties_but_for_overlapping_sheets, test_oracle__agrees_on_light,
+PEN_SUITE("oracle", test_oracle__agrees_on_primitives,
+          test_oracle__agrees_on_ties_except_in_overlapping_sheets, test_oracle__agrees_on_light,
           test_oracle__agrees_on_soft_shadows, test_oracle__agrees_on_every_view,
           test_oracle__agrees_on_the_built_in_scenes)

@@ -36,7 +36,7 @@ static void make_columns(int i)
 }
 
 /* Primitives of about a tenth of the unit cube, so that a ray meets a few of 64. */
-static void make_body(struct random *r, int i)
+static void make_primitive(struct random *r, int i)
 {
     struct pen_vec3 c = random_vec(r, 1), a = random_direction(r),
                     b = pen_cross(a, random_direction(r));
@@ -76,7 +76,7 @@ static void make_set(void)
     for (int k = 0; k < PEN_PRIM_KIND_COUNT; k++)
         world_clear(&set->world[k]);
     for (int i = 0; i < PRICE_PRIMS; i++)
-        make_body(&r, i);
+        make_primitive(&r, i);
     for (int i = 0; i < PRICE_RAYS; i++) {
         struct pen_vec3 o = pen_scale(random_direction(&r), 4);
         if (!pen_ray_make(&set->ray[i], o, pen_sub(random_vec(&r, 1), o)))

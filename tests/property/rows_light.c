@@ -91,7 +91,7 @@ static bool read_acne(const struct row_case *c, struct acne_case *a)
 }
 
 /* The primitive, which has p on it and n as normal there. */
-static void acne_body(const struct acne_case *a)
+static void acne_primitive(const struct acne_case *a)
 {
     int matte = kit_material(&kit, kit_matte(1));
     vec3 corner[4];
@@ -147,7 +147,7 @@ static void judge_acne(const struct row_case *c, struct row_verdict *v)
         return;
     }
     shot_begin(&kit);
-    acne_body(&a);
+    acne_primitive(&a);
     if (a.prim >= ACNE_INSIDE_SPHERE)
         acne_inside(&a);
     else
@@ -308,7 +308,7 @@ static void judge_outside(const struct row_case *c, struct row_verdict *v)
     shot_look(&kit, eye, at, c->arg[3]);
     double rays;
     int shaded = take_both(3, &rays);
-    row_measure(v, "shaded pixels of a convex body", shaded, 0);
+    row_measure(v, "shaded pixels of a convex primitive", shaded, 0);
     row_measure(v, "shadow rays of a case", rays, -1);
 }
 

@@ -38,7 +38,7 @@ static int draw_material(struct random *r)
     return kit_material(&kit, m);
 }
 
-static void draw_body(struct random *r)
+static void draw_primitive(struct random *r)
 {
     int m = draw_material(r);
     vec3 c = dyadic(r, 3), a = dyadic(r, 1);
@@ -77,7 +77,7 @@ static void make_scene(uint64_t seed)
     kit.view.camera.direction = pen_vec3(0, -.0625, -1);
     kit_plane(&kit, pen_vec3(0, -3, 0), pen_vec3(0, 1, 0), draw_material(&r));
     for (int i = 0; i < 8; i++)
-        draw_body(&r);
+        draw_primitive(&r);
     kit_point(&kit, pen_add(pen_vec3(3, 6, 6), dyadic(&r, 1)), colour(&r));
     kit_directional(&kit, pen_vec3(1, -2, -1.5), colour(&r));
     kit_spot(&kit, pen_vec3(-4, 5, 4), pen_vec3(4, -5, -5), colour(&r))->radius = .25;

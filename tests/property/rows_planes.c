@@ -10,7 +10,7 @@
 
 static struct world world;
 
-enum { BODIES = 24 };
+enum { PRIMITIVES = 24 };
 
 /* The extent of a primitive along an axis, from its definition. */
 struct extent {
@@ -179,7 +179,7 @@ static void draw_planes(struct row_draw *d, struct row_case *c)
     row_fixed(c, offsets[d->index % 4]);
 }
 
-static void add_body(struct random *r, vec3 at, int i)
+static void add_primitive(struct random *r, vec3 at, int i)
 {
     vec3 p = pen_add(at, random_vec(r, 2)), e = random_vec(r, 1), f = random_vec(r, 1);
     vec3 v[4] = {p, pen_add(p, e), pen_add(pen_add(p, e), f), pen_add(p, f)};
@@ -206,8 +206,8 @@ static void judge_planes(const struct row_case *c, struct row_verdict *v)
     struct random r = {(uint64_t)seed, 0};
     vec3 away = gen_offset3(offset);
     world_clear(&world);
-    for (int i = 0; i < BODIES; i++)
-        add_body(&r, away, i);
+    for (int i = 0; i < PRIMITIVES; i++)
+        add_primitive(&r, away, i);
     for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++) {
         struct pen_status st;
         struct pen_arena *arena = pen_arena_new(0);
@@ -217,7 +217,7 @@ static void judge_planes(const struct row_case *c, struct row_verdict *v)
                                           (struct cover){(const float[6]){0}, 1}, a->list)
                              : 0;
         int seen = a->shape == PEN_SHAPE_NONE ? 0 : judge_node(v, a, 0);
-        row_require(v, kind == PEN_ACCEL_NONE || seen + beside == BODIES,
+        row_require(v, kind == PEN_ACCEL_NONE || seen + beside == PRIMITIVES,
                     "not every primitive is in the structure once");
         pen_arena_free(arena);
     }

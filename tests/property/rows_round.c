@@ -20,7 +20,7 @@ enum kind { SPHERE, TUBE, CYLINDER };
 /* Which rays a row is about. */
 enum aim { WITHIN, GRAZING, FAR_OFF };
 
-static bool body_of(const struct row_case *c, enum kind kind, struct prim *prim)
+static bool primitive_of(const struct row_case *c, enum kind kind, struct prim *prim)
 {
     int at = 0;
     struct oracle_round b = {.c = row_next3(c, &at)};
@@ -225,7 +225,7 @@ static void judge_sphere(const struct row_case *c, struct row_verdict *v)
     struct prim prim;
     struct pen_sphere s;
     double t[2];
-    if (!body_of(c, SPHERE, &prim) || !pen_sphere_make(&s, prim.b.c, prim.b.r))
+    if (!primitive_of(c, SPHERE, &prim) || !pen_sphere_make(&s, prim.b.c, prim.b.r))
         row_skip(v);
     else
         judge_pair(v, SPHERE, &prim, pen_sphere_roots(&s, &prim.ray, t), t);
@@ -237,7 +237,7 @@ static void judge_tube(const struct row_case *c, struct row_verdict *v)
     struct pen_infinite_cylinder infinite_cylinder;
     double t[2];
     bool parallel;
-    if (!body_of(c, TUBE, &prim) ||
+    if (!primitive_of(c, TUBE, &prim) ||
         !pen_infinite_cylinder_make(&infinite_cylinder, prim.b.c, prim.b.a, prim.b.r)) {
         row_skip(v);
         return;
@@ -263,7 +263,7 @@ static void judge_cylinder_parts(const struct row_case *c, struct row_verdict *v
     struct pen_cylinder cylinder;
     struct pen_interval in;
     struct oracle_roots truth;
-    if (!body_of(c, CYLINDER, &prim) ||
+    if (!primitive_of(c, CYLINDER, &prim) ||
         !pen_cylinder_make(&cylinder, prim.b.c, prim.b.a, prim.b.r, prim.b.h, true)) {
         row_skip(v);
         return;
@@ -390,7 +390,7 @@ static void judge_oracle(const struct row_case *c, struct row_verdict *v)
     struct prim prim;
     for (int i = 0; i < rest.count; i++)
         rest.arg[i] = c->arg[i + 1];
-    if (!body_of(&rest, c->arg[0] != 0 ? TUBE : SPHERE, &prim) || !(prim.b.r > 0)) {
+    if (!primitive_of(&rest, c->arg[0] != 0 ? TUBE : SPHERE, &prim) || !(prim.b.r > 0)) {
         row_skip(v);
         return;
     }

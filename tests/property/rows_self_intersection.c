@@ -11,7 +11,7 @@ static struct primitives_tree tree;
 
 enum kind { SPHERE, TUBE, CYLINDER, TRIANGLE, POLYGON, PLANE };
 
-static struct oracle_round body_of(const struct row_case *c, int *at, enum kind kind)
+static struct oracle_round primitive_of(const struct row_case *c, int *at, enum kind kind)
 {
     struct oracle_round b = {.c = row_next3(c, at)};
     if (kind != SPHERE)
@@ -112,7 +112,7 @@ static bool depart(const struct row_case *c, struct departure *x)
     x->kind = (enum kind)row_next(c, &at);
     if (x->kind > CYLINDER)
         return false;
-    x->b = body_of(c, &at, x->kind);
+    x->b = primitive_of(c, &at, x->kind);
     vec3 o = row_next3(c, &at), d = row_next3(c, &at), next = row_next3(c, &at);
     if (!lengths_are_sane(&x->b, x->kind))
         return false;

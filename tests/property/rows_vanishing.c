@@ -55,7 +55,7 @@ static void add_flat(struct random *r)
     }
 }
 
-static void add_body(struct random *r)
+static void add_primitive(struct random *r)
 {
     vec3 c = draw_point(r), a = random_below(r, 2) ? gen_axial(r) : random_direction(r);
     switch (random_below(r, 10)) {
@@ -85,7 +85,7 @@ static void build(double scene)
     built = scene;
     world_clear(&world);
     for (uint32_t i = 3 + random_below(&r, 20); i > 0; i--)
-        add_body(&r);
+        add_primitive(&r);
     for (int k = 0; k < PEN_ACCEL_COUNT; k++)
         primitives_build_kind(&kinds[k], &world.prims, (enum pen_accelerator)k);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Kernels: that it does not matter which kernel renders a scene, and how samples make a pixel. */
+/* Kernels: every kernel that covers a scene gives the same picture; and how samples make a pixel.
+ */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -76,7 +77,7 @@ static int compare_kernels(void)
     return compared;
 }
 
-/* Takes effects out of the medley, as the API's `effects` says what leaving out means. */
+/* Takes effects out of the medley, as the API's `effects` defines it. */
 static void leave_out(unsigned effects)
 {
     if (effects & PEN_FX_AMBIENT)
@@ -279,12 +280,12 @@ START_TEST(test_kernel__samples_beyond_the_film_are_left_out)
 }
 END_TEST
 
-/* The queries that kernels ask, counted; and those of `nearest` answered with a fault. */
+/* Counts the queries of kernels, and answers those of `nearest` with a fault. */
 struct fault {
     const struct pen_trace_ops *real;
-    uint64_t nearest, shadow; /* how many were asked */
+    uint64_t nearest, shadow; /* numbers of queries */
     bool strike;
-    double t; /* where an intersection is said to be, if the fault strikes */
+    double t; /* the t that the fault gives an intersection */
 };
 
 static struct fault fault;
@@ -324,8 +325,8 @@ static struct pen_trace_ops faulty_ops(enum pen_isa isa)
     return ops;
 }
 
-/* Renders the frame by every kernel that covers it, and checks that all of its samples are black,
- * are counted, and have asked for so many queries each, and for no shadow. */
+/* Renders the frame by every kernel that covers it. All samples must be black and counted, with
+ * `queries` calls of `nearest` for each of them and none of `shadow`. */
 static void check_dropped(struct pen_kernel_input *input, enum pen_isa isa, uint64_t queries)
 {
     const struct pen_settings *s = &kit.settings;
@@ -348,8 +349,8 @@ static void check_dropped(struct pen_kernel_input *input, enum pen_isa isa, uint
     }
 }
 
-/* H088: camera rays that are none are refused before anything is traced, so a frame of them costs
- * less than any other: no query is asked at all. */
+/* H088: camera rays that are not finite are refused before anything is traced: a frame of them
+ * makes no query. */
 START_TEST(test_kernel__h088_rays_that_are_none_are_refused_and_counted)
 {
     static const double bad[] = {NAN, INFINITY, -INFINITY, 1e200};
@@ -365,7 +366,7 @@ START_TEST(test_kernel__h088_rays_that_are_none_are_refused_and_counted)
             double *all[] = {&p->eye.x,    &p->eye.y,    &p->eye.z,
                              &p->middle.x, &p->middle.y, &p->middle.z};
             if (i % 6 < 3 && bad[i / 6] == 1e200)
-                continue; /* far away, but a place */
+                continue; /* far away, but finite */
             input.trace = &ops;
             *all[i % 6] = bad[i / 6];
             check_dropped(&input, (enum pen_isa)isa, 0);
@@ -375,8 +376,8 @@ START_TEST(test_kernel__h088_rays_that_are_none_are_refused_and_counted)
 }
 END_TEST
 
-/* A mirror, lit by lights of every kind, or by none, that fills the picture; its colour and its
- * light leave no trace of a point that is none unless somebody looks. */
+/* A mirror that fills the picture, lit by lights of every kind or by none. Its colour and its light
+ * do not show that a hit point is not finite. */
 static void mirror_hall(bool sphere, bool lights)
 {
     kit_init(&kit);
@@ -395,8 +396,8 @@ static void mirror_hall(bool sphere, bool lights)
     kit_point(&kit, pen_vec3(-3, 4, 20), pen_vec3(1, 1, 1))->radius = 1;
 }
 
-/* H088: no ray goes on from a hit that is none, to a light, mirrored or through; the sample is left
- * out and counted. */
+/* H088: from a hit point that is not finite no shadow, reflected or transmitted ray starts; the
+ * sample is left out and counted. */
 START_TEST(test_kernel__h088_nothing_goes_on_from_a_point_that_is_none)
 {
     static const double bad[] = {NAN, INFINITY, -INFINITY};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What one light makes of one surface: the equations of the shading model, one by one. The scene
- * is one pixel that looks straight down on the plane z = 0 from z = 10, or straight at what is
- * said. */
+/* The light that one surface reflects from one light source: the equations of the shading model,
+ * one by one. The scene is one pixel that looks straight down on the plane z = 0 from z = 10,
+ * unless a test states otherwise. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -62,8 +62,8 @@ START_TEST(test_light__point_with_attenuation)
 }
 END_TEST
 
-/* The local frame halves or doubles lengths, so attenuation must follow: a primitive far off makes
- * the frame large. */
+/* The local frame scales lengths by a power of two, so attenuation must follow: a primitive far off
+ * makes the frame large. */
 START_TEST(test_light__attenuation_is_in_scene_units)
 {
     for (int k = -40; k <= 40; k += 8) {
@@ -271,8 +271,8 @@ START_TEST(test_light__h090_overflow_is_dropped_and_counted)
 }
 END_TEST
 
-/* H116: the light goes out where its direction is across the way to the point: nothing on that side
- * or exactly there, next to nothing an ulp before; and a cosine next to 1 to a large power. */
+/* H116: a spot gives no light where its direction is at a right angle to that of the point, or
+ * behind; an ulp before that, next to none; and a cosine next to 1 to a large power. */
 START_TEST(test_light__h116_edge_of_a_spot)
 {
     static const struct {
@@ -299,8 +299,8 @@ START_TEST(test_light__h116_edge_of_a_spot)
 }
 END_TEST
 
-/* H090: the film stays finite, whatever falls off or does not; light that is no number of the film
- * is counted. 1e-300 is less than what coordinates can say here: the light is at the point. */
+/* H090: the film stays finite, whatever the attenuation; values that the film cannot hold are
+ * counted. 1e-300 is below the resolution of coordinates here, so the light is at the point. */
 START_TEST(test_light__h090_strongest_light_at_the_least_distance)
 {
     static const double attenuation[][3] = {{1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Paths behind the first surface: mirrors, straight transmission, where they end, and how many
- * rays that is. The pixel looks along -z from z = 10. */
+/* Paths behind the first surface: mirrors, straight transmission, where they end, and the number of
+ * rays. The pixel looks along -z from z = 10. */
 #include <stdlib.h>
 
 #include "support/kit.h"
@@ -130,7 +130,8 @@ START_TEST(test_paths__h114_coincident_glass_in_document_order)
 }
 END_TEST
 
-/* The ray goes on beyond the intersection; it is not begun anew at a point that rounding moved. */
+/* The transmitted ray is the same ray beyond the intersection; it does not start anew at a rounded
+ * point. */
 START_TEST(test_paths__h110_glass_keeps_the_ray)
 {
     kit_init(&kit);
@@ -251,8 +252,8 @@ START_TEST(test_paths__depth_one_is_direct_light_only)
 }
 END_TEST
 
-/* H113: primitives that lose no light, by transmission or by mirroring, where light is the same
- * everywhere: nothing is to be seen of them, bit for bit. */
+/* H113: primitives that absorb nothing, transmissive or mirrors, in light that is the same
+ * everywhere, are invisible, bit for bit. */
 START_TEST(test_paths__h113_furnace)
 {
     enum { SIZE = 48 };
@@ -278,14 +279,14 @@ START_TEST(test_paths__h113_furnace)
     free(film);
     pen_scene_free(scene);
     struct pen_ray_counts rays;
-    kit.settings.width = kit.settings.height = 1; /* and there are primitives in the way */
+    kit.settings.width = kit.settings.height = 1; /* with primitives before the light */
     kit_pixel(&kit, 0, 0, &rays);
     ck_assert_uint_gt(rays.transmission, 1);
     ck_assert_uint_gt(rays.reflection, 0);
 }
 END_TEST
 
-/* H115: a ray that starts inside a primitive of glass crosses it once. */
+/* H115: a ray that starts inside a primitive of glass meets its surface once. */
 START_TEST(test_paths__h115_camera_in_glass)
 {
     const vec3 kt = {0.5, 0.25, 0.75}, outer = {0.9, 0.7, 0.3}, light = {3, 5, 7};

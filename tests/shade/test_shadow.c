@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What stands between a point and a light: which surfaces count, and what colour they leave. The
- * pixel looks straight down on the plane z = 0; the light is above it. */
+/* Transmittance between a point and a light: which surfaces count, and by what colour. The pixel
+ * looks straight down on the plane z = 0; the light is above it. */
 #include "support/kit.h"
 #include "support/suite.h"
 
@@ -30,7 +30,7 @@ static struct pen_object_desc *sheet(double z, int material)
     return kit_polygon(&kit, v, 4, material);
 }
 
-/* The pixel is `want` times what it is without anything between, bit for bit. */
+/* The pixel is `want` times its colour without anything before the light, bit for bit. */
 static void assert_shadow(vec3 want)
 {
     struct pen_ray_counts rays;
@@ -76,9 +76,9 @@ START_TEST(test_shadow__a_light_in_a_glass_sphere)
 {
     floor_and_light();
     kit_sphere(&kit, pen_vec3(8, 0, 8), 1, glass(0.5, 0.25, 0.75));
-    assert_shadow(pen_vec3(0.5, 0.25, 0.75)); /* crossed once */
+    assert_shadow(pen_vec3(0.5, 0.25, 0.75)); /* met once */
     kit_sphere(&kit, pen_vec3(4, 0, 4), 1, glass(0.5, 1, 0));
-    assert_shadow(pen_vec3(0.125, 0.25, 0)); /* and that one twice */
+    assert_shadow(pen_vec3(0.125, 0.25, 0)); /* met twice */
 }
 END_TEST
 
@@ -108,7 +108,7 @@ START_TEST(test_shadow__more_sheets_than_a_query_holds)
         sheet(0.5 + 0.11 * i, glass(colour.x, colour.y, colour.z));
         want = pen_mul(want, colour);
     }
-    sheet(8, glass(0, 0, 0)); /* with the light in it: not crossed */
+    sheet(8, glass(0, 0, 0)); /* with the light in it: it does not count */
     sheet(8.5, -1);
     assert_shadow(want);
     sheet(0.25, -1);
@@ -205,8 +205,8 @@ START_TEST(test_shadow__h065_shadow_begins_at_the_wall)
 }
 END_TEST
 
-/* The floor where the wall stands on it, seen from the one side: light from that side arrives,
- * light from the other does not. */
+/* The floor at the foot of a wall, seen from one side: light from that side arrives, light from the
+ * other side does not. */
 START_TEST(test_shadow__at_the_foot_of_a_wall)
 {
     for (int side = -1; side <= 1; side += 2) {
@@ -225,8 +225,8 @@ START_TEST(test_shadow__at_the_foot_of_a_wall)
 }
 END_TEST
 
-/* The edge between two walls seen from very far: the point that is shaded may miss both by more
- * than its own coordinates suggest, and neither may shade it. */
+/* The edge between two walls seen from very far: the hit point may be off both walls by more than
+ * the rounding of its own coordinates, and neither may shadow it. */
 START_TEST(test_shadow__corner_seen_from_afar)
 {
     kit_init(&kit);

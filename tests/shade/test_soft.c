@@ -54,8 +54,8 @@ static double seen_past_edge(double h)
 
 static const double light_height = 8, light_radius = 1.5;
 
-/* A floor seen at the origin from the side, and a disk light above it that a white surface
- * reflects as brightness T(p). Nothing between yet. */
+/* A white floor seen at the origin from the side, and a disk light above it: brightness is T(p).
+ * Nothing is before the light yet. */
 static struct pen_light_desc *floor_and_disk(void)
 {
     kit_init(&kit);
@@ -264,7 +264,7 @@ START_TEST(test_soft__h123_frame_near_every_axis)
 }
 END_TEST
 
-/* Turns everything so that the light comes from a direction that was +z. */
+/* Rotates the scene so that the light, which was at +z, is in another direction. */
 static void turn_scene(vec3 axis, double degrees)
 {
     struct pen_transform f = pen_transform_make(1, axis, degrees, pen_vec3(0, 0, 0));
@@ -317,7 +317,7 @@ START_TEST(test_soft__h124_radius_zero_is_a_hard_shadow)
     int pixels = kit.settings.width * kit.settings.height;
     float *hard = kit_film(scene, &kit.settings, 1);
     pen_scene_free(scene);
-    /* The others are the same picture with disks that nothing can tell from points. */
+    /* The others are the same picture with disks so small that they are points. */
     for (uint32_t i = 0; i < kit.desc.light_count; i++) {
         kit.lights[i].radius = 1e-12;
         kit.lights[i].angular_radius = 1e-12;
@@ -350,7 +350,7 @@ START_TEST(test_soft__h124_enormous_lights_stay_finite)
             mean_add(&m, pixel_with_seed(scene, seed).x / lit);
         pen_scene_free(scene);
         double h = -5 * lit / (radii[i] * 0.6); /* where the floor cuts the disk */
-        /* A net is cut by so near a diameter so evenly that its spread is no measure. */
+        /* An edge so near a diameter divides the net evenly, so its spread is no measure. */
         ck_assert_double_eq_tol(mean_of(&m), seen_past_edge(h), 2e-3);
     }
 }
@@ -369,7 +369,7 @@ START_TEST(test_soft__h124_a_radius_beyond_numbers_is_refused)
 }
 END_TEST
 
-/* Kernel bits do not depend on where the scene points, but samples do: their mean must not. */
+/* The samples depend on the direction of the scene; their mean must not. */
 START_TEST(test_soft__h080_rotation)
 {
     enum { ROTATIONS = 1000 };

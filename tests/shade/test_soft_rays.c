@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which samples of a soft light are taken, what each is a function of, and which cost a ray. */
+/* The samples of a soft light: which are taken, what each depends on, and which cost a ray. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,7 +30,7 @@ static void hide_left_of(double h)
     kit_polygon(&kit, v, 4, -1);
 }
 
-/* How many of a light's samples are right of x = h on the disk, by the key that is documented. */
+/* The number of a light's samples right of x = h on the disk, by the documented key. */
 static int right_of(double h, const struct pen_sample_key *key, int *taken)
 {
     const struct pen_settings *s = &kit.settings;
@@ -227,7 +227,7 @@ START_TEST(test_soft_rays__facing_away_costs_none)
     floor_and_disk(kit_matte(0)); /* nothing to send on */
     kit_pixel(&kit, 0, 0, &rays);
     ck_assert_uint_eq(rays.shadow, 0);
-    /* The centre under the horizon, half of the disk above it. */
+    /* The centre is below the horizon, half of the disk above it. */
     floor_and_disk(kit_matte(1));
     kit.lights[0].position = pen_vec3(20, 0, -0.001);
     kit.lights[0].radius = 5;
@@ -254,7 +254,8 @@ START_TEST(test_soft_rays__below_the_horizon)
         kit.settings.max_depth = 1;
         struct pen_ray_counts rays;
         vec3 t = pen_scale(kit_pixel(&kit, 0, 0, &rays), 1 / sine);
-        if (see_through) { /* those from below are tinted by the floor, and cost rays */
+        if (see_through) { /* rays to points below go through the floor, take its colour, and count
+                            */
             ck_assert_uint_eq(rays.shadow, SAMPLES);
             ck_assert_double_eq_tol(t.x, above + 0.5 * (1 - above), 0.01);
             ck_assert_double_eq_tol(t.y, above + 0.25 * (1 - above), 0.01);
@@ -267,7 +268,7 @@ START_TEST(test_soft_rays__below_the_horizon)
 }
 END_TEST
 
-/* Under the see-through floor, what is there counts too; the floor itself only once. */
+/* Primitives below the transmissive floor count too; the floor itself only once. */
 START_TEST(test_soft_rays__below_the_horizon_and_blocked)
 {
     struct pen_material floor = kit_matte(1);

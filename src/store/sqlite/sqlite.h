@@ -229,7 +229,7 @@ bool pen_sqlite_check_log(struct pen_sqlite_store *store, struct pen_status *st)
 enum { SQL_APPLICATION_ID = 0x50656e6d };
 
 /* Every operation of struct pen_driver_ops, once. PEN_SQLITE_DECLARE declares pen_sqlite_NAME for
- * each NAME; the table in driver.c is made from the same list. */
+ * each NAME; the table in ops.c is made from the same list. */
 #define PEN_SQLITE_OPS(OP)                                                                         \
     OP(close)                                                                                      \
     OP(reopen)                                                                                     \
