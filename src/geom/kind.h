@@ -30,7 +30,8 @@ enum pen_kind_extent {
  * functions pen_name_functions.
  *   word    what the scene format calls it
  *   most    intersections of one ray with one primitive, at most
- *   cost    for builders: of up to four tests in one block, in such tests of triangles */
+ *   cost    for builders: the measured time of a block's test of up to four primitives, or of one
+ *           primitive where the kind has no block of its own, in that of a block of triangles */
 #define PEN_KINDS(KIND)                                                                            \
     KIND(SPHERE, sphere, "sphere", ROUND, FINITE, 2, 1.0F)                                         \
     KIND(PLANE, plane, "plane", FLAT, INFINITE, 1, 1.0F)                                           \
@@ -38,7 +39,7 @@ enum pen_kind_extent {
     KIND(POLYGON, polygon, "polygon", FLAT, FINITE, 1, 2.0F)                                       \
     KIND(INFINITE_CYLINDER, infinite_cylinder, "tube", ROUND, INFINITE, 2, 3.0F)                   \
     KIND(CYLINDER, cylinder, "cylinder", ROUND, FINITE, 2, 3.0F)                                   \
-    KIND(CONE, cone, "cone", ROUND, FINITE, 2, 6.0F)
+    KIND(CONE, cone, "cone", ROUND, FINITE, 2, 10.0F)
 
 enum pen_prim_kind {
 #define KIND(NAME, ...) PEN_PRIM_##NAME,
