@@ -26,6 +26,7 @@ void rows_oracle(struct pen_row_run *run);
 
 /* rows_cone.c */
 void rows_cone_roots(struct pen_row_run *run);
+void rows_cone_mapped(struct pen_row_run *run);
 void rows_cone_left(struct pen_row_run *run);
 void rows_cone_boxes(struct pen_row_run *run);
 void rows_cone_trees(struct pen_row_run *run);

@@ -8,6 +8,7 @@
 #include "property/oracle.h"
 #include "property/primitives.h"
 #include "property/rows.h"
+#include "property/shape.h"
 
 static struct pen_vec3 cone_normal(const struct pen_cone *c, uint8_t part, struct pen_vec3 p)
 {
@@ -150,6 +151,85 @@ static void judge_cone(const struct row_case *c, struct row_verdict *v)
 void rows_cone_roots(struct pen_row_run *run)
 {
     row_each(run, draw_cone, judge_cone);
+}
+
+/* As above, after a mirror (bits), a cyclic permutation of the axes, and a power of two. */
+static void draw_mapped(struct row_draw *draw, struct row_case *c)
+{
+    struct random *r = &draw->random;
+    row_fixed(c, random_below(r, 8));
+    row_fixed(c, random_below(r, 3));
+    row_fixed(c, (double)random_below(r, 41) - 20);
+    draw_cone(draw, c);
+}
+
+/* The images of a cone and of a ray; the ray's d keeps its length. */
+static struct oracle_ray map_cone(const struct shape_map *m, struct oracle_cone *b,
+                                  struct oracle_ray line)
+{
+    b->q = shape_map_point(m, b->q);
+    b->a = shape_map_way(m, b->a);
+    for (int i = 0; i < 2; i++)
+        b->r[i] *= m->factor;
+    b->h *= m->factor;
+    return (struct oracle_ray){shape_map_point(m, line.o), shape_map_way(m, line.d)};
+}
+
+/* Two values that judge_cone allows are up to twice its bound apart. */
+static void measure_permuted(struct row_verdict *v, const struct oracle_cone *b,
+                             struct oracle_ray line, double t, double u, vec3 n)
+{
+    double size = pen_length(pen_sub(line.o, b->q)) + size_of(b);
+    double share = 4 * fabs((t - u) * pen_dot(n, line.d)) / (PEN_U * size);
+    double ulps = truth_ulps(u, (struct truth){t, 0});
+    row_measure(v, "cone with axes permuted, t [ulp, or u(|f|+size)/4]",
+                share < ulps ? share : ulps, 32);
+}
+
+/* With the axes in their order t has the same bits. With others the sums of the precise method run
+ * in another order. */
+static void judge_mapped(const struct row_case *c, struct row_verdict *v)
+{
+    int at = 0, bits = (int)row_next(c, &at) & 7;
+    struct shape_map m = shape_map_identity;
+    m.turn = (int)row_next(c, &at) % 3;
+    m.factor = ldexp(1, (int)row_next(c, &at));
+    m.sign = pen_vec3(bits & 1 ? -1 : 1, bits & 2 ? -1 : 1, bits & 4 ? -1 : 1);
+    struct oracle_cone b;
+    struct pen_cone cone, image;
+    struct pen_ray ray, image_ray;
+    struct pen_interval in, out;
+    bool made = get_cone(c, &at, &b, &cone);
+    struct oracle_ray line = {.o = row_next3(c, &at)};
+    line.d = row_next3(c, &at);
+    if (!made || !pen_ray_make(&ray, line.o, line.d) ||
+        (m.turn != 0 && oracle_cone_class(&b, line, 8) == 0)) {
+        row_skip(v);
+        return;
+    }
+    bool hit = pen_cone_interval(&cone, &ray, &in);
+    line = map_cone(&m, &b, line);
+    if (!row_require(v,
+                     pen_cone_make(&image, b.q, b.a, b.r[0], b.r[1], b.h, true) &&
+                         pen_ray_make(&image_ray, line.o, line.d),
+                     "the image is not made"))
+        return;
+    if (!row_require(v, pen_cone_interval(&image, &image_ray, &out) == hit, "hit or miss changed"))
+        return;
+    for (int i = 0; hit && i < 2; i++) {
+        double t = (i ? in.hi : in.lo) * m.factor, u = i ? out.hi : out.lo;
+        uint8_t part = i ? out.hi_part : out.lo_part;
+        if (m.turn == 0)
+            row_require(v, t == u, "t changed");
+        else
+            measure_permuted(v, &b, line, t, u,
+                             cone_normal(&image, part, pen_along(line.o, line.d, u)));
+    }
+}
+
+void rows_cone_mapped(struct pen_row_run *run)
+{
+    row_each(run, draw_mapped, judge_mapped);
 }
 
 /* As above, and the direction in which a ray goes on from the first hit. */

@@ -16,6 +16,15 @@ const struct row row_table_cone[] = {
         .run = rows_cone_roots,
     },
     {
+        .id = "H078 H079 cone",
+        .name = "cone_mapped",
+        .what =
+            "a mirrored or scaled cone has the same intersections to the last bit; with permuted "
+            "axes the same ones, t within 32 ulp or 8u (|f| + size)",
+        .oracle = "the cone as it was",
+        .run = rows_cone_mapped,
+    },
+    {
         .id = "H059 cone",
         .name = "cone_left",
         .what =
