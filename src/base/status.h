@@ -38,7 +38,7 @@ enum pen_code {
     PEN_STALE,         /* a commit without a valid lease: discard the result */
     PEN_CANCELLED,     /* stopped on request */
     PEN_TIMEOUT,       /* took longer than allowed */
-    PEN_RENDER_FAILED, /* the job ended as failed */
+    PEN_RENDER_FAILED, /* the job ended as failed or cancelled */
     PEN_DIFFERENT,     /* compared pictures differ by more than allowed */
     PEN_INTERNAL,      /* a bug in Penumbra */
     PEN_CODE_COUNT

@@ -58,7 +58,7 @@ static void *thread_main(void *argument)
     while (next_run(thread, &seen)) {
         pthread_mutex_unlock(&pool->lock);
         /* A thread inherits its creator's floating-point state, and a library may have changed it
-         * since. Subnormals flushed to zero or other rounding would give another picture. */
+         * since. Subnormals flushed to zero or other rounding would give other results. */
         bool changed_state = !pen_float_is_default();
         fesetenv(FE_DFL_ENV);
         pool->work(pool->user, thread->index);
@@ -79,8 +79,8 @@ static bool start_threads(struct pen_thread_pool *pool, int threads, struct pen_
         *thread = (struct thread){.pool = pool, .index = i};
         int error = pthread_create(&thread->id, NULL, thread_main, thread);
         if (error)
-            return pen_fail(st, PEN_NO_MEMORY, "cannot start render thread %d of %d: %s", i + 1,
-                            threads, strerror(error));
+            return pen_fail(st, PEN_NO_MEMORY, "cannot start thread %d of %d: %s", i + 1, threads,
+                            strerror(error));
         pool->count++;
     }
     return true;
@@ -95,7 +95,7 @@ struct pen_thread_pool *pen_thread_pool_new(int threads, struct pen_status *st)
         pool->threads = calloc((size_t)threads, sizeof *pool->threads);
     if (!pool || !pool->threads) {
         free(pool);
-        pen_fail(st, PEN_NO_MEMORY, "out of memory for a pool of %d render threads", threads);
+        pen_fail(st, PEN_NO_MEMORY, "out of memory for a pool of %d threads", threads);
         return NULL;
     }
     pthread_mutex_init(&pool->lock, NULL);

@@ -3,7 +3,7 @@
  *   - A view of one batch: the worker that renders it encodes the picture from its own pixels, and
  *     commits both in one transaction.
  *   - A view of several batches: after the last of them, an assemble batch reads the committed
- *     pixels and encodes the picture. No worker has all pixels of such a view in memory. */
+ *     pixels and encodes the picture. */
 #include "jobs/internal/batch.h"
 
 #include <stdlib.h>

@@ -6,7 +6,8 @@
  *   threads, memory      the largest of all batches
  *   percentiles          of all tiles together
  *   queue_ms, total_ms   from the times of the job itself
- *   store_ms             the time that workers waited for the store
+ *   store_ms             the time that workers waited for the store and for the compression of
+ * pixels
  *
  * Each batch stores the waiting time before its own commit. No later batch stores that of the last
  * commit, so it is counted up to the wall clock that the commit's transaction has stored. */

@@ -36,10 +36,36 @@ struct pen_light_desc {
     double angular_radius; /* degrees */
 };
 
+/* Whether lights of the kind have a position; the others are infinitely far away. */
+static inline bool pen_light_positional(enum pen_light_kind kind)
+{
+    switch (kind) {
+    case PEN_LIGHT_DIRECTIONAL:
+        return false;
+    case PEN_LIGHT_POINT:
+    case PEN_LIGHT_SPOT:
+        return true;
+    }
+    return false;
+}
+
+/* Whether lights of the kind have a direction. A positional light with a direction has a beam. */
+static inline bool pen_light_directed(enum pen_light_kind kind)
+{
+    switch (kind) {
+    case PEN_LIGHT_DIRECTIONAL:
+    case PEN_LIGHT_SPOT:
+        return true;
+    case PEN_LIGHT_POINT:
+        return false;
+    }
+    return false;
+}
+
 /* Whether the light has a disk, so that shadows it casts are soft. */
 static inline bool pen_light_desc_soft(const struct pen_light_desc *light)
 {
-    return (light->kind == PEN_LIGHT_DIRECTIONAL ? light->angular_radius : light->radius) > 0;
+    return (pen_light_positional(light->kind) ? light->radius : light->angular_radius) > 0;
 }
 
 /* PEN_OBJECT_SPHERE and so on: the kinds of primitives, with equal numbers; and groups. */

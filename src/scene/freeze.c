@@ -87,10 +87,12 @@ static bool freeze_materials(struct pen_freezer *f)
 }
 
 /* A light in the local frame, where distances are multiplied by 2^-exponent. */
-static struct pen_light local_light(const struct pen_freezer *f, const struct pen_light_desc *desc)
+static struct pen_light light_in_local_frame(const struct pen_freezer *f,
+                                             const struct pen_light_desc *desc)
 {
     struct pen_light light = {
-        .kind = desc->kind,
+        .positional = pen_light_positional(desc->kind),
+        .beam = pen_light_positional(desc->kind) && pen_light_directed(desc->kind),
         .shadows = desc->shadows,
         .intensity = desc->intensity,
         .kc = desc->attenuation[0],
@@ -98,18 +100,17 @@ static struct pen_light local_light(const struct pen_freezer *f, const struct pe
         .kq = pen_scale2(desc->attenuation[2], 2 * f->frame.exponent),
         .beam_exponent = desc->beam_exponent,
     };
-    if (desc->kind != PEN_LIGHT_DIRECTIONAL)
-        light.position = pen_local_point(&f->frame, desc->position);
-    if (desc->kind != PEN_LIGHT_POINT)
+    if (pen_light_directed(desc->kind))
         light.direction = vec_normalize(desc->direction);
-    light.soft = desc->shadows && pen_light_desc_soft(desc);
-    if (desc->kind == PEN_LIGHT_DIRECTIONAL) {
+    if (light.positional) {
+        light.position = pen_local_point(&f->frame, desc->position);
+        light.radius = pen_local_length(&f->frame, desc->radius);
+    } else {
         double sine, cosine;
         pen_sincos_deg(desc->angular_radius, &sine, &cosine);
         light.radius = sine / cosine;
-    } else {
-        light.radius = pen_local_length(&f->frame, desc->radius);
     }
+    light.soft = desc->shadows && pen_light_desc_soft(desc);
     return light;
 }
 
@@ -132,7 +133,7 @@ static bool freeze_lights(struct pen_freezer *f)
     for (uint32_t i = 0; i < count; i++) {
         if (!color_is_lit(f->desc->lights[i].intensity))
             continue;
-        lights[kept] = local_light(f, &f->desc->lights[i]);
+        lights[kept] = light_in_local_frame(f, &f->desc->lights[i]);
         index[kept] = i;
         if (!pen_freeze_in_range(lights[kept].position))
             return fail_light(f, i, "position", "is too far from the scene");

@@ -34,7 +34,8 @@ enum { PEN_FX_COUNT = 8 };
 const char *pen_effect_name(int bit);
 
 struct pen_light {
-    enum pen_light_kind kind;
+    bool positional; /* else infinitely far away */
+    bool beam;       /* positional, with a direction and a beam_exponent */
     bool shadows;
     bool soft; /* the light casts shadows and its radius is above 0 */
     struct pen_vec3 intensity;

@@ -21,7 +21,7 @@ static const struct pen_word kinds[] = {{"directional", PEN_LIGHT_DIRECTIONAL, N
     }
 
 /* The keys of every light that has a position. */
-#define LOCAL_LIGHT_FIELDS                                                                         \
+#define POSITIONAL_LIGHT_FIELDS                                                                    \
     {"position", PEN_FIELD_POINT, .required = true, .offset = MEMBER(position)},                   \
         {"attenuation", PEN_FIELD_COEFFICIENTS, .offset = MEMBER(attenuation)},                    \
     {                                                                                              \
@@ -34,11 +34,11 @@ const struct pen_field pen_directional_fields[] = {
     {"angular_radius", PEN_FIELD_NUMBER, .offset = MEMBER(angular_radius), .range = &angular_range},
     {0}};
 
-const struct pen_field pen_point_fields[] = {LIGHT_FIELDS, LOCAL_LIGHT_FIELDS, {0}};
+const struct pen_field pen_point_fields[] = {LIGHT_FIELDS, POSITIONAL_LIGHT_FIELDS, {0}};
 
 const struct pen_field pen_spot_fields[] = {
     LIGHT_FIELDS,
-    LOCAL_LIGHT_FIELDS,
+    POSITIONAL_LIGHT_FIELDS,
     {"direction", PEN_FIELD_DIRECTION, .required = true, .offset = MEMBER(direction)},
     {"beam_exponent", PEN_FIELD_NUMBER, .offset = MEMBER(beam_exponent),
      .range = &pen_range_not_negative},

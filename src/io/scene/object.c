@@ -88,17 +88,27 @@ const struct pen_field pen_group_fields[] = {{"type", .type = PEN_FIELD_OTHER},
                                              {"transform", .type = PEN_FIELD_OTHER},
                                              {0}};
 
-static const struct pen_field *const fields_of[] = {
-    [PEN_OBJECT_SPHERE] = pen_sphere_fields,
-    [PEN_OBJECT_PLANE] = pen_plane_fields,
-    [PEN_OBJECT_TRIANGLE] = pen_polygon_fields,
-    [PEN_OBJECT_POLYGON] = pen_polygon_fields,
-    [PEN_OBJECT_INFINITE_CYLINDER] = pen_infinite_cylinder_fields,
-    [PEN_OBJECT_CYLINDER] = pen_cylinder_fields,
-    [PEN_OBJECT_CONE] = pen_cone_fields,
-    [PEN_OBJECT_GROUP] = pen_group_fields,
-};
-_Static_assert(sizeof fields_of / sizeof *fields_of == PEN_OBJECT_GROUP + 1, "a row for each kind");
+static const struct pen_field *fields_of(enum pen_object_kind kind)
+{
+    switch (kind) {
+    case PEN_OBJECT_SPHERE:
+        return pen_sphere_fields;
+    case PEN_OBJECT_PLANE:
+        return pen_plane_fields;
+    case PEN_OBJECT_TRIANGLE:
+    case PEN_OBJECT_POLYGON:
+        return pen_polygon_fields;
+    case PEN_OBJECT_INFINITE_CYLINDER:
+        return pen_infinite_cylinder_fields;
+    case PEN_OBJECT_CYLINDER:
+        return pen_cylinder_fields;
+    case PEN_OBJECT_CONE:
+        return pen_cone_fields;
+    case PEN_OBJECT_GROUP:
+        return pen_group_fields;
+    }
+    return NULL;
+}
 
 static double largest(struct pen_vec3 v)
 {
@@ -235,7 +245,7 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
         object->u.cylinder.caps = true;
     if (kind == PEN_OBJECT_CONE)
         object->u.cone.caps = true;
-    const struct pen_field *fields = fields_of[kind];
+    const struct pen_field *fields = fields_of(kind);
     bool ok = pen_fields_read_whole(r, at, json, fields, object);
     if (kind == PEN_OBJECT_GROUP)
         return read_group(r, at, json, chain, object) && ok;

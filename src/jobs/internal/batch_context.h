@@ -26,7 +26,8 @@ struct pen_batch_context {
     struct pen_stored_request request;
     float *image;        /* pixels of the view being rendered, by rows */
     size_t image_pixels; /* capacity of image, in pixels */
-    double store_ms;     /* time spent waiting for the store; not in the job's statistics yet */
+    double store_ms;     /* time spent waiting for the store and for compression; not in the job's
+                            statistics yet */
 };
 
 /* A finished batch; its pixels stay in the context. Owns: release it. */

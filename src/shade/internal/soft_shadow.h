@@ -26,7 +26,7 @@ struct soft {
 static ALWAYS_INLINE void soft_disk(struct pen_shadow_packet *packet, const struct pen_light *light,
                                     struct pen_vec3 to_light)
 {
-    struct pen_vec3 n = light->kind == PEN_LIGHT_DIRECTIONAL ? to_light : pen_normalize(to_light);
+    struct pen_vec3 n = light->positional ? pen_normalize(to_light) : to_light;
     struct pen_across across = pen_across(n);
     packet->c = to_light;
     packet->u = pen_scale(across.u, light->radius);

@@ -40,9 +40,9 @@ light_of_directional(const struct pen_light *light, const struct surface *s, con
 }
 
 /* A light within rounding of the surface's tangent plane is on neither side of it: no light. */
-static ALWAYS_INLINE struct pen_vec3 light_of_point(const struct pen_light *light,
-                                                    const struct surface *s, struct pen_vec3 q,
-                                                    const unsigned fx)
+static ALWAYS_INLINE struct pen_vec3 light_of_positional(const struct pen_light *light,
+                                                         const struct surface *s, struct pen_vec3 q,
+                                                         const unsigned fx)
 {
     const struct pen_vec3 black = {0, 0, 0};
     double nq = pen_dot(s->n, q);
@@ -51,7 +51,7 @@ static ALWAYS_INLINE struct pen_vec3 light_of_point(const struct pen_light *ligh
     double d = pen_length(q);
     struct pen_vec3 l = pen_scale(q, 1 / d);
     double beam = 1;
-    if (light->kind == PEN_LIGHT_SPOT) {
+    if (light->beam) {
         double cosine = pen_dot(light->direction, l);
         if (!(cosine > 0))
             return black;
@@ -68,13 +68,13 @@ light_unshadowed(const struct pen_light *light, const struct surface *s, const u
     struct arriving_light arriving = {.term = {0, 0, 0}};
     if (!(s->nv < 0))
         return arriving; /* the viewer is in the tangent plane, on neither side of it */
-    if (light->kind == PEN_LIGHT_DIRECTIONAL) {
+    if (!light->positional) {
         arriving.term = light_of_directional(light, s, fx);
         arriving.to_light = pen_neg(light->direction);
         return arriving;
     }
     struct pen_vec3 q = pen_sub(s->p, light->position);
-    arriving.term = light_of_point(light, s, q, fx);
+    arriving.term = light_of_positional(light, s, q, fx);
     arriving.to_light = pen_neg(q);
     arriving.to_point = true;
     return arriving;
