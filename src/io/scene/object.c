@@ -245,7 +245,7 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
         object->u.cylinder.caps = true;
     if (kind == PEN_OBJECT_CONE)
         object->u.cone.caps = true;
-    const struct pen_field *fields = fields_of(kind);
+    const struct pen_field *fields = fields_of(object->kind);
     bool ok = pen_fields_read_whole(r, at, json, fields, object);
     if (kind == PEN_OBJECT_GROUP)
         return read_group(r, at, json, chain, object) && ok;
