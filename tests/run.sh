@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: MIT
 # Runs every test program and test script of a build and ends with `N passed, N failed`.
 #   tests/run.sh BUILD [NAME-PART]      only those whose path contains NAME-PART
-# JOBS of them run at a time (2, and not more than 4, since they have threads of their own). Reports
-# are printed whole, in the order of the list; run_one.sh decides what has passed.
+# JOBS of them and one more run at a time, since many wait for a disk or for a time to pass, and not
+# more than 4, since they have threads of their own. Reports are printed whole, in the order of the
+# list; run_one.sh decides what has passed.
 set -u
 build=${1:-build}
 part=${2:-}
 cd "$(dirname "$0")/.."
-jobs=${JOBS:-2}
+jobs=$((${JOBS:-2} + 1))
 [ "$jobs" -le 4 ] || jobs=4
 
 # Mostly wait, with limits of seconds that a busy machine keeps as well: one at a time beside the others.
@@ -17,16 +18,15 @@ waiting='tests/cmd/crash_loop'
 # The others hold times against limits or against each other, and so would judge their neighbours.
 # They run when all of the above are done. Two at a time, since they need little of a processor:
 #   test_server            connections that must be closed within seconds, not before and not after
-#   quarantine             deadlines of seconds for what takes many processes
-paired='tests/http/test_server tests/cmd/quarantine'
+#   quarantine, supervisor deadlines of seconds for what takes many processes
+paired='tests/http/test_server tests/cmd/quarantine tests/cmd/supervisor'
 # And one at a time:
 #   test_events, events    when changes are told, in milliseconds
 #   test_traffic           how often a worker calls the store, which depends on how long work takes
 #   test_bench, bench      measure, and compare what they measured
 #   readme                 waits a minute for large pictures, as the README's text does
-#   supervisor             deadlines of 2 s for what takes many processes
 alone='tests/http/test_events tests/jobs/test_traffic tests/study/test_bench tests/cmd/bench
-tests/cmd/supervisor tests/e2e/events tests/e2e/readme'
+tests/e2e/events tests/e2e/readme'
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -172,8 +172,10 @@ static void fetch(struct jobs_bed *bed, int schema, char id[][PEN_ID_BYTES], str
 
 static void release(struct pictures *pictures)
 {
-    for (int i = 0; i < JOBS * 2 * FORMATS; i++)
-        pen_buf_release(&pictures->picture[0][0][i]);
+    for (int i = 0; i < JOBS; i++) {
+        for (int k = 0; k < 2 * FORMATS; k++)
+            pen_buf_release(&pictures->picture[i][k / FORMATS][k % FORMATS]);
+    }
 }
 
 /* Renders all jobs that have pictures, in a new store. */
