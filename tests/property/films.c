@@ -142,7 +142,7 @@ static bool render_rest(struct pen_thread_pool *pool, struct pen_render_task tas
     return ok;
 }
 
-static bool render(const struct stage *s, const struct films_way *direction,
+static bool render(const struct stage *s, const struct films_variant *variant,
                    struct pen_thread_pool *pool, float *rgb)
 {
     struct pen_status st;
@@ -151,7 +151,7 @@ static bool render(const struct stage *s, const struct films_way *direction,
     int count = pen_tile_count(set->width, set->height, set->tile);
     struct progress p = {.columns = (set->width + set->tile - 1) / set->tile,
                          .tile = set->tile,
-                         .left = direction->cut ? (count + 1) / 2 : -1,
+                         .left = variant->cut ? (count + 1) / 2 : -1,
                          .done = calloc((size_t)count, sizeof *p.done)};
     struct pen_render_task task = {.scene = s->scene,
                                    .view = s->view,
@@ -161,24 +161,24 @@ static bool render(const struct stage *s, const struct films_way *direction,
                                    .cancel = &p.cancel,
                                    .tile_done = tile_done,
                                    .user = &p};
-    bool whole = direction->order == FILMS_AT_ONCE && pen_render_run(pool, &task, &stats, &st);
-    bool ok = whole || ((direction->cut || direction->order == FILMS_SHUFFLED) &&
-                        render_rest(pool, task, &p, count, direction->seed));
+    bool whole = variant->order == FILMS_AT_ONCE && pen_render_run(pool, &task, &stats, &st);
+    bool ok = whole || ((variant->cut || variant->order == FILMS_SHUFFLED) &&
+                        render_rest(pool, task, &p, count, variant->seed));
     free(p.done);
     return ok;
 }
 
-static bool match(int i, const struct films_way *direction, char *why, size_t bytes)
+static bool match(int i, const struct films_variant *variant, char *why, size_t bytes)
 {
     struct stage s;
     struct pen_status st = {0};
-    if (!stage_begin(&s, &film[i], direction->accelerator, why, bytes))
+    if (!stage_begin(&s, &film[i], variant->accelerator, why, bytes))
         return false;
-    s.settings.tile = direction->tile ? direction->tile : 4096;
+    s.settings.tile = variant->tile ? variant->tile : 4096;
     size_t count = 3 * (size_t)s.settings.width * (size_t)s.settings.height;
     float *rgb = calloc(count, sizeof *rgb);
-    struct pen_thread_pool *pool = pen_thread_pool_new(direction->threads, &st);
-    bool ok = pool && render(&s, direction, pool, rgb);
+    struct pen_thread_pool *pool = pen_thread_pool_new(variant->threads, &st);
+    bool ok = pool && render(&s, variant, pool, rgb);
     uint64_t hash = golden_hash(rgb, count);
     if (!ok)
         snprintf(why, bytes, "%s %s was not rendered: %s", film[i].path, film[i].view, st.msg);
@@ -211,16 +211,16 @@ static void restore_state(unsigned state)
 #endif
 }
 
-bool films_match(int i, const struct films_way *direction, char *why, size_t bytes)
+bool films_match(int i, const struct films_variant *variant, char *why, size_t bytes)
 {
     const char *isa = getenv("PENUMBRA_ISA");
     char was[40] = "";
     if (isa)
         snprintf(was, sizeof was, "%s", isa);
-    if (direction->base)
+    if (variant->base)
         setenv("PENUMBRA_ISA", "base", 1);
-    unsigned before = change_state(direction->strange);
-    bool ok = match(i, direction, why, bytes);
+    unsigned before = change_state(variant->strange);
+    bool ok = match(i, variant, why, bytes);
     restore_state(before);
     if (!isa)
         unsetenv("PENUMBRA_ISA");

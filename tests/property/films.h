@@ -14,7 +14,7 @@ enum films_order {
     FILMS_SHUFFLED /* one by one, in the order that `seed` says */
 };
 
-struct films_way {
+struct films_variant {
     int threads, tile; /* tile 0: one tile for all */
     int accelerator;   /* enum pen_accelerator */
     enum films_order order;
@@ -28,7 +28,7 @@ struct films_way {
 int films_count(void);
 
 /* Whether film `i`, rendered in that way, has the hash of the table; why says what is wrong. */
-bool films_match(int i, const struct films_way *direction, char *why, size_t bytes);
+bool films_match(int i, const struct films_variant *variant, char *why, size_t bytes);
 
 /* Prints one line a film: a hash of the binary64 values that it is rounded from, scene, view.
  * False if a film cannot be rendered, which it says. */

@@ -5,11 +5,11 @@
 
 int main(void)
 {
-    const struct films_way direction = {.threads = 2, .tile = 16};
+    const struct films_variant variant = {.threads = 2, .tile = 16};
     int different = 0;
     for (int i = 0; i < films_count(); i++) {
         char why[240];
-        if (films_match(i, &direction, why, sizeof why))
+        if (films_match(i, &variant, why, sizeof why))
             continue;
         fprintf(stderr, "films: %s\n", why);
         different++;

@@ -5,12 +5,12 @@
 #include "property/films.h"
 #include "property/rows.h"
 
-static const struct films_way threads[] = {
+static const struct films_variant threads[] = {
     {.threads = 1, .tile = 8}, {.threads = 2, .tile = 8},  {.threads = 3, .tile = 8},
     {.threads = 8, .tile = 8}, {.threads = 64, .tile = 4},
 };
 
-static const struct films_way tiles[] = {
+static const struct films_variant tiles[] = {
     {.threads = 2, .tile = 1},
     {.threads = 2, .tile = 7},
     {.threads = 2, .tile = 32},
@@ -19,7 +19,7 @@ static const struct films_way tiles[] = {
     {.threads = 3, .tile = 9, .cut = true},
 };
 
-static const struct films_way accelerators[] = {
+static const struct films_variant accelerators[] = {
     {.threads = 2, .tile = 16, .accelerator = PEN_ACCEL_AUTO},
     {.threads = 2, .tile = 16, .accelerator = PEN_ACCEL_NONE},
     {.threads = 2, .tile = 16, .accelerator = PEN_ACCEL_CBR},
@@ -27,7 +27,7 @@ static const struct films_way accelerators[] = {
     {.threads = 2, .tile = 16, .accelerator = PEN_ACCEL_MEDIAN},
 };
 
-static const struct films_way sets[] = {
+static const struct films_variant sets[] = {
     {.threads = 2, .tile = 16},
     {.threads = 2, .tile = 16, .base = true},
     {.threads = 2, .tile = 16, .base = true, .accelerator = PEN_ACCEL_NONE},
@@ -36,17 +36,17 @@ static const struct films_way sets[] = {
     {.threads = 2, .tile = 16, .base = true, .accelerator = PEN_ACCEL_MEDIAN},
 };
 
-static const struct films_way plain[] = {{.threads = 2, .tile = 16}};
+static const struct films_variant plain[] = {{.threads = 2, .tile = 16}};
 
 /* Subnormal results flushed, subnormal operands taken for 0, rounding down, up and to zero. */
-static const struct films_way states[] = {
+static const struct films_variant states[] = {
     {.threads = 2, .tile = 16, .strange = 0x8000}, {.threads = 2, .tile = 16, .strange = 0x0040},
     {.threads = 2, .tile = 16, .strange = 0x2000}, {.threads = 2, .tile = 16, .strange = 0x4000},
     {.threads = 2, .tile = 16, .strange = 0x6000},
 };
 
 /* The list that the row under way is about. */
-static const struct films_way *direction;
+static const struct films_variant *variant;
 static size_t ways;
 
 /* All ways of one film before the next; neighbours in the list of films are alike, so few cases
@@ -71,15 +71,15 @@ static void judge(const struct row_case *c, struct row_verdict *v)
         row_skip(v);
         return;
     }
-    struct films_way chosen = direction[(size_t)which];
+    struct films_variant chosen = variant[(size_t)which];
     chosen.seed = (uint64_t)seed;
     if (!films_match((int)film, &chosen, why, sizeof why))
         row_fail(v, "%s", why);
 }
 
-static void each(struct pen_row_run *run, const struct films_way *list, size_t count)
+static void each(struct pen_row_run *run, const struct films_variant *list, size_t count)
 {
-    direction = list;
+    variant = list;
     ways = count;
     row_each(run, draw, judge);
 }
