@@ -19,14 +19,14 @@ waiting='tests/cmd/crash_loop'
 # They run when all of the above are done. Two at a time, since they need little of a processor:
 #   test_server            connections that must be closed within seconds, not before and not after
 #   quarantine, supervisor deadlines of seconds for what takes many processes
-paired='tests/http/test_server tests/cmd/quarantine tests/cmd/supervisor'
+#   readme                 waits a minute for large pictures, as the README's text does
+paired='tests/http/test_server tests/cmd/quarantine tests/cmd/supervisor tests/e2e/readme'
 # And one at a time:
 #   test_events, events    when changes are told, in milliseconds
 #   test_traffic           how often a worker calls the store, which depends on how long work takes
 #   test_bench, bench      measure, and compare what they measured
-#   readme                 waits a minute for large pictures, as the README's text does
 alone='tests/http/test_events tests/jobs/test_traffic tests/study/test_bench tests/cmd/bench
-tests/e2e/events tests/e2e/readme'
+tests/e2e/events'
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The films of the golden scenes, rendered in any way that must not matter: they are held against
- * tests/golden/hashes.txt, read from the folder that the program runs in. */
+/* The films of the golden scenes, rendered by any variant that must not matter: they are held
+ * against tests/golden/hashes.txt, read from the folder that the program runs in. */
 #ifndef TESTS_PROPERTY_FILMS_H
 #define TESTS_PROPERTY_FILMS_H
 
@@ -27,7 +27,7 @@ struct films_variant {
 /* How many films the table names; 0 if it cannot be read. */
 int films_count(void);
 
-/* Whether film `i`, rendered in that way, has the hash of the table; why says what is wrong. */
+/* Whether film `i`, rendered by that variant, has the hash of the table; why says what is wrong. */
 bool films_match(int i, const struct films_variant *variant, char *why, size_t bytes);
 
 /* Prints one line a film: a hash of the binary64 values that it is rounded from, scene, view.

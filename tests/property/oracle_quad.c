@@ -141,15 +141,16 @@ void oracle_cylinder(const struct oracle_round *b, struct oracle_ray ray, struct
         out->part[i] = in.part[i];
 }
 
-/* u (size of the primitive + distance + the way to the closest approach). */
+/* u (size of the primitive + distance + for an infinite cylinder the distance to the closest
+ * approach). */
 static quad looseness(const struct oracle_round *b, struct oracle_ray ray)
 {
     struct planar p = planar_of(b, ray);
     struct quad3 f = q_sub(q3(ray.o), q3(b->c));
-    quad a = q_dot(p.d, p.d), direction = 0;
+    quad a = q_dot(p.d, p.d), approach = 0;
     if (a > 0)
-        direction = q_abs(q_dot(p.f, p.d)) / a * q_length(q3(ray.d));
-    return U * (b->r + b->h + q_length(f) + (is_tube(b) ? direction : 0));
+        approach = q_abs(q_dot(p.f, p.d)) / a * q_length(q3(ray.d));
+    return U * (b->r + b->h + q_length(f) + (is_tube(b) ? approach : 0));
 }
 
 static int class_of(bool grown, bool shrunk)
