@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The program `penumbrad`: reads the configuration and runs the role it names: the supervisor of an
  * api and a worker process, or one of these two alone. Or copies the store: `penumbrad backup`. */
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -25,6 +26,18 @@ static bool check_store(const char *url, struct pen_status *st)
     return ok;
 }
 
+/* Keeps signals pending until the role that follows reads them, so that a SIGTERM drains the daemon
+ * as soon as it has said that it listens. Children are started with no signal blocked. */
+static void hold_signals(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGHUP);
+    sigprocmask(SIG_BLOCK, &set, NULL);
+}
+
 static int serve(const struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
@@ -34,6 +47,7 @@ static int serve(const struct pen_config *config, int argc, char **argv)
     int fd = pen_address_listen(&config->address, &port, &st);
     if (fd < 0)
         return pen_report(program, NULL, &st);
+    hold_signals();
     printf("listening on http://%s:%d\n", config->address.host, port);
     pen_log(PEN_LOG_INFO, "listening on http://%s:%d, store %s", config->address.host, port,
             config->store);
