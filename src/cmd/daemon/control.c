@@ -11,6 +11,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "cmd/daemon/signals.h"
+
 void pen_control_send(int fd, const char *text)
 {
     if (fd >= 0)
@@ -19,17 +21,9 @@ void pen_control_send(int fd, const char *text)
 
 bool pen_event_source_open(struct pen_event_source *source, int control_fd, struct pen_status *st)
 {
-    sigset_t set;
-    sigemptyset(&set);
-    sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGHUP);
-    sigaddset(&set, SIGINT);
-    signal(SIGPIPE, SIG_IGN);
     *source = (struct pen_event_source){.control_fd = control_fd, .supervised = control_fd >= 0};
-    source->signal_fd = -1;
+    source->signal_fd = pen_signals_open(0);
     source->end_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    if (pthread_sigmask(SIG_BLOCK, &set, NULL) == 0)
-        source->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
     if (source->signal_fd >= 0 && source->end_fd >= 0)
         return true;
     pen_fail(st, PEN_IO, "cannot wait for signals: %s", strerror(errno));

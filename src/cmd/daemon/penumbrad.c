@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The program `penumbrad`: reads the configuration and runs the role it names: the supervisor of an
  * api and a worker process, or one of these two alone. Or copies the store: `penumbrad backup`. */
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,6 +8,7 @@
 #include "cmd/daemon/cmd_backup.h"
 #include "cmd/daemon/config.h"
 #include "cmd/daemon/roles.h"
+#include "cmd/daemon/signals.h"
 #include "cmd/daemon/supervisor.h"
 #include "cmd/report.h"
 #include "store/store.h"
@@ -26,18 +26,6 @@ static bool check_store(const char *url, struct pen_status *st)
     return ok;
 }
 
-/* Keeps signals pending until the role that follows reads them, so that a SIGTERM drains the daemon
- * as soon as it has said that it listens. Children are started with no signal blocked. */
-static void hold_signals(void)
-{
-    sigset_t set;
-    sigemptyset(&set);
-    sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGHUP);
-    sigprocmask(SIG_BLOCK, &set, NULL);
-}
-
 static int serve(const struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
@@ -47,7 +35,7 @@ static int serve(const struct pen_config *config, int argc, char **argv)
     int fd = pen_address_listen(&config->address, &port, &st);
     if (fd < 0)
         return pen_report(program, NULL, &st);
-    hold_signals();
+    pen_signals_hold();
     printf("listening on http://%s:%d\n", config->address.host, port);
     pen_log(PEN_LOG_INFO, "listening on http://%s:%d, store %s", config->address.host, port,
             config->store);

@@ -15,6 +15,7 @@
 #include "cmd/daemon/child.h"
 #include "cmd/daemon/control.h"
 #include "cmd/daemon/roles.h"
+#include "cmd/daemon/signals.h"
 
 /* When a drain kills the children, in seconds after the signal, and how often it checks them. */
 static const int64_t second_ns = 1000000000;
@@ -225,16 +226,7 @@ static void handle_events(struct supervisor *s)
 
 static bool open_signals(struct supervisor *s, struct pen_status *st)
 {
-    sigset_t set;
-    sigemptyset(&set);
-    sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGHUP);
-    sigaddset(&set, SIGCHLD);
-    signal(SIGPIPE, SIG_IGN);
-    s->signal_fd = -1;
-    if (sigprocmask(SIG_BLOCK, &set, NULL) == 0)
-        s->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    s->signal_fd = pen_signals_open(SIGCHLD);
     return s->signal_fd >= 0 ||
            pen_fail(st, PEN_IO, "cannot wait for signals: %s", strerror(errno));
 }
