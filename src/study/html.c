@@ -26,3 +26,10 @@ void pen_html_escape(const char *text, struct pen_buf *out)
         }
     }
 }
+
+void pen_html_escape_buf(struct pen_buf *text, struct pen_buf *out)
+{
+    pen_html_escape(text->data ? (const char *)text->data : "", out);
+    out->failed |= text->failed;
+    pen_buf_release(text);
+}

@@ -111,10 +111,8 @@ static void write_name(const json_t *row, double y, struct pen_buf *out)
     struct pen_buf name = {0};
     pen_bench_write_row_name(row, &name);
     pen_buf_printf(out, "<text class=\"name\" x=\"0\" y=\"%.1f\">", y);
-    pen_html_escape(name.data ? (const char *)name.data : "", out);
+    pen_html_escape_buf(&name, out);
     pen_buf_puts(out, "</text>");
-    out->failed |= name.failed;
-    pen_buf_release(&name);
 }
 
 static void write_bar(const struct chart *chart, size_t number, struct pen_buf *out)
@@ -152,9 +150,7 @@ static void describe(const struct chart *chart, struct pen_buf *out)
         const json_t *row = pen_bench_report_row(chart->report, i);
         struct pen_buf name = {0};
         pen_bench_write_row_name(row, &name);
-        pen_html_escape(name.data ? (const char *)name.data : "", out);
-        out->failed |= name.failed;
-        pen_buf_release(&name);
+        pen_html_escape_buf(&name, out);
         pen_buf_puts(out, ": ");
         pen_bench_write_number(pen_bench_report_number(row, "median_ms"), "", out);
         pen_buf_puts(out, " ms. ");

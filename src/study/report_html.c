@@ -36,10 +36,8 @@ static void write_paragraph(const json_t *report, const char *class,
     struct pen_buf text = {0};
     write(report, &text);
     pen_buf_printf(out, "<p class=\"%s\">", class);
-    pen_html_escape(text.data ? (const char *)text.data : "", out);
+    pen_html_escape_buf(&text, out);
     pen_buf_puts(out, "</p>\n");
-    out->failed |= text.failed;
-    pen_buf_release(&text);
 }
 
 static void write_cells(const struct pen_bench_table *table, size_t row, struct pen_buf *out)
@@ -47,7 +45,7 @@ static void write_cells(const struct pen_bench_table *table, size_t row, struct 
     pen_buf_puts(out, "<tr>");
     for (size_t column = 0; column < table->columns; column++) {
         const char *tag = row == 0 || column == 0 ? "th" : "td";
-        pen_buf_printf(out, "<%s%s%s>", tag, table->words[column] ? " class=\"w\"" : "",
+        pen_buf_printf(out, "<%s%s%s>", tag, table->is_text[column] ? " class=\"w\"" : "",
                        row == 0      ? " scope=\"col\""
                        : column == 0 ? " scope=\"row\""
                                      : "");
@@ -106,10 +104,8 @@ static void write_settings(const json_t *report, struct pen_buf *out)
         separator = ", ";
     }
     pen_buf_puts(out, "<h2>Settings of all rows</h2>\n<p>");
-    pen_html_escape(text.data ? (const char *)text.data : "", out);
+    pen_html_escape_buf(&text, out);
     pen_buf_puts(out, "</p>\n");
-    out->failed |= text.failed;
-    pen_buf_release(&text);
 }
 
 static void write_heading(const json_t *report, struct pen_buf *out)

@@ -30,7 +30,7 @@ static void write_aligned(const struct pen_bench_table *table, size_t row, size_
 {
     const char *text = pen_bench_table_cell(table, row, column);
     int blank = (int)(column_width(table, column) - width_of(text));
-    if (!table->words[column])
+    if (!table->is_text[column])
         pen_buf_printf(out, "%*s%s", blank, "", text);
     else if (column + 1 < table->columns)
         pen_buf_printf(out, "%s%*s", text, blank, "");
@@ -118,7 +118,7 @@ static void write_markdown_table(const json_t *report, const struct pen_bench_co
     for (size_t row = 0; ok && row < table.rows; row++) {
         write_markdown_row(&table, row, out);
         for (size_t column = 0; row == 0 && column < table.columns; column++)
-            pen_buf_puts(out, table.words[column] ? "|:---" : "|---:");
+            pen_buf_puts(out, table.is_text[column] ? "|:---" : "|---:");
         if (row == 0)
             pen_buf_puts(out, "|\n");
     }

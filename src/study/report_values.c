@@ -162,22 +162,17 @@ void pen_bench_write_host(const json_t *report, struct pen_buf *out)
 
 static const char separator[] = " ";
 
-static void write_figure(const json_t *row, const char *path, struct pen_buf *out)
+static void write_number(const json_t *row, const char *path, struct pen_buf *out)
 {
     if (is_number(row, path))
         pen_bench_write_number(pen_bench_report_number(row, path), separator, out);
 }
 
-static void write_median(const json_t *row, struct pen_buf *out)
-{
-    write_figure(row, "median_ms", out);
-}
-
 static void write_range(const json_t *row, struct pen_buf *out)
 {
-    write_figure(row, "min_ms", out);
+    write_number(row, "min_ms", out);
     pen_buf_puts(out, "\xE2\x80\x93");
-    write_figure(row, "max_ms", out);
+    write_number(row, "max_ms", out);
 }
 
 void pen_bench_write_speedup(const json_t *row, struct pen_buf *out)
@@ -185,42 +180,6 @@ void pen_bench_write_speedup(const json_t *row, struct pen_buf *out)
     double times = pen_bench_report_number(row, "speedup");
     pen_buf_printf(out, "%.*f\xC3\x97", times < 0.1 ? 3 : times < 100 ? 2 : 0, times);
 }
-
-static void write_rate(const json_t *row, struct pen_buf *out)
-{
-    write_figure(row, "mrays_per_second", out);
-}
-
-static void write_boxes(const json_t *row, struct pen_buf *out)
-{
-    write_figure(row, "accelerator.box_tests_per_ray", out);
-}
-
-static void write_primitives(const json_t *row, struct pen_buf *out)
-{
-    write_figure(row, "accelerator.primitive_tests_per_ray", out);
-}
-
-static void write_cpu(const json_t *row, struct pen_buf *out)
-{
-    write_figure(row, "cpu_ms", out);
-}
-
-static void write_build(const json_t *row, struct pen_buf *out)
-{
-    write_figure(row, "build_ms", out);
-}
-
-const struct pen_bench_column pen_bench_time_columns[] = {{"median ms", write_median},
-                                                          {"range", write_range},
-                                                          {"speed-up", pen_bench_write_speedup},
-                                                          {"Mray/s", write_rate},
-                                                          {"boxes/ray", write_boxes},
-                                                          {"primitives/ray", write_primitives},
-                                                          {"build ms", write_build},
-                                                          {"cpu ms", write_cpu},
-                                                          {"picture", pen_bench_write_picture},
-                                                          {0}};
 
 static void write_count(const json_t *row, const char *path, struct pen_buf *out)
 {
@@ -231,54 +190,32 @@ static void write_count(const json_t *row, const char *path, struct pen_buf *out
     write_grouped(text, separator, out);
 }
 
-static void write_primary(const json_t *row, struct pen_buf *out)
+void pen_bench_column_write(const struct pen_bench_column *column, const json_t *row,
+                            struct pen_buf *out)
 {
-    write_count(row, "rays.primary", out);
+    if (column->write)
+        column->write(row, out);
+    else if (column->count)
+        write_count(row, column->count, out);
+    else
+        write_number(row, column->number, out);
 }
 
-static void write_shadow(const json_t *row, struct pen_buf *out)
-{
-    write_count(row, "rays.shadow", out);
-}
-
-static void write_reflection(const json_t *row, struct pen_buf *out)
-{
-    write_count(row, "rays.reflection", out);
-}
-
-static void write_transmission(const json_t *row, struct pen_buf *out)
-{
-    write_count(row, "rays.transmission", out);
-}
-
-static void write_total(const json_t *row, struct pen_buf *out)
-{
-    write_count(row, "rays.total", out);
-}
-
-static void write_nodes(const json_t *row, struct pen_buf *out)
-{
-    write_count(row, "accelerator.nodes", out);
-}
-
-static void write_leaves(const json_t *row, struct pen_buf *out)
-{
-    write_count(row, "accelerator.leaves", out);
-}
-
-static void write_depth(const json_t *row, struct pen_buf *out)
-{
-    write_count(row, "accelerator.depth", out);
-}
-
-static void write_bytes(const json_t *row, struct pen_buf *out)
-{
-    write_count(row, "accelerator.bytes", out);
-}
+const struct pen_bench_column pen_bench_time_columns[] = {
+    {"median ms", .number = "median_ms"},
+    {"range", .write = write_range},
+    {"speed-up", .write = pen_bench_write_speedup},
+    {"Mray/s", .number = "mrays_per_second"},
+    {"boxes/ray", .number = "accelerator.box_tests_per_ray"},
+    {"primitives/ray", .number = "accelerator.primitive_tests_per_ray"},
+    {"build ms", .number = "build_ms"},
+    {"cpu ms", .number = "cpu_ms"},
+    {"picture", .write = pen_bench_write_picture},
+    {0}};
 
 const struct pen_bench_column pen_bench_ray_columns[] = {
-    {"primary rays", write_primary},  {"shadow", write_shadow},
-    {"reflection", write_reflection}, {"transmission", write_transmission},
-    {"all rays", write_total},        {"nodes", write_nodes},
-    {"leaves", write_leaves},         {"depth", write_depth},
-    {"tree bytes", write_bytes},      {0}};
+    {"primary rays", .count = "rays.primary"},    {"shadow", .count = "rays.shadow"},
+    {"reflection", .count = "rays.reflection"},   {"transmission", .count = "rays.transmission"},
+    {"all rays", .count = "rays.total"},          {"nodes", .count = "accelerator.nodes"},
+    {"leaves", .count = "accelerator.leaves"},    {"depth", .count = "accelerator.depth"},
+    {"tree bytes", .count = "accelerator.bytes"}, {0}};

@@ -39,11 +39,11 @@ static void write_titles(const json_t *first, const struct pen_bench_column *col
     pen_buf_puts(at(table, 0, column++), "row");
     json_object_foreach((json_t *)(uintptr_t)settings_of(first), key, value)
     {
-        table->words[column] = json_is_string(value);
+        table->is_text[column] = json_is_string(value);
         pen_buf_puts(at(table, 0, column++), key);
     }
     for (; columns->title; columns++) {
-        table->words[column] = columns->write == pen_bench_write_picture;
+        table->is_text[column] = columns->write == pen_bench_write_picture;
         pen_buf_puts(at(table, 0, column++), columns->title);
     }
 }
@@ -65,7 +65,7 @@ static void write_row(const json_t *row, const json_t *keys, const struct pen_be
             pen_bench_write_value(json_object_get(settings_of(row), key), cell);
     }
     for (; columns->title; columns++)
-        columns->write(row, at(table, number + 1, column++));
+        pen_bench_column_write(columns, row, at(table, number + 1, column++));
 }
 
 bool pen_bench_table_init(const json_t *report, const struct pen_bench_column *columns,
@@ -76,8 +76,8 @@ bool pen_bench_table_init(const json_t *report, const struct pen_bench_column *c
     *table = (struct pen_bench_table){
         .rows = rows + 1, .columns = 1 + json_object_size(keys) + count_columns(columns)};
     table->cell = calloc(table->rows * table->columns, sizeof *table->cell);
-    table->words = calloc(table->columns, sizeof *table->words);
-    if (!table->cell || !table->words)
+    table->is_text = calloc(table->columns, sizeof *table->is_text);
+    if (!table->cell || !table->is_text)
         return false;
     write_titles(pen_bench_report_row(report, 0), columns, table);
     for (size_t i = 0; i < rows; i++)
@@ -94,6 +94,6 @@ void pen_bench_table_release(struct pen_bench_table *table)
     for (size_t i = 0; table->cell && i < table->rows * table->columns; i++)
         pen_buf_release(&table->cell[i]);
     free(table->cell);
-    free(table->words);
+    free(table->is_text);
     *table = (struct pen_bench_table){0};
 }

@@ -9,4 +9,8 @@
  * inside quotes. */
 void pen_html_escape(const char *text, struct pen_buf *out);
 
+/* The same for a text that has been written into a buffer, which it releases. If that has failed,
+ * `out` has, too. */
+void pen_html_escape_buf(struct pen_buf *text, struct pen_buf *out);
+
 #endif

@@ -47,11 +47,18 @@ void pen_bench_write_method(const json_t *report, struct pen_buf *out);
 /* Appends "AMD EPYC, avx2, 2 cores, 2 threads in the pool, Penumbra 0.1.0; load average …". */
 void pen_bench_write_host(const json_t *report, struct pen_buf *out);
 
-/* A column of a table: what it shows of a row. */
+/* A column of a table: what it shows of a row. One of the last three members is set. */
 struct pen_bench_column {
     const char *title;
+    const char *number; /* the path of a number, shown as by pen_bench_write_number */
+    const char *count;  /* the path of a whole number, shown with all its digits */
     void (*write)(const json_t *row, struct pen_buf *out);
 };
+
+/* Appends what the column shows of the row; nothing if the row has no such number. */
+void pen_bench_column_write(const struct pen_bench_column *column, const json_t *row,
+                            struct pen_buf *out);
+
 extern const struct pen_bench_column pen_bench_time_columns[]; /* end with a NULL title */
 extern const struct pen_bench_column pen_bench_ray_columns[];
 

@@ -8,7 +8,7 @@
 struct pen_bench_table {
     size_t rows, columns; /* row 0 has the titles */
     struct pen_buf *cell; /* cell[row * columns + column], neither escaped nor aligned */
-    bool *words;          /* by column: it holds words, so it is aligned left; numbers right */
+    bool *is_text;        /* by column: it holds text, so it is aligned left; numbers right */
 };
 
 /* Makes the table of a report: the row's number, its settings, and the given columns.
