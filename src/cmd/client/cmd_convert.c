@@ -13,12 +13,7 @@ struct values {
 };
 
 static const struct pen_option options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, output),
-     .value = "OUT",
-     .help = "the same as the argument OUT"},
+    PEN_OUTPUT_OPTION(struct values, "OUT", "the same as the argument OUT"),
     PEN_JSON_OPTION(struct values, "print errors as a problem document too"),
     {0}};
 

@@ -131,13 +131,10 @@ static const struct pen_option state_options[] = {
     {0}};
 
 static const struct pen_option fetch_options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, output),
-     .value = "OUT",
-     .help = "the file; its ending gives the format: .png or .pfm of a picture, .html, .json, .csv "
-             "or .md of a report"},
+    PEN_OUTPUT_OPTION(
+        struct values, "OUT",
+        "the file; its ending gives the format: .png or .pfm of a picture, .html, .json, .csv "
+        "or .md of a report"),
     {.name = "report",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, report),
@@ -159,12 +156,7 @@ static const struct pen_option fetch_options[] = {
     {0}};
 
 static const struct pen_option stats_options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, output),
-     .value = "FILE",
-     .help = "write to FILE instead of standard output"},
+    PEN_OUTPUT_OPTION(struct values, "FILE", "write to FILE instead of standard output"),
     PEN_JSON_OPTION(struct values, "print on one line"),
     PEN_REMOTE_OPTIONS(struct values),
     {0}};

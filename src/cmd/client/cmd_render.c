@@ -27,12 +27,8 @@ struct values {
 };
 
 static const struct pen_option options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, output),
-     .value = "OUT",
-     .help = "the picture's file; its ending, .png or .pfm, gives the format"},
+    PEN_OUTPUT_OPTION(struct values, "OUT",
+                      "the picture's file; its ending, .png or .pfm, gives the format"),
     PEN_FORMAT_OPTION(struct values, "png|png16|pfm", pen_output_formats),
     PEN_SET_OPTION(struct values),
     {.name = "view",

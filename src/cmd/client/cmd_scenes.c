@@ -15,12 +15,8 @@ struct values {
 };
 
 static const struct pen_option options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, output),
-     .value = "FILE",
-     .help = "with NAME: write the scene to FILE instead of standard output"},
+    PEN_OUTPUT_OPTION(struct values, "FILE",
+                      "with NAME: write the scene to FILE instead of standard output"),
     PEN_JSON_OPTION(struct values, "print the list as {\"scenes\": […]}"),
     {0}};
 

@@ -73,14 +73,10 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, wait),
      .help = "wait until the job has ended"},
-    {.name = "output",
-     .letter = 'o',
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, output),
-     .value = "OUT",
-     .help =
-         "wait, then fetch the picture or the benchmark's report to OUT, whose ending gives the "
-         "format: .png or .pfm, or .html, .json, .csv or .md"},
+    PEN_OUTPUT_OPTION(
+        struct values, "OUT",
+        "wait, then fetch the picture or the benchmark's report to OUT, whose ending gives the "
+        "format: .png or .pfm, or .html, .json, .csv or .md"),
     PEN_FORMAT_OPTION(struct values, "png|png16|pfm|json|csv|md|html", pen_output_all_formats),
     PEN_QUIET_OPTION(struct values, "no progress bar"),
     PEN_JSON_OPTION(struct values, "print the job as a line of JSON instead of its id"),

@@ -18,6 +18,12 @@
         .name = "json", .kind = PEN_OPTION_FLAG, .offset = offsetof(values, json), .help = text    \
     }
 
+#define PEN_OUTPUT_OPTION(values, word, text)                                                      \
+    {                                                                                              \
+        .name = "output", .letter = 'o', .kind = PEN_OPTION_TEXT,                                  \
+        .offset = offsetof(values, output), .value = word, .help = text                            \
+    }
+
 /* `names` is how help lists the formats, `list` the array of them. */
 #define PEN_FORMAT_OPTION(values, names, list)                                                     \
     {                                                                                              \
