@@ -126,10 +126,8 @@ git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' '*.sh' | xargs -r grep -L
 sed -i 's/$/: no SPDX line/' "$work/out"
 count "$work/out"
 
-# 8. No absolute epsilon where intersections are decided: no literal between 1e-3 and 1e-15 there, except
-# powers of two that scale something (0x1p-22 in 1 + 0x1p-22, 0x1p-40 * size, mul_pd(splat4(0x1p-40), x)).
-git ls-files 'src/geom/*.[ch]' 'src/accel/*.[ch]' 'src/shade/*.[ch]' >"$work/files"
-awk '
+# For awk: `line` is the line without comments; the middle lines of a comment are left out.
+code='
 FNR == 1 { comment = 0 }
 {
     line = $0
@@ -137,6 +135,13 @@ FNR == 1 { comment = 0 }
     comment = 0
     gsub(/\/\*([^*]|\*+[^*\/])*\*+\//, " ", line)
     if (sub(/\/\*.*$/, "", line)) comment = 1
+}'
+
+# 8. No absolute epsilon where intersections are decided: no literal between 1e-3 and 1e-15 there, except
+# powers of two that scale something (0x1p-22 in 1 + 0x1p-22, 0x1p-40 * size, mul_pd(splat4(0x1p-40), x)).
+git ls-files 'src/geom/*.[ch]' 'src/accel/*.[ch]' 'src/shade/*.[ch]' >"$work/files"
+awk "$code"'
+{
     for (rest = line; match(rest, /(^|[^A-Za-z0-9_.])([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?/);
          rest = substr(rest, RSTART + RLENGTH)) {
         number = substr(rest, RSTART, RLENGTH)
@@ -258,14 +263,8 @@ count "$work/out"
 # (candidate), tint (transmissive occluder), obituary (death report), twofold (double-double), crossing
 # (intersection), fate (visibility), suspect (quarantined), tidy (purge).
 git ls-files 'src/*.[ch]' 'include/*.h' >"$work/files"
-awk '
-FNR == 1 { comment = 0 }
+awk "$code"'
 {
-    line = $0
-    if (comment && !sub(/^.*\*\//, "", line)) next
-    comment = 0
-    gsub(/\/\*([^*]|\*+[^*\/])*\*+\//, " ", line)
-    if (sub(/\/\*.*$/, "", line)) comment = 1
     gsub(/"([^"\\]|\\.)*"/, "", line)
     for (; match(line, /[A-Za-z_][A-Za-z0-9_]*/); line = substr(line, RSTART + RLENGTH)) {
         name = substr(line, RSTART, RLENGTH)

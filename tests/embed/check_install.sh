@@ -8,22 +8,12 @@ case $(echo "${1:-build}"/libpenumbra.so.*.*.*) in
     exit 77
     ;;
 esac
-. "$(dirname "$0")/../e2e/lib.sh"
+. "$(dirname "$0")/../cmd/lib.sh"
 cd "$(dirname "$0")/../.." || exit 1
 unset MAKEFLAGS MFLAGS MAKELEVEL CPATH LIBRARY_PATH
 copy=$work/copy
 installed=$copy/usr/local
 export PKG_CONFIG_SYSROOT_DIR="$copy" PKG_CONFIG_PATH="$installed/lib/pkgconfig"
-
-succeeds() { # NAME COMMAND…
-    name=$1
-    shift
-    if "$@" >"$work/printed" 2>&1; then
-        ok "$name"
-    else
-        not_ok "$name" "exit $? of: $* $(tail -n 20 "$work/printed")"
-    fi
-}
 
 in_copy() { # TARGET: make install or uninstall
     make --no-print-directory BUILD="$build" DESTDIR="$copy" PREFIX=/usr/local "$1"
@@ -35,17 +25,17 @@ try() { # NAME COMPILER-AND-LANGUAGE LINK-OPTIONS [PKG-CONFIG-OPTION]
     flags=$(pkg-config --cflags penumbra) libs=$(pkg-config $4 --libs penumbra)
     mkdir "$work/$1"
     # shellcheck disable=SC2086
-    succeeds "compiles: $1" $2 $warnings $flags api/examples/embed.c -o "$work/$1/embed" $3 -x none $libs
-    LD_LIBRARY_PATH=$installed/lib succeeds "runs: $1" "$work/$1/embed" spheres "$work/$1/out.png"
-    succeeds "renders what penumbra renders: $1" cmp "$work/$1/out.png" "$work/program.png"
+    check "compiles: $1" $2 $warnings $flags api/examples/embed.c -o "$work/$1/embed" $3 -x none $libs
+    LD_LIBRARY_PATH=$installed/lib check "runs: $1" "$work/$1/embed" spheres "$work/$1/out.png"
+    check "renders what penumbra renders: $1" cmp "$work/$1/out.png" "$work/program.png"
     needed=$(readelf -d "$work/$1/embed" | grep -c 'NEEDED.*libpenumbra\.so\.0\]')
     expect "loads the shared library: $1" "$needed" "$([ -n "$4" ] && echo 0 || echo 1)"
 }
 
-succeeds "make install" in_copy install
+check "make install" in_copy install
 [ "$failures" -eq 0 ] || finish
-expect "compiles nothing again" "$(grep -cE '^  (CC|AR|LD|MAN|GEN) ' "$work/printed")" 0
-succeeds "the program renders" "$installed/bin/penumbra" render builtin:spheres -q -o "$work/program.png"
+expect "compiles nothing again" "$(grep -cE '^  (CC|AR|LD|MAN|GEN) ' "$work/output")" 0
+check "the program renders" "$installed/bin/penumbra" render builtin:spheres -q -o "$work/program.png"
 try c-shared 'gcc -std=c11 -x c' '' ''
 try cpp-shared 'g++ -std=c++11 -x c++' '' ''
 try c-static 'gcc -std=c11 -x c' -static --static
@@ -58,19 +48,19 @@ expect "the example is short" "$(($(wc -l <api/examples/embed.c) <= 40))" 1
 sed -n '/^<!-- embed: /,/^```$/p' README.md | sed '1,2d;$d' >"$work/readme.c"
 # shellcheck disable=SC2046,SC2086
 for language in 'gcc -std=c11 -x c' 'g++ -std=c++11 -x c++'; do
-    succeeds "the program of README.md compiles: ${language%% *}" $language $warnings $(pkg-config --cflags penumbra) \
+    check "the program of README.md compiles: ${language%% *}" $language $warnings $(pkg-config --cflags penumbra) \
         "$work/readme.c" -o "$work/readme" -x none $(pkg-config --libs penumbra)
-    LD_LIBRARY_PATH=$installed/lib succeeds "and runs: ${language%% *}" "$work/readme"
-    expect_match "and prints a pixel: ${language%% *}" "$(cat "$work/printed")" '[0-9]* x [0-9]*, the first pixel is *'
+    LD_LIBRARY_PATH=$installed/lib check "and runs: ${language%% *}" "$work/readme"
+    expect_match "and prints a pixel: ${language%% *}" "$(cat "$work/output")" '[0-9]* x [0-9]*, the first pixel is *'
 done
 
 library=$installed/lib/libpenumbra.so
 gcc -E -P "$installed/include/penumbra.h" | grep -o 'penumbra_[a-z0-9_]*(' | tr -d '(' | sort >"$work/declared"
 nm -D --defined-only "$library" | awk '{ print $3 }' | sort >"$work/exported"
 expect "penumbra.h declares functions" "$(($(wc -l <"$work/declared") >= 15))" 1
-succeeds "the shared library exports what penumbra.h declares" diff "$work/declared" "$work/exported"
+check "the shared library exports what penumbra.h declares" diff "$work/declared" "$work/exported"
 nm -g --defined-only "$installed/lib/libpenumbra.a" | awk 'NF == 3 { print $3 }' | sort >"$work/exported"
-succeeds "and the archive" diff "$work/declared" "$work/exported"
+check "and the archive" diff "$work/declared" "$work/exported"
 expect "penumbra.h includes the C library alone" \
     "$(sed -n 's/^ *# *include *//p' include/penumbra.h | sort | tr '\n' ' ')" '<stddef.h> <stdint.h> '
 expect "SONAME" "$(readelf -d "$library" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')" libpenumbra.so.0
@@ -100,7 +90,7 @@ for command in $("$build/penumbra" --help | sed -n 's/^  \([a-z][a-z]*\) .*/\1/p
         grep -vxE -- '--(help|version)' >"$work/options"
     sed -n "/^\.SS penumbra $command\$/,/^\.S[SH] /p" "$(path penumbra.1)" |
         sed 's/\\-/-/g' | grep -A 1 '^\.TP' | grep -oE -- '--[a-z-]+' >"$work/documented"
-    succeeds "penumbra(1) has the options of $command" diff "$work/options" "$work/documented"
+    check "penumbra(1) has the options of $command" diff "$work/options" "$work/documented"
 done
 missing=
 page=$(plain penumbra.3)
@@ -117,9 +107,9 @@ expect "penumbra-scene(5) has every key of the schema" "$missing" ""
 
 for file in bash-completion/completions/penumbra bash-completion/completions/penumbrad \
     zsh/site-functions/_penumbra; do
-    succeeds "completion is installed: $file" test -s "$installed/share/$file"
+    check "completion is installed: $file" test -s "$installed/share/$file"
 done
 
-succeeds "make uninstall" in_copy uninstall
+check "make uninstall" in_copy uninstall
 expect "leaves no file" "$(find "$copy" ! -type d)" ""
 finish
