@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes: from text to a description, its settings, and what rendering it takes at most. */
+/* Scenes: from text to a description, its settings, and upper bounds on the cost of rendering. */
 #include <stdlib.h>
 #include <string.h>
 

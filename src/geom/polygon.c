@@ -19,10 +19,12 @@ static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
     return dd_round3(sum);
 }
 
-/* Sets flat, convex and scale. Flat: each vertex is in the plane of the first with normal n;
- * convex: the outline turns left at each vertex; both up to less than 2^-44 of all lengths. Scale:
- * an intersection lies on a surface between the vertices and its point is put on the plane, so the
- * distance between the two counts as rounding. */
+/* Sets three members:
+ *   flat    each vertex v is in the plane of the first with normal n, up to 2^-44 of the extent and
+ *           2^-50 |v|
+ *   convex  the outline turns left at each vertex, up to an area of 2^-46 of the extent squared
+ *   scale   the hit point is projected onto that plane, while t is interpolated from the vertices;
+ *           the distance of a vertex from the plane counts as rounding of the hit point */
 static void classify_outline(struct pen_polygon *p)
 {
     double most = 0;

@@ -15,7 +15,7 @@ struct pen_polygon {
     struct pen_vec3 n; /* unit */
     double extent;     /* no vertex is farther than this from another, in any axis */
     double scale;      /* pen_prim_scale: extent, and more if rounding put vertices off the plane */
-    bool flat, convex; /* up to rounding of the vertices; false may be wrong */
+    bool flat, convex; /* up to rounding of the vertices; may be false for others that are */
 };
 
 /* Fails: returns false if a coordinate is not finite, or not 0 and below PEN_LEAST, there are fewer

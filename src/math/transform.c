@@ -20,7 +20,7 @@ static double power_of_two(int e)
     return value;
 }
 
-/* The e with 2^e <= |value| < 2^(e+1), cut to -1000..1000 so that both 2^e and 2^-e exist. */
+/* The e with 2^e <= |value| < 2^(e+1), clamped to -1000..1000 so that both 2^e and 2^-e exist. */
 static int exponent_of(double value)
 {
     uint64_t bits;

@@ -168,7 +168,8 @@ static bool make_work(struct run *run, struct pen_status *st)
         }
         work->scratch = work->input ? pen_kernel_scratch_new(work->input) : NULL;
         if (!work->scratch)
-            return pen_fail(st, PEN_NO_MEMORY, "out of memory for the paths of a render thread");
+            return pen_fail(st, PEN_NO_MEMORY,
+                            "out of memory for the light paths of a render thread");
     }
     return true;
 }
@@ -249,7 +250,7 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
     struct pen_kernel_input input = kernel_input(scene, view, settings);
     struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(&input);
     if (!scratch)
-        return pen_fail(st, PEN_NO_MEMORY, "out of memory for the paths of a pixel");
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a pixel");
     fenv_t caller;
     fegetenv(&caller);
     fesetenv(FE_DFL_ENV);

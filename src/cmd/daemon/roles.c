@@ -147,7 +147,8 @@ static void *run_worker(void *user)
 }
 
 /* Releases the leases of dead workers: of the predecessor, whose end the supervisor has reported
- * and whose jobs may be charged with it, and of all other workers that hold no lock any more. */
+ * and which may count against its jobs (src/store/README.md), and of all other workers that hold no
+ * lock any more. */
 static bool release_dead(struct pen_store *store, const struct pen_config *config,
                          struct pen_status *st)
 {

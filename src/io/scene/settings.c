@@ -9,8 +9,8 @@
 #include "io/scene/tables.h"
 #include "io/settings_json.h"
 
-/* These bounds limit the memory of a tile and of a path. The limits on pixels and work catch
- * everything else that is too much. */
+/* The bounds of an edge and of a depth limit the memory of a tile and of a path. The number of
+ * pixels and of rays is limited elsewhere (io/scene_json.h). */
 static const struct pen_range edge_range = {1, 65536, false, false};
 static const struct pen_range depth_range = {1, 65536, false, false};
 static const struct pen_range threads_range = {0, INT_MAX, false, false};
@@ -133,7 +133,7 @@ json_t *pen_settings_parse_value(const char *text, size_t bytes, struct pen_stat
     return value;
 }
 
-/* Fills *st with an error of one member of an object at "", whose place is "/KEY". */
+/* Fills *st with the error of an assignment key=value: it begins with the key. */
 static bool fail_assignment(const struct pen_status *error, const char *key, struct pen_status *st)
 {
     bool names_key = pen_settings_has(key); /* else the message itself names the unknown key */
