@@ -98,13 +98,6 @@ struct pen_shadow {
     struct pen_hit hit[PEN_SHADOW_MAX];
 };
 
-/* A bound of the distance between o + d and the light that a shadow ray is aimed at. d = light - o
- * is rounded, so a far origin counts as much as a far light. */
-static inline double pen_shadow_light_bound(const struct pen_ray *ray)
-{
-    return 16 * PEN_U * (pen_norm1(ray->o) + pen_norm1(ray->d));
-}
-
 /* The queries, one table for each compiled variant. All variants give the same bits. */
 struct pen_trace_ops {
     const char *name;

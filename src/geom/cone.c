@@ -317,6 +317,11 @@ static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
            pen_larger(c->base_radius * rim, c->top_radius * rim + along * c->hull.h);
 }
 
+static double curvature(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    return part == PEN_PART_SIDE ? 1 / place_of(self, p).axis : 0;
+}
+
 static unsigned touches(const void *self, struct pen_vec3 p, double bound)
 {
     return parts_at(self, p, bound + own_rounding(self));
@@ -355,6 +360,7 @@ const struct pen_kind_functions pen_cone_functions = {
     .bounds = bounds,
     .scale = scale,
     .reach = reach,
+    .curvature = curvature,
     .touches = touches,
     .intersect_own = intersect_own,
     .intersect_touching = intersect_touching,

@@ -187,6 +187,12 @@ static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
     return pen_cylinder_side_reach(&c->round, c->round.q, c->h, n, p);
 }
 
+static double curvature(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    (void)p;
+    return part == PEN_PART_SIDE ? 1 / ((const struct pen_cylinder *)self)->round.r : 0;
+}
+
 static unsigned touches(const void *self, struct pen_vec3 p, double bound)
 {
     return pen_cylinder_touches(self, p, bound);
@@ -225,6 +231,7 @@ const struct pen_kind_functions pen_cylinder_functions = {
     .bounds = bounds,
     .scale = scale,
     .reach = reach,
+    .curvature = curvature,
     .touches = touches,
     .intersect_own = intersect_own,
     .intersect_touching = intersect_touching,

@@ -72,6 +72,12 @@ static bool touched(const struct pen_infinite_cylinder *c, struct pen_vec3 p, do
     return pen_cylinder_side_touches(&c->round, p, bound + pen_infinite_cylinder_rounding(c));
 }
 
+static double curvature(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    (void)part, (void)p;
+    return 1 / ((const struct pen_infinite_cylinder *)self)->round.r;
+}
+
 static unsigned touches(const void *self, struct pen_vec3 p, double bound)
 {
     return touched(self, p, bound) ? PEN_ON_SIDE : 0;
@@ -102,6 +108,7 @@ const struct pen_kind_functions pen_infinite_cylinder_functions = {
     .scale = scale,
     .reach = reach,
     .distance = distance,
+    .curvature = curvature,
     .touches = touches,
     .intersect_own = intersect_own,
     .intersect_touching = intersect_touching,

@@ -135,6 +135,10 @@ struct pen_kind_functions {
 
     /* Of round kinds; else NULL. */
 
+    /* By how many radians the normal of the part turns, at most, where p moves by a unit: 1 over
+     * the radius; 0 on a cap, INFINITY at an apex. */
+    double (*curvature)(const void *self, uint8_t part, struct pen_vec3 p);
+
     /* The parts that p lies on, up to `bound` and the primitive's own rounding. */
     unsigned (*touches)(const void *self, struct pen_vec3 p, double bound);
 

@@ -93,6 +93,18 @@ struct pen_box pen_prim_bounds(const struct pen_prims *prims, uint32_t prim);
 /* The length to which the primitive's own rounding near p is proportional. */
 double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
 
+/* The curvature of a surface at p: 1 over its radius there, 0 where it is flat, INFINITY at an
+ * apex.
+ */
+static inline double pen_prim_curvature(const struct pen_prims *prims, struct pen_hit hit,
+                                        struct pen_vec3 p)
+{
+    if (pen_prim_flat(prims->ref[hit.prim].kind))
+        return 0;
+    return pen_prim_row(prims, hit.prim)
+        ->fn->curvature(pen_prim_self(prims, hit.prim), hit.part, p);
+}
+
 /* The rounding bound for rays that start at p: 16u (|p|_1 + the primitive's own scale). */
 double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
 

@@ -46,6 +46,14 @@
  * surface, which brings it no more than that share of its strength. */
 #define PEN_NEARBY 0x1p23
 
+/* A direction q from a point p of a surface grazes the surface where |n.q| is at most this share of
+ * |q|: no shadow ray is as low as that. It is chosen so that whatever might let such a ray out of a
+ * closed room is near enough for the self-intersection rule. Say that p is off its surface by b,
+ * and the border of the next wall off its place by c. A ray of sine s has risen by s x at distance
+ * x, so it can pass on the wrong side of that border only where s x <= b + c, hence x <= (b + c) /
+ * s. That is nearby if s >= 1 / PEN_NEARBY; the factor 2 covers the rounding of s itself. */
+#define PEN_HORIZON_SINE (2 / PEN_NEARBY)
+
 enum pen_part {
     PEN_PART_SIDE =
         0, /* the only part of sphere, infinite cylinder and flat kinds; the side of the others */
@@ -114,6 +122,13 @@ static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct p
     ray->sy = ray->permuted_d.y / ray->permuted_d.z;
     ray->sz = 1.0 / ray->permuted_d.z;
     return true;
+}
+
+/* A bound of the distance between o + d and the point that a ray is aimed at. d = point - o is
+ * rounded, so a far origin counts as much as a far point. */
+static inline double pen_ray_end_bound(struct pen_vec3 o, struct pen_vec3 d)
+{
+    return 16 * PEN_U * (pen_norm1(o) + pen_norm1(d));
 }
 
 /* The rounding error of diff = a - b, exactly (Knuth). */

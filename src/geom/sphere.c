@@ -80,6 +80,12 @@ static double distance(const void *self, struct pen_vec3 p)
     return fabs(pen_length(pen_sub(p, s->c)) - s->r);
 }
 
+static double curvature(const void *self, uint8_t part, struct pen_vec3 p)
+{
+    (void)part, (void)p;
+    return 1 / ((const struct pen_sphere *)self)->r;
+}
+
 static unsigned touches(const void *self, struct pen_vec3 p, double bound)
 {
     return pen_sphere_touches(self, p, bound) ? PEN_ON_SIDE : 0;
@@ -109,6 +115,7 @@ const struct pen_kind_functions pen_sphere_functions = {
     .scale = scale,
     .reach = reach,
     .distance = distance,
+    .curvature = curvature,
     .touches = touches,
     .intersect_own = intersect_own,
     .intersect_touching = intersect_touching,

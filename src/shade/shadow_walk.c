@@ -12,7 +12,7 @@ struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const stru
     struct pen_vec3 t = in;
     struct pen_t_interval interval = {pen_after_start, query->tmax};
     struct pen_hit hit;
-    double light = pen_shadow_light_bound(ray);
+    double light = pen_ray_end_bound(ray->o, ray->d);
     while (!is_black(t) && input->trace->nearest(scene->accel, ray, origin, &interval, &hit)) {
         interval.after = hit;
         if (query->to_point && pen_prim_ends_ray(&scene->prims, hit, ray, query->tmax, light))

@@ -69,7 +69,7 @@ static inline struct trace trace_begin_shadow(const struct pen_accel *accel,
     struct trace trace = trace_begin(accel, ray, origin);
     trace.shadow = query;
     if (query->to_point) {
-        trace.light_bound = pen_shadow_light_bound(ray);
+        trace.light_bound = pen_ray_end_bound(ray->o, ray->d);
         trace.light = pen_along(ray->o, ray->d, query->tmax);
     }
     query->count = 0;

@@ -33,9 +33,9 @@ static ALWAYS_INLINE void soft_disk(struct pen_shadow_packet *packet, const stru
     packet->v = pen_scale(across.v, light->radius);
 }
 
-/* Traces the ray to one point of the unit disk by itself and adds its transmittance. A point on the
- * other side of the surface from the viewer is reached through the surface, so the ray starts with
- * kt, and is not traced where that is black. */
+/* Traces the ray to one point of the unit disk by itself and adds its transmittance. A point below
+ * the horizon is reached through the surface, so the ray starts with kt, and is not traced where
+ * that is black. One that grazes adds nothing. */
 static ALWAYS_INLINE void soft_add(const struct pen_kernel_input *input,
                                    struct pen_kernel_scratch *scratch, struct soft *soft,
                                    struct pen_point2 at, const unsigned fx)
@@ -44,8 +44,11 @@ static ALWAYS_INLINE void soft_add(const struct pen_kernel_input *input,
     struct shadow_ray shadow = {.d = pen_packet_direction(&scratch->packet, at.x, at.y),
                                 .to_point = soft->arriving->to_point,
                                 .light = soft->arriving->light};
-    shadow.through = !(pen_dot(s->n, shadow.d) > 0);
+    enum horizon_side side = horizon_side(s, shadow.d, shadow.to_point);
+    shadow.through = side == HORIZON_BELOW;
     shadow.in = shadow.through ? s->material->kt : pen_vec3(1, 1, 1);
+    if (side == HORIZON_GRAZING)
+        return;
     if (shadow.through && (!(fx & PEN_FX_SHADOW_TRANSMITTANCE) || is_black(shadow.in)))
         return;
     soft->rays++;
@@ -67,13 +70,16 @@ static ALWAYS_INLINE void soft_add_singly(const struct pen_kernel_input *input,
     }
 }
 
-/* Whether all of the disk is on the viewer's side of the tangent plane, by more than rounding. */
+/* Whether all of the disk is above the horizon, by more than rounding. `size` is at least the
+ * length of the vector to any of its points. */
 static ALWAYS_INLINE bool soft_disk_is_above_horizon(const struct pen_shadow_packet *packet,
-                                                     struct pen_vec3 n)
+                                                     const struct soft *soft)
 {
+    struct pen_vec3 n = soft->s->n;
     double c = pen_dot(n, packet->c), u = pen_dot(n, packet->u), v = pen_dot(n, packet->v);
     double size = pen_norm1(packet->c) + pen_norm1(packet->u) + pen_norm1(packet->v);
-    return c > sqrt(u * u + v * v) + 0x1p-40 * size;
+    double band = horizon_band(soft->s, size, soft->arriving->to_point);
+    return c > sqrt(u * u + v * v) + band + 0x1p-40 * size;
 }
 
 static ALWAYS_INLINE enum pen_packet_visibility
@@ -82,7 +88,7 @@ soft_begin_packet(const struct pen_kernel_input *input, struct pen_kernel_scratc
 {
     struct pen_shadow_packet *packet = &scratch->packet;
     uint32_t *last = &scratch->last_occluder[soft->arriving->light];
-    if (!input->trace->packet_begin || !soft_disk_is_above_horizon(packet, soft->s->n))
+    if (!input->trace->packet_begin || !soft_disk_is_above_horizon(packet, soft))
         return PEN_PACKET_NOT_POSSIBLE;
     packet->o = soft->s->p;
     packet->origin = &soft->origin;

@@ -14,9 +14,21 @@ struct surface {
     struct pen_vec3 n;                /* unit, turned towards the viewer */
     struct pen_vec3 v;                /* unit, from the viewer to p */
     double nv;                        /* n.v <= 0 */
+    double grazing_sine;              /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
     struct pen_origin_surface origin; /* for rays that start at p on the viewer's side; its bound is
                                how far p may be off by rounding */
 };
+
+/* The sine below which directions graze: on a round surface, moving p by its bound turns the normal
+ * by `turn`. At an apex, and on what is smaller than rounding, that is 1 or more, and there is no
+ * tangent plane; but seen from outside, all of a round primitive lies below the plane across the
+ * normal, as on a flat surface. Seen from inside, every direction grazes. */
+static ALWAYS_INLINE double surface_grazing_sine(double turn, bool outside)
+{
+    if (turn <= PEN_HORIZON_SINE || (outside && !(turn < 1)))
+        return PEN_HORIZON_SINE;
+    return turn < 1 ? turn : INFINITY;
+}
 
 static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
                                                const struct pen_ray *ray,
@@ -30,11 +42,14 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
     s.n = pen_prim_normal(&scene->prims, hit, s.p);
     s.v = pen_normalize(ray->d);
     s.nv = pen_dot(s.n, s.v);
-    if (s.nv > 0) {
+    bool outside = !(s.nv > 0);
+    if (!outside) {
         s.n = pen_neg(s.n);
         s.nv = -s.nv;
     }
     s.origin = pen_origin_at(&scene->prims, ray, left, hit, s.p);
+    double turn = s.origin.bound * pen_prim_curvature(&scene->prims, hit, s.p);
+    s.grazing_sine = surface_grazing_sine(turn, outside);
     return s;
 }
 

@@ -5,7 +5,7 @@
 #define PEN_SHADE_INTERNAL_UNSHADOWED_LIGHT_H
 
 #include "math/fn.h"
-#include "shade/internal/surface.h"
+#include "shade/internal/horizon.h"
 
 /* What one light contributes at a surface. */
 struct arriving_light {
@@ -34,12 +34,11 @@ static ALWAYS_INLINE struct pen_vec3
 light_of_directional(const struct pen_light *light, const struct surface *s, const unsigned fx)
 {
     double nl = pen_dot(s->n, light->direction);
-    if (!(nl < 0))
+    if (horizon_side_of(-nl, horizon_band(s, 1, false)) != HORIZON_ABOVE)
         return pen_vec3(0, 0, 0);
     return pen_mul(light->intensity, light_towards_viewer(s, light->direction, nl, fx));
 }
 
-/* A light within rounding of the surface's tangent plane is on neither side of it: no light. */
 static ALWAYS_INLINE struct pen_vec3 light_of_positional(const struct pen_light *light,
                                                          const struct surface *s, struct pen_vec3 q,
                                                          const unsigned fx)
@@ -49,6 +48,8 @@ static ALWAYS_INLINE struct pen_vec3 light_of_positional(const struct pen_light 
     if (!(nq < -s->origin.bound))
         return black;
     double d = pen_length(q);
+    if (horizon_side_of(-nq, horizon_band(s, d, true)) != HORIZON_ABOVE)
+        return black;
     struct pen_vec3 l = pen_scale(q, 1 / d);
     double beam = 1;
     if (light->beam) {
