@@ -114,7 +114,7 @@ static bool side_interval(const struct pen_cone *c, const struct pen_ray *ray, d
     side[1] = tp + (rest + h);
     double widest = c->hull.round.r * c->hull.round.length;
     if (8 * fabs(wp) < widest || fabs(disc) < PEN_GRAZING * (wp * wp) ||
-        fabs(fabs(tp) - h) < PEN_NEAR * h)
+        fabs(fabs(tp) - h) < ray->near * h)
         return side_refined(c, ray, side);
     return side[0] < side[1];
 }

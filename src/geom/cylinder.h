@@ -67,8 +67,8 @@ static inline bool pen_interval_clip(struct pen_interval *in, const double side[
     return in->lo < in->hi;
 }
 
-/* Whether pen_cylinder_slab loses more than two bits: the ray starts near a cap's plane, or is
- * nearly parallel to it. */
+/* Whether pen_cylinder_slab is refined: it loses more than two bits where the ray starts near a
+ * cap's plane, or is nearly parallel to it; or the ray is tied. */
 static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const struct pen_ray *ray)
 {
     struct pen_vec3 q = pen_permuted(ray, &c->round.q), a = pen_permuted(ray, &c->round.a);
@@ -76,7 +76,7 @@ static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const s
     double da = pen_dot(d, a), fa = pen_dot(f, a), rest = fabs(c->top - fa);
     double size = fabs(f.x * a.x) + fabs(f.y * a.y) + fabs(f.z * a.z);
     double least = rest < fabs(fa) ? rest : fabs(fa);
-    return 4 * least < size || 4 * rest < c->top ||
+    return pen_ray_tied(ray) || 4 * least < size || 4 * rest < c->top ||
            4 * fabs(da) < fabs(d.x * a.x) + fabs(d.y * a.y) + fabs(d.z * a.z);
 }
 

@@ -65,7 +65,7 @@ static inline bool pen_cylinder_side_roots(const struct pen_cylinder_side *s,
     double h = sqrt(disc * inv); /* NaN for a miss */
     t[0] = tp + (rest - h);
     t[1] = tp + (rest + h);
-    if (fabs(fabs(tp) - h) < PEN_NEAR * h || fabs(disc) < PEN_GRAZING * s->rr)
+    if (fabs(fabs(tp) - h) < ray->near * h || fabs(disc) < PEN_GRAZING * s->rr)
         pen_cylinder_side_refine(s, ray, t);
     *parallel = mm == 0;
     return t[0] < t[1];

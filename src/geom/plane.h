@@ -28,8 +28,9 @@ static inline double pen_dot_guarded(struct pen_vec3 a, struct pen_vec3 b)
 static inline bool pen_plane_root(const struct pen_plane *p, const struct pen_ray *ray, double *t)
 {
     struct pen_vec3 g = pen_permuted(ray, &p->g);
-    double gd = pen_dot_guarded(g, ray->permuted_d);
-    *t = pen_dot(g, pen_sub(pen_permuted(ray, &p->q), ray->permuted_o)) / gd;
+    struct pen_vec3 f = pen_sub(pen_permuted(ray, &p->q), ray->permuted_o), d = ray->permuted_d;
+    double gd = pen_ray_tied(ray) ? pen_dot2(g, d) : pen_dot_guarded(g, d);
+    *t = (pen_ray_tied(ray) ? pen_dot2(g, f) : pen_dot(g, f)) / gd;
     return gd != 0;
 }
 

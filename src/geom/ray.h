@@ -33,7 +33,7 @@
 #define PEN_FIRST_T 0x1p-1074
 
 /* An intersection with a quadric at tp - h is refined where it is nearer the origin than this share
- * of the half chord h: the subtraction would lose more than three bits. */
+ * of the half chord h: the subtraction would lose more than three bits. Of tied rays all are. */
 #define PEN_NEAR 0.125
 
 /* Both intersections are refined where the ray grazes a quadric, so that the discriminant is less
@@ -76,12 +76,20 @@ struct pen_ray {
     double inv_dd;                          /* 1 / d.d */
     double sx, sy, sz;                      /* shear: d[kx]/d[kz], d[ky]/d[kz], 1/d[kz] */
     struct pen_vec3 permuted_o, permuted_d; /* pen_permuted of o and d */
+    double near;                            /* PEN_NEAR; INFINITY if tied */
     int kx, ky, kz; /* axes permuted cyclically, so that kz is d's largest component */
 };
 
+/* Whether d's components are equal in size, so that no order of the axes is the ray's own. */
+static inline bool pen_ray_tied(const struct pen_ray *ray)
+{
+    return ray->near > PEN_NEAR;
+}
+
 /* v with its axes in the ray's order. All sums over axes that decide t are taken of such vectors,
- * so that t has the same bits in a scene whose axes are permuted cyclically. Only where all
- * components of d are equal in size does the ray have no order of its own. */
+ * so that t has the same bits in a scene whose axes are permuted cyclically. A tied ray has no
+ * order of its own: its t is refined, so that no order makes a difference of more than the last
+ * bits. */
 static inline struct pen_vec3 pen_permuted(const struct pen_ray *ray, const struct pen_vec3 *v)
 {
     const double *c = (const double *)v;
@@ -121,6 +129,8 @@ static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct p
     ray->sx = ray->permuted_d.x / ray->permuted_d.z;
     ray->sy = ray->permuted_d.y / ray->permuted_d.z;
     ray->sz = 1.0 / ray->permuted_d.z;
+    /* Quotients of unequal doubles do not round to 1. */
+    ray->near = fabs(ray->sx * ray->sy) < 1 ? PEN_NEAR : INFINITY;
     return true;
 }
 

@@ -36,7 +36,7 @@ static inline bool pen_sphere_roots(const struct pen_sphere *s, const struct pen
     double h = sqrt(disc * ray->inv_dd); /* NaN for a miss */
     t[0] = tp + (rest - h);
     t[1] = tp + (rest + h);
-    if (fabs(fabs(tp) - h) < PEN_NEAR * h || fabs(disc) < PEN_GRAZING * s->rr)
+    if (fabs(fabs(tp) - h) < ray->near * h || fabs(disc) < PEN_GRAZING * s->rr)
         pen_sphere_refine(s, ray, t);
     return t[0] < t[1];
 }

@@ -177,6 +177,9 @@ static bool well_conditioned(const struct shape *s)
     if (fabs(pen_dot(n, pen_sub(s->p[0], s->o))) <
         .5 * pen_length(n) * (pen_length(s->p[0]) + pen_length(s->o)))
         return false;
+    if (s->kind == SHAPE_POLYGON && /* not flat */
+        fabs(pen_dot(n, pen_sub(s->p[3], s->p[0]))) > 0x1p-48 * pen_length(n) * pen_norm1(s->p[3]))
+        return false;
     return fabs(pen_dot(n, s->d)) > .1 * pen_length(n) * pen_length(s->d);
 }
 

@@ -160,9 +160,11 @@ static inline bool test_at_border(struct trace *trace, const uint32_t prim[PEN_L
 }
 
 /* Lanes whose intersections the scalar functions refine. */
-static inline unsigned refined_lanes(__m256d tp, __m256d h, __m256d disc, __m256d rr)
+static inline unsigned refined_lanes(const struct trace *trace, __m256d tp, __m256d h, __m256d disc,
+                                     __m256d rr)
 {
-    __m256d near = LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(splat4(PEN_NEAR), h));
+    __m256d near =
+        LESS(abs4(_mm256_sub_pd(abs4(tp), h)), _mm256_mul_pd(splat4(trace->ray->near), h));
     return bits(_mm256_or_pd(near, LESS(abs4(disc), _mm256_mul_pd(splat4(PEN_GRAZING), rr))));
 }
 
@@ -188,7 +190,7 @@ static inline bool test_spheres4(struct trace *trace, const struct pen_spheres4 
     __m256d t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
     __m256d t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
     unsigned lanes = useful_pairs(trace, t0, t1, any) & ~own,
-             refined = refined_lanes(tp, h, disc, rr);
+             refined = refined_lanes(trace, tp, h, disc, rr);
     if (refined)
         own |= refined;
     lanes &= ~own;
@@ -381,6 +383,18 @@ static inline __m256d sum4(__m256d a, __m256d b, __m256d *lost)
     return next;
 }
 
+/* pen_dot2 */
+static inline __m256d accurate_dot4(struct vec4 a, struct vec4 b)
+{
+    __m256d x = _mm256_mul_pd(a.x, b.x), y = _mm256_mul_pd(a.y, b.y), z = _mm256_mul_pd(a.z, b.z);
+    __m256d low = _mm256_fmsub_pd(a.x, b.x, x), lost;
+    __m256d total = sum4(x, y, &lost);
+    low = _mm256_add_pd(low, _mm256_add_pd(lost, _mm256_fmsub_pd(a.y, b.y, y)));
+    total = sum4(total, z, &lost);
+    low = _mm256_add_pd(low, _mm256_add_pd(lost, _mm256_fmsub_pd(a.z, b.z, z)));
+    return _mm256_add_pd(total, low);
+}
+
 /* pen_dot_guarded */
 static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
 {
@@ -388,22 +402,18 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
     __m256d sum = _mm256_add_pd(_mm256_add_pd(x, y), z);
     __m256d size = _mm256_add_pd(_mm256_add_pd(abs4(x), abs4(y)), abs4(z));
     __m256d plain = LESS_EQUAL(size, _mm256_mul_pd(abs4(sum), splat4(8)));
-    if (bits(plain) == 15)
-        return sum;
-    __m256d low = _mm256_fmsub_pd(a.x, b.x, x), lost;
-    __m256d total = sum4(x, y, &lost);
-    low = _mm256_add_pd(low, _mm256_add_pd(lost, _mm256_fmsub_pd(a.y, b.y, y)));
-    total = sum4(total, z, &lost);
-    low = _mm256_add_pd(low, _mm256_add_pd(lost, _mm256_fmsub_pd(a.z, b.z, z)));
-    return _mm256_blendv_pd(_mm256_add_pd(total, low), sum, plain);
+    return bits(plain) == 15 ? sum : _mm256_blendv_pd(accurate_dot4(a, b), sum, plain);
 }
 
-static inline bool test_planes4(struct trace *trace, const struct pen_planes4 *b, bool any)
+/* `tied` is a constant: whether the ray is tied. */
+static inline __attribute__((always_inline)) bool
+planes4(struct trace *trace, const struct pen_planes4 *b, bool any, bool tied)
 {
     struct vec4 g = permuted4(trace->ray, b->g),
                 f = sub3(permuted4(trace->ray, b->q), splat_vec4(trace->ray->permuted_o));
-    __m256d gd = dot_guarded4(g, splat_vec4(trace->ray->permuted_d));
-    __m256d t = _mm256_div_pd(dot4(g, f), gd);
+    struct vec4 d = splat_vec4(trace->ray->permuted_d);
+    __m256d gd = tied ? accurate_dot4(g, d) : dot_guarded4(g, d);
+    __m256d t = _mm256_div_pd(tied ? accurate_dot4(g, f) : dot4(g, f), gd);
     __m256d oblique = _mm256_cmp_pd(gd, splat4(0), _CMP_NEQ_OQ);
     __m256d after = splat4(any ? 0 : trace->after.t);
     __m256d useful = _mm256_and_pd(LESS_EQUAL(after, t), LESS_EQUAL(t, tmax4(trace, any)));
@@ -434,6 +444,19 @@ static inline bool test_planes4(struct trace *trace, const struct pen_planes4 *b
     return false;
 }
 
+static __attribute__((noinline)) bool test_planes_tied4(struct trace *trace,
+                                                        const struct pen_planes4 *b, bool any)
+{
+    return planes4(trace, b, any, true);
+}
+
+static inline bool test_planes4(struct trace *trace, const struct pen_planes4 *b, bool any)
+{
+    if (pen_ray_tied(trace->ray))
+        return test_planes_tied4(trace, b, any);
+    return planes4(trace, b, any, false);
+}
+
 /* The intersections of a ray with four cylinders, continued without end. */
 struct side4 {
     __m256d t0, t1; /* as pen_cylinder_side_roots */
@@ -462,7 +485,7 @@ static inline struct side4 side_roots4(const struct trace *trace, const struct p
     __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv));
     out.t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
     out.t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
-    out.near = refined_lanes(tp, h, disc, rr);
+    out.near = refined_lanes(trace, tp, h, disc, rr);
     if (out.near) { /* the half chord is at most r / |m| */
         __m256d reach = _mm256_sqrt_pd(_mm256_mul_pd(_mm256_mul_pd(splat4(2), rr), inv));
         out.least = _mm256_sub_pd(tp, reach);
@@ -492,7 +515,7 @@ static inline __m256d cylinder_touches4(const struct trace *trace, const struct 
                         _mm256_or_pd(LESS_EQUAL(abs4(fa), twice), LESS_EQUAL(off_top, twice)));
 }
 
-/* pen_cylinder_slab_loses */
+/* pen_cylinder_slab_loses. Of tied rays, side4.near has all lanes that count. */
 static inline unsigned slab_loses4(const struct trace *trace, const struct pen_cylinders4 *b,
                                    struct vec4 f, struct vec4 a)
 {
