@@ -7,7 +7,7 @@
 
 /* The parts of the table, in its order; each ends with a row without an id. */
 extern const struct row row_table_flat[], row_table_space[], row_table_roots[], row_table_light[],
-    row_table_same[], row_table_cone[];
+    row_table_rooms[], row_table_same[], row_table_cone[];
 
 /* rows_watertight.c */
 void rows_bumpy(struct pen_row_run *run);
@@ -109,6 +109,19 @@ void rows_seam(struct pen_row_run *run);
 void rows_crossing(struct pen_row_run *run);
 void rows_inside(struct pen_row_run *run);
 void rows_outside(struct pen_row_run *run);
+
+/* rows_rooms.c */
+void rows_rooms_flat(struct pen_row_run *run);
+void rows_rooms_crossing(struct pen_row_run *run);
+void rows_rooms_round(struct pen_row_run *run);
+void rows_rooms_mixed(struct pen_row_run *run);
+void rows_rooms_thin(struct pen_row_run *run);
+
+/* rows_horizon.c, rows_convex.c */
+void rows_horizon_walls(struct pen_row_run *run);
+void rows_horizon_disk(struct pen_row_run *run);
+void rows_convex_lit(struct pen_row_run *run);
+void rows_convex_horizon(struct pen_row_run *run);
 
 /* rows_films.c */
 void rows_films_threads(struct pen_row_run *run);

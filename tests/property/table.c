@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The rows, in the order of the catalogue: six tables, one after the other. */
+/* The rows, in the order of the catalogue: seven tables, one after the other. */
 #include <stddef.h>
 
 #include "property/rows.h"
 
 static const struct row *const tables[] = {row_table_flat,  row_table_space, row_table_same,
-                                           row_table_light, row_table_roots, row_table_cone};
+                                           row_table_light, row_table_rooms, row_table_roots,
+                                           row_table_cone};
 
 const struct row *row_at(int i)
 {

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/* Rows of closed rooms, of the horizon, and of convex bodies. */
+#include <stddef.h>
+
+#include "property/rows.h"
+
+const struct row row_table_rooms[] = {
+    {
+        .id = "H073",
+        .name = "rooms_flat",
+        .what =
+            "closed rooms of flat walls (boxes, prisms, pyramids, dented ones, whole or split), "
+            "sizes 1e-8 to 1e8, offsets to 1e9 sizes, lights outside in walls' planes and near "
+            "seams: black",
+        .oracle = "black",
+        .run = rows_rooms_flat,
+        .full = 50000,
+        .check = 300,
+        .known = "thin slivers beside a vertex of a prism's wall and in dented rooms leak single "
+                 "pixels in extreme zooms",
+    },
+    {
+        .id = "H073",
+        .name = "rooms_crossing",
+        .what = "the same where walls cross, are planes, or are boxes themselves",
+        .oracle = "black",
+        .run = rows_rooms_crossing,
+        .full = 50000,
+        .check = 300,
+        .known = "planes and crossing quads leak single pixels in extreme zooms at a corner",
+    },
+    {
+        .id = "H073",
+        .name = "rooms_round",
+        .what = "the same inside a sphere, a cylinder, a cone",
+        .oracle = "black",
+        .run = rows_rooms_round,
+        .full = 50000,
+        .check = 300,
+        .known = "the rim of a cone's cap leaks single pixels in extreme zooms",
+    },
+    {
+        .id = "H073",
+        .name = "rooms_mixed",
+        .what = "the same where surfaces of several kinds close the room: open cylinders and cones "
+                "with sheets, planes or flat cylinders for lids",
+        .oracle = "black",
+        .run = rows_rooms_mixed,
+        .full = 50000,
+        .check = 300,
+        .known = "the rule for passing a border is known to flat primitives only: rims of open "
+                 "cylinders and of lids leak",
+    },
+    {
+        .id = "H073",
+        .name = "rooms_thin",
+        .what = "the same in boxes and prisms of 2^-1 to 2^-30 of their width",
+        .oracle = "black",
+        .run = rows_rooms_thin,
+        .full = 50000,
+        .check = 300,
+        .known = "rooms thinner than 2^-10 of their width leak at seams in extreme zooms",
+    },
+    {
+        .id = "H073",
+        .name = "horizon_walls",
+        .what =
+            "a room of six polygons in a turned group, highlights, a light along a wall, in its "
+            "plane 1e2 to 1e8 away, or 1e-14 to 1e-9 over it behind the next wall: black",
+        .oracle = "black",
+        .run = rows_horizon_walls,
+        .full = 50000,
+        .check = 1000,
+    },
+    {
+        .id = "H121",
+        .name = "horizon_disk",
+        .what =
+            "a disk light that the horizon of a floor or a sphere cuts: samples within 2^-22 of "
+            "it bring nothing and cast no ray, those below it bring kt",
+        .oracle = "closed form, 2 percent",
+        .run = rows_horizon_disk,
+        .full = 5000,
+        .check = 200,
+    },
+    {
+        .id = "H066",
+        .name = "convex_lit",
+        .what =
+            "convex solids of every kind, and ones that stand on each other without a gap, seen "
+            "from outside under one light: what faces the light by more than 2^-22 is lit as "
+            "without shadows, what does not is black",
+        .oracle = "shaded in long double",
+        .run = rows_convex_lit,
+        .full = 50000,
+        .check = 1000,
+    },
+    {
+        .id = "H066",
+        .name = "convex_horizon",
+        .what = "the same with the light within 1e-5 of the tangent plane where one looks",
+        .oracle = "shaded in long double",
+        .run = rows_convex_horizon,
+        .full = 50000,
+        .check = 1000,
+    },
+    {.id = NULL},
+};
