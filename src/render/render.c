@@ -128,6 +128,7 @@ static void add_counts(struct pen_ray_counts *sum, const struct pen_ray_counts *
     sum->reflection += counts->reflection;
     sum->transmission += counts->transmission;
     sum->dropped_samples += counts->dropped_samples;
+    sum->truncated_paths += counts->truncated_paths;
 }
 
 /* Adds up the threads' work. Returns the number of tiles done. */

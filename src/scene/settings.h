@@ -29,6 +29,17 @@ struct pen_settings {
     int threads; /* threads of the pool that may work on the render; 0: all */
 };
 
+/* The most surfaces that a pixel sample shades. Where a material both reflects and transmits, paths
+ * fork at every surface, and a tree of them may have 2^max_depth - 1 surfaces. What lies beyond the
+ * 2048th, in depth-first order, is cut off; a tree of max_depth 11 is whole. A path that does not
+ * fork is never cut, so the bound is max_depth where that is larger. */
+enum { PEN_TREE_SURFACES = 2048 };
+
+static inline int pen_tree_surfaces_max(const struct pen_settings *settings)
+{
+    return settings->max_depth > PEN_TREE_SURFACES ? settings->max_depth : PEN_TREE_SURFACES;
+}
+
 /* The defaults of api/scene-format.md. */
 struct pen_settings pen_settings_default(void);
 

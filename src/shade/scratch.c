@@ -19,8 +19,10 @@ struct pen_kernel_scratch *pen_kernel_scratch_new(const struct pen_kernel_input 
 {
     int depth = input->settings->max_depth;
     struct pen_kernel_scratch *scratch = calloc(1, sizeof *scratch);
-    if (scratch && fill(scratch, input->scene->light_count, depth > 0 ? (size_t)depth : 1))
+    if (scratch && fill(scratch, input->scene->light_count, depth > 0 ? (size_t)depth : 1)) {
+        scratch->surfaces_max = pen_tree_surfaces_max(input->settings);
         return scratch;
+    }
     pen_kernel_scratch_free(scratch);
     return NULL;
 }

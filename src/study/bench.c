@@ -41,6 +41,7 @@ static void add_stats(struct pen_render_stats *sum, const struct pen_render_stat
     sum->rays.reflection += view->rays.reflection;
     sum->rays.transmission += view->rays.transmission;
     sum->rays.dropped_samples += view->rays.dropped_samples;
+    sum->rays.truncated_paths += view->rays.truncated_paths;
     sum->tests_counted = view->tests_counted;
     sum->tests.boxes += view->tests.boxes;
     sum->tests.primitives += view->tests.primitives;

@@ -33,6 +33,33 @@ prints "warns of the view" stderr 'coarse.json: /views/0: warning: coordinates r
 exits "render of a view with enough precision" 0 "$penumbra" render scene.json --view side -o near.png --stats near.json
 expect "gives no warning" "$(cat stderr)$(jq '.precision | .resolution > 1e9 and (has("warning") | not)' near.json)" true
 
+# Paths that fork at every surface
+cat >forks.json <<'SCENE'
+{
+  "format": "penumbra-scene/1",
+  "background": [1, 1, 1],
+  "camera": {"position": [0, 0, 10], "look_at": [0, 0, 0], "fov_degrees": 25},
+  "materials": {"all": {"kr": 1, "kt": 1}},
+  "objects": [
+    {"type": "sphere", "center": [-1.05, -0.6, 0], "radius": 1, "material": "all"},
+    {"type": "sphere", "center": [1.05, -0.6, 0], "radius": 1, "material": "all"},
+    {"type": "sphere", "center": [0, 1.2, 0], "radius": 1, "material": "all"}
+  ],
+  "render": {"width": 32, "height": 32, "max_depth": 60}
+}
+SCENE
+exits "render a scene whose paths explode" 0 "$penumbra" render forks.json -o forks.pfm --stats forks-stats.json
+cut=$(jq .truncated_paths forks-stats.json)
+check "the statistics count paths cut off" [ "$cut" -gt 0 ]
+prints "and a warning says how many" stderr "forks.json: view \"main\": warning: $cut paths are cut off"
+"$penumbra" render forks.json --threads 1 --set tile=5 --set accelerator=none -o t.pfm --stats t.json 2>/dev/null
+check "the picture is the same in another way" cmp t.pfm forks.pfm
+expect "and so is the count" "$(jq .truncated_paths t.json)" "$cut"
+PENUMBRA_ISA=base "$penumbra" render forks.json -o t.pfm 2>/dev/null
+check "the picture is the same with other instructions" cmp t.pfm forks.pfm
+exits "render it with max_depth 11" 0 "$penumbra" render forks.json --set max_depth=11 -o t.pfm --stats t.json
+expect "nothing is cut off" "$(cat stderr)$(jq .truncated_paths t.json)" 0
+
 # Formats and sources
 exits "render to png" 0 "$penumbra" render scene.json -o a.png
 expect "render prints nothing" "$(cat stdout stderr)" ""

@@ -52,6 +52,7 @@ static void check_shape(const json_t *stats)
     ck_assert_uint_gt(json_array_size(json_object_get(stats, "effects")), 2);
     ck_assert(number(json_object_get(stats, "memory"), "peak_bytes") > 1 << 20);
     ck_assert(number(stats, "dropped_samples") == 0);
+    ck_assert(number(stats, "truncated_paths") == 0);
     ck_assert(number(stats, "float_resets") == 0);
     const json_t *precision = json_object_get(stats, "precision");
     ck_assert(number(precision, "resolution") > 1e9);

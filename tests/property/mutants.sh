@@ -252,6 +252,20 @@ mutant cone_box cone_boxes 20000 "the box of a cone holds its base, not its top"
 edit src/geom/cone.c 2 's/^    b = pen_box_add_point\(b, pen_along\(top, rim, -?c->top_radius\)\);$/    b = pen_box_add_point(b, pen_along(top, rim, -0.0 * c->top_radius));/'
 judge
 
+mutant tree_uncut h112_path_tree 300 "a tree of paths is cut 100 000 surfaces too late"
+edit src/shade/internal/kernel_body.h 1 's/--scratch->surfaces_left == 0/--scratch->surfaces_left == -100000/'
+judge
+
+mutant tree_order h112_path_tree 300 "the path that has waited longest continues first"
+edit src/shade/internal/kernel_body.h 1 \
+    's/^(        )path = scratch->waiting\[--waiting\];$/\1path = scratch->waiting[0]; scratch->waiting[0] = scratch->waiting[--waiting];/'
+edit src/shade/scratch.c 1 's/calloc\(depth, /calloc(depth + 8192, /'
+judge
+
+mutant tree_uncounted h112_path_tree 300 "of the paths cut off only the transmitted one is counted"
+edit src/shade/internal/kernel_body.h 1 's/\(uint64_t\)waiting \+ continues;/continues;/'
+judge
+
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'
 judge_libm

@@ -131,6 +131,10 @@ void rows_films_sets(struct pen_row_run *run);
 void rows_films_plain(struct pen_row_run *run);
 void rows_films_states(struct pen_row_run *run);
 
+/* rows_paths.c */
+void rows_path_tree(struct pen_row_run *run);
+void rows_tree_ways(struct pen_row_run *run);
+
 /* rows_planes.c, rows_span.c */
 void rows_planes(struct pen_row_run *run);
 void rows_span(struct pen_row_run *run);

@@ -82,5 +82,27 @@ const struct row row_table_light[] = {
         .full = 4000,
         .check = 40,
     },
+    {
+        .id = "H112",
+        .name = "h112_path_tree",
+        .what = "paths that fork at 2 to 12 parallel sheets, to depths of 1 to 3000: the pixel and "
+                "its rays are those of the tree in depth-first order, cut after 2048 surfaces or "
+                "max_depth, and paths cut off are counted",
+        .oracle = "a recursion over the numbers of the sheets, bit for bit",
+        .run = rows_path_tree,
+        .full = 50000,
+        .check = 1500,
+    },
+    {
+        .id = "H112",
+        .name = "h112_tree_ways",
+        .what = "balls that reflect and transmit, to depths of 20 to 60, with 1, 2 and 8 threads, "
+                "tiles of 1, 2 and 32, baseline and AVX2, three accelerators, and in two parts: "
+                "the same film and the same counts, whether trees are cut or not",
+        .oracle = "itself, bit for bit",
+        .run = rows_tree_ways,
+        .full = 1000,
+        .check = 12,
+    },
     {.id = NULL},
 };

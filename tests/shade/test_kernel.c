@@ -118,6 +118,32 @@ START_TEST(test_kernel__every_kernel_gives_the_same_bits)
 }
 END_TEST
 
+/* Trees of paths that are cut, with and without lights, and next to them a long path that is not.
+ */
+START_TEST(test_kernel__every_kernel_cuts_the_same_paths)
+{
+    for (int i = 0; i < 4; i++) {
+        struct pen_material m = kit_matte(i & 1 ? 0.5 : 0);
+        struct pen_ray_counts rays;
+        kit_init(&kit);
+        kit.settings.width = kit.settings.height = 3;
+        kit.settings.min_contribution = 0;
+        kit.settings.max_depth = i & 2 ? 3000 : 40;
+        kit.desc.background = pen_vec3(0.1, 0.2, 0.3);
+        kit_plane(&kit, pen_vec3(0, 0, -3), pen_vec3(0, 0, 1), kit_material(&kit, m));
+        m.kr = pen_vec3(1, 1, 1);
+        kit_plane(&kit, pen_vec3(0, 0, -2), pen_vec3(0.1, 0, 1), kit_material(&kit, m));
+        kit_plane(&kit, pen_vec3(0, 0, 20), pen_vec3(0, 0.1, 1), kit_material(&kit, m));
+        m.kt = pen_vec3(1, 1, 1);
+        kit_sphere(&kit, pen_vec3(0, 0, 0), 0.5, kit_material(&kit, m));
+        kit_point(&kit, pen_vec3(3, 4, 20), pen_vec3(1, 1, 1))->shadows = i & 1;
+        ck_assert_int_gt(compare_kernels(), 1);
+        kit_pixel(&kit, 1, 1, &rays);
+        ck_assert_uint_gt(rays.truncated_paths, 0);
+    }
+}
+END_TEST
+
 START_TEST(test_kernel__select_takes_the_smallest)
 {
     for (int isa = PEN_ISA_BASE; isa < PEN_ISA_COUNT; isa++)
@@ -424,8 +450,8 @@ START_TEST(test_kernel__h088_nothing_goes_on_from_a_point_that_is_none)
 END_TEST
 
 PEN_SUITE("kernel", test_kernel__every_kernel_gives_the_same_bits,
-          test_kernel__select_takes_the_smallest, test_kernel__names_stay_as_statistics_show_them,
-          test_kernel__effects_follow_the_scene,
+          test_kernel__every_kernel_cuts_the_same_paths, test_kernel__select_takes_the_smallest,
+          test_kernel__names_stay_as_statistics_show_them, test_kernel__effects_follow_the_scene,
           test_kernel__effects_need_a_primitive_that_shows_them,
           test_kernel__samples_are_the_sets_of_the_pixel, test_kernel__one_sample_is_the_centre,
           test_kernel__samples_beyond_the_film_are_left_out,

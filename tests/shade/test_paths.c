@@ -193,7 +193,7 @@ START_TEST(test_paths__deep_trees_fit)
 {
     kit_init(&kit);
     kit.settings.min_contribution = 0;
-    kit.settings.max_depth = 12;
+    kit.settings.max_depth = 11;
     int m = add_material(none, pen_vec3(1, 1, 1), pen_vec3(1, 1, 1));
     for (int i = 0; i < 30; i++)
         kit_plane(&kit, pen_vec3(0, 0, -i), pen_vec3(0, 0, 1), m);
@@ -201,8 +201,63 @@ START_TEST(test_paths__deep_trees_fit)
         kit_plane(&kit, pen_vec3(0, 0, 11 + i), pen_vec3(0, 0, 1), m);
     struct pen_ray_counts rays;
     kit_pixel(&kit, 0, 0, &rays);
-    ck_assert_uint_eq(rays.reflection, (1 << 11) - 1); /* a full binary tree of depth 12 */
-    ck_assert_uint_eq(rays.transmission, (1 << 11) - 1);
+    ck_assert_uint_eq(rays.reflection, (1 << 10) - 1); /* a full binary tree of depth 11 */
+    ck_assert_uint_eq(rays.transmission, (1 << 10) - 1);
+    ck_assert_uint_eq(rays.truncated_paths, 0);
+    kit.settings.max_depth = 12;
+    kit_pixel(&kit, 0, 0, &rays);
+    ck_assert_uint_eq(1 + rays.reflection + rays.transmission, 1 << 11);
+    /* The stack holds a path for each depth at most, and the last surface adds none at depth 12. */
+    ck_assert_uint_gt(rays.truncated_paths, 0);
+    ck_assert_uint_le(rays.truncated_paths, 12);
+}
+END_TEST
+
+/* Three balls in each other that reflect and transmit all light: without a bound, a pixel takes
+ * seconds at depth 28, and for ever at depth 60. */
+START_TEST(test_paths__exploding_trees_are_cut)
+{
+    enum { SIDE = 12 };
+    static const int depths[] = {28, 60, 1000};
+    for (size_t i = 0; i < sizeof depths / sizeof depths[0]; i++) {
+        kit_init(&kit);
+        kit.settings.min_contribution = 0;
+        kit.settings.max_depth = depths[i];
+        kit.settings.width = kit.settings.height = SIDE;
+        kit.view.camera.fov_degrees = 30;
+        int m = add_material(none, pen_vec3(1, 1, 1), pen_vec3(1, 1, 1));
+        kit_sphere(&kit, pen_vec3(-1.05, -0.6, 0), 2, m);
+        kit_sphere(&kit, pen_vec3(1.05, -0.6, 0), 2, m);
+        kit_sphere(&kit, pen_vec3(0, 1.2, 0), 2, m);
+        uint64_t cut = 0;
+        for (int pixel = 0; pixel < SIDE * SIDE; pixel++) {
+            struct pen_ray_counts rays;
+            kit_pixel(&kit, pixel % SIDE, pixel / SIDE, &rays);
+            /* Each surface is the end of one ray, and up to two start there. */
+            ck_assert_uint_le(rays.reflection + rays.transmission, 2 * PEN_TREE_SURFACES);
+            cut += rays.truncated_paths;
+        }
+        ck_assert_uint_gt(cut, SIDE * SIDE);
+    }
+}
+END_TEST
+
+/* A path that does not fork has as many surfaces as max_depth allows, even in a scene where others
+ * fork. */
+START_TEST(test_paths__single_paths_are_never_cut)
+{
+    kit_init(&kit);
+    kit.settings.min_contribution = 0;
+    kit.settings.max_depth = 3 * PEN_TREE_SURFACES;
+    int mirror = add_material(none, none, pen_vec3(1, 1, 1));
+    kit_plane(&kit, pen_vec3(0, 0, -2), pen_vec3(0, 0, 1), mirror);
+    kit_plane(&kit, pen_vec3(0, 0, 20), pen_vec3(0, 0, 1), mirror);
+    kit_sphere(&kit, pen_vec3(9, 9, 9), 1,
+               add_material(none, pen_vec3(1, 1, 1), pen_vec3(1, 1, 1)));
+    struct pen_ray_counts rays;
+    kit_pixel(&kit, 0, 0, &rays);
+    ck_assert_uint_eq(rays.reflection, 3 * PEN_TREE_SURFACES - 1);
+    ck_assert_uint_eq(rays.truncated_paths, 0);
 }
 END_TEST
 
@@ -315,6 +370,7 @@ PEN_SUITE("paths", test_paths__h112_mirror_pair, test_paths__mirror_direction,
           test_paths__end_below_min_contribution, test_paths__end_at_weight_zero,
           test_paths__background_through_glass, test_paths__h114_coincident_glass_in_document_order,
           test_paths__h110_glass_keeps_the_ray, test_paths__tree_of_both_kinds,
-          test_paths__deep_trees_fit, test_paths__ambient_is_for_primary_rays,
+          test_paths__deep_trees_fit, test_paths__exploding_trees_are_cut,
+          test_paths__single_paths_are_never_cut, test_paths__ambient_is_for_primary_rays,
           test_paths__lights_at_every_surface, test_paths__depth_one_is_direct_light_only,
           test_paths__h113_furnace, test_paths__h115_camera_in_glass)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* `penumbra render`: renders a scene to a picture in this process, without a daemon. The reader,
  * the renderer and the encoders are those of the daemon's worker, so the bytes are the same. */
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -175,6 +176,18 @@ static bool render_view(struct render *r, struct pen_status *st)
     return ok;
 }
 
+/* Says that a part of the picture is missing. */
+static void warn_truncated(const struct render *r)
+{
+    if (r->stats.rays.truncated_paths)
+        fprintf(stderr,
+                "penumbra: %s: view \"%s\": warning: %" PRIu64
+                " paths are cut off, because their pixel samples have %d surfaces; lower max_depth "
+                "or raise min_contribution\n",
+                r->input.source.label, r->scene->views[r->view].name, r->stats.rays.truncated_paths,
+                pen_tree_surfaces_max(&r->input.desc.settings));
+}
+
 static bool write_picture(struct render *r, struct pen_status *st)
 {
     int64_t start = pen_clock_ns();
@@ -244,6 +257,7 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
     if (!render_view(r, st) || (v->output && !write_picture(r, st)))
         return false;
     r->total_ms = ms_since(start_ns);
+    warn_truncated(r);
     if (v->stats && !write_stats(r, st))
         return false;
     if (v->json)

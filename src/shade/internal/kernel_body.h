@@ -6,7 +6,9 @@
  * The tree of paths under a camera ray is traversed without recursion. At a surface the reflected
  * path is put on a stack and the transmitted path goes on; when a path ends, the path on top of the
  * stack continues. A path puts at most one other on the stack for each surface it shades, and paths
- * on top are deeper than those below, so max_depth entries are enough.
+ * on top are deeper than those below, so max_depth entries are enough. Where paths fork, the tree
+ * grows as 2^max_depth, so it is cut after a number of surfaces: pen_tree_surfaces_max. Kernels
+ * without both kinds of secondary rays do not count, since their one path is shorter.
  *
  * All kernels sum in this order, so that all give the same bits: the surfaces of a pixel sample in
  * the order of the traversal; at each surface emission, ambient, then the lights in document order,
@@ -53,6 +55,16 @@ static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input
     return sum;
 }
 
+/* Counts the paths that the end of the tree cuts off: those on the stack, all reflected, and the
+ * transmitted one that would go on. They have been counted as rays, and are not traced. */
+static ALWAYS_INLINE void count_truncated(struct pen_ray_counts *counts, int waiting,
+                                          bool continues)
+{
+    counts->reflection -= (uint64_t)waiting;
+    counts->transmission -= continues;
+    counts->truncated_paths += (uint64_t)waiting + continues;
+}
+
 /* The radiance that arrives along a camera ray. */
 static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
@@ -62,6 +74,9 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     const struct pen_scene *scene = input->scene;
     struct pen_vec3 sum = {0, 0, 0};
     struct path path = {*camera_ray, pen_origin_none, pen_after_start, {1, 1, 1}, 0, 1};
+    const bool forks = (fx & PEN_FX_MIRROR) && (fx & PEN_FX_TRANSMISSION);
+    if (forks)
+        scratch->surfaces_left = scratch->surfaces_max;
     for (int waiting = 0;;) {
         const struct pen_t_interval interval = {path.after, INFINITY};
         struct pen_hit hit;
@@ -84,6 +99,10 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             }
             continues = (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, fx);
             counts->transmission += continues;
+            if (forks && --scratch->surfaces_left == 0) {
+                count_truncated(counts, waiting, continues);
+                waiting = continues = 0;
+            }
         }
         if (continues)
             continue;

@@ -22,6 +22,8 @@ struct pen_kernel_scratch {
     struct pen_shadow_packet packet;
     uint32_t *last_occluder;   /* by light */
     struct path *waiting;      /* the stack; max_depth entries: see kernel_body.h */
+    int surfaces_max;          /* of a pixel sample: pen_tree_surfaces_max */
+    int surfaces_left;         /* of these, how many may still be shaded */
     struct pen_sample_key key; /* of the samples on lights; `light` is set for each light */
 };
 
