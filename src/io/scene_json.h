@@ -29,7 +29,8 @@ struct pen_limits {
     uint64_t objects;
     uint64_t pixels_per_view;
     uint32_t views;
-    double work; /* primary and shadow rays, all views together, at most */
+    double work;         /* rays of all views together; see pen_limits_check */
+    int timeout_seconds; /* of a job */
 };
 
 struct pen_limits pen_limits_default(void);
@@ -59,13 +60,15 @@ bool pen_settings_read(const json_t *render, const char *at, struct pen_settings
 bool pen_settings_set(struct pen_settings *settings, const char *assignment, struct pen_status *st);
 
 /* Checks the limits that depend on the settings and on the number of views to render: pixels per
- * view, and work. The status gets `at`, a JSON Pointer, as its place. Fails: PEN_TOO_LARGE. */
+ * view, and work. Work is the rays of pen_work_per_pixel; where paths fork (pen_desc_forks), times
+ * the most surfaces that a pixel sample shades, min(2^max_depth - 1, pen_tree_surfaces_max). The
+ * status gets `at`, a JSON Pointer, as its place. Fails: PEN_TOO_LARGE. */
 bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_desc *desc,
                       const struct pen_settings *settings, uint32_t views, const char *at,
                       struct pen_status *st);
 
-/* An upper bound of the primary and shadow rays of one pixel, from the counts of samples and
- * lights alone. */
+/* An upper bound of the primary rays of one pixel and of the shadow rays from what these hit, from
+ * the counts of samples and lights alone. */
 double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_settings *settings);
 
 /* Adds warnings about a valid scene: T-junctions (scene/tjunction.h), named materials that no

@@ -237,7 +237,8 @@ struct pen_bench pen_bench_of_spec(const struct pen_bench_spec *spec)
                               .warmup = spec->warmup};
 }
 
-/* Primary and shadow rays of all runs: those that are timed, and one more, which counts tests. */
+/* Primary and shadow rays of all runs: those that are timed, and one more, which counts tests. That
+ * paths may fork is not counted again: pen_limits_check holds each run to the limit on its own. */
 static double work_of(const struct pen_bench_spec *spec, const struct pen_scene_desc *desc,
                       int views)
 {

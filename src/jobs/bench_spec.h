@@ -27,8 +27,9 @@ bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
                          struct pen_bench_spec *spec, struct pen_errors *errors);
 void pen_bench_spec_release(struct pen_bench_spec *spec);
 
-/* Checks the work of all runs together, as pen_limits_check does for one render, and the size of
- * the pictures that are kept for comparison. Fails: PEN_TOO_LARGE, at /matrix. */
+/* Checks each run by pen_limits_check, the rays of all runs together without those of forking
+ * paths, and the size of the pictures that are kept for comparison. Fails: PEN_TOO_LARGE, at
+ * /matrix. */
 bool pen_bench_spec_check(const struct pen_bench_spec *spec, const struct pen_limits *limits,
                           const struct pen_scene_desc *desc, int views, struct pen_status *st);
 

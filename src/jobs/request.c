@@ -11,6 +11,9 @@
 
 static const char builtin_prefix[] = "builtin:";
 
+/* The timeout of a job that asks for none, a day: no job holds a worker for ever. */
+enum { TIMEOUT_S = 24 * 60 * 60 };
+
 static void fail_unknown_scene(const char *name, struct pen_errors *errors)
 {
     const char *near = pen_builtin_nearest(name);
@@ -183,7 +186,9 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
                       struct pen_request *out, struct pen_errors *errors)
 {
     struct pen_status st;
-    *out = (struct pen_request){.kind = "render", .max_attempts = 3};
+    int timeout_s = limits->timeout_seconds;
+    *out = (struct pen_request){.kind = "render", .max_attempts = 3, .timeout_max_s = timeout_s};
+    out->timeout_ms = (int64_t)1000 * (timeout_s < TIMEOUT_S ? timeout_s : TIMEOUT_S);
     bool parsed = pen_document_parse(in->body, in->bytes, in->xml, limits, &out->document, &st);
     out->body = parsed ? out->document.json : NULL;
     out->arena = out->body ? pen_arena_new(0) : NULL;

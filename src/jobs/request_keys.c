@@ -14,7 +14,7 @@ const char *const pen_job_kinds[] = {"render", benchmark, "accuracy", "effects",
 const char *const pen_job_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
 enum { LAYER_COUNT = (int)(sizeof pen_job_layers / sizeof pen_job_layers[0]) - 1 };
 
-enum { TIMEOUT_MAX_S = 1000000000, POSITION_BYTES = 24 };
+enum { POSITION_BYTES = 24 };
 
 typedef void key_fn(struct pen_request *request, const json_t *value, struct pen_errors *errors);
 
@@ -158,10 +158,10 @@ static void read_timeout(struct pen_request *request, const json_t *value,
                          struct pen_errors *errors)
 {
     double seconds = json_number_value(value);
-    if (!json_is_number(value) || !(seconds > 0) || seconds > TIMEOUT_MAX_S)
+    if (!json_is_number(value) || !(seconds > 0) || seconds > request->timeout_max_s)
         pen_request_fail(errors, PEN_INVALID, "", "timeout_seconds",
-                         "must be a number above 0, at most %d, found %s", (int)TIMEOUT_MAX_S,
-                         pen_found(value).text);
+                         "must be a number above 0, at most %d, which this daemon allows, found %s",
+                         request->timeout_max_s, pen_found(value).text);
     else
         request->timeout_ms = (int64_t)ceil(seconds * 1000);
 }

@@ -28,21 +28,16 @@ static json_t *views_json(const struct pen_request *request)
     return pen_json_all(list, (size_t)request->view_count);
 }
 
-static json_t *timeout_json(const struct pen_request *request)
-{
-    return request->timeout_ms ? json_real((double)request->timeout_ms / 1000) : json_null();
-}
-
 /* The job as accepted: the client's keys with all defaults filled in, without the scene. */
 static json_t *common_json(const struct pen_request *request)
 {
     json_t *name = request->name ? json_copy((json_t *)(uintptr_t)request->name) : json_null();
     json_t *labels =
         request->labels ? json_deep_copy((json_t *)(uintptr_t)request->labels) : json_object();
-    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:o, s:o, s:[s], s:o, s:o}", "kind", request->kind,
+    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:[s], s:o, s:o}", "kind", request->kind,
                      "name", name, "labels", labels, "priority", request->priority, "max_attempts",
-                     request->max_attempts, "timeout_seconds", timeout_json(request), "views",
-                     views_json(request), "layers", "beauty", "render",
+                     request->max_attempts, "timeout_seconds", (double)request->timeout_ms / 1000,
+                     "views", views_json(request), "layers", "beauty", "render",
                      pen_settings_json(&request->settings), "effects",
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }

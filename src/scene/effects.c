@@ -38,6 +38,7 @@ struct survey {
     bool ambient_light, lights; /* lights: one with intensity > 0 */
     unsigned shadows;           /* the kinds of shadows that such lights cast */
     bool see_through;           /* a primitive has kt > 0 */
+    bool forks;                 /* a primitive has kt > 0 and kr > 0 */
     unsigned effects;
 };
 
@@ -60,6 +61,7 @@ static void add_material(struct survey *survey, const struct pen_material *m)
     if (color_is_lit(m->kd) || color_is_lit(m->ks))
         survey->effects |= survey->shadows;
     survey->see_through = survey->see_through || color_is_lit(m->kt);
+    survey->forks = survey->forks || (color_is_lit(m->kt) && color_is_lit(m->kr));
 }
 
 /* All effects found. Light through see-through primitives matters only where there are shadows. */
@@ -114,6 +116,13 @@ unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_se
     }
     survey_objects(&survey, desc, desc->objects, desc->object_count);
     return with_settings(survey_end(&survey), settings);
+}
+
+bool pen_desc_forks(const struct pen_scene_desc *desc)
+{
+    struct survey survey = {0};
+    survey_objects(&survey, desc, desc->objects, desc->object_count);
+    return survey.forks;
 }
 
 unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_settings *settings)

@@ -106,4 +106,7 @@ unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_setti
 /* The same for a description: equal to pen_scene_effects of the scene frozen from it. */
 unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings);
 
+/* Whether paths fork: some primitive's material both reflects and transmits. */
+bool pen_desc_forks(const struct pen_scene_desc *desc);
+
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/buf.h"
+#include "io/builtin.h"
 #include "io/scene_json.h"
 #include "support/suite.h"
 
@@ -78,6 +79,80 @@ START_TEST(test_limits__pixels_and_work_are_refused_just_above_their_limits)
     ck_assert_int_eq(st.code, PEN_TOO_LARGE);
     settings.width = settings.height = 2147483647;
     ck_assert(!pen_limits_check(&limits, &desc, &settings, 1, "", &st));
+}
+END_TEST
+
+/* A scene with a sphere in a group, whose material has these factors, and 10^9 pixel samples. */
+static bool check_forks(double kr, double kt, int max_depth, uint32_t views, struct pen_status *st)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_material materials[] = {pen_material_default(), pen_material_default()};
+    struct pen_object_desc ball = {.kind = PEN_OBJECT_SPHERE, .material = 1};
+    struct pen_object_desc group = {.kind = PEN_OBJECT_GROUP,
+                                    .u.group = {.count = 1, .objects = &ball}};
+    struct pen_view_desc view;
+    struct pen_scene_desc desc = scene_with(NULL, 0, &view);
+    struct pen_settings settings = pen_settings_default();
+    materials[0].kr = materials[0].kt = pen_vec3(1, 1, 1); /* no object has it */
+    materials[1].kr.x = kr;
+    materials[1].kt.y = kt;
+    desc.materials = materials;
+    desc.material_count = 2;
+    desc.objects = &group;
+    desc.object_count = 1;
+    settings.width = settings.height = 1000;
+    settings.samples_per_pixel = 1000;
+    settings.max_depth = max_depth;
+    return pen_limits_check(&limits, &desc, &settings, views, "/render", st);
+}
+
+START_TEST(test_limits__work_counts_the_surfaces_of_paths_that_fork)
+{
+    struct pen_status st;
+    ck_assert(check_forks(1, 0, 65536, 64, &st));
+    ck_assert(check_forks(0, 1, 65536, 64, &st));
+    ck_assert(check_forks(0.5, 0.5, 11, 4, &st)); /* 2047 of them, then 2048 */
+    ck_assert(!check_forks(0.5, 0.5, 11, 5, &st));
+    ck_assert(check_forks(0.5, 0.5, 60, 4, &st));
+    ck_assert(check_forks(0.5, 0.5, 10000, 1, &st)); /* a path may have as many as max_depth */
+    ck_assert(!check_forks(0.5, 0.5, 10001, 1, &st));
+    ck_assert_str_eq(st.msg,
+                     "the views take up to 1e+13 rays, at most 1e+13 are allowed: a material has "
+                     "both kr and kt, so that paths fork, and 1e+09 primary and shadow rays become "
+                     "10001 times as many with max_depth 10001; lower it to 10000, or take fewer "
+                     "pixels or samples");
+    ck_assert(!check_forks(0.5, 0.5, 60, 5, &st));
+    ck_assert_int_eq(st.code, PEN_TOO_LARGE);
+    ck_assert_str_eq(st.at, "/render");
+    ck_assert_ptr_nonnull(strstr(st.msg, "2048 times as many with max_depth 60; lower it to 10,"));
+    ck_assert(check_forks(0.5, 0.5, 10, 5, &st));
+}
+END_TEST
+
+/* No picture of a built-in scene is refused because its paths may fork: at its own size, at four
+ * times the width and height, and with 16 samples per pixel. */
+START_TEST(test_limits__builtin_scenes_fit)
+{
+    struct pen_limits limits = pen_limits_default();
+    for (size_t i = 0; i < pen_builtin_count(); i++) {
+        size_t bytes;
+        const char *text = pen_builtin_text(i, &bytes);
+        struct pen_arena *arena = pen_arena_new(0);
+        struct pen_scene_desc desc;
+        struct pen_errors errors = {0};
+        struct pen_status st;
+        ck_assert(pen_scene_load(text, bytes, &limits, arena, &desc, &errors));
+        for (int variant = 0; variant < 3; variant++) {
+            struct pen_settings settings = desc.settings;
+            if (variant == 1)
+                settings.width *= 4, settings.height *= 4;
+            if (variant == 2)
+                settings.samples_per_pixel = 16;
+            ck_assert_msg(pen_limits_check(&limits, &desc, &settings, desc.view_count, "", &st),
+                          "%s: %s", pen_builtin_name(i), st.msg);
+        }
+        pen_arena_free(arena);
+    }
 }
 END_TEST
 
@@ -159,6 +234,7 @@ END_TEST
 PEN_SUITE("io/limits", test_limits__work_counts_shadow_rays_of_every_light,
           test_limits__work_takes_the_largest_sample_count_in_use,
           test_limits__pixels_and_work_are_refused_just_above_their_limits,
+          test_limits__work_counts_the_surfaces_of_paths_that_fork, test_limits__builtin_scenes_fit,
           test_limits__objects_are_counted_with_their_groups,
           test_limits__a_million_objects_are_read,
           test_limits__the_defaults_are_those_of_the_format)

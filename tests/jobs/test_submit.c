@@ -154,6 +154,87 @@ START_TEST(test_submit__errors_of_job_and_scene_are_collected)
 }
 END_TEST
 
+/* Opens another handle, with this limit on timeouts, and submits the body there. */
+static bool submit_with_limit(int timeout_seconds, const char *body, struct pen_errors *errors)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_submitted out;
+    struct pen_submission in = {.body = body, .bytes = strlen(body)};
+    struct pen_status st;
+    limits.timeout_seconds = timeout_seconds;
+    struct pen_jobs *jobs = pen_jobs_open(bed.bed.url, &limits, &st);
+    store_must(jobs != NULL, &st, "open");
+    *errors = (struct pen_errors){0};
+    bool ok = pen_jobs_submit(jobs, &in, &out, errors);
+    if (ok)
+        memcpy(id, out.id, sizeof id);
+    pen_buf_release(&out.answer);
+    pen_jobs_close(jobs);
+    return ok;
+}
+
+static void check_timeout(double seconds)
+{
+    json_t *job = jobs_get(&bed, id);
+    ck_assert_double_eq(json_number_value(json_object_get(job, "timeout_seconds")), seconds);
+    json_decref(job);
+}
+
+START_TEST(test_submit__timeouts_are_those_that_the_operator_allows)
+{
+    struct pen_errors errors;
+    char body[8192];
+    jobs_bed_open(&bed);
+    ck_assert(submit_with_limit(60, jobs_scene(""), &errors));
+    check_timeout(60); /* a bare scene */
+    snprintf(body, sizeof body, "{\"scene\": %s}", jobs_scene(""));
+    ck_assert(submit_with_limit(60, body, &errors));
+    check_timeout(60);
+    ck_assert(submit_with_limit(100000, body, &errors));
+    check_timeout(86400);
+    snprintf(body, sizeof body, "{\"timeout_seconds\": 60, \"scene\": %s}", jobs_scene(""));
+    ck_assert(submit_with_limit(60, body, &errors));
+    check_timeout(60);
+    snprintf(body, sizeof body, "{\"timeout_seconds\": 60.5, \"scene\": %s}", jobs_scene(""));
+    ck_assert(!submit_with_limit(60, body, &errors));
+    ck_assert_int_eq(errors.item[0].code, PEN_INVALID);
+    ck_assert_str_eq(errors.item[0].at, "/timeout_seconds");
+    ck_assert_str_eq(errors.item[0].msg, "must be a number above 0, at most 60, which this daemon "
+                                         "allows, found 60.5");
+    ck_assert(submit_with_limit(61, body, &errors));
+    check_timeout(60.5);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* Rays that take no time without forking paths, and too much with them. */
+START_TEST(test_submit__exploding_paths_count_as_work)
+{
+    static const char scene[] =
+        "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9], \"look_at\":"
+        " [0, 0, 0]}, \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1,"
+        " \"material\": {\"kr\": %d, \"kt\": 1}}]}";
+    struct pen_submitted out;
+    struct pen_errors errors;
+    char text[400], body[800];
+    jobs_bed_open(&bed);
+    for (int kr = 0; kr < 2; kr++) {
+        snprintf(text, sizeof text, scene, kr);
+        snprintf(body, sizeof body,
+                 "{\"render\": {\"width\": 2500, \"height\": 2000, \"samples_per_pixel\":"
+                 " 1000, \"max_depth\": 60}, \"scene\": %s}",
+                 text);
+        ck_assert(submit(body, NULL, &out, &errors) == (kr == 0));
+        if (kr == 0)
+            pen_buf_release(&out.answer);
+    }
+    ck_assert_int_eq(errors.item[0].code, PEN_TOO_LARGE);
+    ck_assert_str_eq(errors.item[0].at, "/render");
+    ck_assert_ptr_nonnull(strstr(errors.item[0].msg, "lower it to 10,"));
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_submit__too_many_bytes_and_labels_are_refused)
 {
     struct pen_submitted out;
@@ -252,7 +333,7 @@ START_TEST(test_submit__bare_scene_is_a_job_with_defaults)
     ck_assert(number_of(job, "max_attempts") == 3);
     ck_assert(number_of(job, "attempts") == 0);
     ck_assert(number_of(job, "revision") == 1);
-    ck_assert(json_is_null(json_object_get(job, "timeout_seconds")));
+    ck_assert(number_of(job, "timeout_seconds") == 86400);
     ck_assert(json_is_null(json_object_get(job, "started_at")));
     ck_assert(json_is_null(json_object_get(job, "finished_at")));
     ck_assert(json_is_null(json_object_get(job, "error")));
@@ -506,6 +587,8 @@ END_TEST
 PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__errors_of_job_and_scene_are_collected,
           test_submit__too_many_bytes_and_labels_are_refused,
+          test_submit__timeouts_are_those_that_the_operator_allows,
+          test_submit__exploding_paths_count_as_work,
           test_submit__xml_is_a_bare_scene_and_is_returned_as_sent,
           test_submit__xml_errors_have_lines, test_submit__bare_scene_is_a_job_with_defaults,
           test_submit__job_keys_are_kept_and_render_overrides_the_scene,

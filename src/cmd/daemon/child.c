@@ -48,7 +48,7 @@ static void close_fd(int *fd)
 struct arguments {
     int count;
     char *list[ARGUMENTS_MAX + 1];
-    char threads[16], listen[16], control[16], memory[16], trace[16], dead_trace[16];
+    char threads[16], listen[16], control[16], memory[16], timeout[16], trace[16], dead_trace[16];
 };
 
 static void add(struct arguments *arguments, const char *option, const char *value)
@@ -90,6 +90,7 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     snprintf(arguments->threads, sizeof arguments->threads, "%d", config->threads);
     snprintf(arguments->control, sizeof arguments->control, "%d", control_fd);
     snprintf(arguments->listen, sizeof arguments->listen, "%d", listen_fd);
+    snprintf(arguments->timeout, sizeof arguments->timeout, "%d", config->max_timeout);
     add(arguments, "--role", child->role);
     add(arguments, "--store", config->store);
     add(arguments, "--threads", arguments->threads);
@@ -101,6 +102,8 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
         add(arguments, "--internal-listen-fd", arguments->listen);
     if (is_worker(child))
         add_worker(arguments, child, config);
+    else
+        add(arguments, "--max-timeout", arguments->timeout);
     arguments->list[arguments->count] = NULL;
 }
 

@@ -57,6 +57,14 @@ static const struct pen_option options[] = {
      .env = "PENUMBRA_MEMORY_LIMIT",
      .help = "memory the worker may take, in MiB; 0, the default, is three quarters of the "
              "machine's. A job that needs more fails; a scene may take half of it"},
+    {.name = "max-timeout",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, max_timeout),
+     .value = "SECONDS",
+     .max = 1000000000,
+     .env = "PENUMBRA_MAX_TIMEOUT",
+     .help = "the largest timeout_seconds that a job may have; a job without one gets a day, or "
+             "this if it is less. 0, the default, allows any up to 1000000000"},
     {.name = "tokens",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, tokens),

@@ -15,6 +15,7 @@
 struct pen_config {
     const char *listen, *store, *role, *tokens, *file, *log_file, *log_format, *log_level;
     int threads, memory_limit; /* memory_limit: MiB; 0: three quarters of the machine's */
+    int max_timeout;           /* of a job, seconds; 0: as pen_limits_default */
     /* Set by a supervisor for its children only. Such a process reads neither environment nor file:
      * its command line has the whole configuration. */
     int listen_fd, control_fd;   /* -1: none */

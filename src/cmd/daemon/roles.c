@@ -114,6 +114,8 @@ int pen_role_api(const struct pen_config *config, int listen_fd)
         return fail(&st);
     struct pen_http_options options = {
         .listen_fd = listen_fd, .store_url = config->store, .limits = pen_limits_default()};
+    if (config->max_timeout)
+        options.limits.timeout_seconds = config->max_timeout;
     struct pen_http *http = pen_http_start(&options, &st);
     if (!http) {
         pen_event_source_close(&events);

@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "scene/scene.h"
+
 struct pen_limits pen_limits_default(void)
 {
     return (struct pen_limits){.body_bytes = (size_t)16 << 20,
@@ -12,7 +14,8 @@ struct pen_limits pen_limits_default(void)
                                .objects = 1000000,
                                .pixels_per_view = 64000000,
                                .views = 64,
-                               .work = 1e13};
+                               .work = 1e13,
+                               .timeout_seconds = 1000000000};
 }
 
 /* The most shadow rays to one light per shaded point. */
@@ -41,21 +44,58 @@ double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_se
     return samples * (1 + shadows);
 }
 
+/* The most surfaces that a pixel sample shades where paths fork. */
+static double tree_surfaces(const struct pen_settings *settings)
+{
+    int most = pen_tree_surfaces_max(settings), tree = 1;
+    for (int depth = 1; depth < settings->max_depth && tree < most; depth++)
+        tree = 2 * tree + 1;
+    return tree < most ? tree : most;
+}
+
+/* The largest max_depth with which such samples shade at most so many surfaces. */
+static int depth_for(double surfaces)
+{
+    int depth = 1;
+    if (surfaces >= PEN_TREE_SURFACES)
+        return (int)surfaces;
+    for (double tree = 3; tree <= surfaces; tree = 2 * tree + 1)
+        depth++;
+    return depth;
+}
+
+/* Fails because paths fork. `rays` are those without forks, which are not too many. */
+static bool fail_forks(const struct pen_limits *limits, const struct pen_settings *settings,
+                       double rays, const char *at, struct pen_status *st)
+{
+    double surfaces = tree_surfaces(settings);
+    return pen_fail_at(
+        st, PEN_TOO_LARGE, at,
+        "the views take up to %.3g rays, at most %.3g are allowed: a material has both kr and "
+        "kt, so that paths fork, and %.3g primary and shadow rays become %.0f times "
+        "as many with max_depth %d; lower it to %d, or take fewer pixels or samples",
+        rays * surfaces, limits->work, rays, surfaces, settings->max_depth,
+        depth_for(limits->work / rays));
+}
+
 bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_desc *desc,
                       const struct pen_settings *settings, uint32_t views, const char *at,
                       struct pen_status *st)
 {
     double pixels = (double)settings->width * settings->height;
-    double work = views * pixels * pen_work_per_pixel(desc, settings);
+    double rays = views * pixels * pen_work_per_pixel(desc, settings);
     if (pixels > (double)limits->pixels_per_view)
         return pen_fail_at(
             st, PEN_TOO_LARGE, at, "%d x %d are %.0f pixels in a view, at most %llu are allowed",
             settings->width, settings->height, pixels, (unsigned long long)limits->pixels_per_view);
-    if (work > limits->work)
+    if (rays > limits->work)
         return pen_fail_at(st, PEN_TOO_LARGE, at,
                            "%u view%s of %d x %d pixels with these samples and lights take up to "
                            "%.3g primary and shadow rays, at most %.3g are allowed",
-                           views, views == 1 ? "" : "s", settings->width, settings->height, work,
+                           views, views == 1 ? "" : "s", settings->width, settings->height, rays,
                            limits->work);
+    /* Only then are the objects looked at, of which there may be a million. */
+    if (rays * tree_surfaces(settings) > limits->work && pen_desc_forks(desc))
+        return fail_forks(limits, settings, rays, at, st);
     return true;
 }

@@ -1,0 +1,66 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# No job holds a worker for ever: paths that fork at every surface are cut off, and every job has a
+# timeout, which the operator bounds.
+. "$(dirname "$0")/lib.sh"
+unset PENUMBRA_MAX_TIMEOUT
+daemon_start --max-timeout 600
+
+# Three balls in each other that reflect and transmit all light, to depth 60; then another job.
+ball='"radius": 2, "material": {"kr": 1, "kt": 1}'
+forks='{"format": "penumbra-scene/1", "background": [1, 1, 1],
+ "camera": {"position": [0, 0, 10], "look_at": [0, 0, 0]},
+ "lights": [{"type": "point", "position": [9, 9, 9], "intensity": [1, 1, 1]}],
+ "objects": [{"type": "sphere", "center": [-1, -0.6, 0], '$ball'},
+  {"type": "sphere", "center": [1, -0.6, 0], '$ball'}, {"type": "sphere", "center": [0, 1.2, 0], '$ball'}]}'
+render='{"width": 40, "height": 40, "max_depth": 60, "min_contribution": 0, "tile": 8}'
+submit "{\"scene\": $forks, \"render\": $render}"
+expect exploding-job-is-accepted "$status" 202
+expect its-timeout-is-the-operators "$(body .timeout_seconds)" 600
+exploding=$job
+submit "$small"
+call "$job?wait=60"
+expect the-next-job-succeeds "$(body .state)" succeeded
+call "$exploding?wait=60"
+expect exploding-job-succeeds "$(body .state)" succeeded
+call "$exploding/stats"
+cut=$(body .truncated_paths)
+expect its-paths-are-cut-off "$([ "${cut:-0}" -gt 1000 ] && echo yes)" yes
+echo "$forks" >"$work/forks.json"
+"$build/penumbra" render "$work/forks.json" --set width=40 --set height=40 --set max_depth=60 --set min_contribution=0 \
+    --threads 1 -o "$work/forks.png" --stats "$work/stats.json" 2>"$work/warning"
+expect the-same-paths-without-a-daemon "$(jq .truncated_paths "$work/stats.json")" "$cut"
+expect_match they-are-told "$(cat "$work/warning")" "*warning: $cut paths are cut off*"
+call "$exploding/image"
+expect the-same-picture "$(cmp "$work/body" "$work/forks.png" && echo same)" same
+
+# With more pixel samples it would be too much work, which a submit counts.
+submit "{\"scene\": $forks, \"render\": {\"width\": 2000, \"height\": 2000, \"samples_per_pixel\": 1000, \"max_depth\": 60}}"
+expect_problem too-much-work 413 '*kr and kt*max_depth 60; lower it to 10,*'
+expect its-place "$(body '.errors[0].pointer // .pointer')" /render
+submit "{\"scene\": $forks, \"render\": {\"width\": 2000, \"height\": 2000, \"samples_per_pixel\": 1000, \"max_depth\": 10}}"
+expect the-remedy-helps "$status" 202
+call "$job/cancel" -X POST
+
+# Timeouts
+submit '{"scene": "builtin:spheres", "timeout_seconds": 601}'
+expect_problem timeout-above-the-maximum 422 '*at most 600, which this daemon allows, found 601*'
+submit '{"scene": "builtin:spheres", "render": {"width": 64, "height": 48}, "timeout_seconds": 600}'
+expect timeout-at-the-maximum "$status" 202
+daemon_stop
+daemon_start
+submit "$small"
+expect timeout-is-a-day-by-default "$(body .timeout_seconds)" 86400
+daemon_stop
+export PENUMBRA_MAX_TIMEOUT=5000
+daemon_start
+submit "$small"
+expect maximum-from-the-environment "$(body .timeout_seconds)" 5000
+daemon_stop
+unset PENUMBRA_MAX_TIMEOUT
+echo '{"max_timeout": 30}' >"$work/config.json"
+daemon_start --config "$work/config.json"
+submit "$small"
+expect maximum-from-the-file "$(body .timeout_seconds)" 30
+
+finish
