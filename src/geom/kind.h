@@ -92,7 +92,8 @@ enum pen_length { PEN_RADIUS, PEN_TOP_RADIUS, PEN_HEIGHT, PEN_LENGTHS };
 /* What a primitive is made from. Each kind reads its own numbers and ignores the rest. */
 struct pen_prim_source {
     struct pen_vec3 point;     /* centre; a point of a plane or of an axis; the base's middle */
-    struct pen_vec3 direction; /* normal or axis, any length but zero */
+    struct pen_vec3 direction; /* normal or axis, any length but zero; of a triangle or polygon: the
+                                * normal if its vertices are on one line; zero: that is refused */
     double length[PEN_LENGTHS];
     bool caps;
     uint32_t count; /* of vertices */

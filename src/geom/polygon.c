@@ -5,6 +5,7 @@
 #include "geom/internal/double_double.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
+#include "math/exact_sum.h"
 
 /* Newell's normal, relative to the first vertex. */
 static struct pen_vec3 newell(const struct pen_vec3 *v, uint32_t count)
@@ -42,7 +43,9 @@ static void classify_outline(struct pen_polygon *p)
     p->scale = p->extent + most / (8 * PEN_U);
 }
 
-bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count)
+/* `otherwise` is the normal if the area is zero; zero: it must not be. */
+static bool make_with(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count,
+                      struct pen_vec3 otherwise)
 {
     if (count < 3)
         return false;
@@ -54,18 +57,29 @@ bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
     struct pen_box b = pen_box_of_points(v, count);
     p->extent = pen_largest3(pen_sub(b.hi, b.lo));
     struct pen_vec3 n = newell(v, count);
-    /* Below these, the sum may be nothing but its own rounding, and products may vanish. */
-    double least = 0x1p-90 * count * p->extent * p->extent;
-    if (!is_finite3(n) || !(pen_largest3(n) > least && pen_largest3(n) > 0x1p-900))
+    if (!is_finite3(n))
+        return false;
+    /* The error of n is a few 2^-104 of this area: below this it would show. */
+    double least = 0x1p-40 * count * p->extent * p->extent;
+    if (!(pen_largest3(n) > least))
+        n = pen_exact_normal(v, count);
+    if (pen_largest3(n) == 0)
+        n = otherwise;
+    if (pen_largest3(n) == 0)
         return false;
     p->n = pen_unit_of(n);
     classify_outline(p);
     return true;
 }
 
+bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count)
+{
+    return make_with(p, v, count, pen_vec3(0, 0, 0));
+}
+
 static bool make(void *self, const struct pen_prim_source *from)
 {
-    return pen_polygon_make(self, from->vertices, from->count);
+    return make_with(self, from->vertices, from->count, from->direction);
 }
 
 static void intersect_line(const void *self, const struct pen_ray *ray,

@@ -19,8 +19,9 @@ struct pen_polygon {
 };
 
 /* Fails: returns false if a coordinate is not finite, or not 0 and below PEN_LEAST, there are fewer
- * than three vertices, or the sum of signed areas is zero or below 2^-900. The scene's reader has
- * checked that the outline is simple and flat. Owns: borrows v. */
+ * than three vertices, the product of two edges overflows, or the sum of signed areas is zero,
+ * decided exactly. The scene's reader has checked that the outline is simple and flat. Owns:
+ * borrows v. */
 bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count);
 
 /* One end of the segment of y = 0 that contains the ray: x = s / h, depth z = w / h. */

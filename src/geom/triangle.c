@@ -5,6 +5,7 @@
 #include "geom/internal/double_double.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
+#include "math/exact_sum.h"
 
 /* The extents along x, y, z of the edge from p to q: the same after mirroring or moving the
  * triangle. */
@@ -61,23 +62,35 @@ static int first_corner(const struct pen_vec3 v[3])
     return first < 0 ? 0 : first; /* three equal points */
 }
 
-bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
-                       struct pen_vec3 c)
+/* `otherwise` is the normal if the vertices are on one line; zero: they must not be. */
+static bool make_with(struct pen_triangle *tri, const struct pen_vec3 v[3],
+                      struct pen_vec3 otherwise)
 {
-    if (!is_vertex(a) || !is_vertex(b) || !is_vertex(c))
+    if (!is_vertex(v[0]) || !is_vertex(v[1]) || !is_vertex(v[2]))
         return false;
-    const struct pen_vec3 v[3] = {a, b, c};
     int first = first_corner(v);
     *tri = (struct pen_triangle){.v = {v[first], v[(first + 1) % 3], v[(first + 2) % 3]}};
     struct dd3 e = dd_sub3(tri->v[1], tri->v[0]), f = dd_sub3(tri->v[2], tri->v[0]);
     struct pen_vec3 n = dd_round3(dd_cross(e, f));
-    /* Below these, the cross product may be nothing but its own rounding, and products of
-     * coordinates across a ray may vanish. */
-    double least = 0x1p-90 * pen_largest3(dd_round3(e)) * pen_largest3(dd_round3(f));
-    if (!is_finite3(n) || !(pen_largest3(n) > least && pen_largest3(n) > 0x1p-900))
+    if (!is_finite3(n))
+        return false;
+    /* The error of n is a few 2^-104 of the product of the edges: below this it would show. */
+    double least = 0x1p-40 * pen_largest3(dd_round3(e)) * pen_largest3(dd_round3(f));
+    if (!(pen_largest3(n) > least))
+        n = pen_exact_normal(tri->v, 3);
+    if (pen_largest3(n) == 0)
+        n = otherwise;
+    if (pen_largest3(n) == 0)
         return false;
     tri->n = pen_unit_of(n);
     return true;
+}
+
+bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
+                       struct pen_vec3 c)
+{
+    const struct pen_vec3 v[3] = {a, b, c};
+    return make_with(tri, v, pen_vec3(0, 0, 0));
 }
 
 /* The largest distance between two vertices along an axis. */
@@ -105,8 +118,7 @@ void pen_triangle_refine(const struct pen_triangle *tri, const struct pen_ray *r
 
 static bool make(void *self, const struct pen_prim_source *from)
 {
-    const struct pen_vec3 *v = from->vertices;
-    return from->count == 3 && pen_triangle_make(self, v[0], v[1], v[2]);
+    return from->count == 3 && make_with(self, from->vertices, from->direction);
 }
 
 static void intersect_line(const void *self, const struct pen_ray *ray,

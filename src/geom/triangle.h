@@ -22,8 +22,9 @@ struct pen_triangle {
     struct pen_vec3 n;    /* unit */
 };
 
-/* Fails: returns false if a coordinate is not finite, or not 0 and below PEN_LEAST, or if the area
- * is zero, decided exactly, or below 2^-900. */
+/* n is within 2 ulp of the exact normal, however narrow the triangle. Fails: returns false if a
+ * coordinate is not finite, or not 0 and below PEN_LEAST, if the product of two edges overflows, or
+ * if the vertices are on one line, decided exactly. */
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
                        struct pen_vec3 c);
 

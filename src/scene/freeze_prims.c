@@ -2,6 +2,7 @@
 /* The typed arrays of a frozen scene: one per kind, filled in document order, in local
  * coordinates, and beside them what kernels read of each primitive: its material, and whether light
  * passes through it. */
+#include "math/frame.h"
 #include "scene/internal/freeze.h"
 
 /* The arrays while they are filled; the scene sees them as constant afterwards. */
@@ -49,6 +50,23 @@ static const struct pen_vec3 *local_vertices(const struct pen_freezer *f, struct
     return v;
 }
 
+/* Makes a triangle or polygon whose vertices rounding has put on one line, most often where a group
+ * moves a needle. It stays a primitive, whose normal is any vector across that line: its area is
+ * zero, and a ray meets it only within the rounding of its vertices. */
+static bool make_without_area(const struct pen_kind *kind, struct pen_prim_source *from, void *prim)
+{
+    struct pen_vec3 longest = {0, 0, 0};
+    for (uint32_t i = 1; i < from->count; i++) {
+        struct pen_vec3 edge = pen_sub(from->vertices[i], from->vertices[0]);
+        if (vec_max_abs(edge) > vec_max_abs(longest))
+            longest = edge;
+    }
+    if (!(vec_max_abs(longest) > 0 && isfinite(vec_max_abs(longest))))
+        return false;
+    from->direction = pen_across(vec_normalize(longest)).u;
+    return kind->fn->make(prim, from);
+}
+
 /* Makes primitive number `index` of its kind. Returns false if its numbers are beyond the range of
  * the kind. */
 static bool fill_shape(struct pen_freezer *f, struct filler *a,
@@ -62,8 +80,10 @@ static bool fill_shape(struct pen_freezer *f, struct filler *a,
         from.length[i] = pen_local_length(&f->frame, from.length[i]);
     a->passed = passed;
     from.vertices = local_vertices(f, a, scene_prim);
+    void *prim = (char *)a->array[scene_prim->kind] + index * kind->bytes;
     return pen_freeze_in_range(from.point) &&
-           kind->fn->make((char *)a->array[scene_prim->kind] + index * kind->bytes, &from);
+           (kind->fn->make(prim, &from) ||
+            (pen_prim_outlined(scene_prim->kind) && make_without_area(kind, &from, prim)));
 }
 
 static bool fill_primitive(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,

@@ -13,6 +13,7 @@
 
 #include "math/box.h"
 #include "math/exact.h"
+#include "math/exact_sum.h"
 #include "math/scale.h"
 #include "scene/desc.h"
 #include "scene/internal/orient2d.h"
@@ -70,21 +71,38 @@ static struct pen_vec3 arm(const struct loop *loop, uint32_t i)
     return vec_scale2_down(pen_sub(loop->points[i], loop->points[0]), exponent);
 }
 
+/* The normal of a loop so narrow that the rounding of arms may hide its width: the sum over the
+ * edges or, where that is zero because the loop meets itself, the normal of the first triangle that
+ * has one. Exact; zero if all vertices are on one line. */
+static struct pen_vec3 narrow_normal(const struct loop *loop, uint32_t far)
+{
+    struct pen_vec3 normal = pen_exact_normal(loop->points, loop->count);
+    for (uint32_t i = 1; i < loop->count && vec_max_abs(normal) == 0; i++) {
+        const struct pen_vec3 v[3] = {loop->points[0], loop->points[far], loop->points[i]};
+        normal = pen_exact_normal(v, 3);
+    }
+    return normal;
+}
+
 /* The normal of the largest triangle; zero if all vertices are on one line. */
 static struct pen_vec3 largest_normal(const struct loop *loop)
 {
     struct pen_vec3 base = {0, 0, 0}, normal = {0, 0, 0};
+    uint32_t far = 0;
     for (uint32_t i = 1; i < loop->count; i++) {
         struct pen_vec3 a = arm(loop, i);
-        if (vec_max_abs(a) > vec_max_abs(base))
+        if (vec_max_abs(a) > vec_max_abs(base)) {
             base = a;
+            far = i;
+        }
     }
     for (uint32_t i = 1; i < loop->count; i++) {
         struct pen_vec3 n = pen_cross(base, arm(loop, i));
         if (vec_max_abs(n) > vec_max_abs(normal))
             normal = n;
     }
-    return normal;
+    const double least = 0x1p-40 * vec_max_abs(base) * vec_max_abs(base);
+    return vec_max_abs(normal) > least ? normal : narrow_normal(loop, far);
 }
 
 /* The normal of the first three vertices, in document order, that are not on one line. The error

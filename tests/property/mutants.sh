@@ -225,6 +225,10 @@ mutant corner_order h078_mirrored_triangle 20000 "a triangle's corners stay in t
 edit src/geom/triangle.c 1 's/^    int first = first_corner\(v\);$/    int first = 0 * first_corner(v);/'
 judge
 
+mutant rounded_normal h043_needle_thin 20000 "normals of needles stay as double-double gives them"
+edit src/geom/triangle.c 1 's/^        n = pen_exact_normal\(tri->v, 3\);$/        (void)0;/'
+judge
+
 mutant axis_order h079_permuted 100000 "sums for spheres are taken in the order of the axes' names"
 edit src/geom/sphere.h 1 \
     's/^    struct pen_vec3 o = ray->permuted_o, d = ray->permuted_d, c = .*$/    struct pen_vec3 o = ray->o, d = ray->d, c = s->c;/'

@@ -121,6 +121,10 @@ bool oracle_slab(struct pen_vec3 lo, struct pen_vec3 hi, struct oracle_ray ray, 
  * as seen from p, -1 behind, 0 in the plane. */
 int oracle_above(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c, struct pen_vec3 p);
 
+/* The unit normal of three points, or of four in one plane, each component within 4u of the exact
+ * one; false if they have no area, exactly. */
+bool oracle_normal(const struct pen_vec3 *v, int count, struct pen_vec3 *n);
+
 /* Whether the three lie on one line, exactly. */
 bool oracle_collinear(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c);
 

@@ -235,6 +235,32 @@ bool oracle_collinear(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c)
     return sign_of(&n.c[0]) == 0 && sign_of(&n.c[1]) == 0 && sign_of(&n.c[2]) == 0;
 }
 
+static double value_of(const struct expansion *e, double scale)
+{
+    double sum = 0;
+    for (int i = 0; i < e->count; i++)
+        sum += e->part[i] * scale;
+    return sum;
+}
+
+bool oracle_normal(const struct pen_vec3 *v, int count, struct pen_vec3 *n)
+{
+    struct expansion3 e, f, area;
+    difference3(&e, v[count == 4 ? 2 : 1], v[0]);
+    difference3(&f, v[count == 4 ? 3 : 2], v[count == 4 ? 1 : 0]);
+    cross(&area, &e, &f);
+    double largest = 0;
+    for (int i = 0; i < 3; i++)
+        largest = fmax(largest, fabs(value_of(&area.c[i], 1)));
+    if (largest == 0)
+        return false;
+    double scale = ldexp(1, -ilogb(largest));
+    *n = pen_vec3(value_of(&area.c[0], scale), value_of(&area.c[1], scale),
+                  value_of(&area.c[2], scale));
+    *n = pen_scale(*n, 1 / pen_length(*n));
+    return true;
+}
+
 int oracle_above(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c, struct pen_vec3 p)
 {
     struct expansion3 e, f, g;

@@ -100,6 +100,9 @@ void rows_picture_cornell(struct pen_row_run *run);
 void rows_picture_mirrored(struct pen_row_run *run);
 void rows_pose(struct pen_row_run *run);
 
+/* rows_needle.c */
+void rows_thin(struct pen_row_run *run);
+
 /* rows_contact.c, rows_light.c */
 void rows_contact(struct pen_row_run *run);
 void rows_resting(struct pen_row_run *run);

@@ -53,6 +53,15 @@ const struct row row_table_flat[] = {
         .run = rows_needle_grazed,
     },
     {
+        .id = "H043",
+        .name = "h043_needle_thin",
+        .what =
+            "triangles and quadrilaterals of aspect 1e-10 to 1e-60: made if their exact area is "
+            "not 0, the normal within 16 u, hit or miss right along an axis, else outside BE(8)",
+        .oracle = "exact area, normal and winding by expansions",
+        .run = rows_thin,
+    },
+    {
         .id = "H044",
         .name = "h044_needle_fan",
         .what = "1000 triangles of apex angle 1e-7 that share a vertex: a ray at the vertex or a "

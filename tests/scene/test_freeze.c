@@ -193,6 +193,33 @@ START_TEST(test_freeze__refuses_what_doubles_cannot_hold)
 }
 END_TEST
 
+/* A needle keeps its normal; one whose width is lost where a group moves it stays a primitive, with
+ * a normal across it. What is moved to a single point is refused. */
+START_TEST(test_freeze__needles)
+{
+    const vec3 quad[] = {{0, 0, 0}, {.5, -1e-40, 0}, {1, 0, 0}, {.5, 1e-40, 0}};
+    const struct pen_transform move = turn(1, 0, pen_vec3(3, 3, 0));
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(7, 3, 1), .1, -1);
+    kit_triangle(&kit, pen_vec3(0, 0, 0), pen_vec3(1, 0, 0), pen_vec3(.5, 1e-40, 0), -1);
+    kit_polygon(&kit, quad, 4, -1);
+    kit_triangle(&kit, pen_vec3(0, 0, 0), pen_vec3(1, 0, 0), pen_vec3(.5, 1e-40, 0), -1);
+    kit_polygon(&kit, quad, 4, -1);
+    kit_group(&kit, 3, &move);
+    struct pen_scene *scene = kit_freeze(&kit);
+    const struct pen_prims *prims = &scene->prims;
+    ck_assert(prims->triangle[0].n.z == 1 && prims->polygon[0].n.z == 1);
+    ck_assert(prims->triangle[1].n.x == 0 && fabs(pen_length(prims->triangle[1].n) - 1) < 1e-15);
+    ck_assert(prims->polygon[1].n.x == 0 && fabs(pen_length(prims->polygon[1].n) - 1) < 1e-15);
+    pen_scene_free(scene);
+    kit_init(&kit);
+    kit_sphere(&kit, pen_vec3(7, 3, 1), .1, -1);
+    kit_triangle(&kit, pen_vec3(0, 0, 0), pen_vec3(1e-40, 0, 0), pen_vec3(0, 1e-40, 0), -1);
+    kit_group(&kit, 1, &move);
+    assert_freeze_fails(PEN_INVALID, "/objects/1/objects/0", "too small");
+}
+END_TEST
+
 START_TEST(test_freeze__deep_groups)
 {
     enum { DEPTH = 200000 };
@@ -483,10 +510,10 @@ PEN_SUITE("freeze", test_freeze__primitives_are_numbered_depth_first,
           test_freeze__quadrics_under_similarities, test_freeze__mirrors_keep_the_outside,
           test_freeze__refuses_stretched_quadrics,
           test_freeze__a_stretch_that_is_undone_is_accepted,
-          test_freeze__refuses_what_doubles_cannot_hold, test_freeze__deep_groups,
-          test_freeze__materials_and_lights, test_freeze__local_frame_is_about_one,
-          test_freeze__local_frame_moves_along, test_freeze__scenes_without_finite_primitives,
-          test_freeze__memory_cap_is_an_error, test_freeze__every_allocation_may_fail,
-          test_freeze__groups_are_the_structure_of_manual,
+          test_freeze__refuses_what_doubles_cannot_hold, test_freeze__needles,
+          test_freeze__deep_groups, test_freeze__materials_and_lights,
+          test_freeze__local_frame_is_about_one, test_freeze__local_frame_moves_along,
+          test_freeze__scenes_without_finite_primitives, test_freeze__memory_cap_is_an_error,
+          test_freeze__every_allocation_may_fail, test_freeze__groups_are_the_structure_of_manual,
           test_freeze__manual_without_groups_is_cbr, test_freeze__groups_side_by_side,
           test_freeze__h037_intersections_of_a_small_view_plane)

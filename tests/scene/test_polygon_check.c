@@ -64,6 +64,23 @@ START_TEST(test_polygon_check__refuses_no_area)
 }
 END_TEST
 
+/* Corners on a line through the origin, and two beside it at 1e-60: the rounding of differences
+ * would hide the width, and the plane. */
+START_TEST(test_polygon_check__accepts_needles)
+{
+    const vec3 needle[] = {{-0.3, 0.1, 0.7}, {1e-60, 2e-60, 3e-60}, {0.6, -0.2, -1.4}};
+    assert_accepted(needle, 3);
+    const vec3 both[] = {
+        {-0.3, 0.1, 0.7}, {1e-60, 2e-60, 0}, {0.6, -0.2, -1.4}, {-1e-60, -2e-60, 0}};
+    assert_accepted(both, 4);
+    const vec3 dented[] = {
+        {-0.3, 0.1, 0.7}, {1e-60, 2e-60, 0}, {0.6, -0.2, -1.4}, {5e-61, 1e-60, 0}};
+    assert_accepted(dented, 4);
+    const vec3 bow[] = {{-0.3, 0.1, 0.7}, {0.6, -0.2, -1.4}, {1e-60, 0, 0}, {-1e-60, 0, 0}};
+    assert_refused(bow, 4, "/vertices/2", "meets itself");
+}
+END_TEST
+
 START_TEST(test_polygon_check__h054_planar_within_a_millionth)
 {
     vec3 quad[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 1e-9}, {0, 1, 0}};
@@ -244,7 +261,7 @@ END_TEST
 
 PEN_SUITE("polygon_check", test_polygon_check__accepts_simple_outlines,
           test_polygon_check__refuses_too_few_and_repeated, test_polygon_check__refuses_no_area,
-          test_polygon_check__h054_planar_within_a_millionth,
+          test_polygon_check__accepts_needles, test_polygon_check__h054_planar_within_a_millionth,
           test_polygon_check__h053_refuses_crossings_and_touches,
           test_polygon_check__one_ulp_decides, test_polygon_check__sides_are_exact,
           test_polygon_check__tiny_far_from_the_origin, test_polygon_check__agrees_with_all_pairs,

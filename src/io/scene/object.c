@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 #include "math/exact.h"
-#include "math/scale.h"
+#include "math/exact_sum.h"
 
 /* Kinds of the format that this version does not support. */
 enum { KIND_UNSUPPORTED = -1 };
@@ -117,27 +117,20 @@ static double largest(struct pen_vec3 v)
     return most > z ? most : z;
 }
 
-/* The two sides at v[0] are scaled first, so that products neither over- nor underflow. `hidden` is
- * the sine below which the rounding of the sides may hide that they are parallel. */
+/* The two sides at v[0] are scaled first, so that products neither over- nor underflow. Below
+ * `least`, the sine of the angle between them, their rounding might hide that they are parallel,
+ * and the area is decided exactly. */
 bool pen_points_have_area(const struct pen_vec3 v[3])
 {
-    const double hidden = 0x1p-49;
+    const double least = 0x1p-40;
     struct pen_vec3 a = pen_sub(v[1], v[0]), b = pen_sub(v[2], v[0]);
     double la = largest(a), lb = largest(b);
     if (la == 0 || lb == 0)
         return false;
     a = pen_vec3(a.x / la, a.y / la, a.z / la);
     b = pen_vec3(b.x / lb, b.y / lb, b.z / lb);
-    return pen_length(pen_cross(a, b)) > hidden * pen_length(a) * pen_length(b);
-}
-
-struct pen_vec3 pen_points_normal(const struct pen_vec3 v[3])
-{
-    struct pen_vec3 a = pen_sub(v[1], v[0]), b = pen_sub(v[2], v[0]);
-    int ea = pen_exponent(largest(a)), eb = pen_exponent(largest(b));
-    a = pen_vec3(pen_scale2(a.x, -ea), pen_scale2(a.y, -ea), pen_scale2(a.z, -ea));
-    b = pen_vec3(pen_scale2(b.x, -eb), pen_scale2(b.y, -eb), pen_scale2(b.z, -eb));
-    return pen_cross(a, b);
+    return pen_length(pen_cross(a, b)) > least * pen_length(a) * pen_length(b) ||
+           largest(pen_exact_normal(v, 3)) > 0;
 }
 
 static bool check_loop(struct pen_reader *r, const struct pen_place *at, bool triangle,

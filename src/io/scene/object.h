@@ -31,11 +31,7 @@ bool pen_transform_chain_add(struct pen_reader *r, const struct pen_place *at,
 bool pen_transform_chain_check_quadric(struct pen_reader *r, const struct pen_place *at,
                                        const char *what, const struct pen_transform_chain *chain);
 
-/* Whether three points are not on one line, within the rounding of their differences. */
+/* Whether three points are not on one line, decided exactly. */
 bool pen_points_have_area(const struct pen_vec3 v[3]);
-
-/* The normal of three such points, on the side from which they run counter-clockwise. Its length is
- * not 1, but in the range of doubles whatever the size of the triangle. */
-struct pen_vec3 pen_points_normal(const struct pen_vec3 v[3]);
 
 #endif

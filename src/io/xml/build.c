@@ -11,6 +11,7 @@
 #include "io/json/memory.h"
 #include "io/scene/object.h"
 #include "io/xml/values.h"
+#include "math/exact_sum.h"
 
 /* The memory of containers, as estimated by io/json/memory.h. */
 enum {
@@ -209,7 +210,7 @@ static void finish_plane(struct pen_xml_builder *b, const struct pen_xml_frame *
     if (!pen_xml_reserve(b, member_bytes("point") + member_bytes("normal") + 2 * NUMBERS))
         return;
     json_t *point = ok ? vector(p[0]) : json_null();
-    json_t *normal = ok ? vector(pen_points_normal(p)) : json_null();
+    json_t *normal = ok ? vector(pen_exact_normal(p, 3)) : json_null();
     pen_xml_require(b, json_object_set_new(frame->object, "point", point) == 0);
     pen_xml_require(b, json_object_set_new(frame->object, "normal", normal) == 0);
     json_object_del(frame->object, "corners");
