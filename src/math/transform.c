@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Affine maps. They are built and applied while a scene is loaded, never per ray, so every sum of
- * products here is compensated. Before products of three entries are formed, each column of the
- * linear part is divided by a power of two near its size (which is exact), so that no scale of
- * scene over- or underflows. */
+ * products here is compensated, and sums of products of three entries are exact: whether a map can
+ * be inverted, and whether it mirrors, has no tolerance and no range. */
 #include "math/transform.h"
 
 #include <stdint.h>
 #include <string.h>
 
 #include "math/exact.h"
+#include "math/exact_sum.h"
 #include "math/fn.h"
 
 /* 2^e for -1022 <= e <= 1023. */
@@ -45,28 +45,6 @@ static struct pen_vec3 column(const struct pen_transform *f, int j)
 static struct pen_vec3 row(const struct pen_transform *f, int i)
 {
     return pen_vec3(f->m[i][0], f->m[i][1], f->m[i][2]);
-}
-
-/* The linear part as columns near unit size times powers of two. */
-struct columns {
-    struct pen_vec3 c[3];
-    int exponent[3];
-};
-
-static struct columns columns_of(const struct pen_transform *f)
-{
-    struct columns cols;
-    for (int j = 0; j < 3; j++) {
-        struct pen_vec3 c = column(f, j);
-        cols.exponent[j] = vector_exponent(c);
-        cols.c[j] = pen_scale(c, power_of_two(-cols.exponent[j]));
-    }
-    return cols;
-}
-
-static double columns_det(const struct columns *cols)
-{
-    return pen_dot2(cols->c[0], pen_cross(cols->c[1], cols->c[2]));
 }
 
 static bool all_finite(const struct pen_transform *f)
@@ -159,42 +137,44 @@ struct pen_vec3 pen_transform_vector(const struct pen_transform *f, struct pen_v
     return pen_vec3(pen_dot2(row(f, 0), v), pen_dot2(row(f, 1), v), pen_dot2(row(f, 2), v));
 }
 
-/* The inverse transpose of N is its cofactor matrix over det N, and with M = N E, E the powers of
- * two taken out of the columns, that of M is that of N times the inverse of E. */
-struct pen_vec3 pen_transform_normal(const struct pen_transform *f, struct pen_vec3 n)
+int pen_transform_orientation(const struct pen_transform *f)
 {
-    struct columns cols = columns_of(f);
-    struct pen_vec3 cof[3];
-    for (int j = 0; j < 3; j++)
-        cof[j] = pen_cross(cols.c[(j + 1) % 3], cols.c[(j + 2) % 3]);
-    struct pen_vec3 m =
-        pen_vec3(n.x * power_of_two(-cols.exponent[0]), n.y * power_of_two(-cols.exponent[1]),
-                 n.z * power_of_two(-cols.exponent[2]));
-    m = pen_scale(m, power_of_two(-vector_exponent(m)));
-    struct pen_vec3 out = pen_vec3(pen_dot2(pen_vec3(cof[0].x, cof[1].x, cof[2].x), m),
-                                   pen_dot2(pen_vec3(cof[0].y, cof[1].y, cof[2].y), m),
-                                   pen_dot2(pen_vec3(cof[0].z, cof[1].z, cof[2].z), m));
-    return columns_det(&cols) < 0 ? pen_neg(out) : out;
+    struct pen_exact_sum det = {{0}};
+    for (int j = 0; j < 3; j++) {
+        int k = (j + 1) % 3, l = (j + 2) % 3;
+        pen_exact_add(&det, f->m[0][j], f->m[1][k], f->m[2][l]);
+        pen_exact_add(&det, f->m[0][j], f->m[1][l], -f->m[2][k]);
+    }
+    return pen_exact_sign(&det);
 }
 
-double pen_transform_det(const struct pen_transform *f)
+/* The inverse transpose is the cofactor matrix over the determinant. Of a map that nearly flattens
+ * space, sums of cofactors cancel to almost nothing, so they are exact. */
+struct pen_vec3 pen_transform_normal(const struct pen_transform *f, struct pen_vec3 n)
 {
-    struct columns cols = columns_of(f);
-    double det = columns_det(&cols);
-    for (int j = 0; j < 3; j++)
-        det *= power_of_two(cols.exponent[j]);
-    return det;
+    struct pen_exact_sum sum[3] = {{{0}}};
+    double sign = pen_transform_orientation(f) < 0 ? -1 : 1;
+    for (int i = 0; i < 3; i++) {
+        const double *y = f->m[(i + 1) % 3], *z = f->m[(i + 2) % 3];
+        for (int j = 0; j < 3; j++) {
+            int k = (j + 1) % 3, l = (j + 2) % 3;
+            double part = sign * pen_component(n, j);
+            pen_exact_add(&sum[i], part, y[k], z[l]);
+            pen_exact_add(&sum[i], part, y[l], -z[k]);
+        }
+    }
+    return pen_exact_direction(sum);
 }
 
 bool pen_transform_similarity(const struct pen_transform *f, double *scale)
 {
     if (!pen_transform_invertible(f))
         return false;
-    struct columns cols = columns_of(f);
-    int e = cols.exponent[0];
+    int e = vector_exponent(column(f, 0));
     struct pen_vec3 c[3];
     for (int j = 0; j < 3; j++) {
-        if (cols.exponent[j] < e - 1 || cols.exponent[j] > e + 1)
+        int exponent = vector_exponent(column(f, j));
+        if (exponent < e - 1 || exponent > e + 1)
             return false; /* columns of equal length differ less in their largest entries */
         c[j] = pen_scale(column(f, j), power_of_two(-e));
     }
@@ -211,11 +191,5 @@ bool pen_transform_similarity(const struct pen_transform *f, double *scale)
 
 bool pen_transform_invertible(const struct pen_transform *f)
 {
-    if (!all_finite(f))
-        return false;
-    struct columns cols = columns_of(f);
-    double lengths = 1;
-    for (int j = 0; j < 3; j++)
-        lengths *= sqrt(pen_dot2(cols.c[j], cols.c[j]));
-    return fabs(columns_det(&cols)) > 1e-12 * lengths;
+    return all_finite(f) && pen_transform_orientation(f) != 0;
 }

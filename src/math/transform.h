@@ -28,18 +28,21 @@ struct pen_vec3 pen_transform_point(const struct pen_transform *f, struct pen_ve
 struct pen_vec3 pen_transform_vector(const struct pen_transform *f, struct pen_vec3 v);
 
 /* A plane's normal: by the inverse transpose, up to a positive factor, so that the outside stays
- * the image of the outside. */
+ * the image of the outside. Each component is within 1 ulp of the exact one. */
 struct pen_vec3 pen_transform_normal(const struct pen_transform *f, struct pen_vec3 n);
 
-/* The determinant of the linear part. */
-double pen_transform_det(const struct pen_transform *f);
+/* The sign of the determinant of the linear part, exactly: -1 if the map mirrors, 0 if it flattens
+ * space. All entries are finite. */
+int pen_transform_orientation(const struct pen_transform *f);
 
 /* Whether the columns have equal lengths and vanishing dot products within 1e-6 of the squared
  * length; then *scale = cbrt |det|. */
 bool pen_transform_similarity(const struct pen_transform *f, double *scale);
 
-/* Whether the linear part can be inverted: |det| > 1e-12 times the product of the columns'
- * lengths, and all entries finite. */
+/* Whether the linear part can be inverted: its entries are finite, and its determinant is not 0,
+ * exactly. How well it can be inverted is not asked: a map that nearly flattens space moves points
+ * and normals as exactly as any other, and what it puts on one line or one point is decided where
+ * primitives are made. */
 bool pen_transform_invertible(const struct pen_transform *f);
 
 #endif

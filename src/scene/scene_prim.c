@@ -47,7 +47,7 @@ static struct pen_prim_source source_of(const struct pen_object_desc *o)
 static bool move_loop(const struct pen_transform *f, struct pen_vec3 *buffer,
                       struct pen_prim_source *p)
 {
-    bool mirrored = pen_transform_det(f) < 0, finite = true;
+    bool mirrored = pen_transform_orientation(f) < 0, finite = true;
     for (uint32_t i = 0; i < p->count; i++) {
         struct pen_vec3 v = pen_transform_point(f, p->vertices[i]);
         finite = finite && finite_vec(v);

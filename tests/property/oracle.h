@@ -125,6 +125,10 @@ int oracle_above(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c, struct
  * one; false if they have no area, exactly. */
 bool oracle_normal(const struct pen_vec3 *v, int count, struct pen_vec3 *n);
 
+/* The unit vector along the cofactor matrix of these rows times n, as oracle_normal; false if it is
+ * zero. */
+bool oracle_moved_normal(const struct pen_vec3 row[3], struct pen_vec3 n, struct pen_vec3 *out);
+
 /* Whether the three lie on one line, exactly. */
 bool oracle_collinear(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c);
 

@@ -243,22 +243,44 @@ static double value_of(const struct expansion *e, double scale)
     return sum;
 }
 
+/* The unit vector along three sums; false if they are zero. */
+static bool direction_of(const struct expansion3 *sum, struct pen_vec3 *out)
+{
+    double largest = 0;
+    for (int i = 0; i < 3; i++)
+        largest = fmax(largest, fabs(value_of(&sum->c[i], 1)));
+    if (largest == 0)
+        return false;
+    double scale = ldexp(1, -ilogb(largest));
+    *out = pen_vec3(value_of(&sum->c[0], scale), value_of(&sum->c[1], scale),
+                    value_of(&sum->c[2], scale));
+    *out = pen_scale(*out, 1 / pen_length(*out));
+    return true;
+}
+
 bool oracle_normal(const struct pen_vec3 *v, int count, struct pen_vec3 *n)
 {
     struct expansion3 e, f, area;
     difference3(&e, v[count == 4 ? 2 : 1], v[0]);
     difference3(&f, v[count == 4 ? 3 : 2], v[count == 4 ? 1 : 0]);
     cross(&area, &e, &f);
-    double largest = 0;
-    for (int i = 0; i < 3; i++)
-        largest = fmax(largest, fabs(value_of(&area.c[i], 1)));
-    if (largest == 0)
-        return false;
-    double scale = ldexp(1, -ilogb(largest));
-    *n = pen_vec3(value_of(&area.c[0], scale), value_of(&area.c[1], scale),
-                  value_of(&area.c[2], scale));
-    *n = pen_scale(*n, 1 / pen_length(*n));
-    return true;
+    return direction_of(&area, n);
+}
+
+bool oracle_moved_normal(const struct pen_vec3 row[3], struct pen_vec3 n, struct pen_vec3 *out)
+{
+    const struct pen_vec3 zero = {0, 0, 0};
+    struct expansion3 a, b, cofactors, factor, sum;
+    difference3(&factor, n, zero);
+    for (int i = 0; i < 3; i++) {
+        difference3(&a, row[(i + 1) % 3], zero);
+        difference3(&b, row[(i + 2) % 3], zero);
+        cross(&cofactors, &a, &b);
+        clear(&sum.c[i]);
+        for (int j = 0; j < 3; j++)
+            add_product(&sum.c[i], 1, &cofactors.c[j], &factor.c[j]);
+    }
+    return direction_of(&sum, out);
 }
 
 int oracle_above(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c, struct pen_vec3 p)

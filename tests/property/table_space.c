@@ -91,6 +91,14 @@ const struct row row_table_space[] = {
         .check = 100,
     },
     {
+        .id = "O1 transform",
+        .name = "o1_transform",
+        .what = "maps that flatten space or leave it by ulps: refused only if the determinant is "
+                "exactly 0, the right side outside, a plane's normal within 16 u",
+        .oracle = "exact determinant and cofactors by expansions",
+        .run = rows_map,
+    },
+    {
         .id = "H074",
         .name = "h074_scaled",
         .what =
