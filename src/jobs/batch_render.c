@@ -10,8 +10,10 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "io/figures.h"
 #include "io/stats_json.h"
+#include "jobs/internal/jobs.h"
 #include "jobs/internal/stats.h"
 #include "jobs/internal/view_pixels.h"
 
@@ -126,6 +128,15 @@ static bool find_precision(const struct pen_batch_context *context, const struct
                                precision);
 }
 
+/* Logs that samples of the batch are not in the picture; the job's statistics count them. */
+static void warn_of_dropped(const struct pen_claim *claim, const struct pen_ray_counts *rays)
+{
+    struct pen_log_about about = pen_claim_about(claim);
+    char text[PEN_MSG_BYTES];
+    if (pen_dropped_warning(rays, text, sizeof text))
+        pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
+}
+
 bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim *claim,
                       struct pen_batch_output *output, struct pen_status *st)
 {
@@ -138,6 +149,7 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
     if (!scene || !reserve_image(context, st) || !run_tiles(context, claim, scene, &stats, st))
         return false;
     output->result.pixels = claim->pixels;
+    warn_of_dropped(claim, &stats.rays);
     struct pen_stats_input in = {.parse_ms = times.parse_ms,
                                  .build_ms = times.build_ms,
                                  .render = &stats,

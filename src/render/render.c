@@ -6,6 +6,7 @@
 
 #include <fenv.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -259,5 +260,18 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
     pen_kernel_select(input.effects, pen_cpu_isa())->pixel(&input, scratch, x, y, rgb, rays);
     fesetenv(&caller);
     pen_kernel_scratch_free(scratch);
+    return true;
+}
+
+bool pen_dropped_warning(const struct pen_ray_counts *rays, char *text, size_t bytes)
+{
+    if (rays->dropped_samples == 0)
+        return false;
+    snprintf(text, bytes,
+             "%llu of %llu pixel samples are brighter than a picture can hold (3.4e38), or no "
+             "number; they are left out of their pixels, and a pixel with no other sample is "
+             "black: lower intensities, emission or ambient light, and give a light that is near a "
+             "surface an attenuation with kc > 0",
+             (unsigned long long)rays->dropped_samples, (unsigned long long)rays->primary);
     return true;
 }

@@ -75,4 +75,8 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
                       int x, int y, double rgb[3], struct pen_ray_counts *rays,
                       struct pen_status *st);
 
+/* Whether samples were dropped; then writes a warning that says how many, what became of their
+ * pixels and what to do. */
+bool pen_dropped_warning(const struct pen_ray_counts *rays, char *text, size_t bytes);
+
 #endif

@@ -13,7 +13,7 @@
 /* Numbers of rays by kind, as src/shade/README.md counts them. */
 struct pen_ray_counts {
     uint64_t primary, shadow, reflection, transmission;
-    uint64_t dropped_samples; /* non-finite pixel samples, left out of the mean; expected 0 */
+    uint64_t dropped_samples; /* not finite or beyond the film; left out of the mean; expected 0 */
     uint64_t truncated_paths; /* secondary rays that were not traced, because their pixel sample had
                                * shaded as many surfaces as it may: pen_tree_surfaces_max */
 };

@@ -60,6 +60,15 @@ check "the picture is the same with other instructions" cmp t.pfm forks.pfm
 exits "render it with max_depth 11" 0 "$penumbra" render forks.json --set max_depth=11 -o t.pfm --stats t.json
 expect "nothing is cut off" "$(cat stderr)$(jq .truncated_paths t.json)" 0
 
+# Samples that no picture can hold
+sed 's/\[0.9, 0.8, 0.7\]/[1e60, 0, 0]/' scene.json >glaring.json
+exits "render with a light of 1e60" 0 "$penumbra" render glaring.json -o glaring.png --stats glaring.stats
+prints "says that samples are dropped" stderr ' of 2623 pixel samples are brighter than a picture can hold'
+expect "as many as the statistics count" \
+    "$(sed 's/.*warning: \([0-9]*\) of .*/\1/' stderr)" "$(jq .dropped_samples glaring.stats)"
+exits "one such pixel" 0 "$penumbra" render glaring.json --pixel 30,40
+prints "says it too" stderr 'warning: 1 of 1 pixel samples are brighter'
+
 # Formats and sources
 exits "render to png" 0 "$penumbra" render scene.json -o a.png
 expect "render prints nothing" "$(cat stdout stderr)" ""

@@ -147,6 +147,15 @@ static void check_precision(struct render *r)
                 r->scene->views[r->view].name, text);
 }
 
+/* Warns of samples that the picture does not hold. */
+static void check_dropped(const struct render *r, const struct pen_ray_counts *rays)
+{
+    char text[PEN_MSG_BYTES];
+    if (pen_dropped_warning(rays, text, sizeof text))
+        fprintf(stderr, "penumbra: %s: view \"%s\": warning: %s\n", r->input.source.label,
+                r->scene->views[r->view].name, text);
+}
+
 static void tile_done(void *user, struct pen_rect rect)
 {
     struct render *r = user;
@@ -238,6 +247,7 @@ static bool show_pixel(struct render *r, struct pen_status *st)
         .x = r->pixel_x, .y = r->pixel_y, .view = r->scene->views[r->view].name};
     if (!pen_render_pixel(r->scene, r->view, s, pixel.x, pixel.y, pixel.rgb, &pixel.rays, st))
         return false;
+    check_dropped(r, &pixel.rays);
     if (r->values->json)
         pen_report_exact(pen_pixel_json(&pixel, s));
     else
@@ -254,7 +264,10 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
         return false;
     if (!v->output && !v->stats)
         return true;
-    if (!render_view(r, st) || (v->output && !write_picture(r, st)))
+    if (!render_view(r, st))
+        return false;
+    check_dropped(r, &r->stats.rays);
+    if (v->output && !write_picture(r, st))
         return false;
     r->total_ms = ms_since(start_ns);
     warn_truncated(r);
