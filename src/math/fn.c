@@ -62,7 +62,7 @@ static int32_t shifted_integer(double shifted)
     return (int32_t)(uint32_t)bits_of(shifted);
 }
 
-/* value 2^e for 1/2 < value < 4, whatever e; rounds once. */
+/* value 2^e for 1/2 < value < 4, whatever e; rounds once, and only a result that is subnormal. */
 static double scale(double value, int e)
 {
     if (e > 1000)
