@@ -93,7 +93,8 @@ struct pen_point2 pen_random2(uint64_t hash, uint32_t index)
 struct pen_point2 pen_grid2(uint64_t hash, uint32_t edge, uint32_t cell)
 {
     struct pen_point2 within = pen_random2(hash, cell);
-    return (struct pen_point2){(cell % edge + within.x) / edge, (cell / edge + within.y) / edge};
+    return (struct pen_point2){(cell % edge + within.x) / edge,
+                               (cell / edge % edge + within.y) / edge};
 }
 
 /* Sine and cosine of t pi/4, |t| <= 1, by Taylor's series: within 3 ulp, and without a reduction

@@ -25,7 +25,8 @@ enum pen_purpose {
  *    light are 0.
  *  - PEN_PURPOSE_LIGHT: the points on the disk of one light as seen from one shaded point: those of
  *    pen_sobol2 or pen_random2 from 0 on, mapped to the disk by pen_disk_of_square; or the cells
- *    of pen_grid2, row by row, those whose point is in the circle. pixel_sample is the index of the
+ *    of pen_grid2, row by row, those whose point is in the circle, of the first drawing of the
+ *    grid that has any. pixel_sample is the index of the
  *    camera ray that the path began with, node the shaded point's node, light the light's place in
  *    the document, from 0 on.
  * Nothing else may enter a key: not the tile, the thread, the accelerator, the number of samples.
@@ -61,7 +62,8 @@ struct pen_point2 pen_sobol2(uint64_t hash, uint32_t index);
 /* Independent uniform points, for comparison with the other two patterns. */
 struct pen_point2 pen_random2(uint64_t hash, uint32_t index);
 
-/* The point of one cell of edge x edge, uniform in the cell; cells count from 0, row by row. */
+/* The point of one cell of edge x edge, uniform in the cell; cells count from 0, row by row. From
+ * edge^2 on they are those of further drawings of the same grid. */
 struct pen_point2 pen_grid2(uint64_t hash, uint32_t edge, uint32_t cell);
 
 /* The concentric map from the unit square to the unit disk, which preserves areas. */

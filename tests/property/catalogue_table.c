@@ -278,7 +278,8 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              "lights are disks; there is no inside"},
     [121] = {"the penumbra of a straight edge",
              "test_soft__h121_half_plane "
-             "test_soft__h121_converges_with_the_slope_of_its_pattern",
+             "test_soft__h121_converges_with_the_slope_of_its_pattern "
+             "test_light_points__h121_means_of_the_grid",
              ROW_TESTED, NULL},
     [122] = {"the umbra of a sphere", "test_soft__h122_umbra_of_a_sphere", ROW_TESTED, NULL},
     [123] = {"a disk light along any axis",

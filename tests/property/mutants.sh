@@ -229,6 +229,14 @@ mutant rounded_normal h043_needle_thin 20000 "normals of needles stay as double-
 edit src/geom/triangle.c 1 's/^        n = pen_exact_normal\(tri->v, 3\);$/        (void)0;/'
 judge
 
+mutant nearly_flat o1_transform 20000 "a map that nearly flattens space cannot be inverted"
+edit src/math/transform.c 1 's/^    return all_finite\(f\) && pen_transform_orientation\(f\) != 0;$/    return all_finite(f) \&\& fabs(pen_dot2(column(f, 0), pen_cross(column(f, 1), column(f, 2)))) > 1e-12;/'
+judge
+
+mutant grid_centre h121_grid_points 20000 "a grid without a point in the disk has the centre"
+edit src/shade/internal/light_points.h 1 's/^    if \(p->first >= .*cells\)$/    if (cells > 0)/'
+judge
+
 mutant axis_order h079_permuted 100000 "sums for spheres are taken in the order of the axes' names"
 edit src/geom/sphere.h 1 \
     's/^    struct pen_vec3 o = ray->permuted_o, d = ray->permuted_d, c = .*$/    struct pen_vec3 o = ray->o, d = ray->d, c = s->c;/'

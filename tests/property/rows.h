@@ -100,8 +100,12 @@ void rows_picture_cornell(struct pen_row_run *run);
 void rows_picture_mirrored(struct pen_row_run *run);
 void rows_pose(struct pen_row_run *run);
 
-/* rows_needle.c */
+/* rows_needle.c, rows_transform.c */
 void rows_thin(struct pen_row_run *run);
+void rows_map(struct pen_row_run *run);
+
+/* rows_light_points.c */
+void rows_grid_points(struct pen_row_run *run);
 
 /* rows_contact.c, rows_light.c */
 void rows_contact(struct pen_row_run *run);

@@ -104,5 +104,14 @@ const struct row row_table_light[] = {
         .full = 1000,
         .check = 12,
     },
+    {
+        .id = "H121",
+        .name = "h121_grid_points",
+        .what =
+            "the points of a light by `grid`, and their number: those of the first drawing that "
+            "has any in the disk",
+        .oracle = "the definition of the cells' points",
+        .run = rows_grid_points,
+    },
     {.id = NULL},
 };

@@ -38,7 +38,8 @@ static int right_of(double h, const struct pen_sample_key *key, int *taken)
     int edge = (int)ceil(sqrt(s->light_samples)), right = 0;
     bool grid = s->light_pattern == PEN_PATTERN_GRID;
     *taken = 0;
-    for (int i = 0; i < (grid ? edge * edge : s->light_samples); i++) {
+    int drawing = grid ? edge * edge : s->light_samples;
+    for (int i = 0; i == 0 || i % drawing > 0 || *taken == 0; i++) {
         uint32_t n = (uint32_t)i;
         struct pen_point2 p;
         if (grid) {
@@ -53,10 +54,6 @@ static int right_of(double h, const struct pen_sample_key *key, int *taken)
         }
         right += p.x > h;
         ++*taken;
-    }
-    if (*taken == 0) {
-        *taken = 1;
-        right = 0 > h;
     }
     return right;
 }

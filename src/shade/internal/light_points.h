@@ -19,8 +19,15 @@ struct points {
     uint32_t samples; /* sobol, random: how many; grid: cells along an edge */
     uint32_t next;    /* sobol, random: index; grid: row */
     uint32_t column;  /* grid */
+    uint32_t first;   /* grid: the number of its first cell, larger when it is drawn again */
     bool none;        /* grid: no point so far was in the circle */
 };
+
+/* A grid of which no point is in the circle is drawn again, so that one cell gives a point that is
+ * uniform in the disk. Only grids of 1 and 2 cells along an edge can be: larger ones have a cell
+ * inside the disk. With one cell, a drawing fails with probability 1 - pi / 4, and 64 in a row with
+ * 2^-142: not one of the 2^64 hashes is expected to come to that. It would have the centre. */
+enum { POINTS_DRAWINGS = 64 };
 
 /* A group of points, as coordinates on the unit disk. */
 struct point_list {
@@ -77,7 +84,7 @@ static inline void points_cells(const struct points *p, uint32_t row, uint32_t c
                                 double4 *y)
 {
     double4 columns = {column, column + 1., column + 2., column + 3.};
-    points_random(p->hash, row * p->samples + column, x, y);
+    points_random(p->hash, p->first + row * p->samples + column, x, y);
     *x = 2 * ((columns + *x) / p->samples) - 1;
     *y = 2 * ((row + *y) / p->samples) - 1;
 }
@@ -98,9 +105,20 @@ static inline int points_add_cells(const struct points *p, uint32_t row, uint32_
     return list->count;
 }
 
-/* Fills the list with the grid's next points; where it is full, a row is continued by the next
- * call. A grid without any point in the circle has the centre. */
-static inline void points_fill_grid(struct points *p, struct point_list *list)
+/* Begins the next drawing of the grid. Returns false if there are no more. */
+static inline bool points_draw_again(struct points *p)
+{
+    uint32_t cells = p->samples * p->samples;
+    if (p->first >= (POINTS_DRAWINGS - 1) * cells)
+        return false;
+    p->first += cells;
+    p->next = p->column = 0;
+    return true;
+}
+
+/* Fills the list with the next points of this drawing of the grid; where it is full, a row is
+ * continued by the next call. */
+static inline void points_fill_drawing(struct points *p, struct point_list *list)
 {
     for (; p->next < p->samples; p->next++, p->column = 0) {
         struct points_row row = points_row(p->samples, p->next);
@@ -113,7 +131,15 @@ static inline void points_fill_grid(struct points *p, struct point_list *list)
                 p->none = false;
         }
     }
-    if (list->count == 0 && p->none) {
+}
+
+/* Fills the list with the grid's next points. */
+static inline void points_fill_grid(struct points *p, struct point_list *list)
+{
+    points_fill_drawing(p, list);
+    while (p->none && points_draw_again(p))
+        points_fill_drawing(p, list);
+    if (p->none) {
         p->none = false;
         list->a[0] = list->b[0] = 0;
         list->count = 1;
@@ -159,18 +185,29 @@ static inline uint32_t points_count_cells(const struct points *p, uint32_t row, 
     return count;
 }
 
-/* The number of all points. */
-static inline uint32_t points_count(const struct points *p)
+/* The number of points of this drawing of the grid. */
+static inline uint32_t points_count_drawing(const struct points *p)
 {
     uint32_t count = 0;
-    if (p->pattern != PEN_PATTERN_GRID)
-        return p->samples;
     for (uint32_t i = 0; i < p->samples; i++) {
         struct points_row row = points_row(p->samples, i);
         count += row.in_stop - row.in;
         count += points_count_cells(p, i, row.out, row.in);
         count += points_count_cells(p, i, row.in_stop, row.stop);
     }
+    return count;
+}
+
+/* The number of all points. */
+static inline uint32_t points_count(const struct points *points)
+{
+    struct points p = *points;
+    if (p.pattern != PEN_PATTERN_GRID)
+        return p.samples;
+    uint32_t count;
+    do
+        count = points_count_drawing(&p);
+    while (count == 0 && points_draw_again(&p));
     return count > 0 ? count : 1;
 }
 
