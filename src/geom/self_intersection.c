@@ -150,7 +150,7 @@ static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p
     return pen_dot(off, off) <= b * b;
 }
 
-/* Whether p is on a triangle or polygon with unit normal n, within b: on its border, or inside. */
+/* Whether p is on a flat primitive with unit normal n, within b: on its border, or inside. */
 static bool contains_point(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                            struct pen_vec3 p, double b)
 {
@@ -161,8 +161,9 @@ static bool contains_point(const struct pen_prims *prims, uint32_t prim, struct 
     }
     struct pen_ray normal_ray;
     struct pen_intersections c;
-    if (line.count == 0 || !(fabs(pen_dot(n, pen_sub(line.v[0], p))) <= 2 * b) ||
-        !pen_ray_make(&normal_ray, p, n))
+    if (line.count > 0 && !(fabs(pen_dot(n, pen_sub(line.v[0], p))) <= 2 * b))
+        return false;
+    if (!pen_ray_make(&normal_ray, p, n))
         return false;
     pen_prim_intersect_line(prims, prim, &normal_ray, &c);
     return c.count > 0 && fabs(c.t[0]) <= b;
@@ -259,9 +260,11 @@ bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const 
                        double t_end, double bound)
 {
     struct pen_vec3 x = pen_along(ray->o, ray->d, hit.t), p = pen_along(ray->o, ray->d, t_end);
-    double dn = pen_dot(ray->d, pen_prim_normal(prims, hit, x));
-    if (!(fabs((t_end - hit.t) * dn) <= bound + own_rounding(prims, hit.prim, p)))
+    struct pen_vec3 n = pen_prim_normal(prims, hit, x);
+    double b = bound + own_rounding(prims, hit.prim, p);
+    if (!(fabs((t_end - hit.t) * pen_dot(ray->d, n)) <= b))
         return false;
-    return pen_prim_flat(prims->ref[hit.prim].kind) ||
-           pen_prim_touches(prims, hit.prim, p, bound) >> hit.part & 1;
+    if (!pen_prim_flat(prims->ref[hit.prim].kind))
+        return pen_prim_touches(prims, hit.prim, p, bound) >> hit.part & 1;
+    return contains_point(prims, hit.prim, n, p, b);
 }

@@ -196,6 +196,7 @@ void body_make(struct body *b, enum body_kind kind, struct random *r, double thi
 {
     b->kind = kind;
     b->vertices = b->faces = 0;
+    b->poke = 0;
     if (!is_flat(b)) {
         make_round(b, r);
         return;
@@ -211,6 +212,12 @@ void body_make(struct body *b, enum body_kind kind, struct random *r, double thi
                            fmax(b->half.z, fabs(b->v[i].z)));
     }
     b->thin = .2 * fmin(b->half.z, fmin(b->half.x, b->half.y));
+}
+
+void body_overlap(struct body *b)
+{
+    b->poke = b->kind > BODY_LAST_ROUND ? .05 * b->h : 0;
+    b->over = fmax(b->over, .2);
 }
 
 /* ---- Poses ---- */
@@ -342,18 +349,20 @@ static void add_thick(const struct body *b, const struct body_pose *pose, struct
 static void add_cone(const struct body *b, const struct body_pose *pose, struct kit *kit, bool caps,
                      int material)
 {
-    vec3 base = body_place(pose, pen_vec3(0, 0, -b->h)), axis = body_turn(pose, pen_vec3(0, 0, 1));
-    double s = pose->size;
-    struct pen_object_desc *o = kit_cylinder(kit, base, axis, s * b->r, 2 * s * b->h, material);
+    double s = pose->size, slope = (b->top - b->r) / (2 * b->h), low = -b->h - b->poke;
+    double high = b->top > 0 ? b->h + b->poke : b->h, r = b->r - slope * b->poke;
+    double top = b->top > 0 ? b->top + slope * b->poke : 0;
+    vec3 base = body_place(pose, pen_vec3(0, 0, low)), axis = body_turn(pose, pen_vec3(0, 0, 1));
+    struct pen_object_desc *o = kit_cylinder(kit, base, axis, s * r, s * (high - low), material);
     o->u.cylinder.caps = caps;
     if (b->r == b->top)
         return;
     o->kind = PEN_OBJECT_CONE;
     o->u.cone.base = base;
     o->u.cone.axis = axis;
-    o->u.cone.radius = s * b->r;
-    o->u.cone.top_radius = s * b->top;
-    o->u.cone.height = 2 * s * b->h;
+    o->u.cone.radius = s * r;
+    o->u.cone.top_radius = s * top;
+    o->u.cone.height = s * (high - low);
     o->u.cone.caps = caps;
 }
 

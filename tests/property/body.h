@@ -47,6 +47,7 @@ struct body {
     vec3 half;                                                 /* of a box around it */
     double r, top, h; /* round: radius at z = -h, at z = h */
     double over;      /* how far walls reach beyond their edges, or how thick they are */
+    double poke;      /* how far open sides reach through their lids */
     double thin;      /* its least half width */
 };
 
@@ -59,6 +60,9 @@ struct body_pose {
 
 /* A body drawn at random; `thin` scales it along z. */
 void body_make(struct body *b, enum body_kind kind, struct random *r, double thin);
+
+/* Lets walls of several kinds reach through each other, where offsets round them apart. */
+void body_overlap(struct body *b);
 
 /* A pose: turned at random, about z, or not at all; the offset is in sizes. */
 struct body_pose body_pose(struct random *r, double size, double offset);

@@ -278,6 +278,15 @@ mutant tree_uncounted h112_path_tree 300 "of the paths cut off only the transmit
 edit src/shade/internal/kernel_body.h 1 's/\(uint64_t\)waiting \+ continues;/continues;/'
 judge
 
+mutant light_beside horizon_walls 1000 "a floor contains a light in its plane that is beside it"
+edit src/geom/self_intersection.c 1 \
+    's/^    return contains_point\(prims, hit\.prim, n, p, b\);$/    return true;/'
+judge
+
+mutant plane_behind rooms_same 6000 "in vectors, a polygon that contains the origin is dropped if met behind it"
+edit src/accel/internal/prim_test.h 1 's/ && !trace->reaches_origin\)\)\)$/)))/'
+judge
+
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'
 judge_libm

@@ -16,9 +16,12 @@ static float film[3 * SHOT_PIXELS];
 
 /* ---- A room of six polygons, and a light in the plane of a wall or along it ---- */
 
-enum { ALONG, FAR_IN_PLANE, BEHIND_NEXT_WALL, WAYS };
+enum { ALONG, FAR_IN_PLANE, BEHIND_NEXT_WALL, BESIDE_FLOOR, WAYS };
 
-/* Arguments: where the light is; how far the room is turned about z, in degrees; which wall; the
+/* In the plane of a wall, but beside it: rays that pass under the foot of the next wall within
+ * rounding meet that plane where the light lies in it.
+ *
+ * Arguments: where the light is; how far the room is turned about z, in degrees; which wall; the
  * light's distance; its height over the wall's plane (a sine where it is infinitely far); a spot or
  * not, a disk or not; the seed of the view. The first cases are those that were found: a room
  * turned by 32 degrees, the sun along its walls. */
@@ -28,12 +31,16 @@ static void draw_walls(struct row_draw *d, struct row_case *c)
     bool first = d->index < 4;
     int way = first ? ALONG : (int)(d->index % WAYS);
     double tilt = way == BEHIND_NEXT_WALL ? gen_power(r, -14, -9) : gen_power(r, -17, -7);
-    if (way != BEHIND_NEXT_WALL)
+    if (way == BESIDE_FLOOR)
+        tilt = -gen_power(r, -16, -14);
+    else if (way != BEHIND_NEXT_WALL)
         tilt = random_below(r, 2) ? 0 : random_below(r, 2) ? tilt : -tilt;
     row_fixed(c, way);
     row_fixed(c, first ? 32 : random_in(r, -180, 180));
     row_fixed(c, first ? (double)d->index : random_below(r, 4));
-    row_fixed(c, way == FAR_IN_PLANE ? gen_power(r, 2, 8) : random_in(r, 1.5, 4));
+    row_fixed(c, way == FAR_IN_PLANE   ? gen_power(r, 2, 8)
+                 : way == BESIDE_FLOOR ? 1 + gen_power(r, -12, -10)
+                                       : random_in(r, 1.5, 4));
     row_fixed(c, first ? 0 : tilt);
     row_fixed(c, first ? 0 : random_below(r, 4));
     row_fixed(c, (double)(random_bits(r) >> 40));
@@ -69,13 +76,14 @@ static void add_wall_light(const struct row_case *c, const struct body_pose *pos
     vec3 at = body_place(pose, p);
     struct pen_light_desc *light =
         kind & 1 ? kit_spot(&kit, at, pen_neg(at), one) : kit_point(&kit, at, one);
-    light->radius = kind & 2 ? .1 : 0;
+    light->radius = kind & 2 && way != BESIDE_FLOOR ? .1 : 0;
 }
 
 static void judge_walls(const struct row_case *c, struct row_verdict *v)
 {
     static const char *const lit[] = {"lit, light along a wall", "lit, light far in the plane",
-                                      "lit, light behind the next wall"};
+                                      "lit, light behind the next wall",
+                                      "lit, light beside the floor"};
     struct random r = {(uint64_t)c->arg[6] * 0x9e3779b97f4a7c15u + 1, 0};
     double a = c->arg[1] * pi / 180;
     struct body_pose pose = {.x = {cos(a), sin(a), 0},
@@ -92,8 +100,11 @@ static void judge_walls(const struct row_case *c, struct row_verdict *v)
     kit.settings.light_samples = 8;
     add_walls(&pose);
     add_wall_light(c, &pose);
-    vec3 eye = body_place(&pose, random_vec(&r, .9));
-    shot_look(&kit, eye, body_place(&pose, random_vec(&r, .6)), 3);
+    vec3 eye = random_vec(&r, .9), at = random_vec(&r, .6);
+    bool foot = c->arg[0] == BESIDE_FLOOR; /* of the wall across, low enough to see under it */
+    for (int i = 0; foot && i <= ((int)c->arg[2] & 3); i++)
+        at = i == 0 ? pen_vec3(-1, -.99, at.z) : pen_vec3(-at.y, at.x, at.z);
+    shot_look(&kit, body_place(&pose, eye), body_place(&pose, at), foot ? .03 : 3);
     shot_take(&kit, film);
     int count = shot_lit(film);
     row_measure(v, "lit pixels of a closed room", count, 0);

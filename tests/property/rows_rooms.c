@@ -2,6 +2,7 @@
 /* Rooms closed by surfaces of every kind, with mirrors and highlights, and lights outside that lie
  * where rounding decides: near walls, in their planes, tangent to round ones. They are black. */
 #include <math.h>
+#include <stdlib.h>
 
 #include "property/body.h"
 #include "property/gen.h"
@@ -13,7 +14,7 @@ static const double pi = 3.14159265358979323846;
 enum { SIDE = 16 };
 
 static struct kit kit;
-static float film[3 * SHOT_PIXELS];
+static float film[3 * SHOT_PIXELS], other[3 * SHOT_PIXELS];
 
 /* A case. All that is not here follows from the seed. */
 struct room {
@@ -195,13 +196,16 @@ static bool place_eye(const struct body *b, const struct body_pose *pose, struct
     return body_depth(b, *eye) > body_rounding(pose);
 }
 
-static void judge_room(const struct row_case *c, struct row_verdict *v)
+/* Makes the scene of a case; false if it is none. */
+static bool make_room(const struct row_case *c)
 {
     struct room m = read_room(c);
     struct random r = {(uint64_t)m.seed * 0x9e3779b97f4a7c15u + 73, 0};
     static struct body b;
     vec3 eye;
     body_make(&b, (enum body_kind)m.kind, &r, m.thin);
+    if (m.offset > 0)
+        body_overlap(&b);
     struct body_pose pose = body_pose(&r, m.size, m.offset);
     shot_begin(&kit);
     kit.settings.width = kit.settings.height = SIDE;
@@ -217,10 +221,18 @@ static void judge_room(const struct row_case *c, struct row_verdict *v)
     vec3 at = body_seam(&b, &r);
     if (!place_eye(&b, &pose, &r, m.near, &eye) ||
         !(pen_norm1(pen_sub(body_place(&pose, at), body_place(&pose, eye))) > 0)) {
+        return false;
+    }
+    shot_look(&kit, body_place(&pose, eye), body_place(&pose, at), m.window * m.size);
+    return true;
+}
+
+static void judge_room(const struct row_case *c, struct row_verdict *v)
+{
+    if (!make_room(c)) {
         row_skip(v);
         return;
     }
-    shot_look(&kit, body_place(&pose, eye), body_place(&pose, at), m.window * m.size);
     double rays = shot_take(&kit, film);
     row_measure(v, "lit pixels in a closed room", shot_lit(film), 0);
     row_measure(v, "shadow rays of a case", rays, -1);
@@ -287,4 +299,60 @@ static void judge_thin(const struct row_case *c, struct row_verdict *v)
 void rows_rooms_thin(struct pen_row_run *run)
 {
     row_each(run, draw_thin, judge_thin);
+}
+
+/* ---- The same bits in every way, also where everything lies within rounding ---- */
+
+static int different_pixels(void)
+{
+    int count = 0;
+    for (int i = 0; i < 3 * SHOT_PIXELS; i += 3)
+        count += film[i] != other[i] || film[i + 1] != other[i + 1] || film[i + 2] != other[i + 2];
+    return count;
+}
+
+static void draw_same(struct row_draw *d, struct row_case *c)
+{
+    struct random *r = &d->random;
+    bool crossing = random_below(r, 2); /* where walls reach beyond the edge that is looked at */
+    double thin = random_below(r, 4) ? 1 : 0x1p-8;
+    draw_any(d, c, crossing ? BODY_CROSSING : 0, crossing ? BODY_CROSSING : BODY_LAST_MIXED, thin);
+    if (random_below(r, 4))
+        c->arg[4] = gen_power(r, -14, -11);
+}
+
+static void judge_same(const struct row_case *c, struct row_verdict *v)
+{
+    static const char *const name[] = {"pixels that differ with no accelerator",
+                                       "pixels that differ with a list of boxes",
+                                       "pixels that differ with median splits"};
+    static const enum pen_accelerator kind[] = {PEN_ACCEL_NONE, PEN_ACCEL_CBR, PEN_ACCEL_MEDIAN};
+    const char *isa = getenv("PENUMBRA_ISA");
+    if (!make_room(c)) {
+        row_skip(v);
+        return;
+    }
+    kit.settings.width = kit.settings.height = SIDE / 2;
+    if ((uint64_t)c->arg[9] & 1) /* a light inside, so that pictures are not only black */
+        kit_point(&kit, pen_along(kit.view.camera.position, kit.view.camera.direction, .1),
+                  pen_vec3(1, 1, 1))
+            ->radius = (uint64_t)c->arg[9] & 2 ? .01 * c->arg[1] : 0;
+    shot_take(&kit, film);
+    for (int i = 0; i < 3; i++) {
+        kit.settings.accelerator = kind[i];
+        shot_take(&kit, other);
+        row_measure(v, name[i], different_pixels(), 0);
+    }
+    kit.settings.accelerator = PEN_ACCEL_AUTO;
+    if (isa)
+        return;
+    setenv("PENUMBRA_ISA", "base", 1);
+    shot_take(&kit, other);
+    unsetenv("PENUMBRA_ISA");
+    row_measure(v, "pixels that differ with base instructions", different_pixels(), 0);
+}
+
+void rows_rooms_same(struct pen_row_run *run)
+{
+    row_each(run, draw_same, judge_same);
 }

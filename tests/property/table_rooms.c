@@ -27,7 +27,8 @@ const struct row row_table_rooms[] = {
         .run = rows_rooms_crossing,
         .full = 50000,
         .check = 300,
-        .known = "planes and crossing quads leak single pixels in extreme zooms at a corner",
+        .known = "where walls are boxes, seams of three coplanar faces leak single pixels in "
+                 "extreme zooms",
     },
     {
         .id = "H073",
@@ -37,7 +38,7 @@ const struct row row_table_rooms[] = {
         .run = rows_rooms_round,
         .full = 50000,
         .check = 300,
-        .known = "the rim of a cone's cap leaks single pixels in extreme zooms",
+        .known = "a ray that starts at the apex of a cone, inside, may leave through it",
     },
     {
         .id = "H073",
@@ -62,11 +63,22 @@ const struct row row_table_rooms[] = {
         .known = "rooms thinner than 2^-10 of their width leak at seams in extreme zooms",
     },
     {
+        .id = "H096 H102",
+        .name = "rooms_same",
+        .what = "the same rooms, some with a light inside: the same picture with every accelerator "
+                "and with base instructions",
+        .oracle = "itself, bit for bit",
+        .run = rows_rooms_same,
+        .full = 20000,
+        .check = 200,
+    },
+    {
         .id = "H073",
         .name = "horizon_walls",
         .what =
             "a room of six polygons in a turned group, highlights, a light along a wall, in its "
-            "plane 1e2 to 1e8 away, or 1e-14 to 1e-9 over it behind the next wall: black",
+            "plane 1e2 to 1e8 away, 1e-14 to 1e-9 over it behind the next wall, or within rounding "
+            "of it just beyond its edge: black",
         .oracle = "black",
         .run = rows_horizon_walls,
         .full = 50000,

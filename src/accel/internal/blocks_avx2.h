@@ -231,7 +231,8 @@ static inline bool offer_lanes(struct trace *trace, const uint32_t prim[PEN_LANE
     __m256d useful = _mm256_and_pd(LESS(splat4(0), t), LESS_EQUAL(t, tmax4(trace, any)));
     if (trace->from_surface)
         useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), splat4(trace->near_sq)));
-    lanes &= bits(useful);
+    if (!trace->reaches_origin) /* else the ray may lie in a plane: offer_bounded */
+        lanes &= bits(useful);
     if (lanes == 0)
         return false;
     double at[PEN_LANES];

@@ -207,22 +207,25 @@ static inline bool offer_flat(struct trace *trace, uint32_t prim, double t, bool
         return false;
     if (t * t <= trace->near_sq)
         return test_reference(trace, prim, any);
-    if (late)
+    if (late && !trace->reaches_origin)
         return false;
     const struct pen_prim_ref ref = trace->accel->prims->ref[prim];
     struct pen_vec3 n = *flat_normal(trace->accel->prims, ref);
     if (fabs(t * pen_dot(trace->ray->d, n)) <=
             trace->origin->bound + 8 * PEN_U * flat_scale(trace, ref, trace->ray->o) &&
-        pen_flat_touches(n, pen_prim_scale(trace->accel->prims, prim, trace->ray->o), trace->ray, t,
-                         trace->origin->bound))
+        (trace->reaches_origin ||
+         pen_flat_touches(n, pen_prim_scale(trace->accel->prims, prim, trace->ray->o), trace->ray,
+                          t, trace->origin->bound)))
         return test_reference(trace, prim, any);
-    return offer(trace, prim, t, PEN_PART_SIDE, any);
+    return !late && offer(trace, prim, t, PEN_PART_SIDE, any);
 }
 
-/* The same for a finite primitive. Most of those behind the origin are dropped at once. */
+/* The same for a finite primitive. Most of those behind the origin are dropped at once; not where
+ * the origin may be on them: a ray that nearly lies in a plane meets it far from where it starts,
+ * before or behind, as rounding has put the origin. */
 static inline bool offer_bounded(struct trace *trace, uint32_t prim, double t, bool any)
 {
-    if (t < 0 && (!trace->from_surface || t * t > trace->near_sq))
+    if (t < 0 && (!trace->from_surface || (t * t > trace->near_sq && !trace->reaches_origin)))
         return false;
     return offer_flat(trace, prim, t, any);
 }
