@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "io/stats_json.h"
 #include "support/jobs.h"
@@ -113,6 +114,70 @@ START_TEST(test_stats__ray_counts_do_not_depend_on_the_batches)
     ck_assert(json_equal(rays[0], rays[1]));
     json_decref(rays[0]);
     json_decref(rays[1]);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* Submits balls whose paths fork until they are cut off. Samples on a light that no surface shows
+ * take no time, but make more batches. */
+static void submit_forks(int light_samples, int tile)
+{
+    char body[1200];
+    snprintf(
+        body, sizeof body,
+        "{\"scene\": {\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 10],"
+        " \"look_at\": [0, 0, 0]}, \"background\": [1, 1, 1], \"materials\": {\"all\": {\"kr\":"
+        " 1, \"kt\": 1}}, \"lights\": [{\"type\": \"point\", \"position\": [9, 9, 9],"
+        " \"intensity\": [1, 1, 1], \"radius\": 1}], \"objects\": ["
+        "{\"type\": \"sphere\", \"center\": [-1, 0, 0], \"radius\": 2, \"material\": \"all\"},"
+        "{\"type\": \"sphere\", \"center\": [1, 0, 0], \"radius\": 2, \"material\": \"all\"},"
+        "{\"type\": \"sphere\", \"center\": [0, 1, 0], \"radius\": 2, \"material\": \"all\"}]},"
+        " \"render\": {\"width\": 24, \"height\": 24, \"max_depth\": 60, \"light_samples\": %d,"
+        " \"tile\": %d}}",
+        light_samples, tile);
+    jobs_submit(&bed, body, id);
+}
+
+static int64_t done_pixels(void)
+{
+    struct pen_job_record job = store_job_get(bed.bed.store, id);
+    int64_t done = job.done_pixels;
+    pen_job_record_release(&job);
+    return done;
+}
+
+static json_t *stats_of_forks(void)
+{
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    json_t *stats = stats_of_job();
+    json_t *counts = json_pack("{s:O, s:O}", "rays", json_object_get(stats, "rays"), "cut",
+                               json_object_get(stats, "truncated_paths"));
+    ck_assert(number(counts, "cut") > 100);
+    json_decref(stats);
+    return counts;
+}
+
+/* In one batch, in several, and in several with an interruption. */
+START_TEST(test_stats__paths_cut_off_do_not_depend_on_the_batches)
+{
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    submit_forks(1, 24);
+    json_t *want = stats_of_forks();
+    submit_forks(100000, 6);
+    json_t *several = stats_of_forks();
+    submit_forks(100000, 6);
+    for (int i = 0; i < 2000 && done_pixels() == 0; i++)
+        usleep(2000);
+    jobs_worker_stop(&bed);
+    ck_assert_int_gt(done_pixels(), 0);
+    jobs_worker_start(&bed);
+    json_t *resumed = stats_of_forks();
+    ck_assert(json_equal(several, want));
+    ck_assert(json_equal(resumed, want));
+    json_decref(want);
+    json_decref(several);
+    json_decref(resumed);
     jobs_bed_close(&bed);
 }
 END_TEST
@@ -262,7 +327,9 @@ START_TEST(test_stats__percentiles_of_tiles_are_nearest_ranks)
 END_TEST
 
 PEN_SUITE("stats", test_stats__job_has_the_sums_of_its_batches,
-          test_stats__ray_counts_do_not_depend_on_the_batches, test_stats__come_only_after_the_end,
+          test_stats__ray_counts_do_not_depend_on_the_batches,
+          test_stats__paths_cut_off_do_not_depend_on_the_batches,
+          test_stats__come_only_after_the_end,
           test_stats__job_has_the_lowest_resolution_of_its_views,
           test_stats__cached_scene_costs_no_parse_and_no_build, test_stats__views_share_one_build,
           test_stats__percentiles_of_tiles_are_nearest_ranks)
