@@ -137,20 +137,22 @@ struct pen_vec3 pen_transform_vector(const struct pen_transform *f, struct pen_v
     return pen_vec3(pen_dot2(row(f, 0), v), pen_dot2(row(f, 1), v), pen_dot2(row(f, 2), v));
 }
 
-/* The sum is exact where its rounding, below 2^-49 of the sum of the products' sizes, might hide
- * its sign, or where products may be subnormal or overflow. */
+/* The sum is exact where its rounding, below 2^-50 of the sum of the products' sizes, might hide
+ * its sign. What subnormal products lose is below 2^-670 if entries are below 2^400. */
 int pen_transform_orientation(const struct pen_transform *f)
 {
     struct pen_exact_sum exact = {{0}};
-    double det = 0, size = 0;
+    double det = 0, size = 0, most = 0;
     for (int j = 0; j < 3; j++) {
         int k = (j + 1) % 3, l = (j + 2) % 3;
         double plus = f->m[0][j] * f->m[1][k] * f->m[2][l];
         double minus = f->m[0][j] * f->m[1][l] * f->m[2][k];
         det += plus - minus;
         size += fabs(plus) + fabs(minus);
+        for (int i = 0; i < 3; i++)
+            most = fabs(f->m[i][j]) > most ? fabs(f->m[i][j]) : most;
     }
-    if (fabs(det) > 0x1p-49 * size && fabs(det) > 0x1p-900 && size < INFINITY)
+    if (fabs(det) > 0x1p-49 * size && fabs(det) > 0x1p-600 && most < 0x1p400)
         return det > 0 ? 1 : -1;
     for (int j = 0; j < 3; j++) {
         int k = (j + 1) % 3, l = (j + 2) % 3;

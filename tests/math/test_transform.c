@@ -175,6 +175,10 @@ START_TEST(test_transform__orientation_is_exact)
     ck_assert(pen_transform_orientation(&f) == -1);
     f = diagonal(1e300, 1e300, 1e300);
     ck_assert(pen_transform_orientation(&f) == 1);
+    /* the product of the first two entries of the diagonal rounds from 23/16 times 2^-1074 to 1 */
+    f = (struct pen_transform){
+        {{0x1.7p-537, 0, 0x1p463, 0}, {0, 0x1p-537, 0, 0}, {1.25, 0, 0x1p1000, 0}}};
+    ck_assert(pen_transform_orientation(&f) == 1);
     f = (struct pen_transform){{{1, 2, 3, 0}, {4, 5, 6, 0}, {7, 8, 9, 0}}};
     ck_assert(pen_transform_orientation(&f) == 0);
     f.m[2][2] = 10;
