@@ -98,8 +98,9 @@ static void pack_cylinders(struct packer *p, const struct lanes *in, uint32_t bl
         put(b->a, lane, c->round.a);
         b->rr[lane] = c->round.rr;
         b->rr_low[lane] = c->round.rr_low;
-        b->top[lane] = c->top;
-        b->size[lane] = c->round.r + c->h;
+        b->base[lane] = c->slab_base;
+        b->top[lane] = c->slab_top;
+        b->size[lane] = c->round.r + c->h + c->rim / (8 * PEN_U);
         b->open |= (uint32_t)!c->caps << lane;
     }
 }

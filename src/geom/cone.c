@@ -21,6 +21,16 @@ static struct dd slope_of(double r, double top_r, double h)
     return two_sum_fast(slope, (fma(-slope, h, rise.hi) + rise.lo) / h);
 }
 
+/* Takes away a rim that would reach beyond the apex, to the other nappe. */
+static void end_before_apex(struct pen_cone *c)
+{
+    struct pen_cylinder *hull = &c->hull;
+    if (c->base_radius < c->slope * hull->rim)
+        hull->slab_base = 0;
+    if (c->top_radius == 0 || c->top_radius < -c->slope * hull->rim)
+        hull->slab_top = hull->top;
+}
+
 bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                    double top_r, double h, bool caps)
 {
@@ -37,6 +47,7 @@ bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axi
     c->width = width.hi;
     c->width_low = width.lo;
     c->slant = sqrt(1 + slope.hi * slope.hi);
+    end_before_apex(c);
     return slope.hi == 0 || (fabs(slope.hi) >= 0x1p-200 && fabs(slope.hi) <= 0x1p200);
 }
 
@@ -291,12 +302,15 @@ static struct pen_box bounds(const void *self)
     struct pen_vec3 rim =
         pen_vec3(sqrt(axis.y * axis.y + axis.z * axis.z), sqrt(axis.z * axis.z + axis.x * axis.x),
                  sqrt(axis.x * axis.x + axis.y * axis.y));
-    struct pen_vec3 top = pen_along(round->q, axis, c->hull.h);
+    double out = fabs(c->slope) * c->hull.rim;
+    double base_radius = c->base_radius + out, top_radius = c->top_radius + out;
+    struct pen_vec3 base = pen_along(round->q, axis, -c->hull.rim);
+    struct pen_vec3 top = pen_along(round->q, axis, c->hull.h + c->hull.rim);
     struct pen_box b = pen_box_empty();
-    b = pen_box_add_point(b, pen_along(round->q, rim, -c->base_radius));
-    b = pen_box_add_point(b, pen_along(round->q, rim, c->base_radius));
-    b = pen_box_add_point(b, pen_along(top, rim, -c->top_radius));
-    b = pen_box_add_point(b, pen_along(top, rim, c->top_radius));
+    b = pen_box_add_point(b, pen_along(base, rim, -base_radius));
+    b = pen_box_add_point(b, pen_along(base, rim, base_radius));
+    b = pen_box_add_point(b, pen_along(top, rim, -top_radius));
+    b = pen_box_add_point(b, pen_along(top, rim, top_radius));
     return pen_box_grow(b, round->r + c->hull.h);
 }
 
@@ -352,6 +366,14 @@ static unsigned intersect_touching(const void *self, const struct pen_ray *ray, 
     return rim ? on & parts(c) : 0;
 }
 
+static bool passes_rim(const void *self, const struct pen_ray *ray, double bound, double *t)
+{
+    const struct pen_cone *c = self;
+    double side[2];
+    return !c->hull.caps && side_interval(c, ray, side) &&
+           pen_cylinder_passes_rim(&c->hull, ray, side, bound, t);
+}
+
 const struct pen_kind_functions pen_cone_functions = {
     .make = make,
     .intersect_line = intersect_line,
@@ -364,4 +386,5 @@ const struct pen_kind_functions pen_cone_functions = {
     .touches = touches,
     .intersect_own = intersect_own,
     .intersect_touching = intersect_touching,
+    .passes_rim = passes_rim,
 };

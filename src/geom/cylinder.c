@@ -16,7 +16,11 @@ bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_
     struct dd3 a = dd_of3(c->round.a);
     struct dd top = dd_mul((struct dd){h, 0}, dd_sqrt(dd_dot(a, a)));
     c->top = top.hi;
-    c->top_low = top.lo;
+    c->rim = caps ? 0 : 8 * PEN_U * (pen_norm1(base) + r + h);
+    struct dd end = dd_add(top, (struct dd){c->rim * c->round.length, 0});
+    c->slab_base = -c->rim * c->round.length;
+    c->slab_top = end.hi;
+    c->slab_top_low = end.lo;
     c->h = h;
     c->caps = caps;
     return true;
@@ -27,8 +31,9 @@ void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray
 {
     struct dd3 a = dd_of3(c->round.a);
     struct dd fa = dd_dot(dd_sub3(ray->o, c->round.q), a);
-    struct dd rest = dd_add((struct dd){c->top, c->top_low}, dd_neg(fa));
-    double da = dd_dot(dd_of3(ray->d), a).hi, base = -fa.hi / da, top = rest.hi / da;
+    struct dd rest = dd_add((struct dd){c->slab_top, c->slab_top_low}, dd_neg(fa));
+    struct dd below = dd_add((struct dd){c->slab_base, 0}, dd_neg(fa));
+    double da = dd_dot(dd_of3(ray->d), a).hi, base = below.hi / da, top = rest.hi / da;
     if (da == 0)
         return;
     if (da > 0)
@@ -165,10 +170,11 @@ static struct pen_box bounds(const void *self)
     struct pen_vec3 reach =
         pen_vec3(k * sqrt(a.y * a.y + a.z * a.z), k * sqrt(a.z * a.z + a.x * a.x),
                  k * sqrt(a.x * a.x + a.y * a.y));
-    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h);
+    struct pen_vec3 base = pen_along(s->q, axis_unit(c), -c->rim);
+    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h + c->rim);
     struct pen_box b = pen_box_empty();
-    b = pen_box_add_point(b, pen_sub(s->q, reach));
-    b = pen_box_add_point(b, pen_add(s->q, reach));
+    b = pen_box_add_point(b, pen_sub(base, reach));
+    b = pen_box_add_point(b, pen_add(base, reach));
     b = pen_box_add_point(b, pen_sub(top, reach));
     b = pen_box_add_point(b, pen_add(top, reach));
     return pen_box_grow(b, s->r + c->h);
@@ -223,6 +229,15 @@ static unsigned intersect_touching(const void *self, const struct pen_ray *ray, 
     return rim ? on & parts(c) : 0;
 }
 
+static bool passes_rim(const void *self, const struct pen_ray *ray, double bound, double *t)
+{
+    const struct pen_cylinder *c = self;
+    double side[2];
+    bool parallel;
+    return !c->caps && pen_cylinder_side_roots(&c->round, ray, side, &parallel) &&
+           pen_cylinder_passes_rim(c, ray, side, bound, t);
+}
+
 const struct pen_kind_functions pen_cylinder_functions = {
     .make = make,
     .intersect_line = intersect_line,
@@ -235,4 +250,5 @@ const struct pen_kind_functions pen_cylinder_functions = {
     .touches = touches,
     .intersect_own = intersect_own,
     .intersect_touching = intersect_touching,
+    .passes_rim = passes_rim,
 };

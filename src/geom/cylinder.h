@@ -2,7 +2,10 @@
 /* Cylinders with two ends, capped or open. A capped one is convex: the part of a ray inside is the
  * overlap of two t-intervals, one of the infinite side and one of the slab between the caps, so
  * entry and exit always pair up. Outward is away from the axis on the side and along the axis on
- * the caps. */
+ * the caps.
+ *
+ * An open one reaches out beyond its ends by `rim`, a few roundings: what ends at its rim was told
+ * by other numbers, and would leave a crack as wide as the rounding of both. */
 #ifndef PEN_GEOM_CYLINDER_H
 #define PEN_GEOM_CYLINDER_H
 
@@ -11,9 +14,10 @@
 
 struct pen_cylinder {
     struct pen_cylinder_side round; /* q is the middle of the base */
-    double top, top_low;            /* height times |a|, to twice the precision: the caps are at
-                                       (p - q).a = 0 and = top */
-    double h;                       /* height */
+    double top;                     /* height times |a|: the caps are at (p - q).a = 0 and = top */
+    double slab_base, slab_top, slab_top_low; /* the same with the rim: the side is between */
+    double h;                                 /* height */
+    double rim;                               /* 0 with caps */
     bool caps;
 };
 
@@ -42,9 +46,9 @@ static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct 
     double da = pen_cylinder_along(c, ray), fa = pen_dot(f, pen_permuted(ray, &c->round.a));
     if (da == 0) {
         *in = (struct pen_interval){-INFINITY, INFINITY, PEN_PART_BASE, PEN_PART_TOP};
-        return fa > 0 && fa < c->top;
+        return fa > c->slab_base && fa < c->slab_top;
     }
-    double inv = 1.0 / da, base = -fa * inv, top = (c->top - fa) * inv;
+    double inv = 1.0 / da, base = (c->slab_base - fa) * inv, top = (c->slab_top - fa) * inv;
     if (da > 0)
         *in = (struct pen_interval){base, top, PEN_PART_BASE, PEN_PART_TOP};
     else
@@ -73,10 +77,10 @@ static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const s
 {
     struct pen_vec3 q = pen_permuted(ray, &c->round.q), a = pen_permuted(ray, &c->round.a);
     struct pen_vec3 f = pen_sub(ray->permuted_o, q), d = ray->permuted_d;
-    double da = pen_dot(d, a), fa = pen_dot(f, a), rest = fabs(c->top - fa);
+    double da = pen_dot(d, a), fa = pen_dot(f, a), rest = fabs(c->slab_top - fa);
     double size = fabs(f.x * a.x) + fabs(f.y * a.y) + fabs(f.z * a.z);
     double least = rest < fabs(fa) ? rest : fabs(fa);
-    return pen_ray_tied(ray) || 4 * least < size || 4 * rest < c->top ||
+    return pen_ray_tied(ray) || 4 * least < size || 4 * rest < c->slab_top ||
            4 * fabs(da) < fabs(d.x * a.x) + fabs(d.y * a.y) + fabs(d.z * a.z);
 }
 
@@ -89,6 +93,22 @@ void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray
  * 0 exactly. False also if the ray runs along a cap that it starts on. */
 bool pen_cylinder_slab_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
                             struct pen_interval *in);
+
+/* Finds the first t > 0 of the ends of the side's interval at which the ray is within `bound` of
+ * the height of an open end. False if there is none, or if the cylinder has caps. */
+static inline bool pen_cylinder_passes_rim(const struct pen_cylinder *c, const struct pen_ray *ray,
+                                           const double side[2], double bound, double *t)
+{
+    double da = pen_cylinder_along(c, ray), b = (bound + c->rim) * c->round.length;
+    double fa = pen_dot2(pen_sub(ray->o, c->round.q), c->round.a);
+    for (int i = 0; i < 2 && !c->caps; i++) {
+        double along = fa + side[i] * da;
+        *t = side[i];
+        if (*t > 0 && (fabs(along) <= b || fabs(along - c->top) <= b))
+            return true;
+    }
+    return false;
+}
 
 /* The t-interval of the ray's line inside; false if there is none. Ends at caps of an open cylinder
  * are no intersections: the caller drops them. */

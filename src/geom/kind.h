@@ -153,6 +153,10 @@ struct pen_kind_functions {
      * count at the origin although the line meets none of them: the ray grazes a rim. */
     unsigned (*intersect_touching)(const void *self, const struct pen_ray *ray, double bound,
                                    struct pen_intersections *out);
+
+    /* Of kinds that may be open; else NULL. Whether the ray passes the rim of an open one within
+     * `bound`, on the side or beyond it; then *t is where it meets the side, continued. */
+    bool (*passes_rim)(const void *self, const struct pen_ray *ray, double bound, double *t);
 };
 
 struct pen_kind {

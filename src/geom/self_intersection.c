@@ -230,6 +230,40 @@ static void intersect_flat(const struct pen_prims *prims, uint32_t prim, const s
     add_at_origin(prims, hit, ray, origin, out);
 }
 
+/* Whether the ray passes the rim of an open primitive near its origin, within the bounds: as
+ * passes_border. If p is on the side, continued without end, it does not get there. */
+static bool passes_rim(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                       const struct pen_origin_surface *origin, double *t)
+{
+    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
+    const void *self = pen_prim_self(prims, prim);
+    double b = origin->bound + own_rounding(prims, prim, ray->o), nearby = PEN_NEARBY * b;
+    if (!fn->passes_rim || !fn->passes_rim(self, ray, b, t) ||
+        !(*t * *t <= nearby * nearby * ray->inv_dd))
+        return false;
+    struct pen_vec3 x = pen_along(ray->o, ray->d, *t), n = fn->normal(self, PEN_PART_SIDE, x);
+    return fabs(*t * pen_dot(ray->d, n)) > 0.5 * b && !fn->touches(self, ray->o, origin->bound);
+}
+
+/* The side of an open primitive is met where the ray passes its rim, if it rises over P. */
+static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
+                          const struct pen_ray *ray, const struct pen_origin_surface *origin,
+                          struct pen_intersections *out)
+{
+    const struct contact c = contact_at(prims, q, ray, origin);
+    const struct pen_intersections all = *out;
+    int i = 0;
+    out->count = 0;
+    for (; i < all.count && all.t[i] < q.t; i++)
+        pen_intersections_add(out, all.t[i], all.part[i]);
+    if (rises(&c, ray->d))
+        pen_intersections_add(out, q.t, q.part);
+    for (; i < all.count; i++) {
+        if (all.t[i] != q.t)
+            pen_intersections_add(out, all.t[i], all.part[i]);
+    }
+}
+
 void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                         const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
@@ -244,6 +278,9 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
         intersect_flat(prims, prim, ray, origin, out);
         return;
     }
+    double t;
+    if (passes_rim(prims, prim, ray, origin, &t))
+        intersect_rim(prims, (struct pen_hit){t, prim, PEN_PART_SIDE}, ray, origin, out);
     intersect_touching(prims, prim, ray, origin, out);
     struct pen_intersections all = *out;
     out->count = 0;

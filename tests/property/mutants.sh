@@ -242,6 +242,14 @@ edit src/geom/sphere.h 1 \
     's/^    struct pen_vec3 o = ray->permuted_o, d = ray->permuted_d, c = .*$/    struct pen_vec3 o = ray->o, d = ray->d, c = s->c;/'
 judge
 
+mutant no_rim h073_round_rooms 3000 "an open cylinder ends where it was told to"
+edit src/geom/cylinder.c 1 's/^    c->rim = caps .*$/    c->rim = 0;/'
+judge
+
+mutant rim_no_border h066_round_lid 500 "passing a rim within rounding is decided by the line"
+edit src/geom/self_intersection.c 1 's/^    if \(!fn->passes_rim \|\|/    if (PEN_U > 0 || !fn->passes_rim ||/'
+judge
+
 mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point state they inherit"
 edit src/base/thread_pool.c 1 's/^        fesetenv\(FE_DFL_ENV\);$//'
 judge
@@ -249,7 +257,7 @@ judge
 mutant cone_digits o1_cone 20000 "a cone's side is never found in twice the precision"
 edit src/geom/cone.c 1 's/^    if \(!\(4 \* \(k \* k\) < mm\)\)$/    if (!(k * k < mm))/'
 edit src/geom/cone.c 1 's/^    if \(8 \* fabs\(wp\) < widest \|\| .*$/    if (0 * widest > 0 ||/'
-edit src/geom/cone.c 1 's/^        fabs\(fabs\(tp\) - h\) < PEN_NEAR \* h\)$/        fabs(fabs(tp) - h) < 0)/'
+edit src/geom/cone.c 1 's/^        fabs\(fabs\(tp\) - h\) < ray->near \* h\)$/        fabs(fabs(tp) - h) < 0)/'
 judge
 
 mutant cone_nappe o1_cone 20000 "a steep ray meets the nappe of a cone on which the radius is negative"
@@ -261,7 +269,7 @@ edit src/geom/cone.c 1 's/^    bool inward = apex \? e\.grows > 0 : e\.b\.hi < 0
 judge
 
 mutant cone_box cone_boxes 20000 "the box of a cone holds its base, not its top"
-edit src/geom/cone.c 2 's/^    b = pen_box_add_point\(b, pen_along\(top, rim, -?c->top_radius\)\);$/    b = pen_box_add_point(b, pen_along(top, rim, -0.0 * c->top_radius));/'
+edit src/geom/cone.c 2 's/^    b = pen_box_add_point\(b, pen_along\(top, rim, -?top_radius\)\);$/    b = pen_box_add_point(b, pen_along(top, rim, -0.0 * top_radius));/'
 judge
 
 mutant tree_uncut h112_path_tree 300 "a tree of paths is cut 100 000 surfaces too late"

@@ -113,5 +113,47 @@ const struct row row_table_light[] = {
         .oracle = "the definition of the cells' points",
         .run = rows_grid_points,
     },
+    {
+        .id = "H073",
+        .name = "h073_round_rooms",
+        .what =
+            "closed rooms of open cylinders and cones with lids of polygons, cylinders and open "
+            "cones, mirrors, of any size, lights outside, from 1e-3 to 1e-12 of a rim: black",
+        .oracle = "black",
+        .run = rows_round_rooms,
+        .full = 9000,
+        .check = 90,
+    },
+    {
+        .id = "H066",
+        .name = "h066_round_lid",
+        .what = "the outer side of a lid in which an open cylinder ends, from 1e-7 to 1e-12 of the "
+                "rim, lit at 45 degrees and down to 3e-7 rad: as without shadows",
+        .oracle = "itself, bit for bit",
+        .run = rows_round_lid,
+        .full = 9000,
+        .check = 90,
+    },
+    {
+        .id = "H073",
+        .name = "h073_dented_rooms",
+        .what = "the same for closed rooms with dents, and for shallow ones of polygons of up to "
+                "64 corners, at their edges and corners",
+        .oracle = "black",
+        .run = rows_dented_rooms,
+        .full = 9000,
+        .check = 90,
+        .known = "one or two pixels of one picture in 1000 where walls of triangles meet",
+    },
+    {
+        .id = "H065",
+        .name = "h065_round_foot",
+        .what = "the foot of cylinders and cones, open or not, on a floor, the light behind them: "
+                "no lit pixel",
+        .oracle = "black",
+        .run = rows_round_foot,
+        .full = 9000,
+        .check = 90,
+    },
     {.id = NULL},
 };

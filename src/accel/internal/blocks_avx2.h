@@ -540,6 +540,13 @@ static inline bool offer_inside(struct trace *trace, const struct pen_cylinders4
             offer(trace, b->prim[lane], in->hi, in->hi_part, any));
 }
 
+/* Lanes with t0 or t1 near the ray's origin: see may_pass_rim. */
+static inline unsigned near4(const struct trace *trace, __m256d t0, __m256d t1)
+{
+    __m256d least = _mm256_min_pd(_mm256_mul_pd(t0, t0), _mm256_mul_pd(t1, t1));
+    return bits(LESS_EQUAL(least, splat4(trace->near_sq)));
+}
+
 static inline bool test_cylinders4(struct trace *trace, const struct pen_cylinders4 *b, bool any)
 {
     const __m256d zero = splat4(0);
@@ -547,7 +554,7 @@ static inline bool test_cylinders4(struct trace *trace, const struct pen_cylinde
     struct vec4 f = sub3(o, permuted4(trace->ray, b->q));
     __m256d da = dot_guarded4(splat_vec4(trace->ray->permuted_d), a), fa = dot4(f, a);
     __m256d inv = _mm256_div_pd(splat4(1), da);
-    __m256d base = _mm256_mul_pd(neg4(fa), inv);
+    __m256d base = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->base), fa), inv);
     __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);
     __m256d forward = LESS(zero, da);
     __m256d lo = _mm256_blendv_pd(top, base, forward), hi = _mm256_blendv_pd(base, top, forward);
@@ -571,7 +578,8 @@ static inline bool test_cylinders4(struct trace *trace, const struct pen_cylinde
     }
     lanes &= useful_pairs(trace, t0, t1, any);
     if (trace->reaches_origin)
-        plain |= bits(cylinder_touches4(trace, b, side.nn, fa));
+        plain |= bits(cylinder_touches4(trace, b, side.nn, fa)) |
+                 (b->open ? b->open & near4(trace, side.t0, side.t1) : 0);
     lanes &= ~plain;
     if (lanes) {
         double s0[PEN_LANES], s1[PEN_LANES], l[PEN_LANES], h[PEN_LANES];

@@ -126,8 +126,9 @@ struct pen_generic4 {
 
 struct pen_cylinders4 {
     double q[3][PEN_LANES], a[3][PEN_LANES];
-    double rr[PEN_LANES], rr_low[PEN_LANES], top[PEN_LANES];
-    double size[PEN_LANES]; /* radius + height */
+    double rr[PEN_LANES], rr_low[PEN_LANES];
+    double base[PEN_LANES], top[PEN_LANES]; /* slab_base, slab_top */
+    double size[PEN_LANES]; /* radius + height; of open ones, also the rim over 8u */
     uint32_t prim[PEN_LANES];
     uint32_t open; /* bit per lane: no caps */
 };
