@@ -128,13 +128,26 @@ static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *pr
     origin.bound += 16 * PEN_U * pen_norm1(ray->o);
     if (hit.t * hit.t <= nearby * nearby * ray->inv_dd)
         origin.bound += left->bound;
-    if (hit.t != PEN_FIRST_T) {
+    if (hit.t > PEN_LAST_LAYER_T) {
         if (pen_norm1(left->toward) > pen_norm1(left->before))
             origin.before = left->toward;
         origin.toward = pen_scale(ray->d, -hit.t);
     }
     return origin;
 }
+
+/* Whether two intersections of a ray, a before b, are one place where two surfaces coincide: layers
+ * of one another. `bound` is how far a's point may be off by rounding. */
+bool pen_prim_layers(const struct pen_prims *prims, const struct pen_ray *ray, struct pen_hit a,
+                     struct pen_hit b, double bound);
+
+/* The t up to which intersections can be layers of a. */
+double pen_prim_layers_end(const struct pen_prims *prims, const struct pen_ray *ray,
+                           struct pen_hit a, double bound);
+
+/* Whether two parts of primitives, hit.part, coincide somewhere. May be true where they do not, and
+ * is not where flat outlines are neighbours. */
+bool pen_prim_may_coincide(const struct pen_prims *prims, struct pen_hit a, struct pen_hit b);
 
 /* Whether an intersection is the ray's point at t_end, up to `bound` and the intersection's own
  * rounding. A ray that ends in a light does not count the surface that contains the light. */

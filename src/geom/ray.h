@@ -32,6 +32,11 @@
 /* The t of an intersection at the ray's origin that counts: positive, and before all others. */
 #define PEN_FIRST_T 0x1p-1074
 
+/* Layers of the surface that a ray starts on, which coincide with it, are met at multiples of
+ * PEN_FIRST_T that tell their order. None is as large as this; all other intersections are larger.
+ */
+#define PEN_LAST_LAYER_T 0x1p-1044
+
 /* An intersection with a quadric at tp - h is refined where it is nearer the origin than this share
  * of the half chord h: the subtraction would lose more than three bits. Of tied rays all are. */
 #define PEN_NEAR 0.125
@@ -168,7 +173,8 @@ struct pen_origin_surface {
     uint8_t part;
     bool through;           /* the path passed through the surface: it arrived on the other side */
     struct pen_vec3 toward; /* from the origin back to where the arriving ray started; if that ray
-                               arrived at PEN_FIRST_T, to where the one before it started */
+                               arrived at PEN_FIRST_T or at a layer, to where the one before it
+                               started */
     struct pen_vec3 before; /* the longest `toward` of the path's earlier surfaces; or zero */
     double bound;           /* distance by which the origin may miss its surface: pen_origin_at */
 };

@@ -4,6 +4,7 @@
  * and Q another one. */
 #include <stddef.h>
 
+#include "geom/internal/coincidence.h"
 #include "geom/internal/kinds.h"
 #include "geom/prims.h"
 
@@ -105,6 +106,42 @@ static bool origin_counts(const struct contact *c, struct pen_vec3 d)
     return rises(c, d);
 }
 
+/* Whether Q is a layer with P at the origin: coincident, and there wherever P is. */
+static bool is_layer(const struct contact *c)
+{
+    const struct pen_pair pair = {.prims = c->prims,
+                                  .a = {0, c->origin->prim, c->origin->part},
+                                  .b = c->q,
+                                  .p = c->p,
+                                  .slack = c->slack};
+    return pen_coincide(&pair) && pen_covers(&pair);
+}
+
+/* The t at which the ray meets layer Q; 0 if it does not. Layers lie in document order, the first
+ * nearest to where the path came from. So a ray that goes back to that side meets the earlier
+ * ones, nearest first, and any other ray the later ones. */
+static double t_of_layer(const struct contact *c, struct pen_vec3 d)
+{
+    double side = side_of_beginning(c, c->origin->toward), dn = across(c, d);
+    if (side == 0)
+        side = side_of_beginning(c, c->origin->before);
+    if (side == 0 || dn == 0)
+        return 0;
+    uint32_t p = c->origin->prim, q = c->q.prim;
+    bool earlier = (side > 0) == (dn > 0);
+    if (earlier != (q < p))
+        return 0;
+    return PEN_FIRST_T * (1.0 + (earlier ? p - q : q - p));
+}
+
+/* The t of an intersection of Q at the ray's origin; 0 if it does not count. */
+static double t_at_origin(const struct contact *c, struct pen_vec3 d)
+{
+    if (is_layer(c))
+        return t_of_layer(c, d);
+    return origin_counts(c, d) ? c->q.t : 0;
+}
+
 /* The intersections with P itself: a flat primitive is not met again, a round one perhaps once. */
 static void intersect_own(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                           uint8_t part, struct pen_intersections *out)
@@ -121,8 +158,9 @@ static void add_at_origin(const struct pen_prims *prims, struct pen_hit q,
                           struct pen_intersections *out)
 {
     const struct contact c = contact_at(prims, q, ray, origin);
-    if (origin_counts(&c, ray->d))
-        pen_intersections_add(out, q.t, q.part);
+    double t = t_at_origin(&c, ray->d);
+    if (t > 0)
+        pen_intersections_add(out, t, q.part);
 }
 
 /* Replaces the intersections of a round primitive that contains the origin within the bounds: the
@@ -135,8 +173,9 @@ static void intersect_touching(const struct pen_prims *prims, uint32_t prim,
         pen_prim_row(prims, prim)
             ->fn->intersect_touching(pen_prim_self(prims, prim), ray, origin->bound, out);
     for (uint8_t part = 0; out->count == 0 && rim >> part != 0; part++) {
-        const struct contact at = contact_at(prims, (struct pen_hit){0, prim, part}, ray, origin);
-        if (rim >> part & 1 && origin_counts(&at, ray->d))
+        const struct contact at =
+            contact_at(prims, (struct pen_hit){PEN_FIRST_T, prim, part}, ray, origin);
+        if (rim >> part & 1 && t_at_origin(&at, ray->d) > 0)
             *out = (struct pen_intersections){1, {0}, {part}};
     }
 }

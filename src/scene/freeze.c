@@ -152,7 +152,7 @@ static bool freeze_all(struct pen_freezer *f)
     f->scene->background = f->desc->background;
     f->scene->ambient = f->desc->ambient;
     if (!freeze_views(f) || !freeze_frame(f) || !freeze_materials(f) || !freeze_lights(f) ||
-        !pen_freeze_prims(f))
+        !pen_freeze_prims(f) || !pen_freeze_layers(f))
         return false;
     f->scene->effects = pen_effects_of_scene(f->scene);
     return true;

@@ -61,6 +61,12 @@ struct pen_scene_view {
     struct pen_camera_desc camera;
 };
 
+/* A box in which a primitive may coincide with `partner`; PEN_NO_PRIM: with any of many others. */
+struct pen_layer_place {
+    struct pen_box box;
+    uint32_t partner;
+};
+
 struct pen_scene {
     struct pen_arena *arena;
     struct pen_vec3 center; /* origin of the local frame, scene units */
@@ -70,6 +76,10 @@ struct pen_scene {
     const uint32_t *prim_material; /* by primitive number, index into materials */
     const uint8_t *see_through;    /* by primitive number: kt > 0 in some channel */
     bool any_see_through;
+    /* Where primitives may coincide with others: the places of primitive i are first[i] to
+     * first[i + 1] - 1. NULL if none does. */
+    const uint32_t *layer_first;
+    const struct pen_layer_place *layer_place;
     const struct pen_material *materials;
     uint32_t material_count;
     const struct pen_light *lights; /* those with intensity > 0 in some channel, in order */

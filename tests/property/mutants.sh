@@ -295,6 +295,22 @@ mutant plane_behind rooms_same 6000 "in vectors, a polygon that contains the ori
 edit src/accel/internal/prim_test.h 1 's/ && !trace->reaches_origin\)\)\)$/)))/'
 judge
 
+mutant layers_swapped layers_gap 500 "a ray that stays on its side of a layer meets the later ones"
+edit src/geom/self_intersection.c 1 's/^    if \(earlier != \(q < p\)\)$/    if (earlier == (q < p))/'
+judge
+
+mutant layers_ascending layers_gap 2000 "layers at a ray's start are met in document order whichever way it goes"
+edit src/geom/self_intersection.c 1 's/^    return PEN_FIRST_T \* \(1\.0 \+ .*$/    return PEN_FIRST_T * (1.0 + q);/'
+judge
+
+mutant layers_of_seams layers_paid 2000 "neighbours in one plane are layers of one another at their seam"
+edit src/geom/self_intersection.c 1 's/^    return pen_coincide\(&pair\) && pen_covers\(&pair\);$/    return pen_coincide(\&pair);/'
+judge
+
+mutant layers_by_t layers_first 500 "rounding decides which of two coincident surfaces a ray meets first"
+edit src/shade/internal/kernel_body.h 1 's/^    if \(first && first\[/    if (0 \&\& first[/'
+judge
+
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'
 judge_libm

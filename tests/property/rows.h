@@ -66,6 +66,13 @@ void rows_twins(struct pen_row_run *run);
 void rows_overlap(struct pen_row_run *run);
 void rows_touching(struct pen_row_run *run);
 
+/* rows_layers.c */
+void rows_layers_gap(struct pen_row_run *run);
+void rows_layers_paid(struct pen_row_run *run);
+void rows_layers_below(struct pen_row_run *run);
+void rows_layers_first(struct pen_row_run *run);
+void rows_layers_round(struct pen_row_run *run);
+
 /* rows_boxes.c, rows_trees.c */
 void rows_signed_zeros(struct pen_row_run *run);
 void rows_boxes(struct pen_row_run *run);

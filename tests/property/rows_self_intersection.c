@@ -385,8 +385,8 @@ void rows_shell(struct pen_row_run *run)
 }
 
 /* H068, H069: two equal primitives, the second turned round if it is flat; from afar a
- * ray hits the first in the document; a ray that starts on it does not hit the second at the start,
- * and hits both at the exit. */
+ * ray hits the first in the document; a ray that starts on it hits the second at the start if it
+ * goes through, and both at the exit. */
 static void draw_twins(struct row_draw *d, struct row_case *c)
 {
     struct random *r = &d->random;
@@ -450,14 +450,19 @@ static void judge_twins(const struct row_case *c, struct row_verdict *v)
     row_require(v, alike && by_tree.prim == 7, "by the tree, not the first in the document");
     int count = origin(&m, next, hit, 5);
     bool in = kind <= CYLINDER && pen_dot(m.n, next) < 0;
-    if (fabs(pen_dot(m.n, next)) < 1e-6)
+    int through = (pen_dot(m.n, next) > 0) != (pen_dot(m.n, m.v) < 0);
+    if (fabs(pen_dot(m.n, next)) < 1e-6 || fabs(pen_dot(m.n, m.v)) < 1e-6)
         return;
     while (count > 0 && hit[count - 1].prim != 7 && hit[count - 1].prim != 9)
         count--; /* the others, far behind */
-    if (count != (in ? 2 : 0))
+    if (count != through + (in ? 2 : 0))
         row_fail(v, "%d intersections on leaving %s", count, in ? "inward" : "outward");
+    else if (through && (hit[0].prim != 9 || hit[0].t > PEN_LAST_LAYER_T))
+        row_fail(v, "the second is not met at the start");
     else if (in)
-        row_require(v, hit[0].t == hit[1].t && hit[0].prim == 7 && hit[1].prim == 9,
+        row_require(v,
+                    hit[through].t == hit[through + 1].t && hit[through].prim == 7 &&
+                        hit[through + 1].prim == 9,
                     "the exit is not one event in document order");
 }
 

@@ -56,9 +56,60 @@ const struct row row_table_space[] = {
         .name = "h068_coincident",
         .what =
             "of two coincident primitives the first in the document is hit, by the tree too; a ray "
-            "that starts on it hits neither at its start",
+            "that starts on it hits the second at its start if it goes through, else not",
         .oracle = "document order",
         .run = rows_twins,
+    },
+    {
+        .id = "H068 H070",
+        .name = "layers_gap",
+        .what = "stacks of 2 to 4 coincident sheets, planes, tiles and caps, see-through, mirrors "
+                "or opaque, lit and seen from any side: contact is the limit of a gap of 1e-7 in "
+                "which the earlier in the document is nearer the viewer",
+        .oracle = "the picture with the gap",
+        .run = rows_layers_gap,
+        .full = 20000,
+        .check = 150,
+    },
+    {
+        .id = "H057 H058 H068",
+        .name = "layers_paid",
+        .what = "light to an opaque layer and from it pays each layer before it once each way, at "
+                "seams of tiles too, and no later one",
+        .oracle = "closed form",
+        .run = rows_layers_paid,
+        .full = 20000,
+        .check = 200,
+    },
+    {
+        .id = "H068",
+        .name = "layers_below",
+        .what = "a clear sheet in contact with an opaque one does not let light from below "
+                "through: the visible share of a disk light that the plane cuts",
+        .oracle = "area of a circle's segment",
+        .run = rows_layers_below,
+        .full = 10000,
+        .check = 200,
+    },
+    {
+        .id = "H070",
+        .name = "layers_first",
+        .what = "of surfaces in one plane with different vertices the first in the document is "
+                "seen in every pixel",
+        .oracle = "document order",
+        .run = rows_layers_first,
+        .full = 20000,
+        .check = 200,
+    },
+    {
+        .id = "H069",
+        .name = "layers_round",
+        .what = "equal spheres, tubes, cylinders, cones: the light of each, through those before "
+                "it in the document",
+        .oracle = "closed form",
+        .run = rows_layers_round,
+        .full = 20000,
+        .check = 200,
     },
     {
         .id = "H070",

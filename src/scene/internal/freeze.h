@@ -43,6 +43,9 @@ bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user
 /* Fills the typed arrays of the primitives; needs f->summary and f->frame. */
 bool pen_freeze_prims(struct pen_freezer *f);
 
+/* Finds where primitives may coincide: scene->layer_box; needs the typed arrays. */
+bool pen_freeze_layers(struct pen_freezer *f);
+
 /* Builds the accelerator `manual`; needs the typed arrays. Fails: as pen_accel_build. */
 struct pen_accel *pen_freeze_manual(struct pen_freezer *f);
 

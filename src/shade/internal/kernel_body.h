@@ -65,6 +65,24 @@ static ALWAYS_INLINE void count_truncated(struct pen_ray_counts *counts, int wai
     counts->truncated_paths += (uint64_t)waiting + continues;
 }
 
+/* The path's next hit. Where surfaces may coincide they are met in document order; those that
+ * coincide with the surface that the ray starts on are in order by their t. */
+static ALWAYS_INLINE bool path_nearest(const struct pen_kernel_input *input,
+                                       struct pen_kernel_scratch *scratch, const struct path *path,
+                                       struct pen_hit *hit)
+{
+    const struct pen_t_interval interval = {path->after, INFINITY};
+    const uint32_t *first = input->scene->layer_first;
+    scratch->layers.any = scratch->layers.any && path->after.t > 0;
+    if (scratch->layers.any)
+        return pen_layers_next(input, &scratch->layers, path, hit);
+    if (!input->trace->nearest(input->scene->accel, &path->ray, &path->origin, &interval, hit))
+        return false;
+    if (first && first[hit->prim] != first[hit->prim + 1] && hit->t > PEN_LAST_LAYER_T)
+        pen_layers_begin(input, &scratch->layers, path, hit);
+    return true;
+}
+
 /* The radiance that arrives along a camera ray. */
 static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
@@ -78,10 +96,9 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     if (forks)
         scratch->surfaces_left = scratch->surfaces_max;
     for (int waiting = 0;;) {
-        const struct pen_t_interval interval = {path.after, INFINITY};
         struct pen_hit hit;
         bool continues = false;
-        if (!input->trace->nearest(scene->accel, &path.ray, &path.origin, &interval, &hit)) {
+        if (!path_nearest(input, scratch, &path, &hit)) {
             sum = pen_add(sum, pen_mul(path.weight, scene->background));
         } else {
             struct surface s = surface_at(scene, &path.ray, &path.origin, hit);

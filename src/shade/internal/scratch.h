@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A kernel's working memory: the stack of pending paths, and the last occluder of each light. One
- * per thread, made once per task, so that rendering a pixel allocates nothing. */
+/* A kernel's working memory: the stack of pending paths, the last occluder of each light, the
+ * layers of the current path. One per thread, made once per task, so that rendering a pixel
+ * allocates nothing. */
 #ifndef PEN_SHADE_INTERNAL_SCRATCH_H
 #define PEN_SHADE_INTERNAL_SCRATCH_H
 
 #include "math/sample.h"
+#include "shade/internal/layers.h"
 #include "shade/kernel.h"
 
 /* A ray to be traced, and the weight of its radiance in the pixel. */
@@ -24,7 +26,16 @@ struct pen_kernel_scratch {
     struct path *waiting;      /* the stack; max_depth entries: see kernel_body.h */
     int surfaces_max;          /* of a pixel sample: pen_tree_surfaces_max */
     int surfaces_left;         /* of these, how many may still be shaded */
+    struct layers layers;      /* of the path that is traced */
     struct pen_sample_key key; /* of the samples on lights; `light` is set for each light */
 };
+
+/* A ray has met its first hit that may have layers: replaces it by the first of its class. */
+void pen_layers_begin(const struct pen_kernel_input *input, struct layers *layers,
+                      const struct path *path, struct pen_hit *hit);
+
+/* The next hit after that; false if there is none. */
+bool pen_layers_next(const struct pen_kernel_input *input, struct layers *layers,
+                     const struct path *path, struct pen_hit *hit);
 
 #endif

@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: MIT */
+/* Finds the primitives that may coincide with others, so that paths look for layers only there. A
+ * pair too many costs time, and changes no picture.
+ *
+ * A surface (a part of a primitive) is a box of six dimensions: its bounds, and those of the sizes
+ * of its normal's components. Only surfaces whose boxes overlap can coincide. Such pairs are found
+ * by halving: what is left and what is right of a value, and in both halves what it cuts. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/internal/freeze.h"
+
+enum {
+    DIMENSIONS = 6,
+    FEW = 16,    /* so many surfaces are compared one by one */
+    MANY = 2048, /* more that no halving separates are taken to coincide */
+    SOME = 15,   /* of which a median is taken */
+    DEPTH = 48,
+    PLACES = 16 /* of one primitive that are kept apart */
+};
+
+struct surface {
+    double lo[DIMENSIONS], hi[DIMENSIONS];
+    struct pen_hit part;
+};
+
+/* Where a surface begins along the first axis. */
+struct begin {
+    double lo;
+    uint32_t surface;
+};
+
+struct place {
+    uint32_t prim;
+    struct pen_layer_place there;
+};
+
+struct finder {
+    const struct pen_prims *prims;
+    struct surface *surface;
+    uint32_t *list;      /* of surfaces */
+    struct begin *begin; /* of those that are compared */
+    uint32_t count;
+    struct place *place; /* in any order; the same ones more than once */
+    size_t places, room;
+    bool no_memory;
+};
+
+static double component(struct pen_vec3 v, int axis)
+{
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/* The sizes of the normal's components, as well as its primitive's own size tells them. A part that
+ * lies across an axis is thin along it. */
+static void bound_flat(struct surface *s, struct pen_vec3 n, struct pen_vec3 q, double off)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        double across = component(n, (axis + 1) % 3), other = component(n, (axis + 2) % 3);
+        if (fabs(across) + fabs(other) < 0x1p-50 && s->hi[axis] < INFINITY)
+            s->lo[axis] = s->hi[axis] = component(q, axis);
+        s->lo[3 + axis] = fabs(component(n, axis)) - off;
+        s->hi[3 + axis] = fabs(component(n, axis)) + off;
+    }
+}
+
+/* Bounds with a margin far above rounding, also that of rays from afar. The side of a round
+ * primitive has any normals. */
+static void add_surface(struct finder *f, uint32_t prim, uint8_t part)
+{
+    const struct pen_kind *kind = pen_prim_row(f->prims, prim);
+    const void *self = pen_prim_self(f->prims, prim);
+    struct pen_box b = {pen_vec3(-INFINITY, -INFINITY, -INFINITY),
+                        pen_vec3(INFINITY, INFINITY, INFINITY)};
+    struct pen_vec3 p = pen_vec3(0, 0, 0);
+    if (!pen_prim_infinite(f->prims->ref[prim].kind)) {
+        b = pen_prim_bounds(f->prims, prim);
+        p = pen_box_center(b);
+    }
+    double rounding = 64 * pen_prim_rounding(f->prims, prim, p), margin = rounding + 0x1p-40;
+    f->list[f->count] = f->count;
+    struct surface *s = &f->surface[f->count++];
+    *s = (struct surface){
+        {b.lo.x, b.lo.y, b.lo.z, 0, 0, 0}, {b.hi.x, b.hi.y, b.hi.z, 1, 1, 1}, {0, prim, part}};
+    if (kind->shape == PEN_KIND_FLAT || part != PEN_PART_SIDE)
+        bound_flat(s, kind->fn->normal(self, part, p), kind->fn->project(self, part, p),
+                   0x1p-16 + rounding / pen_norm1(pen_sub(b.hi, b.lo)));
+    for (int axis = 0; axis < 3; axis++) {
+        s->lo[axis] -= margin;
+        s->hi[axis] += margin;
+    }
+}
+
+static uint8_t last_part(uint32_t kind)
+{
+    switch ((enum pen_prim_kind)kind) {
+    case PEN_PRIM_CYLINDER:
+    case PEN_PRIM_CONE:
+        return PEN_PART_TOP;
+    case PEN_PRIM_SPHERE:
+    case PEN_PRIM_PLANE:
+    case PEN_PRIM_TRIANGLE:
+    case PEN_PRIM_POLYGON:
+    case PEN_PRIM_INFINITE_CYLINDER:
+    case PEN_PRIM_KIND_COUNT:
+        break;
+    }
+    return PEN_PART_SIDE;
+}
+
+static void add_place(struct finder *f, uint32_t prim, struct pen_layer_place there)
+{
+    if (f->places == f->room) {
+        size_t room = 2 * f->room + 64;
+        struct place *more = realloc(f->place, room * sizeof *more);
+        f->no_memory = f->no_memory || !more;
+        if (!more)
+            return;
+        f->place = more;
+        f->room = room;
+    }
+    f->place[f->places++] = (struct place){prim, there};
+}
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* The common box of two surfaces is a place of both primitives. */
+static void mark(struct finder *f, const struct surface *a, const struct surface *b)
+{
+    double lo[3], hi[3];
+    for (int k = 0; k < 3; k++) {
+        lo[k] = larger(a->lo[k], b->lo[k]);
+        hi[k] = -larger(-a->hi[k], -b->hi[k]);
+    }
+    struct pen_box common = {pen_vec3(lo[0], lo[1], lo[2]), pen_vec3(hi[0], hi[1], hi[2])};
+    uint32_t p = a->part.prim, q = b->part.prim;
+    add_place(f, p, (struct pen_layer_place){common, p == q ? PEN_NO_PRIM : q});
+    if (p != q)
+        add_place(f, q, (struct pen_layer_place){common, p});
+}
+
+/* Whether two surfaces overlap in all dimensions but the first. */
+static bool overlap(const struct surface *a, const struct surface *b)
+{
+    for (int k = 1; k < DIMENSIONS; k++)
+        if (!(a->lo[k] <= b->hi[k] && b->lo[k] <= a->hi[k]))
+            return false;
+    return a->part.prim != b->part.prim;
+}
+
+static int compare_begins(const void *a, const void *b)
+{
+    const struct begin *p = a, *q = b;
+    return (p->lo > q->lo) - (p->lo < q->lo);
+}
+
+/* Compares all pairs that overlap along the first axis; of too many, takes all for coincident. */
+static void compare(struct finder *f, const uint32_t *list, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const struct surface *s = &f->surface[list[i]];
+        f->begin[i] = (struct begin){s->lo[0], list[i]};
+        if (count > MANY)
+            mark(f, s, s);
+    }
+    if (count > MANY)
+        return;
+    qsort(f->begin, count, sizeof *f->begin, compare_begins);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct surface *a = &f->surface[f->begin[i].surface];
+        for (uint32_t k = i + 1; k < count && f->begin[k].lo <= a->hi[0]; k++) {
+            const struct surface *b = &f->surface[f->begin[k].surface];
+            if (overlap(a, b) && pen_prim_may_coincide(f->prims, a->part, b->part))
+                mark(f, a, b);
+        }
+    }
+}
+
+/* 0 for a plane without end. */
+static double middle(const struct surface *s, int axis)
+{
+    return s->hi[axis] < INFINITY ? 0.5 * s->lo[axis] + 0.5 * s->hi[axis] : 0;
+}
+
+/* The median of the middles of some of the list. */
+static double median_of(const struct finder *f, const uint32_t *list, uint32_t count, int axis)
+{
+    double some[SOME];
+    uint32_t n = count < SOME ? count : SOME;
+    for (uint32_t i = 0; i < n; i++) {
+        double m = middle(&f->surface[list[(uint64_t)i * count / n]], axis);
+        uint32_t at = i;
+        for (; at > 0 && m < some[at - 1]; at--)
+            some[at] = some[at - 1];
+        some[at] = m;
+    }
+    return some[n / 2];
+}
+
+/* -1: left of the value, 1: right of it, 0: cut by it. */
+static int side_of(const struct surface *s, int axis, double value)
+{
+    return s->hi[axis] < value ? -1 : s->lo[axis] > value;
+}
+
+/* Moves those of one side to the front and returns their number. */
+static uint32_t to_front(const struct finder *f, uint32_t *list, uint32_t count, int axis,
+                         double value, int side)
+{
+    uint32_t front = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t at = list[i];
+        if (side_of(&f->surface[at], axis, value) == side) {
+            list[i] = list[front];
+            list[front++] = at;
+        }
+    }
+    return front;
+}
+
+/* The axis whose median separates best; false if a half would keep more than three fifths. */
+static bool choose_axis(const struct finder *f, const uint32_t *list, uint32_t count, int *axis,
+                        double *value)
+{
+    uint32_t least = count - count / 5 * 2;
+    bool chosen = false;
+    for (int k = 0; k < DIMENSIONS; k++) {
+        double median = median_of(f, list, count, k);
+        uint32_t left = 0, right = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            int side = side_of(&f->surface[list[i]], k, median);
+            left += side < 0;
+            right += side > 0;
+        }
+        uint32_t most = count - (left < right ? left : right);
+        if (most < least) {
+            least = most;
+            *axis = k;
+            *value = median;
+            chosen = true;
+        }
+        if (least <= count / 2 + count / 16)
+            break;
+    }
+    return chosen;
+}
+
+/* Marks all pairs of a list. */
+static void find_pairs(struct finder *f, uint32_t *list, uint32_t count, int depth)
+{
+    int axis;
+    double value;
+    if (count <= FEW || depth == DEPTH || !choose_axis(f, list, count, &axis, &value)) {
+        compare(f, list, count);
+        return;
+    }
+    uint32_t right = to_front(f, list, count, axis, value, 1);
+    find_pairs(f, list + right, count - right, depth + 1); /* left, and cut */
+    uint32_t cut = to_front(f, list + right, count - right, axis, value, 0);
+    find_pairs(f, list, right + cut, depth + 1);
+}
+
+static bool alloc_finder(struct finder *f)
+{
+    size_t count = 0;
+    for (uint32_t i = 0; i < f->prims->count; i++)
+        count += last_part(f->prims->ref[i].kind) + 1u;
+    f->surface = calloc(count + 1, sizeof *f->surface);
+    f->list = calloc(count + 1, sizeof *f->list);
+    f->begin = calloc(count + 1, sizeof *f->begin);
+    return f->surface && f->list && f->begin;
+}
+
+static void find(struct finder *f)
+{
+    for (uint32_t i = 0; i < f->prims->count; i++)
+        for (uint8_t part = 0; part <= last_part(f->prims->ref[i].kind); part++)
+            add_surface(f, i, part);
+    find_pairs(f, f->list, f->count, 0);
+}
+
+static int compare_places(const void *a, const void *b)
+{
+    const struct place *p = a, *q = b;
+    if (p->prim != q->prim)
+        return p->prim < q->prim ? -1 : 1;
+    return (p->there.partner > q->there.partner) - (p->there.partner < q->there.partner);
+}
+
+/* Leaves each pair once; where a primitive has many partners, one place for all of them. Returns
+ * how many places are left. */
+static size_t merge_places(struct place *place, size_t count)
+{
+    size_t kept = 0, begin = 0;
+    if (count > 0)
+        qsort(place, count, sizeof *place, compare_places);
+    for (size_t i = 0; i < count; i++) {
+        if (i == 0 || place[i].prim != place[i - 1].prim)
+            begin = kept;
+        place[kept++] = place[i];
+        if (kept > begin + 1 &&
+            (compare_places(&place[kept - 1], &place[kept - 2]) == 0 || kept > begin + PLACES)) {
+            struct pen_layer_place *to = &place[kept - 2].there, *from = &place[kept - 1].there;
+            to->box = pen_box_union(to->box, from->box);
+            to->partner = to->partner == from->partner ? from->partner : PEN_NO_PRIM;
+            kept--;
+        }
+    }
+    return kept;
+}
+
+/* The scene keeps the places only if there are any. */
+static bool keep(struct pen_freezer *f, struct finder *finder)
+{
+    uint32_t prims = finder->prims->count;
+    size_t count = merge_places(finder->place, finder->places), at = 0;
+    if (count == 0)
+        return true;
+    uint32_t *first = pen_arena_alloc(f->scene->arena, (size_t)prims + 1, sizeof *first);
+    struct pen_layer_place *place = pen_arena_alloc(f->scene->arena, count, sizeof *place);
+    if (!first || !place)
+        return false;
+    for (uint32_t i = 0; i < prims; i++) {
+        first[i] = (uint32_t)at;
+        for (; at < count && finder->place[at].prim == i; at++)
+            place[at] = finder->place[at].there;
+    }
+    first[prims] = (uint32_t)at;
+    f->scene->layer_first = first;
+    f->scene->layer_place = place;
+    return true;
+}
+
+bool pen_freeze_layers(struct pen_freezer *f)
+{
+    struct finder finder = {.prims = &f->scene->prims};
+    bool ok = alloc_finder(&finder);
+    if (ok)
+        find(&finder);
+    ok = ok && !finder.no_memory && keep(f, &finder);
+    free(finder.surface);
+    free(finder.list);
+    free(finder.begin);
+    free(finder.place);
+    return ok || pen_freeze_no_memory(f);
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* Coincident surfaces along one path: rounding decides which of them a ray meets first, so the path
+ * visits them in document order. */
+#ifndef PEN_SHADE_INTERNAL_LAYERS_H
+#define PEN_SHADE_INTERNAL_LAYERS_H
+
+#include "scene/scene.h"
+
+/* Layers beyond so many in one place are visited in the order of t. */
+enum { LAYERS_MAX = 32 };
+
+/* What a path has visited, and is going to visit, of the layers at one place. */
+struct layers {
+    bool any;             /* the ray has met layers; else the rest has no meaning */
+    struct pen_hit after; /* all hits up to this one have been visited, or are waiting */
+    struct pen_hit waiting[LAYERS_MAX]; /* in the order in which they are visited */
+    int next, count;                    /* of `waiting` */
+    struct pen_hit ahead[LAYERS_MAX];   /* hits after `after` that are visited or waiting */
+    int ahead_count;
+};
+
+#endif
