@@ -268,6 +268,10 @@ mutant cone_inward cone_left 20000 "a ray that leaves a cone's side goes inward 
 edit src/geom/cone.c 1 's/^    bool inward = apex \? e\.grows > 0 : e\.b\.hi < 0;$/    bool inward = apex ? e.grows > 0 : e.b.hi > 0;/'
 judge
 
+mutant cone_apex rooms_round 6000 "at a cone's apex, rays are mirrored and lit though no side is known"
+edit src/shade/internal/surface.h 1 's/^    return s->unsure > 0 \&\& .*$/    return s->unsure < 0;/'
+judge
+
 mutant cone_box cone_boxes 20000 "the box of a cone holds its base, not its top"
 edit src/geom/cone.c 2 's/^    b = pen_box_add_point\(b, pen_along\(top, rim, -?top_radius\)\);$/    b = pen_box_add_point(b, pen_along(top, rim, -0.0 * top_radius));/'
 judge

@@ -38,7 +38,6 @@ const struct row row_table_rooms[] = {
         .run = rows_rooms_round,
         .full = 50000,
         .check = 300,
-        .known = "a ray that starts at the apex of a cone, inside, may leave through it",
     },
     {
         .id = "H073",
@@ -49,8 +48,9 @@ const struct row row_table_rooms[] = {
         .run = rows_rooms_mixed,
         .full = 50000,
         .check = 300,
-        .known = "the rule for passing a border is known to flat primitives only: rims of open "
-                 "cylinders and of lids leak",
+        .known =
+            "coincident rims of an open cylinder and a flat cylinder for a lid leak single pixels "
+            "in extreme zooms",
     },
     {
         .id = "H073",

@@ -14,15 +14,16 @@ static ALWAYS_INLINE bool path_contributes(const struct pen_kernel_input *input,
     return (w.x > 0 && w.x >= least) || (w.y > 0 && w.y >= least) || (w.z > 0 && w.z >= least);
 }
 
-/* Makes the reflected path, a new ray from p. False if its weight is too small. pen_ray_make
- * accepts the ray: p is finite, and n and v are finite and of length 1, hence so is their mirror
- * image. */
+/* Makes the reflected path, a new ray from p. False if its weight is too small, or if the viewer
+ * grazes the surface: rounding may then mirror the ray to the other side.
+ * pen_ray_make accepts the ray: p is finite, and n and v are finite and of length 1, hence so is
+ * their mirror image. */
 static ALWAYS_INLINE bool path_reflect(const struct pen_kernel_input *input,
                                        const struct path *path, const struct surface *s,
                                        struct path *reflected, const unsigned fx)
 {
     struct pen_vec3 weight = pen_mul(path->weight, s->material->kr);
-    if (!path_contributes(input, weight))
+    if (!path_contributes(input, weight) || surface_viewer_grazes(s))
         return false;
     struct pen_vec3 d = pen_along(s->v, s->n, -2 * s->nv);
     if (!pen_ray_make(&reflected->ray, s->p, d))

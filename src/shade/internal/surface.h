@@ -10,11 +10,12 @@
 struct surface {
     struct pen_hit hit;
     const struct pen_material *material;
-    struct pen_vec3 p;                /* on the surface */
-    struct pen_vec3 n;                /* unit, turned towards the viewer */
-    struct pen_vec3 v;                /* unit, from the viewer to p */
-    double nv;                        /* n.v <= 0 */
-    double grazing_sine;              /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
+    struct pen_vec3 p;   /* on the surface */
+    struct pen_vec3 n;   /* unit, turned towards the viewer */
+    struct pen_vec3 v;   /* unit, from the viewer to p */
+    double nv;           /* n.v <= 0 */
+    double unsure;       /* on which side the viewer is, rounding decides where -n.v is no more */
+    double grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
     struct pen_origin_surface origin; /* for rays that start at p on the viewer's side; its bound is
                                how far p may be off by rounding */
 };
@@ -28,6 +29,14 @@ static ALWAYS_INLINE double surface_grazing_sine(double turn, bool outside)
     if (turn <= PEN_HORIZON_SINE || (outside && !(turn < 1)))
         return PEN_HORIZON_SINE;
     return turn < 1 ? turn : INFINITY;
+}
+
+/* The sine -n.v up to which rounding decides on which side of a round surface the viewer is, since
+ * the normal is known to `turn`, and a mirrored ray is off by twice that. At an apex that is a wide
+ * angle; but a viewer who seems to be outside and looks steeply at it is outside. */
+static ALWAYS_INLINE double surface_unsure(double turn, bool outside)
+{
+    return outside && !(4 * turn < 0x1p-6) ? 0x1p-6 : 4 * turn;
 }
 
 static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
@@ -50,7 +59,14 @@ static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
     s.origin = pen_origin_at(&scene->prims, ray, left, hit, s.p);
     double turn = s.origin.bound * pen_prim_curvature(&scene->prims, hit, s.p);
     s.grazing_sine = surface_grazing_sine(turn, outside);
+    s.unsure = surface_unsure(turn, outside);
     return s;
+}
+
+/* Whether rounding decides on which side of a round surface the viewer is. */
+static ALWAYS_INLINE bool surface_viewer_grazes(const struct surface *s)
+{
+    return s->unsure > 0 && !(-s->nv > s->unsure);
 }
 
 /* The origin surface of a ray that starts at p, on the viewer's side or `through` the surface. */

@@ -67,7 +67,7 @@ static ALWAYS_INLINE struct arriving_light
 light_unshadowed(const struct pen_light *light, const struct surface *s, const unsigned fx)
 {
     struct arriving_light arriving = {.term = {0, 0, 0}};
-    if (!(s->nv < 0))
+    if (!(s->nv < 0) || surface_viewer_grazes(s))
         return arriving; /* the viewer is in the tangent plane, on neither side of it */
     if (!light->positional) {
         arriving.term = light_of_directional(light, s, fx);
