@@ -110,7 +110,8 @@ double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pe
 
 /* The origin surface of a ray that starts at p and goes on at the side from which `ray` arrived: p
  * is the point of `hit`, and `ray` itself started on `left`.
- *  - before: of all earlier `toward`, the longest is kept, because it tells sides best.
+ *  - before: from p back to where an earlier ray of the path started: the last one that went
+ *    farther than rounding reaches, else the longest, because it tells sides best.
  *  - bound: p = o + t d misses its surface by the rounding of the sum before it is put back on it,
  *    and may miss other surfaces there by as much; 16u covers the products, t and the sum. Where
  *    the ray has hardly moved, p is also off by the bound of o. */
@@ -129,9 +130,10 @@ static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *pr
     if (hit.t * hit.t <= nearby * nearby * ray->inv_dd)
         origin.bound += left->bound;
     if (hit.t > PEN_LAST_LAYER_T) {
-        if (pen_norm1(left->toward) > pen_norm1(left->before))
-            origin.before = left->toward;
         origin.toward = pen_scale(ray->d, -hit.t);
+        if (pen_norm1(left->toward) > nearby || pen_norm1(left->toward) > pen_norm1(left->before))
+            origin.before = left->toward;
+        origin.before = pen_add(origin.before, origin.toward);
     }
     return origin;
 }

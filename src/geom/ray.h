@@ -175,7 +175,7 @@ struct pen_origin_surface {
     struct pen_vec3 toward; /* from the origin back to where the arriving ray started; if that ray
                                arrived at PEN_FIRST_T or at a layer, to where the one before it
                                started */
-    struct pen_vec3 before; /* the longest `toward` of the path's earlier surfaces; or zero */
+    struct pen_vec3 before; /* from the origin back to where an earlier ray started; or zero */
     double bound;           /* distance by which the origin may miss its surface: pen_origin_at */
 };
 
