@@ -438,9 +438,9 @@ static enum pen_candidate_verdict triangle_candidate(const struct pen_shadow_pac
                                                      struct pen_candidate *candidate)
 {
     const struct pen_vec3 *v = tri->v;
-    struct flat flat = {v, 3, tri->n};
-    if (pen_dot(cross(pen_sub(v[1], v[0]), pen_sub(v[2], v[0])), tri->n) < 0)
-        flat.n = pen_neg(tri->n);
+    struct flat flat = {v, 3, tri->facet.n};
+    if (pen_dot(cross(pen_sub(v[1], v[0]), pen_sub(v[2], v[0])), tri->facet.n) < 0)
+        flat.n = pen_neg(tri->facet.n);
     return convex_candidate(packet, &flat, candidate);
 }
 
@@ -450,21 +450,21 @@ static enum pen_candidate_verdict plane_only_candidate(const struct pen_shadow_p
                                                        const struct pen_polygon *p, double delta,
                                                        struct pen_candidate *candidate)
 {
-    double h = pen_dot(p->n, pen_sub(p->v[0], packet->o));
+    double h = pen_dot(p->facet.n, pen_sub(p->v[0], packet->o));
     if (!p->flat)
         delta += 0x1p-18 * p->extent;
     if (fabs(h) <= delta)
         return scalar_fallback(candidate);
     candidate->plane_only = true;
-    return add_line(candidate, plane_line(packet, p->n, h, delta)) ? PEN_CANDIDATE_SOME
-                                                                   : PEN_CANDIDATE_NEVER;
+    return add_line(candidate, plane_line(packet, p->facet.n, h, delta)) ? PEN_CANDIDATE_SOME
+                                                                         : PEN_CANDIDATE_NEVER;
 }
 
 static enum pen_candidate_verdict polygon_candidate(const struct pen_shadow_packet *packet,
                                                     const struct pen_polygon *p,
                                                     struct pen_candidate *candidate)
 {
-    const struct flat flat = {p->v, p->count, p->n};
+    const struct flat flat = {p->v, p->count, p->facet.n};
     if (p->flat && p->convex && p->count < PEN_PACKET_LINES)
         return convex_candidate(packet, &flat, candidate);
     double delta = packet->delta + margin_of(farthest(packet, &flat));

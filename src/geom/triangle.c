@@ -2,10 +2,9 @@
 /* Triangles: how they are made, and the functions of their kind. */
 #include "geom/triangle.h"
 
-#include "geom/internal/double_double.h"
+#include "geom/internal/facet.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
-#include "math/exact_sum.h"
 
 /* The extents along x, y, z of the edge from p to q: the same after mirroring or moving the
  * triangle. */
@@ -71,18 +70,15 @@ static bool make_with(struct pen_triangle *tri, const struct pen_vec3 v[3],
     int first = first_corner(v);
     *tri = (struct pen_triangle){.v = {v[first], v[(first + 1) % 3], v[(first + 2) % 3]}};
     struct dd3 e = dd_sub3(tri->v[1], tri->v[0]), f = dd_sub3(tri->v[2], tri->v[0]);
-    struct pen_vec3 n = dd_round3(dd_cross(e, f));
-    if (!is_finite3(n))
+    struct dd3 normal = dd_cross(e, f);
+    if (!is_finite3(dd_round3(normal)))
         return false;
-    /* The error of n is a few 2^-104 of the product of the edges: below this it would show. */
+    /* The error of the normal is a few 2^-104 of the product of the edges: below this it would
+     * show. */
     double least = 0x1p-40 * pen_largest3(dd_round3(e)) * pen_largest3(dd_round3(f));
-    if (!(pen_largest3(n) > least))
-        n = pen_exact_normal(tri->v, 3);
-    if (pen_largest3(n) == 0)
-        n = otherwise;
-    if (pen_largest3(n) == 0)
+    if (!pen_exact_enough(&normal, least, tri->v, 3, otherwise))
         return false;
-    tri->n = pen_unit_of(n);
+    tri->facet = pen_facet_of(tri->v[0], normal);
     return true;
 }
 
@@ -98,22 +94,6 @@ static double extent_of(const struct pen_triangle *tri)
 {
     struct pen_box b = pen_box_of_points(tri->v, 3);
     return pen_largest3(pen_sub(b.hi, b.lo));
-}
-
-void pen_triangle_refine(const struct pen_triangle *tri, const struct pen_ray *ray, double *t)
-{
-    const struct pen_vec3 *v = tri->v;
-    struct dd3 n = dd_cross(dd_sub3(v[1], v[0]), dd_sub3(v[2], v[0]));
-    double far = dd_dot(n, dd_sub3(v[0], ray->o)).hi, nd = dd_dot(n, dd_of3(ray->d)).hi;
-    double plane = far / nd, least = INFINITY, most = -INFINITY;
-    if (!(fabs(plane) < INFINITY)) /* seen edge-on */
-        return;
-    for (int i = 0; i < 3; i++) {
-        double depth = pen_shear(ray, &v[i]).z * ray->sz;
-        least = depth < least ? depth : least;
-        most = depth > most ? depth : most;
-    }
-    *t = plane < least ? least : plane > most ? most : plane;
 }
 
 static bool make(void *self, const struct pen_prim_source *from)
@@ -132,24 +112,25 @@ static void intersect_line(const void *self, const struct pen_ray *ray,
 static struct pen_vec3 normal(const void *self, uint8_t part, struct pen_vec3 p)
 {
     (void)part, (void)p;
-    return ((const struct pen_triangle *)self)->n;
+    return ((const struct pen_triangle *)self)->facet.n;
 }
 
 static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p)
 {
     (void)part;
-    return pen_triangle_project(self, p);
+    return pen_facet_project(&((const struct pen_triangle *)self)->facet, p);
 }
 
 static struct pen_box bounds(const void *self)
 {
-    return pen_box_of_points(((const struct pen_triangle *)self)->v, 3);
+    return pen_outline_bounds(((const struct pen_triangle *)self)->v, 3, 0);
 }
 
+/* None: the facet is exact. */
 static double scale(const void *self, struct pen_vec3 p)
 {
-    (void)p;
-    return extent_of(self);
+    (void)self, (void)p;
+    return 0;
 }
 
 static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)

@@ -30,8 +30,25 @@ static inline struct pen_vec3 pen_cross(struct pen_vec3 a, struct pen_vec3 b)
                     pen_dop(a.x, b.y, a.y, b.x));
 }
 
-/* The dot product as if computed in twice the precision and rounded once (compensated).
+/* c + a.b + rest, summed as if in twice the precision: the error is some u of the result and 2^-102
+ * of |c| + |a|.|b|, as long as `rest` is within 2^-50 of these.
  * Source: Ogita, Rump, Oishi, "Accurate sum and dot product", SIAM J. Sci. Comput. 26, 2005. */
+static inline double pen_dot2_plus(double c, struct pen_vec3 a, struct pen_vec3 b, double rest)
+{
+    const double left[3] = {a.x, a.y, a.z}, right[3] = {b.x, b.y, b.z};
+    double sum = c, low = 0;
+    for (int i = 0; i < 3; i++) {
+        double product = left[i] * right[i];
+        double next = sum + product;
+        double part = next - sum;
+        double lost = (sum - (next - part)) + (product - part); /* Knuth's exact sum */
+        low += lost + fma(left[i], right[i], -product);
+        sum = next;
+    }
+    return sum + (low + rest);
+}
+
+/* The dot product as if computed in twice the precision and rounded once (compensated). */
 static inline double pen_dot2(struct pen_vec3 a, struct pen_vec3 b)
 {
     double sum = a.x * b.x, low = fma(a.x, b.x, -sum);
@@ -40,7 +57,7 @@ static inline double pen_dot2(struct pen_vec3 a, struct pen_vec3 b)
         double product = left[i] * right[i];
         double next = sum + product;
         double part = next - sum;
-        double lost = (sum - (next - part)) + (product - part); /* Knuth's exact sum */
+        double lost = (sum - (next - part)) + (product - part);
         low += lost + fma(left[i], right[i], -product);
         sum = next;
     }

@@ -106,24 +106,45 @@ int pen_exact_sign(struct pen_exact_sum *sum)
     return (value > 0) - (value < 0);
 }
 
-struct pen_vec3 pen_exact_direction(struct pen_exact_sum sum[3])
+/* Takes value 2^exponent from the sum. */
+static void subtract(struct pen_exact_sum *sum, double value, int exponent)
 {
-    double value[3];
-    int exponent[3], most = 3 * LOWEST;
+    int half = exponent / 2;
+    pen_exact_add(sum, -value, pen_scale2(1, half), pen_scale2(1, exponent - half));
+}
+
+/* As pen_exact_direction; if `low` is not NULL, the sums lose what is returned, and *low gets their
+ * rest. */
+static struct pen_vec3 direction(struct pen_exact_sum sum[3], struct pen_vec3 *low)
+{
+    double value[3], rest[3] = {0, 0, 0};
+    int exponent[3], most = 3 * LOWEST, below;
     for (int i = 0; i < 3; i++) {
         value[i] = pen_exact_value(&sum[i], &exponent[i]);
         most = value[i] != 0 && exponent[i] > most ? exponent[i] : most;
     }
-    return pen_vec3(pen_scale2(value[0], exponent[0] - most),
-                    pen_scale2(value[1], exponent[1] - most),
-                    pen_scale2(value[2], exponent[2] - most));
+    for (int i = 0; i < 3; i++) {
+        if (low && value[i] != 0) {
+            subtract(&sum[i], value[i], exponent[i]);
+            rest[i] = pen_exact_value(&sum[i], &below);
+            rest[i] = pen_scale2(rest[i], below - most);
+        }
+        value[i] = pen_scale2(value[i], exponent[i] - most);
+    }
+    if (low)
+        *low = pen_vec3(rest[0], rest[1], rest[2]);
+    return pen_vec3(value[0], value[1], value[2]);
+}
+
+struct pen_vec3 pen_exact_direction(struct pen_exact_sum sum[3])
+{
+    return direction(sum, NULL);
 }
 
 /* The sum of v[i] x v[i + 1] around the loop: moving all points by one vector adds terms that
  * cancel, and here they do so exactly. */
-struct pen_vec3 pen_exact_normal(const struct pen_vec3 *v, uint32_t count)
+static void sum_normal(const struct pen_vec3 *v, uint32_t count, struct pen_exact_sum sum[3])
 {
-    struct pen_exact_sum sum[3] = {{{0}}};
     for (uint32_t i = 0; i < count; i++) {
         struct pen_vec3 a = v[i], b = v[i + 1 < count ? i + 1 : 0];
         for (int axis = 0; axis < 3; axis++) {
@@ -132,5 +153,18 @@ struct pen_vec3 pen_exact_normal(const struct pen_vec3 *v, uint32_t count)
             pen_exact_add(&sum[axis], pen_component(a, z), pen_component(b, y), -1);
         }
     }
-    return pen_exact_direction(sum);
+}
+
+struct pen_vec3 pen_exact_normal(const struct pen_vec3 *v, uint32_t count)
+{
+    struct pen_exact_sum sum[3] = {{{0}}};
+    sum_normal(v, count, sum);
+    return direction(sum, NULL);
+}
+
+struct pen_vec3 pen_exact_normal_low(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 *low)
+{
+    struct pen_exact_sum sum[3] = {{{0}}};
+    sum_normal(v, count, sum);
+    return direction(sum, low);
 }

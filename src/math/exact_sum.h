@@ -35,4 +35,9 @@ struct pen_vec3 pen_exact_direction(struct pen_exact_sum sum[3]);
  * direction of (v1 - v0) x (v2 - v0). Zero exactly if the signed areas add up to zero. */
 struct pen_vec3 pen_exact_normal(const struct pen_vec3 *v, uint32_t count);
 
+/* The same; *low gets what rounding has taken from each component, within 1 ulp. Coordinates are in
+ * 2^-500 ... 2^500, or 0. */
+struct pen_vec3 pen_exact_normal_low(const struct pen_vec3 *v, uint32_t count,
+                                     struct pen_vec3 *low);
+
 #endif

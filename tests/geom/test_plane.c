@@ -25,7 +25,7 @@ static int cross_z(double height, vec3 o, vec3 d, double tmax, double *t)
 static bool plane_through(struct pen_plane *p, vec3 a, vec3 b, vec3 c)
 {
     struct pen_triangle tri;
-    return pen_triangle_make(&tri, a, b, c) && pen_plane_make(p, a, tri.n);
+    return pen_triangle_make(&tri, a, b, c) && pen_plane_make(p, a, tri.facet.n);
 }
 
 START_TEST(test_plane__h001_normal_of_three_points)

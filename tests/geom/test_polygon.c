@@ -43,9 +43,10 @@ START_TEST(test_polygon__h029_normal)
 {
     struct pen_polygon p;
     ck_assert(pen_polygon_make(&p, quad_corners, 4));
-    ck_assert(quad_ulps(p.n.x, 1 / quad_sqrt(3)) <= 2 && p.n.x == p.n.y && p.n.y == p.n.z);
+    ck_assert(quad_ulps(p.facet.n.x, 1 / quad_sqrt(3)) <= 2 && p.facet.n.x == p.facet.n.y &&
+              p.facet.n.y == p.facet.n.z);
     for (int i = 0; i < 4; i++)
-        ck_assert(fabs(pen_dot(p.n, pen_sub(quad_corners[(i + 1) % 4], quad_corners[i]))) <=
+        ck_assert(fabs(pen_dot(p.facet.n, pen_sub(quad_corners[(i + 1) % 4], quad_corners[i]))) <=
                   4 * PEN_U);
 }
 END_TEST
@@ -186,7 +187,7 @@ START_TEST(test_polygon__h055_ten_thousand_corners)
     v[ROUND] = v[0];
     for (int k = 0; k < 6; k++)
         v[ROUND + 1 + k] = frame[k];
-    ck_assert(pen_polygon_make(&circle, v, ROUND) && circle.n.z == 1);
+    ck_assert(pen_polygon_make(&circle, v, ROUND) && circle.facet.n.z == 1);
     ck_assert(pen_polygon_make(&rest, v, ROUND + 7));
     int hits = 0;
     double t;

@@ -293,7 +293,7 @@ START_TEST(test_self_intersection__convex_edges_and_seams_cast_no_shadow)
         if (i & 1)
             world_box(&world, pen_add(c, pen_vec3(.3, 0, .1)), pen_add(c, pen_vec3(.6, .4, .4)));
         int f = i & 1 ? 3 : (int)random_below(&r, 6); /* the flush face is +y */
-        vec3 p = on_face(&r, f), n = world.polygon[f].n;
+        vec3 p = on_face(&r, f), n = world.polygon[f].facet.n;
         vec3 out = random_direction(&r), eye = random_direction(&r);
         out = pen_dot(out, n) < 0 ? pen_neg(out) : out;
         eye = pen_dot(eye, n) < 0 ? pen_neg(eye) : eye;

@@ -165,7 +165,7 @@ judge PIXEL_FLAGS="-std=c11 -mfma -ffp-contract=fast -fno-math-errno"
 
 mutant strict_edges h038_watertight 20000 "a triangle does not own its edges"
 edit src/geom/triangle.h 1 \
-    's/^    if \(pen_edge_counts\(a, b, w\).* == 0\)$/    if (!((w > 0 \&\& u > 0 \&\& v > 0) || (w < 0 \&\& u < 0 \&\& v < 0)))/'
+    's/^    return pen_edge_counts\(a, b, w\).* != 0;$/    return (w > 0 \&\& u > 0 \&\& v > 0) || (w < 0 \&\& u < 0 \&\& v < 0);/'
 edit src/accel/internal/blocks_avx2.h 1 \
     's/^    unsigned lanes = bits\(_mm256_xor_pd\(up, down\)\);$/& lanes \&= bits(_mm256_and_pd(LESS(zero, ew), _mm256_and_pd(LESS(zero, eu), LESS(zero, ev)))) | bits(_mm256_and_pd(LESS(ew, zero), _mm256_and_pd(LESS(eu, zero), LESS(ev, zero))));/'
 judge

@@ -264,8 +264,8 @@ static double plain_polygon(const struct price_set *set, const struct pen_ray *r
     const struct world *w = &set->world[PEN_PRIM_POLYGON];
     for (int i = 0; i < PRICE_PRIMS; i++) {
         const struct pen_polygon *p = &w->polygon[i];
-        double t = pen_dot(p->n, pen_sub(p->v[0], ray->o)) / pen_dot(p->n, ray->d);
-        double nx = fabs(p->n.x), ny = fabs(p->n.y), nz = fabs(p->n.z);
+        double t = pen_dot(p->facet.n, pen_sub(p->v[0], ray->o)) / pen_dot(p->facet.n, ray->d);
+        double nx = fabs(p->facet.n.x), ny = fabs(p->facet.n.y), nz = fabs(p->facet.n.z);
         int drop = nx > ny ? (nx > nz ? 0 : 2) : (ny > nz ? 1 : 2), a = drop == 0,
             b = 2 - (drop == 2);
         bool inside = false;

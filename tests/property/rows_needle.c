@@ -94,8 +94,8 @@ static vec3 normal_of(const vec3 *p, int count)
     struct pen_triangle triangle;
     struct pen_polygon polygon;
     if (count == 3 && pen_triangle_make(&triangle, p[0], p[1], p[2]))
-        return triangle.n;
-    return count == 4 && pen_polygon_make(&polygon, p, 4) ? polygon.n : pen_vec3(0, 0, 0);
+        return triangle.facet.n;
+    return count == 4 && pen_polygon_make(&polygon, p, 4) ? polygon.facet.n : pen_vec3(0, 0, 0);
 }
 
 static void judge_thin(const struct row_case *c, struct row_verdict *v)

@@ -230,7 +230,7 @@ static bool make_flat(enum kind kind, vec3 at, vec3 e, vec3 f)
     if (kind == TRIANGLE)
         world_triangle(&world, v[0], v[1], v[2]);
     else if (kind == PLANE)
-        world_plane(&world, at, probe.n);
+        world_plane(&world, at, probe.facet.n);
     else if (!pen_polygon_make(&world.polygon[0], v, 4))
         return false;
     else
@@ -298,8 +298,8 @@ static void judge_wedge(const struct row_case *c, struct row_verdict *v)
     vec3 p = pen_along(pen_along(at, x, across), e, along);
     vec3 over = pen_along(pen_along(at, up, across * part), e, along); /* on the other face */
     vec3 to = pen_add(over, pen_sub(over, p)), eye = pen_along(pen_along(p, x, .7), y, .35 * angle);
-    struct meeting m = {{1, 0, PEN_PART_SIDE}, p, world.triangle[0].n, pen_sub(p, eye)};
-    m.p = pen_triangle_project(&world.triangle[0], p);
+    struct meeting m = {{1, 0, PEN_PART_SIDE}, p, world.triangle[0].facet.n, pen_sub(p, eye)};
+    m.p = pen_facet_project(&world.triangle[0].facet, p);
     /* Told what is true: the ray goes up into the wedge, and came from there. */
     struct pen_origin_surface on = world_origin_surface(&world, m.hit, m.p, m.v, false);
     struct pen_ray ray;

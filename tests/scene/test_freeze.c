@@ -208,9 +208,11 @@ START_TEST(test_freeze__needles)
     kit_group(&kit, 3, &move);
     struct pen_scene *scene = kit_freeze(&kit);
     const struct pen_prims *prims = &scene->prims;
-    ck_assert(prims->triangle[0].n.z == 1 && prims->polygon[0].n.z == 1);
-    ck_assert(prims->triangle[1].n.x == 0 && fabs(pen_length(prims->triangle[1].n) - 1) < 1e-15);
-    ck_assert(prims->polygon[1].n.x == 0 && fabs(pen_length(prims->polygon[1].n) - 1) < 1e-15);
+    ck_assert(prims->triangle[0].facet.n.z == 1 && prims->polygon[0].facet.n.z == 1);
+    ck_assert(prims->triangle[1].facet.n.x == 0 &&
+              fabs(pen_length(prims->triangle[1].facet.n) - 1) < 1e-15);
+    ck_assert(prims->polygon[1].facet.n.x == 0 &&
+              fabs(pen_length(prims->polygon[1].facet.n) - 1) < 1e-15);
     pen_scene_free(scene);
     kit_init(&kit);
     kit_sphere(&kit, pen_vec3(7, 3, 1), .1, -1);

@@ -224,27 +224,6 @@ static inline struct vec4 shear4(const struct trace *trace, const double v[3][PE
     return f;
 }
 
-/* Offers the intersections of the lanes of a flat block. */
-static inline bool offer_lanes(struct trace *trace, const uint32_t prim[PEN_LANES], __m256d t,
-                               unsigned lanes, bool any)
-{
-    __m256d useful = _mm256_and_pd(LESS(splat4(0), t), LESS_EQUAL(t, tmax4(trace, any)));
-    if (trace->from_surface)
-        useful = _mm256_or_pd(useful, LESS_EQUAL(_mm256_mul_pd(t, t), splat4(trace->near_sq)));
-    if (!trace->reaches_origin) /* else the ray may lie in a plane: offer_bounded */
-        lanes &= bits(useful);
-    if (lanes == 0)
-        return false;
-    double at[PEN_LANES];
-    _mm256_storeu_pd(at, t);
-    for (; lanes; lanes &= lanes - 1) {
-        int lane = __builtin_ctz(lanes);
-        if (offer_flat(trace, prim[lane], at[lane], any))
-            return true;
-    }
-    return false;
-}
-
 /* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
  * space the shear at most doubles distances across the ray. An edge that is a single point there
  * has a neighbour that is not, and that passes as near. */
@@ -265,22 +244,18 @@ static __attribute__((noinline)) unsigned triangle_borders4(const struct trace *
     return bits(_mm256_or_pd(_mm256_or_pd(ab, bc), edge_passes_origin4(trace, c, a)));
 }
 
-/* pen_triangle_grazed */
-static inline unsigned grazed4(struct vec4 a, struct vec4 b, struct vec4 c, __m256d area)
+/* Offers the intersections with triangles that the ray's line enters. */
+static inline bool offer_triangles(struct trace *trace, const uint32_t prim[PEN_LANES],
+                                   unsigned lanes, bool any)
 {
-    struct vec4 e = sub3(b, a), f = sub3(c, a);
-    __m256d size =
-        _mm256_add_pd(_mm256_add_pd(abs4(e.x), abs4(e.y)), _mm256_add_pd(abs4(f.x), abs4(f.y)));
-    __m256d spread = _mm256_add_pd(abs4(e.z), abs4(f.z));
-    return bits(LESS(_mm256_mul_pd(splat4(8), abs4(area)), _mm256_mul_pd(size, spread)));
-}
-
-/* pen_edge_even */
-static inline __m256d edge_even4(struct vec4 p, struct vec4 q)
-{
-    __m256d a = _mm256_mul_pd(p.x, q.y), b = _mm256_mul_pd(p.y, q.x);
-    __m256d low = _mm256_sub_pd(_mm256_fmsub_pd(p.x, q.y, a), _mm256_fmsub_pd(p.y, q.x, b));
-    return _mm256_add_pd(_mm256_sub_pd(a, b), low);
+    const struct pen_prims *prims = trace->accel->prims;
+    for (; lanes; lanes &= lanes - 1) {
+        uint32_t number = prim[__builtin_ctz(lanes)];
+        const struct pen_triangle *tri = &prims->triangle[prims->ref[number].index];
+        if (offer_outline(trace, number, &tri->facet, tri->v, 3, any))
+            return true;
+    }
+    return false;
 }
 
 static inline bool test_triangles4(struct trace *trace, const struct pen_triangles4 *block,
@@ -309,28 +284,20 @@ static inline bool test_triangles4(struct trace *trace, const struct pen_triangl
             return true;
         lanes &= ~border;
     }
-    if (lanes == 0)
-        return false;
-    eu = edge_even4(b, c);
-    __m256d sum = _mm256_add_pd(_mm256_mul_pd(eu, a.z),
-                                _mm256_add_pd(_mm256_mul_pd(ev, b.z), _mm256_mul_pd(ew, c.z)));
-    __m256d area = _mm256_add_pd(eu, _mm256_add_pd(ev, ew));
-    unsigned grazed = lanes & grazed4(a, b, c, area);
-    if (grazed) {
-        if (test_lanes(trace, block->prim, grazed & ~origin_lanes(trace, block->prim), any))
-            return true;
-        lanes &= ~grazed;
-    }
-    __m256d t = _mm256_div_pd(_mm256_mul_pd(sum, splat4(trace->ray->sz)), area);
-    return offer_lanes(trace, block->prim, t, lanes, any);
+    return lanes &&
+           offer_triangles(trace, block->prim, lanes & ~origin_lanes(trace, block->prim), any);
 }
 
-/* A superset of the polygons that wind around the ray, by the winding rule of pen_polygon_root,
- * and if `border` is not NULL, a superset of those with the ray's origin on their border. Two
- * products that round to different numbers are in that order too before rounding, so only ties are
- * undecided. */
-static inline unsigned polygons_entered4(const struct trace *trace,
-                                         const struct pen_polygons4 *block, unsigned *border)
+/* Whether polygons wind around the ray, by the winding rule of geom/triangle.h. */
+struct entered4 {
+    unsigned lanes; /* those that do; right except in `ties` */
+    unsigned ties;  /* two products round to the same number: their order is not known */
+};
+
+/* Two products that round to different numbers are in that order too before rounding. If `border`
+ * is not NULL, it gets a superset of the polygons with the ray's origin on their border. */
+static inline struct entered4 polygons_entered4(const struct trace *trace,
+                                                const struct pen_polygons4 *block, unsigned *border)
 {
     const __m256d zero = splat4(0);
     const __m256i one = _mm256_set1_epi64x(1);
@@ -356,24 +323,41 @@ static inline unsigned polygons_entered4(const struct trace *trace,
     if (border)
         *border = bits(near);
     __m256i none = _mm256_cmpeq_epi64(winding, _mm256_setzero_si256());
-    return (15 & ~bits(_mm256_castsi256_pd(none))) | bits(ties);
+    unsigned tied = bits(ties);
+    return (struct entered4){15 & ~bits(_mm256_castsi256_pd(none)) & ~tied, tied};
+}
+
+/* Offers the intersections with polygons that the ray's line enters. */
+static inline bool offer_polygons(struct trace *trace, const struct pen_polygons4 *block,
+                                  struct entered4 in, unsigned lanes, bool any)
+{
+    const struct pen_prims *prims = trace->accel->prims;
+    lanes &= ~origin_lanes(trace, block->prim);
+    for (unsigned sure = in.lanes & lanes; sure; sure &= sure - 1) {
+        uint32_t number = block->prim[__builtin_ctz(sure)];
+        const struct pen_polygon *p = &prims->polygon[prims->ref[number].index];
+        if (offer_outline(trace, number, &p->facet, p->v, p->count, any))
+            return true;
+    }
+    return in.ties & lanes && test_lanes(trace, block->prim, in.ties & lanes, any);
 }
 
 static __attribute__((noinline)) bool
 test_polygons_at_origin(struct trace *trace, const struct pen_polygons4 *block, bool any)
 {
-    unsigned border, lanes = polygons_entered4(trace, block, &border),
-                     others = ~origin_lanes(trace, block->prim);
-    return (border & others && test_at_border(trace, block->prim, border & others, any)) ||
-           test_lanes(trace, block->prim, lanes & ~border & others, any);
+    unsigned border, others = ~origin_lanes(trace, block->prim);
+    struct entered4 in = polygons_entered4(trace, block, &border);
+    if (border & others && test_at_border(trace, block->prim, border & others, any))
+        return true;
+    return (in.lanes | in.ties) & ~border && offer_polygons(trace, block, in, ~border, any);
 }
 
 static inline bool test_polygons4(struct trace *trace, const struct pen_polygons4 *block, bool any)
 {
     if (trace->reaches_origin)
         return test_polygons_at_origin(trace, block, any);
-    unsigned lanes = polygons_entered4(trace, block, NULL);
-    return lanes && test_lanes(trace, block->prim, lanes & ~origin_lanes(trace, block->prim), any);
+    struct entered4 in = polygons_entered4(trace, block, NULL);
+    return (in.lanes | in.ties) && offer_polygons(trace, block, in, 15, any);
 }
 
 /* a + b, and the rounding error of that sum in *lost (Knuth), as in pen_dot2. */

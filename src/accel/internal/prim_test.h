@@ -54,9 +54,9 @@ static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
     case PEN_BLOCK_PLANES:
         return &prims->plane[ref.index].n;
     case PEN_BLOCK_TRIANGLES:
-        return &prims->triangle[ref.index].n;
+        return &prims->triangle[ref.index].facet.n;
     case PEN_BLOCK_POLYGONS:
-        return &prims->polygon[ref.index].n;
+        return &prims->polygon[ref.index].facet.n;
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_SPHERES:
     case PEN_BLOCK_CYLINDERS:
@@ -241,14 +241,42 @@ static inline bool offer_flat(struct trace *trace, uint32_t prim, double t, bool
     return !late && offer(trace, prim, t, PEN_PART_SIDE, any);
 }
 
-/* The same for a finite primitive. Most of those behind the origin are dropped at once; not where
- * the origin may be on them: a ray that nearly lies in a plane meets it far from where it starts,
- * before or behind, as rounding has put the origin. */
-static inline bool offer_bounded(struct trace *trace, uint32_t prim, double t, bool any)
+/* Whether a facet is surely behind the ray's origin or beyond what is sought, and out of the
+ * self-intersection rule's reach; t is rough. */
+static inline bool is_useless(const struct trace *trace, double t, bool any)
 {
+    double end = any ? trace->shadow->tmax : trace->best.t;
+    return (t < 0 || t > 1.0000001 * end) &&
+           (!trace->from_surface || t * t > 1.0000001 * trace->near_sq);
+}
+
+/* Offers the intersection with a triangle or polygon whose inside the ray's line passes. Most of
+ * those behind the origin are dropped at once; not where the origin may be on them: a ray that
+ * nearly lies in a plane meets it far from where it starts, before or behind, as rounding has put
+ * the origin. */
+static inline bool offer_outline(struct trace *trace, uint32_t prim, const struct pen_facet *facet,
+                                 const struct pen_vec3 *v, uint32_t count, bool any)
+{
+    if (!trace->reaches_origin && is_useless(trace, pen_facet_root_roughly(facet, trace->ray), any))
+        return false;
+    double t = pen_outline_root(facet, v, count, trace->ray);
     if (t < 0 && (!trace->from_surface || (t * t > trace->near_sq && !trace->reaches_origin)))
         return false;
     return offer_flat(trace, prim, t, any);
+}
+
+static inline bool test_triangle(struct trace *trace, uint32_t prim, const struct pen_triangle *tri,
+                                 bool any)
+{
+    return pen_triangle_entered(tri, trace->ray) &&
+           offer_outline(trace, prim, &tri->facet, tri->v, 3, any);
+}
+
+static inline bool test_polygon(struct trace *trace, uint32_t prim, const struct pen_polygon *p,
+                                bool any)
+{
+    return pen_polygon_entered(p, trace->ray) &&
+           offer_outline(trace, prim, &p->facet, p->v, p->count, any);
 }
 
 /* Tests one primitive of any kind, by the functions of its header or by the reference. */
@@ -268,11 +296,9 @@ static inline bool test_prim(struct trace *trace, uint32_t prim, bool any)
         return pen_plane_root(&prims->plane[ref.index], trace->ray, &t) &&
                offer_flat(trace, prim, t, any);
     case PEN_BLOCK_TRIANGLES:
-        return pen_triangle_root(&prims->triangle[ref.index], trace->ray, &t) &&
-               offer_bounded(trace, prim, t, any);
+        return test_triangle(trace, prim, &prims->triangle[ref.index], any);
     case PEN_BLOCK_POLYGONS:
-        return pen_polygon_root(&prims->polygon[ref.index], trace->ray, &t) &&
-               offer_bounded(trace, prim, t, any);
+        return test_polygon(trace, prim, &prims->polygon[ref.index], any);
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:

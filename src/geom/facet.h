@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+/* Facets: what triangles and polygons know of their plane. Whether a ray passes inside the outline
+ * is decided by the winding of geom/triangle.h; where it meets the plane is decided here, by the
+ * exact position of one vertex and a normal of twice the precision. So the error of t is a few
+ * units of its own last place, and that of a distance from the plane is relative to that distance,
+ * however large the primitive is and wherever its vertices are. */
+#ifndef PEN_GEOM_FACET_H
+#define PEN_GEOM_FACET_H
+
+#include "geom/ray.h"
+
+/* A point in ray space: the ray is the z axis, its origin is 0; z is not yet divided by d[kz]. */
+struct pen_sheared {
+    double x, y, z;
+};
+
+static inline struct pen_sheared pen_shear(const struct pen_ray *ray, const struct pen_vec3 *v)
+{
+    struct pen_vec3 f = pen_sub(pen_permuted(ray, v), ray->permuted_o);
+    return (struct pen_sheared){f.x - ray->sx * f.z, f.y - ray->sy * f.z, f.z};
+}
+
+/* Twice the area of (ray, P, Q) seen along the ray; its sign is exact. */
+static inline double pen_edge(struct pen_sheared p, struct pen_sheared q)
+{
+    return pen_dop(p.x, q.y, p.y, q.x);
+}
+
+/* What edge PQ, with s = pen_edge(p, q), adds to the winding number: +1, -1 or 0. */
+static inline int pen_edge_counts(struct pen_sheared p, struct pen_sheared q, double s)
+{
+    return (p.y <= 0 && q.y > 0 && s > 0) - (p.y > 0 && q.y <= 0 && s < 0);
+}
+
+/* The plane g.x = c, to twice the precision. */
+struct pen_facet {
+    struct pen_vec3 g, g_low; /* the largest component is in [1/2, 1] */
+    double c, c_low;
+    struct pen_vec3 n; /* the unit normal */
+};
+
+/* How far the facet is above p, times |g|: some u of that, and 2^-100 of |g| (|p| + |c|). */
+static inline double pen_facet_above(const struct pen_facet *facet, struct pen_vec3 p)
+{
+    return pen_dot2_plus(facet->c, pen_neg(facet->g), p, facet->c_low - pen_dot(facet->g_low, p));
+}
+
+/* The t at which the ray's line meets the facet; not finite if it is parallel. It is off by at most
+ * 4u of itself, and where a sum cancels to less than 2^-48 of its terms, by 2^-100 of these.
+ * *grazing: the angle between them is so small, below 2^-10 or so, that a line which is seen to
+ * pass inside an outline, within the rounding of ray space, may meet the facet far beside it. */
+static inline double pen_facet_root(const struct pen_facet *facet, const struct pen_ray *ray,
+                                    bool *grazing)
+{
+    const struct pen_facet permuted = {pen_permuted(ray, &facet->g),
+                                       pen_permuted(ray, &facet->g_low), facet->c, facet->c_low,
+                                       facet->n};
+    double gd =
+        pen_dot2_plus(0, permuted.g, ray->permuted_d, pen_dot(permuted.g_low, ray->permuted_d));
+    *grazing = fabs(gd) < 0x1p-10 * fabs(ray->permuted_d.z);
+    return pen_facet_above(&permuted, ray->permuted_o) / gd;
+}
+
+/* The same in single sums: within 2^-30 of t; NaN where that is not sure, or grazing. */
+static inline double pen_facet_root_roughly(const struct pen_facet *facet,
+                                            const struct pen_ray *ray)
+{
+    struct pen_vec3 g = pen_permuted(ray, &facet->g);
+    double above = facet->c - pen_dot(g, ray->permuted_o), gd = pen_dot(g, ray->permuted_d);
+    bool sure = fabs(above) >= 0x1p-16 * (fabs(facet->c) + pen_norm1(ray->permuted_o)) &&
+                fabs(gd) >= 0x1p-9 * fabs(ray->permuted_d.z);
+    return sure ? above / gd : NAN;
+}
+
+/* The t at which a grazing line that passes inside the outline meets its facet: `t`, kept within
+ * the depths of the edges before and behind the line as it is seen, up to their rounding; and where
+ * the line runs along the facet, their mean at the line. */
+double pen_outline_grazed(const struct pen_vec3 *v, uint32_t count, const struct pen_ray *ray,
+                          double t);
+
+/* The t at which a line that passes inside the outline meets its facet. */
+static inline double pen_outline_root(const struct pen_facet *facet, const struct pen_vec3 *v,
+                                      uint32_t count, const struct pen_ray *ray)
+{
+    bool grazing;
+    double t = pen_facet_root(facet, ray, &grazing);
+    return grazing ? pen_outline_grazed(v, count, ray, t) : t;
+}
+
+/* p, put on the facet's plane, to u |p|_1. */
+static inline struct pen_vec3 pen_facet_project(const struct pen_facet *facet, struct pen_vec3 p)
+{
+    return pen_along(p, facet->g, pen_facet_above(facet, p) / pen_dot(facet->g, facet->g));
+}
+
+#endif

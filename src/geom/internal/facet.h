@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/* Facets: how they are made. */
+#ifndef PEN_GEOM_INTERNAL_FACET_H
+#define PEN_GEOM_INTERNAL_FACET_H
+
+#include "geom/facet.h"
+#include "geom/internal/double_double.h"
+#include "geom/internal/make.h"
+#include "math/exact_sum.h"
+#include "math/scale.h"
+
+/* Replaces the normal of an outline, where no component of it is above `least`, by that of exact
+ * sums, and where that is zero, by `otherwise`. False if that is zero too. */
+static inline bool pen_exact_enough(struct dd3 *normal, double least, const struct pen_vec3 *v,
+                                    uint32_t count, struct pen_vec3 otherwise)
+{
+    if (pen_largest3(dd_round3(*normal)) > least)
+        return true;
+    struct pen_vec3 low, high = pen_exact_normal_low(v, count, &low);
+    *normal = (struct dd3){{high.x, low.x}, {high.y, low.y}, {high.z, low.z}};
+    if (pen_largest3(high) == 0)
+        *normal = dd_of3(otherwise);
+    return pen_largest3(dd_round3(*normal)) > 0;
+}
+
+static inline struct dd dd_scale2(struct dd a, int e)
+{
+    return (struct dd){pen_scale2(a.hi, e), pen_scale2(a.lo, e)};
+}
+
+/* The facet through q with this normal, finite and not zero. A normal along an axis gets length 1,
+ * so that facets in one plane across an axis meet a ray at the same t, whatever their outlines; all
+ * others are scaled by powers of two, and stay exact. */
+static inline struct pen_facet pen_facet_of(struct pen_vec3 q, struct dd3 normal)
+{
+    struct pen_vec3 high = dd_round3(normal);
+    int e = -pen_exponent(pen_largest3(high));
+    struct dd3 g = {dd_scale2(normal.x, e), dd_scale2(normal.y, e), dd_scale2(normal.z, e)};
+    if ((high.x != 0) + (high.y != 0) + (high.z != 0) == 1)
+        g = dd_of3(pen_vec3((high.x > 0) - (high.x < 0), (high.y > 0) - (high.y < 0),
+                            (high.z > 0) - (high.z < 0)));
+    struct dd c = dd_dot(g, dd_of3(q));
+    return (struct pen_facet){dd_round3(g), pen_vec3(g.x.lo, g.y.lo, g.z.lo), c.hi, c.lo,
+                              pen_unit_of(high)};
+}
+
+/* The bounds of what has this outline, and a surface within `off` of its vertices' plane. A line
+ * that passes beside the outline within the rounding of ray space may count as inside, and if it
+ * is not grazing, meets the facet within 2^-40 of the extent beside it. */
+static inline struct pen_box pen_outline_bounds(const struct pen_vec3 *v, uint32_t count,
+                                                double off)
+{
+    struct pen_box b = pen_box_of_points(v, count);
+    double pad = off + 0x1p-40 * pen_largest3(pen_sub(b.hi, b.lo));
+    struct pen_vec3 p = pen_vec3(pad, pad, pad);
+    return (struct pen_box){pen_sub(b.lo, p), pen_add(b.hi, p)};
+}
+
+#endif
