@@ -44,6 +44,7 @@ void rows_glass_cube(struct pen_row_run *run);
 
 /* rows_flat.c, rows_degenerate.c */
 void rows_antisymmetry(struct pen_row_run *run);
+void rows_over_floor(struct pen_row_run *run);
 void rows_roles(struct pen_row_run *run);
 void rows_triangle(struct pen_row_run *run);
 void rows_needle(struct pen_row_run *run);

@@ -39,6 +39,15 @@ const struct row row_table_flat[] = {
         .run = rows_roles,
     },
     {
+        .id = "H047",
+        .name = "over_floor",
+        .what =
+            "from 1e-30 to 1 above a floor of triangles or a quad, 1 to 1e12 wide, the floor is "
+            "met, t within 6 u",
+        .oracle = "the floor is y = 0",
+        .run = rows_over_floor,
+    },
+    {
         .id = "H043",
         .name = "h043_needle",
         .what = "triangles of aspect down to 1e-12: hit or miss outside BE(8) right, t within 16 u",
