@@ -250,6 +250,25 @@ static inline bool is_useless(const struct trace *trace, double t, bool any)
            (!trace->from_surface || t * t > 1.0000001 * trace->near_sq);
 }
 
+/* Whether the ray's origin is surely not on a facet that its line meets at t, which is rough. */
+static inline bool starts_off(const struct trace *trace, double t, double dn)
+{
+    return fabs(t * dn) > 2 * trace->origin->bound + 16 * PEN_U * trace->accel->scale;
+}
+
+/* Whether a facet whose inside the ray's line passes surely blocks a shadow ray that starts off it:
+ * it is opaque, and is met clearly between the ray's ends, far from where the self-intersection
+ * rule or the light could make a difference. That spares most occluders their exact t. */
+static inline bool surely_blocks(const struct trace *trace, uint32_t prim, double t, double dn)
+{
+    const struct pen_shadow *query = trace->shadow;
+    if ((query->see_through && query->see_through[prim]) || prim == trace->origin->prim)
+        return false;
+    double rounding = 16 * PEN_U * trace->accel->scale + 0x1p-28 * fabs(t * dn);
+    return t > 0 && t * t > 1.0000001 * trace->near_sq && 1.0000001 * t < query->tmax &&
+           fabs((query->tmax - t) * dn) > 2 * trace->light_bound + rounding;
+}
+
 /* Offers the intersection with a triangle or polygon whose inside the ray's line passes. Most of
  * those behind the origin are dropped at once; not where the origin may be on them: a ray that
  * nearly lies in a plane meets it far from where it starts, before or behind, as rounding has put
@@ -257,8 +276,14 @@ static inline bool is_useless(const struct trace *trace, double t, bool any)
 static inline bool offer_outline(struct trace *trace, uint32_t prim, const struct pen_facet *facet,
                                  const struct pen_vec3 *v, uint32_t count, bool any)
 {
-    if (!trace->reaches_origin && is_useless(trace, pen_facet_root_roughly(facet, trace->ray), any))
+    double rough = pen_facet_root_roughly(facet, trace->ray), dn = pen_dot(trace->ray->d, facet->n);
+    bool off = starts_off(trace, rough, dn);
+    if ((off || !trace->reaches_origin) && is_useless(trace, rough, any))
         return false;
+    if (any && off && surely_blocks(trace, prim, rough, dn)) {
+        trace->shadow->last_occluder = prim;
+        return true;
+    }
     double t = pen_outline_root(facet, v, count, trace->ray);
     if (t < 0 && (!trace->from_surface || (t * t > trace->near_sq && !trace->reaches_origin)))
         return false;
