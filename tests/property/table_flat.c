@@ -39,7 +39,7 @@ const struct row row_table_flat[] = {
         .run = rows_roles,
     },
     {
-        .id = "H047",
+        .id = "H047 H136",
         .name = "over_floor",
         .what =
             "from 1e-30 to 1 above a floor of triangles or a quad, 1 to 1e12 wide, the floor is "
@@ -62,7 +62,7 @@ const struct row row_table_flat[] = {
         .run = rows_needle_grazed,
     },
     {
-        .id = "H043",
+        .id = "H043 H142",
         .name = "h043_needle_thin",
         .what =
             "triangles and quadrilaterals of aspect 1e-10 to 1e-60: made if their exact area is "

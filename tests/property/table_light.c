@@ -83,7 +83,7 @@ const struct row row_table_light[] = {
         .check = 40,
     },
     {
-        .id = "H112",
+        .id = "H112 H146",
         .name = "h112_path_tree",
         .what = "paths that fork at 2 to 12 parallel sheets, to depths of 1 to 3000: the pixel and "
                 "its rays are those of the tree in depth-first order, cut after 2048 surfaces or "
@@ -94,7 +94,7 @@ const struct row row_table_light[] = {
         .check = 1500,
     },
     {
-        .id = "H112",
+        .id = "H112 H146",
         .name = "h112_tree_ways",
         .what = "balls that reflect and transmit, to depths of 20 to 60, with 1, 2 and 8 threads, "
                 "tiles of 1, 2 and 32, baseline and AVX2, three accelerators, and in two parts: "
@@ -105,7 +105,7 @@ const struct row row_table_light[] = {
         .check = 12,
     },
     {
-        .id = "H121",
+        .id = "H121 H141",
         .name = "h121_grid_points",
         .what =
             "the points of a light by `grid`, and their number: those of the first drawing that "
@@ -114,7 +114,7 @@ const struct row row_table_light[] = {
         .run = rows_grid_points,
     },
     {
-        .id = "H073",
+        .id = "H073 H138",
         .name = "h073_round_rooms",
         .what =
             "closed rooms of open cylinders and cones with lids of polygons, cylinders and open "
@@ -125,7 +125,7 @@ const struct row row_table_light[] = {
         .check = 90,
     },
     {
-        .id = "H066",
+        .id = "H066 H138",
         .name = "h066_round_lid",
         .what = "the outer side of a lid in which an open cylinder ends, from 1e-7 to 1e-12 of the "
                 "rim, lit at 45 degrees and down to 3e-7 rad: as without shadows",
@@ -135,7 +135,7 @@ const struct row row_table_light[] = {
         .check = 90,
     },
     {
-        .id = "H073",
+        .id = "H073 H139",
         .name = "h073_dented_rooms",
         .what = "the same for closed rooms with dents, and for shallow ones of polygons of up to "
                 "64 corners, at their edges and corners",
@@ -146,7 +146,7 @@ const struct row row_table_light[] = {
         .known = "one or two pixels of one picture in 1000 where walls of triangles meet",
     },
     {
-        .id = "H065",
+        .id = "H065 H138",
         .name = "h065_round_foot",
         .what = "the foot of cylinders and cones, open or not, on a floor, the light behind them: "
                 "no lit pixel",

@@ -6,7 +6,7 @@
 
 const struct row row_table_rooms[] = {
     {
-        .id = "H073",
+        .id = "H073 H139",
         .name = "rooms_flat",
         .what =
             "closed rooms of flat walls (boxes, prisms, pyramids, dented ones, whole or split), "
@@ -40,7 +40,7 @@ const struct row row_table_rooms[] = {
         .check = 300,
     },
     {
-        .id = "H073",
+        .id = "H073 H138",
         .name = "rooms_mixed",
         .what = "the same where surfaces of several kinds close the room: open cylinders and cones "
                 "with sheets, planes or flat cylinders for lids",
@@ -53,7 +53,7 @@ const struct row row_table_rooms[] = {
             "in extreme zooms",
     },
     {
-        .id = "H073",
+        .id = "H073 H137",
         .name = "rooms_thin",
         .what = "the same in boxes and prisms of 2^-1 to 2^-30 of their width",
         .oracle = "black",
@@ -73,7 +73,7 @@ const struct row row_table_rooms[] = {
         .check = 200,
     },
     {
-        .id = "H073",
+        .id = "H073 H129",
         .name = "horizon_walls",
         .what =
             "a room of six polygons in a turned group, highlights, a light along a wall, in its "
@@ -85,7 +85,7 @@ const struct row row_table_rooms[] = {
         .check = 1000,
     },
     {
-        .id = "H121",
+        .id = "H121 H131",
         .name = "horizon_disk",
         .what =
             "a disk light that the horizon of a floor or a sphere cuts: samples within 2^-22 of "
@@ -108,7 +108,7 @@ const struct row row_table_rooms[] = {
         .check = 1000,
     },
     {
-        .id = "H066",
+        .id = "H066 H130",
         .name = "convex_horizon",
         .what = "the same with the light within 1e-5 of the tangent plane where one looks",
         .oracle = "shaded in long double",

@@ -61,7 +61,7 @@ const struct row row_table_space[] = {
         .run = rows_twins,
     },
     {
-        .id = "H068 H070",
+        .id = "H068 H070 H133",
         .name = "layers_gap",
         .what = "stacks of 2 to 4 coincident sheets, planes, tiles and caps, see-through, mirrors "
                 "or opaque, lit and seen from any side: contact is the limit of a gap of 1e-7 in "
@@ -72,7 +72,7 @@ const struct row row_table_space[] = {
         .check = 150,
     },
     {
-        .id = "H057 H058 H068",
+        .id = "H057 H058 H068 H133",
         .name = "layers_paid",
         .what = "light to an opaque layer and from it pays each layer before it once each way, at "
                 "seams of tiles too, and no later one",
@@ -82,7 +82,7 @@ const struct row row_table_space[] = {
         .check = 200,
     },
     {
-        .id = "H068",
+        .id = "H068 H132",
         .name = "layers_below",
         .what = "a clear sheet in contact with an opaque one does not let light from below "
                 "through: the visible share of a disk light that the plane cuts",
@@ -92,7 +92,7 @@ const struct row row_table_space[] = {
         .check = 200,
     },
     {
-        .id = "H070",
+        .id = "H070 H133",
         .name = "layers_first",
         .what = "of surfaces in one plane with different vertices the first in the document is "
                 "seen in every pixel",
@@ -102,7 +102,7 @@ const struct row row_table_space[] = {
         .check = 200,
     },
     {
-        .id = "H069",
+        .id = "H069 H133",
         .name = "layers_round",
         .what = "equal spheres, tubes, cylinders, cones: the light of each, through those before "
                 "it in the document",
@@ -142,7 +142,7 @@ const struct row row_table_space[] = {
         .check = 100,
     },
     {
-        .id = "O1 transform",
+        .id = "H143",
         .name = "o1_transform",
         .what = "maps that flatten space or leave it by ulps: refused only if the determinant is "
                 "exactly 0, the right side outside, a plane's normal within 16 u",
@@ -249,7 +249,7 @@ const struct row row_table_space[] = {
         .run = rows_permuted_sums,
     },
     {
-        .id = "H079",
+        .id = "H079 H140",
         .name = "h079_permuted_tied",
         .what = "the same for rays whose direction has three components of equal size, so that no "
                 "axis is the longest, and for triangles whose edges have the same extents along "
