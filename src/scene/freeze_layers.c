@@ -2,16 +2,21 @@
 /* Finds the primitives that may coincide with others, so that paths look for layers only there. A
  * pair too many costs time, and changes no picture.
  *
- * A surface (a part of a primitive) is a box of six dimensions: its bounds, and those of the sizes
- * of its normal's components. Only surfaces whose boxes overlap can coincide. Such pairs are found
- * by halving: what is left and what is right of a value, and in both halves what it cuts. */
+ * A surface (a part of a primitive) is a box of seven dimensions: its bounds, those of the sizes of
+ * its normal's components, and those of a size that coincident surfaces share, the distance of a
+ * flat one from the origin or the radius of a round one. Only surfaces of one class whose boxes
+ * overlap can coincide. Sorted by size, most surfaces have no neighbour, or few. In larger runs
+ * pairs are found by halving: what is left and what is right of a value, and in both halves what it
+ * cuts. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "scene/internal/freeze.h"
 
 enum {
-    DIMENSIONS = 6,
+    NORMAL = 3, /* the first dimension of the normal */
+    SIZE = 6,
+    DIMENSIONS = 7,
     FEW = 16,    /* so many surfaces are compared one by one */
     MANY = 2048, /* more that no halving separates are taken to coincide */
     SOME = 15,   /* of which a median is taken */
@@ -19,15 +24,20 @@ enum {
     PLACES = 16 /* of one primitive that are kept apart */
 };
 
+/* Surfaces of different classes never coincide. */
+enum class { FLAT, SPHERE, ROUND };
+
 struct surface {
     double lo[DIMENSIONS], hi[DIMENSIONS];
     struct pen_hit part;
+    enum class class;
 };
 
-/* Where a surface begins along the first axis. */
+/* Where a surface begins along an axis. */
 struct begin {
-    double lo;
+    enum class class;
     uint32_t surface;
+    double lo;
 };
 
 struct place {
@@ -52,40 +62,64 @@ static double component(struct pen_vec3 v, int axis)
 }
 
 /* The sizes of the normal's components, as well as its primitive's own size tells them. A part that
- * lies across an axis is thin along it. */
-static void bound_flat(struct surface *s, struct pen_vec3 n, struct pen_vec3 q, double off)
+ * lies across an axis is thin along it. The distance from the origin is as uncertain as that of a
+ * point of the box by which the plane is turned. */
+static void bound_flat(struct surface *s, struct pen_vec3 n, struct pen_vec3 q, double off,
+                       double reach)
 {
     for (int axis = 0; axis < 3; axis++) {
+        double size = fabs(component(n, axis));
         double across = component(n, (axis + 1) % 3), other = component(n, (axis + 2) % 3);
         if (fabs(across) + fabs(other) < 0x1p-50 && s->hi[axis] < INFINITY)
             s->lo[axis] = s->hi[axis] = component(q, axis);
-        s->lo[3 + axis] = fabs(component(n, axis)) - off;
-        s->hi[3 + axis] = fabs(component(n, axis)) + off;
+        s->lo[NORMAL + axis] = size - off;
+        s->hi[NORMAL + axis] = size + off;
     }
+    double distance = fabs(pen_dot(n, q));
+    s->lo[SIZE] = distance - 2 * off * reach;
+    s->hi[SIZE] = distance + 2 * off * reach;
 }
 
-/* Bounds with a margin far above rounding, also that of rays from afar. The side of a round
- * primitive has any normals. */
+/* The side of a round primitive has any normals; that of a cone has any radii, and is nearly a
+ * cylinder if it is steep. */
+static void bound_round(struct surface *s, const struct pen_prims *prims, struct pen_vec3 p)
+{
+    uint32_t kind = prims->ref[s->part.prim].kind;
+    s->class = kind == PEN_PRIM_SPHERE ? SPHERE : ROUND;
+    s->lo[SIZE] = -INFINITY;
+    s->hi[SIZE] = INFINITY;
+    if (kind == PEN_PRIM_CONE)
+        return;
+    double radius = 1 / pen_prim_curvature(prims, s->part, p);
+    s->lo[SIZE] = radius * (1 - 0x1p-16);
+    s->hi[SIZE] = radius * (1 + 0x1p-16);
+}
+
+/* Bounds with a margin far above rounding, also that of rays from afar. */
 static void add_surface(struct finder *f, uint32_t prim, uint8_t part)
 {
     const struct pen_kind *kind = pen_prim_row(f->prims, prim);
     const void *self = pen_prim_self(f->prims, prim);
     struct pen_box b = {pen_vec3(-INFINITY, -INFINITY, -INFINITY),
                         pen_vec3(INFINITY, INFINITY, INFINITY)};
-    struct pen_vec3 p = pen_vec3(0, 0, 0);
+    struct pen_vec3 p = pen_vec3(0, 0, 0), half = pen_vec3(1, 1, 1);
     if (!pen_prim_infinite(f->prims->ref[prim].kind)) {
         b = pen_prim_bounds(f->prims, prim);
         p = pen_box_center(b);
+        half = pen_sub(b.hi, p);
     }
     double rounding = 64 * pen_prim_rounding(f->prims, prim, p), margin = rounding + 0x1p-40;
-    f->list[f->count] = f->count;
     struct surface *s = &f->surface[f->count++];
     *s = (struct surface){
-        {b.lo.x, b.lo.y, b.lo.z, 0, 0, 0}, {b.hi.x, b.hi.y, b.hi.z, 1, 1, 1}, {0, prim, part}};
-    if (kind->shape == PEN_KIND_FLAT || part != PEN_PART_SIDE)
-        bound_flat(s, kind->fn->normal(self, part, p), kind->fn->project(self, part, p),
-                   0x1p-16 + rounding / pen_norm1(pen_sub(b.hi, b.lo)));
-    for (int axis = 0; axis < 3; axis++) {
+        {b.lo.x, b.lo.y, b.lo.z}, {b.hi.x, b.hi.y, b.hi.z, 1, 1, 1}, {0, prim, part}, FLAT};
+    if (kind->shape == PEN_KIND_FLAT || part != PEN_PART_SIDE) {
+        struct pen_vec3 q = kind->fn->project(self, part, p);
+        bound_flat(s, kind->fn->normal(self, part, p), q,
+                   0x1p-16 + rounding / pen_norm1(pen_sub(b.hi, b.lo)),
+                   pen_norm1(q) + pen_norm1(half) + 0x1p-40);
+    } else
+        bound_round(s, f->prims, p);
+    for (int axis = 0; axis < DIMENSIONS; axis++) {
         s->lo[axis] -= margin;
         s->hi[axis] += margin;
     }
@@ -142,40 +176,62 @@ static void mark(struct finder *f, const struct surface *a, const struct surface
         add_place(f, q, (struct pen_layer_place){common, p});
 }
 
-/* Whether two surfaces overlap in all dimensions but the first. */
 static bool overlap(const struct surface *a, const struct surface *b)
 {
-    for (int k = 1; k < DIMENSIONS; k++)
+    for (int k = 0; k < DIMENSIONS; k++)
         if (!(a->lo[k] <= b->hi[k] && b->lo[k] <= a->hi[k]))
             return false;
     return a->part.prim != b->part.prim;
 }
 
+static void compare_pair(struct finder *f, const struct surface *a, const struct surface *b)
+{
+    if (overlap(a, b) && pen_prim_may_coincide(f->prims, a->part, b->part))
+        mark(f, a, b);
+}
+
 static int compare_begins(const void *a, const void *b)
 {
     const struct begin *p = a, *q = b;
+    if (p->class != q->class)
+        return p->class < q->class ? -1 : 1;
     return (p->lo > q->lo) - (p->lo < q->lo);
 }
 
-/* Compares all pairs that overlap along the first axis; of too many, takes all for coincident. */
-static void compare(struct finder *f, const uint32_t *list, uint32_t count)
+/* Sorts a list by class and by where the surfaces begin along an axis, into f->begin. */
+static void sort_begins(struct finder *f, const uint32_t *list, uint32_t count, int axis)
 {
     for (uint32_t i = 0; i < count; i++) {
         const struct surface *s = &f->surface[list[i]];
-        f->begin[i] = (struct begin){s->lo[0], list[i]};
-        if (count > MANY)
-            mark(f, s, s);
+        f->begin[i] = (struct begin){s->class, list[i], s->lo[axis]};
     }
-    if (count > MANY)
-        return;
     qsort(f->begin, count, sizeof *f->begin, compare_begins);
+}
+
+/* Compares all pairs that overlap along the first axis. */
+static void compare_many(struct finder *f, const uint32_t *list, uint32_t count)
+{
+    sort_begins(f, list, count, 0);
     for (uint32_t i = 0; i < count; i++) {
         const struct surface *a = &f->surface[f->begin[i].surface];
-        for (uint32_t k = i + 1; k < count && f->begin[k].lo <= a->hi[0]; k++) {
-            const struct surface *b = &f->surface[f->begin[k].surface];
-            if (overlap(a, b) && pen_prim_may_coincide(f->prims, a->part, b->part))
-                mark(f, a, b);
-        }
+        for (uint32_t k = i + 1; k < count && f->begin[k].lo <= a->hi[0]; k++)
+            compare_pair(f, a, &f->surface[f->begin[k].surface]);
+    }
+}
+
+/* Compares all pairs of a list; of too many, takes all for coincident. */
+static void compare(struct finder *f, const uint32_t *list, uint32_t count)
+{
+    if (count > FEW && count <= MANY) {
+        compare_many(f, list, count);
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const struct surface *s = &f->surface[list[i]];
+        if (count > MANY)
+            mark(f, s, s);
+        for (uint32_t k = i + 1; k < count && count <= FEW; k++)
+            compare_pair(f, s, &f->surface[list[k]]);
     }
 }
 
@@ -248,7 +304,7 @@ static bool choose_axis(const struct finder *f, const uint32_t *list, uint32_t c
     return chosen;
 }
 
-/* Marks all pairs of a list. */
+/* Marks all pairs of a list, which are of one class. */
 static void find_pairs(struct finder *f, uint32_t *list, uint32_t count, int depth)
 {
     int axis;
@@ -263,14 +319,37 @@ static void find_pairs(struct finder *f, uint32_t *list, uint32_t count, int dep
     find_pairs(f, list, right + cut, depth + 1);
 }
 
+/* Marks all pairs. Sorted by class and size, surfaces that may coincide are in one run of a class
+ * whose sizes overlap. */
+static void find_in_runs(struct finder *f)
+{
+    for (uint32_t i = 0; i < f->count; i++)
+        f->list[i] = i;
+    sort_begins(f, f->list, f->count, SIZE);
+    for (uint32_t i = 0; i < f->count; i++)
+        f->list[i] = f->begin[i].surface;
+    for (uint32_t i = 0, end = 0; i < f->count; i = end) {
+        const struct surface *first = &f->surface[f->list[i]];
+        double hi = first->hi[SIZE];
+        for (end = i + 1; end < f->count; end++) {
+            const struct surface *s = &f->surface[f->list[end]];
+            if (s->class != first->class || s->lo[SIZE] > hi)
+                break;
+            hi = s->hi[SIZE] > hi ? s->hi[SIZE] : hi;
+        }
+        if (end > i + 1)
+            find_pairs(f, f->list + i, end - i, 0);
+    }
+}
+
 static bool alloc_finder(struct finder *f)
 {
     size_t count = 0;
     for (uint32_t i = 0; i < f->prims->count; i++)
         count += last_part(f->prims->ref[i].kind) + 1u;
-    f->surface = calloc(count + 1, sizeof *f->surface);
-    f->list = calloc(count + 1, sizeof *f->list);
-    f->begin = calloc(count + 1, sizeof *f->begin);
+    f->surface = malloc((count + 1) * sizeof *f->surface);
+    f->list = malloc((count + 1) * sizeof *f->list);
+    f->begin = malloc((count + 1) * sizeof *f->begin);
     return f->surface && f->list && f->begin;
 }
 
@@ -279,7 +358,7 @@ static void find(struct finder *f)
     for (uint32_t i = 0; i < f->prims->count; i++)
         for (uint8_t part = 0; part <= last_part(f->prims->ref[i].kind); part++)
             add_surface(f, i, part);
-    find_pairs(f, f->list, f->count, 0);
+    find_in_runs(f);
 }
 
 static int compare_places(const void *a, const void *b)

@@ -94,23 +94,31 @@ static bool contains(const struct pen_box *b, struct pen_vec3 p)
            p.z <= b->hi.z;
 }
 
+/* Whether a place of the hit's primitive contains the hit. Most hits are in none. */
+static bool in_place(const struct pen_scene *scene, const struct pen_ray *ray, struct pen_hit hit)
+{
+    const struct pen_vec3 p = pen_along(ray->o, ray->d, hit.t);
+    const struct pen_layer_place *place = &scene->layer_place[scene->layer_first[hit.prim]];
+    const struct pen_layer_place *end = &scene->layer_place[scene->layer_first[hit.prim + 1]];
+    for (; place < end; place++)
+        if (contains(&place->box, p))
+            return true;
+    return false;
+}
+
 /* Finds the anchor's class. */
 static void collect(const struct pen_kernel_input *input, struct layers *layers,
                     const struct path *path, struct pen_hit first)
 {
     const struct pen_scene *scene = input->scene;
-    struct pen_vec3 p = pen_along(path->ray.o, path->ray.d, first.t);
-    uint32_t end = scene->layer_first[first.prim + 1];
-    layers->next = 0;
-    layers->count = 1;
-    layers->waiting[0] = first;
-    for (uint32_t i = scene->layer_first[first.prim]; i < end; i++) {
+    const struct pen_vec3 near = pen_along(path->ray.o, path->ray.d, first.t);
+    const struct pen_vec3 p = pen_prim_point(&scene->prims, first, &path->ray);
+    const struct anchor anchor = {
+        first, pen_origin_at(&scene->prims, &path->ray, &path->origin, first, p).bound};
+    for (uint32_t i = scene->layer_first[first.prim]; i < scene->layer_first[first.prim + 1]; i++) {
         const struct pen_layer_place *place = &scene->layer_place[i];
-        if (!contains(&place->box, p))
+        if (!contains(&place->box, near))
             continue;
-        struct anchor anchor = {first, 0};
-        p = pen_prim_point(&scene->prims, first, &path->ray);
-        anchor.bound = pen_origin_at(&scene->prims, &path->ray, &path->origin, first, p).bound;
         if (place->partner == PEN_NO_PRIM)
             add_all(input, layers, path, &anchor);
         else
@@ -118,14 +126,28 @@ static void collect(const struct pen_kernel_input *input, struct layers *layers,
     }
 }
 
+/* Begins the class of the first hit that has not been visited. Without layers, and with none left
+ * of earlier classes, the ray is like any other again. */
+static void begin_class(const struct pen_kernel_input *input, struct layers *layers,
+                        const struct path *path, struct pen_hit *hit)
+{
+    pass(layers, *hit);
+    layers->next = 0;
+    layers->count = 1;
+    layers->waiting[0] = *hit;
+    if (in_place(input->scene, &path->ray, *hit))
+        collect(input, layers, path, *hit);
+    layers->any = layers->count > 1 || layers->ahead_count > 0;
+    *hit = layers->waiting[layers->next++];
+}
+
 void pen_layers_begin(const struct pen_kernel_input *input, struct layers *layers,
                       const struct path *path, struct pen_hit *hit)
 {
-    layers->any = true;
+    if (!in_place(input->scene, &path->ray, *hit))
+        return;
     layers->ahead_count = 0;
-    pass(layers, *hit);
-    collect(input, layers, path, *hit);
-    *hit = layers->waiting[layers->next++];
+    begin_class(input, layers, path, hit);
 }
 
 bool pen_layers_next(const struct pen_kernel_input *input, struct layers *layers,
@@ -134,8 +156,8 @@ bool pen_layers_next(const struct pen_kernel_input *input, struct layers *layers
     if (layers->next == layers->count) {
         if (!search(input, layers, path, (struct pen_t_interval){layers->after, INFINITY}, hit))
             return false;
-        pass(layers, *hit);
-        collect(input, layers, path, *hit);
+        begin_class(input, layers, path, hit);
+        return true;
     }
     *hit = layers->waiting[layers->next++];
     return true;

@@ -73,7 +73,6 @@ static ALWAYS_INLINE bool path_nearest(const struct pen_kernel_input *input,
 {
     const struct pen_t_interval interval = {path->after, INFINITY};
     const uint32_t *first = input->scene->layer_first;
-    scratch->layers.any = scratch->layers.any && path->after.t > 0;
     if (scratch->layers.any)
         return pen_layers_next(input, &scratch->layers, path, hit);
     if (!input->trace->nearest(input->scene->accel, &path->ray, &path->origin, &interval, hit))
@@ -95,6 +94,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     const bool forks = (fx & PEN_FX_MIRROR) && (fx & PEN_FX_TRANSMISSION);
     if (forks)
         scratch->surfaces_left = scratch->surfaces_max;
+    scratch->layers.any = false;
     for (int waiting = 0;;) {
         struct pen_hit hit;
         bool continues = false;
@@ -126,6 +126,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
         if (waiting == 0)
             return sum;
         path = scratch->waiting[--waiting];
+        scratch->layers.any = false;
     }
 }
 

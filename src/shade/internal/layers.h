@@ -11,7 +11,7 @@ enum { LAYERS_MAX = 32 };
 
 /* What a path has visited, and is going to visit, of the layers at one place. */
 struct layers {
-    bool any;             /* the ray has met layers; else the rest has no meaning */
+    bool any;             /* the ray is among layers; else the rest has no meaning */
     struct pen_hit after; /* all hits up to this one have been visited, or are waiting */
     struct pen_hit waiting[LAYERS_MAX]; /* in the order in which they are visited */
     int next, count;                    /* of `waiting` */

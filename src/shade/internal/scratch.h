@@ -30,7 +30,7 @@ struct pen_kernel_scratch {
     struct pen_sample_key key; /* of the samples on lights; `light` is set for each light */
 };
 
-/* A ray has met its first hit that may have layers: replaces it by the first of its class. */
+/* A ray outside layers has met a hit that may have some: replaces it by the first of its class. */
 void pen_layers_begin(const struct pen_kernel_input *input, struct layers *layers,
                       const struct path *path, struct pen_hit *hit);
 
