@@ -101,7 +101,8 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
         if (!path_nearest(input, scratch, &path, &hit)) {
             sum = pen_add(sum, pen_mul(path.weight, scene->background));
         } else {
-            struct surface s = surface_at(scene, &path.ray, &path.origin, hit);
+            struct surface s;
+            surface_at(&s, scene, &path.ray, &path.origin, hit);
             if (!surface_finite(&s))
                 return no_sample();
             if (fx & PEN_FX_SOFT_SHADOWS)

@@ -64,13 +64,14 @@ trace_shadow_ray(const struct pen_kernel_input *input, struct pen_kernel_scratch
     struct pen_ray ray;
     if (!pen_ray_make(&ray, s->p, shadow->d))
         return no_sample(); /* the light is farther than rays go */
-    struct pen_origin_surface origin = surface_origin(s, shadow->through);
+    const struct pen_origin_surface through = surface_origin(s, true);
+    const struct pen_origin_surface *origin = shadow->through ? &through : &s->origin;
     struct pen_shadow *query = &scratch->shadow;
     shadow_query(input, query, shadow->to_point, fx);
     query->last_occluder = scratch->last_occluder[shadow->light];
-    bool blocked = input->trace->shadow(input->scene->accel, &ray, &origin, query);
+    bool blocked = input->trace->shadow(input->scene->accel, &ray, origin, query);
     scratch->last_occluder[shadow->light] = query->last_occluder;
-    return blocked ? none : shadow_colour(input, &ray, &origin, query, shadow->in, fx);
+    return blocked ? none : shadow_colour(input, &ray, origin, query, shadow->in, fx);
 }
 
 /* T(p) of a light without a radius: one ray to its centre. */

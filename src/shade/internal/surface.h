@@ -39,28 +39,26 @@ static ALWAYS_INLINE double surface_unsure(double turn, bool outside)
     return outside && !(4 * turn < 0x1p-6) ? 0x1p-6 : 4 * turn;
 }
 
-static ALWAYS_INLINE struct surface surface_at(const struct pen_scene *scene,
-                                               const struct pen_ray *ray,
-                                               const struct pen_origin_surface *left,
-                                               struct pen_hit hit)
+/* Fills in *s. A returned struct would be copied. */
+static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *scene,
+                                     const struct pen_ray *ray,
+                                     const struct pen_origin_surface *left, struct pen_hit hit)
 {
-    struct surface s;
-    s.hit = hit;
-    s.material = &scene->materials[scene->prim_material[hit.prim]];
-    s.p = pen_prim_point(&scene->prims, hit, ray);
-    s.n = pen_prim_normal(&scene->prims, hit, s.p);
-    s.v = pen_normalize(ray->d);
-    s.nv = pen_dot(s.n, s.v);
-    bool outside = !(s.nv > 0);
+    s->hit = hit;
+    s->material = &scene->materials[scene->prim_material[hit.prim]];
+    s->p = pen_prim_point(&scene->prims, hit, ray);
+    s->n = pen_prim_normal(&scene->prims, hit, s->p);
+    s->v = pen_normalize(ray->d);
+    s->nv = pen_dot(s->n, s->v);
+    bool outside = !(s->nv > 0);
     if (!outside) {
-        s.n = pen_neg(s.n);
-        s.nv = -s.nv;
+        s->n = pen_neg(s->n);
+        s->nv = -s->nv;
     }
-    s.origin = pen_origin_at(&scene->prims, ray, left, hit, s.p);
-    double turn = s.origin.bound * pen_prim_curvature(&scene->prims, hit, s.p);
-    s.grazing_sine = surface_grazing_sine(turn, outside);
-    s.unsure = surface_unsure(turn, outside);
-    return s;
+    s->origin = pen_origin_at(&scene->prims, ray, left, hit, s->p);
+    double turn = s->origin.bound * pen_prim_curvature(&scene->prims, hit, s->p);
+    s->grazing_sine = surface_grazing_sine(turn, outside);
+    s->unsure = surface_unsure(turn, outside);
 }
 
 /* Whether rounding decides on which side of a round surface the viewer is. */
