@@ -115,11 +115,13 @@ static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
 static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d)
 {
     double ax = fabs(d.x), ay = fabs(d.y), az = fabs(d.z);
+    if (!(ax <= 0x1p400 && ay <= 0x1p400 && az <= 0x1p400 && fabs(o.x) < INFINITY &&
+          fabs(o.y) < INFINITY && fabs(o.z) < INFINITY))
+        return false;
     /* Of two equal components, the first in the order z, x, y. */
     int kz = ax >= ay ? (ax > az ? 0 : 2) : (ay >= az ? 1 : 2);
     double largest = kz == 0 ? ax : kz == 1 ? ay : az;
-    double poison = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (ax - ax) + (ay - ay) + (az - az);
-    if (!(poison == 0 && largest >= 0x1p-400 && largest <= 0x1p400))
+    if (!(largest >= 0x1p-400))
         return false;
     d = pen_without_less(d, PEN_LEAST_DIRECTION * largest);
     o = pen_without_less(o, PEN_LEAST);

@@ -91,7 +91,7 @@ static ALWAYS_INLINE struct pen_vec3 no_sample(void)
 
 static ALWAYS_INLINE bool is_black(struct pen_vec3 c)
 {
-    return c.x == 0 && c.y == 0 && c.z == 0;
+    return pen_norm1(c) <= 0; /* one comparison; false for NaN */
 }
 
 #endif
