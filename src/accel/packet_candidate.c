@@ -54,8 +54,8 @@ bool pen_packet_prepare(struct pen_shadow_packet *packet, double scale)
 /* The sign of a line for all rays of the packet. */
 enum line_sign { LINE_NEGATIVE, LINE_POSITIVE, LINE_MIXED };
 
-static struct pen_packet_line line_of(const struct pen_shadow_packet *packet, struct pen_vec3 n,
-                                      double band)
+static inline struct pen_packet_line line_of(const struct pen_shadow_packet *packet,
+                                             struct pen_vec3 n, double band)
 {
     return (struct pen_packet_line){pen_dot(n, packet->c), pen_dot(n, packet->u),
                                     pen_dot(n, packet->v), band};
@@ -139,16 +139,23 @@ static struct pen_vec3 cross(struct pen_vec3 a, struct pen_vec3 b)
     return pen_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
-/* The line that is positive where rays pass on the inner side of edge i, for rays that go towards
- * the side of n. The distance between the ray's line and the edge's is at least |value| / (|d|
- * |edge|), from which the band follows. */
+/* The line that is positive where rays pass on the inner side of an edge or a chord from p to q,
+ * for rays that go towards the side of n. The distance between the ray's line and that of the edge
+ * is at least |value| / (|d| |edge|), from which the band follows. */
+static struct pen_packet_line chord_line(const struct pen_shadow_packet *packet,
+                                         const struct pen_vec3 *p, const struct pen_vec3 *q,
+                                         double delta)
+{
+    struct pen_vec3 edge = pen_sub(*q, *p);
+    return line_of(packet, cross(pen_sub(*p, packet->o), edge),
+                   packet->reach * pen_norm1(edge) * delta);
+}
+
+/* The line of edge i. */
 static struct pen_packet_line edge_line(const struct pen_shadow_packet *packet,
                                         const struct flat *flat, uint32_t i, double delta)
 {
-    struct pen_vec3 p = flat->v[i], q = flat->v[i + 1 < flat->count ? i + 1 : 0];
-    struct pen_vec3 edge = pen_sub(q, p);
-    return line_of(packet, cross(pen_sub(p, packet->o), edge),
-                   packet->reach * pen_norm1(edge) * delta);
+    return chord_line(packet, &flat->v[i], &flat->v[i + 1 < flat->count ? i + 1 : 0], delta);
 }
 
 /* The origin is within delta of the primitive's plane. The primitive is left out only if one edge
@@ -378,16 +385,6 @@ infinite_cylinder_candidate(const struct pen_shadow_packet *packet,
     return scalar_fallback(candidate);
 }
 
-/* The line of the chord from corner i to corner j, as edge_line. */
-static struct pen_packet_line chord_line(const struct pen_shadow_packet *packet,
-                                         const struct flat *flat, uint32_t i, uint32_t j,
-                                         double delta)
-{
-    const struct pen_vec3 two[2] = {flat->v[i], flat->v[j]};
-    const struct flat chord = {two, 2, flat->n};
-    return edge_line(packet, &chord, 0, delta);
-}
-
 /* LINE_POSITIVE if all rays pass inside the outline, LINE_NEGATIVE if all pass outside, LINE_MIXED
  * if neither is sure. The outline is a triangle fan around its first corner: a point is inside if
  * an odd number of these triangles contain it, and a triangle contains what is on one side of all
@@ -415,9 +412,9 @@ static enum pen_candidate_verdict outline_candidate(const struct pen_shadow_pack
     double h = pen_dot(flat->n, pen_sub(flat->v[0], packet->o));
     candidate->lines = (uint8_t)(2 * flat->count - 2);
     for (uint32_t i = 1; i < flat->count; i++) {
-        candidate->line[2 * i - 1] = chord_line(packet, flat, 0, i, delta);
+        candidate->line[2 * i - 1] = chord_line(packet, &flat->v[0], &flat->v[i], delta);
         if (i + 1 < flat->count)
-            candidate->line[2 * i] = chord_line(packet, flat, i, i + 1, delta);
+            candidate->line[2 * i] = edge_line(packet, flat, i, delta);
     }
     enum line_sign inside = outline_sign(candidate, flat->count);
     if (inside == LINE_NEGATIVE)
