@@ -198,7 +198,7 @@ static bool render_way(const struct way *way, float rgb[FLOATS], struct pen_ray_
 {
     kit.settings.threads = way->threads;
     kit.settings.tile = way->tile;
-    kit.settings.accelerator = way->accelerator;
+    kit.settings.accelerator = (int)way->accelerator;
     if (way->base)
         setenv("PENUMBRA_ISA", "base", 1);
     struct pen_scene *scene = kit_freeze(&kit);

@@ -339,7 +339,7 @@ static void judge_same(const struct row_case *c, struct row_verdict *v)
             ->radius = (uint64_t)c->arg[9] & 2 ? .01 * c->arg[1] : 0;
     shot_take(&kit, film);
     for (int i = 0; i < 3; i++) {
-        kit.settings.accelerator = kind[i];
+        kit.settings.accelerator = (int)kind[i];
         shot_take(&kit, other);
         row_measure(v, name[i], different_pixels(), 0);
     }
