@@ -315,6 +315,18 @@ mutant layers_by_t layers_first 500 "rounding decides which of two coincident su
 edit src/shade/internal/kernel_body.h 1 's/^    if \(first && first\[/    if (0 \&\& first[/'
 judge
 
+mutant horizon_sine horizon_walls 1000 "light counts however low over the tangent plane it is"
+edit src/geom/ray.h 1 's/^#define PEN_HORIZON_SINE \(2 \/ PEN_NEARBY\)/#define PEN_HORIZON_SINE (0 \/ PEN_NEARBY)/'
+judge
+
+mutant horizon_grazing horizon_disk 200 "a sample that grazes is taken for one above the horizon"
+edit src/shade/internal/soft_shadow.h 1 's/^    if \(side == HORIZON_GRAZING\)$/    if (false)/'
+judge
+
+mutant tied_rays h079_permuted_tied 20000 "rays whose components are equal in size are not refined"
+edit src/geom/ray.h 1 's/^    ray->near = .*;$/    ray->near = PEN_NEAR;/'
+judge
+
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'
 judge_libm
