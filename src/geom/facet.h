@@ -37,7 +37,11 @@ struct pen_facet {
     struct pen_vec3 g, g_low; /* the largest component is in [1/2, 1] */
     double c, c_low;
     struct pen_vec3 n; /* the unit normal */
+    double grazing;    /* a line at a smaller sine, or so, may meet the facet far beside an outline
+                          that it is seen to pass inside; INFINITY: the outline is bent */
 };
+
+#define PEN_FACET_GRAZING (1 / 0x1p10)
 
 /* How far the facet is above p, times |g|: some u of that, and 2^-100 of |g| (|p| + |c|). */
 static inline double pen_facet_above(const struct pen_facet *facet, struct pen_vec3 p)
@@ -53,11 +57,14 @@ static inline double pen_facet_root(const struct pen_facet *facet, const struct 
                                     bool *grazing)
 {
     const struct pen_facet permuted = {pen_permuted(ray, &facet->g),
-                                       pen_permuted(ray, &facet->g_low), facet->c, facet->c_low,
-                                       facet->n};
+                                       pen_permuted(ray, &facet->g_low),
+                                       facet->c,
+                                       facet->c_low,
+                                       facet->n,
+                                       facet->grazing};
     double gd =
         pen_dot2_plus(0, permuted.g, ray->permuted_d, pen_dot(permuted.g_low, ray->permuted_d));
-    *grazing = fabs(gd) < 0x1p-10 * fabs(ray->permuted_d.z);
+    *grazing = fabs(gd) < facet->grazing * fabs(ray->permuted_d.z);
     return pen_facet_above(&permuted, ray->permuted_o) / gd;
 }
 
@@ -68,7 +75,7 @@ static inline double pen_facet_root_roughly(const struct pen_facet *facet,
     struct pen_vec3 g = pen_permuted(ray, &facet->g);
     double above = facet->c - pen_dot(g, ray->permuted_o), gd = pen_dot(g, ray->permuted_d);
     bool sure = fabs(above) >= 0x1p-16 * (fabs(facet->c) + pen_norm1(ray->permuted_o)) &&
-                fabs(gd) >= 0x1p-9 * fabs(ray->permuted_d.z);
+                fabs(gd) >= 2 * facet->grazing * fabs(ray->permuted_d.z);
     return sure ? above / gd : NAN;
 }
 
@@ -84,7 +91,9 @@ static inline double pen_outline_root(const struct pen_facet *facet, const struc
 {
     bool grazing;
     double t = pen_facet_root(facet, ray, &grazing);
-    return grazing ? pen_outline_grazed(v, count, ray, t) : t;
+    if (!grazing)
+        return t;
+    return pen_outline_grazed(v, count, ray, facet->grazing < INFINITY ? t : INFINITY);
 }
 
 /* p, put on the facet's plane, to u |p|_1. */

@@ -33,7 +33,8 @@ static struct pen_facet mean_facet(const struct pen_vec3 *v, uint32_t count, str
     return facet;
 }
 
-/* Sets three members:
+/* Sets four members:
+ *   facet.grazing  INFINITY if a vertex v is farther off the plane than 2^-50 |v|
  *   flat    each vertex v is in the facet's plane, up to 2^-44 of the extent and 2^-50 |v|
  *   convex  the outline turns left at each vertex, up to an area of 2^-46 of the extent squared
  *   scale   the distance of a vertex from the plane counts as rounding of the hit point */
@@ -48,6 +49,8 @@ static void classify_outline(struct pen_polygon *p)
                turn = pen_dot(p->facet.n, pen_cross(e, f));
         if (!(fabs(off) <= 0x1p-44 * p->extent + 0x1p-50 * pen_norm1(v)))
             p->flat = false;
+        if (!(fabs(off) <= 0x1p-50 * pen_norm1(v)))
+            p->facet.grazing = INFINITY;
         if (!(turn >= -0x1p-46 * p->extent * p->extent))
             p->convex = false;
         most = fabs(off) > most ? fabs(off) : most;

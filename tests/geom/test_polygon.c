@@ -206,8 +206,33 @@ START_TEST(test_polygon__h055_ten_thousand_corners)
 }
 END_TEST
 
-PEN_SUITE("polygon", test_polygon__h027_any_outline_with_an_area,
-          test_polygon__h028_vertex_on_a_side, test_polygon__h029_normal,
-          test_polygon__h030_inside_outside_and_rim, test_polygon__h031_the_rest_of_the_rim,
-          test_polygon__h052_concave_star, test_polygon__any_start_and_direction,
-          test_polygon__h055_ten_thousand_corners)
+/* Where vertices are off one plane, as an offset rounds them, a low ray that passes inside the
+ * outline meets the polygon inside it, and not where it meets the mean plane: beyond the border
+ * there may be the next wall of a closed room. */
+START_TEST(test_polygon__bent_outline_is_not_left)
+{
+    struct random r = random_begin(54);
+    for (int i = 0; i < 20000; i++) {
+        double off = pow(10, random_in(&r, -13, -7)), x = random_in(&r, .1, .9),
+               sine = pow(10, random_in(&r, -2, 0));
+        vec3 v[4] = {{0, 0, off}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+        struct pen_polygon bent;
+        ck_assert(pen_polygon_make(&bent, v, 4));
+        bool up = random_below(&r, 2);
+        vec3 at = pen_vec3(x, pow(10, random_in(&r, -15, -13)), off * (1 - x));
+        vec3 d = pen_vec3(0, up ? 1 : -1, -sine);
+        double t;
+        struct pen_ray ray = world_ray(pen_sub(at, d), d);
+        if (!pen_polygon_root(&bent, &ray, &t))
+            continue;
+        double y = pen_along(ray.o, d, t).y;
+        ck_assert_msg(y >= -1e-14 && y <= 1 + 1e-14, "%g off, sine %g: y = %g", off, sine, y);
+    }
+}
+END_TEST
+
+PEN_SUITE("polygon", test_polygon__bent_outline_is_not_left,
+          test_polygon__h027_any_outline_with_an_area, test_polygon__h028_vertex_on_a_side,
+          test_polygon__h029_normal, test_polygon__h030_inside_outside_and_rim,
+          test_polygon__h031_the_rest_of_the_rim, test_polygon__h052_concave_star,
+          test_polygon__any_start_and_direction, test_polygon__h055_ten_thousand_corners)

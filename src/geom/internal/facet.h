@@ -40,8 +40,9 @@ static inline struct pen_facet pen_facet_of(struct pen_vec3 q, struct dd3 normal
         g = dd_of3(pen_vec3((high.x > 0) - (high.x < 0), (high.y > 0) - (high.y < 0),
                             (high.z > 0) - (high.z < 0)));
     struct dd c = dd_dot(g, dd_of3(q));
-    return (struct pen_facet){dd_round3(g), pen_vec3(g.x.lo, g.y.lo, g.z.lo), c.hi, c.lo,
-                              pen_unit_of(high)};
+    return (struct pen_facet){
+        dd_round3(g),     pen_vec3(g.x.lo, g.y.lo, g.z.lo), c.hi, c.lo, pen_unit_of(high),
+        PEN_FACET_GRAZING};
 }
 
 /* The bounds of what has this outline, and a surface within `off` of its vertices' plane. A line
