@@ -111,7 +111,7 @@ static struct pen_vec3 inward(const struct pen_pair *pair, struct pen_vec3 n, do
         }
     }
     double square = pen_dot(sum, sum);
-    return square > 0x1p-20 * borders ? pen_scale(sum, borders / square) : pen_vec3(0, 0, 0);
+    return square > 0x1p-64 * borders ? pen_scale(sum, borders / square) : pen_vec3(0, 0, 0);
 }
 
 /* Whether the line along a's normal through p crosses b, or the one through a point a little

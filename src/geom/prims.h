@@ -138,6 +138,12 @@ static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *pr
     return origin;
 }
 
+/* The side of the surface at p, the point of `hit`, from which it is seen along v, as the sign of a
+ * product with its outward normal. Where v runs along the surface within rounding, that is the
+ * side on which the path began; `origin` is that of rays from p. */
+double pen_prim_viewer_side(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 p,
+                            struct pen_vec3 v, const struct pen_origin_surface *origin);
+
 /* Whether two intersections of a ray, a before b, are one place where two surfaces coincide: layers
  * of one another. `bound` is how far a's point may be off by rounding. */
 bool pen_prim_layers(const struct pen_prims *prims, const struct pen_ray *ray, struct pen_hit a,

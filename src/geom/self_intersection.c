@@ -71,15 +71,20 @@ static double side_of_beginning(const struct contact *c, struct pen_vec3 toward)
     return fabs(wn) <= 2 * c->slack ? 0 : wn;
 }
 
+/* The side of Q on which the path began, by the last of its rays that tells; 0: none does. */
+static double side_of_path(const struct contact *c)
+{
+    double wn = side_of_beginning(c, c->origin->toward);
+    return wn != 0 ? wn : side_of_beginning(c, c->origin->before);
+}
+
 /* The side of Q from which the ray comes, as the sign of a product with n:
  *  1. where the arriving ray began, or, if that is within rounding of Q, the ray before it;
  *  2. if neither tells, or the path passed through P: where P lies, if it lies on one side only;
  *  3. 0 if P lies on neither side: P and Q are one surface there. */
 static double side_of_arrival(const struct contact *c)
 {
-    double wn = side_of_beginning(c, c->origin->toward);
-    if (wn == 0)
-        wn = side_of_beginning(c, c->origin->before);
+    double wn = side_of_path(c);
     if (!c->origin->through && wn != 0)
         return wn;
     bool out = reach(c->prims, c->origin->prim, c->n, c->p) > 2 * c->slack;
@@ -87,13 +92,32 @@ static double side_of_arrival(const struct contact *c)
     return out && in ? wn : (double)(out - in);
 }
 
+/* The contact of P itself with the ray's origin, as if it were Q. */
+static struct contact contact_of_origin(const struct contact *c)
+{
+    struct pen_hit left = {0, c->origin->prim, c->origin->part};
+    const struct pen_ray here = {.o = c->p};
+    return contact_at(c->prims, left, &here, c->origin);
+}
+
+/* The side of P on which the ray goes, as the sign of a product with P's normal m: that from which
+ * the path came, or the other one if it passed `through` P. A mirrored ray that runs along P may
+ * seem to go to the other side, by rounding. */
+static double side_of_departure(const struct contact *own, struct pen_vec3 d)
+{
+    double dm = pen_dot(d, own->n), side = across(own, d) != 0 ? 0 : side_of_path(own);
+    if (side == 0)
+        return dm;
+    return own->origin->through ? -side : side;
+}
+
 /* Whether Q extends beyond P's tangent plane, on the side to which the ray goes. */
 static bool rises(const struct contact *c, struct pen_vec3 d)
 {
-    struct pen_hit left = {0, c->origin->prim, c->origin->part};
-    struct pen_vec3 m = pen_prim_normal(c->prims, left, c->p);
-    double dm = pen_dot(d, m);
-    return dm == 0 || reach(c->prims, c->q.prim, dm > 0 ? m : pen_neg(m), c->p) > c->slack;
+    const struct contact own = contact_of_origin(c);
+    double side = side_of_departure(&own, d);
+    struct pen_vec3 up = side > 0 ? own.n : pen_neg(own.n);
+    return side == 0 || reach(c->prims, c->q.prim, up, c->p) > c->slack;
 }
 
 /* Whether an intersection of Q at the ray's origin counts: the ray does not go back to the side
@@ -122,9 +146,7 @@ static bool is_layer(const struct contact *c)
  * ones, nearest first, and any other ray the later ones. */
 static double t_of_layer(const struct contact *c, struct pen_vec3 d)
 {
-    double side = side_of_beginning(c, c->origin->toward), dn = across(c, d);
-    if (side == 0)
-        side = side_of_beginning(c, c->origin->before);
+    double side = side_of_path(c), dn = across(c, d);
     if (side == 0 || dn == 0)
         return 0;
     uint32_t p = c->origin->prim, q = c->q.prim;
@@ -330,6 +352,15 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
         else
             pen_intersections_add(out, all.t[i], all.part[i]);
     }
+}
+
+double pen_prim_viewer_side(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 p,
+                            struct pen_vec3 v, const struct pen_origin_surface *origin)
+{
+    const struct pen_ray here = {.o = p};
+    const struct contact c = contact_at(prims, hit, &here, origin);
+    double vn = across(&c, v), side = vn != 0 ? -vn : side_of_path(&c);
+    return side != 0 ? side : -pen_dot(v, c.n);
 }
 
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,

@@ -50,12 +50,16 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     s->n = pen_prim_normal(&scene->prims, hit, s->p);
     s->v = pen_normalize(ray->d);
     s->nv = pen_dot(s->n, s->v);
+    s->origin = pen_origin_at(&scene->prims, ray, left, hit, s->p);
     bool outside = !(s->nv > 0);
+    if (left->prim != PEN_NO_PRIM && fabs(s->nv) <= PEN_HORIZON_SINE)
+        outside = pen_prim_viewer_side(&scene->prims, hit, s->p, s->v, &s->origin) >= 0;
     if (!outside) {
         s->n = pen_neg(s->n);
         s->nv = -s->nv;
     }
-    s->origin = pen_origin_at(&scene->prims, ray, left, hit, s->p);
+    if (s->nv > 0)
+        s->nv = 0; /* by rounding, the ray leaves the surface that it has met */
     double turn = s->origin.bound * pen_prim_curvature(&scene->prims, hit, s->p);
     s->grazing_sine = surface_grazing_sine(turn, outside);
     s->unsure = surface_unsure(turn, outside);
