@@ -33,7 +33,8 @@ static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input
     struct pen_vec3 sum = s->material->emission;
     if ((fx & PEN_FX_AMBIENT) && primary)
         sum = pen_add(sum, pen_mul(scene->ambient, s->material->ka));
-    for (uint32_t i = 0; i < scene->light_count; i++) {
+    const uint32_t lights = surface_lit(s) ? scene->light_count : 0;
+    for (uint32_t i = 0; i < lights; i++) {
         struct arriving_light arriving = light_unshadowed(&scene->lights[i], s, fx);
         if (is_black(arriving.term))
             continue;
@@ -82,15 +83,30 @@ static ALWAYS_INLINE bool path_nearest(const struct pen_kernel_input *input,
     return true;
 }
 
-/* The radiance that arrives along a camera ray. */
+/* The camera ray through a point of the image. */
+static ALWAYS_INLINE bool camera_ray(const struct pen_pinhole *pinhole, struct pen_point2 at,
+                                     struct pen_ray *ray)
+{
+    struct pen_vec3 d = pen_along(pinhole->middle, pinhole->dx, at.x - pinhole->half_width);
+    return pen_ray_make(ray, pinhole->eye, pen_along(d, pinhole->dy, at.y - pinhole->half_height));
+}
+
+/* The radiance that arrives along the camera ray through a point of the image. */
 static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
-                                                 const struct pen_ray *camera_ray,
+                                                 struct pen_point2 at,
                                                  struct pen_ray_counts *counts, const unsigned fx)
 {
     const struct pen_scene *scene = input->scene;
     struct pen_vec3 sum = {0, 0, 0};
-    struct path path = {*camera_ray, pen_origin_none, pen_after_start, {1, 1, 1}, 0, 1};
+    struct path path;
+    if (!camera_ray(&input->pinhole, at, &path.ray))
+        return no_sample();
+    path.origin = pen_origin_none;
+    path.after = pen_after_start;
+    path.weight = pen_vec3(1, 1, 1);
+    path.depth = 0;
+    path.node = 1;
     const bool forks = (fx & PEN_FX_MIRROR) && (fx & PEN_FX_TRANSMISSION);
     if (forks)
         scratch->surfaces_left = scratch->surfaces_max;
@@ -131,14 +147,6 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     }
 }
 
-/* The camera ray through the image point (px, py). */
-static ALWAYS_INLINE bool camera_ray(const struct pen_pinhole *pinhole, double px, double py,
-                                     struct pen_ray *ray)
-{
-    struct pen_vec3 d = pen_along(pinhole->middle, pinhole->dx, px - pinhole->half_width);
-    return pen_ray_make(ray, pinhole->eye, pen_along(d, pinhole->dy, py - pinhole->half_height));
-}
-
 static ALWAYS_INLINE bool fits_film(struct pen_vec3 c)
 {
     return fabs(c.x) <= FLT_MAX && fabs(c.y) <= FLT_MAX && fabs(c.z) <= FLT_MAX;
@@ -170,13 +178,12 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
     int kept = 0;
     for (int i = 0; i < samples; i++) {
         struct pen_point2 at = pixel_point(hash, i, samples);
-        struct pen_ray ray;
-        struct pen_vec3 c = no_sample();
+        at.x += x;
+        at.y += y;
         counts->primary++;
         if (fx & PEN_FX_SOFT_SHADOWS)
             scratch->key.pixel_sample = (uint32_t)i;
-        if (camera_ray(&input->pinhole, x + at.x, y + at.y, &ray))
-            c = trace_paths(input, scratch, &ray, counts, fx);
+        struct pen_vec3 c = trace_paths(input, scratch, at, counts, fx);
         if (!fits_film(c)) {
             counts->dropped_samples++;
             continue;

@@ -71,6 +71,12 @@ static ALWAYS_INLINE bool surface_viewer_grazes(const struct surface *s)
     return s->unsure > 0 && !(-s->nv > s->unsure);
 }
 
+/* Whether lights contribute: a viewer in the tangent plane is on neither side of it. */
+static ALWAYS_INLINE bool surface_lit(const struct surface *s)
+{
+    return s->nv < 0 && !surface_viewer_grazes(s);
+}
+
 /* The origin surface of a ray that starts at p, on the viewer's side or `through` the surface. */
 static ALWAYS_INLINE struct pen_origin_surface surface_origin(const struct surface *s, bool through)
 {

@@ -63,12 +63,11 @@ static ALWAYS_INLINE struct pen_vec3 light_of_positional(const struct pen_light 
     return pen_mul(intensity, light_towards_viewer(s, l, nq / d, fx));
 }
 
+/* For a surface that the viewer sees from one side: surface_lit. */
 static ALWAYS_INLINE struct arriving_light
 light_unshadowed(const struct pen_light *light, const struct surface *s, const unsigned fx)
 {
     struct arriving_light arriving = {.term = {0, 0, 0}};
-    if (!(s->nv < 0) || surface_viewer_grazes(s))
-        return arriving; /* the viewer is in the tangent plane, on neither side of it */
     if (!light->positional) {
         arriving.term = light_of_directional(light, s, fx);
         arriving.to_light = pen_neg(light->direction);
