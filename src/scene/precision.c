@@ -22,12 +22,26 @@ static double box_distance(struct pen_box box, struct pen_vec3 p)
                                gap(box.lo.z, box.hi.z, p.z)));
 }
 
+/* The box around a primitive; of one with an outline, the box around its corners, without the
+ * margin that pen_prim_bounds leaves for the rounding of rays. */
+static struct pen_box box_of(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
+    if (!fn->outline)
+        return pen_prim_bounds(prims, prim);
+    const struct pen_outline line = fn->outline(pen_prim_self(prims, prim));
+    struct pen_box box = pen_box_empty();
+    for (uint32_t i = 0; i < line.count; i++)
+        box = pen_box_add_point(box, line.v[i]);
+    return box;
+}
+
 /* A lower bound of how far the surface of a primitive is. */
 static double distance_of(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p)
 {
     const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
     return fn->distance ? fn->distance(pen_prim_self(prims, prim), p)
-                        : box_distance(pen_prim_bounds(prims, prim), p);
+                        : box_distance(box_of(prims, prim), p);
 }
 
 static double side(struct pen_box box)
@@ -40,7 +54,7 @@ static struct pen_box all_bounds(const struct pen_prims *prims)
     struct pen_box all = pen_box_empty();
     for (uint32_t i = 0; i < prims->count; i++) {
         if (!pen_prim_infinite(prims->ref[i].kind))
-            all = pen_box_union(all, pen_prim_bounds(prims, i));
+            all = pen_box_union(all, box_of(prims, i));
     }
     return all;
 }
@@ -51,8 +65,7 @@ static double nearest(const struct pen_prims *prims, double extent, struct pen_v
     double least = INFINITY;
     for (uint32_t i = 0; i < prims->count; i++) {
         double distance = distance_of(prims, i, eye);
-        double size =
-            pen_prim_infinite(prims->ref[i].kind) ? extent : side(pen_prim_bounds(prims, i));
+        double size = pen_prim_infinite(prims->ref[i].kind) ? extent : side(box_of(prims, i));
         distance = pen_larger(distance, NEAREST_PART * size);
         least = distance < least ? distance : least;
     }

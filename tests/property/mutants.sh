@@ -226,7 +226,7 @@ edit src/geom/triangle.c 1 's/^    int first = first_corner\(v\);$/    int first
 judge
 
 mutant rounded_normal h043_needle_thin 20000 "normals of needles stay as double-double gives them"
-edit src/geom/triangle.c 1 's/^        n = pen_exact_normal\(tri->v, 3\);$/        (void)0;/'
+edit src/geom/internal/facet.h 1 's/^    if \(pen_largest3\(dd_round3\(\*normal\)\) > least\)$/    if (pen_largest3(dd_round3(*normal)) > 0 * least)/'
 judge
 
 mutant nearly_flat o1_transform 20000 "a map that nearly flattens space cannot be inverted"
