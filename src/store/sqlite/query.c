@@ -199,17 +199,18 @@ static bool is_process_limit(int rc, int error)
            (rc != SQLITE_FULL && (error == ENOMEM || error == EMFILE || error == ENFILE));
 }
 
-/* The errno of the files' last failure; 0: none. */
-static int errno_of_files(struct pen_sqlite_store *store)
+/* The store's files: the log, and the store itself. */
+enum { FILES = 2 };
+
+/* The errno of a file's last failure, however long ago; 0: none. */
+static int errno_of_file(struct pen_sqlite_store *store, int i)
 {
-    static const int files[] = {SQLITE_FCNTL_JOURNAL_POINTER, SQLITE_FCNTL_FILE_POINTER};
+    static const int files[FILES] = {SQLITE_FCNTL_JOURNAL_POINTER, SQLITE_FCNTL_FILE_POINTER};
+    sqlite3_file *file = NULL;
     int error = 0;
-    for (size_t i = 0; i < 2 && !error; i++) {
-        sqlite3_file *file = NULL;
-        if (sqlite3_file_control(store->db, "main", files[i], &file) == SQLITE_OK && file &&
-            file->pMethods)
-            file->pMethods->xFileControl(file, SQLITE_FCNTL_LAST_ERRNO, &error);
-    }
+    if (sqlite3_file_control(store->db, "main", files[i], &file) == SQLITE_OK && file &&
+        file->pMethods)
+        file->pMethods->xFileControl(file, SQLITE_FCNTL_LAST_ERRNO, &error);
     return error;
 }
 
@@ -217,13 +218,21 @@ static int errno_of_files(struct pen_sqlite_store *store)
 static int errno_of(struct pen_sqlite_store *store)
 {
     int error = sqlite3_system_errno(store->db);
-    return error ? error : errno_of_files(store);
+    for (int i = 0; i < FILES && !error; i++)
+        error = errno_of_file(store, i);
+    return error;
 }
 
 bool pen_sqlite_is_refused_read(struct pen_sqlite_store *store, int rc)
 {
-    int error = (rc & 0xff) == SQLITE_CORRUPT ? errno_of_files(store) : 0;
-    return error == EIO || error == ENXIO;
+    /* Either file may have refused it; the other one may still have the errno of an older failure.
+     */
+    for (int i = 0; i < FILES && (rc & 0xff) == SQLITE_CORRUPT; i++) {
+        int error = errno_of_file(store, i);
+        if (error == EIO || error == ENXIO)
+            return true;
+    }
+    return false;
 }
 
 bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status *st)
