@@ -5,12 +5,6 @@
 
 #include "math/frame.h"
 
-static struct pen_outline outline_of(const struct pen_prims *prims, uint32_t prim)
-{
-    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
-    return fn->outline ? fn->outline(pen_prim_self(prims, prim)) : (struct pen_outline){NULL, 0, 0};
-}
-
 static struct pen_vec3 projected(const struct pen_prims *prims, struct pen_hit on,
                                  struct pen_vec3 p)
 {
@@ -52,7 +46,7 @@ static bool samples_lie_in(const struct pen_pair *pair, struct pen_hit in, struc
  * quadric: the corners of an outline, else samples. */
 static bool lies_in(const struct pen_pair *pair, struct pen_hit in, struct pen_hit on)
 {
-    const struct pen_outline line = outline_of(pair->prims, in.prim);
+    const struct pen_outline line = pen_prim_outline(pair->prims, in.prim);
     if (line.count == 0)
         return samples_lie_in(pair, in, on);
     for (uint32_t i = 0; i < line.count; i++)
@@ -94,7 +88,7 @@ static struct pen_vec3 inward_of_outline(const struct pen_outline *line, struct 
 static struct pen_vec3 inward(const struct pen_pair *pair, struct pen_vec3 n, double near)
 {
     const struct pen_kind *kind = pen_prim_row(pair->prims, pair->a.prim);
-    const struct pen_outline line = outline_of(pair->prims, pair->a.prim);
+    const struct pen_outline line = pen_prim_outline(pair->prims, pair->a.prim);
     struct pen_vec3 sum = pen_vec3(0, 0, 0);
     int borders = 0;
     if (line.count > 0)
@@ -158,7 +152,7 @@ double pen_prim_layers_end(const struct pen_prims *prims, const struct pen_ray *
 /* A point of the surface: a corner, or the point nearest corner i of its box. */
 static struct pen_vec3 point_of(const struct pen_prims *prims, struct pen_hit on, int i)
 {
-    const struct pen_outline line = outline_of(prims, on.prim);
+    const struct pen_outline line = pen_prim_outline(prims, on.prim);
     if (line.count > 0)
         return line.v[0];
     struct pen_box box = {pen_vec3(0, 0, 0), pen_vec3(0, 0, 0)};
@@ -175,7 +169,7 @@ static bool pair_make(struct pen_pair *pair, const struct pen_prims *prims, stru
                       struct pen_hit b)
 {
     bool infinite = pen_prim_infinite(prims->ref[a.prim].kind);
-    struct pen_hit on = infinite || outline_of(prims, b.prim).count > 0 ? b : a;
+    struct pen_hit on = infinite || pen_prim_outline(prims, b.prim).count > 0 ? b : a;
     struct pen_hit other = on.prim == a.prim ? b : a;
     for (int i = 0; i < 8; i++) {
         struct pen_vec3 p = point_of(prims, on, i);
@@ -225,7 +219,8 @@ enum { EDGES_MAX = 64 };
 
 bool pen_prim_may_coincide(const struct pen_prims *prims, struct pen_hit a, struct pen_hit b)
 {
-    const struct pen_outline line_a = outline_of(prims, a.prim), line_b = outline_of(prims, b.prim);
+    const struct pen_outline line_a = pen_prim_outline(prims, a.prim),
+                             line_b = pen_prim_outline(prims, b.prim);
     struct pen_pair pair;
     if (!are_alike(prims, a, b) || !pair_make(&pair, prims, a, b) || !pen_coincide(&pair))
         return false;

@@ -63,6 +63,13 @@ static inline const void *pen_prim_self(const struct pen_prims *prims, uint32_t 
     return (const char *)prims->array[ref.kind] + ref.index * pen_kinds[ref.kind].bytes;
 }
 
+/* The corners of a flat primitive with an outline; none of other primitives. */
+static inline struct pen_outline pen_prim_outline(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
+    return fn->outline ? fn->outline(pen_prim_self(prims, prim)) : (struct pen_outline){NULL, 0, 0};
+}
+
 /* All intersections of the ray's line with primitive `prim`, as if the ray started in free space.
  */
 void pen_prim_intersect_line(const struct pen_prims *prims, uint32_t prim,

@@ -26,13 +26,6 @@ static double reach(const struct pen_prims *prims, uint32_t prim, struct pen_vec
     return pen_prim_row(prims, prim)->fn->reach(pen_prim_self(prims, prim), n, p);
 }
 
-/* The corners of a flat primitive with an outline; none of other primitives. */
-static struct pen_outline outline_of(const struct pen_prims *prims, uint32_t prim)
-{
-    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
-    return fn->outline ? fn->outline(pen_prim_self(prims, prim)) : (struct pen_outline){NULL, 0, 0};
-}
-
 /* The contact of a primitive Q with the origin of a ray that starts on another primitive P. */
 struct contact {
     const struct pen_prims *prims;
@@ -50,7 +43,7 @@ static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q
     struct contact c = {prims, origin, q, ray->o, {0, 0, 0}, 0, 4 * PEN_U};
     c.n = pen_prim_normal(prims, q, ray->o);
     c.slack = origin->bound + own_rounding(prims, q.prim, ray->o);
-    const struct pen_outline outline = outline_of(prims, q.prim);
+    const struct pen_outline outline = pen_prim_outline(prims, q.prim);
     if (outline.count > 0)
         c.share = max2(c.share, c.slack / outline.extent);
     return c;
@@ -215,7 +208,7 @@ static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p
 static bool contains_point(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                            struct pen_vec3 p, double b)
 {
-    const struct pen_outline line = outline_of(prims, prim);
+    const struct pen_outline line = pen_prim_outline(prims, prim);
     for (uint32_t i = 0; i < line.count; i++) {
         if (near_segment(line.v[i], line.v[i + 1 < line.count ? i + 1 : 0], p, b))
             return true;
@@ -242,7 +235,7 @@ static struct pen_vec3 projected(const struct pen_ray *ray, struct pen_vec3 v)
 static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                           const struct pen_ray *ray, double b, double *t)
 {
-    const struct pen_outline line = outline_of(prims, prim);
+    const struct pen_outline line = pen_prim_outline(prims, prim);
     if (line.count == 0)
         return false;
     double far = pen_dot(n, pen_sub(line.v[0], ray->o)), nearby = PEN_NEARBY * b;

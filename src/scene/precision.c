@@ -26,10 +26,9 @@ static double box_distance(struct pen_box box, struct pen_vec3 p)
  * margin that pen_prim_bounds leaves for the rounding of rays. */
 static struct pen_box box_of(const struct pen_prims *prims, uint32_t prim)
 {
-    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
-    if (!fn->outline)
+    const struct pen_outline line = pen_prim_outline(prims, prim);
+    if (line.count == 0)
         return pen_prim_bounds(prims, prim);
-    const struct pen_outline line = fn->outline(pen_prim_self(prims, prim));
     struct pen_box box = pen_box_empty();
     for (uint32_t i = 0; i < line.count; i++)
         box = pen_box_add_point(box, line.v[i]);

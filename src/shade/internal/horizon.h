@@ -9,11 +9,12 @@
  *
  * With n the unit normal towards the viewer and q the vector to the light, or to a sample, q grazes
  * if |n.q| is at most the largest of
- *   PEN_HORIZON_SINE |q|   lower rays may pass the foot of a wall outside the range in which the
- *                          self-intersection rule looks for it;
- *   bound(p) + bound(end)  if the ray ends in a point: neither the shaded point nor the end is
- * known better; |q| bound(p) / radius  on a round surface: moving p by its bound turns the normal
- * that much. */
+ *  - PEN_HORIZON_SINE |q|: lower rays may pass the foot of a wall outside the range in which the
+ *    self-intersection rule looks for it;
+ *  - bound(p) + bound(end), if the ray ends in a point: neither the shaded point nor the end is
+ *    known better;
+ *  - |q| bound(p) / radius, on a round surface: moving p by its bound turns the normal that much.
+ */
 #ifndef PEN_SHADE_INTERNAL_HORIZON_H
 #define PEN_SHADE_INTERNAL_HORIZON_H
 
