@@ -257,7 +257,7 @@ double body_rounding(const struct body_pose *pose)
     return 64 * 0x1p-53 * (4 * pen_norm1(pose->o) / pose->size + 8);
 }
 
-static struct pen_transform transform_of(const struct body_pose *pose)
+struct pen_transform body_transform(const struct body_pose *pose)
 {
     double s = pose->size;
     vec3 x = pose->x, y = pose->y, z = pose->z, o = pose->o;
@@ -268,7 +268,7 @@ static struct pen_transform transform_of(const struct body_pose *pose)
 
 vec3 body_vertex(const struct body *b, const struct body_pose *pose, int i)
 {
-    struct pen_transform transform = transform_of(pose);
+    struct pen_transform transform = body_transform(pose);
     return pose->group ? pen_transform_point(&transform, b->v[i]) : body_place(pose, b->v[i]);
 }
 
@@ -424,7 +424,7 @@ void body_add(const struct body *b, const struct body_pose *pose, struct kit *ki
         add_faces(b, in, kit, material);
     else
         add_round(b, in, kit, material);
-    struct pen_transform transform = transform_of(pose);
+    struct pen_transform transform = body_transform(pose);
     if (pose->group)
         kit_group(kit, first, &transform);
 }

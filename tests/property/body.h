@@ -67,6 +67,7 @@ void body_overlap(struct body *b);
 /* A pose: turned at random, about z, or not at all; the offset is in sizes. */
 struct body_pose body_pose(struct random *r, double size, double offset);
 vec3 body_place(const struct body_pose *pose, vec3 p);
+struct pen_transform body_transform(const struct body_pose *pose);
 vec3 body_turn(const struct body_pose *pose, vec3 d); /* a direction, unit if d is */
 
 /* Its vertex i as the scene has it. */

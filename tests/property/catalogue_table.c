@@ -311,8 +311,7 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
     [134] = {"a polygon with a vertex off its plane, at a wall's foot", "", ROW_PENDING,
              "how far vertices are off the plane counts as rounding: such a floor may show a dark "
              "strip as wide as that at a wall's foot"},
-    [135] = {"a floor up to 1e12 times the room", "", ROW_PENDING,
-             "over_floor holds such floors from above; a row of rooms on them is to come"},
+    [135] = {"a floor up to 1e12 times the room", "", ROW_TESTED, NULL},
     [136] = {"a camera 1e-16 above a floor", "", ROW_TESTED, NULL},
     [137] = {"rooms as thin as 2^-30 of their width", "", ROW_TESTED, NULL},
     [138] = {"coincident rims of open cylinders and cones; a cylinder's foot on a floor", "",

@@ -143,6 +143,10 @@ void rows_horizon_disk(struct pen_row_run *run);
 void rows_convex_lit(struct pen_row_run *run);
 void rows_convex_horizon(struct pen_row_run *run);
 
+/* rows_floors.c */
+void rows_floor_rooms(struct pen_row_run *run);
+void rows_floor_foot(struct pen_row_run *run);
+
 /* rows_films.c */
 void rows_films_threads(struct pen_row_run *run);
 void rows_films_tiles(struct pen_row_run *run);

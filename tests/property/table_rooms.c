@@ -63,6 +63,29 @@ const struct row row_table_rooms[] = {
         .known = "rooms thinner than 2^-10 of their width leak at seams in extreme zooms",
     },
     {
+        .id = "H073 H135",
+        .name = "floor_rooms",
+        .what = "rooms of 3 to 8 walls on a floor 1e2 to 1e12 times as wide (a plane, a quad, "
+                "triangles, a polygon), lights in its plane and under it: black",
+        .oracle = "black",
+        .run = rows_floor_rooms,
+        .full = 50000,
+        .check = 300,
+        .known = "how far a floor's vertices are off its plane counts as rounding of the floor; "
+                 "walls through the floor leak single pixels in extreme zooms",
+    },
+    {
+        .id = "H066 H135",
+        .name = "floor_foot",
+        .what = "the same from outside, at the foot of a wall that faces the lights: as without "
+                "shadows",
+        .oracle = "convex",
+        .run = rows_floor_foot,
+        .full = 50000,
+        .check = 300,
+        .known = "beside a seam of triangles wider than 1e9 rooms low light is cut off",
+    },
+    {
         .id = "H096 H102",
         .name = "rooms_same",
         .what = "the same rooms, some with a light inside: the same picture with every accelerator "
