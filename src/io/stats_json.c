@@ -24,11 +24,16 @@ json_t *pen_stats_tiles(uint64_t count, const struct pen_percentiles *ms)
 /* Scene units can have any magnitude, so these lengths are not rounded by pen_figure. */
 static json_t *precision_json(const struct pen_scene_precision *p)
 {
-    char warning[PEN_MSG_BYTES];
+    char warning[PEN_MSG_BYTES], thin[PEN_MSG_BYTES];
     bool warns = pen_precision_warning(p, warning, sizeof warning);
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:s*}", "extent", p->extent, "coordinate_max",
+    if (!warns && pen_thinness_warning(p, thin, sizeof thin)) {
+        snprintf(warning, sizeof warning, "primitive %u %.400s", (unsigned)p->thin_prim, thin);
+        warns = true;
+    }
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:s*}", "extent", p->extent, "coordinate_max",
                      p->coordinate_max, "ulp", p->ulp, "pixel_footprint", p->pixel_footprint,
-                     "resolution", p->resolution, "warning", warns ? warning : NULL);
+                     "resolution", p->resolution, "thinness", p->thinness, "warning",
+                     warns ? warning : NULL);
 }
 
 json_t *pen_stats_json(const struct pen_stats_input *in)

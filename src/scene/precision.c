@@ -71,6 +71,72 @@ static double nearest(const struct pen_prims *prims, double extent, struct pen_v
     return least;
 }
 
+/* The corner farthest from p. */
+static struct pen_vec3 farthest(struct pen_outline line, struct pen_vec3 p)
+{
+    struct pen_vec3 far = p;
+    double most = 0;
+    for (uint32_t i = 0; i < line.count; i++) {
+        struct pen_vec3 e = pen_sub(line.v[i], p);
+        if (pen_dot(e, e) > most) {
+            most = pen_dot(e, e);
+            far = line.v[i];
+        }
+    }
+    return far;
+}
+
+/* Twice the area of an outline: the length of its vector area. */
+static double double_area(struct pen_outline line)
+{
+    struct pen_vec3 sum = pen_vec3(0, 0, 0);
+    for (uint32_t i = 1; i + 1 < line.count; i++)
+        sum = pen_add(sum,
+                      pen_cross(pen_sub(line.v[i], line.v[0]), pen_sub(line.v[i + 1], line.v[0])));
+    return pen_length(sum);
+}
+
+static void order(double a, double b, double *width, double *length)
+{
+    *width = a < b ? a : b;
+    *length = a < b ? b : a;
+}
+
+void pen_prim_measure(const struct pen_prims *prims, uint32_t prim, double *width, double *length)
+{
+    const struct pen_outline line = pen_prim_outline(prims, prim);
+    const void *self = pen_prim_self(prims, prim);
+    *width = *length = 1;
+    if (line.count > 0) {
+        struct pen_vec3 end = farthest(line, line.v[0]);
+        *length = pen_length(pen_sub(farthest(line, end), end));
+        *width = double_area(line) / *length * (line.count == 3 ? 1 : 0.5);
+    } else if (prims->ref[prim].kind == PEN_PRIM_CYLINDER) {
+        const struct pen_cylinder *c = self;
+        order(2 * c->round.r, c->h, width, length);
+    } else if (prims->ref[prim].kind == PEN_PRIM_CONE) {
+        const struct pen_cone *c = self;
+        order(2 * c->hull.round.r, c->hull.h, width, length);
+    }
+}
+
+/* Finds the narrowest primitive, in local lengths. */
+static void find_narrowest(const struct pen_prims *prims, struct pen_scene_precision *out)
+{
+    out->thinness = out->thin_width = out->thin_length = 1;
+    out->thin_prim = 0;
+    for (uint32_t i = 0; i < prims->count; i++) {
+        double width, length;
+        pen_prim_measure(prims, i, &width, &length);
+        if (width < out->thinness * length) {
+            out->thinness = width / length;
+            out->thin_prim = i;
+            out->thin_width = width;
+            out->thin_length = length;
+        }
+    }
+}
+
 static struct pen_vec3 to_scene(const struct pen_scene *scene, struct pen_vec3 local)
 {
     return pen_add(scene->center, vec_scale2_down(local, -scene->exponent));
@@ -108,6 +174,9 @@ bool pen_scene_precision(const struct pen_scene *scene, int view, int width, int
     out->ulp = pen_scale2(1, pen_exponent(out->coordinate_max) - 53);
     out->pixel_footprint = pen_scale2(away * pixel_angle(&pinhole), scene->exponent);
     out->resolution = out->pixel_footprint / out->ulp;
+    find_narrowest(&scene->prims, out);
+    out->thin_width = pen_scale2(out->thin_width, scene->exponent);
+    out->thin_length = pen_scale2(out->thin_length, scene->exponent);
     return scene->prims.count > 0 && usable(out);
 }
 
@@ -122,5 +191,18 @@ bool pen_precision_warning(const struct pen_scene_precision *precision, char *ou
         "nearer to the origin, or leave out what is far away",
         precision->coordinate_max, precision->ulp, precision->pixel_footprint,
         precision->resolution, PEN_PRECISION_ENOUGH);
+    return true;
+}
+
+bool pen_thinness_warning(const struct pen_scene_precision *precision, char *out, size_t bytes)
+{
+    /* What is told to be just as thin as that may be rounded to less. */
+    if (!(precision->thinness < PEN_PRECISION_THIN * (1 - 0x1p-10)))
+        return false;
+    snprintf(out, bytes,
+             "is %.3g wide and %.3g long: %.2g of its length, and below %.2g (2^-30) a closed body "
+             "may leak light and shade itself; make it thicker, or leave it out",
+             precision->thin_width, precision->thin_length, precision->thinness,
+             PEN_PRECISION_THIN);
     return true;
 }

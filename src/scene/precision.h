@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether double precision is enough for a view: how many ulps (the distance of neighbouring
- * doubles at the scene's largest coordinates) a pixel is wide at the nearest primitive. Coordinates
- * and what is computed from them have errors of about an ulp; with an offset of 1e12 an ulp
- * is 1.2e-4. */
+/* Whether double precision is enough for a view. Two things are measured:
+ *  - how many ulps (the distance of neighbouring doubles at the scene's largest coordinates) a
+ * pixel is wide at the nearest primitive. Coordinates and what is computed from them have errors of
+ *    about an ulp; with an offset of 1e12 an ulp is 1.2e-4;
+ *  - how narrow the narrowest primitive is, compared with its length. A closed body as thin as that
+ *    has such a primitive: its side walls, or itself. */
 #ifndef PEN_SCENE_PRECISION_H
 #define PEN_SCENE_PRECISION_H
 
@@ -14,13 +16,20 @@
  * still change sides, which counts for more. */
 #define PEN_PRECISION_ENOUGH 256.0
 
-/* Units: scene units, except `resolution`. */
+/* Closed rooms are dark inside, and solids cast no false shadows, down to this width relative to
+ * their length (row rooms_thin of the stability suite). What is narrower may leak light. */
+#define PEN_PRECISION_THIN 0x1p-30
+
+/* Units: scene units, except `resolution` and `thinness`. */
 struct pen_scene_precision {
     double extent;          /* the longest side of the box around the finite primitives */
     double coordinate_max;  /* the largest |x|, |y|, |z| of that box and of the eye */
     double ulp;             /* the distance of neighbouring doubles at coordinate_max */
     double pixel_footprint; /* the lesser of a pixel's width and height at the nearest primitive */
     double resolution;      /* pixel_footprint / ulp */
+    double thinness;        /* the least width / length of a finite primitive; 1 if there is none */
+    uint32_t thin_prim;     /* the number of the first such primitive, and its measures: */
+    double thin_width, thin_length;
 };
 
 /* Measures a view for a picture size. The distance of a primitive from the eye is that of its
@@ -31,8 +40,17 @@ struct pen_scene_precision {
 bool pen_scene_precision(const struct pen_scene *scene, int view, int width, int height,
                          struct pen_scene_precision *out);
 
+/* The width of a primitive relative to its length, both in the local frame: the lesser and the
+ * larger of the height and the diameter of a cylinder or cone; of a triangle its least height and
+ * its longest edge; of a polygon its area over the distance between far corners, and that distance.
+ * Other kinds are as wide as long. */
+void pen_prim_measure(const struct pen_prims *prims, uint32_t prim, double *width, double *length);
+
 /* Writes a warning with a remedy to `out` if the resolution is below PEN_PRECISION_ENOUGH. Returns
  * whether it is. */
 bool pen_precision_warning(const struct pen_scene_precision *precision, char *out, size_t bytes);
+
+/* The same for a primitive narrower than PEN_PRECISION_THIN of its length: "is 1e-12 wide ...". */
+bool pen_thinness_warning(const struct pen_scene_precision *precision, char *out, size_t bytes);
 
 #endif

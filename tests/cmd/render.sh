@@ -30,6 +30,13 @@ prints "warns of the view" stderr 'coarse.json: view "front": warning: coordinat
 expect "the statistics have the warning, too" "$(jq '.precision | .resolution < 256 and has("warning")' far.json)" true
 exits "validate with large coordinates" 0 "$penumbra" validate coarse.json
 prints "warns of the view" stderr 'coarse.json: /views/0: warning: coordinates reach to 1e+13'
+# A wall narrower than 2^-30 of its length
+jq '.objects[1] = {type: "polygon", vertices: [[0,0,0], [1,0,0], [1,1e-10,0], [0,1e-10,0]]}' scene.json >thin.json
+exits "render with a thin wall" 0 "$penumbra" render thin.json -o far.png --stats far.json
+prints "warns of the wall" stderr 'thin.json: primitive 1: warning: is 1e-10 wide and 1 long'
+expect "the statistics have that warning, too" "$(jq '.precision | .thinness < 2e-10 and (.warning | startswith("primitive 1 is"))' far.json)" true
+exits "validate with a thin wall" 0 "$penumbra" validate thin.json
+prints "warns of the wall" stderr 'thin.json: /objects/1: warning: is 1e-10 wide and 1 long'
 exits "render of a view with enough precision" 0 "$penumbra" render scene.json --view side -o near.png --stats near.json
 expect "gives no warning" "$(cat stderr)$(jq '.precision | .resolution > 1e9 and (has("warning") | not)' near.json)" true
 

@@ -135,6 +135,62 @@ START_TEST(test_precision__h081_h082_h083_scale_is_judged_by_the_pixel)
 }
 END_TEST
 
+/* Copies text, and adds `offset` to every number after an @. */
+static void put_moved(char *out, const char *in, double offset)
+{
+    for (; *in; in++) {
+        char *end;
+        if (*in != '@') {
+            *out++ = *in;
+            continue;
+        }
+        out += sprintf(out, "%.17g", strtod(in + 1, &end) + offset);
+        in = end - 1;
+    }
+    *out = '\0';
+}
+
+static bool warns_thin(const struct pen_scene_precision *p)
+{
+    char text[PEN_MSG_BYTES] = "";
+    bool found = pen_thinness_warning(p, text, sizeof text);
+    ck_assert(found == (text[0] != '\0'));
+    return found;
+}
+
+/* An object behind a sphere, which is not thin; `text` has @0 where its width is. */
+static void check_thin(const char *text, double width)
+{
+    char object[500], objects[1000];
+    struct pen_scene_precision p;
+    put_moved(object, text, width);
+    snprintf(objects, sizeof objects, "%s, %s", BALL, object);
+    ck_assert(measure("0, 0, 9", objects, &p));
+    ck_assert_uint_eq(p.thin_prim, 1);
+    ck_assert_msg(p.thinness >= width * (1 - 1e-5) && p.thinness <= width * (1 + 1e-5),
+                  "%g, not %g", p.thinness, width);
+    ck_assert_msg(warns_thin(&p) == (width < 0x1p-30), "%g of %s", width, text);
+}
+
+/* Primitives of length 1. */
+START_TEST(test_precision__h137_what_is_thinner_than_can_be_tested_warns)
+{
+    static const double width[] = {0x1p-10, 0x1p-29, 0x1p-30, 0x1.ffp-31, 0x1p-31, 0x1p-45};
+    struct pen_scene_precision p;
+    for (int i = 0; i < 6; i++) {
+        check_thin("{\"type\": \"polygon\", \"vertices\": [[0,0,0], [1,0,0], [1,@0,0], [0,@0,0]]}",
+                   width[i]);
+        check_thin("{\"type\": \"triangle\", \"vertices\": [[0,0,0], [1,0,0], [0.5,0,@0]]}",
+                   width[i]);
+        check_thin(
+            "{\"type\": \"cylinder\", \"base\": [0,0,0], \"axis\": [0,1,0], \"radius\": 0.5, "
+            "\"height\": @0}",
+            width[i]);
+    }
+    ck_assert(measure("0, 0, 9", BALL, &p) && p.thinness == 1 && !warns_thin(&p));
+}
+END_TEST
+
 START_TEST(test_precision__built_in_scenes_do_not_warn)
 {
     glob_t found;
@@ -153,26 +209,13 @@ START_TEST(test_precision__built_in_scenes_do_not_warn)
             ck_assert(pen_scene_precision(scene, (int)v, settings.width, settings.height, &p));
             ck_assert_msg(!warns(&p) && p.resolution > 1e9, "%s: %g", found.gl_pathv[i],
                           p.resolution);
+            ck_assert_msg(!warns_thin(&p) && p.thinness > 1e-3, "%s: %g", found.gl_pathv[i],
+                          p.thinness);
         }
     }
     globfree(&found);
 }
 END_TEST
-
-/* Copies text, and adds `offset` to every number after an @. */
-static void put_moved(char *out, const char *in, double offset)
-{
-    for (; *in; in++) {
-        char *end;
-        if (*in != '@') {
-            *out++ = *in;
-            continue;
-        }
-        out += sprintf(out, "%.17g", strtod(in + 1, &end) + offset);
-        in = end - 1;
-    }
-    *out = '\0';
-}
 
 /* A room of size 1 with a sphere and a triangle, moved by `offset` along all three axes. */
 static void read_room(double offset)
@@ -258,4 +301,5 @@ PEN_SUITE("precision", test_precision__measures_are_those_of_the_scene,
           test_precision__the_nearest_primitive_counts,
           test_precision__h081_h082_h083_scale_is_judged_by_the_pixel,
           test_precision__built_in_scenes_do_not_warn,
+          test_precision__h137_what_is_thinner_than_can_be_tested_warns,
           test_precision__h077_a_picture_is_right_unless_it_warns)

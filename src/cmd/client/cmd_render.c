@@ -145,6 +145,9 @@ static void check_precision(struct render *r)
     if (r->has_precision && pen_precision_warning(&r->precision, text, sizeof text))
         fprintf(stderr, "penumbra: %s: view \"%s\": warning: %s\n", r->input.source.label,
                 r->scene->views[r->view].name, text);
+    if (r->has_precision && pen_thinness_warning(&r->precision, text, sizeof text))
+        fprintf(stderr, "penumbra: %s: primitive %u: warning: %s\n", r->input.source.label,
+                (unsigned)r->precision.thin_prim, text);
 }
 
 /* Warns of samples that the picture does not hold. */

@@ -79,48 +79,67 @@ static struct pen_place view_place(const struct pen_place up[2], const json_t *d
                                               : pen_place_key(&up[0], "camera");
 }
 
-/* Warns of the first view for which double precision is too coarse. A scene that cannot be frozen
- * gets no warning here; rendering refuses it. */
+/* Writes the JSON Pointer of the object with *left others before it, groups not counted, or with
+ * *left loops (triangles and polygons) before it; counts *left down. Returns whether there is one.
+ */
+static bool find_object(const struct pen_object_desc *objects, uint32_t count, bool loops,
+                        const struct pen_place *up, uint32_t *left, char out[PEN_AT_BYTES])
+{
+    struct pen_place at = pen_place_key(up, "objects");
+    for (uint32_t i = 0; i < count; i++) {
+        struct pen_place place = pen_place_index(&at, i);
+        const struct pen_object_desc *object = &objects[i];
+        bool loop = object->kind == PEN_OBJECT_TRIANGLE || object->kind == PEN_OBJECT_POLYGON;
+        if (object->kind == PEN_OBJECT_GROUP) {
+            if (find_object(object->u.group.objects, object->u.group.count, loops, &place, left,
+                            out))
+                return true;
+        } else if ((loop || !loops) && (*left)-- == 0) {
+            pen_place_pointer(&place, "", out, PEN_AT_BYTES);
+            return true;
+        }
+    }
+    return false;
+}
+
+static void warn_thin(struct pen_reader *r, const struct pen_scene_desc *desc,
+                      const struct pen_scene_precision *precision)
+{
+    const struct pen_place root = {0};
+    struct pen_status st = {.code = PEN_OK};
+    char text[PEN_MSG_BYTES], object[PEN_AT_BYTES], pointer[3 * PEN_AT_BYTES];
+    uint32_t left = precision->thin_prim;
+    if (!pen_thinness_warning(precision, text, sizeof text) ||
+        !find_object(desc->objects, desc->object_count, false, &root, &left, object))
+        return;
+    snprintf(pointer, sizeof pointer, "%.255s%s", r->prefix, object);
+    pen_fail_at(&st, PEN_OK, pointer, "%s", text);
+    pen_errors_add(r->errors, &st);
+}
+
+/* Warns of the first view for which double precision is too coarse, and of the narrowest primitive.
+ * A scene that cannot be frozen gets no warning here; rendering refuses it. */
 static void warn_precision(struct pen_reader *r, const json_t *document,
                            const struct pen_scene_desc *desc)
 {
     struct pen_status st;
     struct pen_scene_precision precision;
     char text[PEN_MSG_BYTES];
-    bool warned = false;
+    bool warned = false, measured = false;
     struct pen_scene *scene = pen_scene_freeze(desc, PEN_ACCEL_NONE, 0, &st);
     struct pen_place up[2] = {{0}};
     up[1] = pen_place_key(&up[0], "views");
     for (int i = 0; scene && i < (int)scene->view_count && !warned; i++) {
         const struct pen_settings *s = &desc->settings;
         struct pen_place at = view_place(up, document, i);
-        warned = pen_scene_precision(scene, i, s->width, s->height, &precision) &&
-                 pen_precision_warning(&precision, text, sizeof text);
+        measured = pen_scene_precision(scene, i, s->width, s->height, &precision);
+        warned = measured && pen_precision_warning(&precision, text, sizeof text);
         if (warned)
             warn(r, &at, text);
     }
+    if (measured)
+        warn_thin(r, desc, &precision);
     pen_scene_free(scene);
-}
-
-/* Writes the JSON Pointer of the loop (triangle or polygon) with *left loops before it; counts
- * *left down. Returns whether it was found. */
-static bool find_loop(const struct pen_object_desc *objects, uint32_t count,
-                      const struct pen_place *up, uint32_t *left, char out[PEN_AT_BYTES])
-{
-    struct pen_place at = pen_place_key(up, "objects");
-    for (uint32_t i = 0; i < count; i++) {
-        struct pen_place place = pen_place_index(&at, i);
-        const struct pen_object_desc *object = &objects[i];
-        if (object->kind == PEN_OBJECT_GROUP) {
-            if (find_loop(object->u.group.objects, object->u.group.count, &place, left, out))
-                return true;
-        } else if ((object->kind == PEN_OBJECT_TRIANGLE || object->kind == PEN_OBJECT_POLYGON) &&
-                   (*left)-- == 0) {
-            pen_place_pointer(&place, "", out, PEN_AT_BYTES);
-            return true;
-        }
-    }
-    return false;
 }
 
 struct tjunction_warnings {
@@ -138,8 +157,8 @@ static void warn_tjunction(void *user, const struct pen_tjunction *found)
     struct pen_status st = {.code = PEN_OK};
     uint32_t loop = found->loop, other = found->edge_loop;
     if (pen_reader_wants_message(w->reader) &&
-        find_loop(desc->objects, desc->object_count, &root, &loop, vertex_loop) &&
-        find_loop(desc->objects, desc->object_count, &root, &other, edge_loop)) {
+        find_object(desc->objects, desc->object_count, true, &root, &loop, vertex_loop) &&
+        find_object(desc->objects, desc->object_count, true, &root, &other, edge_loop)) {
         snprintf(pointer, sizeof pointer, "%.255s%s/vertices/%u", prefix, vertex_loop,
                  found->vertex);
         pen_fail_at(&st, PEN_OK, pointer,
