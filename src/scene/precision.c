@@ -102,7 +102,10 @@ static void order(double a, double b, double *width, double *length)
     *length = a < b ? b : a;
 }
 
-void pen_prim_measure(const struct pen_prims *prims, uint32_t prim, double *width, double *length)
+/* The width of a primitive and its length: the lesser and the larger of the height and the diameter
+ * of a cylinder or cone; of a triangle its least height and its longest edge; of a polygon its area
+ * over the distance between far corners, and that distance. Other kinds are as wide as long. */
+static void measure(const struct pen_prims *prims, uint32_t prim, double *width, double *length)
 {
     const struct pen_outline line = pen_prim_outline(prims, prim);
     const void *self = pen_prim_self(prims, prim);
@@ -127,7 +130,7 @@ static void find_narrowest(const struct pen_prims *prims, struct pen_scene_preci
     out->thin_prim = 0;
     for (uint32_t i = 0; i < prims->count; i++) {
         double width, length;
-        pen_prim_measure(prims, i, &width, &length);
+        measure(prims, i, &width, &length);
         if (width < out->thinness * length) {
             out->thinness = width / length;
             out->thin_prim = i;

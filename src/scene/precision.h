@@ -40,12 +40,6 @@ struct pen_scene_precision {
 bool pen_scene_precision(const struct pen_scene *scene, int view, int width, int height,
                          struct pen_scene_precision *out);
 
-/* The width of a primitive relative to its length, both in the local frame: the lesser and the
- * larger of the height and the diameter of a cylinder or cone; of a triangle its least height and
- * its longest edge; of a polygon its area over the distance between far corners, and that distance.
- * Other kinds are as wide as long. */
-void pen_prim_measure(const struct pen_prims *prims, uint32_t prim, double *width, double *length);
-
 /* Writes a warning with a remedy to `out` if the resolution is below PEN_PRECISION_ENOUGH. Returns
  * whether it is. */
 bool pen_precision_warning(const struct pen_scene_precision *precision, char *out, size_t bytes);
