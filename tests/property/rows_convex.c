@@ -318,7 +318,8 @@ static struct allowed shade(const struct scene *s, const struct face *f, struct 
 
 enum seen { SEEN_NOTHING, SEEN_RIGHT, SEEN_SHADED, SEEN_LIT, SEEN_WRONG };
 
-/* Judges one pixel: shot from o along d. */
+/* Judges one pixel: shot from o along d. Between round solids rounding may leave a gap, through
+ * which a hidden cap is seen. */
 static enum seen judge_pixel(const struct scene *s, struct lvec o, struct lvec d, real found)
 {
     real t[2] = {INFINITY, 0}, speed = sqrtl(l_dot(d, d));
@@ -342,12 +343,14 @@ static enum seen judge_pixel(const struct scene *s, struct lvec o, struct lvec d
             at = at && height(&s->shape[i].face[f], p) < off;
         for (int f = 0; at && f < s->shape[i].count; f++) {
             const struct face *face = &s->shape[i].face[f];
-            if (face->hidden || height(face, p) < -off)
+            if (height(face, p) < -off)
                 continue;
+            if (face->hidden && s->shape[i].face[0].surface == PLANE)
+                continue; /* shares its corners with the one it covers: no gap */
             if (l_dot(normal(face, p), d) > -1e-4L * speed || radius_at(face, p) < 1e3L * off)
                 return SEEN_NOTHING; /* on the outline, or at the apex */
             struct allowed one = shade(s, face, p, d);
-            all.least = fminl(all.least, one.least);
+            all.least = face->hidden ? 0 : fminl(all.least, one.least);
             all.most = fmaxl(all.most, one.most);
         }
     }

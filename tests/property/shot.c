@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "scene/precision.h"
+
 void shot_begin(struct kit *kit)
 {
     kit_init(kit);
@@ -38,6 +40,18 @@ double shot_take(struct kit *kit, float rgb[3 * SHOT_PIXELS])
     pen_render_run(pool, &task, &stats, &st);
     pen_scene_free(scene);
     return (double)stats.rays.shadow;
+}
+
+bool shot_warns(struct kit *kit)
+{
+    char warning[512];
+    struct pen_scene_precision precision;
+    struct pen_scene *scene = kit_freeze(kit);
+    bool warns =
+        pen_scene_precision(scene, 0, kit->settings.width, kit->settings.height, &precision) &&
+        pen_precision_warning(&precision, warning, sizeof warning);
+    pen_scene_free(scene);
+    return warns;
 }
 
 int shot_lit(const float rgb[3 * SHOT_PIXELS])

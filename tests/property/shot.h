@@ -16,6 +16,9 @@ void shot_look(struct kit *kit, struct pen_vec3 eye, struct pen_vec3 at, double 
 /* Renders on the calling thread; returns how many shadow rays that took. */
 double shot_take(struct kit *kit, float rgb[3 * SHOT_PIXELS]);
 
+/* Whether the picture comes with the warning that its pixels are too small for the numbers. */
+bool shot_warns(struct kit *kit);
+
 /* How many pixels are not black. */
 int shot_lit(const float rgb[3 * SHOT_PIXELS]);
 
