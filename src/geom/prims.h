@@ -93,6 +93,15 @@ struct pen_vec3 pen_prim_normal(const struct pen_prims *prims, struct pen_hit hi
 struct pen_vec3 pen_prim_point(const struct pen_prims *prims, struct pen_hit hit,
                                const struct pen_ray *ray);
 
+/* p, the point of a hit, moved back to the border of its outline if it is outside. A line that is
+ * seen to pass just inside, within the rounding of ray space, meets the plane beside the outline by
+ * that rounding over the sine of their angle. Only needed where |sine| < PEN_POINT_STEEP: above,
+ * the bounds have room for it. o is the ray's origin. */
+struct pen_vec3 pen_prim_point_in_outline(const struct pen_prims *prims, struct pen_hit hit,
+                                          struct pen_vec3 o, struct pen_vec3 p, double sine);
+
+#define PEN_POINT_STEEP 0.125
+
 /* Bounds in double precision, such that for every ray that has an intersection at t, o + t d lies
  * inside to within a relative error of 2^-24 of t. Only for finite kinds. */
 struct pen_box pen_prim_bounds(const struct pen_prims *prims, uint32_t prim);
@@ -117,8 +126,8 @@ double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pe
 
 /* The origin surface of a ray that starts at p and goes on at the side from which `ray` arrived: p
  * is the point of `hit`, and `ray` itself started on `left`.
- *  - before: from p back to where an earlier ray of the path started: the last one that went
- *    farther than rounding reaches, else the longest, because it tells sides best.
+ *  - toward, before: from p back to where rays of the path started. The second is of the last one
+ *    that went farther than rounding reaches, else of the longest, because it tells sides best.
  *  - bound: p = o + t d misses its surface by the rounding of the sum before it is put back on it,
  *    and may miss other surfaces there by as much; 16u covers the products, t and the sum. Where
  *    the ray has hardly moved, p is also off by the bound of o. */
@@ -129,18 +138,30 @@ static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *pr
 {
     struct pen_origin_surface origin = {.prim = hit.prim,
                                         .part = hit.part,
-                                        .toward = left->toward,
-                                        .before = left->before,
+                                        .toward_bound = left->toward_bound,
+                                        .before_bound = left->before_bound,
                                         .bound = pen_prim_rounding(prims, hit.prim, p)};
     double nearby = PEN_NEARBY * left->bound;
     origin.bound += 16 * PEN_U * pen_norm1(ray->o);
-    if (hit.t * hit.t <= nearby * nearby * ray->inv_dd)
+    if (hit.t * hit.t <= nearby * nearby * ray->inv_dd) {
+        int older = left->previous[0] == hit.prim + 1;
         origin.bound += left->bound;
+        origin.previous[1] = left->previous[older];
+        origin.outside = (uint8_t)((left->outside >> older & 2) << 1);
+    }
+    origin.previous[0] = left->prim + 1;
+    origin.outside |= (uint8_t)((left->outside & 1) << 1);
+    const struct pen_vec3 back = pen_sub(ray->o, p);
+    origin.before = pen_add(left->before, back);
     if (hit.t > PEN_LAST_LAYER_T) {
-        origin.toward = pen_scale(ray->d, -hit.t);
-        if (pen_norm1(left->toward) > nearby || pen_norm1(left->toward) > pen_norm1(left->before))
-            origin.before = left->toward;
-        origin.before = pen_add(origin.before, origin.toward);
+        origin.toward = back;
+        origin.toward_bound = left->bound;
+        if (pen_norm1(left->toward) > nearby || pen_norm1(left->toward) > pen_norm1(left->before)) {
+            origin.before = pen_add(left->toward, back);
+            origin.before_bound = left->toward_bound;
+        }
+    } else {
+        origin.toward = pen_add(left->toward, back);
     }
     return origin;
 }

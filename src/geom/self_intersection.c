@@ -13,6 +13,9 @@ static double max2(double a, double b)
     return a > b ? a : b;
 }
 
+/* Rounding seldom reaches this share of its bound. */
+#define USUAL_ROUNDING 0.125
+
 /* By how much an intersection of the primitive near p may miss it. */
 static double own_rounding(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p)
 {
@@ -26,6 +29,34 @@ static double reach(const struct pen_prims *prims, uint32_t prim, struct pen_vec
     return pen_prim_row(prims, prim)->fn->reach(pen_prim_self(prims, prim), n, p);
 }
 
+/* Whether p is within b of the segment from a to c. */
+static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p, double b)
+{
+    struct pen_vec3 e = pen_sub(c, a), f = pen_sub(p, a);
+    double ee = pen_dot(e, e), s = ee > 0 ? pen_dot(f, e) / ee : 0;
+    struct pen_vec3 off = pen_along(f, e, s < 0 ? 0 : s > 1 ? -1 : -s);
+    return pen_dot(off, off) <= b * b;
+}
+
+/* Whether p is on a flat primitive with unit normal n, within b: on its border, or inside. */
+static bool contains_point(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
+                           struct pen_vec3 p, double b)
+{
+    const struct pen_outline line = pen_prim_outline(prims, prim);
+    for (uint32_t i = 0; i < line.count; i++) {
+        if (near_segment(line.v[i], line.v[i + 1 < line.count ? i + 1 : 0], p, b))
+            return true;
+    }
+    struct pen_ray normal_ray;
+    struct pen_intersections c;
+    if (line.count > 0 && !(fabs(pen_dot(n, pen_sub(line.v[0], p))) <= 2 * b))
+        return false;
+    if (!pen_ray_make(&normal_ray, p, n))
+        return false;
+    pen_prim_intersect_line(prims, prim, &normal_ray, &c);
+    return c.count > 0 && fabs(c.t[0]) <= b;
+}
+
 /* The contact of a primitive Q with the origin of a ray that starts on another primitive P. */
 struct contact {
     const struct pen_prims *prims;
@@ -33,6 +64,8 @@ struct contact {
     struct pen_hit q;                        /* Q and its part */
     struct pen_vec3 p, n;                    /* the ray's origin, and Q's unit normal there */
     double slack;                            /* by how much p may miss Q */
+    double own;                              /* by how much Q itself is known */
+    double above;                            /* how far p is above Q, if that is flat; else 0 */
     double share; /* d counts as parallel to Q where |d.n| is at most this share of |d| */
 };
 
@@ -40,12 +73,15 @@ struct contact {
 static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q,
                                  const struct pen_ray *ray, const struct pen_origin_surface *origin)
 {
-    struct contact c = {prims, origin, q, ray->o, {0, 0, 0}, 0, 4 * PEN_U};
+    struct contact c = {.prims = prims, .origin = origin, .q = q, .p = ray->o, .share = 4 * PEN_U};
     c.n = pen_prim_normal(prims, q, ray->o);
-    c.slack = origin->bound + own_rounding(prims, q.prim, ray->o);
+    c.own = own_rounding(prims, q.prim, ray->o);
+    c.slack = origin->bound + c.own;
     const struct pen_outline outline = pen_prim_outline(prims, q.prim);
-    if (outline.count > 0)
+    if (outline.count > 0) {
         c.share = max2(c.share, c.slack / outline.extent);
+        c.above = pen_dot(c.n, pen_sub(ray->o, outline.v[0]));
+    }
     return c;
 }
 
@@ -57,32 +93,60 @@ static double across(const struct contact *c, struct pen_vec3 d)
 }
 
 /* The side of Q on which a ray to the origin began, as the sign of a product with n. `toward` is
- * the vector from the origin back to that beginning. 0: it began within rounding of Q. */
-static double side_of_beginning(const struct contact *c, struct pen_vec3 toward)
+ * the vector from the origin back to that beginning, which may miss its surface by `bound`. 0: it
+ * began within rounding of Q. Where p is makes no difference if Q is flat. */
+static double side_of_beginning(const struct contact *c, struct pen_vec3 toward, double bound)
 {
-    double wn = across(c, toward);
-    return fabs(wn) <= 2 * c->slack ? 0 : wn;
+    double wn = pen_dot(toward, c->n) + c->above, rounding = 2 * (bound + c->own);
+    if (pen_prim_outline(c->prims, c->q.prim).count == 0)
+        rounding += 2 * c->origin->bound;
+    rounding += max2(8 * PEN_U * pen_norm1(c->p), c->share * pen_norm1(toward));
+    return fabs(wn) <= rounding ? 0 : wn;
 }
 
 /* The side of Q on which the path began, by the last of its rays that tells; 0: none does. */
 static double side_of_path(const struct contact *c)
 {
-    double wn = side_of_beginning(c, c->origin->toward);
-    return wn != 0 ? wn : side_of_beginning(c, c->origin->before);
+    double wn = side_of_beginning(c, c->origin->toward, c->origin->toward_bound);
+    return wn != 0 ? wn : side_of_beginning(c, c->origin->before, c->origin->before_bound);
+}
+
+/* The side of Q on which P lies, if it lies on one only; else 0. */
+static double side_of_origin_surface(const struct contact *c)
+{
+    bool out = reach(c->prims, c->origin->prim, c->n, c->p) > 2 * c->slack;
+    bool in = reach(c->prims, c->origin->prim, pen_neg(c->n), c->p) > 2 * c->slack;
+    return (double)(out - in);
+}
+
+/* The side on which the path left Q, if it was on Q shortly before: a straight ray that has left a
+ * flat surface stays on its side. 0: it was not, or Q is round. */
+static double side_left(const struct contact *c)
+{
+    const struct pen_origin_surface *from = c->origin;
+    for (int i = 0; i < 2; i++)
+        if (from->previous[i] == c->q.prim + 1 && pen_prim_flat(c->prims->ref[c->q.prim].kind))
+            return from->outside >> (i + 1) & 1 ? 1 : -1;
+    return 0;
 }
 
 /* The side of Q from which the ray comes, as the sign of a product with n:
- *  1. where the arriving ray began, or, if that is within rounding of Q, the ray before it;
- *  2. if neither tells, or the path passed through P: where P lies, if it lies on one side only;
- *  3. 0 if P lies on neither side: P and Q are one surface there. */
+ *  1. that on which the path left Q, if it was on Q just before;
+ *  2. that on which the path began, if P does not lie on the other side, with p there beyond the
+ *     usual rounding: then the path has come round a corner;
+ *  3. that on which P lies, if the path passed `through` P or does not tell;
+ *  4. 0 if nothing tells: P and Q are one surface there. */
 static double side_of_arrival(const struct contact *c)
 {
-    double wn = side_of_path(c);
-    if (!c->origin->through && wn != 0)
-        return wn;
-    bool out = reach(c->prims, c->origin->prim, c->n, c->p) > 2 * c->slack;
-    bool in = reach(c->prims, c->origin->prim, pen_neg(c->n), c->p) > 2 * c->slack;
-    return out && in ? wn : (double)(out - in);
+    double side = c->origin->through ? 0 : side_left(c);
+    if (side != 0)
+        return side;
+    side = side_of_path(c);
+    double lies = side_of_origin_surface(c);
+    if (c->origin->through || side == 0)
+        return lies != 0 ? lies : side;
+    bool round_corner = side * lies < 0 && c->above * lies > USUAL_ROUNDING * c->slack;
+    return round_corner ? lies : side;
 }
 
 /* The contact of P itself with the ray's origin, as if it were Q. */
@@ -114,11 +178,13 @@ static bool rises(const struct contact *c, struct pen_vec3 d)
 }
 
 /* Whether an intersection of Q at the ray's origin counts: the ray does not go back to the side
- * from which it comes, and Q rises over P. A ray parallel to Q does not go back. */
+ * from which it comes, and Q rises over P. A ray that grazes Q does not go back: it has not risen
+ * above the bounds before it leaves the range in which borders are looked at (PEN_HORIZON_SINE). */
 static bool origin_counts(const struct contact *c, struct pen_vec3 d)
 {
-    double side = side_of_arrival(c), dn = across(c, d);
-    if (side == 0 || (side > 0 && dn > 0) || (side < 0 && dn < 0))
+    double side = side_of_arrival(c), dn = pen_dot(d, c->n);
+    bool grazes = dn * dn <= PEN_HORIZON_SINE * PEN_HORIZON_SINE * pen_dot(d, d);
+    if (side == 0 || (!grazes && (side > 0) == (dn > 0)))
         return false;
     return rises(c, d);
 }
@@ -131,7 +197,8 @@ static bool is_layer(const struct contact *c)
                                   .b = c->q,
                                   .p = c->p,
                                   .slack = c->slack};
-    return pen_coincide(&pair) && pen_covers(&pair);
+    return pen_coincide(&pair) && pen_prim_may_coincide(c->prims, pair.a, pair.b) &&
+           pen_covers(&pair);
 }
 
 /* The t at which the ray meets layer Q; 0 if it does not. Layers lie in document order, the first
@@ -195,34 +262,6 @@ static void intersect_touching(const struct pen_prims *prims, uint32_t prim,
     }
 }
 
-/* Whether p is within b of the segment from a to c. */
-static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p, double b)
-{
-    struct pen_vec3 e = pen_sub(c, a), f = pen_sub(p, a);
-    double ee = pen_dot(e, e), s = ee > 0 ? pen_dot(f, e) / ee : 0;
-    struct pen_vec3 off = pen_along(f, e, s < 0 ? 0 : s > 1 ? -1 : -s);
-    return pen_dot(off, off) <= b * b;
-}
-
-/* Whether p is on a flat primitive with unit normal n, within b: on its border, or inside. */
-static bool contains_point(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
-                           struct pen_vec3 p, double b)
-{
-    const struct pen_outline line = pen_prim_outline(prims, prim);
-    for (uint32_t i = 0; i < line.count; i++) {
-        if (near_segment(line.v[i], line.v[i + 1 < line.count ? i + 1 : 0], p, b))
-            return true;
-    }
-    struct pen_ray normal_ray;
-    struct pen_intersections c;
-    if (line.count > 0 && !(fabs(pen_dot(n, pen_sub(line.v[0], p))) <= 2 * b))
-        return false;
-    if (!pen_ray_make(&normal_ray, p, n))
-        return false;
-    pen_prim_intersect_line(prims, prim, &normal_ray, &c);
-    return c.count > 0 && fabs(c.t[0]) <= b;
-}
-
 /* A point relative to the ray's origin, projected along the ray. */
 static struct pen_vec3 projected(const struct pen_ray *ray, struct pen_vec3 v)
 {
@@ -230,35 +269,46 @@ static struct pen_vec3 projected(const struct pen_ray *ray, struct pen_vec3 v)
     return pen_along(f, ray->d, -pen_dot(f, ray->d) * ray->inv_dd);
 }
 
-/* Whether the ray meets the plane of a triangle or polygon near its origin, at t, and passes the
- * border within b: whether its line meets the primitive is then an accident of rounding. */
+/* Whether the ray passes the border of a triangle or polygon near its origin within b: whether its
+ * line meets the primitive is then an accident of rounding. *t is where it meets the plane, and
+ * where it passes the border if it begins in the plane; *far how far its origin is from that. */
 static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
-                          const struct pen_ray *ray, double b, double *t)
+                          const struct pen_ray *ray, double b, double *t, double *far)
 {
     const struct pen_outline line = pen_prim_outline(prims, prim);
     if (line.count == 0)
         return false;
-    double far = pen_dot(n, pen_sub(line.v[0], ray->o)), nearby = PEN_NEARBY * b;
-    *t = far / pen_dot(n, ray->d);
-    if (!(fabs(far) > 0.5 * b && *t > 0 && *t * *t <= nearby * nearby * ray->inv_dd))
+    double nearby = PEN_NEARBY * b, end = nearby * nearby * ray->inv_dd;
+    *far = pen_dot(n, pen_sub(line.v[0], ray->o));
+    *t = *far / pen_dot(n, ray->d);
+    bool off = fabs(*far) > 0.5 * b;
+    if (off && !(*t > 0 && *t * *t <= end))
         return false;
-    struct pen_vec3 from = projected(ray, line.v[line.count - 1]);
     for (uint32_t i = 0; i < line.count; i++) {
-        struct pen_vec3 to = projected(ray, line.v[i]);
-        if (near_segment(from, to, pen_vec3(0, 0, 0), b))
+        struct pen_vec3 from = line.v[i], to = line.v[i + 1 < line.count ? i + 1 : 0];
+        struct pen_vec3 x = projected(ray, from), y = projected(ray, to), e = pen_sub(y, x);
+        if (!near_segment(x, y, pen_vec3(0, 0, 0), b))
+            continue;
+        if (off)
             return true;
-        from = to;
+        double ee = pen_dot(e, e), s = ee > 0 ? -pen_dot(x, e) / ee : 0;
+        struct pen_vec3 at = pen_along(from, pen_sub(to, from), s < 0 ? 0 : s > 1 ? 1 : s);
+        *t = pen_dot(pen_sub(at, ray->o), ray->d) * ray->inv_dd;
+        if (*t > 0 && *t * *t <= end)
+            return true;
     }
     return false;
 }
 
-/* A primitive whose border the ray passes is met, in its plane, if it rises over P. */
+/* A primitive whose border the ray passes is met, in its plane, if it rises over P; and if p is in
+ * that plane within rounding, only if the ray does not go back. */
 static void intersect_border(const struct pen_prims *prims, struct pen_hit q,
                              const struct pen_ray *ray, const struct pen_origin_surface *origin,
-                             struct pen_intersections *out)
+                             double far, struct pen_intersections *out)
 {
     const struct contact c = contact_at(prims, q, ray, origin);
-    if (!rises(&c, ray->d))
+    bool met = fabs(far) <= 2 * c.slack ? origin_counts(&c, ray->d) : rises(&c, ray->d);
+    if (!met)
         out->count = 0;
     else if (out->count == 0)
         *out = (struct pen_intersections){1, {q.t}, {q.part}};
@@ -274,8 +324,9 @@ static void intersect_flat(const struct pen_prims *prims, uint32_t prim, const s
     struct pen_vec3 n = pen_prim_normal(prims, hit, ray->o);
     bool touches = out->count && pen_flat_touches(n, scale, ray, hit.t, origin->bound);
     if (!touches && !(hit.t <= 0 && contains_point(prims, prim, n, ray->o, b))) {
-        if (passes_border(prims, prim, n, ray, b, &hit.t))
-            intersect_border(prims, hit, ray, origin, out);
+        double far;
+        if (passes_border(prims, prim, n, ray, b, &hit.t, &far))
+            intersect_border(prims, hit, ray, origin, far, out);
         return;
     }
     out->count = 0;
@@ -352,7 +403,10 @@ double pen_prim_viewer_side(const struct pen_prims *prims, struct pen_hit hit, s
 {
     const struct pen_ray here = {.o = p};
     const struct contact c = contact_at(prims, hit, &here, origin);
-    double vn = across(&c, v), side = vn != 0 ? -vn : side_of_path(&c);
+    bool layer = hit.t > PEN_FIRST_T && hit.t <= PEN_LAST_LAYER_T;
+    double side = layer ? -across(&c, v) : 0;
+    if (side == 0)
+        side = side_of_path(&c);
     return side != 0 ? side : -pen_dot(v, c.n);
 }
 

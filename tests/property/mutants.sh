@@ -206,7 +206,7 @@ edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim\) \{$/    
 judge
 
 mutant one_way_back h073_crossing_walls 4000 "after a second mirror the side that the path came from is forgotten"
-edit src/geom/prims.h 1 's/^            origin\.before = left->toward;$/            origin.before = pen_vec3(0, 0, 0);/'
+edit src/geom/prims.h 1 's/^            origin\.before = pen_add\(left->toward, back\);$/            origin.before = back;/'
 judge
 
 mutant line_decides h073_at_seams 1000 "at borders near its start the line of a ray decides what it hits"
@@ -308,7 +308,41 @@ edit src/geom/self_intersection.c 1 's/^    return PEN_FIRST_T \* \(1\.0 \+ .*$/
 judge
 
 mutant layers_of_seams layers_paid 2000 "neighbours in one plane are layers of one another at their seam"
-edit src/geom/self_intersection.c 1 's/^    return pen_coincide\(&pair\) && pen_covers\(&pair\);$/    return pen_coincide(\&pair);/'
+edit src/geom/self_intersection.c 1 's/^           pen_covers\(&pair\);$/           true;/'
+judge
+
+mutant layers_at_p rooms_thin 100 "whether two surfaces coincide is decided anew at each point"
+edit src/geom/self_intersection.c 1 \
+    's/pen_prim_may_coincide\(c->prims, pair\.a, pair\.b\)/true/'
+judge
+
+mutant start_exact rooms_flat 100 "a ray is taken to have started exactly where it says"
+edit src/geom/prims.h 1 's/^        origin\.toward_bound = left->bound;$/        origin.toward_bound = 0;/'
+judge
+
+mutant side_left rooms_flat 100 "the path forgets on which side it left a surface"
+edit src/geom/self_intersection.c 1 \
+    's/^    double side = c->origin->through \? 0 : side_left\(c\);$/    double side = 0;/'
+judge
+
+mutant round_corner rooms_flat 100 "a path that comes round a corner is taken for one behind the wall"
+edit src/geom/self_intersection.c 1 's/^    bool round_corner = /    bool round_corner = 0 * /'
+judge
+
+mutant point_beside rooms_thin 100 "a hit point may lie beside its outline"
+edit src/shade/internal/surface.h 1 's/^    if \(fabs\(s->nv\) < PEN_POINT_STEEP/    if (false/'
+judge
+
+mutant mirror_grazing rooms_thin 100 "a ray that grazes a mirror is reflected"
+edit src/shade/internal/secondary_rays.h 1 's/-s->nv <= PEN_HORIZON_SINE/false/'
+judge
+
+mutant goes_back_grazing rooms_thin 100 "a ray goes back however low over a wall it is"
+edit src/geom/self_intersection.c 1 's/^    bool grazes = /    bool grazes = 0 * /'
+judge
+
+mutant border_in_plane rooms_thin 100 "borders in a plane that contains the start of the ray are not looked at"
+edit src/geom/self_intersection.c 1 's/^        if \(\*t > 0 && \*t \* \*t <= end\)$/        if (false)/'
 judge
 
 mutant layers_by_t layers_first 500 "rounding decides which of two coincident surfaces a ray meets first"

@@ -159,9 +159,13 @@ struct stand world_stand(const struct world *w, const struct pen_ray *ray,
 {
     struct stand s = {.hit = hit, .p = pen_prim_point(&w->prims, hit, ray)};
     s.n = pen_prim_normal(&w->prims, hit, s.p);
-    if (pen_dot(s.n, ray->d) > 0)
+    double sine = pen_dot(s.n, ray->d) / pen_length(ray->d);
+    if (fabs(sine) < PEN_POINT_STEEP)
+        s.p = pen_prim_point_in_outline(&w->prims, hit, ray->o, s.p, sine);
+    if (sine > 0)
         s.n = pen_neg(s.n);
     s.origin = pen_origin_at(&w->prims, ray, origin, hit, s.p);
+    s.origin.outside |= !(sine > 0);
     return s;
 }
 

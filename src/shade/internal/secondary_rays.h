@@ -23,7 +23,7 @@ static ALWAYS_INLINE bool path_reflect(const struct pen_kernel_input *input,
                                        struct path *reflected, const unsigned fx)
 {
     struct pen_vec3 weight = pen_mul(path->weight, s->material->kr);
-    if (!path_contributes(input, weight) || surface_viewer_grazes(s))
+    if (!path_contributes(input, weight) || surface_viewer_grazes(s) || -s->nv <= PEN_HORIZON_SINE)
         return false;
     struct pen_vec3 d = pen_along(s->v, s->n, -2 * s->nv);
     if (!pen_ray_make(&reflected->ray, s->p, d))

@@ -50,10 +50,13 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     s->n = pen_prim_normal(&scene->prims, hit, s->p);
     s->v = pen_normalize(ray->d);
     s->nv = pen_dot(s->n, s->v);
+    if (fabs(s->nv) < PEN_POINT_STEEP && pen_prim_flat(scene->prims.ref[hit.prim].kind))
+        s->p = pen_prim_point_in_outline(&scene->prims, hit, ray->o, s->p, s->nv);
     s->origin = pen_origin_at(&scene->prims, ray, left, hit, s->p);
     bool outside = !(s->nv > 0);
     if (left->prim != PEN_NO_PRIM && fabs(s->nv) <= PEN_HORIZON_SINE)
         outside = pen_prim_viewer_side(&scene->prims, hit, s->p, s->v, &s->origin) >= 0;
+    s->origin.outside |= outside;
     if (!outside) {
         s->n = pen_neg(s->n);
         s->nv = -s->nv;
