@@ -261,8 +261,13 @@ static void add_ends(const struct pen_cone *c, const struct pen_interval *in,
 
 static bool make(void *self, const struct pen_prim_source *from)
 {
-    return pen_cone_make(self, from->point, from->direction, from->length[PEN_RADIUS],
-                         from->length[PEN_TOP_RADIUS], from->length[PEN_HEIGHT], from->caps);
+    struct pen_cone *c = self;
+    if (!pen_cone_make(c, from->point, from->direction, from->length[PEN_RADIUS],
+                       from->length[PEN_TOP_RADIUS], from->length[PEN_HEIGHT], from->caps))
+        return false;
+    pen_cylinder_set_rim(&c->hull, from->rounding);
+    end_before_apex(c);
+    return true;
 }
 
 static void intersect_line(const void *self, const struct pen_ray *ray,

@@ -8,6 +8,18 @@
 #include "geom/internal/make.h"
 #include "math/scale.h"
 
+void pen_cylinder_set_rim(struct pen_cylinder *c, double rounding)
+{
+    struct dd3 a = dd_of3(c->round.a);
+    struct dd top = dd_mul((struct dd){c->h, 0}, dd_sqrt(dd_dot(a, a)));
+    double size = c->round.r + c->h, most = rounding < size ? rounding : size;
+    c->rim = c->caps ? 0 : 8 * (PEN_U * (pen_norm1(c->round.q) + size) + most);
+    struct dd end = dd_add(top, (struct dd){c->rim * c->round.length, 0});
+    c->slab_base = -c->rim * c->round.length;
+    c->slab_top = end.hi;
+    c->slab_top_low = end.lo;
+}
+
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                        double h, bool caps)
 {
@@ -16,13 +28,9 @@ bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_
     struct dd3 a = dd_of3(c->round.a);
     struct dd top = dd_mul((struct dd){h, 0}, dd_sqrt(dd_dot(a, a)));
     c->top = top.hi;
-    c->rim = caps ? 0 : 8 * PEN_U * (pen_norm1(base) + r + h);
-    struct dd end = dd_add(top, (struct dd){c->rim * c->round.length, 0});
-    c->slab_base = -c->rim * c->round.length;
-    c->slab_top = end.hi;
-    c->slab_top_low = end.lo;
     c->h = h;
     c->caps = caps;
+    pen_cylinder_set_rim(c, 0);
     return true;
 }
 
@@ -139,8 +147,11 @@ static void add_ends(const struct pen_cylinder *c, const struct pen_interval *in
 
 static bool make(void *self, const struct pen_prim_source *from)
 {
-    return pen_cylinder_make(self, from->point, from->direction, from->length[PEN_RADIUS],
-                             from->length[PEN_HEIGHT], from->caps);
+    if (!pen_cylinder_make(self, from->point, from->direction, from->length[PEN_RADIUS],
+                           from->length[PEN_HEIGHT], from->caps))
+        return false;
+    pen_cylinder_set_rim(self, from->rounding);
+    return true;
 }
 
 static void intersect_line(const void *self, const struct pen_ray *ray,

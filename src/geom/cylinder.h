@@ -26,6 +26,11 @@ struct pen_cylinder {
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                        double h, bool caps);
 
+/* Lets an open one reach out by the rounding of what it was told by, and of its neighbours: 8u of
+ * |base|_1 + r + h, and of the coordinates before they were moved to the local frame; `rounding` is
+ * 1u of these. */
+void pen_cylinder_set_rim(struct pen_cylinder *c, double rounding);
+
 /* A t-interval of the ray's line inside a primitive, and the part of the surface at each end. */
 struct pen_interval {
     double lo, hi;

@@ -67,6 +67,13 @@ static bool make_without_area(const struct pen_kind *kind, struct pen_prim_sourc
     return kind->fn->make(prim, from);
 }
 
+/* u of a point's coordinates in the document, as a local length: numbers that tell of one place,
+ * such as a cylinder's end and the floor it stands on, may have been rounded apart by as much. */
+static double rounding_of(const struct pen_local_frame *frame, struct pen_vec3 p)
+{
+    return pen_local_length(frame, PEN_U * fabs(p.x) + PEN_U * fabs(p.y) + PEN_U * fabs(p.z));
+}
+
 /* Makes primitive number `index` of its kind. Returns false if its numbers are beyond the range of
  * the kind. */
 static bool fill_shape(struct pen_freezer *f, struct filler *a,
@@ -75,6 +82,7 @@ static bool fill_shape(struct pen_freezer *f, struct filler *a,
     const struct pen_kind *kind = &pen_kinds[scene_prim->kind];
     struct pen_vec3 passed[PASSED_MAX];
     struct pen_prim_source from = scene_prim->from;
+    from.rounding = rounding_of(&f->frame, from.point);
     from.point = pen_local_point(&f->frame, from.point);
     for (int i = 0; i < PEN_LENGTHS; i++)
         from.length[i] = pen_local_length(&f->frame, from.length[i]);

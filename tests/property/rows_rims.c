@@ -143,7 +143,6 @@ static void add_lid(struct place *at, enum round_room room, double radius, doubl
 static void draw_round(struct row_draw *d, struct row_case *c)
 {
     draw_place(d, c, ROUND_COUNT, -3);
-    c->arg[3] = 0; /* elsewhere rims are as far apart as the numbers round that tell of them */
 }
 
 static const char *const round_name[ROUND_COUNT] = {
