@@ -183,12 +183,14 @@ static unsigned parts(const struct pen_cone *c)
 static unsigned parts_at(const struct pen_cone *c, struct pen_vec3 p, double b)
 {
     struct place at = place_of(c, p);
-    if (!(-b <= at.height && at.height <= c->hull.h + b && at.outside <= b))
+    double length = c->hull.round.length, above_base = at.height - c->hull.slab_base / length;
+    double below_top = c->hull.h - at.height + (c->hull.slab_top - c->hull.top) / length;
+    if (!(-b <= above_base && -b <= below_top && at.outside <= b))
         return 0;
     unsigned on = at.outside >= -b ? PEN_ON_SIDE : 0;
-    if (at.height <= b)
+    if (above_base <= b)
         on |= PEN_ON_BASE;
-    if (c->top_radius > 0 && c->hull.h - at.height <= b)
+    if (c->top_radius > 0 && below_top <= b)
         on |= PEN_ON_TOP;
     return on;
 }

@@ -138,7 +138,8 @@ static inline bool pen_cylinder_interval(const struct pen_cylinder *c, const str
     return pen_interval_clip(in, side);
 }
 
-/* The parts that p lies on, up to `bound` and the primitive's own rounding. */
+/* The parts that p lies on, up to `bound` and the primitive's own rounding; an open end counts as
+ * a part, and is where the rim ends. */
 static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct pen_vec3 p,
                                             double bound)
 {
@@ -146,12 +147,13 @@ static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct
     double fa = pen_dot(pen_sub(p, c->round.q), c->round.a);
     struct pen_vec3 n = pen_cylinder_side_across(&c->round, p);
     double off = pen_dot(n, n) - c->round.rr, side = 2 * c->round.r * b * (length * length);
-    if (!(-b * length <= fa && fa <= c->top + b * length && off <= side))
+    double above_base = fa - c->slab_base, below_top = c->slab_top - fa;
+    if (!(-b * length <= above_base && -b * length <= below_top && off <= side))
         return 0;
     unsigned on = fabs(off) <= side ? PEN_ON_SIDE : 0;
-    if (fa <= b * length)
+    if (above_base <= b * length)
         on |= PEN_ON_BASE;
-    if (c->top - fa <= b * length)
+    if (below_top <= b * length)
         on |= PEN_ON_TOP;
     return on;
 }

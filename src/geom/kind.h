@@ -95,8 +95,7 @@ struct pen_prim_source {
     struct pen_vec3 direction; /* normal or axis, any length but zero; of a triangle or polygon: the
                                 * normal if its vertices are on one line; zero: that is refused */
     double length[PEN_LENGTHS];
-    double rounding; /* what `point` and vertices were rounded by before: u of their coordinates
-                        then */
+    double rounding; /* u of the coordinates of `point` before they were made local */
     bool caps;
     uint32_t count; /* of vertices */
     const struct pen_vec3 *vertices;

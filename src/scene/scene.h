@@ -5,7 +5,8 @@
  *
  * Local frame: p_local = (p - center) * 2^-exponent. center is a multiple of 2^exponent near the
  * middle of the finite primitives, 2^exponent is near their extent: scaling a scene by a power of
- * two, or moving it by a multiple of 2^exponent, leaves the local coordinates equal bit for bit.
+ * two, or moving it by a multiple of 2^exponent, leaves the local coordinates equal bit for bit
+ * (not the rims of open cylinders and cones, which reach out by the rounding of the document).
  * Attenuation factors are rescaled to local lengths exactly. */
 #ifndef PEN_SCENE_SCENE_H
 #define PEN_SCENE_SCENE_H

@@ -143,6 +143,8 @@ static void add_lid(struct place *at, enum round_room room, double radius, doubl
 static void draw_round(struct row_draw *d, struct row_case *c)
 {
     draw_place(d, c, ROUND_COUNT, -3);
+    if (c->arg[0] == ROUND_LIDS)
+        c->arg[3] = 0; /* elsewhere rounding puts equal cylinders beside each other */
 }
 
 static const char *const round_name[ROUND_COUNT] = {

@@ -118,7 +118,9 @@ const struct row row_table_light[] = {
         .name = "h073_round_rooms",
         .what =
             "closed rooms of open cylinders and cones with lids of polygons, cylinders and open "
-            "cones, mirrors, of any size, lights outside, from 1e-3 to 1e-12 of a rim: black",
+            "cones, mirrors, of any size, at offsets to 1e9 sizes, lights outside, from 1e-3 to "
+            "1e-12 "
+            "of a rim: black",
         .oracle = "black",
         .run = rows_round_rooms,
         .full = 9000,

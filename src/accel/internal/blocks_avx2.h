@@ -494,10 +494,11 @@ static inline __m256d cylinder_touches4(const struct trace *trace, const struct 
     __m256d bound =
         _mm256_add_pd(splat4(trace->origin->bound), _mm256_mul_pd(splat4(8 * PEN_U), size));
     __m256d off_side = abs4(_mm256_sub_pd(nn, _mm256_loadu_pd(b->rr)));
+    __m256d off_base = abs4(_mm256_sub_pd(_mm256_loadu_pd(b->base), fa));
     __m256d off_top = abs4(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa));
     __m256d twice = _mm256_mul_pd(splat4(2), bound);
     return _mm256_or_pd(LESS_EQUAL(off_side, _mm256_mul_pd(splat4(16), _mm256_mul_pd(size, bound))),
-                        _mm256_or_pd(LESS_EQUAL(abs4(fa), twice), LESS_EQUAL(off_top, twice)));
+                        _mm256_or_pd(LESS_EQUAL(off_base, twice), LESS_EQUAL(off_top, twice)));
 }
 
 /* pen_cylinder_slab_loses. Of tied rays, side4.near has all lanes that count. */
