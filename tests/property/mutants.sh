@@ -250,10 +250,6 @@ mutant rim_of_local h073_round_rooms 1000 "rims reach out by the rounding of loc
 edit src/scene/freeze_prims.c 1 's/^    from\.rounding = rounding_of\(.*$/    from.rounding = 0 * rounding_of(\&f->frame, from.point);/'
 judge
 
-mutant rim_off_side h073_round_rooms 1000 "points of a rim beyond the told end are not on the side"
-edit src/geom/cylinder.h 1 's/^    double above_base = fa - c->slab_base, below_top = c->slab_top - fa;$/    double above_base = fa, below_top = c->top - fa;/'
-judge
-
 mutant rim_no_border h066_round_lid 500 "passing a rim within rounding is decided by the line"
 edit src/geom/self_intersection.c 1 's/^    if \(!fn->passes_rim \|\|/    if (PEN_U > 0 || !fn->passes_rim ||/'
 judge

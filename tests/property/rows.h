@@ -93,6 +93,7 @@ void rows_mirrored(struct pen_row_run *run);
 void rows_mirrored_triangle(struct pen_row_run *run);
 void rows_permuted(struct pen_row_run *run);
 void rows_round_rooms(struct pen_row_run *run);
+void rows_round_beside(struct pen_row_run *run);
 void rows_round_lid(struct pen_row_run *run);
 void rows_dented_rooms(struct pen_row_run *run);
 void rows_round_foot(struct pen_row_run *run);

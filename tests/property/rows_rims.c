@@ -143,7 +143,7 @@ static void add_lid(struct place *at, enum round_room room, double radius, doubl
 static void draw_round(struct row_draw *d, struct row_case *c)
 {
     draw_place(d, c, ROUND_COUNT, -3);
-    if (c->arg[0] == ROUND_LIDS)
+    if (c->arg[0] == ROUND_LIDS || c->arg[0] == ROUND_STACKED)
         c->arg[3] = 0; /* elsewhere rounding puts equal cylinders beside each other */
 }
 
@@ -181,6 +181,17 @@ static void judge_round(const struct row_case *c, struct row_verdict *v)
 void rows_round_rooms(struct pen_row_run *run)
 {
     row_each(run, draw_round, judge_round);
+}
+
+static void draw_beside(struct row_draw *d, struct row_case *c)
+{
+    draw_place(d, c, 2, -3);
+    c->arg[0] = c->arg[0] > 0 ? ROUND_STACKED : ROUND_LIDS;
+}
+
+void rows_round_beside(struct pen_row_run *run)
+{
+    row_each(run, draw_beside, judge_round);
 }
 
 /* ---- from outside: the rim that ends in a lid does not shade the lid's other side ---- */

@@ -127,6 +127,17 @@ const struct row row_table_light[] = {
         .check = 90,
     },
     {
+        .id = "H073 H138",
+        .name = "round_beside",
+        .what = "the same where an open cylinder ends at another one, or at a closed one, of equal "
+                "radius, at offsets to 1e9 sizes",
+        .oracle = "black",
+        .run = rows_round_beside,
+        .full = 4000,
+        .check = 40,
+        .known = "far from the origin, rounding puts cylinders of equal radius beside each other",
+    },
+    {
         .id = "H066 H138",
         .name = "h066_round_lid",
         .what = "the outer side of a lid in which an open cylinder ends, from 1e-7 to 1e-12 of the "
