@@ -77,10 +77,11 @@ edit() {
     cat "$dir/edited" >"$file"
 }
 
-# run_row TREE CASES ROW: what the row found there, as JSON; nothing if it found nothing.
+# run_row TREE CASES ROW: what the row found there, with the stored cases, which are the rarest, as JSON;
+# nothing if it found nothing.
 run_row() {
     (cd "$dir/$1" && timeout 300 $stability --rows "$3" --cases "$2" --jobs 1 --no-price \
-        --out "build/$3") >"$dir/$1.out" 2>&1
+        --corpus tests/property/corpus/worst.txt --out "build/$3") >"$dir/$1.out" 2>&1
     jq -c --arg row "$3" '.rows[] | select(.test == $row and .verdict != "not run") |
         {cases, failures, crashed, why: (.failed[0].why // "")}' "$dir/$1/build/$3/report.json" 2>>"$dir/$1.out"
 }
