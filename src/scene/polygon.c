@@ -14,9 +14,9 @@
 #include "math/box.h"
 #include "math/exact.h"
 #include "math/exact_sum.h"
+#include "math/orient2d.h"
 #include "math/scale.h"
 #include "scene/desc.h"
-#include "scene/internal/orient2d.h"
 #include "scene/internal/simple_loop.h"
 #include "scene/internal/vec.h"
 

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "scene/internal/orient2d.h"
+#include "math/orient2d.h"
 
 struct pen_simple_loop_result {
     bool simple;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The exact orientation of three points in the plane, for the checks of vertex loops. */
-#ifndef PEN_SCENE_INTERNAL_ORIENT2D_H
-#define PEN_SCENE_INTERNAL_ORIENT2D_H
+/* The exact orientation of three points in the plane. */
+#ifndef PEN_MATH_ORIENT2D_H
+#define PEN_MATH_ORIENT2D_H
 
 struct pen_point2 {
     double x, y;

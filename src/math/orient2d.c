@@ -4,7 +4,7 @@
  * Source: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
  * predicates", Discrete & Computational Geometry 18, 1997: the bound of figure 21 (A), and
  * Grow-Expansion of figure 6. */
-#include "scene/internal/orient2d.h"
+#include "math/orient2d.h"
 
 #include <math.h>
 
