@@ -477,7 +477,7 @@ enum pen_candidate_verdict pen_candidate_make(const struct pen_shadow_packet *pa
                                               bool generic, struct pen_candidate *candidate)
 {
     const struct pen_prim_ref ref = prims->ref[prim];
-    if (prim == packet->origin->prim && pen_prim_flat(ref.kind))
+    if (prim == packet->origin->prim && pen_prim_flat(ref.kind) && !generic)
         return PEN_CANDIDATE_NEVER;
     candidate->prim = prim;
     candidate->kind = PEN_CANDIDATE_LINES;

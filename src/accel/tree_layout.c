@@ -35,9 +35,12 @@ void pen_array_release(struct pen_array *array)
     *array = (struct pen_array){.size = array->size};
 }
 
+/* A polygon that is cut into triangles is tested by the reference. */
 static enum pen_block_kind block_kind(const struct pen_tree_layout *layout, uint32_t prim)
 {
     uint32_t kind = layout->prims->ref[prim].kind;
+    if (pen_prim_cut(layout->prims, prim))
+        return PEN_BLOCK_GENERIC;
     return layout->generic_kinds >> kind & 1 ? PEN_BLOCK_GENERIC : pen_block_of(kind);
 }
 

@@ -38,7 +38,7 @@ struct pen_facet {
     double c, c_low;
     struct pen_vec3 n; /* the unit normal */
     double grazing;    /* a line at a smaller sine, or so, may meet the facet far beside an outline
-                          that it is seen to pass inside; INFINITY: the outline is bent */
+                          that it is seen to pass inside; INFINITY: the outline is not in a plane */
 };
 
 #define PEN_FACET_GRAZING (1 / 0x1p10)

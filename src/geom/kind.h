@@ -13,6 +13,7 @@
 
 #include <stddef.h>
 
+#include "base/arena.h"
 #include "geom/ray.h"
 #include "math/box.h"
 
@@ -108,6 +109,10 @@ struct pen_kind_functions {
      * for its life if keeps_vertices says so. */
     bool keeps_vertices;
     bool (*make)(void *self, const struct pen_prim_source *from);
+
+    /* Finishes what has been made, with memory of its own from the arena; NULL: nothing to do.
+     * Fails: returns false when out of memory. */
+    bool (*cut)(void *self, struct pen_arena *arena);
 
     /* All intersections with the ray's line, of any sign, in ascending order, as if the ray started
      * in free space. out->count is 0 before. */

@@ -4,7 +4,11 @@
 #ifndef PEN_GEOM_POLYGON_H
 #define PEN_GEOM_POLYGON_H
 
+#include "base/arena.h"
 #include "geom/triangle.h"
+
+/* A polygon of more corners is not cut: that takes the square of their number in steps. */
+enum { PEN_POLYGON_CUT_MAX = 10000 };
 
 struct pen_polygon {
     const struct pen_vec3 *v; /* borrowed */
@@ -13,6 +17,7 @@ struct pen_polygon {
     double extent;     /* no vertex is farther than this from another, in any axis */
     double scale;      /* pen_prim_scale: from how far vertices are off the facet */
     bool flat, convex; /* up to rounding of the vertices; may be false for others that are */
+    const struct pen_triangle *piece; /* count - 2 triangles, borrowed; NULL: it is not cut */
 };
 
 /* Fails: returns false if a coordinate is not finite, or not 0 and below PEN_LEAST, there are fewer
@@ -20,6 +25,21 @@ struct pen_polygon {
  * decided exactly. The scene's reader has checked that the outline is simple and flat. Owns:
  * borrows v. */
 bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count);
+
+/* Cuts a polygon into triangles if its vertices are farther off one plane than hit points are by
+ * rounding. They are its surface from then on. Fails: returns false when out of memory.
+ * Owns: the arena has the triangles. */
+bool pen_polygon_cut(struct pen_polygon *p, struct pen_arena *arena);
+
+/* The triangle of a cut polygon that is nearest to q; of several the first. */
+const struct pen_triangle *pen_polygon_piece(const struct pen_polygon *p, struct pen_vec3 q);
+
+/* Of two intersections with one polygon, the one that counts: the first ahead of the ray's origin,
+ * or else the last behind it. */
+static inline double pen_first_ahead(double s, double t)
+{
+    return (s > 0) != (t > 0) ? (s > 0 ? s : t) : (s > 0) == (s < t) ? s : t;
+}
 
 /* Whether the ray's line passes inside the outline. */
 static inline bool pen_polygon_entered(const struct pen_polygon *p, const struct pen_ray *ray)
@@ -35,7 +55,7 @@ static inline bool pen_polygon_entered(const struct pen_polygon *p, const struct
     return winding != 0;
 }
 
-/* The t at which the ray's line meets the polygon; false if it does not. */
+/* The t at which the ray's line meets the polygon, not cut; false if it does not. */
 static inline bool pen_polygon_root(const struct pen_polygon *p, const struct pen_ray *ray,
                                     double *t)
 {

@@ -70,6 +70,15 @@ static inline struct pen_outline pen_prim_outline(const struct pen_prims *prims,
     return fn->outline ? fn->outline(pen_prim_self(prims, prim)) : (struct pen_outline){NULL, 0, 0};
 }
 
+/* A polygon that is cut into triangles; NULL for any other primitive. */
+static inline const struct pen_polygon *pen_prim_cut(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_prim_ref ref = prims->ref[prim];
+    if (ref.kind != PEN_PRIM_POLYGON || !prims->polygon[ref.index].piece)
+        return NULL;
+    return &prims->polygon[ref.index];
+}
+
 /* All intersections of the ray's line with primitive `prim`, as if the ray started in free space.
  */
 void pen_prim_intersect_line(const struct pen_prims *prims, uint32_t prim,

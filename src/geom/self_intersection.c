@@ -29,6 +29,31 @@ static double reach(const struct pen_prims *prims, uint32_t prim, struct pen_vec
     return pen_prim_row(prims, prim)->fn->reach(pen_prim_self(prims, prim), n, p);
 }
 
+/* A surface to judge: a primitive, or a triangle of a polygon that is cut. */
+struct surface {
+    const struct pen_kind_functions *fn;
+    const void *self;
+};
+
+static struct surface surface_of_piece(const struct pen_triangle *piece)
+{
+    return (struct surface){&pen_triangle_functions, piece};
+}
+
+/* The primitive; of a polygon that is cut, the triangle at p. */
+static struct surface surface_at(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p)
+{
+    const struct pen_polygon *polygon = pen_prim_cut(prims, prim);
+    if (polygon)
+        return surface_of_piece(pen_polygon_piece(polygon, p));
+    return (struct surface){pen_prim_row(prims, prim)->fn, pen_prim_self(prims, prim)};
+}
+
+static struct pen_outline outline_of(struct surface s)
+{
+    return s.fn->outline ? s.fn->outline(s.self) : (struct pen_outline){NULL, 0, 0};
+}
+
 /* Whether p is within b of the segment from a to c. */
 static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p, double b)
 {
@@ -39,21 +64,20 @@ static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p
 }
 
 /* Whether p is on a flat primitive with unit normal n, within b: on its border, or inside. */
-static bool contains_point(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
-                           struct pen_vec3 p, double b)
+static bool contains_point(struct surface s, struct pen_vec3 n, struct pen_vec3 p, double b)
 {
-    const struct pen_outline line = pen_prim_outline(prims, prim);
+    const struct pen_outline line = outline_of(s);
     for (uint32_t i = 0; i < line.count; i++) {
         if (near_segment(line.v[i], line.v[i + 1 < line.count ? i + 1 : 0], p, b))
             return true;
     }
     struct pen_ray normal_ray;
-    struct pen_intersections c;
+    struct pen_intersections c = {.count = 0};
     if (line.count > 0 && !(fabs(pen_dot(n, pen_sub(line.v[0], p))) <= 2 * b))
         return false;
     if (!pen_ray_make(&normal_ray, p, n))
         return false;
-    pen_prim_intersect_line(prims, prim, &normal_ray, &c);
+    s.fn->intersect_line(s.self, &normal_ray, &c);
     return c.count > 0 && fabs(c.t[0]) <= b;
 }
 
@@ -62,6 +86,7 @@ struct contact {
     const struct pen_prims *prims;
     const struct pen_origin_surface *origin; /* P */
     struct pen_hit q;                        /* Q and its part */
+    struct surface surface;                  /* that of Q */
     struct pen_vec3 p, n;                    /* the ray's origin, and Q's unit normal there */
     double slack;                            /* by how much p may miss Q */
     double own;                              /* by how much Q itself is known */
@@ -70,14 +95,15 @@ struct contact {
 };
 
 /* The plane of a flat primitive is known to `slack` over its whole extent: that bounds `share`. */
-static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q,
+static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q, struct surface s,
                                  const struct pen_ray *ray, const struct pen_origin_surface *origin)
 {
     struct contact c = {.prims = prims, .origin = origin, .q = q, .p = ray->o, .share = 4 * PEN_U};
-    c.n = pen_prim_normal(prims, q, ray->o);
+    c.surface = s;
+    c.n = s.fn->normal(s.self, q.part, ray->o);
     c.own = own_rounding(prims, q.prim, ray->o);
     c.slack = origin->bound + c.own;
-    const struct pen_outline outline = pen_prim_outline(prims, q.prim);
+    const struct pen_outline outline = outline_of(s);
     if (outline.count > 0) {
         c.share = max2(c.share, c.slack / outline.extent);
         c.above = pen_dot(c.n, pen_sub(ray->o, outline.v[0]));
@@ -98,7 +124,7 @@ static double across(const struct contact *c, struct pen_vec3 d)
 static double side_of_beginning(const struct contact *c, struct pen_vec3 toward, double bound)
 {
     double wn = pen_dot(toward, c->n) + c->above, rounding = 2 * (bound + c->own);
-    if (pen_prim_outline(c->prims, c->q.prim).count == 0)
+    if (outline_of(c->surface).count == 0)
         rounding += 2 * c->origin->bound;
     rounding += max2(8 * PEN_U * pen_norm1(c->p), c->share * pen_norm1(toward));
     return fabs(wn) <= rounding ? 0 : wn;
@@ -154,7 +180,7 @@ static struct contact contact_of_origin(const struct contact *c)
 {
     struct pen_hit left = {0, c->origin->prim, c->origin->part};
     const struct pen_ray here = {.o = c->p};
-    return contact_at(c->prims, left, &here, c->origin);
+    return contact_at(c->prims, left, surface_at(c->prims, left.prim, c->p), &here, c->origin);
 }
 
 /* The side of P on which the ray goes, as the sign of a product with P's normal m: that from which
@@ -174,7 +200,7 @@ static bool rises(const struct contact *c, struct pen_vec3 d)
     const struct contact own = contact_of_origin(c);
     double side = side_of_departure(&own, d);
     struct pen_vec3 up = side > 0 ? own.n : pen_neg(own.n);
-    return side == 0 || reach(c->prims, c->q.prim, up, c->p) > c->slack;
+    return side == 0 || c->surface.fn->reach(c->surface.self, up, c->p) > c->slack;
 }
 
 /* Whether an intersection of Q at the ray's origin counts: the ray does not go back to the side
@@ -192,6 +218,8 @@ static bool origin_counts(const struct contact *c, struct pen_vec3 d)
 /* Whether Q is a layer with P at the origin: coincident, and there wherever P is. */
 static bool is_layer(const struct contact *c)
 {
+    if (c->q.prim == c->origin->prim)
+        return false; /* triangles of one polygon */
     const struct pen_pair pair = {.prims = c->prims,
                                   .a = {0, c->origin->prim, c->origin->part},
                                   .b = c->q,
@@ -235,11 +263,11 @@ static void intersect_own(const struct pen_prims *prims, uint32_t prim, const st
 }
 
 /* Adds an intersection at the ray's origin if it counts. */
-static void add_at_origin(const struct pen_prims *prims, struct pen_hit q,
+static void add_at_origin(const struct pen_prims *prims, struct pen_hit q, struct surface s,
                           const struct pen_ray *ray, const struct pen_origin_surface *origin,
                           struct pen_intersections *out)
 {
-    const struct contact c = contact_at(prims, q, ray, origin);
+    const struct contact c = contact_at(prims, q, s, ray, origin);
     double t = t_at_origin(&c, ray->d);
     if (t > 0)
         pen_intersections_add(out, t, q.part);
@@ -251,12 +279,11 @@ static void intersect_touching(const struct pen_prims *prims, uint32_t prim,
                                const struct pen_ray *ray, const struct pen_origin_surface *origin,
                                struct pen_intersections *out)
 {
-    unsigned rim =
-        pen_prim_row(prims, prim)
-            ->fn->intersect_touching(pen_prim_self(prims, prim), ray, origin->bound, out);
+    const struct surface s = surface_at(prims, prim, ray->o);
+    unsigned rim = s.fn->intersect_touching(s.self, ray, origin->bound, out);
     for (uint8_t part = 0; out->count == 0 && rim >> part != 0; part++) {
         const struct contact at =
-            contact_at(prims, (struct pen_hit){PEN_FIRST_T, prim, part}, ray, origin);
+            contact_at(prims, (struct pen_hit){PEN_FIRST_T, prim, part}, s, ray, origin);
         if (rim >> part & 1 && t_at_origin(&at, ray->d) > 0)
             *out = (struct pen_intersections){1, {0}, {part}};
     }
@@ -272,10 +299,10 @@ static struct pen_vec3 projected(const struct pen_ray *ray, struct pen_vec3 v)
 /* Whether the ray passes the border of a triangle or polygon near its origin within b: whether its
  * line meets the primitive is then an accident of rounding. *t is where it meets the plane, and
  * where it passes the border if it begins in the plane; *far how far its origin is from that. */
-static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
-                          const struct pen_ray *ray, double b, double *t, double *far)
+static bool passes_border(struct surface s, struct pen_vec3 n, const struct pen_ray *ray, double b,
+                          double *t, double *far)
 {
-    const struct pen_outline line = pen_prim_outline(prims, prim);
+    const struct pen_outline line = outline_of(s);
     if (line.count == 0)
         return false;
     double nearby = PEN_NEARBY * b, end = nearby * nearby * ray->inv_dd;
@@ -291,8 +318,8 @@ static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct p
             continue;
         if (off)
             return true;
-        double ee = pen_dot(e, e), s = ee > 0 ? -pen_dot(x, e) / ee : 0;
-        struct pen_vec3 at = pen_along(from, pen_sub(to, from), s < 0 ? 0 : s > 1 ? 1 : s);
+        double ee = pen_dot(e, e), k = ee > 0 ? -pen_dot(x, e) / ee : 0;
+        struct pen_vec3 at = pen_along(from, pen_sub(to, from), k < 0 ? 0 : k > 1 ? 1 : k);
         *t = pen_dot(pen_sub(at, ray->o), ray->d) * ray->inv_dd;
         if (*t > 0 && *t * *t <= end)
             return true;
@@ -302,11 +329,11 @@ static bool passes_border(const struct pen_prims *prims, uint32_t prim, struct p
 
 /* A primitive whose border the ray passes is met, in its plane, if it rises over P; and if p is in
  * that plane within rounding, only if the ray does not go back. */
-static void intersect_border(const struct pen_prims *prims, struct pen_hit q,
+static void intersect_border(const struct pen_prims *prims, struct pen_hit q, struct surface s,
                              const struct pen_ray *ray, const struct pen_origin_surface *origin,
                              double far, struct pen_intersections *out)
 {
-    const struct contact c = contact_at(prims, q, ray, origin);
+    const struct contact c = contact_at(prims, q, s, ray, origin);
     bool met = fabs(far) <= 2 * c.slack ? origin_counts(&c, ray->d) : rises(&c, ray->d);
     if (!met)
         out->count = 0;
@@ -314,25 +341,72 @@ static void intersect_border(const struct pen_prims *prims, struct pen_hit q,
         *out = (struct pen_intersections){1, {q.t}, {q.part}};
 }
 
-/* Replaces the intersection with a flat primitive Q that is not P. The line of a ray that starts on
- * Q may miss Q all the same: at its border, or where it is parallel. */
-static void intersect_flat(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
-                           const struct pen_origin_surface *origin, struct pen_intersections *out)
+/* Replaces the intersection with a flat surface of Q that is not P's. The line of a ray that starts
+ * on Q may miss Q all the same: at its border, or where it is parallel. */
+static void intersect_flat(const struct pen_prims *prims, uint32_t prim, struct surface s,
+                           const struct pen_ray *ray, const struct pen_origin_surface *origin,
+                           struct pen_intersections *out)
 {
     double scale = pen_prim_scale(prims, prim, ray->o), b = origin->bound + 8 * PEN_U * scale;
     struct pen_hit hit = {out->count ? out->t[0] : 0, prim, PEN_PART_SIDE};
-    struct pen_vec3 n = pen_prim_normal(prims, hit, ray->o);
+    struct pen_vec3 n = s.fn->normal(s.self, hit.part, ray->o);
     bool touches = out->count && pen_flat_touches(n, scale, ray, hit.t, origin->bound);
-    if (!touches && !(hit.t <= 0 && contains_point(prims, prim, n, ray->o, b))) {
+    if (!touches && !(hit.t <= 0 && contains_point(s, n, ray->o, b))) {
         double far;
-        if (passes_border(prims, prim, n, ray, b, &hit.t, &far))
-            intersect_border(prims, hit, ray, origin, far, out);
+        if (passes_border(s, n, ray, b, &hit.t, &far))
+            intersect_border(prims, hit, s, ray, origin, far, out);
         return;
     }
     out->count = 0;
     if (hit.t <= 0 || pen_flat_near(ray, hit.t, b))
         hit.t = PEN_FIRST_T;
-    add_at_origin(prims, hit, ray, origin, out);
+    add_at_origin(prims, hit, s, ray, origin, out);
+}
+
+/* Whether the polygon is a layer of P at the ray's origin. Then the intersection there is added, if
+ * the ray meets it. */
+static bool is_cut_layer(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                         const struct pen_origin_surface *origin, struct pen_intersections *out)
+{
+    const struct surface s = surface_at(prims, prim, ray->o);
+    const struct contact c =
+        contact_at(prims, (struct pen_hit){0, prim, PEN_PART_SIDE}, s, ray, origin);
+    if (!contains_point(s, c.n, c.p, c.slack) || !is_layer(&c))
+        return false;
+    double t = t_of_layer(&c, ray->d);
+    if (t > 0)
+        pen_intersections_add(out, t, PEN_PART_SIDE);
+    return true;
+}
+
+/* A polygon that is cut into triangles is met where the first of them is, each judged as if it were
+ * a primitive: P is the one at the ray's origin, and a ray may meet others of the same polygon. One
+ * that goes through the polygon has met it: it counts once. */
+static void intersect_cut(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                          const struct pen_origin_surface *origin, struct pen_intersections *out)
+{
+    const struct pen_polygon *polygon = pen_prim_cut(prims, prim);
+    const struct pen_triangle *left = NULL;
+    out->count = 0;
+    if (prim == origin->prim && origin->through)
+        return;
+    if (prim == origin->prim)
+        left = pen_polygon_piece(polygon, ray->o);
+    else if (is_cut_layer(prims, prim, ray, origin, out))
+        return;
+    for (uint32_t i = 0; i + 2 < polygon->count; i++) {
+        const struct surface s = surface_of_piece(&polygon->piece[i]);
+        struct pen_intersections met = {.count = 0};
+        if (s.self == left)
+            continue;
+        s.fn->intersect_line(s.self, ray, &met);
+        intersect_flat(prims, prim, s, ray, origin, &met);
+        if (met.count > 0) {
+            out->t[0] = out->count ? pen_first_ahead(out->t[0], met.t[0]) : met.t[0];
+            out->count = 1;
+        }
+    }
+    out->part[0] = PEN_PART_SIDE;
 }
 
 /* Whether the ray passes the rim of an open primitive near its origin, within the bounds: as
@@ -355,7 +429,8 @@ static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
                           const struct pen_ray *ray, const struct pen_origin_surface *origin,
                           struct pen_intersections *out)
 {
-    const struct contact c = contact_at(prims, q, ray, origin);
+    const struct surface s = surface_at(prims, q.prim, ray->o);
+    const struct contact c = contact_at(prims, q, s, ray, origin);
     const struct pen_intersections all = *out;
     int i = 0;
     out->count = 0;
@@ -372,6 +447,10 @@ static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
 void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                         const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
+    if (origin->prim != PEN_NO_PRIM && pen_prim_cut(prims, prim)) {
+        intersect_cut(prims, prim, ray, origin, out);
+        return;
+    }
     if (prim == origin->prim) {
         intersect_own(prims, prim, ray, origin->part, out);
         return;
@@ -380,7 +459,7 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
     if (origin->prim == PEN_NO_PRIM)
         return;
     if (pen_prim_flat(prims->ref[prim].kind)) {
-        intersect_flat(prims, prim, ray, origin, out);
+        intersect_flat(prims, prim, surface_at(prims, prim, ray->o), ray, origin, out);
         return;
     }
     double t;
@@ -391,8 +470,8 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
     out->count = 0;
     for (int i = 0; i < all.count; i++) {
         if (all.t[i] == 0)
-            add_at_origin(prims, (struct pen_hit){PEN_FIRST_T, prim, all.part[i]}, ray, origin,
-                          out);
+            add_at_origin(prims, (struct pen_hit){PEN_FIRST_T, prim, all.part[i]},
+                          surface_at(prims, prim, ray->o), ray, origin, out);
         else
             pen_intersections_add(out, all.t[i], all.part[i]);
     }
@@ -402,7 +481,7 @@ double pen_prim_viewer_side(const struct pen_prims *prims, struct pen_hit hit, s
                             struct pen_vec3 v, const struct pen_origin_surface *origin)
 {
     const struct pen_ray here = {.o = p};
-    const struct contact c = contact_at(prims, hit, &here, origin);
+    const struct contact c = contact_at(prims, hit, surface_at(prims, hit.prim, p), &here, origin);
     bool layer = hit.t > PEN_FIRST_T && hit.t <= PEN_LAST_LAYER_T;
     double side = layer ? -across(&c, v) : 0;
     if (side == 0)
@@ -420,5 +499,6 @@ bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const 
         return false;
     if (!pen_prim_flat(prims->ref[hit.prim].kind))
         return pen_prim_touches(prims, hit.prim, p, bound) >> hit.part & 1;
-    return contains_point(prims, hit.prim, n, p, b);
+    const struct surface s = surface_at(prims, hit.prim, p);
+    return contains_point(s, s.fn->normal(s.self, hit.part, p), p, b);
 }

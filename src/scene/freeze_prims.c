@@ -94,6 +94,14 @@ static bool fill_shape(struct pen_freezer *f, struct filler *a,
             (pen_prim_outlined(scene_prim->kind) && make_without_area(kind, &from, prim)));
 }
 
+/* Finishes primitive number `index` of its kind. */
+static bool cut_shape(struct pen_freezer *f, const struct filler *a, uint32_t kind, uint32_t index)
+{
+    const struct pen_kind *row = &pen_kinds[kind];
+    void *prim = (char *)a->array[kind] + index * row->bytes;
+    return !row->fn->cut || row->fn->cut(prim, f->scene->arena) || pen_freeze_no_memory(f);
+}
+
 static bool fill_primitive(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,
                            void *user)
 {
@@ -109,7 +117,7 @@ static bool fill_primitive(struct pen_freezer *f, const struct pen_scene_prim *s
     if (!fill_shape(f, a, scene_prim, index))
         return pen_fail(f->st, PEN_INVALID,
                         "is too large, too small or too far away beside the rest of the scene");
-    return true;
+    return cut_shape(f, a, scene_prim->kind, index);
 }
 
 bool pen_freeze_prims(struct pen_freezer *f)

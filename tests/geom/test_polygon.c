@@ -231,8 +231,243 @@ START_TEST(test_polygon__bent_outline_is_not_left)
 }
 END_TEST
 
+/* ---- Polygons that are cut into triangles ---- */
+
+enum { BENT = 12 };
+
+/* A star-shaped outline of 4 to 12 corners, some of them in line, turned at random, its corners off
+ * the plane by up to `off`. */
+static uint32_t bent_outline(struct random *r, double off, vec3 v[BENT])
+{
+    uint32_t count = 4 + random_below(r, BENT - 3);
+    vec3 n = random_direction(r), x = pen_normalize(pen_cross(n, random_direction(r)));
+    vec3 y = pen_cross(n, x), o = random_vec(r, 1);
+    for (uint32_t i = 0; i < count; i++) {
+        double a = 6.283185307179586 * i / count, s = random_in(r, .4, 1);
+        v[i] = pen_along(pen_along(o, x, s * cos(a)), y, s * sin(a));
+        if (count > 4 && i > 1 && random_below(r, 4) == 0)
+            v[i - 1] = pen_scale(pen_add(v[i - 2], v[i]), .5);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        v[i] = pen_along(v[i], n, random_in(r, -off, off));
+    return count;
+}
+
+static double height(const struct pen_triangle *tri, vec3 n)
+{
+    return pen_dot(n, pen_cross(pen_sub(tri->v[1], tri->v[0]), pen_sub(tri->v[2], tri->v[0])));
+}
+
+static bool has_corner(const struct pen_triangle *tri, vec3 p)
+{
+    for (int i = 0; i < 3; i++)
+        if (tri->v[i].x == p.x && tri->v[i].y == p.y && tri->v[i].z == p.z)
+            return true;
+    return false;
+}
+
+/* The triangles tile the outline, and are the same wherever it starts and whichever way it runs. */
+static void check_pieces(const struct pen_polygon *p, const struct pen_polygon *q)
+{
+    double area = 0, whole = 0;
+    ck_assert(p->piece && q->piece && p->scale == 0 && !p->flat);
+    for (uint32_t i = 0; i + 2 < p->count; i++) {
+        const struct pen_triangle *tri = &p->piece[i];
+        bool found = false;
+        ck_assert(height(tri, p->facet.n) > -1e-15);
+        area += height(tri, p->facet.n);
+        for (uint32_t k = 0; k + 2 < q->count; k++) {
+            const struct pen_triangle *other = &q->piece[k];
+            found = found || (has_corner(other, tri->v[0]) && has_corner(other, tri->v[1]) &&
+                              has_corner(other, tri->v[2]));
+        }
+        ck_assert(found);
+    }
+    for (uint32_t i = 0; i < p->count; i++)
+        whole += pen_dot(p->facet.n, pen_cross(pen_sub(p->v[i], p->v[0]),
+                                               pen_sub(p->v[(i + 1) % p->count], p->v[0])));
+    ck_assert_msg(fabs(area - whole) < 1e-13, "%g, not %g", area, whole);
+}
+
+START_TEST(test_polygon__h134_cut_the_same_way)
+{
+    struct random r = random_begin(134);
+    for (int i = 0; i < 2000; i++) {
+        vec3 v[BENT], u[BENT];
+        uint32_t count = bent_outline(&r, pow(10, random_in(&r, -12, -6)), v);
+        uint32_t start = random_below(&r, count), step = i & 1 ? 1 : count - 1;
+        for (uint32_t k = 0; k < count; k++)
+            u[k] = v[(start + step * k) % count];
+        world_clear(&world);
+        world_polygon(&world, v, count);
+        world_polygon(&world, u, count);
+        check_pieces(&world.polygon[0], &world.polygon[1]);
+    }
+}
+END_TEST
+
+/* What is flat up to rounding stays whole; what has three corners is flat. */
+START_TEST(test_polygon__h134_not_cut)
+{
+    struct random r = random_begin(135);
+    for (int i = 0; i < 1000; i++) {
+        vec3 v[BENT];
+        uint32_t count = bent_outline(&r, 0, v);
+        for (uint32_t k = 0; k < count;
+             k++) /* no corner is near the origin, where doubles are finer */
+            v[k] = pen_add(v[k], pen_vec3(4, 4, 4));
+        world_clear(&world);
+        world_polygon(&world, v, count);
+        v[0] = pen_along(v[0], random_direction(&r), 1e-7);
+        world_polygon(&world, v, 3);
+        ck_assert(!world.polygon[0].piece && !world.polygon[1].piece);
+    }
+}
+END_TEST
+
+/* Whether a triangle is steep: narrow, with a corner off the plane. It may hide others. */
+static bool has_steep_piece(const struct pen_polygon *p)
+{
+    for (uint32_t i = 0; i + 2 < p->count; i++)
+        if (pen_dot(p->piece[i].facet.n, p->facet.n) < .9999)
+            return true;
+    return false;
+}
+
+/* A line that passes inside the outline meets the polygon once: on a triangle, within rounding. At
+ * the diagonals too, though neighbours differ in slope. */
+START_TEST(test_polygon__h134_met_once)
+{
+    struct random r = random_begin(136);
+    int hits = 0;
+    for (int i = 0; i < 20000; i++) {
+        vec3 v[BENT];
+        uint32_t count = bent_outline(&r, 1e-7, v);
+        world_clear(&world);
+        world_polygon(&world, v, count);
+        const struct pen_polygon *p = &world.polygon[0];
+        const struct pen_triangle *tri = &p->piece[random_below(&r, count - 2)];
+        double s = random_below(&r, 3) / 2., t = random_below(&r, 2) ? 0 : random_unit(&r);
+        vec3 to = pen_along(tri->v[0], pen_sub(tri->v[1], tri->v[0]), s);
+        to = pen_along(to, pen_sub(tri->v[2], to), t);
+        vec3 o = pen_add(to, random_direction(&r));
+        struct pen_ray ray = world_ray(o, pen_sub(to, o));
+        if (fabs(pen_dot(ray.d, p->facet.n)) < .02 || has_steep_piece(p))
+            continue;
+        struct pen_hit hit;
+        int met = world_intersections(&world, &ray, &pen_origin_none, INFINITY, &hit, 1);
+        ck_assert_int_eq(met, pen_polygon_entered(p, &ray));
+        if (met == 0)
+            continue;
+        vec3 x = pen_along(o, ray.d, hit.t), on = pen_prim_point(&world.prims, hit, &ray);
+        ck_assert_msg(pen_norm1(pen_sub(x, on)) < 1e-14, "%g off", pen_norm1(pen_sub(x, on)));
+        hits++;
+    }
+    ck_assert(hits > 10000);
+}
+END_TEST
+
+/* A ray leaves the polygon for good, unless it is so low that another triangle rises before it; one
+ * that goes through leaves it in any case. */
+START_TEST(test_polygon__h134_left)
+{
+    struct random r = random_begin(137);
+    for (int i = 0; i < 20000; i++) {
+        vec3 v[BENT];
+        world_clear(&world);
+        world_polygon(&world, v, bent_outline(&r, 1e-8, v));
+        const struct pen_triangle *tri = &world.polygon[0].piece[0];
+        vec3 to = pen_along(tri->v[0], pen_sub(tri->v[1], tri->v[0]), random_unit(&r));
+        to = random_below(&r, 2) ? pen_along(to, pen_sub(tri->v[2], to), random_unit(&r)) : to;
+        vec3 o = pen_add(to, random_direction(&r)), d = pen_sub(to, o);
+        struct pen_ray ray = world_ray(o, d);
+        struct pen_hit hit;
+        if (world_intersections(&world, &ray, &pen_origin_none, INFINITY, &hit, 1) == 0)
+            continue;
+        vec3 p = pen_prim_point(&world.prims, hit, &ray), n = pen_prim_normal(&world.prims, hit, p);
+        vec3 next = random_direction(&r);
+        bool through = (pen_dot(next, n) < 0) == (pen_dot(d, n) < 0);
+        struct pen_origin_surface origin =
+            world_origin_surface(&world, hit, p, pen_scale(d, hit.t), through);
+        ray = world_ray(p, next);
+        if (through || fabs(pen_dot(next, n)) > 1e-3)
+            ck_assert_int_eq(world_intersections(&world, &ray, &origin, INFINITY, NULL, 0), 0);
+    }
+}
+END_TEST
+
+/* In a valley a low ray from one triangle meets the other: nothing gets out below the next wall. */
+START_TEST(test_polygon__h134_valley)
+{
+    for (int i = 4; i < 10; i++) {
+        double off = pow(10, -i);
+        const vec3 v[4] = {{-1, -1, off}, {1, -1, 0}, {1, 1, off}, {-1, 1, 0}};
+        world_clear(&world);
+        world_polygon(&world, v, 4);
+        const struct pen_polygon *p = &world.polygon[0];
+        vec3 inner = pen_scale(
+            pen_add(p->piece[0].v[0], pen_add(p->piece[0].v[1], p->piece[0].v[2])), 1 / 3.);
+        vec3 far = pen_scale(pen_add(p->piece[1].v[0], pen_add(p->piece[1].v[1], p->piece[1].v[2])),
+                             1 / 3.);
+        struct pen_ray ray = world_ray(pen_add(inner, pen_vec3(0, 0, 2)), pen_vec3(0, 0, -1));
+        struct pen_hit hit;
+        ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, INFINITY, &hit, 1), 1);
+        vec3 at = pen_prim_point(&world.prims, hit, &ray);
+        struct pen_origin_surface origin =
+            world_origin_surface(&world, hit, at, pen_scale(ray.d, hit.t), false);
+        double rise = pen_dot(p->piece[0].facet.n, pen_sub(far, at));
+        vec3 low = pen_along(pen_sub(far, at), p->piece[0].facet.n, -.5 * rise);
+        ray = world_ray(at, pen_scale(low, 2));
+        int met = world_intersections(&world, &ray, &origin, INFINITY, NULL, 0);
+        ck_assert_int_eq(met, rise > 0);
+    }
+}
+END_TEST
+
+/* Two with the same corners are layers, whatever the order of their corners. */
+START_TEST(test_polygon__h134_layers)
+{
+    struct random r = random_begin(138);
+    int layers = 0;
+    for (int i = 0; i < 5000; i++) {
+        vec3 v[BENT], u[BENT];
+        uint32_t count = bent_outline(&r, 1e-7, v), start = random_below(&r, count);
+        for (uint32_t k = 0; k < count; k++)
+            u[k] = v[(start + (i & 1 ? k : count - k)) % count];
+        world_clear(&world);
+        world_polygon(&world, v, count);
+        world_polygon(&world, u, count);
+        const struct pen_triangle *tri = &world.polygon[0].piece[random_below(&r, count - 2)];
+        vec3 to = pen_along(tri->v[0], pen_sub(tri->v[1], tri->v[0]), random_in(&r, .1, .9));
+        to = pen_along(to, pen_sub(tri->v[2], to), random_in(&r, .1, .9));
+        vec3 o = pen_add(to, random_direction(&r)), d = pen_sub(to, o);
+        struct pen_ray ray = world_ray(o, d);
+        struct pen_hit hit[2];
+        if (fabs(pen_dot(d, tri->facet.n)) < .01 || height(tri, tri->facet.n) < 1e-3)
+            continue;
+        ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 2), 2);
+        hit[0].prim = random_below(&r, 2);
+        vec3 p = pen_prim_point(&world.prims, hit[0], &ray);
+        for (int through = 0; through < 2; through++) {
+            struct pen_origin_surface origin =
+                world_origin_surface(&world, hit[0], p, pen_scale(d, hit[0].t), through);
+            struct pen_ray next = world_ray(p, through ? d : pen_neg(d));
+            struct pen_hit met;
+            int count_met = world_intersections(&world, &next, &origin, INFINITY, &met, 1);
+            ck_assert_int_eq(count_met, (uint32_t)through != hit[0].prim);
+            ck_assert(count_met == 0 || met.t == 2 * PEN_FIRST_T);
+            layers += count_met;
+        }
+    }
+    ck_assert(layers > 3000);
+}
+END_TEST
+
 PEN_SUITE("polygon", test_polygon__bent_outline_is_not_left,
           test_polygon__h027_any_outline_with_an_area, test_polygon__h028_vertex_on_a_side,
           test_polygon__h029_normal, test_polygon__h030_inside_outside_and_rim,
           test_polygon__h031_the_rest_of_the_rim, test_polygon__h052_concave_star,
-          test_polygon__any_start_and_direction, test_polygon__h055_ten_thousand_corners)
+          test_polygon__any_start_and_direction, test_polygon__h055_ten_thousand_corners,
+          test_polygon__h134_cut_the_same_way, test_polygon__h134_not_cut,
+          test_polygon__h134_met_once, test_polygon__h134_left, test_polygon__h134_valley,
+          test_polygon__h134_layers)

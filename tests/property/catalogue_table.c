@@ -308,9 +308,11 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              ROW_TESTED, NULL},
     [133] = {"coincident surfaces as layers in document order: as with a gap of 1e-7", "",
              ROW_TESTED, NULL},
-    [134] = {"a polygon with a vertex off its plane, at a wall's foot", "", ROW_PENDING,
-             "how far vertices are off the plane counts as rounding: such a floor may show a dark "
-             "strip as wide as that at a wall's foot"},
+    [134] = {"a polygon with a vertex off its plane, at a wall's foot",
+             "test_polygon__h134_cut_the_same_way test_polygon__h134_not_cut "
+             "test_polygon__h134_met_once test_polygon__h134_left test_polygon__h134_valley "
+             "test_polygon__h134_layers",
+             ROW_TESTED, NULL},
     [135] = {"a floor up to 1e12 times the room", "", ROW_TESTED, NULL},
     [136] = {"a camera 1e-16 above a floor", "", ROW_TESTED, NULL},
     [137] = {"rooms as thin as 2^-30 of their width; thinner primitives get a warning",

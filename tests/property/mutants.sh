@@ -297,7 +297,7 @@ judge
 
 mutant light_beside horizon_walls 1000 "a floor contains a light in its plane that is beside it"
 edit src/geom/self_intersection.c 1 \
-    's/^    return contains_point\(prims, hit\.prim, n, p, b\);$/    return true;/'
+    's/^    return contains_point\(s, s\.fn->normal\(s\.self, hit\.part, p\), p, b\);$/    return true;/'
 judge
 
 mutant plane_behind rooms_same 6000 "in vectors, a polygon that contains the origin is dropped if met behind it"
@@ -364,6 +364,18 @@ judge
 
 mutant tied_rays h079_permuted_tied 20000 "rays whose components are equal in size are not refined"
 edit src/geom/ray.h 1 's/^    ray->near = .*;$/    ray->near = PEN_NEAR;/'
+judge
+
+mutant not_cut bent_rooms 1000 "how far vertices are off the plane counts as rounding, however far"
+edit src/geom/polygon.c 1 's/^    if \(p->facet\.grazing < INFINITY \|\| /&true || /'
+judge
+
+mutant cut_left bent_rooms 6000 "a ray that starts on a polygon never meets it again, though it is cut"
+edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim && origin->through\)$/    if (prim == origin->prim)/'
+judge
+
+mutant cut_twice bent_rooms 6000 "of two triangles of a polygon the farther one counts"
+edit src/geom/polygon.h 1 's/\(s > 0\) == \(s < t\) \? s : t;$/(s > 0) == (s < t) ? t : s;/'
 judge
 
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"

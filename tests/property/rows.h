@@ -37,6 +37,8 @@ void rows_fan(struct pen_row_run *run);
 void rows_tiling(struct pen_row_run *run);
 void rows_star(struct pen_row_run *run);
 void rows_bent(struct pen_row_run *run);
+void rows_bent_rooms(struct pen_row_run *run);
+void rows_bent_foot(struct pen_row_run *run);
 void rows_circle(struct pen_row_run *run);
 void rows_circle_area(struct pen_row_run *run);
 void rows_huge_small(struct pen_row_run *run);

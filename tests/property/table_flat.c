@@ -156,6 +156,25 @@ const struct row row_table_flat[] = {
         .run = rows_bent,
     },
     {
+        .id = "H134",
+        .name = "bent_rooms",
+        .what = "rooms whose floor, ceiling and walls are polygons with corners up to 1e-6 of "
+                "their size off the plane, seen at a wall's foot: black",
+        .oracle = "black",
+        .run = rows_bent_rooms,
+        .full = 20000,
+        .check = 150,
+    },
+    {
+        .id = "H134",
+        .name = "bent_foot",
+        .what = "at the foot of a wall on such a floor, all is lit that faces the light",
+        .oracle = "nothing stands between",
+        .run = rows_bent_foot,
+        .full = 20000,
+        .check = 200,
+    },
+    {
         .id = "H055",
         .name = "h055_circle",
         .what =

@@ -6,6 +6,8 @@
 void world_clear(struct world *w)
 {
     w->corners = 0;
+    if (w->arena)
+        pen_arena_reset(w->arena);
     w->prims = (struct pen_prims){.ref = w->ref,
                                   .sphere = w->sphere,
                                   .plane = w->plane,
@@ -59,7 +61,10 @@ uint32_t world_polygon(struct world *w, const struct pen_vec3 *v, uint32_t count
     ck_assert(w->corners <= 8 * WORLD_MAX);
     for (uint32_t i = 0; i < count; i++)
         own[i] = pen_without_less(v[i], PEN_LEAST);
-    ck_assert(pen_polygon_make(&w->polygon[add(w, PEN_PRIM_POLYGON)], own, count));
+    struct pen_polygon *polygon = &w->polygon[add(w, PEN_PRIM_POLYGON)];
+    if (!w->arena)
+        w->arena = pen_arena_new(0);
+    ck_assert(pen_polygon_make(polygon, own, count) && pen_polygon_cut(polygon, w->arena));
     return last(w);
 }
 

@@ -22,6 +22,7 @@ struct world {
     struct pen_cone cone[WORLD_MAX];
     struct pen_vec3 corner[8 * WORLD_MAX];
     uint32_t corners;
+    struct pen_arena *arena; /* of polygons that are cut; lives as long as the program */
 };
 
 void world_clear(struct world *w);

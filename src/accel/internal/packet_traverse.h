@@ -148,8 +148,9 @@ static inline bool occluded_by_last(const struct pen_accel *accel, struct pen_sh
     if (last >= accel->prims->count)
         return false;
     packet->last_occluder = PEN_NO_PRIM;
-    if (pen_candidate_make(packet, accel->prims, last, false, &packet->candidate[0]) !=
-        PEN_CANDIDATE_ALWAYS)
+    if (pen_prim_cut(accel->prims, last) ||
+        pen_candidate_make(packet, accel->prims, last, false, &packet->candidate[0]) !=
+            PEN_CANDIDATE_ALWAYS)
         return false;
     packet->last_occluder = last;
     return true;

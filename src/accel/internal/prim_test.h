@@ -46,7 +46,8 @@ struct trace {
     struct pen_vec3 light; /* shadow to a point: where the ray ends */
 };
 
-/* The unit normal of a plane, triangle or polygon; NULL for other kinds. */
+/* The unit normal of a plane, triangle or polygon; NULL for other kinds and for a polygon that is
+ * cut into triangles. */
 static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
                                                  struct pen_prim_ref ref)
 {
@@ -56,7 +57,7 @@ static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
     case PEN_BLOCK_TRIANGLES:
         return &prims->triangle[ref.index].facet.n;
     case PEN_BLOCK_POLYGONS:
-        return &prims->polygon[ref.index].facet.n;
+        return prims->polygon[ref.index].piece ? NULL : &prims->polygon[ref.index].facet.n;
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_SPHERES:
     case PEN_BLOCK_CYLINDERS:
@@ -300,6 +301,8 @@ static inline bool test_triangle(struct trace *trace, uint32_t prim, const struc
 static inline bool test_polygon(struct trace *trace, uint32_t prim, const struct pen_polygon *p,
                                 bool any)
 {
+    if (p->piece)
+        return test_reference(trace, prim, any);
     return pen_polygon_entered(p, trace->ray) &&
            offer_outline(trace, prim, &p->facet, p->v, p->count, any);
 }
