@@ -65,7 +65,6 @@ double pen_outline_grazed(const struct pen_vec3 *v, uint32_t count, const struct
     double z = t * ray->permuted_d.z, left = at[0].w / at[0].h, right = at[1].w / at[1].h;
     int first = left > right;
     double least = first ? right : left, most = first ? left : right;
-    if (z < least - at[first].error)
-        return least * ray->sz;
-    return z > most + at[!first].error ? most * ray->sz : t;
+    double kept = z < least - at[first].error ? least : z > most + at[!first].error ? most : z;
+    return kept != z && (kept > 0) == (z > 0) ? kept * ray->sz : t;
 }

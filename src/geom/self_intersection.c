@@ -63,6 +63,13 @@ static bool near_segment(struct pen_vec3 a, struct pen_vec3 c, struct pen_vec3 p
     return pen_dot(off, off) <= b * b;
 }
 
+/* How far p is above a flat surface with unit normal n, to some u of |p|, however far its vertices
+ * are. */
+static double height_above(struct surface s, struct pen_vec3 n, struct pen_vec3 p)
+{
+    return pen_dot(n, pen_sub(p, s.fn->project(s.self, PEN_PART_SIDE, p)));
+}
+
 /* Whether p is on a flat primitive with unit normal n, within b: on its border, or inside. */
 static bool contains_point(struct surface s, struct pen_vec3 n, struct pen_vec3 p, double b)
 {
@@ -73,7 +80,7 @@ static bool contains_point(struct surface s, struct pen_vec3 n, struct pen_vec3 
     }
     struct pen_ray normal_ray;
     struct pen_intersections c = {.count = 0};
-    if (line.count > 0 && !(fabs(pen_dot(n, pen_sub(line.v[0], p))) <= 2 * b))
+    if (line.count > 0 && !(fabs(height_above(s, n, p)) <= 2 * b))
         return false;
     if (!pen_ray_make(&normal_ray, p, n))
         return false;
@@ -106,7 +113,7 @@ static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q
     const struct pen_outline outline = outline_of(s);
     if (outline.count > 0) {
         c.share = max2(c.share, c.slack / outline.extent);
-        c.above = pen_dot(c.n, pen_sub(ray->o, outline.v[0]));
+        c.above = height_above(s, c.n, ray->o);
     }
     return c;
 }
@@ -306,7 +313,7 @@ static bool passes_border(struct surface s, struct pen_vec3 n, const struct pen_
     if (line.count == 0)
         return false;
     double nearby = PEN_NEARBY * b, end = nearby * nearby * ray->inv_dd;
-    *far = pen_dot(n, pen_sub(line.v[0], ray->o));
+    *far = -height_above(s, n, ray->o);
     *t = *far / pen_dot(n, ray->d);
     bool off = fabs(*far) > 0.5 * b;
     if (off && !(*t > 0 && *t * *t <= end))
@@ -350,7 +357,9 @@ static void intersect_flat(const struct pen_prims *prims, uint32_t prim, struct 
     double scale = pen_prim_scale(prims, prim, ray->o), b = origin->bound + 8 * PEN_U * scale;
     struct pen_hit hit = {out->count ? out->t[0] : 0, prim, PEN_PART_SIDE};
     struct pen_vec3 n = s.fn->normal(s.self, hit.part, ray->o);
-    bool touches = out->count && pen_flat_touches(n, scale, ray, hit.t, origin->bound);
+    /* t of a grazing ray may be that of the edge past which the ray is seen to enter Q. */
+    bool touches = out->count && (pen_flat_touches(n, scale, ray, hit.t, origin->bound) ||
+                                  (hit.t > 0 && fabs(height_above(s, n, ray->o)) <= b));
     if (!touches && !(hit.t <= 0 && contains_point(s, n, ray->o, b))) {
         double far;
         if (passes_border(s, n, ray, b, &hit.t, &far))

@@ -48,13 +48,15 @@ static inline void pen_intersections_chord(struct pen_intersections *out, double
         pen_intersections_pair(out, chord < 0 ? chord : 0, chord < 0 ? 0 : chord);
 }
 
-/* How far the farthest of the points lies along unit vector n beyond p. */
+/* How far the farthest of the points surely lies along unit vector n beyond p: n and the sum are
+ * known to some u of the distance, which a neighbour in the same plane does not rise above. */
 static inline double pen_farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n,
                                   struct pen_vec3 p)
 {
     double far = -INFINITY;
     for (uint32_t i = 0; i < count; i++) {
-        double d = pen_dot(n, pen_sub(v[i], p));
+        struct pen_vec3 f = pen_sub(v[i], p);
+        double d = pen_dot(n, f) - 4 * PEN_U * pen_norm1(f);
         far = far > d ? far : d;
     }
     return far;
