@@ -14,7 +14,8 @@ struct surface {
     struct pen_vec3 n;   /* unit, turned towards the viewer */
     struct pen_vec3 v;   /* unit, from the viewer to p */
     double nv;           /* n.v <= 0 */
-    double unsure;       /* on which side the viewer is, rounding decides where -n.v is no more */
+    double unsure;       /* on which side the viewer is, rounding decides where -n.v is no more;
+                            INFINITY: it decides also on which side of other surfaces p is */
     double grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
     struct pen_origin_surface origin; /* for rays that start at p on the viewer's side; its bound is
                                how far p may be off by rounding */
@@ -37,6 +38,15 @@ static ALWAYS_INLINE double surface_grazing_sine(double turn, bool outside)
 static ALWAYS_INLINE double surface_unsure(double turn, bool outside)
 {
     return outside && !(4 * turn < 0x1p-6) ? 0x1p-6 : 4 * turn;
+}
+
+/* Whether a ray that starts on a surface meets another one where it starts, or within 16 bounds of
+ * there: at a seam or in a corner. The point is then on the border of both within rounding, and on
+ * which side of others around the corner, it does not tell. Layers are told by the document. */
+static ALWAYS_INLINE bool surface_hardly_left(const struct pen_ray *ray, double t, double bound)
+{
+    return t * t <= 0x1p8 * (bound * bound) * ray->inv_dd &&
+           (t > PEN_LAST_LAYER_T || t <= PEN_FIRST_T);
 }
 
 /* Fills in *s. A returned struct would be copied. */
@@ -66,9 +76,11 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     double turn = s->origin.bound * pen_prim_curvature(&scene->prims, hit, s->p);
     s->grazing_sine = surface_grazing_sine(turn, outside);
     s->unsure = surface_unsure(turn, outside);
+    if (left->prim != PEN_NO_PRIM && surface_hardly_left(ray, hit.t, s->origin.bound))
+        s->unsure = INFINITY;
 }
 
-/* Whether rounding decides on which side of a round surface the viewer is. */
+/* Whether rounding decides on which side of the surface the viewer is, or of one beside it. */
 static ALWAYS_INLINE bool surface_viewer_grazes(const struct surface *s)
 {
     return s->unsure > 0 && !(-s->nv > s->unsure);
