@@ -153,13 +153,8 @@ static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *pr
     double nearby = PEN_NEARBY * left->bound;
     origin.bound += 16 * PEN_U * pen_norm1(ray->o);
     if (hit.t * hit.t <= nearby * nearby * ray->inv_dd) {
-        int older = left->previous[0] == hit.prim + 1;
         origin.bound += left->bound;
-        origin.previous[1] = left->previous[older];
-        origin.outside = (uint8_t)((left->outside >> older & 2) << 1);
     }
-    origin.previous[0] = left->prim + 1;
-    origin.outside |= (uint8_t)((left->outside & 1) << 1);
     const struct pen_vec3 back = pen_sub(ray->o, p);
     origin.before = pen_add(left->before, back);
     if (hit.t > PEN_LAST_LAYER_T) {

@@ -174,10 +174,6 @@ struct pen_origin_surface {
     uint32_t prim;
     uint8_t part;
     bool through;           /* the path passed through the surface: it arrived on the other side */
-    uint8_t outside;        /* bit 0: the path arrived on the outward side; bits 1, 2: it left
-                               previous[0], previous[1] on that side */
-    uint32_t previous[2];   /* 1 + the surface that the arriving ray started on; the same of one
-                               before it, if the path has hardly moved since; 0: none */
     struct pen_vec3 toward; /* from the origin back to where the arriving ray started; if that ray
                                arrived at PEN_FIRST_T or at a layer, to where the one before it
                                started */

@@ -152,30 +152,14 @@ static double side_of_origin_surface(const struct contact *c)
     return (double)(out - in);
 }
 
-/* The side on which the path left Q, if it was on Q shortly before: a straight ray that has left a
- * flat surface stays on its side. 0: it was not, or Q is round. */
-static double side_left(const struct contact *c)
-{
-    const struct pen_origin_surface *from = c->origin;
-    for (int i = 0; i < 2; i++)
-        if (from->previous[i] == c->q.prim + 1 && pen_prim_flat(c->prims->ref[c->q.prim].kind))
-            return from->outside >> (i + 1) & 1 ? 1 : -1;
-    return 0;
-}
-
 /* The side of Q from which the ray comes, as the sign of a product with n:
- *  1. that on which the path left Q, if it was on Q just before;
- *  2. that on which the path began, if P does not lie on the other side, with p there beyond the
+ *  1. that on which the path began, if P does not lie on the other side, with p there beyond the
  *     usual rounding: then the path has come round a corner;
- *  3. that on which P lies, if the path passed `through` P or does not tell;
- *  4. 0 if nothing tells: P and Q are one surface there. */
+ *  2. that on which P lies, if the path passed `through` P or does not tell;
+ *  3. 0 if nothing tells: P and Q are one surface there. */
 static double side_of_arrival(const struct contact *c)
 {
-    double side = c->origin->through ? 0 : side_left(c);
-    if (side != 0)
-        return side;
-    side = side_of_path(c);
-    double lies = side_of_origin_surface(c);
+    double side = side_of_path(c), lies = side_of_origin_surface(c);
     if (c->origin->through || side == 0)
         return lies != 0 ? lies : side;
     bool round_corner = side * lies < 0 && c->above * lies > USUAL_ROUNDING * c->slack;

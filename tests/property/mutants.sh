@@ -160,7 +160,7 @@ mutant contraction h095_trees 20000 "products and sums are contracted (-ffp-cont
 [ -n "$skip" ] || rm -rf "$dir/$name/build/src"
 judge PIXEL_FLAGS="-std=c11 -ffp-contract=fast -fno-math-errno"
 
-mutant fused h078_mirrored_triangle 20000 "every file has FMA, and products and sums are contracted"
+mutant fused h103_films 20 "every file has FMA, and products and sums are contracted"
 [ -n "$skip" ] || rm -rf "$dir/$name/build/src"
 judge PIXEL_FLAGS="-std=c11 -mfma -ffp-contract=fast -fno-math-errno"
 
@@ -325,11 +325,6 @@ mutant start_exact rooms_flat 100 "a ray is taken to have started exactly where 
 edit src/geom/prims.h 1 's/^        origin\.toward_bound = left->bound;$/        origin.toward_bound = 0;/'
 judge
 
-mutant side_left rooms_flat 100 "the path forgets on which side it left a surface"
-edit src/geom/self_intersection.c 1 \
-    's/^    double side = c->origin->through \? 0 : side_left\(c\);$/    double side = 0;/'
-judge
-
 mutant round_corner rooms_flat 100 "a path that comes round a corner is taken for one behind the wall"
 edit src/geom/self_intersection.c 1 's/^    bool round_corner = /    bool round_corner = 0 * /'
 judge
@@ -376,6 +371,20 @@ judge
 
 mutant cut_twice bent_rooms 6000 "of two triangles of a polygon the farther one counts"
 edit src/geom/polygon.h 1 's/\(s > 0\) == \(s < t\) \? s : t;$/(s > 0) == (s < t) ? t : s;/'
+judge
+
+mutant hardly_left rooms_flat 100 "a point in a corner brings light although no rule tells where it is"
+edit src/shade/internal/surface.h 1 's/^    if \(left->prim != PEN_NO_PRIM && surface_hardly_left.*$/    if (false)/'
+judge
+
+mutant height_of_vertex floor_foot 20000 "heights over a plane are taken from a vertex, however far that is"
+edit src/geom/self_intersection.c 1 \
+    's/^    return pen_dot\(n, pen_sub\(p, s\.fn->project\(.*$/    return pen_dot(n, pen_sub(p, outline_of(s).count ? outline_of(s).v[0] : s.fn->project(s.self, PEN_PART_SIDE, p)));/'
+judge
+
+mutant seen_at_seam floor_foot 20000 "a ray that starts in a facet's plane is met where it is seen to enter"
+edit src/geom/self_intersection.c 1 's/^ *\(hit\.t > 0 && fabs\(height_above.*$/false);/'
+edit src/accel/internal/prim_test.h 1 's/^    if \(!off && trace->from_surface && t > 0 && .*$/    if (false)/'
 judge
 
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"

@@ -130,12 +130,12 @@ const struct row row_table_light[] = {
         .id = "H073 H138",
         .name = "round_beside",
         .what = "the same where an open cylinder ends at another one, or at a closed one, of equal "
-                "radius, at offsets to 1e9 sizes",
+                "radius, at offsets to 1e9 sizes, where their axes are rounded apart: black, or the "
+                "precision warning",
         .oracle = "black",
         .run = rows_round_beside,
         .full = 4000,
         .check = 40,
-        .known = "far from the origin, rounding puts cylinders of equal radius beside each other",
     },
     {
         .id = "H066 H138",

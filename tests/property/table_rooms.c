@@ -16,8 +16,6 @@ const struct row row_table_rooms[] = {
         .run = rows_rooms_flat,
         .full = 50000,
         .check = 300,
-        .known = "at corners where six triangles of a dented cube meet, one picture of 30 000 "
-                 "shows a lit pixel in extreme zooms",
     },
     {
         .id = "H073",
@@ -67,8 +65,6 @@ const struct row row_table_rooms[] = {
         .run = rows_floor_rooms,
         .full = 50000,
         .check = 300,
-        .known = "how far a floor's vertices are off its plane counts as rounding of the floor; "
-                 "walls through the floor leak single pixels in extreme zooms",
     },
     {
         .id = "H066 H135",
@@ -79,7 +75,6 @@ const struct row row_table_rooms[] = {
         .run = rows_floor_foot,
         .full = 50000,
         .check = 300,
-        .known = "beside a seam of triangles wider than 1e9 rooms low light is cut off",
     },
     {
         .id = "H096 H102",

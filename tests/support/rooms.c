@@ -165,7 +165,6 @@ struct stand world_stand(const struct world *w, const struct pen_ray *ray,
     if (sine > 0)
         s.n = pen_neg(s.n);
     s.origin = pen_origin_at(&w->prims, ray, origin, hit, s.p);
-    s.origin.outside |= !(sine > 0);
     return s;
 }
 

@@ -66,7 +66,6 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     bool outside = !(s->nv > 0);
     if (left->prim != PEN_NO_PRIM && fabs(s->nv) <= PEN_HORIZON_SINE)
         outside = pen_prim_viewer_side(&scene->prims, hit, s->p, s->v, &s->origin) >= 0;
-    s->origin.outside |= outside;
     if (!outside) {
         s->n = pen_neg(s->n);
         s->nv = -s->nv;
