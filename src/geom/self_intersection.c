@@ -97,7 +97,6 @@ struct contact {
     struct pen_vec3 p, n;                    /* the ray's origin, and Q's unit normal there */
     double slack;                            /* by how much p may miss Q */
     double own;                              /* by how much Q itself is known */
-    double above;                            /* how far p is above Q, if that is flat; else 0 */
     double share; /* d counts as parallel to Q where |d.n| is at most this share of |d| */
 };
 
@@ -111,10 +110,8 @@ static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q
     c.own = own_rounding(prims, q.prim, ray->o);
     c.slack = origin->bound + c.own;
     const struct pen_outline outline = outline_of(s);
-    if (outline.count > 0) {
+    if (outline.count > 0)
         c.share = max2(c.share, c.slack / outline.extent);
-        c.above = height_above(s, c.n, ray->o);
-    }
     return c;
 }
 
@@ -125,12 +122,18 @@ static double across(const struct contact *c, struct pen_vec3 d)
     return fabs(dn) <= c->share * pen_norm1(d) ? 0 : dn;
 }
 
+/* How far p is above Q, if Q is flat; else 0. */
+static double above(const struct contact *c)
+{
+    return outline_of(c->surface).count > 0 ? height_above(c->surface, c->n, c->p) : 0;
+}
+
 /* The side of Q on which a ray to the origin began, as the sign of a product with n. `toward` is
  * the vector from the origin back to that beginning, which may miss its surface by `bound`. 0: it
  * began within rounding of Q. Where p is makes no difference if Q is flat. */
 static double side_of_beginning(const struct contact *c, struct pen_vec3 toward, double bound)
 {
-    double wn = pen_dot(toward, c->n) + c->above, rounding = 2 * (bound + c->own);
+    double wn = pen_dot(toward, c->n) + above(c), rounding = 2 * (bound + c->own);
     if (outline_of(c->surface).count == 0)
         rounding += 2 * c->origin->bound;
     rounding += max2(8 * PEN_U * pen_norm1(c->p), c->share * pen_norm1(toward));
@@ -162,7 +165,7 @@ static double side_of_arrival(const struct contact *c)
     double side = side_of_path(c), lies = side_of_origin_surface(c);
     if (c->origin->through || side == 0)
         return lies != 0 ? lies : side;
-    bool round_corner = side * lies < 0 && c->above * lies > USUAL_ROUNDING * c->slack;
+    bool round_corner = side * lies < 0 && above(c) * lies > USUAL_ROUNDING * c->slack;
     return round_corner ? lies : side;
 }
 
@@ -297,8 +300,14 @@ static bool passes_border(struct surface s, struct pen_vec3 n, const struct pen_
     if (line.count == 0)
         return false;
     double nearby = PEN_NEARBY * b, end = nearby * nearby * ray->inv_dd;
+    const struct pen_vec3 to_corner = pen_sub(line.v[0], ray->o);
+    double dn = pen_dot(n, ray->d), roughly = pen_dot(n, to_corner), t_roughly = roughly / dn;
+    /* Most are told by a corner: t is off by a quarter at most, and is behind or far away. */
+    if (fabs(roughly) > b + 32 * PEN_U * pen_norm1(to_corner) &&
+        !(t_roughly > 0 && t_roughly * t_roughly <= 2 * end))
+        return false;
     *far = -height_above(s, n, ray->o);
-    *t = *far / pen_dot(n, ray->d);
+    *t = *far / dn;
     bool off = fabs(*far) > 0.5 * b;
     if (off && !(*t > 0 && *t * *t <= end))
         return false;

