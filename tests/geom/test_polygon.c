@@ -369,6 +369,27 @@ END_TEST
 
 /* A ray leaves the polygon for good, unless it is so low that another triangle rises before it; one
  * that goes through leaves it in any case. */
+/* Of a ridge or valley that a low ray passes twice or not at all, whichever way it comes, the first
+ * crossing counts. */
+START_TEST(test_polygon__h134_first_crossing)
+{
+    const double h = 1e-7;
+    const vec3 v[4] = {{-1, 0, 0}, {0, -1, h}, {1, 0, 0}, {0, 1, h}};
+    world_clear(&world);
+    world_polygon(&world, v, 4);
+    ck_assert(world.polygon[0].piece != NULL);
+    for (int way = -1; way <= 1; way += 2) {
+        struct pen_ray ray = world_ray(pen_vec3(-3 * way, 0, .5 * h), pen_vec3(way, 0, 0));
+        struct pen_hit hit;
+        ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, INFINITY, &hit, 1), 1);
+        ck_assert_msg(fabs(hit.t - 2.5) < 1e-6, "t %g", hit.t);
+        ray = world_ray(pen_vec3(0, 0, .5 * h), pen_vec3(way, 0, 0));
+        ck_assert_int_eq(world_intersections(&world, &ray, &pen_origin_none, INFINITY, &hit, 1), 1);
+        ck_assert_msg(fabs(hit.t - .5) < 1e-6, "from inside: t %g", hit.t);
+    }
+}
+END_TEST
+
 START_TEST(test_polygon__h134_left)
 {
     struct random r = random_begin(137);
@@ -469,5 +490,5 @@ PEN_SUITE("polygon", test_polygon__bent_outline_is_not_left,
           test_polygon__h031_the_rest_of_the_rim, test_polygon__h052_concave_star,
           test_polygon__any_start_and_direction, test_polygon__h055_ten_thousand_corners,
           test_polygon__h134_cut_the_same_way, test_polygon__h134_not_cut,
-          test_polygon__h134_met_once, test_polygon__h134_left, test_polygon__h134_valley,
-          test_polygon__h134_layers)
+          test_polygon__h134_met_once, test_polygon__h134_first_crossing, test_polygon__h134_left,
+          test_polygon__h134_valley, test_polygon__h134_layers)
