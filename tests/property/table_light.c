@@ -129,9 +129,10 @@ const struct row row_table_light[] = {
     {
         .id = "H073 H138",
         .name = "round_beside",
-        .what = "the same where an open cylinder ends at another one, or at a closed one, of equal "
-                "radius, at offsets to 1e9 sizes, where their axes are rounded apart: black, or the "
-                "precision warning",
+        .what =
+            "the same where an open cylinder ends at another one, or at a closed one, of equal "
+            "radius, at offsets to 1e9 sizes, where their axes are rounded apart: black, or the "
+            "precision warning",
         .oracle = "black",
         .run = rows_round_beside,
         .full = 4000,
