@@ -12,6 +12,7 @@
 #ifndef PEN_ACCEL_ACCEL_H
 #define PEN_ACCEL_ACCEL_H
 
+#include "accel/ray_packet.h"
 #include "accel/shadow_packet.h"
 #include "base/arena.h"
 #include "base/cpu.h"
@@ -108,6 +109,10 @@ struct pen_trace_ops {
     /* Whether an opaque primitive blocks the ray. */
     bool (*shadow)(const struct pen_accel *accel, const struct pen_ray *ray,
                    const struct pen_origin_surface *origin, struct pen_shadow *query);
+    /* The same for all rays of a packet (accel/ray_packet.h): a bit for each ray that has a hit,
+     * that is blocked. NULL in counting variants. */
+    uint64_t (*nearest_packet)(const struct pen_accel *accel, struct pen_ray_packet *packet);
+    uint64_t (*shadow_packet)(const struct pen_accel *accel, struct pen_ray_packet *packet);
     /* The three steps of a shadow-ray packet (accel/shadow_packet.h); NULL in counting variants.
      *  1. packet_begin collects the candidates and tells what all rays have in common.
      *  2. If that is PEN_PACKET_MIXED, packet_test tests n <= PEN_PACKET_RAYS rays, given by (a,

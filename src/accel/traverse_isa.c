@@ -5,13 +5,15 @@
 enum { COUNTING = 0 };
 
 #include "accel/internal/packet_test.h"
-#include "accel/internal/traverse_query.h"
+#include "accel/internal/ray_packet_query.h"
 #include "accel/internal/variants.h"
 
 const struct pen_trace_ops ISA_NAMED(pen_trace_, PEN_ISA) = {
     .name = ISA_NAME(PEN_ISA),
     .nearest = nearest,
     .shadow = shadow,
+    .nearest_packet = nearest_packet,
+    .shadow_packet = shadow_packet,
     .packet_begin = packet_begin,
     .packet_test = packet_test,
     .packet_ray = packet_ray,

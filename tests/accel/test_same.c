@@ -166,25 +166,6 @@ static void add_cones(struct random *random, uint32_t count, double size)
     }
 }
 
-/* Polygons with corners off their plane, concave ones too. */
-static void add_bent(struct random *random, uint32_t count, double size)
-{
-    static const double outline[6][2] = {{1, 0},  {.5, .9},   {-.2, .1},
-                                         {-1, 0}, {-.5, -.9}, {.4, -1}};
-    for (uint32_t i = 0; i < count; i++) {
-        struct pen_vec3 v[6], o = random_vec(random, 1), n = random_direction(random);
-        struct pen_vec3 x = pen_normalize(pen_cross(n, random_direction(random)));
-        struct pen_vec3 y = pen_cross(n, x);
-        double off = size * exp2(random_in(random, -44, -20));
-        for (int k = 0; k < 6; k++) {
-            v[k] = pen_along(o, x, size * outline[k][0]);
-            v[k] = pen_along(pen_along(v[k], y, size * outline[k][1]), n,
-                             random_in(random, -off, off));
-        }
-        world_polygon(&world, v, 6);
-    }
-}
-
 START_TEST(test_accel__h095_equals_brute_force)
 {
     struct random random = random_begin(2);
@@ -195,7 +176,7 @@ START_TEST(test_accel__h095_equals_brute_force)
         if (scene & 1)
             add_cones(&random, 1 + random_below(&random, 20), random_in(&random, 0.02, 1));
         if (scene & 2)
-            add_bent(&random, 1 + random_below(&random, 20), random_in(&random, 0.02, 1));
+            world_bent(&world, &random, 1 + random_below(&random, 20), random_in(&random, 0.02, 1));
         for (uint32_t i = 0; i < world.prims.count; i++)
             see_through[i] = random_below(&random, 8) != 0;
         struct variants variants = build(&world, &random);

@@ -400,6 +400,18 @@ edit src/geom/self_intersection.c 1 's/^ *\(hit\.t > 0 && fabs\(height_above.*$/
 edit src/accel/internal/prim_test.h 1 's/^    if \(!off && trace->from_surface && t > 0\)$/    if (false)/'
 judge
 
+mutant beam_margin rooms_same 20000 "rays of a packet are enclosed without a margin"
+edit src/accel/internal/beam.h 1 's/^#define BEAM_MARGIN .*$/#define BEAM_MARGIN 0.0/'
+judge
+
+mutant packet_border rooms_same 20000 "in a packet, the line decides whether a ray passes a border near its start"
+edit src/accel/internal/ray_group_test.h 1 's/^    const unsigned ask = live & \(w\.ties \| w\.border\);$/    const unsigned ask = live \& w.ties;/'
+judge
+
+mutant packet_light rooms_same 20000 "a packet counts the surface that contains the light"
+edit src/accel/internal/ray_packet_query.h 1 's/^    if \(!g->to_point \|\| !group_light_on\(g, prim\)\) \{$/    if (true) {/'
+judge
+
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'
 judge_libm

@@ -158,6 +158,24 @@ void world_random(struct world *w, struct random *random, uint32_t count, double
     }
 }
 
+void world_bent(struct world *w, struct random *random, uint32_t count, double size)
+{
+    static const double outline[6][2] = {{1, 0},  {.5, .9},   {-.2, .1},
+                                         {-1, 0}, {-.5, -.9}, {.4, -1}};
+    for (uint32_t i = 0; i < count; i++) {
+        struct pen_vec3 v[6], o = random_vec(random, 1), n = random_direction(random);
+        struct pen_vec3 x = pen_normalize(pen_cross(n, random_direction(random)));
+        struct pen_vec3 y = pen_cross(n, x);
+        double off = size * exp2(random_in(random, -44, -20));
+        for (int k = 0; k < 6; k++) {
+            v[k] = pen_along(o, x, size * outline[k][0]);
+            v[k] = pen_along(pen_along(v[k], y, size * outline[k][1]), n,
+                             random_in(random, -off, off));
+        }
+        world_polygon(w, v, 6);
+    }
+}
+
 struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d)
 {
     struct pen_ray ray;

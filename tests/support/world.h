@@ -50,6 +50,10 @@ void world_box(struct world *w, struct pen_vec3 lo, struct pen_vec3 hi);
 /* Adds `count` primitives of all kinds, with sizes up to `size`, in a cube of half-width 1. */
 void world_random(struct world *w, struct random *random, uint32_t count, double size);
 
+/* Adds polygons of that size with corners off their plane, concave ones, in a cube of half-width 1.
+ */
+void world_bent(struct world *w, struct random *random, uint32_t count, double size);
+
 /* Makes a ray, and fails the test if that is impossible. */
 struct pen_ray world_ray(struct pen_vec3 o, struct pen_vec3 d);
 

@@ -133,6 +133,10 @@ struct pen_cylinders4 {
     uint32_t open; /* bit per lane: no caps */
 };
 
+struct pen_float_box {
+    float lo[3], hi[3];
+};
+
 struct pen_accel {
     const struct pen_prims *prims;
     enum pen_shape shape;
@@ -150,6 +154,8 @@ struct pen_accel {
     const struct pen_generic4 *infinite_cylinders;
     const struct pen_generic4 *generic;
     double scale; /* the largest pen_prim_scale of a finite primitive */
+    double extent; /* the largest size of a coordinate of their boxes */
+    const struct pen_float_box *prim_box; /* by primitive; wide trees only. Infinite ones: zero */
     struct pen_accel_stats stats;
     struct pen_test_counts *counts; /* of a view that counts; else NULL */
 };

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* A group of a ray packet: its rays whose directions have the same largest axis and sign, as arrays
+ * that are read LANES at a time, and the query in progress. */
+#ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_H
+#define PEN_ACCEL_INTERNAL_RAY_GROUP_H
+
+#include "accel/internal/beam.h"
+#include "accel/internal/traverse_query.h"
+#include "accel/ray_packet.h"
+#include "math/lanes.h"
+
+/* Rays are tested in parts of so many, each with a beam of its own. */
+enum { GROUP_PART = 16 };
+
+/* Arrays are by ray; rays beyond `count` up to a multiple of LANES repeat the first one. Axes of
+ * vectors are in the rays' own order, pen_permuted. */
+struct ray_group {
+    int count;
+    uint64_t live; /* rays that are not decided */
+    uint64_t blocked;
+    bool any;          /* shadow rays; else nearest intersections */
+    bool from_surface; /* some ray starts on a surface */
+    bool to_point;
+    const struct pen_accel *accel;
+    const struct pen_ray *ray[PEN_RAY_PACKET_MAX];
+    const struct pen_origin_surface *origin[PEN_RAY_PACKET_MAX];
+    struct pen_shadow *query[PEN_RAY_PACKET_MAX];
+    struct pen_hit after[PEN_RAY_PACKET_MAX], best[PEN_RAY_PACKET_MAX];
+    struct pen_vec3 light; /* where rays to a point end */
+    double light_bound;    /* what is farther from the light does not contain it */
+    double grow;           /* the self-intersection rule reaches no farther than this */
+    struct pen_box origins;
+    struct beam beam, part[PEN_RAY_PACKET_MAX / GROUP_PART];
+    double o[3][PEN_RAY_PACKET_MAX], d[3][PEN_RAY_PACKET_MAX];
+    double sx[PEN_RAY_PACKET_MAX], sy[PEN_RAY_PACKET_MAX], inv_dd[PEN_RAY_PACKET_MAX];
+    double near[PEN_RAY_PACKET_MAX];
+    double after_t[PEN_RAY_PACKET_MAX], tmax[PEN_RAY_PACKET_MAX];
+    /* Of the ray's origin surface: pen_origin_surface.bound, struct trace's slack and near_sq; 0
+     * and -1 for rays that start in free space. */
+    double bound[PEN_RAY_PACKET_MAX], slack[PEN_RAY_PACKET_MAX], near_sq[PEN_RAY_PACKET_MAX];
+};
+
+static inline struct lanes3 group_origin(const struct ray_group *g, int i)
+{
+    return (struct lanes3){lanes_load(g->o[0] + i), lanes_load(g->o[1] + i),
+                           lanes_load(g->o[2] + i)};
+}
+
+static inline struct lanes3 group_direction(const struct ray_group *g, int i)
+{
+    return (struct lanes3){lanes_load(g->d[0] + i), lanes_load(g->d[1] + i),
+                           lanes_load(g->d[2] + i)};
+}
+
+/* A vector of space in the rays' order of axes, in all lanes. */
+static inline struct lanes3 group_splat(const struct ray_group *g, struct pen_vec3 v)
+{
+    return lanes3_splat(pen_permuted(g->ray[0], &v));
+}
+
+/* Of the rays from i on, a bit for each that is live. */
+static inline unsigned group_live(const struct ray_group *g, int i)
+{
+    return (unsigned)(g->live >> i) & LANES_ALL;
+}
+
+/* Of the rays from i on, a bit for each that starts on the primitive. */
+static inline unsigned group_own(const struct ray_group *g, int i, uint32_t prim)
+{
+    unsigned own = 0;
+    for (int lane = 0; lane < LANES && i + lane < g->count; lane++)
+        own |= (unsigned)(g->origin[i + lane]->prim == prim) << lane;
+    return own;
+}
+
+/* The scalar test of one ray. `near`: its origin may be on the primitive's border. */
+static __attribute__((noinline)) void group_ask(struct ray_group *g, int i, uint32_t prim,
+                                                bool near)
+{
+    struct trace trace = trace_begin(g->accel, g->ray[i], g->origin[i]);
+    const bool generic = pen_block_of(g->accel->prims->ref[prim].kind) == PEN_BLOCK_GENERIC;
+    trace.reaches_origin = trace.from_surface && near;
+    trace.after = g->after[i];
+    trace.best = g->best[i];
+    if (g->any) {
+        trace.shadow = g->query[i];
+        if (g->to_point) {
+            trace.light_bound = pen_ray_end_bound(g->ray[i]->o, g->ray[i]->d);
+            trace.light = pen_along(g->ray[i]->o, g->ray[i]->d, g->query[i]->tmax);
+        }
+    }
+    if (generic ? test_reference(&trace, prim, g->any) : test_one(&trace, prim, g->any))
+        g->blocked |= UINT64_C(1) << i;
+    if (!g->any) {
+        g->best[i] = trace.best;
+        g->tmax[i] = trace.best.t;
+    }
+}
+
+static inline void group_ask_all(struct ray_group *g, int i, unsigned lanes_asked, uint32_t prim,
+                                 bool near)
+{
+    for (; lanes_asked; lanes_asked &= lanes_asked - 1)
+        group_ask(g, i + __builtin_ctz(lanes_asked), prim, near);
+}
+
+/* Records intersections at t, in lanes where the scalar test would offer them. */
+static inline void group_offer(struct ray_group *g, int i, unsigned at, lanes t, uint32_t prim,
+                               uint8_t part, bool see_through)
+{
+    const lanes tmax = lanes_load(g->tmax + i), after = lanes_load(g->after_t + i);
+    double each[LANES];
+    if (g->any && !see_through) {
+        at &= lane_mask_bits(lanes_less(lanes_splat(0), t) & lanes_less(t, tmax));
+        g->blocked |= (uint64_t)at << i;
+        return;
+    }
+    at &= lane_mask_bits(lanes_at_most(t, tmax) & lanes_at_most(after, t));
+    if (!at)
+        return;
+    lanes_store(each, t);
+    for (; at; at &= at - 1) {
+        const int lane = __builtin_ctz(at), k = i + lane;
+        const struct pen_hit hit = {each[lane], prim, part};
+        if (g->any) {
+            if (hit.t > 0 && hit.t < g->query[k]->tmax)
+                keep_intersection(g->query[k], hit);
+        } else if (pen_hit_before(g->after[k], hit) && pen_hit_before(hit, g->best[k])) {
+            g->best[k] = hit;
+            g->tmax[k] = hit.t;
+        }
+    }
+}
+
+#endif

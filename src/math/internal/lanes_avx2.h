@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+/* Four lanes: the operations of math/lanes.h with AVX2 and FMA. */
+#ifndef PEN_MATH_INTERNAL_LANES_AVX2_H
+#define PEN_MATH_INTERNAL_LANES_AVX2_H
+
+#include <immintrin.h>
+#include <stdint.h>
+
+enum { LANES = 4 };
+
+typedef double lanes __attribute__((vector_size(32)));
+typedef int64_t lane_mask __attribute__((vector_size(32))); /* -1 or 0 */
+
+static inline lanes lanes_splat(double x)
+{
+    return (lanes)_mm256_set1_pd(x);
+}
+
+static inline lanes lanes_load(const double *x)
+{
+    return (lanes)_mm256_loadu_pd(x);
+}
+
+static inline void lanes_store(double *to, lanes x)
+{
+    _mm256_storeu_pd(to, (__m256d)x);
+}
+
+static inline lanes lanes_fma(lanes a, lanes b, lanes c)
+{
+    return (lanes)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+}
+
+static inline lanes lanes_sqrt(lanes x)
+{
+    return (lanes)_mm256_sqrt_pd((__m256d)x);
+}
+
+static inline lanes lanes_abs(lanes x)
+{
+    return (lanes)_mm256_andnot_pd(_mm256_set1_pd(-0.0), (__m256d)x);
+}
+
+static inline lane_mask lanes_less(lanes a, lanes b)
+{
+    return (lane_mask)_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ);
+}
+
+static inline lane_mask lanes_at_most(lanes a, lanes b)
+{
+    return (lane_mask)_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LE_OQ);
+}
+
+static inline lane_mask lanes_equal(lanes a, lanes b)
+{
+    return (lane_mask)_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_EQ_OQ);
+}
+
+/* b where an operand is NaN. */
+static inline lanes lanes_min(lanes a, lanes b)
+{
+    return (lanes)_mm256_min_pd((__m256d)a, (__m256d)b);
+}
+
+/* b where an operand is NaN. */
+static inline lanes lanes_max(lanes a, lanes b)
+{
+    return (lanes)_mm256_max_pd((__m256d)a, (__m256d)b);
+}
+
+static inline lanes lanes_select(lane_mask m, lanes a, lanes b)
+{
+    return (lanes)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)m);
+}
+
+static inline lane_mask lane_mask_not(lane_mask m)
+{
+    return ~m;
+}
+
+static inline unsigned lane_mask_bits(lane_mask m)
+{
+    return (unsigned)_mm256_movemask_pd((__m256d)m);
+}
+
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/* One lane: the operations of math/lanes.h on plain doubles, for any processor. */
+#ifndef PEN_MATH_INTERNAL_LANES_BASE_H
+#define PEN_MATH_INTERNAL_LANES_BASE_H
+
+#include <stdbool.h>
+
+enum { LANES = 1 };
+
+typedef double lanes;
+typedef bool lane_mask;
+
+static inline lanes lanes_splat(double x)
+{
+    return x;
+}
+
+static inline lanes lanes_load(const double *x)
+{
+    return *x;
+}
+
+static inline void lanes_store(double *to, lanes x)
+{
+    *to = x;
+}
+
+static inline lanes lanes_fma(lanes a, lanes b, lanes c)
+{
+    return fma(a, b, c);
+}
+
+static inline lanes lanes_sqrt(lanes x)
+{
+    return sqrt(x);
+}
+
+static inline lanes lanes_abs(lanes x)
+{
+    return fabs(x);
+}
+
+static inline lane_mask lanes_less(lanes a, lanes b)
+{
+    return a < b;
+}
+
+static inline lane_mask lanes_at_most(lanes a, lanes b)
+{
+    return a <= b;
+}
+
+static inline lane_mask lanes_equal(lanes a, lanes b)
+{
+    return a == b;
+}
+
+/* b where an operand is NaN. */
+static inline lanes lanes_min(lanes a, lanes b)
+{
+    return a < b ? a : b;
+}
+
+/* b where an operand is NaN. */
+static inline lanes lanes_max(lanes a, lanes b)
+{
+    return a > b ? a : b;
+}
+
+static inline lanes lanes_select(lane_mask m, lanes a, lanes b)
+{
+    return m ? a : b;
+}
+
+static inline lane_mask lane_mask_not(lane_mask m)
+{
+    return !m;
+}
+
+static inline unsigned lane_mask_bits(lane_mask m)
+{
+    return m;
+}
+
+#endif

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+/* Vectors of doubles, one number to a lane, in files that are compiled once for each instruction
+ * set (PEN_ISA_LIST, base/cpu.h). The instruction set's header defines
+ *
+ *   LANES                        how many there are: 1 for base, 4 for AVX2
+ *   lanes                        the vector. + - * / and unary - work on it, lane by lane
+ *   lane_mask                    the result of a comparison. & | ^ work on it
+ *   lanes_splat, lanes_load, lanes_store, lanes_fma, lanes_sqrt, lanes_abs
+ *   lanes_min, lanes_max         the second operand where one is NaN
+ *   lanes_less, lanes_at_most, lanes_equal     false where an operand is NaN
+ *   lanes_select                 a where the mask is set, else b
+ *   lane_mask_not, lane_mask_bits              bit i is lane i
+ *
+ * Every operation rounds as the scalar one does. So code that is written once in lanes gives the
+ * same bits for every instruction set, and the same as the scalar function that does the same
+ * operations in the same order; a comment names that function. Branches become masks. */
+#ifndef PEN_MATH_LANES_H
+#define PEN_MATH_LANES_H
+
+#include "math/exact.h"
+
+#ifdef __AVX2__
+#include "math/internal/lanes_avx2.h"
+#else
+#include "math/internal/lanes_base.h"
+#endif
+
+enum { LANES_ALL = (1 << LANES) - 1 };
+
+/* Vectors of space, one to a lane. */
+struct lanes3 {
+    lanes x, y, z;
+};
+
+static inline struct lanes3 lanes3_splat(struct pen_vec3 v)
+{
+    return (struct lanes3){lanes_splat(v.x), lanes_splat(v.y), lanes_splat(v.z)};
+}
+
+/* pen_add */
+static inline struct lanes3 lanes3_add(struct lanes3 a, struct lanes3 b)
+{
+    return (struct lanes3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+/* pen_sub */
+static inline struct lanes3 lanes3_sub(struct lanes3 a, struct lanes3 b)
+{
+    return (struct lanes3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+/* pen_dot */
+static inline lanes lanes3_dot(struct lanes3 a, struct lanes3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* pen_norm1 */
+static inline lanes lanes3_norm1(struct lanes3 a)
+{
+    return lanes_abs(a.x) + lanes_abs(a.y) + lanes_abs(a.z);
+}
+
+/* The sum of the sizes of the products of a dot product. */
+static inline lanes lanes3_dot_size(struct lanes3 a, struct lanes3 b)
+{
+    return lanes_abs(a.x * b.x) + lanes_abs(a.y * b.y) + lanes_abs(a.z * b.z);
+}
+
+/* pen_dop */
+static inline lanes lanes_dop(lanes a, lanes b, lanes c, lanes d)
+{
+    lanes w = c * d;
+    lanes e = lanes_fma(-c, d, w);
+    lanes f = lanes_fma(a, b, -w);
+    return f + e;
+}
+
+/* pen_cross */
+static inline struct lanes3 lanes3_cross(struct lanes3 a, struct lanes3 b)
+{
+    return (struct lanes3){lanes_dop(a.y, b.z, a.z, b.y), lanes_dop(a.z, b.x, a.x, b.z),
+                           lanes_dop(a.x, b.y, a.y, b.x)};
+}
+
+/* pen_along_once */
+static inline struct lanes3 lanes3_along_once(struct lanes3 a, struct lanes3 d, lanes t)
+{
+    return (struct lanes3){lanes_fma(t, d.x, a.x), lanes_fma(t, d.y, a.y), lanes_fma(t, d.z, a.z)};
+}
+
+/* The rounding error of a sum. */
+static inline lanes lanes_sum_error(lanes a, lanes b, lanes sum)
+{
+    lanes part = sum - a;
+    return (a - (sum - part)) + (b - part);
+}
+
+/* pen_dot2_plus */
+static inline lanes lanes3_dot2_plus(lanes c, struct lanes3 a, struct lanes3 b, lanes rest)
+{
+    lanes x = a.x * b.x, y = a.y * b.y, z = a.z * b.z, low = lanes_splat(0), sum = c + x;
+    low += lanes_sum_error(c, x, sum) + lanes_fma(a.x, b.x, -x);
+    lanes next = sum + y;
+    low += lanes_sum_error(sum, y, next) + lanes_fma(a.y, b.y, -y);
+    sum = next + z;
+    low += lanes_sum_error(next, z, sum) + lanes_fma(a.z, b.z, -z);
+    return sum + (low + rest);
+}
+
+#endif

@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: MIT */
+/* Packets of rays give the answers of single rays, bit for bit: for every kind of primitive, every
+ * instruction set, and any number of rays, with primitives that touch and coincide. */
+#include <stdio.h>
+
+#include "support/rooms.h"
+#include "support/suite.h"
+
+static struct world world;
+static uint8_t see_through[WORLD_MAX];
+
+/* Rays of a packet, and what they start on. */
+struct rays {
+    int count;
+    struct pen_ray ray[PEN_RAY_PACKET_MAX];
+    struct pen_origin_surface origin[PEN_RAY_PACKET_MAX];
+    struct pen_hit after[PEN_RAY_PACKET_MAX];
+};
+
+static void add(struct rays *rays, struct pen_vec3 o, struct pen_vec3 d,
+                const struct pen_origin_surface *origin)
+{
+    if (!pen_ray_make(&rays->ray[rays->count], o, d))
+        return;
+    rays->origin[rays->count] = *origin;
+    rays->after[rays->count++] = pen_after_start;
+}
+
+static void begin(const struct rays *rays, struct pen_ray_packet *packet)
+{
+    packet->count = rays->count;
+    for (int i = 0; i < rays->count; i++) {
+        packet->ray[i] = &rays->ray[i];
+        packet->origin[i] = &rays->origin[i];
+        packet->after[i] = rays->after[i];
+    }
+}
+
+static const char *place_of(const struct pen_ray *ray)
+{
+    static char text[200];
+    snprintf(text, sizeof text, "o %a %a %a d %a %a %a", ray->o.x, ray->o.y, ray->o.z, ray->d.x,
+             ray->d.y, ray->d.z);
+    return text;
+}
+
+/* Compares the nearest hits, and returns the rays that have one; their hits are in hit[]. */
+static uint64_t nearest(const struct pen_accel *accel, const struct pen_trace_ops *ops,
+                        const struct rays *rays, struct pen_hit hit[PEN_RAY_PACKET_MAX])
+{
+    static struct pen_ray_packet packet;
+    begin(rays, &packet);
+    const uint64_t met = ops->nearest_packet(accel, &packet);
+    for (int i = 0; i < rays->count; i++) {
+        const struct pen_t_interval interval = {rays->after[i], INFINITY};
+        const bool found = ops->nearest(accel, &rays->ray[i], &rays->origin[i], &interval, &hit[i]);
+        ck_assert_msg((met >> i & 1) == found, "%s: met %d, alone %d", place_of(&rays->ray[i]),
+                      (int)(met >> i & 1), found);
+        const struct pen_hit h = packet.hit[i];
+        ck_assert_msg(!found || (h.t == hit[i].t && h.prim == hit[i].prim && h.part == hit[i].part),
+                      "%s: %a %u.%u, alone %a %u.%u", place_of(&rays->ray[i]), h.t, h.prim, h.part,
+                      hit[i].t, hit[i].prim, hit[i].part);
+    }
+    return met;
+}
+
+static void shadow(const struct pen_accel *accel, const struct pen_trace_ops *ops,
+                   const struct rays *rays, const struct pen_vec3 *light, const uint8_t *transmit,
+                   uint32_t last)
+{
+    static struct pen_ray_packet packet;
+    static struct pen_shadow query[PEN_RAY_PACKET_MAX], alone;
+    const struct pen_shadow fresh = {.tmax = light ? 1 : INFINITY,
+                                     .to_point = light != NULL,
+                                     .see_through = transmit,
+                                     .last_occluder = PEN_NO_PRIM};
+    begin(rays, &packet);
+    packet.last_occluder = last;
+    if (light)
+        packet.light = *light;
+    for (int i = 0; i < rays->count; i++) {
+        query[i] = fresh;
+        packet.query[i] = &query[i];
+    }
+    const uint64_t blocked = ops->shadow_packet(accel, &packet);
+    for (int i = 0; i < rays->count; i++) {
+        alone = fresh;
+        const bool b = ops->shadow(accel, &rays->ray[i], &rays->origin[i], &alone);
+        ck_assert_msg((blocked >> i & 1) == b, "%s: blocked %d, alone %d", place_of(&rays->ray[i]),
+                      (int)(blocked >> i & 1), b);
+        if (b)
+            continue;
+        ck_assert(query[i].overflow == alone.overflow);
+        if (alone.overflow)
+            continue;
+        ck_assert_int_eq(query[i].count, alone.count);
+        for (int k = 0; k < alone.count; k++)
+            ck_assert(query[i].hit[k].t == alone.hit[k].t &&
+                      query[i].hit[k].prim == alone.hit[k].prim &&
+                      query[i].hit[k].part == alone.hit[k].part);
+    }
+}
+
+/* The ways on from where rays have met something. */
+enum turn { TO_LIGHT, ALONG_LIGHT, MIRRORED, ANYWHERE, TURN_COUNT };
+
+/* Rays from the points of hits. */
+static void turn(struct random *r, const struct rays *from, const struct pen_hit *hit, uint64_t met,
+                 enum turn way, struct pen_vec3 light, struct rays *out)
+{
+    out->count = 0;
+    for (; met; met &= met - 1) {
+        const int i = __builtin_ctzll(met);
+        const struct pen_ray *ray = &from->ray[i];
+        const struct pen_vec3 p = pen_prim_point(&world.prims, hit[i], ray);
+        const struct pen_vec3 n = pen_prim_normal(&world.prims, hit[i], p);
+        struct pen_origin_surface origin =
+            pen_origin_at(&world.prims, ray, &from->origin[i], hit[i], p);
+        struct pen_vec3 d = light;
+        if (way == TO_LIGHT)
+            d = pen_sub(light, p);
+        else if (way == MIRRORED)
+            d = pen_along(ray->d, n, -2 * pen_dot(n, ray->d));
+        else if (way == ANYWHERE)
+            d = random_direction(r);
+        origin.through = (pen_dot(d, n) > 0) != (pen_dot(origin.toward, n) > 0);
+        add(out, p, d, &origin);
+    }
+}
+
+/* Compares all queries on packets that follow from one of rays. */
+static void follow(struct random *r, const struct pen_accel *accel, const struct pen_trace_ops *ops,
+                   const struct rays *rays, int depth)
+{
+    struct pen_hit hit[PEN_RAY_PACKET_MAX];
+    const uint64_t met = nearest(accel, ops, rays, hit);
+    if (!met || depth == 0)
+        return;
+    struct rays next = *rays;
+    for (int i = 0; i < next.count; i++)
+        if (met >> i & 1)
+            next.after[i] = hit[i];
+    nearest(accel, ops, &next, hit);
+    for (int k = 0; k < 2; k++) {
+        const uint32_t last = random_below(r, world.prims.count + 1);
+        struct pen_vec3 light = random_vec(r, k ? 2 : 1);
+        if (random_below(r, 3) == 0) /* on a surface */
+            light = pen_prim_point(&world.prims, hit[__builtin_ctzll(met)],
+                                   &rays->ray[__builtin_ctzll(met)]);
+        turn(r, rays, hit, met, TO_LIGHT, light, &next);
+        shadow(accel, ops, &next, &light, k ? see_through : NULL, last);
+        light = random_direction(r);
+        if (random_below(r, 3) == 0)
+            light = pen_vec3(round(light.x), round(light.y), 1);
+        turn(r, rays, hit, met, ALONG_LIGHT, light, &next);
+        shadow(accel, ops, &next, NULL, k ? NULL : see_through, last);
+        turn(r, rays, hit, met, k ? MIRRORED : ANYWHERE, light, &next);
+        follow(r, accel, ops, &next, depth - 1);
+    }
+}
+
+/* A corner of a primitive, a point of one of its edges, or a point of its box. */
+static struct pen_vec3 aim(struct random *r)
+{
+    const uint32_t prim = random_below(r, world.prims.count);
+    const struct pen_outline line = pen_prim_outline(&world.prims, prim);
+    if (line.count > 0) {
+        const uint32_t i = random_below(r, line.count);
+        const struct pen_vec3 a = line.v[i], b = line.v[i + 1 < line.count ? i + 1 : 0];
+        return pen_along(a, pen_sub(b, a), random_below(r, 9) / 8.);
+    }
+    if (pen_prim_infinite(world.prims.ref[prim].kind))
+        return random_vec(r, 1);
+    const struct pen_box box = pen_prim_bounds(&world.prims, prim);
+    const unsigned bits = random_below(r, 27);
+    const double x = (bits % 3) / 2., y = (bits / 3 % 3) / 2., z = (bits / 9) / 2.;
+    return pen_vec3(box.lo.x + x * (box.hi.x - box.lo.x), box.lo.y + y * (box.hi.y - box.lo.y),
+                    box.lo.z + z * (box.hi.z - box.lo.z));
+}
+
+/* Rays from an eye through points about `at`; widths from a whole picture to some ulps. */
+static void look(struct random *r, struct pen_vec3 eye, struct pen_vec3 at, struct rays *out)
+{
+    const double width = exp2(random_in(r, -45, 0));
+    const int count = 1 + (int)random_below(r, PEN_RAY_PACKET_MAX);
+    out->count = 0;
+    for (int i = 0; i < count; i++)
+        add(out, eye, pen_sub(pen_along(at, random_vec(r, 1), width), eye), &pen_origin_none);
+}
+
+/* From a point beside a seam, rays that pass the seam within rounding: the self-intersection rule
+ * decides what they meet. */
+static void graze(struct random *r, struct pen_vec3 eye, struct rays *out)
+{
+    const struct pen_vec3 seam = aim(r);
+    const struct pen_vec3 at = pen_along(seam, random_direction(r), exp2(random_in(r, -45, -27)));
+    struct pen_ray ray;
+    out->count = 0;
+    if (!pen_ray_make(&ray, eye, pen_sub(at, eye)))
+        return;
+    const struct pen_t_interval interval = {pen_after_start, INFINITY};
+    const struct pen_hit hit = world_nearest(&world, &ray, &pen_origin_none, &interval);
+    if (hit.prim == PEN_NO_PRIM)
+        return;
+    const struct stand s = world_stand(&world, &ray, &pen_origin_none, hit);
+    const int count = 4 + (int)random_below(r, PEN_RAY_PACKET_MAX - 3);
+    for (int i = 0; i < count; i++) {
+        const struct pen_vec3 to =
+            pen_along(seam, random_direction(r), exp2(random_in(r, -53, -48)));
+        add(out, s.p, pen_scale(pen_sub(to, s.p), exp2(random_in(r, 0, 48))), &s.origin);
+    }
+}
+
+static void each_isa(struct random *r, struct pen_vec3 eye, struct pen_vec3 at)
+{
+    struct pen_status st;
+    struct pen_arena *arena = pen_arena_new(0);
+    const enum pen_accelerator kind = random_below(r, 8) ? PEN_ACCEL_AUTO : PEN_ACCEL_MEDIAN;
+    const struct pen_accel *accel = pen_accel_build(&world.prims, kind, arena, &st);
+    ck_assert(accel);
+    struct rays rays;
+    for (int k = 0; k < 8; k++) {
+        if (k < 4)
+            look(r, eye, k ? aim(r) : at, &rays);
+        else
+            graze(r, eye, &rays);
+        for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+            struct random same = *r;
+            follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, k < 4 ? 2 : 1);
+        }
+        random_bits(r);
+    }
+    pen_arena_free(arena);
+}
+
+START_TEST(test_accel__ray_packets_in_random_scenes)
+{
+    struct random r = random_begin(301);
+    for (int scene = 0; scene < random_cases(300); scene++) {
+        world_clear(&world);
+        world_random(&world, &r, 1 + random_below(&r, 60), random_in(&r, 0.02, 1));
+        for (int i = 0; i < (scene & 3); i++) { /* as large as the rounding of where they are */
+            const double size = exp2(random_in(&r, -54, -20));
+            world_sphere(&world, random_vec(&r, 1), size);
+            world_cylinder(&world, random_vec(&r, 1), random_direction(&r), size, size, i & 1);
+        }
+        if (scene % 3 == 0)
+            world_cone(&world, random_vec(&r, 1), random_direction(&r), (const double[2]){.3, 0},
+                       .5, random_below(&r, 2));
+        if (scene % 5 == 0)
+            world_bent(&world, &r, 5, random_in(&r, .1, 1));
+        for (uint32_t i = 0; i < world.prims.count; i++)
+            see_through[i] = random_below(&r, 3) != 0;
+        each_isa(&r, random_vec(&r, 3), random_vec(&r, 1));
+    }
+}
+END_TEST
+
+/* Boxes on a lattice: faces that touch and coincide, rays along edges, diagonals and axes. */
+START_TEST(test_accel__ray_packets_on_a_lattice)
+{
+    struct random r = random_begin(302);
+    for (int scene = 0; scene < random_cases(150); scene++) {
+        world_clear(&world);
+        for (int i = 0; i < 10; i++) {
+            struct pen_vec3 a = random_vec(&r, 2.5);
+            a = pen_vec3(round(a.x), round(a.y), round(a.z));
+            world_box(&world, a, pen_add(a, pen_vec3(1, 1, .5)));
+            world_cylinder(&world, a, pen_vec3(0, 0, 1), .5, 1, random_below(&r, 2));
+            world_sphere(&world, pen_along(a, pen_vec3(.5, .5, 1), 1), .5);
+        }
+        if (scene & 1)
+            world_plane(&world, pen_vec3(0, 0, -1), pen_vec3(0, 0, 1));
+        for (uint32_t i = 0; i < world.prims.count; i++)
+            see_through[i] = random_below(&r, 3) == 0;
+        struct pen_vec3 eye = random_vec(&r, 4);
+        eye = pen_vec3(round(eye.x), round(eye.y), round(2 * eye.z) / 2);
+        if (scene & 2) /* beside the lattice */
+            eye = pen_along(eye, random_vec(&r, 1), exp2(random_in(&r, -20, -2)));
+        each_isa(&r, eye, pen_add(eye, pen_vec3(1, 1, 1)));
+    }
+}
+END_TEST
+
+/* Rooms whose walls meet, cross and are round, seen at their seams. */
+START_TEST(test_accel__ray_packets_in_rooms)
+{
+    struct random r = random_begin(303);
+    static const double offsets[] = {0, 1e3, 1e6};
+    for (int i = 0; i < random_cases(180); i++) {
+        const enum world_room room = (enum world_room)(i % ROOM_COUNT);
+        const struct pen_vec3 eye = world_room(&world, &r, room, offsets[i / ROOM_COUNT % 3]);
+        for (uint32_t k = 0; k < world.prims.count; k++)
+            see_through[k] = k == 6 && room == ROOM_PANE;
+        if (i & 1)
+            world_cylinder(&world, eye, random_direction(&r), .1, .1, true);
+        each_isa(&r, i & 2 ? eye : pen_along(eye, random_direction(&r), .1), aim(&r));
+    }
+}
+END_TEST
+
+PEN_SUITE("ray_packet", test_accel__ray_packets_in_random_scenes,
+          test_accel__ray_packets_on_a_lattice, test_accel__ray_packets_in_rooms)
