@@ -67,22 +67,47 @@ static struct pen_kernel_input kernel_input(const struct pen_scene *scene, int v
     return input;
 }
 
-/* Renders one tile; returns false if the task was cancelled meanwhile. */
-static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
+/* Renders a block of pixels: together where the kernel's queries have packets, else one by one. */
+static void render_block(const struct run *run, int thread, struct pen_rect block)
 {
     const struct pen_render_task *task = run->task;
     struct thread_work *work = &run->work[thread];
-    for (int y = rect.y; y < rect.y + rect.height; y++) {
-        float *out = task->rgb + 3 * ((size_t)y * (size_t)task->settings->width + (size_t)rect.x);
-        for (int x = rect.x; x < rect.x + rect.width; x++, out += 3) {
-            double rgb[3];
-            if (cancelled(task))
+    double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
+    const bool together = work->input->trace->nearest_packet != NULL;
+    const int pixels = block.width * block.height;
+    for (int i = 0; i < pixels; i++) {
+        const int x = block.x + i % block.width, y = block.y + i / block.width;
+        if (task->pixel_begins)
+            task->pixel_begins(task->pixel_user, thread, x, y);
+        if (!together)
+            run->kernel->pixel(work->input, work->scratch, x, y, rgb[i], &work->rays);
+    }
+    if (together)
+        run->kernel->block(work->input, work->scratch, block, rgb, &work->rays);
+    for (int i = 0; i < pixels; i++) {
+        const int x = block.x + i % block.width, y = block.y + i / block.width;
+        float *out = task->rgb + 3 * ((size_t)y * (size_t)task->settings->width + (size_t)x);
+        for (int c = 0; c < 3; c++)
+            out[c] = (float)rgb[i][c];
+    }
+}
+
+static int smaller(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* Renders one tile, block by block; returns false if the task was cancelled meanwhile. */
+static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
+{
+    for (int y = 0; y < rect.height; y += PEN_BLOCK_SIDE) {
+        for (int x = 0; x < rect.width; x += PEN_BLOCK_SIDE) {
+            const struct pen_rect block = {rect.x + x, rect.y + y,
+                                           smaller(rect.width - x, PEN_BLOCK_SIDE),
+                                           smaller(rect.height - y, PEN_BLOCK_SIDE)};
+            if (cancelled(run->task))
                 return false;
-            if (task->pixel_begins)
-                task->pixel_begins(task->pixel_user, thread, x, y);
-            run->kernel->pixel(work->input, work->scratch, x, y, rgb, &work->rays);
-            for (int c = 0; c < 3; c++)
-                out[c] = (float)rgb[c];
+            render_block(run, thread, block);
         }
     }
     return true;

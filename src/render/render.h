@@ -11,12 +11,9 @@
 
 #include "base/status.h"
 #include "base/thread_pool.h"
+#include "math/rect.h"
 #include "scene/scene.h"
 #include "shade/kernel.h"
-
-struct pen_rect {
-    int x, y, width, height; /* pixels */
-};
 
 /* The tiles of an image, numbered row by row from the top left. Tiles at the right and bottom edges
  * may be smaller. */

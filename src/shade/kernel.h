@@ -8,6 +8,7 @@
 
 #include <stdint.h>
 
+#include "math/rect.h"
 #include "scene/scene.h"
 
 /* Numbers of rays by kind, as src/shade/README.md counts them. */
@@ -38,10 +39,17 @@ void pen_kernel_scratch_free(struct pen_kernel_scratch *scratch);
 typedef void pen_kernel_fn(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
                            int x, int y, double rgb[3], struct pen_ray_counts *counts);
 
+/* A block of pixels, rect.width and rect.height at most PEN_BLOCK_SIDE, row by row: the same. */
+enum { PEN_BLOCK_SIDE = 8 };
+typedef void pen_kernel_block_fn(const struct pen_kernel_input *input,
+                                 struct pen_kernel_scratch *scratch, struct pen_rect rect,
+                                 double (*rgb)[3], struct pen_ray_counts *counts);
+
 struct pen_kernel {
     const char *name; /* e.g. "hard+mirror/avx2": shown in statistics */
     unsigned effects; /* the mask: PEN_FX_* */
     pen_kernel_fn *pixel;
+    pen_kernel_block_fn *block; /* for input->trace with packets */
 };
 
 /* The kernels one by one, for tests and reports; NULL after the last. Kernels for an instruction

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Every kernel of the list and the table of them, pen_kernels_<instruction set>. Compiled once for
  * each instruction set, PEN_ISA (base/cpu.h). */
-#include "shade/internal/kernel_body.h"
+#include "shade/internal/block_body.h"
 #include "shade/internal/kernel_list.h"
 
 #define PIXEL_FUNCTION(identifier, name, mask)                                                     \
@@ -10,6 +10,12 @@
                                    double rgb[3], struct pen_ray_counts *counts)                   \
     {                                                                                              \
         kernel_pixel(input, scratch, x, y, rgb, counts, mask);                                     \
+    }                                                                                              \
+    static void block_##identifier(const struct pen_kernel_input *input,                           \
+                                   struct pen_kernel_scratch *scratch, struct pen_rect rect,       \
+                                   double(*rgb)[3], struct pen_ray_counts *counts)                 \
+    {                                                                                              \
+        kernel_block(input, scratch, rect, rgb, counts, mask);                                     \
     }
 PEN_KERNEL_LIST(PIXEL_FUNCTION)
 
@@ -19,5 +25,8 @@ PEN_KERNEL_LIST(PIXEL_FUNCTION)
 #define TABLE_OF_TOKEN(token) pen_kernels_##token
 
 #define TABLE_ROW(identifier, kernel_name, mask)                                                   \
-    {.name = kernel_name "/" NAME_OF_ISA(PEN_ISA), .effects = mask, .pixel = pixel_##identifier},
+    {.name = kernel_name "/" NAME_OF_ISA(PEN_ISA),                                                 \
+     .effects = mask,                                                                              \
+     .pixel = pixel_##identifier,                                                                  \
+     .block = block_##identifier},
 const struct pen_kernel TABLE_OF_ISA(PEN_ISA)[PEN_KERNEL_COUNT] = {PEN_KERNEL_LIST(TABLE_ROW)};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes and frees a thread's working memory for kernels. */
-#include "shade/internal/scratch.h"
+#include "shade/internal/block_body.h"
 
 #include <stdlib.h>
 
@@ -8,7 +8,8 @@ static bool fill(struct pen_kernel_scratch *scratch, size_t lights, size_t depth
 {
     scratch->last_occluder = calloc(lights + 1, sizeof *scratch->last_occluder);
     scratch->waiting = calloc(depth, sizeof *scratch->waiting);
-    if (!scratch->last_occluder || !scratch->waiting)
+    scratch->block = calloc(1, sizeof *scratch->block);
+    if (!scratch->last_occluder || !scratch->waiting || !scratch->block)
         return false;
     for (size_t i = 0; i < lights; i++)
         scratch->last_occluder[i] = PEN_NO_PRIM;
@@ -33,5 +34,6 @@ void pen_kernel_scratch_free(struct pen_kernel_scratch *scratch)
         return;
     free(scratch->last_occluder);
     free(scratch->waiting);
+    free(scratch->block);
     free(scratch);
 }

@@ -27,8 +27,13 @@ struct pen_kernel_scratch {
     int surfaces_max;          /* of a pixel sample: pen_tree_surfaces_max */
     int surfaces_left;         /* of these, how many may still be shaded */
     struct layers layers;      /* of the path that is traced */
+    struct pen_block_scratch *block; /* block_body.h */
     struct pen_sample_key key; /* of the samples on lights; `light` is set for each light */
 };
+
+/* Whether a place of the hit's primitive, where it may have layers, contains the hit. Most hits are
+ * in none. */
+bool pen_layers_at(const struct pen_scene *scene, const struct pen_ray *ray, struct pen_hit hit);
 
 /* A ray outside layers has met a hit that may have some: replaces it by the first of its class. */
 void pen_layers_begin(const struct pen_kernel_input *input, struct layers *layers,

@@ -1,0 +1,467 @@
+/* SPDX-License-Identifier: MIT */
+/* The block kernel: the pixels of a block, rendered together in waves of up to 64 rays, with the
+ * same bits as the pixel kernel (kernel_body.h).
+ *
+ * The first wave are the camera rays. A wave is traced as one packet; then, light by light in
+ * document order, the shadow rays of all its points; then its transmitted and reflected paths are
+ * put on two stacks, from which the next waves are taken. What each surface sends to its pixel is
+ * kept in a *record*. When no path is left, each pixel adds up its records in the order in which
+ * the pixel kernel traverses its tree: a surface, the tree behind it, the tree that it reflects.
+ *
+ * Memory is bounded: BLOCK_RECORDS records, BLOCK_PATHS paths. A pixel sample that
+ * has no room left, that meets coincident surfaces, or whose point is not finite, is *left* to the
+ * pixel kernel, and what the block knows of it is forgotten. */
+#ifndef PEN_SHADE_INTERNAL_BLOCK_BODY_H
+#define PEN_SHADE_INTERNAL_BLOCK_BODY_H
+
+#include "shade/internal/kernel_body.h"
+
+enum {
+    BLOCK_PIXELS = PEN_BLOCK_SIDE * PEN_BLOCK_SIDE,
+    BLOCK_RECORDS = 64 * BLOCK_PIXELS,
+    BLOCK_PATHS = 1024,
+    NO_RECORD = -1
+};
+_Static_assert((int)BLOCK_PIXELS <= (int)PEN_RAY_PACKET_MAX,
+               "the camera rays of a block are one wave");
+
+/* What one surface, or the background, sends to its pixel, and the records of the paths from it. */
+struct block_record {
+    struct pen_vec3 radiance; /* times the path's weight */
+    int32_t transmitted, reflected;
+};
+
+/* A path of a pixel that is traced, or waits for it. */
+struct block_path {
+    struct path path;
+    int32_t record;
+    uint8_t pixel;
+};
+
+/* A stack of paths, by their place in the pool. */
+struct block_stack {
+    int count;
+    uint16_t path[BLOCK_PATHS];
+};
+
+/* The working memory of a block: pen_kernel_scratch owns one. */
+struct pen_block_scratch {
+    struct pen_ray_packet packet;
+    int count; /* of the wave; what follows is by its paths */
+    struct block_path *wave[PEN_RAY_PACKET_MAX];
+    struct surface surface[PEN_RAY_PACKET_MAX];
+    struct pen_vec3 radiance[PEN_RAY_PACKET_MAX];
+    struct arriving_light arriving[PEN_RAY_PACKET_MAX];
+    struct pen_ray shadow_ray[PEN_RAY_PACKET_MAX];
+    struct pen_shadow query[PEN_RAY_PACKET_MAX];
+    int x[BLOCK_PIXELS], y[BLOCK_PIXELS];
+    uint64_t left; /* pixels that are left to the pixel kernel */
+    struct pen_ray_counts counts[BLOCK_PIXELS];
+    struct block_stack transmitted, reflected, unused;
+    struct block_path pool[BLOCK_PATHS];
+    int record_count;
+    struct block_record record[BLOCK_RECORDS];
+};
+
+/* A new record; NO_RECORD if there is no room. */
+static ALWAYS_INLINE int32_t block_record_new(struct pen_block_scratch *b)
+{
+    if (b->record_count == BLOCK_RECORDS)
+        return NO_RECORD;
+    b->record[b->record_count] = (struct block_record){{0, 0, 0}, NO_RECORD, NO_RECORD};
+    return b->record_count++;
+}
+
+static ALWAYS_INLINE void stack_push(struct block_stack *stack, const struct pen_block_scratch *b,
+                                     const struct block_path *path)
+{
+    stack->path[stack->count++] = (uint16_t)(path - b->pool);
+}
+
+/* A path from the pool; NULL if there is none. */
+static ALWAYS_INLINE struct block_path *block_path_new(struct pen_block_scratch *b)
+{
+    return b->unused.count > 0 ? &b->pool[b->unused.path[--b->unused.count]] : NULL;
+}
+
+/* Takes the next wave from a stack, without the paths of pixels that are left. */
+static ALWAYS_INLINE void block_take(struct pen_block_scratch *b, struct block_stack *stack)
+{
+    b->count = 0;
+    while (stack->count > 0 && b->count < PEN_RAY_PACKET_MAX) {
+        struct block_path *next = &b->pool[stack->path[--stack->count]];
+        if (b->left >> next->pixel & 1)
+            stack_push(&b->unused, b, next);
+        else
+            b->wave[b->count++] = next;
+    }
+}
+
+/* Whether the hit may be a place where surfaces coincide. */
+static ALWAYS_INLINE bool is_layered(const struct pen_scene *scene, const struct pen_ray *ray,
+                                     struct pen_hit hit)
+{
+    const uint32_t *first = scene->layer_first;
+    return first && first[hit.prim] != first[hit.prim + 1] && pen_layers_at(scene, ray, hit);
+}
+
+/* Traces the wave. Returns the paths that meet a surface which can be shaded here. */
+static ALWAYS_INLINE uint64_t block_trace(const struct pen_kernel_input *input,
+                                          struct pen_block_scratch *b)
+{
+    const struct pen_scene *scene = input->scene;
+    struct pen_ray_packet *packet = &b->packet;
+    packet->count = b->count;
+    for (int i = 0; i < b->count; i++) {
+        const struct path *path = &b->wave[i]->path;
+        packet->ray[i] = &path->ray;
+        packet->origin[i] = &path->origin;
+        packet->after[i] = path->after;
+    }
+    const uint64_t met = input->trace->nearest_packet(scene->accel, packet);
+    uint64_t shaded = 0;
+    for (int i = 0; i < b->count; i++) {
+        const struct block_path *at = b->wave[i];
+        if (!(met >> i & 1)) {
+            b->record[at->record].radiance = pen_mul(at->path.weight, scene->background);
+            continue;
+        }
+        if (!is_layered(scene, &at->path.ray, packet->hit[i])) {
+            surface_at(&b->surface[i], scene, &at->path.ray, &at->path.origin, packet->hit[i]);
+            if (surface_finite(&b->surface[i])) {
+                shaded |= UINT64_C(1) << i;
+                continue;
+            }
+        }
+        b->left |= UINT64_C(1) << at->pixel;
+    }
+    return shaded;
+}
+
+/* Shadow rays of the wave's points to one hard light. Returns the points at which it is not
+ * occluded; terms are multiplied by the transmittance. */
+static ALWAYS_INLINE uint64_t block_hard_shadows(const struct pen_kernel_input *input,
+                                                 struct pen_kernel_scratch *scratch,
+                                                 struct pen_block_scratch *b, uint32_t light,
+                                                 uint64_t lit, const unsigned fx)
+{
+    struct pen_ray_packet *packet = &b->packet;
+    int of[PEN_RAY_PACKET_MAX];
+    uint64_t seen = lit;
+    packet->count = 0;
+    packet->light = input->scene->lights[light].position;
+    packet->last_occluder = scratch->last_occluder[light];
+    for (; lit; lit &= lit - 1) {
+        const int i = __builtin_ctzll(lit), k = packet->count;
+        struct arriving_light *arriving = &b->arriving[i];
+        b->counts[b->wave[i]->pixel].shadow++;
+        if (!pen_ray_make(&b->shadow_ray[k], b->surface[i].p, arriving->to_light)) {
+            arriving->term = pen_mul(arriving->term, no_sample());
+            continue;
+        }
+        shadow_query(input, &b->query[k], arriving->to_point, fx);
+        packet->ray[k] = &b->shadow_ray[k];
+        packet->origin[k] = &b->surface[i].origin;
+        packet->query[k] = &b->query[k];
+        of[packet->count++] = i;
+    }
+    const uint64_t blocked = input->trace->shadow_packet(input->scene->accel, packet);
+    scratch->last_occluder[light] = packet->last_occluder;
+    for (int k = 0; k < packet->count; k++) {
+        const int i = of[k];
+        const struct pen_vec3 white = {1, 1, 1};
+        struct pen_vec3 t = {0, 0, 0};
+        if (!(blocked >> k & 1))
+            t = shadow_colour(input, &b->shadow_ray[k], &b->surface[i].origin, &b->query[k], white,
+                              fx);
+        if (is_black(t))
+            seen &= ~(UINT64_C(1) << i);
+        else
+            b->arriving[i].term = pen_mul(b->arriving[i].term, t);
+    }
+    return seen;
+}
+
+/* The same for a light with a radius, point by point. */
+static ALWAYS_INLINE uint64_t block_soft_shadows(const struct pen_kernel_input *input,
+                                                 struct pen_kernel_scratch *scratch,
+                                                 struct pen_block_scratch *b, uint64_t lit,
+                                                 const unsigned fx)
+{
+    uint64_t seen = lit;
+    for (; lit; lit &= lit - 1) {
+        const int i = __builtin_ctzll(lit), pixel = b->wave[i]->pixel;
+        scratch->key.x = (uint32_t)b->x[pixel];
+        scratch->key.y = (uint32_t)b->y[pixel];
+        scratch->key.node = b->wave[i]->path.node;
+        struct pen_vec3 t = soft_transmittance(input, scratch, &b->surface[i], &b->arriving[i],
+                                               &b->counts[pixel], fx);
+        if (is_black(t))
+            seen &= ~(UINT64_C(1) << i);
+        else
+            b->arriving[i].term = pen_mul(b->arriving[i].term, t);
+    }
+    return seen;
+}
+
+/* Adds what one light brings to the wave's points. */
+static ALWAYS_INLINE void block_light(const struct pen_kernel_input *input,
+                                      struct pen_kernel_scratch *scratch,
+                                      struct pen_block_scratch *b, uint32_t light, uint64_t points,
+                                      const unsigned fx)
+{
+    const struct pen_light *l = &input->scene->lights[light];
+    uint64_t lit = 0;
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctzll(points);
+        b->arriving[i] = light_unshadowed(l, &b->surface[i], fx);
+        b->arriving[i].light = light;
+        lit |= (uint64_t)!is_black(b->arriving[i].term) << i;
+    }
+    if ((fx & PEN_FX_HARD_SHADOWS) && l->shadows && lit) {
+        if ((fx & PEN_FX_SOFT_SHADOWS) && l->soft)
+            lit = block_soft_shadows(input, scratch, b, lit, fx);
+        else
+            lit = block_hard_shadows(input, scratch, b, light, lit, fx);
+    }
+    for (; lit; lit &= lit - 1) {
+        const int i = __builtin_ctzll(lit);
+        b->radiance[i] = pen_add(b->radiance[i], b->arriving[i].term);
+    }
+}
+
+/* The radiance of the wave's points, as shade_surface. */
+static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
+                                      struct pen_kernel_scratch *scratch,
+                                      struct pen_block_scratch *b, uint64_t points,
+                                      const unsigned fx)
+{
+    uint64_t lit = 0;
+    for (uint64_t left = points; left; left &= left - 1) {
+        const int i = __builtin_ctzll(left);
+        const struct pen_material *m = b->surface[i].material;
+        b->radiance[i] = m->emission;
+        if ((fx & PEN_FX_AMBIENT) && b->wave[i]->path.depth == 0)
+            b->radiance[i] = pen_add(b->radiance[i], pen_mul(input->scene->ambient, m->ka));
+        lit |= (uint64_t)surface_lit(&b->surface[i]) << i;
+    }
+    for (uint32_t light = 0; light < input->scene->light_count && lit; light++)
+        block_light(input, scratch, b, light, lit, fx);
+}
+
+/* Puts a path, which is in the pool, on a stack with a new record, its number in *link. The pixel
+ * is left if there is no room. */
+static ALWAYS_INLINE void block_push(struct pen_block_scratch *b, struct block_stack *stack,
+                                     struct block_path *path, int32_t *link)
+{
+    const int32_t record = block_record_new(b);
+    if (record == NO_RECORD) {
+        b->left |= UINT64_C(1) << path->pixel;
+        stack_push(&b->unused, b, path);
+        return;
+    }
+    *link = path->record = record;
+    stack_push(stack, b, path);
+}
+
+static ALWAYS_INLINE void block_reflect(const struct pen_kernel_input *input,
+                                        struct pen_block_scratch *b, const struct block_path *at,
+                                        const struct surface *s, struct block_record *record,
+                                        const unsigned fx)
+{
+    struct block_path *reflected = block_path_new(b);
+    if (!reflected) {
+        b->left |= UINT64_C(1) << at->pixel;
+        return;
+    }
+    reflected->pixel = at->pixel;
+    if (!path_reflect(input, &at->path, s, &reflected->path, fx)) {
+        stack_push(&b->unused, b, reflected);
+        return;
+    }
+    b->counts[at->pixel].reflection++;
+    block_push(b, &b->reflected, reflected, &record->reflected);
+}
+
+/* Records the radiance of a point and puts its paths on the stacks. */
+static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
+                                         struct pen_block_scratch *b, int i, const unsigned fx)
+{
+    struct block_path *at = b->wave[i];
+    struct block_record *record = &b->record[at->record];
+    record->radiance = pen_mul(at->path.weight, b->radiance[i]);
+    const bool deeper = at->path.depth + 1 < input->settings->max_depth;
+    if ((fx & PEN_FX_MIRROR) && deeper)
+        block_reflect(input, b, at, &b->surface[i], record, fx);
+    if ((fx & PEN_FX_TRANSMISSION) && deeper &&
+        path_transmit(input, &at->path, &b->surface[i], fx)) {
+        b->counts[at->pixel].transmission++;
+        block_push(b, &b->transmitted, at, &record->transmitted);
+    } else {
+        stack_push(&b->unused, b, at);
+    }
+}
+
+/* Renders the wave. */
+static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
+                                     struct pen_kernel_scratch *scratch,
+                                     struct pen_block_scratch *b, const unsigned fx)
+{
+    uint64_t points = block_trace(input, b);
+    block_shade(input, scratch, b, points, fx);
+    for (int i = 0; i < b->count; i++) {
+        if (points >> i & 1)
+            block_continue(input, b, i, fx);
+        else
+            stack_push(&b->unused, b, b->wave[i]);
+    }
+}
+
+/* Adds up a tree of records in the pixel kernel's order: depth first, the transmitted path before
+ * the reflected one. */
+static inline struct pen_vec3 block_sum(const struct pen_block_scratch *b, int32_t record,
+                                        struct pen_vec3 sum)
+{
+    while (record != NO_RECORD) {
+        const struct block_record *r = &b->record[record];
+        sum = pen_add(sum, r->radiance);
+        if (r->transmitted != NO_RECORD && r->reflected != NO_RECORD)
+            sum = block_sum(b, r->transmitted, sum);
+        else if (r->transmitted != NO_RECORD) {
+            record = r->transmitted;
+            continue;
+        }
+        record = r->reflected;
+    }
+    return sum;
+}
+
+/* The camera rays through sample `index` of the block's pixels. */
+static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input,
+                                            struct pen_block_scratch *b,
+                                            const struct pen_point2 *at, int pixels)
+{
+    b->count = b->record_count = 0;
+    b->transmitted.count = b->reflected.count = b->unused.count = 0;
+    for (int i = BLOCK_PATHS; i-- > 0;)
+        stack_push(&b->unused, b, &b->pool[i]);
+    for (int i = 0; i < pixels; i++) {
+        const int32_t record = block_record_new(b);
+        struct block_path *wave = block_path_new(b);
+        if (!camera_ray(&input->pinhole, at[i], &wave->path.ray)) {
+            b->left |= UINT64_C(1) << i;
+            stack_push(&b->unused, b, wave);
+            continue;
+        }
+        wave->path.origin = pen_origin_none;
+        wave->path.after = pen_after_start;
+        wave->path.weight = pen_vec3(1, 1, 1);
+        wave->path.depth = 0;
+        wave->path.node = 1;
+        wave->record = record;
+        wave->pixel = (uint8_t)i;
+        b->wave[b->count++] = wave;
+    }
+}
+
+/* One sample of every pixel: its radiance in c. */
+static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
+                                        struct pen_kernel_scratch *scratch,
+                                        const struct pen_point2 *at, int pixels, struct pen_vec3 *c,
+                                        struct pen_ray_counts *counts, const unsigned fx)
+{
+    struct pen_block_scratch *b = scratch->block;
+    const struct pen_ray_counts none = {0, 0, 0, 0, 0, 0};
+    b->left = 0;
+    for (int i = 0; i < pixels; i++)
+        b->counts[i] = none;
+    block_camera_rays(input, b, at, pixels);
+    block_wave(input, scratch, b, fx);
+    while (b->transmitted.count > 0 || b->reflected.count > 0) {
+        block_take(b, b->transmitted.count > 0 ? &b->transmitted : &b->reflected);
+        block_wave(input, scratch, b, fx);
+    }
+    for (int i = 0; i < pixels; i++) {
+        if (b->left >> i & 1) {
+            scratch->key.x = (uint32_t)b->x[i];
+            scratch->key.y = (uint32_t)b->y[i];
+            c[i] = trace_paths(input, scratch, at[i], counts, fx);
+            continue;
+        }
+        const struct pen_vec3 zero = {0, 0, 0};
+        c[i] = block_sum(b, i, zero);
+        counts->shadow += b->counts[i].shadow;
+        counts->reflection += b->counts[i].reflection;
+        counts->transmission += b->counts[i].transmission;
+    }
+}
+
+/* Numbers the pixels along a Z-order curve (Morton, 1966), so that 4 or 16 in sequence are near one
+ * another, and so are their rays. */
+static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rect rect)
+{
+    int pixels = 0;
+    for (int i = 0; i < BLOCK_PIXELS; i++) {
+        const int x = (i & 1) | (i >> 1 & 2) | (i >> 2 & 4);
+        const int y = (i >> 1 & 1) | (i >> 2 & 2) | (i >> 3 & 4);
+        if (x >= rect.width || y >= rect.height)
+            continue;
+        b->x[pixels] = rect.x + x;
+        b->y[pixels++] = rect.y + y;
+    }
+    return pixels;
+}
+
+/* The pixels of a block, as kernel_pixel. */
+static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
+                                       struct pen_kernel_scratch *scratch, struct pen_rect rect,
+                                       double (*rgb)[3], struct pen_ray_counts *counts,
+                                       const unsigned fx)
+{
+    const int samples = fx & PEN_FX_ANTI_ALIASING ? input->settings->samples_per_pixel : 1;
+    struct pen_block_scratch *b = scratch->block;
+    const int pixels = block_order(b, rect);
+    struct pen_vec3 sum[BLOCK_PIXELS], c[BLOCK_PIXELS];
+    struct pen_point2 at[BLOCK_PIXELS];
+    int kept[BLOCK_PIXELS];
+    uint64_t hash[BLOCK_PIXELS];
+    struct pen_sample_key key = {.seed = input->settings->seed, .purpose = PEN_PURPOSE_PIXEL};
+    for (int i = 0; i < pixels; i++) {
+        key.x = (uint32_t)b->x[i];
+        key.y = (uint32_t)b->y[i];
+        hash[i] = samples > 1 ? pen_sample_hash(&key) : 0;
+        sum[i] = pen_vec3(0, 0, 0);
+        kept[i] = 0;
+    }
+    if (fx & PEN_FX_SOFT_SHADOWS) {
+        scratch->key = key;
+        scratch->key.purpose = PEN_PURPOSE_LIGHT;
+    }
+    for (int k = 0; k < samples; k++) {
+        for (int i = 0; i < pixels; i++) {
+            at[i] = pixel_point(hash[i], k, samples);
+            at[i].x += b->x[i];
+            at[i].y += b->y[i];
+        }
+        counts->primary += (uint64_t)pixels;
+        if (fx & PEN_FX_SOFT_SHADOWS)
+            scratch->key.pixel_sample = (uint32_t)k;
+        block_samples(input, scratch, at, pixels, c, counts, fx);
+        for (int i = 0; i < pixels; i++) {
+            if (!fits_film(c[i])) {
+                counts->dropped_samples++;
+                continue;
+            }
+            sum[i] = pen_add(sum[i], c[i]);
+            kept[i]++;
+        }
+    }
+    for (int i = 0; i < pixels; i++) {
+        double *out = rgb[(b->y[i] - rect.y) * rect.width + b->x[i] - rect.x];
+        out[0] = kept[i] ? sum[i].x / kept[i] : 0;
+        out[1] = kept[i] ? sum[i].y / kept[i] : 0;
+        out[2] = kept[i] ? sum[i].z / kept[i] : 0;
+    }
+}
+
+#endif
