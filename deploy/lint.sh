@@ -151,6 +151,7 @@ awk "$code"'
     }
     line = tolower(line)
     gsub(/(mul_p[sd]\(|fmadd_p[sd]\([a-z]+, )(_mm[0-9]*_set1_p[sd]|splat4)\(0x[0-9a-f.]+p-[0-9]+/, " ", line)
+    gsub(/lanes_splat\(0x[0-9a-f.]+p-[0-9]+\) \* [^0-9]/, " ", line)
     gsub(/(1 [-+] |[^0-9. ] \* )0x[0-9a-f.]+p-[0-9]+/, " ", line)
     gsub(/0x[0-9a-f.]+p-[0-9]+f? \* [^0-9]/, " ", line)
     for (; match(line, /0x[0-9a-f.]+p-[0-9]+/); line = substr(line, RSTART + RLENGTH)) {

@@ -401,7 +401,7 @@ edit src/accel/internal/prim_test.h 1 's/^    if \(!off && trace->from_surface &
 judge
 
 mutant beam_margin rooms_same 20000 "rays of a packet are enclosed without a margin"
-edit src/accel/internal/beam.h 1 's/^#define BEAM_MARGIN .*$/#define BEAM_MARGIN 0.0/'
+edit src/accel/internal/ray_packet_query.h 1 's/ margin = 0x1p-18 \* most \+ / margin = 0 * most + /'
 judge
 
 mutant packet_border rooms_same 20000 "in a packet, the line decides whether a ray passes a border near its start"

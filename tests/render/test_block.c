@@ -66,7 +66,7 @@ START_TEST(test_block__sizes_samples_and_accelerators)
             kit.settings.height = size[i][1];
             kit.settings.tile = 8 + 5 * i;
             kit.settings.samples_per_pixel = i & 1 ? 3 : 1;
-            kit.settings.accelerator = (enum pen_accelerator)accelerator;
+            kit.settings.accelerator = accelerator;
             compare("medley");
         }
     }

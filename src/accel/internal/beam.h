@@ -20,8 +20,6 @@
 #include "accel/internal/rounding.h"
 #include "accel/internal/structure.h"
 
-#define BEAM_MARGIN 0x1p-18
-
 struct beam {
     int axis[3];             /* x, y and z */
     bool forward;            /* the rays go up along z */

@@ -163,7 +163,7 @@ static inline double group_extent(const struct ray_group *g)
 static inline bool group_begin(struct ray_group *g)
 {
     group_pad(g);
-    const double most = group_extent(g), margin = BEAM_MARGIN * most + g->grow;
+    const double most = group_extent(g), margin = 0x1p-18 * most + g->grow;
     if (!(most < 0x1p60 && g->grow < 0x1p60))
         return false;
     group_beam(g, 0, g->count, margin, &g->beam);

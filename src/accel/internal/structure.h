@@ -153,8 +153,8 @@ struct pen_accel {
     const struct pen_planes4 *planes;
     const struct pen_generic4 *infinite_cylinders;
     const struct pen_generic4 *generic;
-    double scale; /* the largest pen_prim_scale of a finite primitive */
-    double extent; /* the largest size of a coordinate of their boxes */
+    double scale;                         /* the largest pen_prim_scale of a finite primitive */
+    double extent;                        /* the largest size of a coordinate of their boxes */
     const struct pen_float_box *prim_box; /* by primitive; wide trees only. Infinite ones: zero */
     struct pen_accel_stats stats;
     struct pen_test_counts *counts; /* of a view that counts; else NULL */

@@ -3,12 +3,12 @@
 #ifndef PEN_MATH_INTERNAL_LANES_BASE_H
 #define PEN_MATH_INTERNAL_LANES_BASE_H
 
-#include <stdbool.h>
+#include <stdint.h>
 
 enum { LANES = 1 };
 
 typedef double lanes;
-typedef bool lane_mask;
+typedef int64_t lane_mask; /* -1 or 0 */
 
 static inline lanes lanes_splat(double x)
 {
@@ -42,17 +42,17 @@ static inline lanes lanes_abs(lanes x)
 
 static inline lane_mask lanes_less(lanes a, lanes b)
 {
-    return a < b;
+    return -(lane_mask)(a < b);
 }
 
 static inline lane_mask lanes_at_most(lanes a, lanes b)
 {
-    return a <= b;
+    return -(lane_mask)(a <= b);
 }
 
 static inline lane_mask lanes_equal(lanes a, lanes b)
 {
-    return a == b;
+    return -(lane_mask)(a == b);
 }
 
 /* b where an operand is NaN. */
@@ -74,12 +74,12 @@ static inline lanes lanes_select(lane_mask m, lanes a, lanes b)
 
 static inline lane_mask lane_mask_not(lane_mask m)
 {
-    return !m;
+    return ~m;
 }
 
 static inline unsigned lane_mask_bits(lane_mask m)
 {
-    return m;
+    return (unsigned)m & 1;
 }
 
 #endif

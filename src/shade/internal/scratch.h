@@ -22,13 +22,13 @@ struct path {
 struct pen_kernel_scratch {
     struct pen_shadow shadow;
     struct pen_shadow_packet packet;
-    uint32_t *last_occluder;   /* by light */
-    struct path *waiting;      /* the stack; max_depth entries: see kernel_body.h */
-    int surfaces_max;          /* of a pixel sample: pen_tree_surfaces_max */
-    int surfaces_left;         /* of these, how many may still be shaded */
-    struct layers layers;      /* of the path that is traced */
+    uint32_t *last_occluder;         /* by light */
+    struct path *waiting;            /* the stack; max_depth entries: see kernel_body.h */
+    int surfaces_max;                /* of a pixel sample: pen_tree_surfaces_max */
+    int surfaces_left;               /* of these, how many may still be shaded */
+    struct layers layers;            /* of the path that is traced */
     struct pen_block_scratch *block; /* block_body.h */
-    struct pen_sample_key key; /* of the samples on lights; `light` is set for each light */
+    struct pen_sample_key key;       /* of the samples on lights; `light` is set for each light */
 };
 
 /* Whether a place of the hit's primitive, where it may have layers, contains the hit. Most hits are
