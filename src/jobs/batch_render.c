@@ -104,6 +104,8 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .user = context->compressor,
                                    .pixel_begins = pen_batch_pixel_hook(context),
                                    .pixel_user = context,
+                                   /* After a crash, the next tells at which pixel it happens. */
+                                   .pixel_by_pixel = claim->attempt > 1,
                                    .keep_tile_ms = true};
     if (task.view < 0)
         return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);

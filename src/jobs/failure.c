@@ -172,7 +172,7 @@ static const char *at_pixel(const struct place *place, char *out, size_t bytes)
 {
     out[0] = '\0';
     if (place->x >= 0)
-        snprintf(out, bytes, ", at pixel %d,%d", place->x, place->y);
+        snprintf(out, bytes, ", near pixel %d,%d", place->x, place->y);
     return out;
 }
 

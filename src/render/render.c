@@ -73,7 +73,7 @@ static void render_block(const struct run *run, int thread, struct pen_rect bloc
     const struct pen_render_task *task = run->task;
     struct thread_work *work = &run->work[thread];
     double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
-    const bool together = work->input->trace->nearest_packet != NULL;
+    const bool together = work->input->trace->nearest_packet && !task->pixel_by_pixel;
     const int pixels = block.width * block.height;
     for (int i = 0; i < pixels; i++) {
         const int x = block.x + i % block.width, y = block.y + i / block.width;

@@ -44,14 +44,16 @@ struct pen_render_task {
     const struct pen_settings *settings;
     int first_tile, tile_count; /* tile_count -1: all tiles from first_tile on */
     float *rgb;                 /* the whole image, width * height * 3, row 0 at the top */
-    const atomic_bool *cancel;  /* polled before each pixel; may be NULL */
+    const atomic_bool *cancel;  /* polled before each block of pixels; may be NULL */
     /* Called after each tile from a render thread, one call at a time; may be NULL. */
     void (*tile_done)(void *user, struct pen_rect rect);
     void *user;
-    /* Called before each pixel, from the render thread with the number `thread`, from 0 on; may be
-     * NULL. It lets a caller follow the progress, and must not affect the picture. */
+    /* Called for each pixel, before the block of pixels that it is in, from the render thread with
+     * the number `thread`, from 0 on; may be NULL. It lets a caller follow the progress, and must
+     * not affect the picture. */
     void (*pixel_begins)(void *user, int thread, int x, int y);
     void *pixel_user;
+    bool pixel_by_pixel; /* render no blocks: pixel_begins is called just before its pixel */
     bool keep_tile_ms;
     /* Count box and primitive tests, see pen_trace_count_ops_get. The film stays the same, and the
      * counts do not depend on the number of threads, the tile size or the instruction set. Counting

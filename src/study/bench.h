@@ -69,7 +69,8 @@ struct pen_bench {
     int repeats, warmup; /* at least 1; at least 0 */
     size_t scene_cap_bytes;
     struct pen_thread_pool *pool;
-    const atomic_bool *cancel; /* polled between runs and before each pixel; may be NULL */
+    const atomic_bool
+        *cancel; /* polled between runs and before each block of pixels; may be NULL */
     /* Called between runs, with done = 0 before the first; may be NULL. */
     void (*progress)(void *user, int done, int total);
     void *user;

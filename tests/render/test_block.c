@@ -2,6 +2,7 @@
 /* Blocks of pixels, rendered together, give the films and the counts of rays of pixels rendered one
  * by one, bit for bit. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "support/kit.h"
 #include "support/random.h"
@@ -29,9 +30,17 @@ static void compare(const char *what)
     ck_assert(film);
     struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
     struct pen_render_stats stats;
-    const struct pen_render_task task = {
-        .scene = scene, .settings = settings, .tile_count = -1, .rgb = film};
+    const size_t bytes = 3 * (size_t)settings->width * (size_t)settings->height * sizeof *film;
+    float *singly = malloc(bytes);
+    struct pen_render_task task = {
+        .scene = scene, .settings = settings, .tile_count = -1, .rgb = singly};
+    task.pixel_by_pixel = true;
+    ck_assert(singly && pen_render_run(pool, &task, &stats, &st));
+    task.pixel_by_pixel = false;
+    task.rgb = film;
     ck_assert(pen_render_run(pool, &task, &stats, &st));
+    ck_assert_msg(memcmp(film, singly, bytes) == 0, "%s: pixel by pixel", what);
+    free(singly);
     struct pen_ray_counts sum = {0, 0, 0, 0, 0, 0};
     for (int y = 0; y < settings->height; y++) {
         for (int x = 0; x < settings->width; x++) {
@@ -76,8 +85,8 @@ END_TEST
 /* Balls that reflect and transmit fork at each surface: trees larger than a block has room for. */
 START_TEST(test_block__trees_without_room)
 {
-    static const int depth[] = {4, 8, 28};
-    for (int i = 0; i < 3; i++) {
+    static const int depth[] = {4, 8, 28, 28}, side[] = {9, 9, 9, 3};
+    for (int i = 0; i < 4; i++) {
         kit_init(&kit);
         struct pen_material both = kit_matte(.1);
         both.kr = both.kt = pen_vec3(1, .9, 1);
@@ -85,7 +94,7 @@ START_TEST(test_block__trees_without_room)
         for (int k = 0; k < 3; k++)
             kit_sphere(&kit, pen_vec3(k - 1, k & 1, -k), .9, material);
         kit_point(&kit, pen_vec3(3, 4, 5), pen_vec3(1, 1, 1));
-        kit.settings.width = kit.settings.height = 9;
+        kit.settings.width = kit.settings.height = side[i];
         kit.settings.max_depth = depth[i];
         kit.settings.min_contribution = 0;
         compare("three balls");

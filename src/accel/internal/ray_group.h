@@ -78,7 +78,9 @@ static __attribute__((noinline)) void group_ask(struct ray_group *g, int i, uint
                                                 bool near)
 {
     struct trace trace = trace_begin(g->accel, g->ray[i], g->origin[i]);
-    const bool generic = pen_block_of(g->accel->prims->ref[prim].kind) == PEN_BLOCK_GENERIC;
+    const struct pen_prims *prims = g->accel->prims;
+    const bool generic =
+        pen_block_of(prims->ref[prim].kind) == PEN_BLOCK_GENERIC || pen_prim_cut(prims, prim);
     trace.reaches_origin = trace.from_surface && near;
     trace.after = g->after[i];
     trace.best = g->best[i];

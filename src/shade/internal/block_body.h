@@ -8,7 +8,8 @@
  * kept in a *record*. When no path is left, each pixel adds up its records in the order in which
  * the pixel kernel traverses its tree: a surface, the tree behind it, the tree that it reflects.
  *
- * Memory is bounded: BLOCK_RECORDS records, BLOCK_PATHS paths. A pixel sample that
+ * Memory is bounded: BLOCK_RECORDS records, PIXEL_RECORDS of them for one pixel,
+ * so that no tree that the cap on surfaces cuts fits in; BLOCK_PATHS paths. A pixel sample that
  * has no room left, that meets coincident surfaces, or whose point is not finite, is *left* to the
  * pixel kernel, and what the block knows of it is forgotten. */
 #ifndef PEN_SHADE_INTERNAL_BLOCK_BODY_H
@@ -20,6 +21,7 @@ enum {
     BLOCK_PIXELS = PEN_BLOCK_SIDE * PEN_BLOCK_SIDE,
     BLOCK_RECORDS = 64 * BLOCK_PIXELS,
     BLOCK_PATHS = 1024,
+    PIXEL_RECORDS = 1024, /* less than pen_tree_surfaces_max */
     NO_RECORD = -1
 };
 _Static_assert((int)BLOCK_PIXELS <= (int)PEN_RAY_PACKET_MAX,
@@ -57,16 +59,17 @@ struct pen_block_scratch {
     int x[BLOCK_PIXELS], y[BLOCK_PIXELS];
     uint64_t left; /* pixels that are left to the pixel kernel */
     struct pen_ray_counts counts[BLOCK_PIXELS];
+    int surfaces[BLOCK_PIXELS]; /* records of each pixel */
     struct block_stack transmitted, reflected, unused;
     struct block_path pool[BLOCK_PATHS];
     int record_count;
     struct block_record record[BLOCK_RECORDS];
 };
 
-/* A new record; NO_RECORD if there is no room. */
-static ALWAYS_INLINE int32_t block_record_new(struct pen_block_scratch *b)
+/* A new record for a pixel; NO_RECORD if there is no room. */
+static ALWAYS_INLINE int32_t block_record_new(struct pen_block_scratch *b, int pixel)
 {
-    if (b->record_count == BLOCK_RECORDS)
+    if (b->record_count == BLOCK_RECORDS || b->surfaces[pixel]++ == PIXEL_RECORDS)
         return NO_RECORD;
     b->record[b->record_count] = (struct block_record){{0, 0, 0}, NO_RECORD, NO_RECORD};
     return b->record_count++;
@@ -254,7 +257,7 @@ static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
 static ALWAYS_INLINE void block_push(struct pen_block_scratch *b, struct block_stack *stack,
                                      struct block_path *path, int32_t *link)
 {
-    const int32_t record = block_record_new(b);
+    const int32_t record = block_record_new(b, path->pixel);
     if (record == NO_RECORD) {
         b->left |= UINT64_C(1) << path->pixel;
         stack_push(&b->unused, b, path);
@@ -346,7 +349,7 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
     for (int i = BLOCK_PATHS; i-- > 0;)
         stack_push(&b->unused, b, &b->pool[i]);
     for (int i = 0; i < pixels; i++) {
-        const int32_t record = block_record_new(b);
+        const int32_t record = block_record_new(b, i);
         struct block_path *wave = block_path_new(b);
         if (!camera_ray(&input->pinhole, at[i], &wave->path.ray)) {
             b->left |= UINT64_C(1) << i;
@@ -373,8 +376,10 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
     struct pen_block_scratch *b = scratch->block;
     const struct pen_ray_counts none = {0, 0, 0, 0, 0, 0};
     b->left = 0;
-    for (int i = 0; i < pixels; i++)
+    for (int i = 0; i < pixels; i++) {
         b->counts[i] = none;
+        b->surfaces[i] = 0;
+    }
     block_camera_rays(input, b, at, pixels);
     block_wave(input, scratch, b, fx);
     while (b->transmitted.count > 0 || b->reflected.count > 0) {
