@@ -147,16 +147,6 @@ static void render_tiles(void *user, int index)
     work->cpu_ns = thread_cpu_ns() - cpu;
 }
 
-static void add_counts(struct pen_ray_counts *sum, const struct pen_ray_counts *counts)
-{
-    sum->primary += counts->primary;
-    sum->shadow += counts->shadow;
-    sum->reflection += counts->reflection;
-    sum->transmission += counts->transmission;
-    sum->dropped_samples += counts->dropped_samples;
-    sum->truncated_paths += counts->truncated_paths;
-}
-
 /* Adds up the threads' work. Returns the number of tiles done. */
 static int sum_work(const struct run *run, struct pen_render_stats *stats)
 {
@@ -164,7 +154,7 @@ static int sum_work(const struct run *run, struct pen_render_stats *stats)
     int tiles = 0;
     for (int i = 0; i < run->threads; i++) {
         const struct thread_work *work = &run->work[i];
-        add_counts(&stats->rays, &work->rays);
+        pen_ray_counts_add(&stats->rays, &work->rays);
         begun = work->begun_ns < begun ? work->begun_ns : begun;
         done = work->done_ns > done ? work->done_ns : done;
         cpu += work->cpu_ns;

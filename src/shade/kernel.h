@@ -19,6 +19,17 @@ struct pen_ray_counts {
                                * shaded as many surfaces as it may: pen_tree_surfaces_max */
 };
 
+/* Adds the numbers of `more` to *sum. */
+static inline void pen_ray_counts_add(struct pen_ray_counts *sum, const struct pen_ray_counts *more)
+{
+    sum->primary += more->primary;
+    sum->shadow += more->shadow;
+    sum->reflection += more->reflection;
+    sum->transmission += more->transmission;
+    sum->dropped_samples += more->dropped_samples;
+    sum->truncated_paths += more->truncated_paths;
+}
+
 /* What a kernel reads. Threads: shared, immutable. */
 struct pen_kernel_input {
     const struct pen_scene *scene;

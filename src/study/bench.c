@@ -36,12 +36,7 @@ static void add_stats(struct pen_render_stats *sum, const struct pen_render_stat
     sum->render_ms += view->render_ms;
     sum->cpu_ms += view->cpu_ms;
     sum->threads = view->threads > sum->threads ? view->threads : sum->threads;
-    sum->rays.primary += view->rays.primary;
-    sum->rays.shadow += view->rays.shadow;
-    sum->rays.reflection += view->rays.reflection;
-    sum->rays.transmission += view->rays.transmission;
-    sum->rays.dropped_samples += view->rays.dropped_samples;
-    sum->rays.truncated_paths += view->rays.truncated_paths;
+    pen_ray_counts_add(&sum->rays, &view->rays);
     sum->tests_counted = view->tests_counted;
     sum->tests.boxes += view->tests.boxes;
     sum->tests.primitives += view->tests.primitives;

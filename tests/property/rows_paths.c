@@ -186,11 +186,7 @@ static bool render_part(const struct pen_render_task *task, struct pen_ray_count
     if (!pool)
         pool = pen_thread_pool_new(8, &st);
     bool ok = pool && pen_render_run(pool, task, &stats, &st);
-    sum->primary += stats.rays.primary;
-    sum->shadow += stats.rays.shadow;
-    sum->reflection += stats.rays.reflection;
-    sum->transmission += stats.rays.transmission;
-    sum->truncated_paths += stats.rays.truncated_paths;
+    pen_ray_counts_add(sum, &stats.rays);
     return ok;
 }
 

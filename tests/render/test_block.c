@@ -10,16 +10,6 @@
 
 static struct kit kit;
 
-static void add_counts(struct pen_ray_counts *sum, const struct pen_ray_counts *more)
-{
-    sum->primary += more->primary;
-    sum->shadow += more->shadow;
-    sum->reflection += more->reflection;
-    sum->transmission += more->transmission;
-    sum->dropped_samples += more->dropped_samples;
-    sum->truncated_paths += more->truncated_paths;
-}
-
 /* Renders the kit's scene as a whole, and pixel by pixel. */
 static void compare(const char *what)
 {
@@ -48,7 +38,7 @@ static void compare(const char *what)
             struct pen_ray_counts rays;
             double rgb[3];
             ck_assert(pen_render_pixel(scene, 0, settings, x, y, rgb, &rays, &st));
-            add_counts(&sum, &rays);
+            pen_ray_counts_add(&sum, &rays);
             for (int c = 0; c < 3; c++)
                 ck_assert_msg(got[c] == (float)rgb[c], "%s: pixel (%d, %d): %a, alone %a", what, x,
                               y, (double)got[c], rgb[c]);

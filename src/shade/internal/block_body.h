@@ -395,9 +395,7 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
         }
         const struct pen_vec3 zero = {0, 0, 0};
         c[i] = block_sum(b, i, zero);
-        counts->shadow += b->counts[i].shadow;
-        counts->reflection += b->counts[i].reflection;
-        counts->transmission += b->counts[i].transmission;
+        pen_ray_counts_add(counts, &b->counts[i]);
     }
 }
 
