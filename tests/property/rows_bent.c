@@ -197,7 +197,7 @@ static void judge_foot(const struct row_case *c, struct row_verdict *v)
         add_wall(&s, i);
     else {
         q = add_across(&s, front, c->arg[3] + 0x1p-50 * c->arg[2]);
-        s.near = s.near > 1e-5 ? s.near : 1e-5;
+        s.near = s.near > 1e-4 ? s.near : 1e-4; /* else the eye may be below the floor's middle */
     }
     if (is_too_fine(&s, q)) {
         row_skip(v);
