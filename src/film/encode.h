@@ -38,8 +38,30 @@ struct pen_png_options {
     const unsigned char *mask;
 };
 
-/* Appends a PNG file to `out`. Fails: PEN_NO_MEMORY, PEN_INTERNAL; `out` may then hold a part of
- * the file. */
+/* A PNG file whose rows are written as they are finished, from the top. Its bytes do not depend on
+ * how many rows are written at a time.
+ * Threads: one call at a time; each may come from another thread. */
+struct pen_png_writer;
+
+/* Begins a file, which is appended to `out`. The film's pixels, the mask and `out` must stay until
+ * pen_png_free; pixels are read when their row is written.
+ * Owns: free with pen_png_free, also to give up a file. Fails: NULL; PEN_NO_MEMORY. */
+struct pen_png_writer *pen_png_begin(const struct pen_film *film,
+                                     const struct pen_png_options *options, struct pen_buf *out,
+                                     struct pen_status *st);
+
+/* Writes the rows before row `end` that are not written yet. Errors are kept for pen_png_end. */
+void pen_png_rows(struct pen_png_writer *writer, int end);
+
+/* Writes the rest of the file. Fails: PEN_NO_MEMORY, PEN_INTERNAL, also if these happened before;
+ * `out` may then hold a part of the file. */
+bool pen_png_end(struct pen_png_writer *writer, struct pen_status *st);
+
+/* NULL is allowed. */
+void pen_png_free(struct pen_png_writer *writer);
+
+/* Appends a PNG file of a finished film to `out`. Fails: PEN_NO_MEMORY, PEN_INTERNAL; `out` may
+ * then hold a part of the file. */
 bool pen_png_write(const struct pen_film *film, const struct pen_png_options *options,
                    struct pen_buf *out, struct pen_status *st);
 
