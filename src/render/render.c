@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Renders a task. Threads take the next tile from a shared counter and write its pixels into the
- * image. As a pixel is a pure function of its position, the assignment of tiles to threads changes
- * only the time. Threads share nothing else, except that calls of tile_done take turns. */
+/* Renders a task. Threads take blocks of tiles from a queue and write their pixels into the image.
+ * As a pixel is a pure function of its position, which thread renders it changes only the time.
+ * Threads share nothing else, except that calls of tile_done and of rows_done take turns. */
 #include "render/render.h"
 
 #include <fenv.h>
@@ -14,6 +14,8 @@
 #include "base/clock.h"
 #include "base/thread_pool.h"
 #include "render/internal/counter.h"
+#include "render/internal/row_order.h"
+#include "render/internal/tile_queue.h"
 
 /* The work of one thread. Written by that thread alone; read by others when all are done. */
 struct thread_work {
@@ -29,9 +31,10 @@ struct run {
     const struct pen_render_task *task;
     struct pen_kernel_input input;
     const struct pen_kernel *kernel;
-    int end_tile;             /* the first tile after the task's */
-    atomic_int next_tile;     /* atomic: relaxed, because tiles share no data */
-    struct thread_work *work; /* by thread */
+    int end_tile; /* the first tile after the task's */
+    struct pen_tile_queue *queue;
+    struct pen_row_order *rows; /* NULL if the task does not request it */
+    struct thread_work *work;   /* by thread */
     int threads;
     double *tile_ms;           /* by tile, from first_tile on; NULL if not kept */
     pthread_mutex_t done_lock; /* one call of tile_done at a time */
@@ -92,27 +95,6 @@ static void render_block(const struct run *run, int thread, struct pen_rect bloc
     }
 }
 
-static int smaller(int a, int b)
-{
-    return a < b ? a : b;
-}
-
-/* Renders one tile, block by block; returns false if the task was cancelled meanwhile. */
-static bool render_tile(const struct run *run, int thread, struct pen_rect rect)
-{
-    for (int y = 0; y < rect.height; y += PEN_BLOCK_SIDE) {
-        for (int x = 0; x < rect.width; x += PEN_BLOCK_SIDE) {
-            const struct pen_rect block = {rect.x + x, rect.y + y,
-                                           smaller(rect.width - x, PEN_BLOCK_SIDE),
-                                           smaller(rect.height - y, PEN_BLOCK_SIDE)};
-            if (cancelled(run->task))
-                return false;
-            render_block(run, thread, block);
-        }
-    }
-    return true;
-}
-
 static void report_tile(struct run *run, struct pen_rect rect)
 {
     if (!run->task->tile_done)
@@ -122,27 +104,31 @@ static void report_tile(struct run *run, struct pen_rect rect)
     pthread_mutex_unlock(&run->done_lock);
 }
 
-static void render_tiles(void *user, int index)
+static void finish_tile(struct run *run, int tile, int64_t spent_ns)
+{
+    const struct pen_settings *settings = run->task->settings;
+    if (run->tile_ms)
+        run->tile_ms[tile - run->task->first_tile] = (double)spent_ns * 1e-6;
+    report_tile(run, pen_tile_rect(settings->width, settings->height, settings->tile, tile));
+}
+
+static void render_blocks(void *user, int index)
 {
     struct run *run = user;
     struct thread_work *work = &run->work[index];
-    const struct pen_settings *settings = run->task->settings;
-    int64_t cpu = thread_cpu_ns();
+    struct pen_tile_block block;
+    int64_t cpu = thread_cpu_ns(), tile_ns;
     work->begun_ns = work->done_ns = pen_clock_ns();
-    for (;;) {
-        int tile = atomic_fetch_add_explicit(&run->next_tile, 1, memory_order_relaxed);
-        if (tile >= run->end_tile)
-            break;
-        struct pen_rect rect =
-            pen_tile_rect(settings->width, settings->height, settings->tile, tile);
+    while (!cancelled(run->task) && pen_tile_queue_take(run->queue, index, &block)) {
         int64_t begun = pen_clock_ns();
-        if (!render_tile(run, index, rect))
-            break;
+        render_block(run, index, block.rect);
         work->done_ns = pen_clock_ns();
-        work->tiles++;
-        if (run->tile_ms)
-            run->tile_ms[tile - run->task->first_tile] = (double)(work->done_ns - begun) * 1e-6;
-        report_tile(run, rect);
+        if (pen_tile_queue_done(&block, work->done_ns - begun, &tile_ns)) {
+            work->tiles++;
+            finish_tile(run, block.tile, tile_ns);
+        }
+        if (run->rows)
+            pen_row_order_block_done(run->rows, block.rect);
     }
     work->cpu_ns = thread_cpu_ns() - cpu;
 }
@@ -163,12 +149,23 @@ static int sum_work(const struct run *run, struct pen_render_stats *stats)
             pen_counter_add(work->counter, &stats->tests);
     }
     stats->tests_counted = run->task->count_tests;
+    stats->done_ns = done;
     stats->render_ms = (double)(done - begun) * 1e-6;
     stats->cpu_ms = (double)cpu * 1e-6;
     stats->threads = run->threads;
     stats->kernel = run->kernel->name;
     stats->effects = run->input.effects;
     return tiles;
+}
+
+static bool make_queue(struct run *run, struct pen_status *st)
+{
+    const struct pen_render_task *task = run->task;
+    run->queue = pen_tile_queue_new(task->settings, task->first_tile, run->end_tile, run->threads);
+    if (task->rows_done)
+        run->rows = pen_row_order_new(task->settings, task->rows_done, task->rows_user);
+    return (run->queue && (run->rows || !task->rows_done)) ||
+           pen_fail(st, PEN_NO_MEMORY, "out of memory for the order of tiles");
 }
 
 static bool make_work(struct run *run, struct pen_status *st)
@@ -198,6 +195,8 @@ static void free_work(struct run *run)
         pen_counter_free(run->work[i].counter);
     }
     free(run->work);
+    pen_tile_queue_free(run->queue);
+    pen_row_order_free(run->rows);
 }
 
 static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_render_stats *stats,
@@ -209,9 +208,9 @@ static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_
         if (!run->tile_ms)
             return pen_fail(st, PEN_NO_MEMORY, "out of memory for the times of %d tiles", tiles);
     }
-    if (!make_work(run, st))
+    if (!make_queue(run, st) || !make_work(run, st))
         return false;
-    stats->float_resets = pen_thread_pool_run(pool, run->threads, render_tiles, run);
+    stats->float_resets = pen_thread_pool_run(pool, run->threads, render_blocks, run);
     stats->tile_count = (uint32_t)sum_work(run, stats);
     if (stats->tile_count < (uint32_t)tiles)
         return pen_fail(st, PEN_CANCELLED, "cancelled after %u of %d tiles", stats->tile_count,
@@ -221,14 +220,14 @@ static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_
 }
 
 /* The number of threads for a task: as the settings request (0: all of the pool), but no more than
- * the pool has or than there are tiles. */
-static int threads_for(const struct pen_thread_pool *pool, int requested, int tiles)
+ * the pool has or than there are blocks of pixels. */
+static int threads_for(const struct pen_thread_pool *pool, const struct pen_settings *settings,
+                       int first_tile, int end_tile)
 {
     int threads = pen_thread_pool_size(pool);
-    if (requested > 0 && requested < threads)
-        threads = requested;
-    if (tiles < threads)
-        threads = tiles;
+    if (settings->threads > 0 && settings->threads < threads)
+        threads = settings->threads;
+    threads = pen_tile_queue_threads(settings, first_tile, end_tile, threads);
     return threads > 1 ? threads : 1;
 }
 
@@ -247,10 +246,9 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
         .task = task,
         .input = kernel_input(task->scene, task->view, settings),
         .end_tile = first + count,
-        .threads = threads_for(pool, settings->threads, count),
+        .threads = threads_for(pool, settings, first, first + count),
         .done_lock = PTHREAD_MUTEX_INITIALIZER,
     };
-    atomic_init(&run.next_tile, first);
     run.kernel = pen_kernel_select(run.input.effects, pen_cpu_isa());
     bool ok = run_tiles(pool, &run, stats, st);
     free_work(&run);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Renders the pixels of a scene under given settings. The threads of a pool take tiles from a
- * shared counter. Every pixel is a pure function of its position, so the result has the same bits
- * for any number of threads and any tile size. */
+/* Renders the pixels of a scene under given settings. The threads of a pool take tiles, and in the
+ * end share the last ones. Every pixel is a pure function of its position, so the result has the
+ * same bits for any number of threads and any tile size. */
 #ifndef PEN_RENDER_RENDER_H
 #define PEN_RENDER_RENDER_H
 
@@ -22,8 +22,9 @@ struct pen_rect pen_tile_rect(int width, int height, int tile, int index);
 
 struct pen_render_stats {
     double render_ms; /* from the start of the first tile to the end of the last */
-    double cpu_ms;    /* processor time of the render threads */
-    int threads;      /* threads that took part: no more than there were tiles */
+    double cpu_ms;    /* processor time of the render threads, also of rows_done */
+    int64_t done_ns;  /* pen_clock_ns() at the end of the last tile */
+    int threads;      /* threads that took part: no more than there were blocks of pixels */
     int float_resets; /* of these, how many had a floating-point state that was not the default;
                        * expected 0 */
     struct pen_ray_counts rays;
@@ -31,11 +32,15 @@ struct pen_render_stats {
     struct pen_test_counts
         tests; /* of all rays; the tests per ray are this over the sum of `rays` */
     uint32_t tile_count;
-    double *tile_ms; /* tile_count values; NULL if the task does not request it, or failed.
+    double *tile_ms; /* tile_count values, the time that threads spent on each tile, added up if
+                      * several shared it; NULL if the task does not request it, or failed.
                       * Owns: the caller frees it with free(). */
     const char *kernel;
     unsigned effects;
 };
+
+/* Notes that the upper `rows` rows of the image are finished. */
+typedef void pen_render_rows_fn(void *user, int rows);
 
 /* One call renders some tiles of one view. */
 struct pen_render_task {
@@ -48,6 +53,11 @@ struct pen_render_task {
     /* Called after each tile from a render thread, one call at a time; may be NULL. */
     void (*tile_done)(void *user, struct pen_rect rect);
     void *user;
+    /* Called from a render thread each time that more rows are finished, with larger numbers each
+     * time and the last time with all rows; one call at a time, while the other threads render on.
+     * The task must have all tiles of the image. May be NULL. */
+    pen_render_rows_fn *rows_done;
+    void *rows_user;
     /* Called for each pixel, before the block of pixels that it is in, from the render thread with
      * the number `thread`, from 0 on; may be NULL. It lets a caller follow the progress, and must
      * not affect the picture. */
