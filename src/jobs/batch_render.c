@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Rendering tiles, and assembling the picture of a view:
- *   - A view of one batch: the worker that renders it encodes the picture from its own pixels, and
- *     commits both in one transaction.
+ *   - A view of one batch: the worker that renders it encodes the rows of the picture as they are
+ *     finished, and commits pixels and picture in one transaction.
  *   - A view of several batches: after the last of them, an assemble batch reads the committed
  *     pixels and encodes the picture. */
 #include "jobs/internal/batch.h"
@@ -48,19 +48,42 @@ static struct pen_film film_of(const struct pen_batch_context *context)
                              .rgb = context->image};
 }
 
-/* Encodes the context's image as the picture of the batch's view. */
-static bool encode(struct pen_batch_context *context, struct pen_batch_output *output,
-                   double *encode_ms, struct pen_status *st)
+/* Puts the encoded picture into the output's result. */
+static void set_picture(struct pen_batch_output *output)
 {
-    struct pen_film film = film_of(context);
-    int64_t begin_ns = pen_clock_ns();
-    if (!pen_view_encode(&film, &context->request.settings, "png", &output->artefact, st))
-        return false;
     output->result.layer = "beauty";
     output->result.format = "png";
     output->result.artefact = output->artefact.data;
     output->result.artefact_bytes = output->artefact.bytes;
-    *encode_ms = ms_since(begin_ns);
+}
+
+/* Begins the picture of the batch's view, if the batch has all of its tiles. */
+static bool begin_picture(struct pen_batch_context *context, const struct pen_claim *claim,
+                          struct pen_batch_output *output, struct pen_status *st)
+{
+    struct pen_film film = film_of(context);
+    if (claim->view_batches > 1)
+        return true;
+    context->picture = pen_view_png_begin(&film, &context->request.settings, &output->artefact, st);
+    return context->picture != NULL;
+}
+
+static void encode_rows(void *user, int rows)
+{
+    struct pen_batch_context *context = user;
+    pen_png_rows(context->picture, rows);
+}
+
+/* Ends the picture, if the batch has one; the last tile was done at done_ns. */
+static bool end_picture(struct pen_batch_context *context, struct pen_batch_output *output,
+                        int64_t done_ns, double *encode_ms, struct pen_status *st)
+{
+    if (!context->picture)
+        return true;
+    if (!pen_png_end(context->picture, st))
+        return false;
+    set_picture(output);
+    *encode_ms = ms_since(done_ns);
     return true;
 }
 
@@ -102,6 +125,8 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .cancel = pen_heartbeat_cancel_flag(context->heart),
                                    .tile_done = pen_pixel_compressor_tile_done,
                                    .user = context->compressor,
+                                   .rows_done = context->picture ? encode_rows : NULL,
+                                   .rows_user = context,
                                    .pixel_begins = pen_batch_pixel_hook(context),
                                    .pixel_user = context,
                                    /* After a crash, the next tells at which pixel it happens. */
@@ -139,8 +164,8 @@ static void warn_of_dropped(const struct pen_claim *claim, const struct pen_ray_
         pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
 }
 
-bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim *claim,
-                      struct pen_batch_output *output, struct pen_status *st)
+static bool render(struct pen_batch_context *context, const struct pen_claim *claim,
+                   struct pen_batch_output *output, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     struct pen_scene_times times;
@@ -148,17 +173,20 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
     struct pen_scene_precision precision;
     const struct pen_scene *scene = pen_scene_cache_get(
         context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
-    if (!scene || !reserve_image(context, st) || !run_tiles(context, claim, scene, &stats, st))
+    if (!scene || !reserve_image(context, st) || !begin_picture(context, claim, output, st) ||
+        !run_tiles(context, claim, scene, &stats, st))
         return false;
+    double encode_ms = 0;
+    bool ok = end_picture(context, output, stats.done_ns, &encode_ms, st);
     output->result.pixels = claim->pixels;
     warn_of_dropped(claim, &stats.rays);
     struct pen_stats_input in = {.parse_ms = times.parse_ms,
                                  .build_ms = times.build_ms,
+                                 .encode_ms = encode_ms,
                                  .render = &stats,
                                  .accel = pen_accel_get_stats(scene->accel)};
     if (find_precision(context, claim, scene, &precision))
         in.precision = &precision;
-    bool ok = claim->view_batches > 1 || encode(context, output, &in.encode_ms, st);
     if (ok)
         ok = take_compressed(context, output, st);
     else
@@ -170,11 +198,19 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
     return ok && pen_batch_write_stats(context, json, output, st);
 }
 
+bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim *claim,
+                      struct pen_batch_output *output, struct pen_status *st)
+{
+    bool ok = render(context, claim, output, st);
+    pen_png_free(context->picture);
+    context->picture = NULL;
+    return ok;
+}
+
 bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
                         struct pen_batch_output *output, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
-    double encode_ms = 0;
     int64_t filled = 0;
     if (!reserve_image(context, st))
         return false;
@@ -186,8 +222,10 @@ bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_clai
     if (ok && filled != (int64_t)s->width * s->height)
         ok =
             pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", claim->job_id, claim->view);
-    ok = ok && encode(context, output, &encode_ms, st);
-    return ok && pen_batch_write_stats(
-                     context, json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms)),
-                     output, st);
+    begin_ns = pen_clock_ns();
+    if (!ok || !pen_view_encode(&film, s, "png", &output->artefact, st))
+        return false;
+    set_picture(output);
+    json_t *stats = json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(ms_since(begin_ns)));
+    return pen_batch_write_stats(context, stats, output, st);
 }

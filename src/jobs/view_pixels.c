@@ -100,11 +100,23 @@ enum pen_transfer pen_view_transfer(const struct pen_settings *settings)
     return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
 }
 
+static struct pen_png_options png_options(const struct pen_settings *settings, int bits)
+{
+    return (struct pen_png_options){.bits = bits, .transfer = pen_view_transfer(settings)};
+}
+
+struct pen_png_writer *pen_view_png_begin(const struct pen_film *film,
+                                          const struct pen_settings *settings, struct pen_buf *out,
+                                          struct pen_status *st)
+{
+    struct pen_png_options options = png_options(settings, 8);
+    return pen_png_begin(film, &options, out, st);
+}
+
 bool pen_view_encode(const struct pen_film *film, const struct pen_settings *settings,
                      const char *format, struct pen_buf *out, struct pen_status *st)
 {
-    struct pen_png_options options = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
-                                      .transfer = pen_view_transfer(settings)};
+    struct pen_png_options options = png_options(settings, strcmp(format, "png16") == 0 ? 16 : 8);
     if (strcmp(format, "pfm") == 0)
         return pen_pfm_write(film, out, st);
     return pen_png_write(film, &options, out, st);

@@ -99,9 +99,18 @@ check "it equals the scene's file" sh -c "'$penumbra' render '$root/scenes/spher
 for threads in 1 2 3 8; do
     "$penumbra" render scene.json -o t.pfm --threads $threads
     check "$threads threads give the same bytes" cmp t.pfm a.pfm
+    "$penumbra" render scene.json -o t.png --threads $threads --set tile=$((3 * threads))
+    check "$threads threads and other tiles give the same PNG" cmp t.png a.png
+    "$penumbra" render scene.json -o t.png --threads $threads --format png16 --set tile=$((5 * threads))
+    check "$threads threads and other tiles give the same PNG of 16 bits" cmp t.png deep.png
 done
 "$penumbra" render scene.json -o t.pfm --set tile=7 --set accelerator=none
 check "other tiles and no accelerator give the same bytes" cmp t.pfm a.pfm
+
+# Rows are encoded while others are rendered, but a file is written only when all are
+timeout 0.5 "$penumbra" render scene.json -o stopped.png --set samples_per_pixel=100000 --set tile=1 >output 2>&1
+expect "a render that is stopped" $? 124
+expect "leaves no file" "$(echo stopped.png*)" "stopped.png*"
 
 # Settings, views, statistics
 exits "--set" 0 "$penumbra" render scene.json -o small.pfm --set width=20 --set height=8e0

@@ -78,6 +78,7 @@ struct render {
     struct pen_film *film;
     struct pen_render_stats stats;
     struct pen_buf encoded;
+    struct pen_output picture; /* its bytes are `encoded` */
     double build_ms, encode_ms, total_ms;
     struct pen_progress progress;
     int tiles, tiles_done;
@@ -171,7 +172,9 @@ static bool render_view(struct render *r, struct pen_status *st)
 {
     const struct pen_settings *settings = &r->input.desc.settings;
     if (!(r->film = pen_film_new(settings->width, settings->height, st)) ||
-        !(r->pool = pen_thread_pool_new(r->values->threads, st)))
+        !(r->pool = pen_thread_pool_new(r->values->threads, st)) ||
+        (r->format &&
+         !pen_output_begin(&r->picture, r->format, r->film, settings, &r->encoded, st)))
         return false;
     r->tiles = pen_tile_count(settings->width, settings->height, settings->tile);
     struct pen_render_task task = {.scene = r->scene,
@@ -181,6 +184,8 @@ static bool render_view(struct render *r, struct pen_status *st)
                                    .rgb = r->film->rgb,
                                    .tile_done = tile_done,
                                    .user = r,
+                                   .rows_done = r->format ? pen_output_rows : NULL,
+                                   .rows_user = &r->picture,
                                    .keep_tile_ms = true};
     pen_progress_begin(&r->progress, r->input.source.label, r->values->quiet);
     bool ok = pen_render_run(r->pool, &task, &r->stats, st);
@@ -202,10 +207,9 @@ static void warn_truncated(const struct render *r)
 
 static bool write_picture(struct render *r, struct pen_status *st)
 {
-    int64_t start = pen_clock_ns();
-    if (!pen_output_encode(r->format, r->film, &r->input.desc.settings, &r->encoded, st))
+    if (!pen_output_end(&r->picture, st))
         return false;
-    r->encode_ms = ms_since(start);
+    r->encode_ms = ms_since(r->stats.done_ns);
     return pen_file_write(r->values->output, r->encoded.data, r->encoded.bytes, st);
 }
 
@@ -284,6 +288,7 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
 static void release(struct render *r)
 {
     free(r->stats.tile_ms);
+    pen_output_release(&r->picture);
     pen_film_free(r->film);
     pen_buf_release(&r->encoded);
     pen_thread_pool_free(r->pool);

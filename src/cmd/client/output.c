@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "cmd/files.h"
-#include "film/encode.h"
 #include "study/report.h"
 
 const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
@@ -67,15 +66,36 @@ static enum pen_transfer transfer_of(const struct pen_settings *settings)
     return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
 }
 
-bool pen_output_encode(const char *format, const struct pen_film *film,
-                       const struct pen_settings *settings, struct pen_buf *out,
-                       struct pen_status *st)
+bool pen_output_begin(struct pen_output *output, const char *format, const struct pen_film *film,
+                      const struct pen_settings *settings, struct pen_buf *out,
+                      struct pen_status *st)
 {
-    if (strcmp(format, "pfm") == 0)
-        return pen_pfm_write(film, out, st);
     struct pen_png_options options = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
                                       .transfer = transfer_of(settings)};
-    return pen_png_write(film, &options, out, st);
+    *output = (struct pen_output){.film = film, .out = out};
+    if (strcmp(format, "pfm") == 0)
+        return true;
+    output->png = pen_png_begin(film, &options, out, st);
+    return output->png != NULL;
+}
+
+void pen_output_rows(void *output, int rows)
+{
+    struct pen_output *o = output;
+    if (o->png)
+        pen_png_rows(o->png, rows);
+}
+
+bool pen_output_end(struct pen_output *output, struct pen_status *st)
+{
+    return output->png ? pen_png_end(output->png, st)
+                       : pen_pfm_write(output->film, output->out, st);
+}
+
+void pen_output_release(struct pen_output *output)
+{
+    pen_png_free(output->png);
+    output->png = NULL;
 }
 
 void pen_output_pixel(const float rgb[3], const struct pen_settings *settings, int png8[3],

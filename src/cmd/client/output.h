@@ -8,6 +8,7 @@
 
 #include "base/buf.h"
 #include "base/status.h"
+#include "film/encode.h"
 #include "film/film.h"
 #include "scene/settings.h"
 
@@ -27,10 +28,26 @@ const char *pen_output_report_format(const char *path, const char *format, struc
 /* Refuses every layer that is not supported yet. Fails: PEN_UNSUPPORTED. */
 bool pen_output_layer_check(const char *layer, struct pen_status *st);
 
-/* Appends the bytes of a picture file to `out`. `format` is one of pen_output_formats. */
-bool pen_output_encode(const char *format, const struct pen_film *film,
-                       const struct pen_settings *settings, struct pen_buf *out,
-                       struct pen_status *st);
+/* A picture file whose rows are encoded as they are finished. The bytes are appended to `out`,
+ * which stays with the film until pen_output_release. */
+struct pen_output {
+    const struct pen_film *film;
+    struct pen_buf *out;
+    struct pen_png_writer *png; /* NULL for PFM, whose rows begin at the bottom */
+};
+
+/* Begins a file; `format` is one of pen_output_formats. Owns: release *output with
+ * pen_output_release. Fails: PEN_NO_MEMORY. */
+bool pen_output_begin(struct pen_output *output, const char *format, const struct pen_film *film,
+                      const struct pen_settings *settings, struct pen_buf *out,
+                      struct pen_status *st);
+
+/* rows_done of a pen_render_task, whose rows_user is the output. */
+void pen_output_rows(void *output, int rows);
+
+/* Encodes what is left of the file. Fails: as pen_png_end. */
+bool pen_output_end(struct pen_output *output, struct pen_status *st);
+void pen_output_release(struct pen_output *output);
 
 /* The values of one pixel of the film in the 8- and 16-bit formats. */
 void pen_output_pixel(const float rgb[3], const struct pen_settings *settings, int png8[3],

@@ -5,6 +5,7 @@
 #ifndef PEN_JOBS_INTERNAL_BATCH_CONTEXT_H
 #define PEN_JOBS_INTERNAL_BATCH_CONTEXT_H
 
+#include "film/encode.h"
 #include "jobs/internal/heartbeat.h"
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/pixel_compressor.h"
@@ -24,10 +25,11 @@ struct pen_batch_context {
     atomic_bool exhausted;                /* atomic: relaxed; the fault has failed a pixel */
     char job_id[PEN_ID_BYTES];            /* the job of `request`, "" if there is none */
     struct pen_stored_request request;
-    float *image;        /* pixels of the view being rendered, by rows */
-    size_t image_pixels; /* capacity of image, in pixels */
-    double store_ms;     /* time spent waiting for the store and for compression; not in the job's
-                            statistics yet */
+    float *image;                   /* pixels of the view being rendered, by rows */
+    size_t image_pixels;            /* capacity of image, in pixels */
+    struct pen_png_writer *picture; /* of the view being rendered, from `image`; else NULL */
+    double store_ms; /* time spent waiting for the store and for compression; not in the job's
+                        statistics yet */
 };
 
 /* A finished batch; its pixels stay in the context. Owns: release it. */

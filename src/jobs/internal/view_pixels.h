@@ -26,6 +26,12 @@ bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
 /* The transfer function of the settings. */
 enum pen_transfer pen_view_transfer(const struct pen_settings *settings);
 
+/* Begins the PNG of a film whose rows are not finished yet, with the bytes of pen_view_encode. Owns
+ * and fails: as pen_png_begin. */
+struct pen_png_writer *pen_view_png_begin(const struct pen_film *film,
+                                          const struct pen_settings *settings, struct pen_buf *out,
+                                          struct pen_status *st);
+
 /* Encodes a film as png, png16 or pfm. Owns: release *out. Fails: PEN_NO_MEMORY. */
 bool pen_view_encode(const struct pen_film *film, const struct pen_settings *settings,
                      const char *format, struct pen_buf *out, struct pen_status *st);
