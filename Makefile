@@ -255,11 +255,30 @@ $(FAULTS): tests/faults/preload.c
 	$(Q)$(CC) $(CPP) $(OPT) $(WARN) -std=c11 -fPIC -shared -o $@ $< -ldl
 
 # Benchmarks, one program each. The tests build them, so that they keep compiling, but do not run them.
+BENCH_SCENES := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/bench/scenes/*.c)))
+$(BENCH_SCENES): EXTRA := -Itests
+$(BUILD)/tests/bench/make_scene: BENCH_OBJ := $(BENCH_SCENES)
+$(BUILD)/tests/bench/make_scene: $(BENCH_SCENES)
 $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/librender.a
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)
-	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< $(BUILD)/libservice.a \
+	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< $(BENCH_OBJ) $(BUILD)/libservice.a \
 	    $(BUILD)/librender.a $(PKG_LIBS)
+
+# Whole programs by the clock, against POV-Ray where it is installed: tests/bench/README.md has the
+# variables. SCENES="NAME…" takes only these.
+.PHONY: bench-frames bench-compare bench-growth
+bench-frames: all $(BENCHES)
+	@sh tests/bench/frames.sh $(BUILD)
+
+# This tree against revision BASE, which is built in a worktree below BUILD.
+bench-compare: all $(BENCHES)
+	$(if $(BASE),,$(error say BASE=revision))
+	@sh tests/bench/compare.sh $(BUILD) $(BASE)
+
+# A chart of how cost grows with primitives, pixels, lights, samples and threads.
+bench-growth: all $(BENCHES)
+	@sh tests/bench/growth.sh $(BUILD)
 
 # The table of accelerators and threads, see tests/bench/table.sh: some minutes.
 .PHONY: table
@@ -353,6 +372,6 @@ uninstall:
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan $(BUILD)-fuzz
 
--include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) \
+-include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) $(BENCH_SCENES:.o=.d) \
     $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d) $(BUILD)/tests/property/main_films.d
 -include $(CLIENT_OBJ:.o=.d) $(DAEMON_OBJ:.o=.d)
