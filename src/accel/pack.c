@@ -276,28 +276,6 @@ static double largest_scale(const struct pen_tree_layout *layout)
     return largest;
 }
 
-/* The boxes of finite primitives, for ray packets. */
-static bool pack_boxes(const struct pen_tree_layout *layout, struct pen_arena *arena,
-                       struct pen_accel *accel)
-{
-    struct pen_float_box *box =
-        pen_arena_alloc(arena, (size_t)layout->count + layout->infinite, sizeof *box);
-    if (!box)
-        return false;
-    for (uint32_t i = 0; i < layout->count; i++) {
-        const struct pen_ref *ref = &layout->ref[i];
-        for (int axis = 0; axis < 3; axis++) {
-            box[ref->prim].lo[axis] = ref->lo[axis];
-            box[ref->prim].hi[axis] = ref->hi[axis];
-            double lo = fabs((double)ref->lo[axis]), hi = fabs((double)ref->hi[axis]);
-            accel->extent = lo > accel->extent ? lo : accel->extent;
-            accel->extent = hi > accel->extent ? hi : accel->extent;
-        }
-    }
-    accel->prim_box = box;
-    return true;
-}
-
 bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
                     struct pen_accel *accel)
 {
@@ -332,5 +310,5 @@ bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *aren
     accel->stats.nodes = layout->shape == PEN_SHAPE_LISTS ? layout->lists : layout->nodes.count;
     accel->stats.leaves = layout->leaves.count;
     accel->stats.depth = layout->depth;
-    return ok && (layout->shape != PEN_SHAPE_WIDE || pack_boxes(layout, arena, accel));
+    return ok && (layout->shape != PEN_SHAPE_WIDE || pen_accel_pack_boxes(layout, arena, accel));
 }

@@ -299,5 +299,24 @@ START_TEST(test_accel__ray_packets_in_rooms)
 }
 END_TEST
 
+/* Outlines with one corner on an edge of a square, or pressed in by so little that they are nearly
+ * convex. */
+START_TEST(test_accel__ray_packets_at_nearly_convex_outlines)
+{
+    struct random r = random_begin(304);
+    for (int i = 0; i < random_cases(60); i++) {
+        const double z = random_in(&r, -1, 1), in = exp2(random_in(&r, -45, -30));
+        const struct pen_vec3 v[5] = {pen_vec3(-1, -1, z), pen_vec3(0, i & 1 ? in - 1 : -1, z),
+                                      pen_vec3(1, -1, z), pen_vec3(1, 1, z), pen_vec3(-1, 1, z)};
+        world_clear(&world);
+        world_polygon(&world, v, 5);
+        see_through[0] = i & 2;
+        each_isa(&r, pen_vec3(random_in(&r, -2, 2), random_in(&r, -2, 2), random_in(&r, -9, 9)),
+                 pen_vec3(0, -1, z));
+    }
+}
+END_TEST
+
 PEN_SUITE("ray_packet", test_accel__ray_packets_in_random_scenes,
-          test_accel__ray_packets_on_a_lattice, test_accel__ray_packets_in_rooms)
+          test_accel__ray_packets_on_a_lattice, test_accel__ray_packets_in_rooms,
+          test_accel__ray_packets_at_nearly_convex_outlines)

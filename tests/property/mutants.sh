@@ -32,7 +32,7 @@ cp -a Makefile src "$dir/control"
 [ -n "$edits" ] || {
     cp -a include scenes api deploy "$dir/control"
     mkdir "$dir/control/tests"
-    cp -a tests/property tests/support tests/golden "$dir/control/tests"
+    cp -a tests/property tests/support tests/golden tests/accel "$dir/control/tests"
     (cd "$dir/control" && $make -s -j"${JOBS:-$(nproc)}" $stability $films) >"$dir/control.log" 2>&1 || {
         tail -n 20 "$dir/control.log"
         echo "mutants: the source as it is does not build" >&2
@@ -129,6 +129,21 @@ judge() {
         "$(printf '%s' "$found" | jq -r '"\(.failures) of \(.cases) cases" +
             (if .crashed > 0 then ", ended by a signal" else "" end) +
             (if .why != "" then ": " + .why else "" end)')"
+}
+
+# judge_test: the unit test that the row names must fail.
+judge_test() {
+    build_mutant "build/tests/$row"
+    [ -z "$skip" ] || return
+    (cd "$dir/control" && $make -s "build/tests/$row" && "build/tests/$row") >"$dir/control.out" 2>&1 || {
+        wrong "$row does not pass without it"
+        return
+    }
+    if (cd "$dir/$name" && timeout 300 "build/tests/$row") >"$dir/$name.out" 2>&1; then
+        verdict no "passes"
+    else
+        verdict yes "$(grep -m1 -E '^[0-9]+%' "$dir/$name.out")"
+    fi
 }
 
 # Compares the accumulators of all golden films, which a film of floats would hide, with ours.
@@ -405,12 +420,32 @@ edit src/accel/internal/ray_packet_query.h 1 's/ margin = 0x1p-18 \* most \+ / m
 judge
 
 mutant packet_border rooms_same 20000 "in a packet, the line decides whether a ray passes a border near its start"
-edit src/accel/internal/ray_group_test.h 1 's/^    const unsigned ask = live & \(w\.ties \| w\.border\);$/    const unsigned ask = live \& w.ties;/'
+edit src/accel/internal/ray_group_outline.h 1 's/^    const unsigned ask = unsure & \(w\.ties \| w\.border\);$/    const unsigned ask = unsure \& w.ties;/'
 judge
 
 mutant packet_light rooms_same 20000 "a packet counts the surface that contains the light"
 edit src/accel/internal/ray_packet_query.h 1 's/^    if \(!g->to_point \|\| !group_light_on\(g, prim\)\) \{$/    if (true) {/'
 judge
+
+mutant outline_distance accel/test_ray_packet 0 "the sides of edges that rays pass are computed exactly"
+edit src/accel/internal/ray_packet_query.h 1 's/0x1p-44 \* x \+/0 * x +/'
+judge_test
+
+mutant outline_concurrent accel/test_ray_packet 0 "rays to a light pass exactly through it"
+edit src/accel/internal/ray_packet_query.h 1 's/\(g->concurrent \? 3 \* most : 0\)/0/'
+judge_test
+
+mutant outline_convex accel/test_ray_packet 0 "an outline is convex exactly, or not at all"
+edit src/accel/internal/ray_group_outline.h 1 's/0x1p-35 \* outline->extent/0/'
+judge_test
+
+mutant outline_reflex accel/test_ray_packet 0 "all outlines are convex"
+edit src/accel/pack_boxes.c 1 's/^            if \(!\(left >= -tolerance .*$/            if (false)/'
+judge_test
+
+mutant outline_border accel/test_ray_packet 0 "the line decides whether a ray that starts near a border passes outside"
+edit src/accel/internal/ray_group_outline.h 1 's/\(near \? 32 \* g->most_slack : 0\)/0/'
+judge_test
 
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'

@@ -12,6 +12,15 @@
 /* Rays are tested in parts of so many, each with a beam of its own. */
 enum { GROUP_PART = 16 };
 
+/* The corners of a range of slopes. */
+enum { GROUP_CORNERS = 4 };
+
+/* Rays that start on one primitive. */
+struct group_own {
+    uint32_t prim;
+    uint64_t rays;
+};
+
 /* Arrays are by ray; rays beyond `count` up to a multiple of LANES repeat the first one. Axes of
  * vectors are in the rays' own order, pen_permuted. */
 struct ray_group {
@@ -26,10 +35,19 @@ struct ray_group {
     const struct pen_origin_surface *origin[PEN_RAY_PACKET_MAX];
     struct pen_shadow *query[PEN_RAY_PACKET_MAX];
     struct pen_hit after[PEN_RAY_PACKET_MAX], best[PEN_RAY_PACKET_MAX];
-    struct pen_vec3 light; /* where rays to a point end */
-    double light_bound;    /* what is farther from the light does not contain it */
-    double grow;           /* the self-intersection rule reaches no farther than this */
+    int own_count;
+    struct group_own own[PEN_RAY_PACKET_MAX]; /* by the primitives that rays start on */
+    struct pen_vec3 light;                    /* where rays to a point end */
+    double light_bound; /* what is farther from the light does not contain it */
+    double grow;        /* the self-intersection rule reaches no farther than this */
     struct pen_box origins;
+    /* For tests of outlines, see ray_group_outline.h: the point C, r x S, whether that vanishes,
+     * and the corners of the range of slopes. edge_distance is 0 if numbers may underflow. */
+    struct pen_vec3 middle;
+    bool concurrent;
+    double edge_distance, most_slack;
+    double corner[2][GROUP_CORNERS];
+    double moment[3][PEN_RAY_PACKET_MAX];
     struct beam beam, part[PEN_RAY_PACKET_MAX / GROUP_PART];
     double o[3][PEN_RAY_PACKET_MAX], d[3][PEN_RAY_PACKET_MAX];
     double sx[PEN_RAY_PACKET_MAX], sy[PEN_RAY_PACKET_MAX], inv_dd[PEN_RAY_PACKET_MAX];
@@ -64,13 +82,62 @@ static inline unsigned group_live(const struct ray_group *g, int i)
     return (unsigned)(g->live >> i) & LANES_ALL;
 }
 
-/* Of the rays from i on, a bit for each that starts on the primitive. */
-static inline unsigned group_own(const struct ray_group *g, int i, uint32_t prim)
+/* Notes that ray i starts on a primitive. Neighbours often start on the same. */
+static inline void group_add_own(struct ray_group *g, int i, uint32_t prim)
 {
-    unsigned own = 0;
-    for (int lane = 0; lane < LANES && i + lane < g->count; lane++)
-        own |= (unsigned)(g->origin[i + lane]->prim == prim) << lane;
-    return own;
+    int k = g->own_count;
+    while (k > 0 && g->own[k - 1].prim != prim)
+        k--;
+    if (k == 0) {
+        k = ++g->own_count;
+        g->own[k - 1].prim = prim;
+        g->own[k - 1].rays = 0;
+    }
+    g->own[k - 1].rays |= UINT64_C(1) << i;
+}
+
+/* The rays that start on the primitive. */
+static inline uint64_t group_own(const struct ray_group *g, uint32_t prim)
+{
+    for (int k = 0; k < g->own_count; k++)
+        if (g->own[k].prim == prim)
+            return g->own[k].rays;
+    return 0;
+}
+
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* What a test knows of its primitive. */
+struct group_prim {
+    uint32_t prim;
+    uint64_t rays;    /* the others surely miss it */
+    uint64_t own;     /* those that start on it */
+    bool near;        /* the origin of some ray may be on it, or on its border */
+    bool see_through; /* a shadow ray passes through it */
+    float depth;      /* no ray meets it at a smaller depth: beam_enters */
+};
+
+/* Of the rays from i on, those that start on the primitive. */
+static inline unsigned group_starts_on(int i, const struct group_prim *q)
+{
+    return (unsigned)(q->own >> i) & LANES_ALL;
+}
+
+/* Of the rays from i on, whether some may still meet what lies at this depth or beyond. */
+static inline bool group_reaches(const struct ray_group *g, int i, double depth)
+{
+    const lanes most = lanes_load(g->tmax + i) * lanes_abs(lanes_load(g->d[2] + i));
+    return lane_mask_bits(lanes_at_most(lanes_splat(depth), lanes_splat(1.0000001) * most));
+}
+
+/* Of the rays from i on, those that are to be tested against the primitive. */
+static inline unsigned group_waits(const struct ray_group *g, int i, const struct group_prim *q)
+{
+    const unsigned live = (unsigned)((g->live & q->rays) >> i) & LANES_ALL;
+    return live && q->depth > 0 && !group_reaches(g, i, (double)q->depth) ? 0 : live;
 }
 
 /* The scalar test of one ray. `near`: its origin may be on the primitive's border. */

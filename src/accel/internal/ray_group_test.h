@@ -8,22 +8,7 @@
 #ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_TEST_H
 #define PEN_ACCEL_INTERNAL_RAY_GROUP_TEST_H
 
-#include "accel/internal/ray_group.h"
-
-/* What a test knows of its primitive. */
-struct group_prim {
-    uint32_t prim;
-    uint64_t rays;    /* the others surely miss it */
-    bool near;        /* the origin of some ray may be on it, or on its border */
-    bool see_through; /* a shadow ray passes through it */
-    float depth;      /* no ray meets it at a smaller depth: beam_enters */
-};
-
-/* Of the rays from i on, those that start on the primitive. */
-static inline unsigned group_starts_on(const struct ray_group *g, int i, const struct group_prim *q)
-{
-    return q->near ? group_own(g, i, q->prim) : 0;
-}
+#include "accel/internal/ray_group_outline.h"
 
 /* pen_difference_error3 */
 static inline struct lanes3 lanes3_difference_error(struct lanes3 a, struct lanes3 b,
@@ -69,7 +54,7 @@ static inline void group_test_sphere_at(struct ray_group *g, int i, const struct
     const lanes rest = -lanes3_dot(l, d) * inv_dd, h = lanes_sqrt(disc * inv_dd);
     const lanes t0 = tp + (rest - h), t1 = tp + (rest + h);
     if (q->near) {
-        const unsigned own = live & group_own(g, i, q->prim);
+        const unsigned own = live & group_starts_on(i, q);
         const lanes bound = lanes_load(g->bound + i), r = lanes_splat(s->r);
         const lanes slack = lanes_splat(4) * r * (bound + lanes_splat(8 * PEN_U) * r);
         live &= ~(own & lanes_outward(lanes3_dot(f, d), f, d));
@@ -82,127 +67,11 @@ static inline void group_test_sphere_at(struct ray_group *g, int i, const struct
     group_ask_all(g, i, ask, q->prim, true);
 }
 
-/* pen_shear */
-static inline struct lanes3 group_shear(const struct ray_group *g, int i, struct pen_vec3 v)
-{
-    struct lanes3 f = lanes3_sub(group_splat(g, v), group_origin(g, i));
-    f.x = f.x - lanes_load(g->sx + i) * f.z;
-    f.y = f.y - lanes_load(g->sy + i) * f.z;
-    return f;
-}
-
-/* What a line is to an outline. */
-struct lanes_winding {
-    unsigned inside; /* right except in `ties` */
-    unsigned ties;   /* two products round to the same number: their order is not known */
-    unsigned border; /* a superset of those whose origin is on the border */
-};
-
-/* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
- * space the shear at most doubles distances across the ray. An edge that is a single point there
- * has a neighbour that is not, and that passes as near. */
-static inline unsigned edge_passes_origins(const struct ray_group *g, int i, struct lanes3 a,
-                                           struct lanes3 b)
-{
-    const lanes size = lanes_abs(b.x - a.x) + lanes_abs(b.y - a.y);
-    const lanes slack = lanes_splat(16) * lanes_load(g->slack + i);
-    return lane_mask_bits(lanes_less(lanes_abs(a.x * b.y - a.y * b.x), slack * size));
-}
-
-/* pen_polygon_entered, pen_triangle_entered. Two products that round to different numbers are in
- * that order too before rounding. */
-static inline struct lanes_winding
-group_winding(const struct ray_group *g, int i, const struct pen_vec3 *v, uint32_t count, bool near)
-{
-    const lanes zero = lanes_splat(0), one = lanes_splat(1);
-    struct lanes_winding w = {0, 0, 0};
-    lanes winding = zero;
-    struct lanes3 a = group_shear(g, i, v[count - 1]);
-    lane_mask a_low = lanes_at_most(a.y, zero);
-    for (uint32_t k = 0; k < count; k++) {
-        const struct lanes3 b = group_shear(g, i, v[k]);
-        const lane_mask b_low = lanes_at_most(b.y, zero), passes = a_low ^ b_low;
-        if (lane_mask_bits(passes)) {
-            const lanes x = a.x * b.y, y = a.y * b.x;
-            /* On the right: x > y for an upward edge, x < y for a downward one. */
-            const lane_mask right = passes & lane_mask_not(lanes_less(y, x) ^ a_low);
-            w.ties |= lane_mask_bits(passes & lanes_equal(x, y));
-            winding = winding + lanes_select(right, lanes_select(a_low, one, -one), zero);
-        }
-        if (near)
-            w.border |= edge_passes_origins(g, i, a, b);
-        a = b;
-        a_low = b_low;
-    }
-    w.inside = LANES_ALL & ~lane_mask_bits(lanes_equal(winding, zero));
-    return w;
-}
-
-/* pen_facet_root, where it is not grazing. */
-static inline lanes group_facet_root(const struct ray_group *g, int i,
-                                     const struct pen_facet *facet)
-{
-    const struct lanes3 o = group_origin(g, i), d = group_direction(g, i);
-    const struct lanes3 n = group_splat(g, facet->g), low = group_splat(g, facet->g_low);
-    const struct lanes3 minus = {-n.x, -n.y, -n.z};
-    const lanes along = lanes3_dot2_plus(lanes_splat(0), n, d, lanes3_dot(low, d));
-    return lanes3_dot2_plus(lanes_splat(facet->c), minus, o,
-                            lanes_splat(facet->c_low) - lanes3_dot(low, o)) /
-           along;
-}
-
-/* As offer_outline, for lanes that pass inside. */
-static inline void group_offer_facet(struct ray_group *g, int i, unsigned inside,
-                                     const struct pen_facet *facet, const struct group_prim *q)
-{
-    const struct lanes3 o = group_origin(g, i), d = group_direction(g, i),
-                        n = group_splat(g, facet->g);
-    const lanes above = lanes_splat(facet->c) - lanes3_dot(n, o), along = lanes3_dot(n, d);
-    const lanes size = lanes_splat(fabs(facet->c)) + lanes3_norm1(o);
-    const lanes t = above / along, tmax = lanes_load(g->tmax + i);
-    const lanes bound = lanes_load(g->bound + i), near_sq = lanes_load(g->near_sq + i);
-    const lanes slack = lanes_splat(2) * bound + lanes_splat(16 * PEN_U * g->accel->scale);
-    const lanes more = lanes_splat(1.0000001), dn = lanes3_dot(d, group_splat(g, facet->n));
-    /* pen_facet_root_roughly is sure, starts_off, and beyond the rule's reach. */
-    unsigned sure = lane_mask_bits(
-        lanes_at_most(lanes_splat(0x1p-16) * size, lanes_abs(above)) &
-        lanes_at_most(lanes_splat(2 * facet->grazing) * lanes_abs(d.z), lanes_abs(along)));
-    if (g->from_surface)
-        sure &= lane_mask_bits(lanes_less(slack, lanes_abs(t * dn)) &
-                               lanes_less(more * near_sq, t * t));
-    const unsigned ask = inside & ~sure;
-    unsigned ahead = inside & sure &
-                     lane_mask_bits(lanes_less(lanes_splat(0), t) & lanes_at_most(t, more * tmax));
-    if (g->any && !q->see_through) {
-        const unsigned ends = lane_mask_bits(lanes_less(more * t, tmax));
-        g->blocked |= (uint64_t)(ahead & ends) << i;
-        ahead &= ~ends;
-    }
-    if (ahead)
-        group_offer(g, i, ahead, group_facet_root(g, i, facet), q->prim, PEN_PART_SIDE,
-                    q->see_through);
-    group_ask_all(g, i, ask, q->prim, q->near);
-}
-
-static inline void group_test_outline_at(struct ray_group *g, int i, const struct pen_vec3 *v,
-                                         uint32_t count, const struct pen_facet *facet,
-                                         const struct group_prim *q)
-{
-    unsigned live = group_live(g, i) & ~group_starts_on(g, i, q);
-    if (!live)
-        return;
-    const struct lanes_winding w = group_winding(g, i, v, count, q->near);
-    const unsigned ask = live & (w.ties | w.border);
-    if (live & w.inside & ~ask)
-        group_offer_facet(g, i, live & w.inside & ~ask, facet, q);
-    group_ask_all(g, i, ask, q->prim, q->near);
-}
-
 /* pen_plane_root with pen_dot_guarded, where that keeps its digits. */
 static inline void group_test_plane_at(struct ray_group *g, int i, const struct pen_plane *p,
                                        const struct group_prim *q)
 {
-    const unsigned live = group_live(g, i) & ~group_starts_on(g, i, q);
+    const unsigned live = group_live(g, i) & ~group_starts_on(i, q);
     if (!live)
         return;
     const struct lanes3 n = group_splat(g, p->g), d = group_direction(g, i);
@@ -363,7 +232,7 @@ static inline void group_test_cylinder_at(struct ray_group *g, int i, const stru
     if (!live)
         return;
     if (q->near) {
-        ask = live & group_own(g, i, q->prim);
+        ask = live & group_starts_on(i, q);
         live &= ~ask;
         if (ask)
             ask &= ~group_leaves_cylinder(g, i, c, ask);
@@ -403,19 +272,8 @@ static inline void group_test_at(struct ray_group *g, int i, struct pen_prim_ref
     case PEN_BLOCK_PLANES:
         group_test_plane_at(g, i, &prims->plane[ref.index], q);
         break;
-    case PEN_BLOCK_TRIANGLES: {
-        const struct pen_triangle *t = &prims->triangle[ref.index];
-        group_test_outline_at(g, i, t->v, 3, &t->facet, q);
-        break;
-    }
-    case PEN_BLOCK_POLYGONS: {
-        const struct pen_polygon *p = &prims->polygon[ref.index];
-        if (p->piece)
-            group_ask_all(g, i, group_live(g, i), q->prim, true);
-        else
-            group_test_outline_at(g, i, p->v, p->count, &p->facet, q);
-        break;
-    }
+    case PEN_BLOCK_TRIANGLES:
+    case PEN_BLOCK_POLYGONS:
     case PEN_BLOCK_INFINITE_CYLINDERS:
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_NOTHING:
@@ -426,21 +284,25 @@ static inline void group_test_at(struct ray_group *g, int i, struct pen_prim_ref
     }
 }
 
-/* Of the rays from i on, whether some may still meet what lies at this depth or beyond. */
-static inline bool group_reaches(const struct ray_group *g, int i, double depth)
-{
-    const lanes most = lanes_load(g->tmax + i) * lanes_abs(lanes_load(g->d[2] + i));
-    return lane_mask_bits(lanes_at_most(lanes_splat(depth), lanes_splat(1.0000001) * most));
-}
-
 /* Tests a primitive against all live rays. */
 static inline void group_test(struct ray_group *g, const struct group_prim *q)
 {
-    const struct pen_prim_ref ref = g->accel->prims->ref[q->prim];
-    for (int i = 0; i < g->count; i += LANES)
-        if ((q->rays >> i & 1) && group_live(g, i) &&
-            (q->depth <= 0 || group_reaches(g, i, (double)q->depth)))
-            group_test_at(g, i, ref, q);
+    const struct pen_prims *prims = g->accel->prims;
+    const struct pen_prim_ref ref = prims->ref[q->prim];
+    if (ref.kind == PEN_PRIM_TRIANGLE) {
+        const struct pen_triangle *t = &prims->triangle[ref.index];
+        const struct group_outline outline = {t->v, 3, &t->facet, true, 0};
+        group_test_outline(g, &outline, q);
+    } else if (ref.kind == PEN_PRIM_POLYGON && !prims->polygon[ref.index].piece) {
+        const struct pen_polygon *p = &prims->polygon[ref.index];
+        const struct group_outline outline = {p->v, p->count, &p->facet, g->accel->convex[q->prim],
+                                              p->extent};
+        group_test_outline(g, &outline, q);
+    } else {
+        for (int i = 0; i < g->count; i += LANES)
+            if (group_waits(g, i, q))
+                group_test_at(g, i, ref, q);
+    }
     g->live &= ~g->blocked;
 }
 

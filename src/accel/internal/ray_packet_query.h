@@ -22,7 +22,7 @@ static inline bool ray_is_forward(const struct pen_ray *ray)
 
 static inline void group_init(struct ray_group *g, const struct pen_accel *accel)
 {
-    g->count = 0;
+    g->count = g->own_count = 0;
     g->any = g->from_surface = g->to_point = false;
     g->accel = accel;
     g->light = pen_vec3(0, 0, 0);
@@ -46,6 +46,7 @@ static inline void group_add(struct ray_group *g, const struct pen_ray_packet *p
     g->sx[i] = r->sx;
     g->sy[i] = r->sy;
     g->inv_dd[i] = r->inv_dd;
+    group_add_own(g, i, origin->prim);
     g->near[i] = r->near;
     g->bound[i] = trace.from_surface ? origin->bound : 0;
     g->slack[i] = trace.from_surface ? trace.slack : 0;
@@ -112,11 +113,6 @@ static inline void range_of(const double *x, int begin, int end, double *lo, dou
     }
 }
 
-static inline double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* Makes the beam of rays begin to end - 1. */
 static inline void group_beam(const struct ray_group *g, int begin, int end, double margin,
                               struct beam *beam)
@@ -159,6 +155,35 @@ static inline double group_extent(const struct ray_group *g)
     return most;
 }
 
+/* Prepares tests of outlines; x is the largest size of a coordinate. */
+static inline void group_begin_edges(struct ray_group *g, double x)
+{
+    const struct pen_vec3 c = g->to_point ? pen_permuted(g->ray[0], &g->light)
+                                          : pen_vec3(g->o[0][0], g->o[1][0], g->o[2][0]);
+    const struct lanes3 middle = lanes3_splat(c);
+    double lo, hi, most = 0;
+    for (int i = 0; i < g->count; i += LANES) {
+        const struct lanes3 r = lanes3_sub(group_origin(g, i), middle);
+        const lanes sx = lanes_load(g->sx + i), sy = lanes_load(g->sy + i);
+        lanes_store(g->moment[0] + i, r.y - r.z * sy);
+        lanes_store(g->moment[1] + i, r.z * sx - r.x);
+        lanes_store(g->moment[2] + i, r.x * sy - r.y * sx);
+    }
+    for (int k = 0; k < 3; k++) {
+        range_of(g->moment[k], 0, g->count, &lo, &hi);
+        most = larger(most, larger(-lo, hi));
+    }
+    range_of(g->slack, 0, g->count, &lo, &g->most_slack);
+    g->middle = c;
+    g->concurrent = most <= 0x1p-40 * x;
+    g->edge_distance = x > 0x1p-200 ? 0x1p-44 * x + (g->concurrent ? 3 * most : 0) : 0;
+    for (int k = 0; k < 2; k++) {
+        range_of(k ? g->sy : g->sx, 0, g->count, &lo, &hi);
+        for (int i = 0; i < GROUP_CORNERS; i++)
+            g->corner[k][i] = i >> k & 1 ? hi : lo;
+    }
+}
+
 /* Makes the beams. False if lengths are out of the range of binary32. */
 static inline bool group_begin(struct ray_group *g)
 {
@@ -178,6 +203,7 @@ static inline bool group_begin(struct ray_group *g)
         ((double *)&g->origins.hi)[g->beam.axis[k]] = hi + g->grow;
     }
     g->light_bound = 0x1p-30 * most;
+    group_begin_edges(g, most);
     return true;
 }
 
@@ -281,10 +307,13 @@ static inline struct group_prim group_prim_of(const struct ray_group *g, uint32_
                                               bool see_through)
 {
     const bool infinite = pen_prim_infinite(g->accel->prims->ref[prim].kind);
+    const bool near =
+        g->from_surface && (infinite || group_starts_in(g, &g->accel->prim_box[prim]));
     return (struct group_prim){
         .prim = prim,
         .rays = infinite ? UINT64_MAX : group_parts(g, prim),
-        .near = g->from_surface && (infinite || group_starts_in(g, &g->accel->prim_box[prim])),
+        .own = near ? group_own(g, prim) : 0,
+        .near = near,
         .see_through = see_through,
     };
 }

@@ -26,6 +26,9 @@
 
 enum { PEN_WIDE = 8, PEN_LANES = 4, PEN_MAX_DEPTH = 64 };
 
+/* Outlines of more corners count as not convex. */
+enum { PEN_CONVEX_CORNERS = 8 };
+
 /* A child is the number of a node, or with this bit set the number of a leaf's first item. */
 #define PEN_CHILD_LEAF 0x80000000u
 /* In lists, the first child of a node has this bit set too if the next node continues the list. */
@@ -156,6 +159,7 @@ struct pen_accel {
     double scale;                         /* the largest pen_prim_scale of a finite primitive */
     double extent;                        /* the largest size of a coordinate of their boxes */
     const struct pen_float_box *prim_box; /* by primitive; wide trees only. Infinite ones: zero */
+    const bool *convex;                   /* by primitive; wide trees only. See pack_boxes.c */
     struct pen_accel_stats stats;
     struct pen_test_counts *counts; /* of a view that counts; else NULL */
 };

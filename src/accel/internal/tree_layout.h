@@ -132,4 +132,9 @@ double pen_tree_layout_cost(const struct pen_tree_layout *layout);
 bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
                     struct pen_accel *accel);
 
+/* Fills in what ray packets need of wide trees: extent, prim_box, convex. Owns and fails: as
+ * pen_accel_pack. */
+bool pen_accel_pack_boxes(const struct pen_tree_layout *layout, struct pen_arena *arena,
+                          struct pen_accel *accel);
+
 #endif

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: MIT */
+/* Tests of triangles and polygons against the rays of a group: whether a ray's line passes inside
+ * the outline, and where it meets the facet.
+ *
+ * Inside or outside is decided by the winding of geom/triangle.h, but most rays pass the outline at
+ * a distance and need less. Let C be a point near the rays, r a ray's origin relative to C, and
+ * S = (sx, sy, 1) its direction as the shear has it. For an edge from C + A to C + A + U,
+ *
+ *   E = S.(A x U) + U.(r x S)
+ *
+ * is the product pen_edge of its ends in ray space. A x U is the same for all rays, and r x S
+ * vanishes for rays that begin in C, or end there. The test computes E for each edge, and
+ *
+ *   - if E > margin for all edges, or E < -margin for all, the ray passes inside: the angles at
+ *     which it sees the edges all have one sign, so their sum is not 0;
+ *   - if E > margin for one edge and E < -margin for another, and the outline is convex, the ray
+ *     passes outside: one of the two is an edge that the ray and the outline are on either side of;
+ *   - otherwise the winding decides, as in the scalar test.
+ *
+ * Edges without length have E = 0, and are left out. The margin is a distance times the largest
+ * component of U, for which |U| stands. X is the largest size of a coordinate (group_extent) and
+ * u = 2^-53. The distance is the sum of
+ *
+ *   1. the rounding of E: A and r are below 2 X and off by u 2 X, U by u |U|. So A x U is off by
+ *      16 u X |U| in each component, which are below 4 X |U|, and r x S, below 4 X, by 16 u X. With
+ *      the sums, E is off by less than 220 u X |U|. Rays whose r x S is taken for 0 add 3 times
+ *      its largest component |U|, and 48 u X |U| for how well that is known.
+ *   2. the rounding of the scalar test: it computes corners in ray space to 10 u X, and with these
+ *      the winding is exact. So they are moved by at most d = 14 u X, and that changes the winding
+ *      only if the ray passes within d of the outline. It passes an edge's line at |E| over the
+ *      edge's length in ray space, which is at most 2^1.5 |U|: more than d if |E| > 40 u X |U|.
+ *   3. how far a corner is from being to the left of an edge and in its plane, 2^-36 of the extent
+ *      (pack_boxes.c).
+ *   4. where a ray may start on the primitive, what the self-intersection rule reaches (slack): at
+ *      most doubled by the shear, 2^1.5 of it for the edge's length.
+ *
+ * 1 and 2 are below 2^-44 X, and twice 3 and 32 slack are taken. */
+#ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_OUTLINE_H
+#define PEN_ACCEL_INTERNAL_RAY_GROUP_OUTLINE_H
+
+#include "accel/internal/ray_group.h"
+
+struct group_outline {
+    const struct pen_vec3 *v;
+    uint32_t count;
+    const struct pen_facet *facet;
+    bool convex;
+    double extent;
+};
+
+/* An edge: A x U, U and the margin. */
+struct group_edge {
+    double w[3], u[3], margin;
+};
+
+/* The edges that not all rays surely pass on the same side. `positive`: all rays have E > margin at
+ * some other edge. */
+struct group_edges {
+    int count;
+    bool known; /* the outline has few corners, and numbers do not underflow */
+    bool convex, positive, negative;
+    struct group_edge edge[PEN_CONVEX_CORNERS];
+};
+
+static inline struct group_edge group_edge_of(const struct ray_group *g,
+                                              const struct pen_vec3 *from,
+                                              const struct pen_vec3 *to, double distance)
+{
+    const struct pen_vec3 p = pen_permuted(g->ray[0], from), q = pen_permuted(g->ray[0], to);
+    const struct pen_vec3 a = pen_sub(p, g->middle), u = pen_sub(q, p);
+    return (struct group_edge){
+        .w = {a.y * u.z - a.z * u.y, a.z * u.x - a.x * u.z, a.x * u.y - a.y * u.x},
+        .u = {u.x, u.y, u.z},
+        .margin = distance * larger(larger(fabs(u.x), fabs(u.y)), fabs(u.z))};
+}
+
+/* S.w */
+static inline lanes edge_seen(const struct group_edge *e, lanes sx, lanes sy)
+{
+    return lanes_fma(lanes_splat(e->w[0]), sx,
+                     lanes_fma(lanes_splat(e->w[1]), sy, lanes_splat(e->w[2])));
+}
+
+/* Adds U.m to that. */
+static inline lanes edge_moved(const struct ray_group *g, int i, const struct group_edge *e,
+                               lanes x)
+{
+    x = lanes_fma(lanes_splat(e->u[0]), lanes_load(g->moment[0] + i), x);
+    x = lanes_fma(lanes_splat(e->u[1]), lanes_load(g->moment[1] + i), x);
+    return lanes_fma(lanes_splat(e->u[2]), lanes_load(g->moment[2] + i), x);
+}
+
+/* The side on which all rays surely pass the edge: 1, -1 or 0. E has its least and its largest
+ * value at corners of the range of slopes. */
+static inline int group_side_of(const struct ray_group *g, const struct group_edge *e)
+{
+    const lanes margin = lanes_splat(e->margin);
+    unsigned positive = LANES_ALL, negative = LANES_ALL;
+    if (!g->concurrent)
+        return 0;
+    for (int i = 0; i < GROUP_CORNERS; i += LANES) {
+        const lanes x = edge_seen(e, lanes_load(g->corner[0] + i), lanes_load(g->corner[1] + i));
+        positive &= lane_mask_bits(lanes_less(margin, x));
+        negative &= lane_mask_bits(lanes_less(x, -margin));
+    }
+    return (positive == LANES_ALL) - (negative == LANES_ALL);
+}
+
+/* Prepares the edges. False if all rays surely pass outside. */
+static inline bool group_edges_of(const struct ray_group *g, const struct group_outline *outline,
+                                  bool near, struct group_edges *out)
+{
+    const double distance =
+        g->edge_distance + 0x1p-35 * outline->extent + (near ? 32 * g->most_slack : 0);
+    const struct pen_vec3 *from = &outline->v[outline->count - 1];
+    out->count = 0;
+    out->known = g->edge_distance > 0 && outline->count <= PEN_CONVEX_CORNERS;
+    out->convex = outline->convex;
+    out->positive = out->negative = false;
+    if (!out->known)
+        return true;
+    for (uint32_t k = 0; k < outline->count; from = &outline->v[k++]) {
+        struct group_edge *e = &out->edge[out->count];
+        *e = group_edge_of(g, from, &outline->v[k], distance);
+        if (!(e->margin > 0))
+            continue;
+        const int side = group_side_of(g, e);
+        out->positive |= side > 0;
+        out->negative |= side < 0;
+        out->count += side == 0;
+        if (out->positive && out->negative && out->convex)
+            return false;
+    }
+    return true;
+}
+
+/* Finds the lanes that surely pass inside and those that surely pass outside. */
+static inline void group_sides(const struct ray_group *g, int i, const struct group_edges *edges,
+                               unsigned *inside, unsigned *outside)
+{
+    const lanes sx = lanes_load(g->sx + i), sy = lanes_load(g->sy + i);
+    unsigned all_positive = edges->negative ? 0 : LANES_ALL,
+             some_negative = LANES_ALL & ~all_positive;
+    unsigned all_negative = edges->positive ? 0 : LANES_ALL,
+             some_positive = LANES_ALL & ~all_negative;
+    for (int k = 0; k < edges->count; k++) {
+        const struct group_edge *e = &edges->edge[k];
+        const lanes margin = lanes_splat(e->margin);
+        lanes x = edge_seen(e, sx, sy);
+        if (!g->concurrent)
+            x = edge_moved(g, i, e, x);
+        const unsigned positive = lane_mask_bits(lanes_less(margin, x));
+        const unsigned negative = lane_mask_bits(lanes_less(x, -margin));
+        all_positive &= positive;
+        some_positive |= positive;
+        all_negative &= negative;
+        some_negative |= negative;
+    }
+    *inside = all_positive | all_negative;
+    *outside = edges->convex ? some_positive & some_negative : 0;
+}
+
+/* pen_shear */
+static inline struct lanes3 group_shear(const struct ray_group *g, int i, struct pen_vec3 v)
+{
+    struct lanes3 f = lanes3_sub(group_splat(g, v), group_origin(g, i));
+    f.x = f.x - lanes_load(g->sx + i) * f.z;
+    f.y = f.y - lanes_load(g->sy + i) * f.z;
+    return f;
+}
+
+/* What a line is to an outline. */
+struct lanes_winding {
+    unsigned inside; /* right except in `ties` */
+    unsigned ties;   /* two products round to the same number: their order is not known */
+    unsigned border; /* a superset of those whose origin is on the border */
+};
+
+/* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
+ * space the shear at most doubles distances across the ray. An edge that is a single point there
+ * has a neighbour that is not, and that passes as near. */
+static inline unsigned edge_passes_origins(const struct ray_group *g, int i, struct lanes3 a,
+                                           struct lanes3 b)
+{
+    const lanes size = lanes_abs(b.x - a.x) + lanes_abs(b.y - a.y);
+    const lanes slack = lanes_splat(16) * lanes_load(g->slack + i);
+    return lane_mask_bits(lanes_less(lanes_abs(a.x * b.y - a.y * b.x), slack * size));
+}
+
+/* pen_polygon_entered, pen_triangle_entered. Two products that round to different numbers are in
+ * that order too before rounding. */
+static inline struct lanes_winding
+group_winding(const struct ray_group *g, int i, const struct pen_vec3 *v, uint32_t count, bool near)
+{
+    const lanes zero = lanes_splat(0), one = lanes_splat(1);
+    struct lanes_winding w = {0, 0, 0};
+    lanes winding = zero;
+    struct lanes3 a = group_shear(g, i, v[count - 1]);
+    lane_mask a_low = lanes_at_most(a.y, zero);
+    for (uint32_t k = 0; k < count; k++) {
+        const struct lanes3 b = group_shear(g, i, v[k]);
+        const lane_mask b_low = lanes_at_most(b.y, zero), passes = a_low ^ b_low;
+        if (lane_mask_bits(passes)) {
+            const lanes x = a.x * b.y, y = a.y * b.x;
+            /* On the right: x > y for an upward edge, x < y for a downward one. */
+            const lane_mask right = passes & lane_mask_not(lanes_less(y, x) ^ a_low);
+            w.ties |= lane_mask_bits(passes & lanes_equal(x, y));
+            winding = winding + lanes_select(right, lanes_select(a_low, one, -one), zero);
+        }
+        if (near)
+            w.border |= edge_passes_origins(g, i, a, b);
+        a = b;
+        a_low = b_low;
+    }
+    w.inside = LANES_ALL & ~lane_mask_bits(lanes_equal(winding, zero));
+    return w;
+}
+
+/* pen_facet_root, where it is not grazing. */
+static inline lanes group_facet_root(const struct ray_group *g, int i,
+                                     const struct pen_facet *facet)
+{
+    const struct lanes3 o = group_origin(g, i), d = group_direction(g, i);
+    const struct lanes3 n = group_splat(g, facet->g), low = group_splat(g, facet->g_low);
+    const struct lanes3 minus = {-n.x, -n.y, -n.z};
+    const lanes along = lanes3_dot2_plus(lanes_splat(0), n, d, lanes3_dot(low, d));
+    return lanes3_dot2_plus(lanes_splat(facet->c), minus, o,
+                            lanes_splat(facet->c_low) - lanes3_dot(low, o)) /
+           along;
+}
+
+/* As offer_outline, for lanes that pass inside. */
+static inline void group_offer_facet(struct ray_group *g, int i, unsigned inside,
+                                     const struct pen_facet *facet, const struct group_prim *q)
+{
+    const struct lanes3 o = group_origin(g, i), d = group_direction(g, i),
+                        n = group_splat(g, facet->g);
+    const lanes above = lanes_splat(facet->c) - lanes3_dot(n, o), along = lanes3_dot(n, d);
+    const lanes size = lanes_splat(fabs(facet->c)) + lanes3_norm1(o);
+    const lanes t = above / along, tmax = lanes_load(g->tmax + i);
+    const lanes bound = lanes_load(g->bound + i), near_sq = lanes_load(g->near_sq + i);
+    const lanes slack = lanes_splat(2) * bound + lanes_splat(16 * PEN_U * g->accel->scale);
+    const lanes more = lanes_splat(1.0000001), dn = lanes3_dot(d, group_splat(g, facet->n));
+    /* pen_facet_root_roughly is sure, starts_off, and beyond the rule's reach. */
+    unsigned sure = lane_mask_bits(
+        lanes_at_most(lanes_splat(0x1p-16) * size, lanes_abs(above)) &
+        lanes_at_most(lanes_splat(2 * facet->grazing) * lanes_abs(d.z), lanes_abs(along)));
+    if (g->from_surface)
+        sure &= lane_mask_bits(lanes_less(slack, lanes_abs(t * dn)) &
+                               lanes_less(more * near_sq, t * t));
+    const unsigned ask = inside & ~sure;
+    unsigned ahead = inside & sure &
+                     lane_mask_bits(lanes_less(lanes_splat(0), t) & lanes_at_most(t, more * tmax));
+    if (g->any && !q->see_through) {
+        const unsigned ends = lane_mask_bits(lanes_less(more * t, tmax));
+        g->blocked |= (uint64_t)(ahead & ends) << i;
+        ahead &= ~ends;
+    }
+    if (ahead)
+        group_offer(g, i, ahead, group_facet_root(g, i, facet), q->prim, PEN_PART_SIDE,
+                    q->see_through);
+    group_ask_all(g, i, ask, q->prim, q->near);
+}
+
+/* Of the rays from i on, those that pass inside. Those are asked of the scalar test for which the
+ * winding does not tell. */
+static inline unsigned group_inside(struct ray_group *g, int i, const struct group_outline *outline,
+                                    const struct group_edges *edges, unsigned live,
+                                    const struct group_prim *q)
+{
+    unsigned inside = 0, outside = 0;
+    if (edges->known)
+        group_sides(g, i, edges, &inside, &outside);
+    const unsigned unsure = live & ~(inside | outside);
+    if (!unsure)
+        return live & inside;
+    const struct lanes_winding w = group_winding(g, i, outline->v, outline->count, q->near);
+    const unsigned ask = unsure & (w.ties | w.border);
+    group_ask_all(g, i, ask, q->prim, q->near);
+    return live & (inside | (unsure & w.inside)) & ~ask;
+}
+
+/* Tests a triangle or a polygon against all live rays. */
+static inline void group_test_outline(struct ray_group *g, const struct group_outline *outline,
+                                      const struct group_prim *q)
+{
+    struct group_edges edges;
+    if (!group_edges_of(g, outline, q->near, &edges))
+        return;
+    for (int i = 0; i < g->count; i += LANES) {
+        const unsigned live = group_waits(g, i, q) & ~group_starts_on(i, q);
+        const unsigned inside = live ? group_inside(g, i, outline, &edges, live, q) : 0;
+        if (inside)
+            group_offer_facet(g, i, inside, outline->facet, q);
+    }
+}
+
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+/* What ray packets know of single primitives: their boxes, and which outlines are convex. */
+#include "accel/internal/tree_layout.h"
+
+static struct pen_vec3 cross(struct pen_vec3 a, struct pen_vec3 b)
+{
+    return pen_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+/* Whether all corners are to the left of each edge e and in its plane: e x f is along the normal
+ * for each corner at f from the beginning of e, up to 2^-40 of |e|_1 and the extent. */
+static bool is_convex(const struct pen_polygon *p)
+{
+    for (uint32_t i = 0; i < p->count; i++) {
+        const struct pen_vec3 from = p->v[i], e = pen_sub(p->v[(i + 1) % p->count], from);
+        const double tolerance = 0x1p-40 * p->extent * pen_norm1(e);
+        for (uint32_t k = 0; k < p->count; k++) {
+            const struct pen_vec3 w = cross(e, pen_sub(p->v[k], from));
+            const double left = pen_dot(w, p->facet.n);
+            const struct pen_vec3 off = pen_along(w, p->facet.n, -left);
+            if (!(left >= -tolerance && pen_norm1(off) <= tolerance))
+                return false;
+        }
+    }
+    return true;
+}
+
+static bool outline_is_convex(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_prim_ref ref = prims->ref[prim];
+    if (ref.kind == PEN_PRIM_TRIANGLE)
+        return true;
+    if (ref.kind != PEN_PRIM_POLYGON)
+        return false;
+    const struct pen_polygon *p = &prims->polygon[ref.index];
+    return !p->piece && p->count <= PEN_CONVEX_CORNERS && is_convex(p);
+}
+
+bool pen_accel_pack_boxes(const struct pen_tree_layout *layout, struct pen_arena *arena,
+                          struct pen_accel *accel)
+{
+    const size_t count = (size_t)layout->count + layout->infinite;
+    struct pen_float_box *box = pen_arena_alloc(arena, count, sizeof *box);
+    bool *convex = pen_arena_alloc(arena, count, sizeof *convex);
+    if (!box || !convex)
+        return false;
+    for (uint32_t i = 0; i < layout->count; i++) {
+        const struct pen_ref *ref = &layout->ref[i];
+        for (int axis = 0; axis < 3; axis++) {
+            box[ref->prim].lo[axis] = ref->lo[axis];
+            box[ref->prim].hi[axis] = ref->hi[axis];
+            double lo = fabs((double)ref->lo[axis]), hi = fabs((double)ref->hi[axis]);
+            accel->extent = lo > accel->extent ? lo : accel->extent;
+            accel->extent = hi > accel->extent ? hi : accel->extent;
+        }
+        convex[ref->prim] = outline_is_convex(layout->prims, ref->prim);
+    }
+    accel->prim_box = box;
+    accel->convex = convex;
+    return true;
+}
