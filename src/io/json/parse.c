@@ -4,8 +4,7 @@
  *  - ends the process by an assertion when its token buffer cannot grow;
  *  - reports an error where the token ends, not where it begins;
  *  - reads either all integers as reals or none, so not only those that exceed 64 bits.
- * This parser makes one pass and recurses once per level of nesting. Length and nesting are checked
- * before, because that is cheap. */
+ * This parser makes one pass and recurses once per level of nesting. */
 #include <errno.h>
 #include <locale.h>
 #include <math.h>
@@ -164,19 +163,33 @@ static bool read_character(struct parser *p)
     return true;
 }
 
+/* Reads the characters from `at` on that stand for themselves and take one byte each. */
+static void read_plain(struct parser *p)
+{
+    size_t start = p->at;
+    while (p->at < p->json.bytes) {
+        const unsigned char c = (unsigned char)p->json.text[p->at];
+        if (c < 0x20 || c >= 0x80 || c == '"' || c == '\\')
+            break;
+        p->at++;
+    }
+    pen_buf_add(&p->scratch, p->json.text + start, p->at - start);
+}
+
 /* Reads the string that opens at `at` into the scratch buffer. */
 static bool read_string(struct parser *p)
 {
     size_t start = p->at++;
     p->scratch.bytes = 0;
+    read_plain(p);
     while (p->at < p->json.bytes && p->json.text[p->at] != '"') {
         if (!read_character(p))
             return false;
+        read_plain(p);
     }
     if (p->at >= p->json.bytes)
         return pen_json_error(&p->json, start, p->st, "the string that begins here does not end");
     p->at++;
-    pen_buf_add(&p->scratch, "", 0); /* allocates and terminates an empty string, too */
     if (p->scratch.failed)
         no_memory(p);
     return !p->scratch.failed;
@@ -395,10 +408,9 @@ json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *
                  limits->body_bytes);
         return NULL;
     }
-    bool deep = is_too_deep(&p);
     json_t *document = parse_document(&p);
-    if (deep && !document &&
-        st->code == PEN_SYNTAX) /* a malformed text has no JSON Pointer to the place */
+    /* A malformed text has no JSON Pointer to the place. */
+    if (!document && st->code == PEN_SYNTAX && is_too_deep(&p))
         pen_fail(st, PEN_INVALID, "nested deeper than the %d levels allowed", nesting);
     pen_buf_release(&p.scratch);
     return document;

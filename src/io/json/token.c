@@ -4,11 +4,25 @@
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 bool pen_json_is_delimiter(char c)
 {
-    return c != '\0' && strchr("[]{},:\" \t\n\r", c) != NULL;
+    switch (c) {
+    case '[':
+    case ']':
+    case '{':
+    case '}':
+    case ',':
+    case ':':
+    case '"':
+    case ' ':
+    case '\t':
+    case '\n':
+    case '\r':
+        return true;
+    default:
+        return false;
+    }
 }
 
 size_t pen_json_word_end(const struct pen_json_text *json, size_t offset)
