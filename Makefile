@@ -40,7 +40,8 @@ LINK = $(CC) $(SAN) -pthread $(LDFLAGS)
 
 PKGS := libmicrohttpd jansson expat libpng sqlite3 libzstd libsodium libcurl
 PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
-PKG_LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm
+# libcurl is loaded by the commands that need it, see src/cmd/client/curl_library.h.
+PKG_LIBS := $(shell pkg-config --libs $(filter-out libcurl,$(PKGS)) 2>/dev/null) -lm
 LIBRARY_PKGS := jansson expat libpng
 LIBRARY_LIBS := $(shell pkg-config --libs $(LIBRARY_PKGS) 2>/dev/null) -lm
 CHECK_CFLAGS := $(shell pkg-config --cflags check 2>/dev/null)

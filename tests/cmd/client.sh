@@ -33,6 +33,14 @@ expect "stats count primary rays" "$(jq .rays.primary stdout)" 2400
 exits "stats into a file" 0 "$penumbra" stats "$id" -o stats.json
 expect "the file has the same statistics" "$(jq .rays.primary stats.json)" 2400
 
+# libcurl is loaded by the commands that talk to a daemon, and by no others
+mkdir no-curl
+: >no-curl/libcurl.so.4
+exits "render without libcurl" 0 env LD_LIBRARY_PATH="$work/no-curl" "$penumbra" render scene.json "$@" -o alone.png
+check "gives the same picture" cmp alone.png a.png
+exits "list without libcurl" 5 env LD_LIBRARY_PATH="$work/no-curl" "$penumbra" list
+prints "the error says what is missing" stderr "talking to a daemon needs libcurl: "
+
 # Accelerators: each runs, and none changes the picture
 for kind in auto none cbr manual median; do
     exits "submit with $kind" 0 "$penumbra" submit scene.json "$@" --set accelerator=$kind -o kind.png

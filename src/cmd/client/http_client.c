@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 #include "cmd/client/http_client.h"
 
-#include <curl/curl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "base/clock.h"
+#include "cmd/client/curl_library.h"
 
 /* No answer of a daemon is larger: a PFM of 64 Mpixel is 768 MiB. */
 static const size_t answer_max_bytes = (size_t)1 << 30;
 
 struct pen_client {
+    struct pen_curl lib;
     CURL *curl;
     char *base;          /* without a slash at its end */
     char *authorization; /* a header line, NULL: none */
@@ -29,29 +30,46 @@ static bool is_loopback(const char *host)
 }
 
 /* Checks the URL. *direct: it names this machine, so a proxy set in the environment is ignored. */
-static bool check_url(const char *url, bool *direct, struct pen_status *st)
+static bool check_url(const struct pen_curl *lib, const char *url, bool *direct,
+                      struct pen_status *st)
 {
     char *host = NULL, *scheme = NULL;
-    CURLU *parts = curl_url();
-    bool ok = parts && curl_url_set(parts, CURLUPART_URL, url, 0) == CURLUE_OK &&
-              curl_url_get(parts, CURLUPART_SCHEME, &scheme, 0) == CURLUE_OK &&
+    CURLU *parts = lib->url();
+    bool ok = parts && lib->url_set(parts, CURLUPART_URL, url, 0) == CURLUE_OK &&
+              lib->url_get(parts, CURLUPART_SCHEME, &scheme, 0) == CURLUE_OK &&
               (strcmp(scheme, "http") == 0 || strcmp(scheme, "https") == 0) &&
-              curl_url_get(parts, CURLUPART_HOST, &host, 0) == CURLUE_OK;
+              lib->url_get(parts, CURLUPART_HOST, &host, 0) == CURLUE_OK;
     *direct = ok && is_loopback(host);
-    curl_free(host);
-    curl_free(scheme);
-    curl_url_cleanup(parts);
+    lib->free(host);
+    lib->free(scheme);
+    lib->url_cleanup(parts);
     return ok || pen_fail(st, PEN_USAGE,
                           "--server: found \"%s\", allowed is http://HOST:PORT or https://…", url);
+}
+
+/* What every request has in common. */
+static void set_options(const struct pen_client *client, bool direct)
+{
+    const struct pen_curl *lib = &client->lib;
+    lib->easy_setopt(client->curl, CURLOPT_NOSIGNAL, 1L);
+    lib->easy_setopt(client->curl, CURLOPT_ERRORBUFFER, client->error);
+    lib->easy_setopt(client->curl, CURLOPT_USERAGENT, "penumbra/" PEN_VERSION);
+    lib->easy_setopt(client->curl, CURLOPT_CONNECTTIMEOUT_MS, 5000L);
+    lib->easy_setopt(client->curl, CURLOPT_PROTOCOLS_STR, "http,https");
+    if (direct)
+        lib->easy_setopt(client->curl, CURLOPT_NOPROXY, "*");
 }
 
 struct pen_client *pen_client_open(const struct pen_remote *remote, struct pen_status *st)
 {
     bool direct;
-    if (!check_url(remote->server, &direct, st))
+    struct pen_curl lib;
+    if (!pen_curl_load(&lib, st) || !check_url(&lib, remote->server, &direct, st))
         return NULL;
     struct pen_client *client = calloc(1, sizeof *client);
-    bool ok = client && (client->curl = curl_easy_init()) != NULL &&
+    if (client)
+        client->lib = lib;
+    bool ok = client && (client->curl = lib.easy_init()) != NULL &&
               (client->base = strdup(remote->server)) != NULL;
     if (ok && remote->token && *remote->token)
         ok = asprintf(&client->authorization, "Authorization: Bearer %s", remote->token) >= 0;
@@ -64,13 +82,7 @@ struct pen_client *pen_client_open(const struct pen_remote *remote, struct pen_s
     while (length > 0 && client->base[length - 1] == '/')
         client->base[--length] = '\0';
     client->retry_ns = (int64_t)(remote->retry_seconds * 1e9);
-    curl_easy_setopt(client->curl, CURLOPT_NOSIGNAL, 1L);
-    curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, client->error);
-    curl_easy_setopt(client->curl, CURLOPT_USERAGENT, "penumbra/" PEN_VERSION);
-    curl_easy_setopt(client->curl, CURLOPT_CONNECTTIMEOUT_MS, 5000L);
-    curl_easy_setopt(client->curl, CURLOPT_PROTOCOLS_STR, "http,https");
-    if (direct)
-        curl_easy_setopt(client->curl, CURLOPT_NOPROXY, "*");
+    set_options(client, direct);
     return client;
 }
 
@@ -78,11 +90,11 @@ void pen_client_close(struct pen_client *client)
 {
     if (!client)
         return;
-    curl_easy_cleanup(client->curl);
+    client->lib.easy_cleanup(client->curl);
+    client->lib.global_cleanup();
     free(client->base);
     free(client->authorization);
     free(client);
-    curl_global_cleanup();
 }
 
 void pen_client_on_pause(struct pen_client *client, pen_client_pause_fn *fn, void *user)
@@ -93,9 +105,9 @@ void pen_client_on_pause(struct pen_client *client, pen_client_pause_fn *fn, voi
 
 bool pen_client_escape(struct pen_client *client, struct pen_buf *url, const char *text)
 {
-    char *escaped = curl_easy_escape(client->curl, text, 0);
+    char *escaped = client->lib.easy_escape(client->curl, text, 0);
     bool ok = escaped && pen_buf_puts(url, escaped);
-    curl_free(escaped);
+    client->lib.free(escaped);
     return ok;
 }
 
@@ -143,12 +155,13 @@ static size_t on_header(char *line, size_t size, size_t count, void *user)
     return bytes;
 }
 
-static bool add_header(struct curl_slist **list, const char *format, const char *value)
+static bool add_header(const struct pen_client *client, struct curl_slist **list,
+                       const char *format, const char *value)
 {
     char *line;
     if (asprintf(&line, format, value) < 0)
         return false;
-    struct curl_slist *longer = curl_slist_append(*list, line);
+    struct curl_slist *longer = client->lib.slist_append(*list, line);
     free(line);
     if (longer)
         *list = longer;
@@ -158,45 +171,47 @@ static bool add_header(struct curl_slist **list, const char *format, const char 
 static bool make_headers(const struct pen_client *client, const struct pen_request *request,
                          struct curl_slist **list)
 {
-    bool ok = add_header(list, "%s", "Expect:"); /* none: the daemon answers 413 early without it */
+    bool ok = add_header(client, list, "%s",
+                         "Expect:"); /* none: the daemon answers 413 early without it */
     if (request->body)
-        ok = ok && add_header(list, "Content-Type: %s", request->type);
+        ok = ok && add_header(client, list, "Content-Type: %s", request->type);
     if (request->idempotency_key)
-        ok = ok && add_header(list, "Idempotency-Key: %s", request->idempotency_key);
+        ok = ok && add_header(client, list, "Idempotency-Key: %s", request->idempotency_key);
     if (request->accept)
-        ok = ok && add_header(list, "Accept: %s", request->accept);
+        ok = ok && add_header(client, list, "Accept: %s", request->accept);
     if (request->if_none_match)
-        ok = ok && add_header(list, "If-None-Match: %s", request->if_none_match);
+        ok = ok && add_header(client, list, "If-None-Match: %s", request->if_none_match);
     if (client->authorization)
-        ok = ok && add_header(list, "%s", client->authorization);
+        ok = ok && add_header(client, list, "%s", client->authorization);
     return ok;
 }
 
 static void set_request(struct pen_client *client, const struct pen_request *request,
                         struct pen_reply *reply)
 {
+    const struct pen_curl *lib = &client->lib;
     CURL *curl = client->curl;
     bool get = strcmp(request->method, "GET") == 0;
     bool post = strcmp(request->method, "POST") == 0;
-    curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, NULL);
+    lib->easy_setopt(curl, CURLOPT_CUSTOMREQUEST, NULL);
     if (get)
-        curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
+        lib->easy_setopt(curl, CURLOPT_HTTPGET, 1L);
     if (post) {
-        curl_easy_setopt(curl, CURLOPT_POST, 1L);
-        curl_easy_setopt(curl, CURLOPT_POSTFIELDS, request->body ? request->body : "");
-        curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)request->body_bytes);
+        lib->easy_setopt(curl, CURLOPT_POST, 1L);
+        lib->easy_setopt(curl, CURLOPT_POSTFIELDS, request->body ? request->body : "");
+        lib->easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)request->body_bytes);
     }
     if (!get && !post) {
-        curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
-        curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request->method);
+        lib->easy_setopt(curl, CURLOPT_HTTPGET, 1L);
+        lib->easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request->method);
     }
     /* Gives up after timeout_s without a byte; a long poll is silent for as long as it waits. */
-    curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
-    curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, (long)request->timeout_s);
-    curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_body);
-    curl_easy_setopt(curl, CURLOPT_WRITEDATA, reply);
-    curl_easy_setopt(curl, CURLOPT_HEADERFUNCTION, on_header);
-    curl_easy_setopt(curl, CURLOPT_HEADERDATA, reply);
+    lib->easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
+    lib->easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, (long)request->timeout_s);
+    lib->easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_body);
+    lib->easy_setopt(curl, CURLOPT_WRITEDATA, reply);
+    lib->easy_setopt(curl, CURLOPT_HEADERFUNCTION, on_header);
+    lib->easy_setopt(curl, CURLOPT_HEADERDATA, reply);
 }
 
 /* One attempt. CURLE_OK: *reply holds an answer, with any status. */
@@ -212,13 +227,13 @@ static CURLcode attempt(struct pen_client *client, const struct pen_request *req
     if (asprintf(&url, "%s%s", client->base, request->path) >= 0 &&
         make_headers(client, request, &headers)) {
         set_request(client, request, reply);
-        curl_easy_setopt(client->curl, CURLOPT_URL, url);
-        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, headers);
-        code = curl_easy_perform(client->curl);
-        curl_easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &reply->status);
-        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, NULL);
+        client->lib.easy_setopt(client->curl, CURLOPT_URL, url);
+        client->lib.easy_setopt(client->curl, CURLOPT_HTTPHEADER, headers);
+        code = client->lib.easy_perform(client->curl);
+        client->lib.easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &reply->status);
+        client->lib.easy_setopt(client->curl, CURLOPT_HTTPHEADER, NULL);
     }
-    curl_slist_free_all(headers);
+    client->lib.slist_free_all(headers);
     free(url);
     return code;
 }
@@ -264,7 +279,7 @@ static CURLcode attempt_until(struct pen_client *client, const struct pen_reques
 
 /* The user data of on_stream. */
 struct stream {
-    CURL *curl;
+    const struct pen_client *client;
     struct pen_sse *sse;
 };
 
@@ -273,10 +288,11 @@ struct stream {
 static size_t on_stream(char *data, size_t size, size_t count, void *user)
 {
     struct stream *stream = user;
+    const struct pen_client *client = stream->client;
     const char *type = NULL;
     long status = 0;
-    curl_easy_getinfo(stream->curl, CURLINFO_RESPONSE_CODE, &status);
-    curl_easy_getinfo(stream->curl, CURLINFO_CONTENT_TYPE, &type);
+    client->lib.easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &status);
+    client->lib.easy_getinfo(client->curl, CURLINFO_CONTENT_TYPE, &type);
     if (status != 200 || !type || strncmp(type, "text/event-stream", 17) != 0)
         return 0;
     return pen_sse_feed(stream->sse, data, size * count) ? size * count : 0;
@@ -287,22 +303,22 @@ bool pen_client_events(struct pen_client *client, const char *path, struct pen_s
 {
     struct pen_request request = {.method = "GET", .path = path, .timeout_s = silence_s};
     struct pen_reply reply = {0};
-    struct stream stream = {.curl = client->curl, .sse = sse};
+    struct stream stream = {.client = client, .sse = sse};
     struct curl_slist *headers = NULL;
     char *url = NULL;
     CURLcode code = CURLE_OUT_OF_MEMORY;
     if (asprintf(&url, "%s%s", client->base, path) >= 0 &&
         make_headers(client, &request, &headers) &&
-        (!sse->last_id[0] || add_header(&headers, "Last-Event-ID: %s", sse->last_id))) {
+        (!sse->last_id[0] || add_header(client, &headers, "Last-Event-ID: %s", sse->last_id))) {
         set_request(client, &request, &reply);
-        curl_easy_setopt(client->curl, CURLOPT_WRITEFUNCTION, on_stream);
-        curl_easy_setopt(client->curl, CURLOPT_WRITEDATA, &stream);
-        curl_easy_setopt(client->curl, CURLOPT_URL, url);
-        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, headers);
-        code = curl_easy_perform(client->curl);
-        curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, NULL);
+        client->lib.easy_setopt(client->curl, CURLOPT_WRITEFUNCTION, on_stream);
+        client->lib.easy_setopt(client->curl, CURLOPT_WRITEDATA, &stream);
+        client->lib.easy_setopt(client->curl, CURLOPT_URL, url);
+        client->lib.easy_setopt(client->curl, CURLOPT_HTTPHEADER, headers);
+        code = client->lib.easy_perform(client->curl);
+        client->lib.easy_setopt(client->curl, CURLOPT_HTTPHEADER, NULL);
     }
-    curl_slist_free_all(headers);
+    client->lib.slist_free_all(headers);
     free(url);
     return code == CURLE_OK;
 }
@@ -383,7 +399,7 @@ bool pen_client_send(struct pen_client *client, const struct pen_request *reques
         return false;
     }
     pen_fail(&st, code == CURLE_OUT_OF_MEMORY ? PEN_NO_MEMORY : PEN_NETWORK, "%s: %s", client->base,
-             client->error[0] ? client->error : curl_easy_strerror(code));
+             client->error[0] ? client->error : client->lib.easy_strerror(code));
     pen_errors_add(errors, &st);
     return false;
 }

@@ -4,7 +4,7 @@
  *  - after a refused connection;
  *  - after 429 and 503, at the time that Retry-After names;
  *  - if sending it twice does no harm (pen_request.repeatable), after a broken connection.
- * Only http_client.c sees libcurl. */
+ * Only http_client.c calls libcurl, see curl_library.h. */
 #ifndef PEN_CMD_CLIENT_HTTP_CLIENT_H
 #define PEN_CMD_CLIENT_HTTP_CLIENT_H
 
@@ -52,7 +52,7 @@ struct pen_remote {
 struct pen_client;
 
 /* A client of the daemon at remote->server. Owns: close it. Fails: PEN_USAGE (URL),
- * PEN_NO_MEMORY. */
+ * PEN_NETWORK (no libcurl), PEN_NO_MEMORY. */
 struct pen_client *pen_client_open(const struct pen_remote *remote, struct pen_status *st);
 void pen_client_close(struct pen_client *client);
 
