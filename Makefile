@@ -78,7 +78,9 @@ DAEMON_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard src/cmd/daemon/*.c))
 TEST_SRC := $(sort $(wildcard tests/*/test_*.c))
 TEST_BIN := $(TEST_SRC:%.c=$(BUILD)/%)
 TEST_SUPPORT := $(sort $(wildcard tests/support/*.c))
-TEST_SUPPORT_OBJ := $(TEST_SUPPORT:%.c=$(BUILD)/%.o)
+TEST_ISA_SRC := $(filter %_isa.c,$(TEST_SUPPORT))
+TEST_ISA_OBJ := $(foreach isa,$(ISAS),$(TEST_ISA_SRC:%.c=$(BUILD)/%_$(isa).o))
+TEST_SUPPORT_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(TEST_ISA_SRC),$(TEST_SUPPORT))) $(TEST_ISA_OBJ)
 TEST_SUPPORT_LIB := $(BUILD)/tests/libsupport.a
 
 .PHONY: asan-build have-deps all golden tests check run-tests demo lint asan tsan clean install conformance
@@ -159,6 +161,9 @@ $(BUILD)/%.o: %.c Makefile
 define isa_rules
 $(ISA_SRC:%.c=$(BUILD)/%_$(1).o): EXTRA := $(ISA_FLAGS_$(1)) -DPEN_ISA=$(1)
 $(ISA_SRC:%.c=$(BUILD)/%_$(1).o): $(BUILD)/%_$(1).o: %.c Makefile
+	$$(compile_object)
+$(TEST_ISA_SRC:%.c=$(BUILD)/%_$(1).o): EXTRA := $(ISA_FLAGS_$(1)) -DPEN_ISA=$(1) -Itests
+$(TEST_ISA_SRC:%.c=$(BUILD)/%_$(1).o): $(BUILD)/%_$(1).o: %.c Makefile
 	$$(compile_object)
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_rules,$(isa))))

@@ -10,6 +10,9 @@
  *   lanes_less, lanes_at_most, lanes_equal     false where an operand is NaN
  *   lanes_select                 a where the mask is set, else b
  *   lane_mask_not, lane_mask_bits              bit i is lane i
+ *   lane_words                   64 bits to a lane. + - & | ^ << >> work on it
+ *   lanes_words, lanes_of_words  the bits of numbers, and back
+ *   lanes_gather                 table[i], i from 0 on
  *
  * Every operation rounds as the scalar one does. So code that is written once in lanes gives the
  * same bits for every instruction set, and the same as the scalar function that does the same

@@ -448,7 +448,7 @@ edit src/accel/internal/ray_group_outline.h 1 's/\(near \? 32 \* g->most_slack :
 judge_test
 
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
-edit src/math/fn.c 1 's/^    struct sum log = log_sum\(x\);$/    if (1) return pow(x, y);\n&/'
+edit src/math/fn.c 1 's/^    return lanes_pow\(x, y\);$/    return pow(x, y);/'
 judge_libm
 
 [ -z "$edits" ] || {

@@ -10,6 +10,7 @@ enum { LANES = 4 };
 
 typedef double lanes __attribute__((vector_size(32)));
 typedef int64_t lane_mask __attribute__((vector_size(32))); /* -1 or 0 */
+typedef uint64_t lane_words __attribute__((vector_size(32)));
 
 static inline lanes lanes_splat(double x)
 {
@@ -71,6 +72,22 @@ static inline lanes lanes_max(lanes a, lanes b)
 static inline lanes lanes_select(lane_mask m, lanes a, lanes b)
 {
     return (lanes)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)m);
+}
+
+static inline lane_words lanes_words(lanes x)
+{
+    return (lane_words)x;
+}
+
+static inline lanes lanes_of_words(lane_words w)
+{
+    return (lanes)w;
+}
+
+/* Loads one by one: quicker than the instruction for it on many processors. */
+static inline lanes lanes_gather(const double *table, lane_words i)
+{
+    return (lanes){table[i[0]], table[i[1]], table[i[2]], table[i[3]]};
 }
 
 static inline lane_mask lane_mask_not(lane_mask m)

@@ -4,11 +4,13 @@
 #define PEN_MATH_INTERNAL_LANES_BASE_H
 
 #include <stdint.h>
+#include <string.h>
 
 enum { LANES = 1 };
 
 typedef double lanes;
 typedef int64_t lane_mask; /* -1 or 0 */
+typedef uint64_t lane_words;
 
 static inline lanes lanes_splat(double x)
 {
@@ -70,6 +72,25 @@ static inline lanes lanes_max(lanes a, lanes b)
 static inline lanes lanes_select(lane_mask m, lanes a, lanes b)
 {
     return m ? a : b;
+}
+
+static inline lane_words lanes_words(lanes x)
+{
+    lane_words w;
+    memcpy(&w, &x, sizeof w);
+    return w;
+}
+
+static inline lanes lanes_of_words(lane_words w)
+{
+    lanes x;
+    memcpy(&x, &w, sizeof x);
+    return x;
+}
+
+static inline lanes lanes_gather(const double *table, lane_words i)
+{
+    return table[i];
 }
 
 static inline lane_mask lane_mask_not(lane_mask m)
