@@ -9,9 +9,14 @@
  *   lanes_min, lanes_max         the second operand where one is NaN
  *   lanes_less, lanes_at_most, lanes_equal     false where an operand is NaN
  *   lanes_select                 a where the mask is set, else b
+ *   lanes_at                     the number in one lane
+ *   lanes_strided, lanes_store_strided         lane i at x[i stride]
+ *   lanes_rows                   table[stride row[i]], an array of row numbers
  *   lane_mask_not, lane_mask_bits              bit i is lane i
+ *   lane_mask_of                 the mask with these bits
  *   lane_words                   64 bits to a lane. + - & | ^ << >> work on it
  *   lanes_words, lanes_of_words  the bits of numbers, and back
+ *   lane_words_odd               whether the lowest bit is set
  *   lanes_gather                 table[i], i from 0 on
  *
  * Every operation rounds as the scalar one does. So code that is written once in lanes gives the
@@ -28,7 +33,7 @@
 #include "math/internal/lanes_base.h"
 #endif
 
-enum { LANES_ALL = (1 << LANES) - 1 };
+enum { LANES_ALL = (1 << LANES) - 1 }; /* as lane_mask_bits */
 
 /* Vectors of space, one to a lane. */
 struct lanes3 {
@@ -38,6 +43,32 @@ struct lanes3 {
 static inline struct lanes3 lanes3_splat(struct pen_vec3 v)
 {
     return (struct lanes3){lanes_splat(v.x), lanes_splat(v.y), lanes_splat(v.z)};
+}
+
+/* Lane i is v[i]. */
+static inline struct lanes3 lanes3_load(const struct pen_vec3 *v)
+{
+    const double *x = (const double *)v;
+    return (struct lanes3){lanes_strided(x, 3), lanes_strided(x + 1, 3), lanes_strided(x + 2, 3)};
+}
+
+static inline void lanes3_store(struct pen_vec3 *to, struct lanes3 v)
+{
+    double *x = (double *)to;
+    lanes_store_strided(x, 3, v.x);
+    lanes_store_strided(x + 1, 3, v.y);
+    lanes_store_strided(x + 2, 3, v.z);
+}
+
+static inline struct pen_vec3 lanes3_at(struct lanes3 v, int lane)
+{
+    return pen_vec3(lanes_at(v.x, lane), lanes_at(v.y, lane), lanes_at(v.z, lane));
+}
+
+static inline struct lanes3 lanes3_select(lane_mask m, struct lanes3 a, struct lanes3 b)
+{
+    return (struct lanes3){lanes_select(m, a.x, b.x), lanes_select(m, a.y, b.y),
+                           lanes_select(m, a.z, b.z)};
 }
 
 /* pen_add */
@@ -52,10 +83,55 @@ static inline struct lanes3 lanes3_sub(struct lanes3 a, struct lanes3 b)
     return (struct lanes3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
+/* The vectors at table[stride row[i]]. */
+static inline struct lanes3 lanes3_rows(const struct pen_vec3 *table, size_t stride,
+                                        const uint32_t *row)
+{
+    const double *x = (const double *)table;
+    return (struct lanes3){lanes_rows(x, stride, row), lanes_rows(x + 1, stride, row),
+                           lanes_rows(x + 2, stride, row)};
+}
+
+/* pen_neg */
+static inline struct lanes3 lanes3_neg(struct lanes3 a)
+{
+    return (struct lanes3){-a.x, -a.y, -a.z};
+}
+
+/* pen_scale */
+static inline struct lanes3 lanes3_scale(struct lanes3 a, lanes s)
+{
+    return (struct lanes3){a.x * s, a.y * s, a.z * s};
+}
+
+/* pen_mul */
+static inline struct lanes3 lanes3_mul(struct lanes3 a, struct lanes3 b)
+{
+    return (struct lanes3){a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
 /* pen_dot */
 static inline lanes lanes3_dot(struct lanes3 a, struct lanes3 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* pen_length */
+static inline lanes lanes3_length(struct lanes3 a)
+{
+    return lanes_sqrt(lanes3_dot(a, a));
+}
+
+/* pen_normalize */
+static inline struct lanes3 lanes3_normalize(struct lanes3 a)
+{
+    return lanes3_scale(a, 1.0 / lanes3_length(a));
+}
+
+/* pen_along */
+static inline struct lanes3 lanes3_along(struct lanes3 a, struct lanes3 d, lanes t)
+{
+    return (struct lanes3){a.x + t * d.x, a.y + t * d.y, a.z + t * d.z};
 }
 
 /* pen_norm1 */

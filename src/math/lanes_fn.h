@@ -226,21 +226,15 @@ static inline lanes lanes_cosine_of_sum(struct lanes_sum a)
     return w.hi + (w.lo - 0.5 * lost + (z * z * q - a.hi * a.lo));
 }
 
-/* Whether bit 1 or 2 of w is set. */
-static inline lane_mask lanes_bit(lane_words w, int bit)
-{
-    return (lane_mask)(UINT64_C(0) - ((w >> bit) & 1));
-}
-
 /* Adds quarter turns to an angle, given and returned as its sine and cosine; outside the range of
  * the reduction they are NaN. */
 static inline void lanes_turn(lane_words quarters, lane_mask inside, lanes *sine, lanes *cosine)
 {
-    const lane_mask odd = lanes_bit(quarters, 0);
+    const lane_mask odd = lane_words_odd(quarters);
     const lanes nan = lanes_splat((double)NAN);
     lanes s = lanes_select(odd, *cosine, *sine), c = lanes_select(odd, *sine, *cosine);
-    s = lanes_select(lanes_bit(quarters, 1), -s, s);
-    c = lanes_select(lanes_bit(quarters + 1, 1), -c, c);
+    s = lanes_select(lane_words_odd(quarters >> 1), -s, s);
+    c = lanes_select(lane_words_odd((quarters + 1) >> 1), -c, c);
     *sine = lanes_select(inside, s, nan);
     *cosine = lanes_select(inside, c, nan);
 }

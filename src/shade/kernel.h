@@ -2,13 +2,15 @@
 /* Kernels: the radiance of pixels, by the equations of src/shade/README.md. The kernel body is one
  * inlined function that takes a constant mask of effects. Each compiled kernel contains only the
  * effects of its mask, and pen_kernel_select picks the smallest kernel that covers the effects of a
- * scene. All kernels, for all instruction sets, give the same bits. */
+ * scene. All kernels, for all instruction sets, give the same bits. Block kernels are compiled for
+ * each instruction set; pixel kernels once, since a single pixel has no use for wide vectors. */
 #ifndef PEN_SHADE_KERNEL_H
 #define PEN_SHADE_KERNEL_H
 
 #include <stdint.h>
 
 #include "math/rect.h"
+#include "math/sample.h"
 #include "scene/scene.h"
 
 /* Numbers of rays by kind, as src/shade/README.md counts them. */
@@ -50,6 +52,12 @@ void pen_kernel_scratch_free(struct pen_kernel_scratch *scratch);
 typedef void pen_kernel_fn(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
                            int x, int y, double rgb[3], struct pen_ray_counts *counts);
 
+/* One sample of a pixel, at a point of the image: its radiance. The pixel is that of the scratch
+ * memory's sampling key. */
+typedef struct pen_vec3 pen_kernel_sample_fn(const struct pen_kernel_input *input,
+                                             struct pen_kernel_scratch *scratch,
+                                             struct pen_point2 at, struct pen_ray_counts *counts);
+
 /* A block of pixels, rect.width and rect.height at most PEN_BLOCK_SIDE, row by row: the same. */
 enum { PEN_BLOCK_SIDE = 8 };
 typedef void pen_kernel_block_fn(const struct pen_kernel_input *input,
@@ -61,6 +69,7 @@ struct pen_kernel {
     unsigned effects; /* the mask: PEN_FX_* */
     pen_kernel_fn *pixel;
     pen_kernel_block_fn *block; /* for input->trace with packets */
+    size_t block_bytes;         /* of the working memory of `block` */
 };
 
 /* The kernels one by one, for tests and reports; NULL after the last. Kernels for an instruction

@@ -1,23 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Every kernel of the list and the table of them, pen_kernels_<instruction set>. Compiled once for
- * each instruction set, PEN_ISA (base/cpu.h). */
+/* The block kernels of the list, and the table of all kernels, pen_kernels_<instruction set>.
+ * Compiled once for each instruction set, PEN_ISA (base/cpu.h). */
 #include "shade/internal/block_body.h"
 #include "shade/internal/kernel_list.h"
 
-#define PIXEL_FUNCTION(identifier, name, mask)                                                     \
-    static void pixel_##identifier(const struct pen_kernel_input *input,                           \
-                                   struct pen_kernel_scratch *scratch, int x, int y,               \
-                                   double rgb[3], struct pen_ray_counts *counts)                   \
-    {                                                                                              \
-        kernel_pixel(input, scratch, x, y, rgb, counts, mask);                                     \
-    }                                                                                              \
+#define BLOCK_FUNCTION(identifier, name, mask)                                                     \
     static void block_##identifier(const struct pen_kernel_input *input,                           \
                                    struct pen_kernel_scratch *scratch, struct pen_rect rect,       \
                                    double(*rgb)[3], struct pen_ray_counts *counts)                 \
     {                                                                                              \
-        kernel_block(input, scratch, rect, rgb, counts, mask);                                     \
+        kernel_block(input, scratch, rect, rgb, counts, pen_sample_##identifier, mask);            \
     }
-PEN_KERNEL_LIST(PIXEL_FUNCTION)
+PEN_KERNEL_LIST(BLOCK_FUNCTION)
 
 #define NAME_OF_ISA(isa) NAME_OF_TOKEN(isa)
 #define NAME_OF_TOKEN(token) #token
@@ -27,6 +21,7 @@ PEN_KERNEL_LIST(PIXEL_FUNCTION)
 #define TABLE_ROW(identifier, kernel_name, mask)                                                   \
     {.name = kernel_name "/" NAME_OF_ISA(PEN_ISA),                                                 \
      .effects = mask,                                                                              \
-     .pixel = pixel_##identifier,                                                                  \
-     .block = block_##identifier},
+     .pixel = pen_pixel_##identifier,                                                              \
+     .block = block_##identifier,                                                                  \
+     .block_bytes = sizeof(struct pen_block_scratch)},
 const struct pen_kernel TABLE_OF_ISA(PEN_ISA)[PEN_KERNEL_COUNT] = {PEN_KERNEL_LIST(TABLE_ROW)};

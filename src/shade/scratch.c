@@ -1,15 +1,40 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes and frees a thread's working memory for kernels. */
-#include "shade/internal/block_body.h"
+#include "shade/internal/scratch.h"
 
 #include <stdlib.h>
+
+/* Vectors of the widest instruction set are aligned to their size. */
+enum { BLOCK_ALIGN = 64 };
+
+/* The bytes that the block kernels of any instruction set of this processor need. */
+static size_t block_bytes(void)
+{
+    size_t bytes = 0;
+    for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+        const struct pen_kernel *kernel = pen_kernel_select(0, (enum pen_isa)isa);
+        bytes = kernel->block_bytes > bytes ? kernel->block_bytes : bytes;
+    }
+    return bytes;
+}
+
+/* Memory of calloc, since its pages are not touched before they are used, from the first aligned
+ * address on. */
+static bool block_new(struct pen_kernel_scratch *scratch)
+{
+    scratch->block_memory = calloc(1, block_bytes() + BLOCK_ALIGN);
+    if (!scratch->block_memory)
+        return false;
+    const size_t past = (uintptr_t)scratch->block_memory % BLOCK_ALIGN;
+    scratch->block = (void *)((char *)scratch->block_memory + (BLOCK_ALIGN - past) % BLOCK_ALIGN);
+    return true;
+}
 
 static bool fill(struct pen_kernel_scratch *scratch, size_t lights, size_t depth)
 {
     scratch->last_occluder = calloc(lights + 1, sizeof *scratch->last_occluder);
     scratch->waiting = calloc(depth, sizeof *scratch->waiting);
-    scratch->block = calloc(1, sizeof *scratch->block);
-    if (!scratch->last_occluder || !scratch->waiting || !scratch->block)
+    if (!scratch->last_occluder || !scratch->waiting || !block_new(scratch))
         return false;
     for (size_t i = 0; i < lights; i++)
         scratch->last_occluder[i] = PEN_NO_PRIM;
@@ -34,6 +59,6 @@ void pen_kernel_scratch_free(struct pen_kernel_scratch *scratch)
         return;
     free(scratch->last_occluder);
     free(scratch->waiting);
-    free(scratch->block);
+    free(scratch->block_memory);
     free(scratch);
 }

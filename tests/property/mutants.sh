@@ -306,7 +306,7 @@ edit src/geom/cone.c 1 's/^    bool inward = apex \? e\.grows > 0 : e\.b\.hi < 0
 judge
 
 mutant cone_apex rooms_round 6000 "at a cone's apex, rays are mirrored and lit though no side is known"
-edit src/shade/internal/surface.h 1 's/^    return s->unsure > 0 \&\& .*$/    return s->unsure < 0;/'
+edit src/shade/internal/surface.h 1 's/^    return lanes_less\(lanes_splat\(0\), s->unsure\) .*$/    return lane_mask_of(0);/'
 judge
 
 mutant cone_box cone_boxes 20000 "the box of a cone holds its base, not its top"
@@ -362,11 +362,11 @@ edit src/geom/self_intersection.c 1 's/^    bool round_corner = /    bool round_
 judge
 
 mutant point_beside rooms_thin 100 "a hit point may lie beside its outline"
-edit src/shade/internal/surface.h 1 's/^    if \(fabs\(s->nv\) < PEN_POINT_STEEP/    if (false/'
+edit src/shade/internal/surface.h 1 's/^(    const lane_mask slanting = ).*$/\1lane_mask_of(0);/'
 judge
 
 mutant mirror_grazing rooms_thin 100 "a ray that grazes a mirror is reflected"
-edit src/shade/internal/secondary_rays.h 1 's/-s->nv <= PEN_HORIZON_SINE/false/'
+edit src/shade/internal/secondary_rays.h 1 's/lanes_less\(lanes_splat\(PEN_HORIZON_SINE\), -s->nv\)/lane_mask_of(LANES_ALL)/'
 judge
 
 mutant goes_back_grazing rooms_thin 100 "a ray goes back however low over a wall it is"
@@ -386,7 +386,7 @@ edit src/geom/ray.h 1 's/^#define PEN_HORIZON_SINE \(2 \/ PEN_NEARBY\)/#define P
 judge
 
 mutant horizon_grazing horizon_disk 200 "a sample that grazes is taken for one above the horizon"
-edit src/shade/internal/soft_shadow.h 1 's/^    if \(side == HORIZON_GRAZING\)$/    if (false)/'
+edit src/shade/internal/soft_shadow.h 1 's/^    if \(!\(lane_mask_bits\(side\.above .*$/    if (false)/'
 judge
 
 mutant tied_rays h079_permuted_tied 20000 "rays whose components are equal in size are not refined"
@@ -402,7 +402,7 @@ edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim && origin-
 judge
 
 mutant hardly_left rooms_flat 100 "a point in a corner brings light although no rule tells where it is"
-edit src/shade/internal/surface.h 1 's/^    if \(left->prim != PEN_NO_PRIM && surface_hardly_left.*$/    if (false)/'
+edit src/shade/internal/surface.h 1 's/^        if \(left->prim != PEN_NO_PRIM && surface_hardly_left.*$/        if (false)/'
 judge
 
 mutant height_of_vertex floor_foot 20000 "heights over a plane are taken from a vertex, however far that is"
@@ -448,7 +448,8 @@ edit src/accel/internal/ray_group_outline.h 1 's/\(near \? 32 \* g->most_slack :
 judge_test
 
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
-edit src/math/fn.c 1 's/^    return lanes_pow\(x, y\);$/    return pow(x, y);/'
+edit src/math/lanes_fn.h 7 \
+    's/^    const lane_mask nothing = lanes_at_most\(x, .*$/    double p[LANES], q[LANES];\n    lanes_store(p, x);\n    lanes_store(q, y);\n    for (int i = 0; i < LANES; i++)\n        p[i] = pow(p[i], q[i]);\n    if (1)\n        return lanes_load(p);\n&/'
 judge_libm
 
 [ -z "$edits" ] || {

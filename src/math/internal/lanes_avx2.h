@@ -4,6 +4,7 @@
 #define PEN_MATH_INTERNAL_LANES_AVX2_H
 
 #include <immintrin.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum { LANES = 4 };
@@ -84,10 +85,44 @@ static inline lanes lanes_of_words(lane_words w)
     return (lanes)w;
 }
 
+static inline lane_mask lane_words_odd(lane_words w)
+{
+    return (lane_mask) - (w & 1);
+}
+
 /* Loads one by one: quicker than the instruction for it on many processors. */
 static inline lanes lanes_gather(const double *table, lane_words i)
 {
     return (lanes){table[i[0]], table[i[1]], table[i[2]], table[i[3]]};
+}
+
+static inline lanes lanes_rows(const double *table, size_t stride, const uint32_t *i)
+{
+    return (lanes){table[stride * i[0]], table[stride * i[1]], table[stride * i[2]],
+                   table[stride * i[3]]};
+}
+
+static inline lanes lanes_strided(const double *x, size_t stride)
+{
+    return (lanes){x[0], x[stride], x[2 * stride], x[3 * stride]};
+}
+
+static inline void lanes_store_strided(double *to, size_t stride, lanes x)
+{
+    to[0] = x[0];
+    to[stride] = x[1];
+    to[2 * stride] = x[2];
+    to[3 * stride] = x[3];
+}
+
+static inline double lanes_at(lanes x, int lane)
+{
+    return x[lane];
+}
+
+static inline lane_mask lane_mask_of(unsigned bits)
+{
+    return ((lane_mask){1, 2, 4, 8} & (int64_t)bits) != 0;
 }
 
 static inline lane_mask lane_mask_not(lane_mask m)

@@ -3,13 +3,14 @@
 #ifndef PEN_MATH_INTERNAL_LANES_BASE_H
 #define PEN_MATH_INTERNAL_LANES_BASE_H
 
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
 enum { LANES = 1 };
 
 typedef double lanes;
-typedef int64_t lane_mask; /* -1 or 0 */
+typedef int lane_mask; /* 1 or 0 */
 typedef uint64_t lane_words;
 
 static inline lanes lanes_splat(double x)
@@ -44,17 +45,17 @@ static inline lanes lanes_abs(lanes x)
 
 static inline lane_mask lanes_less(lanes a, lanes b)
 {
-    return -(lane_mask)(a < b);
+    return a < b;
 }
 
 static inline lane_mask lanes_at_most(lanes a, lanes b)
 {
-    return -(lane_mask)(a <= b);
+    return a <= b;
 }
 
 static inline lane_mask lanes_equal(lanes a, lanes b)
 {
-    return -(lane_mask)(a == b);
+    return a == b;
 }
 
 /* b where an operand is NaN. */
@@ -88,19 +89,52 @@ static inline lanes lanes_of_words(lane_words w)
     return x;
 }
 
+static inline lane_mask lane_words_odd(lane_words w)
+{
+    return w & 1;
+}
+
 static inline lanes lanes_gather(const double *table, lane_words i)
 {
     return table[i];
 }
 
+static inline lanes lanes_rows(const double *table, size_t stride, const uint32_t *i)
+{
+    return table[stride * *i];
+}
+
+static inline lanes lanes_strided(const double *x, size_t stride)
+{
+    (void)stride;
+    return *x;
+}
+
+static inline void lanes_store_strided(double *to, size_t stride, lanes x)
+{
+    (void)stride;
+    *to = x;
+}
+
+static inline double lanes_at(lanes x, int lane)
+{
+    (void)lane;
+    return x;
+}
+
+static inline lane_mask lane_mask_of(unsigned bits)
+{
+    return (lane_mask)bits & 1;
+}
+
 static inline lane_mask lane_mask_not(lane_mask m)
 {
-    return ~m;
+    return !m;
 }
 
 static inline unsigned lane_mask_bits(lane_mask m)
 {
-    return (unsigned)m & 1;
+    return (unsigned)m;
 }
 
 #endif

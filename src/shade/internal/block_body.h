@@ -15,12 +15,15 @@
 #ifndef PEN_SHADE_INTERNAL_BLOCK_BODY_H
 #define PEN_SHADE_INTERNAL_BLOCK_BODY_H
 
-#include "shade/internal/kernel_body.h"
+#include "shade/internal/pixel_sample.h"
+#include "shade/internal/secondary_rays.h"
+#include "shade/internal/soft_shadow.h"
 
 enum {
     BLOCK_PIXELS = PEN_BLOCK_SIDE * PEN_BLOCK_SIDE,
     BLOCK_RECORDS = 64 * BLOCK_PIXELS,
     BLOCK_PATHS = 1024,
+    WAVE_GROUPS = PEN_RAY_PACKET_MAX / LANES,
     PIXEL_RECORDS = 1024, /* less than pen_tree_surfaces_max */
     NO_RECORD = -1
 };
@@ -46,21 +49,28 @@ struct block_stack {
     uint16_t path[BLOCK_PATHS];
 };
 
-/* The working memory of a block: pen_kernel_scratch owns one. */
+/* The working memory of a block: pen_kernel_scratch owns one. Its size is that of the instruction
+ * set's vectors, so only the block kernels know it. */
 struct pen_block_scratch {
-    struct pen_ray_packet packet;
-    int count; /* of the wave; what follows is by its paths */
+    /* By groups of LANES points of the wave. */
+    struct surface surface[WAVE_GROUPS];
+    struct arriving_light arriving[WAVE_GROUPS];
+    lane_mask lit[WAVE_GROUPS]; /* points to which lights contribute */
+    struct lanes3 radiance[WAVE_GROUPS];
+    /* By paths of the wave; after it has been traced, only those that meet a surface. */
+    int count;
     struct block_path *wave[PEN_RAY_PACKET_MAX];
-    struct surface surface[PEN_RAY_PACKET_MAX];
-    struct pen_vec3 radiance[PEN_RAY_PACKET_MAX];
-    struct arriving_light arriving[PEN_RAY_PACKET_MAX];
+    double transmittance[3][PEN_RAY_PACKET_MAX];
     struct pen_ray shadow_ray[PEN_RAY_PACKET_MAX];
     struct pen_shadow query[PEN_RAY_PACKET_MAX];
+    struct pen_ray_packet packet;
+    /* By pixel. */
     int x[BLOCK_PIXELS], y[BLOCK_PIXELS];
-    uint64_t left; /* pixels that are left to the pixel kernel */
+    uint64_t left; /* bits of pixels that are left to the pixel kernel */
     struct pen_ray_counts counts[BLOCK_PIXELS];
     int surfaces[BLOCK_PIXELS]; /* records of each pixel */
     struct block_stack transmitted, reflected, unused;
+    int used; /* of the pool, from its beginning */
     struct block_path pool[BLOCK_PATHS];
     int record_count;
     struct block_record record[BLOCK_RECORDS];
@@ -84,7 +94,9 @@ static ALWAYS_INLINE void stack_push(struct block_stack *stack, const struct pen
 /* A path from the pool; NULL if there is none. */
 static ALWAYS_INLINE struct block_path *block_path_new(struct pen_block_scratch *b)
 {
-    return b->unused.count > 0 ? &b->pool[b->unused.path[--b->unused.count]] : NULL;
+    if (b->unused.count > 0)
+        return &b->pool[b->unused.path[--b->unused.count]];
+    return b->used < BLOCK_PATHS ? &b->pool[b->used++] : NULL;
 }
 
 /* Takes the next wave from a stack, without the paths of pixels that are left. */
@@ -108,9 +120,26 @@ static ALWAYS_INLINE bool is_layered(const struct pen_scene *scene, const struct
     return first && first[hit.prim] != first[hit.prim + 1] && pen_layers_at(scene, ray, hit);
 }
 
-/* Traces the wave. Returns the paths that meet a surface which can be shaded here. */
-static ALWAYS_INLINE uint64_t block_trace(const struct pen_kernel_input *input,
-                                          struct pen_block_scratch *b)
+/* Leaves the pixel of a path to the pixel kernel. */
+static ALWAYS_INLINE void block_leave(struct pen_block_scratch *b, const struct block_path *path)
+{
+    b->left |= UINT64_C(1) << path->pixel;
+}
+
+static ALWAYS_INLINE int block_groups(const struct pen_block_scratch *b)
+{
+    return (b->count + LANES - 1) / LANES;
+}
+
+/* Of the wave's points, as bits, those of one group. */
+static ALWAYS_INLINE unsigned group_bits(uint64_t points, int group)
+{
+    return (unsigned)(points >> (group * LANES)) & LANES_ALL;
+}
+
+/* Traces the wave. The paths that meet a surface remain in it. */
+static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
+                                      struct pen_block_scratch *b)
 {
     const struct pen_scene *scene = input->scene;
     struct pen_ray_packet *packet = &b->packet;
@@ -122,134 +151,160 @@ static ALWAYS_INLINE uint64_t block_trace(const struct pen_kernel_input *input,
         packet->after[i] = path->after;
     }
     const uint64_t met = input->trace->nearest_packet(scene->accel, packet);
-    uint64_t shaded = 0;
+    int points = 0;
     for (int i = 0; i < b->count; i++) {
-        const struct block_path *at = b->wave[i];
+        struct block_path *at = b->wave[i];
+        const struct pen_hit hit = packet->hit[i];
         if (!(met >> i & 1)) {
             b->record[at->record].radiance = pen_mul(at->path.weight, scene->background);
-            continue;
+            stack_push(&b->unused, b, at);
+        } else if (is_layered(scene, &at->path.ray, hit)) {
+            block_leave(b, at);
+            stack_push(&b->unused, b, at);
+        } else {
+            b->surface[points / LANES].hit[points % LANES] = hit;
+            b->wave[points++] = at;
         }
-        if (!is_layered(scene, &at->path.ray, packet->hit[i])) {
-            surface_at(&b->surface[i], scene, &at->path.ray, &at->path.origin, packet->hit[i]);
-            if (surface_finite(&b->surface[i])) {
-                shaded |= UINT64_C(1) << i;
-                continue;
-            }
-        }
-        b->left |= UINT64_C(1) << at->pixel;
     }
-    return shaded;
+    b->count = points;
 }
 
-/* Shadow rays of the wave's points to one hard light. Returns the points at which it is not
- * occluded; terms are multiplied by the transmittance. */
-static ALWAYS_INLINE uint64_t block_hard_shadows(const struct pen_kernel_input *input,
-                                                 struct pen_kernel_scratch *scratch,
-                                                 struct pen_block_scratch *b, uint32_t light,
-                                                 uint64_t lit, const unsigned fx)
+/* Computes the surfaces of the wave. */
+static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
+                                         struct pen_block_scratch *b)
+{
+    for (int g = 0; g < block_groups(b); g++) {
+        const int first = g * LANES, count = b->count - first < LANES ? b->count - first : LANES;
+        const struct path *path[LANES];
+        for (int i = 0; i < count; i++)
+            path[i] = &b->wave[first + i]->path;
+        surface_at(&b->surface[g], input->scene, path, count);
+        const unsigned finite = lane_mask_bits(b->surface[g].finite);
+        for (int i = 0; i < count; i++)
+            if (!(finite >> i & 1))
+                block_leave(b, b->wave[first + i]);
+    }
+}
+
+static ALWAYS_INLINE void block_set_transmittance(struct pen_block_scratch *b, int point,
+                                                  struct pen_vec3 t)
+{
+    b->transmittance[0][point] = t.x;
+    b->transmittance[1][point] = t.y;
+    b->transmittance[2][point] = t.z;
+}
+
+/* Transmittances of the shadow rays from points of the wave to one hard light. */
+static ALWAYS_INLINE void block_hard_shadows(const struct pen_kernel_input *input,
+                                             struct pen_kernel_scratch *scratch,
+                                             struct pen_block_scratch *b, uint32_t light,
+                                             uint64_t points, const unsigned fx)
 {
     struct pen_ray_packet *packet = &b->packet;
     int of[PEN_RAY_PACKET_MAX];
-    uint64_t seen = lit;
     packet->count = 0;
     packet->light = input->scene->lights[light].position;
     packet->last_occluder = scratch->last_occluder[light];
-    for (; lit; lit &= lit - 1) {
-        const int i = __builtin_ctzll(lit), k = packet->count;
-        struct arriving_light *arriving = &b->arriving[i];
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctzll(points), k = packet->count, lane = i % LANES;
+        const struct arriving_light *arriving = &b->arriving[i / LANES];
+        const struct surface *s = &b->surface[i / LANES];
         b->counts[b->wave[i]->pixel].shadow++;
-        if (!pen_ray_make(&b->shadow_ray[k], b->surface[i].p, arriving->to_light)) {
-            arriving->term = pen_mul(arriving->term, no_sample());
+        if (!pen_ray_make(&b->shadow_ray[k], lanes3_at(s->p, lane),
+                          lanes3_at(arriving->to_light, lane))) {
+            block_set_transmittance(b, i, no_sample());
             continue;
         }
         shadow_query(input, &b->query[k], arriving->to_point, fx);
         packet->ray[k] = &b->shadow_ray[k];
-        packet->origin[k] = &b->surface[i].origin;
+        packet->origin[k] = &s->origin[lane];
         packet->query[k] = &b->query[k];
         of[packet->count++] = i;
     }
     const uint64_t blocked = input->trace->shadow_packet(input->scene->accel, packet);
     scratch->last_occluder[light] = packet->last_occluder;
     for (int k = 0; k < packet->count; k++) {
-        const int i = of[k];
         const struct pen_vec3 white = {1, 1, 1};
         struct pen_vec3 t = {0, 0, 0};
         if (!(blocked >> k & 1))
-            t = shadow_colour(input, &b->shadow_ray[k], &b->surface[i].origin, &b->query[k], white,
-                              fx);
-        if (is_black(t))
-            seen &= ~(UINT64_C(1) << i);
-        else
-            b->arriving[i].term = pen_mul(b->arriving[i].term, t);
+            t = shadow_colour(input, &b->shadow_ray[k], packet->origin[k], &b->query[k], white, fx);
+        block_set_transmittance(b, of[k], t);
     }
-    return seen;
 }
 
 /* The same for a light with a radius, point by point. */
-static ALWAYS_INLINE uint64_t block_soft_shadows(const struct pen_kernel_input *input,
-                                                 struct pen_kernel_scratch *scratch,
-                                                 struct pen_block_scratch *b, uint64_t lit,
-                                                 const unsigned fx)
+static ALWAYS_INLINE void block_soft_shadows(const struct pen_kernel_input *input,
+                                             struct pen_kernel_scratch *scratch,
+                                             struct pen_block_scratch *b, uint64_t points,
+                                             const unsigned fx)
 {
-    uint64_t seen = lit;
-    for (; lit; lit &= lit - 1) {
-        const int i = __builtin_ctzll(lit), pixel = b->wave[i]->pixel;
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctzll(points), pixel = b->wave[i]->pixel, g = i / LANES;
         scratch->key.x = (uint32_t)b->x[pixel];
         scratch->key.y = (uint32_t)b->y[pixel];
         scratch->key.node = b->wave[i]->path.node;
-        struct pen_vec3 t = soft_transmittance(input, scratch, &b->surface[i], &b->arriving[i],
-                                               &b->counts[pixel], fx);
-        if (is_black(t))
-            seen &= ~(UINT64_C(1) << i);
-        else
-            b->arriving[i].term = pen_mul(b->arriving[i].term, t);
+        block_set_transmittance(b, i,
+                                soft_transmittance(input, scratch, &b->surface[g], i % LANES,
+                                                   &b->arriving[g], &b->counts[pixel], fx));
     }
-    return seen;
+}
+
+/* Multiplies what arrives at a group of points by its transmittance. */
+static ALWAYS_INLINE void block_filter(struct pen_block_scratch *b, int g)
+{
+    struct arriving_light *arriving = &b->arriving[g];
+    const struct lanes3 t = {lanes_load(b->transmittance[0] + g * LANES),
+                             lanes_load(b->transmittance[1] + g * LANES),
+                             lanes_load(b->transmittance[2] + g * LANES)};
+    arriving->arrives &= lane_mask_not(lanes_black(t));
+    arriving->term = lanes3_mul(arriving->term, t);
 }
 
 /* Adds what one light brings to the wave's points. */
 static ALWAYS_INLINE void block_light(const struct pen_kernel_input *input,
                                       struct pen_kernel_scratch *scratch,
-                                      struct pen_block_scratch *b, uint32_t light, uint64_t points,
+                                      struct pen_block_scratch *b, uint32_t light,
                                       const unsigned fx)
 {
     const struct pen_light *l = &input->scene->lights[light];
-    uint64_t lit = 0;
-    for (; points; points &= points - 1) {
-        const int i = __builtin_ctzll(points);
-        b->arriving[i] = light_unshadowed(l, &b->surface[i], fx);
-        b->arriving[i].light = light;
-        lit |= (uint64_t)!is_black(b->arriving[i].term) << i;
+    const bool shadows = (fx & PEN_FX_HARD_SHADOWS) && l->shadows;
+    uint64_t points = 0;
+    for (int g = 0; g < block_groups(b); g++) {
+        light_unshadowed(&b->arriving[g], l, &b->surface[g], b->lit[g], fx);
+        b->arriving[g].light = light;
+        points |= (uint64_t)lane_mask_bits(b->arriving[g].arrives) << (g * LANES);
     }
-    if ((fx & PEN_FX_HARD_SHADOWS) && l->shadows && lit) {
+    if (shadows && points) {
         if ((fx & PEN_FX_SOFT_SHADOWS) && l->soft)
-            lit = block_soft_shadows(input, scratch, b, lit, fx);
+            block_soft_shadows(input, scratch, b, points, fx);
         else
-            lit = block_hard_shadows(input, scratch, b, light, lit, fx);
+            block_hard_shadows(input, scratch, b, light, points, fx);
     }
-    for (; lit; lit &= lit - 1) {
-        const int i = __builtin_ctzll(lit);
-        b->radiance[i] = pen_add(b->radiance[i], b->arriving[i].term);
+    for (int g = 0; g < block_groups(b); g++) {
+        if (!group_bits(points, g))
+            continue;
+        if (shadows)
+            block_filter(b, g);
+        b->radiance[g] =
+            lanes3_select(b->arriving[g].arrives, lanes3_add(b->radiance[g], b->arriving[g].term),
+                          b->radiance[g]);
     }
 }
 
-/* The radiance of the wave's points, as shade_surface. */
+/* The radiance of the wave's points, as shade_surface of the pixel kernel. */
 static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
                                       struct pen_kernel_scratch *scratch,
-                                      struct pen_block_scratch *b, uint64_t points,
-                                      const unsigned fx)
+                                      struct pen_block_scratch *b, const unsigned fx)
 {
-    uint64_t lit = 0;
-    for (uint64_t left = points; left; left &= left - 1) {
-        const int i = __builtin_ctzll(left);
-        const struct pen_material *m = b->surface[i].material;
-        b->radiance[i] = m->emission;
-        if ((fx & PEN_FX_AMBIENT) && b->wave[i]->path.depth == 0)
-            b->radiance[i] = pen_add(b->radiance[i], pen_mul(input->scene->ambient, m->ka));
-        lit |= (uint64_t)surface_lit(&b->surface[i]) << i;
+    bool any = false;
+    for (int g = 0; g < block_groups(b); g++) {
+        const bool primary = b->wave[g * LANES]->path.depth == 0; /* as all of the wave */
+        b->radiance[g] = light_emitted(input->scene, &b->surface[g], primary, fx);
+        b->lit[g] = surface_lit(&b->surface[g]);
+        any |= lane_mask_bits(b->lit[g]) != 0;
     }
-    for (uint32_t light = 0; light < input->scene->light_count && lit; light++)
-        block_light(input, scratch, b, light, lit, fx);
+    for (uint32_t light = 0; light < input->scene->light_count && any; light++)
+        block_light(input, scratch, b, light, fx);
 }
 
 /* Puts a path, which is in the pool, on a stack with a new record, its number in *link. The pixel
@@ -259,7 +314,7 @@ static ALWAYS_INLINE void block_push(struct pen_block_scratch *b, struct block_s
 {
     const int32_t record = block_record_new(b, path->pixel);
     if (record == NO_RECORD) {
-        b->left |= UINT64_C(1) << path->pixel;
+        block_leave(b, path);
         stack_push(&b->unused, b, path);
         return;
     }
@@ -269,16 +324,16 @@ static ALWAYS_INLINE void block_push(struct pen_block_scratch *b, struct block_s
 
 static ALWAYS_INLINE void block_reflect(const struct pen_kernel_input *input,
                                         struct pen_block_scratch *b, const struct block_path *at,
-                                        const struct surface *s, struct block_record *record,
-                                        const unsigned fx)
+                                        const struct surface *s, int lane,
+                                        struct block_record *record, const unsigned fx)
 {
     struct block_path *reflected = block_path_new(b);
     if (!reflected) {
-        b->left |= UINT64_C(1) << at->pixel;
+        block_leave(b, at);
         return;
     }
     reflected->pixel = at->pixel;
-    if (!path_reflect(input, &at->path, s, &reflected->path, fx)) {
+    if (!path_reflect(input, &at->path, s, lane, &reflected->path, fx)) {
         stack_push(&b->unused, b, reflected);
         return;
     }
@@ -291,13 +346,18 @@ static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
                                          struct pen_block_scratch *b, int i, const unsigned fx)
 {
     struct block_path *at = b->wave[i];
+    const int lane = i % LANES;
+    const struct surface *s = &b->surface[i / LANES];
     struct block_record *record = &b->record[at->record];
-    record->radiance = pen_mul(at->path.weight, b->radiance[i]);
+    if (b->left >> at->pixel & 1) {
+        stack_push(&b->unused, b, at);
+        return;
+    }
+    record->radiance = pen_mul(at->path.weight, lanes3_at(b->radiance[i / LANES], lane));
     const bool deeper = at->path.depth + 1 < input->settings->max_depth;
     if ((fx & PEN_FX_MIRROR) && deeper)
-        block_reflect(input, b, at, &b->surface[i], record, fx);
-    if ((fx & PEN_FX_TRANSMISSION) && deeper &&
-        path_transmit(input, &at->path, &b->surface[i], fx)) {
+        block_reflect(input, b, at, s, lane, record, fx);
+    if ((fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &at->path, s, lane, fx)) {
         b->counts[at->pixel].transmission++;
         block_push(b, &b->transmitted, at, &record->transmitted);
     } else {
@@ -310,14 +370,11 @@ static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
                                      struct pen_kernel_scratch *scratch,
                                      struct pen_block_scratch *b, const unsigned fx)
 {
-    uint64_t points = block_trace(input, b);
-    block_shade(input, scratch, b, points, fx);
-    for (int i = 0; i < b->count; i++) {
-        if (points >> i & 1)
-            block_continue(input, b, i, fx);
-        else
-            stack_push(&b->unused, b, b->wave[i]);
-    }
+    block_trace(input, b);
+    block_surfaces(input, b);
+    block_shade(input, scratch, b, fx);
+    for (int i = 0; i < b->count; i++)
+        block_continue(input, b, i, fx);
 }
 
 /* Adds up a tree of records in the pixel kernel's order: depth first, the transmitted path before
@@ -345,9 +402,7 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
                                             const struct pen_point2 *at, int pixels)
 {
     b->count = b->record_count = 0;
-    b->transmitted.count = b->reflected.count = b->unused.count = 0;
-    for (int i = BLOCK_PATHS; i-- > 0;)
-        stack_push(&b->unused, b, &b->pool[i]);
+    b->transmitted.count = b->reflected.count = b->unused.count = b->used = 0;
     for (int i = 0; i < pixels; i++) {
         const int32_t record = block_record_new(b, i);
         struct block_path *wave = block_path_new(b);
@@ -367,11 +422,12 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
     }
 }
 
-/* One sample of every pixel: its radiance in c. */
+/* One sample of every pixel: its radiance in c. Those that are left are rendered by `alone`. */
 static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch,
                                         const struct pen_point2 *at, int pixels, struct pen_vec3 *c,
-                                        struct pen_ray_counts *counts, const unsigned fx)
+                                        struct pen_ray_counts *counts, pen_kernel_sample_fn *alone,
+                                        const unsigned fx)
 {
     struct pen_block_scratch *b = scratch->block;
     const struct pen_ray_counts none = {0, 0, 0, 0, 0, 0};
@@ -390,7 +446,7 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
         if (b->left >> i & 1) {
             scratch->key.x = (uint32_t)b->x[i];
             scratch->key.y = (uint32_t)b->y[i];
-            c[i] = trace_paths(input, scratch, at[i], counts, fx);
+            c[i] = alone(input, scratch, at[i], counts);
             continue;
         }
         const struct pen_vec3 zero = {0, 0, 0};
@@ -415,11 +471,11 @@ static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rec
     return pixels;
 }
 
-/* The pixels of a block, as kernel_pixel. */
+/* The pixels of a block, as kernel_pixel; `alone` is the pixel kernel of the same effects. */
 static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, struct pen_rect rect,
                                        double (*rgb)[3], struct pen_ray_counts *counts,
-                                       const unsigned fx)
+                                       pen_kernel_sample_fn *alone, const unsigned fx)
 {
     const int samples = fx & PEN_FX_ANTI_ALIASING ? input->settings->samples_per_pixel : 1;
     struct pen_block_scratch *b = scratch->block;
@@ -449,7 +505,7 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
         counts->primary += (uint64_t)pixels;
         if (fx & PEN_FX_SOFT_SHADOWS)
             scratch->key.pixel_sample = (uint32_t)k;
-        block_samples(input, scratch, at, pixels, c, counts, fx);
+        block_samples(input, scratch, at, pixels, c, counts, alone, fx);
         for (int i = 0; i < pixels; i++) {
             if (!fits_film(c[i])) {
                 counts->dropped_samples++;

@@ -20,28 +20,23 @@
 
 #include "shade/internal/surface.h"
 
-enum horizon_side { HORIZON_BELOW, HORIZON_GRAZING, HORIZON_ABOVE };
+/* Points of a surface for which q is above the horizon, and below it; it grazes the others. */
+struct horizon_sides {
+    lane_mask above, below;
+};
 
 /* The largest |n.q| at which q grazes, for |q| = length. bound(end) is pen_ray_end_bound(p, q) =
  * 16u (|p|_1 + |q|_1), where bound(p) contains 16u |p|_1, and |q|_1 <= 2 |q|. */
-static ALWAYS_INLINE double horizon_band(const struct surface *s, double length, bool to_point)
+static ALWAYS_INLINE lanes horizon_band(const struct surface *s, lanes length, bool to_point)
 {
-    double band = s->grazing_sine * length;
-    double rounding = 2 * s->origin.bound + 32 * PEN_U * length;
-    return to_point && rounding > band ? rounding : band;
+    const lanes band = s->grazing_sine * length;
+    return to_point ? lanes_max(2 * s->bound + 32 * PEN_U * length, band) : band;
 }
 
-/* nq is n.q. */
-static ALWAYS_INLINE enum horizon_side horizon_side_of(double nq, double band)
+/* The side of q from each point: a vector to a point, or a direction of any length. nq is n.q. */
+static ALWAYS_INLINE struct horizon_sides horizon_sides(lanes nq, lanes band)
 {
-    return nq > band ? HORIZON_ABOVE : nq < -band ? HORIZON_BELOW : HORIZON_GRAZING;
-}
-
-/* The side of q from p: a vector to a point, or a direction of any length. */
-static ALWAYS_INLINE enum horizon_side horizon_side(const struct surface *s, struct pen_vec3 q,
-                                                    bool to_point)
-{
-    return horizon_side_of(pen_dot(s->n, q), horizon_band(s, pen_length(q), to_point));
+    return (struct horizon_sides){lanes_less(band, nq), lanes_less(nq, -band)};
 }
 
 #endif

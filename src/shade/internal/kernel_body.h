@@ -17,10 +17,11 @@
 #ifndef PEN_SHADE_INTERNAL_KERNEL_BODY_H
 #define PEN_SHADE_INTERNAL_KERNEL_BODY_H
 
-#include <float.h>
-
+#include "shade/internal/pixel_sample.h"
 #include "shade/internal/secondary_rays.h"
 #include "shade/internal/soft_shadow.h"
+
+_Static_assert(LANES == 1, "the pixel kernel shades one point at a time");
 
 /* The radiance that surface s sends to the path's viewer: emission, ambient light (for primary rays
  * only) and the lights. */
@@ -30,28 +31,29 @@ static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input
                                                    struct pen_ray_counts *counts, const unsigned fx)
 {
     const struct pen_scene *scene = input->scene;
-    struct pen_vec3 sum = s->material->emission;
-    if ((fx & PEN_FX_AMBIENT) && primary)
-        sum = pen_add(sum, pen_mul(scene->ambient, s->material->ka));
-    const uint32_t lights = surface_lit(s) ? scene->light_count : 0;
+    struct pen_vec3 sum = lanes3_at(light_emitted(scene, s, primary, fx), 0);
+    const lane_mask lit = surface_lit(s);
+    const uint32_t lights = lane_mask_bits(lit) ? scene->light_count : 0;
     for (uint32_t i = 0; i < lights; i++) {
-        struct arriving_light arriving = light_unshadowed(&scene->lights[i], s, fx);
-        if (is_black(arriving.term))
+        struct arriving_light arriving;
+        light_unshadowed(&arriving, &scene->lights[i], s, lit, fx);
+        if (!lane_mask_bits(arriving.arrives))
             continue;
+        struct pen_vec3 term = lanes3_at(arriving.term, 0);
         arriving.light = i;
         if ((fx & PEN_FX_HARD_SHADOWS) && scene->lights[i].shadows) {
             struct pen_vec3 t;
             if ((fx & PEN_FX_SOFT_SHADOWS) && scene->lights[i].soft) {
-                t = soft_transmittance(input, scratch, s, &arriving, counts, fx);
+                t = soft_transmittance(input, scratch, s, 0, &arriving, counts, fx);
             } else {
                 counts->shadow++;
-                t = hard_transmittance(input, scratch, s, &arriving, fx);
+                t = hard_transmittance(input, scratch, s, 0, &arriving, fx);
             }
             if (is_black(t))
                 continue;
-            arriving.term = pen_mul(arriving.term, t);
+            term = pen_mul(term, t);
         }
-        sum = pen_add(sum, arriving.term);
+        sum = pen_add(sum, term);
     }
     return sum;
 }
@@ -83,14 +85,6 @@ static ALWAYS_INLINE bool path_nearest(const struct pen_kernel_input *input,
     return true;
 }
 
-/* The camera ray through a point of the image. */
-static ALWAYS_INLINE bool camera_ray(const struct pen_pinhole *pinhole, struct pen_point2 at,
-                                     struct pen_ray *ray)
-{
-    struct pen_vec3 d = pen_along(pinhole->middle, pinhole->dx, at.x - pinhole->half_width);
-    return pen_ray_make(ray, pinhole->eye, pen_along(d, pinhole->dy, at.y - pinhole->half_height));
-}
-
 /* The radiance that arrives along the camera ray through a point of the image. */
 static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
@@ -117,9 +111,11 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
         if (!path_nearest(input, scratch, &path, &hit)) {
             sum = pen_add(sum, pen_mul(path.weight, scene->background));
         } else {
+            const struct path *const at_hit = &path;
             struct surface s;
-            surface_at(&s, scene, &path.ray, &path.origin, hit);
-            if (!surface_finite(&s))
+            s.hit[0] = hit;
+            surface_at(&s, scene, &at_hit, 1);
+            if (!lane_mask_bits(s.finite))
                 return no_sample();
             if (fx & PEN_FX_SOFT_SHADOWS)
                 scratch->key.node = path.node;
@@ -127,11 +123,12 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             sum = pen_add(sum, pen_mul(path.weight, here));
             bool deeper = path.depth + 1 < input->settings->max_depth;
             if ((fx & PEN_FX_MIRROR) && deeper &&
-                path_reflect(input, &path, &s, &scratch->waiting[waiting], fx)) {
+                path_reflect(input, &path, &s, 0, &scratch->waiting[waiting], fx)) {
                 counts->reflection++;
                 waiting++;
             }
-            continues = (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, fx);
+            continues =
+                (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, 0, fx);
             counts->transmission += continues;
             if (forks && --scratch->surfaces_left == 0) {
                 count_truncated(counts, waiting, continues);
@@ -147,22 +144,11 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     }
 }
 
-static ALWAYS_INLINE bool fits_film(struct pen_vec3 c)
-{
-    return fabs(c.x) <= FLT_MAX && fabs(c.y) <= FLT_MAX && fabs(c.z) <= FLT_MAX;
-}
-
-/* Point i of a pixel's samples: the centre if it has one sample only. */
-static ALWAYS_INLINE struct pen_point2 pixel_point(uint64_t hash, int i, int samples)
-{
-    return samples > 1 ? pen_sobol2(hash, (uint32_t)i) : (struct pen_point2){0.5, 0.5};
-}
-
 /* The mean of a pixel's samples. Samples that the film cannot hold are left out and counted. */
 static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, int x, int y,
                                        double rgb[3], struct pen_ray_counts *counts,
-                                       const unsigned fx)
+                                       pen_kernel_sample_fn *sample, const unsigned fx)
 {
     int samples = fx & PEN_FX_ANTI_ALIASING ? input->settings->samples_per_pixel : 1;
     const struct pen_sample_key key = {.seed = input->settings->seed,
@@ -183,7 +169,7 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
         counts->primary++;
         if (fx & PEN_FX_SOFT_SHADOWS)
             scratch->key.pixel_sample = (uint32_t)i;
-        struct pen_vec3 c = trace_paths(input, scratch, at, counts, fx);
+        struct pen_vec3 c = sample(input, scratch, at, counts);
         if (!fits_film(c)) {
             counts->dropped_samples++;
             continue;

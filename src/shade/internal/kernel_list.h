@@ -2,10 +2,12 @@
 /* The compiled kernels: one line each, a name and the mask of the effects that it computes. The
  * masks are the sets of effects that scenes really call for. Adding a kernel is adding a line.
  *
- * kernel_isa.c compiles the whole list, once for each instruction set of PEN_ISA_LIST (base/cpu.h).
- * Names made by token pasting:
- *   pixel_<identifier>              static there, from a line's first column: the kernel's
- *                                   pen_kernel_fn
+ * kernel_isa.c compiles the block kernels of the whole list, once for each instruction set of
+ * PEN_ISA_LIST (base/cpu.h), pixel_kernels.c the pixel kernels. Names made by token pasting, from a
+ * line's first column:
+ *   pen_pixel_<identifier>          in pixel_kernels.c: the kernel's pen_kernel_fn
+ *   pen_sample_<identifier>         there: its pen_kernel_sample_fn
+ *   block_<identifier>              static in kernel_isa.c: its pen_kernel_block_fn
  *   pen_kernels_<instruction set>   the table of them
  *
  * The last line must be the kernel of all effects: it covers what no other line does. */
@@ -44,6 +46,12 @@ _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the l
 #define PEN_KERNEL_COUNT_ONE(identifier, name, mask) +1
 enum { PEN_KERNEL_COUNT = 0 PEN_KERNEL_LIST(PEN_KERNEL_COUNT_ONE) };
 #undef PEN_KERNEL_COUNT_ONE
+
+#define PEN_KERNEL_DECLARE(identifier, name, mask)                                                 \
+    extern pen_kernel_fn pen_pixel_##identifier;                                                   \
+    extern pen_kernel_sample_fn pen_sample_##identifier;
+PEN_KERNEL_LIST(PEN_KERNEL_DECLARE)
+#undef PEN_KERNEL_DECLARE
 
 /* One table for each instruction set, in the list's order. */
 #define PEN_KERNEL_DECLARE(UPPER, lower, ...)                                                      \

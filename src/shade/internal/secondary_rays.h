@@ -14,21 +14,28 @@ static ALWAYS_INLINE bool path_contributes(const struct pen_kernel_input *input,
     return (w.x > 0 && w.x >= least) || (w.y > 0 && w.y >= least) || (w.z > 0 && w.z >= least);
 }
 
-/* Makes the reflected path, a new ray from p. False if its weight is too small, or if the viewer
- * grazes the surface: rounding may then mirror the ray to the other side.
+/* Whether rounding cannot mirror the viewer's ray to the other side of a surface. */
+static ALWAYS_INLINE lane_mask surface_mirrors(const struct surface *s)
+{
+    return lanes_less(lanes_splat(PEN_HORIZON_SINE), -s->nv) &
+           lane_mask_not(surface_viewer_grazes(s));
+}
+
+/* Makes the reflected path, a new ray from a point of s. False if its weight is too small, or if
+ * the viewer grazes the surface: rounding may then mirror the ray to the other side.
  * pen_ray_make accepts the ray: p is finite, and n and v are finite and of length 1, hence so is
  * their mirror image. */
 static ALWAYS_INLINE bool path_reflect(const struct pen_kernel_input *input,
-                                       const struct path *path, const struct surface *s,
+                                       const struct path *path, const struct surface *s, int lane,
                                        struct path *reflected, const unsigned fx)
 {
-    struct pen_vec3 weight = pen_mul(path->weight, s->material->kr);
-    if (!path_contributes(input, weight) || surface_viewer_grazes(s) || -s->nv <= PEN_HORIZON_SINE)
+    struct pen_vec3 weight = pen_mul(path->weight, input->scene->materials[s->material[lane]].kr);
+    if (!path_contributes(input, weight) || !(lane_mask_bits(surface_mirrors(s)) >> lane & 1))
         return false;
-    struct pen_vec3 d = pen_along(s->v, s->n, -2 * s->nv);
-    if (!pen_ray_make(&reflected->ray, s->p, d))
+    struct lanes3 d = lanes3_along(s->v, s->n, -2 * s->nv);
+    if (!pen_ray_make(&reflected->ray, lanes3_at(s->p, lane), lanes3_at(d, lane)))
         return false;
-    reflected->origin = surface_origin(s, false);
+    reflected->origin = surface_origin(s, lane, false);
     reflected->after = pen_after_start;
     reflected->weight = weight;
     reflected->depth = path->depth + 1;
@@ -40,12 +47,12 @@ static ALWAYS_INLINE bool path_reflect(const struct pen_kernel_input *input,
 /* Continues the path through the surface: the same ray, after this intersection. False if its
  * weight is too small. */
 static ALWAYS_INLINE bool path_transmit(const struct pen_kernel_input *input, struct path *path,
-                                        const struct surface *s, const unsigned fx)
+                                        const struct surface *s, int lane, const unsigned fx)
 {
-    struct pen_vec3 weight = pen_mul(path->weight, s->material->kt);
+    struct pen_vec3 weight = pen_mul(path->weight, input->scene->materials[s->material[lane]].kt);
     if (!path_contributes(input, weight))
         return false;
-    path->after = s->hit;
+    path->after = s->hit[lane];
     path->weight = weight;
     path->depth++;
     if (fx & PEN_FX_SOFT_SHADOWS)

@@ -54,18 +54,20 @@ static ALWAYS_INLINE struct pen_vec3 shadow_colour(const struct pen_kernel_input
     return in;
 }
 
-/* Traces a shadow ray and returns its transmittance. The primitive that blocked it is remembered
- * for its light. */
-static ALWAYS_INLINE struct pen_vec3
-trace_shadow_ray(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
-                 const struct surface *s, const struct shadow_ray *shadow, const unsigned fx)
+/* Traces a shadow ray from a point of s and returns its transmittance. The primitive that blocked
+ * it is remembered for its light. */
+static ALWAYS_INLINE struct pen_vec3 trace_shadow_ray(const struct pen_kernel_input *input,
+                                                      struct pen_kernel_scratch *scratch,
+                                                      const struct surface *s, int lane,
+                                                      const struct shadow_ray *shadow,
+                                                      const unsigned fx)
 {
     const struct pen_vec3 none = {0, 0, 0};
     struct pen_ray ray;
-    if (!pen_ray_make(&ray, s->p, shadow->d))
+    if (!pen_ray_make(&ray, lanes3_at(s->p, lane), shadow->d))
         return no_sample(); /* the light is farther than rays go */
-    const struct pen_origin_surface through = surface_origin(s, true);
-    const struct pen_origin_surface *origin = shadow->through ? &through : &s->origin;
+    const struct pen_origin_surface through = surface_origin(s, lane, true);
+    const struct pen_origin_surface *origin = shadow->through ? &through : &s->origin[lane];
     struct pen_shadow *query = &scratch->shadow;
     shadow_query(input, query, shadow->to_point, fx);
     query->last_occluder = scratch->last_occluder[shadow->light];
@@ -77,15 +79,15 @@ trace_shadow_ray(const struct pen_kernel_input *input, struct pen_kernel_scratch
 /* T(p) of a light without a radius: one ray to its centre. */
 static ALWAYS_INLINE struct pen_vec3 hard_transmittance(const struct pen_kernel_input *input,
                                                         struct pen_kernel_scratch *scratch,
-                                                        const struct surface *s,
+                                                        const struct surface *s, int lane,
                                                         const struct arriving_light *arriving,
                                                         const unsigned fx)
 {
-    const struct shadow_ray shadow = {.d = arriving->to_light,
+    const struct shadow_ray shadow = {.d = lanes3_at(arriving->to_light, lane),
                                       .to_point = arriving->to_point,
                                       .light = arriving->light,
                                       .in = {1, 1, 1}};
-    return trace_shadow_ray(input, scratch, s, &shadow, fx);
+    return trace_shadow_ray(input, scratch, s, lane, &shadow, fx);
 }
 
 #endif

@@ -13,6 +13,7 @@
 /* The samples of one light from one point. */
 struct soft {
     const struct surface *s;
+    int lane; /* the point's, of s and arriving */
     const struct arriving_light *arriving;
     struct pen_origin_surface origin; /* of rays that start on the viewer's side */
     struct points points;
@@ -41,19 +42,22 @@ static ALWAYS_INLINE void soft_add(const struct pen_kernel_input *input,
                                    struct pen_point2 at, const unsigned fx)
 {
     const struct surface *s = soft->s;
+    const int lane = soft->lane;
     struct shadow_ray shadow = {.d = pen_packet_direction(&scratch->packet, at.x, at.y),
                                 .to_point = soft->arriving->to_point,
                                 .light = soft->arriving->light};
-    enum horizon_side side = horizon_side(s, shadow.d, shadow.to_point);
-    shadow.through = side == HORIZON_BELOW;
-    shadow.in = shadow.through ? s->material->kt : pen_vec3(1, 1, 1);
-    if (side == HORIZON_GRAZING)
-        return;
+    const struct lanes3 d = lanes3_splat(shadow.d);
+    const struct horizon_sides side =
+        horizon_sides(lanes3_dot(s->n, d), horizon_band(s, lanes3_length(d), shadow.to_point));
+    shadow.through = lane_mask_bits(side.below) >> lane & 1;
+    shadow.in = shadow.through ? input->scene->materials[s->material[lane]].kt : pen_vec3(1, 1, 1);
+    if (!(lane_mask_bits(side.above | side.below) >> lane & 1))
+        return; /* it grazes */
     if (shadow.through && (!(fx & PEN_FX_SHADOW_TRANSMITTANCE) || is_black(shadow.in)))
         return;
     soft->rays++;
     uint32_t *last = &scratch->last_occluder[shadow.light], before = *last;
-    soft->sum = pen_add(soft->sum, trace_shadow_ray(input, scratch, s, &shadow, fx));
+    soft->sum = pen_add(soft->sum, trace_shadow_ray(input, scratch, s, lane, &shadow, fx));
     if (*last == PEN_NO_PRIM)
         *last = before; /* keep the hint: the samples after the next may be blocked by the same */
 }
@@ -75,10 +79,11 @@ static ALWAYS_INLINE void soft_add_singly(const struct pen_kernel_input *input,
 static ALWAYS_INLINE bool soft_disk_is_above_horizon(const struct pen_shadow_packet *packet,
                                                      const struct soft *soft)
 {
-    struct pen_vec3 n = soft->s->n;
+    struct pen_vec3 n = lanes3_at(soft->s->n, soft->lane);
     double c = pen_dot(n, packet->c), u = pen_dot(n, packet->u), v = pen_dot(n, packet->v);
     double size = pen_norm1(packet->c) + pen_norm1(packet->u) + pen_norm1(packet->v);
-    double band = horizon_band(soft->s, size, soft->arriving->to_point);
+    double band =
+        lanes_at(horizon_band(soft->s, lanes_splat(size), soft->arriving->to_point), soft->lane);
     return c > sqrt(u * u + v * v) + band + 0x1p-40 * size;
 }
 
@@ -90,7 +95,7 @@ soft_begin_packet(const struct pen_kernel_input *input, struct pen_kernel_scratc
     uint32_t *last = &scratch->last_occluder[soft->arriving->light];
     if (!input->trace->packet_begin || !soft_disk_is_above_horizon(packet, soft))
         return PEN_PACKET_NOT_POSSIBLE;
-    packet->o = soft->s->p;
+    packet->o = lanes3_at(soft->s->p, soft->lane);
     packet->origin = &soft->origin;
     packet->to_point = soft->arriving->to_point;
     packet->see_through = fx & PEN_FX_SHADOW_TRANSMITTANCE ? input->scene->see_through : NULL;
@@ -109,7 +114,7 @@ static ALWAYS_INLINE struct pen_vec3 soft_trace_ray(const struct pen_kernel_inpu
     const struct pen_vec3 none = {0, 0, 0}, clear = {1, 1, 1};
     struct pen_shadow *query = &scratch->shadow;
     struct pen_ray ray;
-    if (!pen_ray_make(&ray, soft->s->p, d))
+    if (!pen_ray_make(&ray, scratch->packet.o, d))
         return no_sample();
     shadow_query(input, query, soft->arriving->to_point, fx);
     if (input->trace->packet_ray(input->scene->accel, &scratch->packet, &ray, i, query))
@@ -205,15 +210,19 @@ static ALWAYS_INLINE void soft_add_packet(const struct pen_kernel_input *input,
     soft->rays = soft->count;
 }
 
-/* T(p) of a light with a radius. */
+/* T(p) of a light with a radius, for one point of s. */
 static ALWAYS_INLINE struct pen_vec3
 soft_transmittance(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
-                   const struct surface *s, const struct arriving_light *arriving,
+                   const struct surface *s, int lane, const struct arriving_light *arriving,
                    struct pen_ray_counts *counts, const unsigned fx)
 {
-    struct soft soft = {
-        .s = s, .arriving = arriving, .origin = surface_origin(s, false), .whole = true};
-    soft_disk(&scratch->packet, &input->scene->lights[arriving->light], arriving->to_light);
+    struct soft soft = {.s = s,
+                        .lane = lane,
+                        .arriving = arriving,
+                        .origin = surface_origin(s, lane, false),
+                        .whole = true};
+    soft_disk(&scratch->packet, &input->scene->lights[arriving->light],
+              lanes3_at(arriving->to_light, lane));
     scratch->key.light = input->scene->light_index[arriving->light];
     soft.points = points_begin(input->settings, pen_sample_hash(&scratch->key));
     enum pen_packet_visibility visibility = soft_begin_packet(input, scratch, &soft, fx);

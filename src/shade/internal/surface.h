@@ -1,43 +1,52 @@
 /* SPDX-License-Identifier: MIT */
-/* The point that a ray hit, with what shading needs to know of it. */
+/* The points that rays hit, with what shading needs to know of them, LANES at a time
+ * (math/lanes.h). The pixel kernel is compiled for the base instruction set only, where LANES is 1:
+ * it reads as if every vector were a number, and every mask a condition. */
 #ifndef PEN_SHADE_INTERNAL_SURFACE_H
 #define PEN_SHADE_INTERNAL_SURFACE_H
 
+#include "math/lanes.h"
 #include "shade/internal/scratch.h"
 
 #define ALWAYS_INLINE inline __attribute__((always_inline))
 
+/* Arrays are by lane; lanes beyond the last point hold anything that may be computed with. */
 struct surface {
-    struct pen_hit hit;
-    const struct pen_material *material;
-    struct pen_vec3 p;   /* on the surface */
-    struct pen_vec3 n;   /* unit, turned towards the viewer */
-    struct pen_vec3 v;   /* unit, from the viewer to p */
-    double nv;           /* n.v <= 0 */
-    double unsure;       /* on which side the viewer is, rounding decides where -n.v is no more;
-                            INFINITY: it decides also on which side of other surfaces p is */
-    double grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
-    struct pen_origin_surface origin; /* for rays that start at p on the viewer's side; its bound is
-                               how far p may be off by rounding */
+    struct pen_hit hit[LANES];
+    uint32_t material[LANES];
+    struct lanes3 kd, ks; /* of the materials */
+    lanes shininess;
+    struct lanes3 p;    /* on the surface */
+    struct lanes3 n;    /* unit, turned towards the viewer */
+    struct lanes3 v;    /* unit, from the viewer to p */
+    lanes nv;           /* n.v <= 0 */
+    lanes unsure;       /* on which side the viewer is, rounding decides where -n.v is no more;
+                           INFINITY: it decides also on which side of other surfaces p is */
+    lanes grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
+    lanes bound;        /* how far p may be off by rounding */
+    lane_mask finite;   /* there is a point, and it, its normal and its direction are finite */
+    struct pen_origin_surface origin[LANES]; /* for rays that start at p on the viewer's side */
 };
 
 /* The sine below which directions graze: on a round surface, moving p by its bound turns the normal
  * by `turn`. At an apex, and on what is smaller than rounding, that is 1 or more, and there is no
  * tangent plane; but seen from outside, all of a round primitive lies below the plane across the
  * normal, as on a flat surface. Seen from inside, every direction grazes. */
-static ALWAYS_INLINE double surface_grazing_sine(double turn, bool outside)
+static ALWAYS_INLINE lanes surface_grazing_sine(lanes turn, lane_mask outside)
 {
-    if (turn <= PEN_HORIZON_SINE || (outside && !(turn < 1)))
-        return PEN_HORIZON_SINE;
-    return turn < 1 ? turn : INFINITY;
+    const lanes least = lanes_splat(PEN_HORIZON_SINE);
+    const lane_mask tangent = lanes_less(turn, lanes_splat(1));
+    const lane_mask flat = lanes_at_most(turn, least) | (outside & lane_mask_not(tangent));
+    return lanes_select(flat, least, lanes_select(tangent, turn, lanes_splat(INFINITY)));
 }
 
 /* The sine -n.v up to which rounding decides on which side of a round surface the viewer is, since
  * the normal is known to `turn`, and a mirrored ray is off by twice that. At an apex that is a wide
  * angle; but a viewer who seems to be outside and looks steeply at it is outside. */
-static ALWAYS_INLINE double surface_unsure(double turn, bool outside)
+static ALWAYS_INLINE lanes surface_unsure(lanes turn, lane_mask outside)
 {
-    return outside && !(4 * turn < 0x1p-6) ? 0x1p-6 : 4 * turn;
+    const lanes wide = lanes_splat(0x1p-6), unsure = 4 * turn;
+    return lanes_select(outside & lane_mask_not(lanes_less(unsure, wide)), wide, unsure);
 }
 
 /* Whether a ray that starts on a surface meets another one where it starts, or within 16 bounds of
@@ -49,61 +58,134 @@ static ALWAYS_INLINE bool surface_hardly_left(const struct pen_ray *ray, double 
            (t > PEN_LAST_LAYER_T || t <= PEN_FIRST_T);
 }
 
-/* Fills in *s. A returned struct would be copied. */
-static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *scene,
-                                     const struct pen_ray *ray,
-                                     const struct pen_origin_surface *left, struct pen_hit hit)
+enum { MATERIAL_DOUBLES = sizeof(struct pen_material) / sizeof(double) };
+
+/* The points' colours of one sort, a member of the first material. */
+static ALWAYS_INLINE struct lanes3 surface_colours(const struct surface *s,
+                                                   const struct pen_vec3 *sort)
 {
-    s->hit = hit;
-    s->material = &scene->materials[scene->prim_material[hit.prim]];
-    s->p = pen_prim_point(&scene->prims, hit, ray);
-    s->n = pen_prim_normal(&scene->prims, hit, s->p);
-    s->v = pen_normalize(ray->d);
-    s->nv = pen_dot(s->n, s->v);
-    if (fabs(s->nv) < PEN_POINT_STEEP && pen_prim_flat(scene->prims.ref[hit.prim].kind))
-        s->p = pen_prim_point_in_outline(&scene->prims, hit, ray->o, s->p, s->nv);
-    s->origin = pen_origin_at(&scene->prims, ray, left, hit, s->p);
-    bool outside = !(s->nv > 0);
-    if (left->prim != PEN_NO_PRIM && fabs(s->nv) <= PEN_HORIZON_SINE)
-        outside = pen_prim_viewer_side(&scene->prims, hit, s->p, s->v, &s->origin) >= 0;
-    if (!outside) {
-        s->n = pen_neg(s->n);
-        s->nv = -s->nv;
+    return lanes3_rows(sort, MATERIAL_DOUBLES, s->material);
+}
+
+static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_scene *scene,
+                                            int count)
+{
+    const struct pen_material *first = scene->materials;
+    for (int i = 0; i < LANES; i++)
+        s->material[i] = i < count ? scene->prim_material[s->hit[i].prim] : 0;
+    s->kd = surface_colours(s, &first->kd);
+    s->ks = surface_colours(s, &first->ks);
+    s->shininess = lanes_rows(&first->shininess, MATERIAL_DOUBLES, s->material);
+}
+
+/* The points and the outward normals. */
+static ALWAYS_INLINE void surface_points(struct surface *s, const struct pen_scene *scene,
+                                         const struct path *const *path, int count)
+{
+    const struct pen_prims *prims = &scene->prims;
+    struct pen_vec3 p[LANES] = {{0, 0, 0}}, n[LANES] = {{0, 0, 0}}, d[LANES] = {{0, 0, 0}};
+    for (int i = 0; i < count; i++) {
+        p[i] = pen_prim_point(prims, s->hit[i], &path[i]->ray);
+        n[i] = pen_prim_normal(prims, s->hit[i], p[i]);
+        d[i] = path[i]->ray.d;
     }
-    if (s->nv > 0)
-        s->nv = 0; /* by rounding, the ray leaves the surface that it has met */
-    double turn = s->origin.bound * pen_prim_curvature(&scene->prims, hit, s->p);
+    s->v = lanes3_normalize(lanes3_load(d));
+    s->n = lanes3_load(n);
+    s->nv = lanes3_dot(s->n, s->v);
+    const lane_mask slanting = lanes_less(lanes_abs(s->nv), lanes_splat(PEN_POINT_STEEP));
+    for (unsigned lanes_left = lane_mask_bits(slanting); lanes_left; lanes_left &= lanes_left - 1) {
+        const int i = __builtin_ctz(lanes_left);
+        if (i < count && pen_prim_flat(prims->ref[s->hit[i].prim].kind))
+            p[i] = pen_prim_point_in_outline(prims, s->hit[i], path[i]->ray.o, p[i],
+                                             lanes_at(s->nv, i));
+    }
+    s->p = lanes3_load(p);
+}
+
+/* The origin surfaces of rays from the points. Returns by how much moving a point by its bound
+ * turns the normal, and in *corner a bit for each point that surface_hardly_left. */
+static ALWAYS_INLINE lanes surface_origins(struct surface *s, const struct pen_scene *scene,
+                                           const struct path *const *path, int count,
+                                           unsigned *corner)
+{
+    const struct pen_prims *prims = &scene->prims;
+    double bound[LANES] = {0}, curvature[LANES] = {0};
+    *corner = 0;
+    for (int i = 0; i < count; i++) {
+        const struct pen_ray *ray = &path[i]->ray;
+        const struct pen_origin_surface *left = &path[i]->origin;
+        const struct pen_vec3 p = lanes3_at(s->p, i);
+        s->origin[i] = pen_origin_at(prims, ray, left, s->hit[i], p);
+        bound[i] = s->origin[i].bound;
+        curvature[i] = pen_prim_curvature(prims, s->hit[i], p);
+        if (left->prim != PEN_NO_PRIM && surface_hardly_left(ray, s->hit[i].t, bound[i]))
+            *corner |= 1u << i;
+    }
+    s->bound = lanes_load(bound);
+    return s->bound * lanes_load(curvature);
+}
+
+/* Whether the viewer is on the side of the outward normal. */
+static ALWAYS_INLINE lane_mask surface_seen_from_outside(const struct surface *s,
+                                                         const struct pen_scene *scene,
+                                                         const struct path *const *path, int count)
+{
+    const lane_mask outside = lane_mask_not(lanes_less(lanes_splat(0), s->nv));
+    const lane_mask along = lanes_at_most(lanes_abs(s->nv), lanes_splat(PEN_HORIZON_SINE));
+    unsigned bits = lane_mask_bits(outside), grazing = lane_mask_bits(along);
+    if (!grazing)
+        return outside;
+    for (int i = 0; i < count; i++) {
+        if (!(grazing >> i & 1) || path[i]->origin.prim == PEN_NO_PRIM)
+            continue;
+        const double side = pen_prim_viewer_side(&scene->prims, s->hit[i], lanes3_at(s->p, i),
+                                                 lanes3_at(s->v, i), &s->origin[i]);
+        bits = (bits & ~(1u << i)) | (unsigned)(side >= 0) << i;
+    }
+    return lane_mask_of(bits);
+}
+
+/* Fills in *s, with the points of up to LANES paths. The caller has set s->hit. */
+static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *scene,
+                                     const struct path *const *path, int count)
+{
+    unsigned corner;
+    surface_materials(s, scene, count);
+    surface_points(s, scene, path, count);
+    const lanes turn = surface_origins(s, scene, path, count, &corner);
+    const lane_mask outside = surface_seen_from_outside(s, scene, path, count);
+    s->n = lanes3_select(outside, s->n, lanes3_neg(s->n));
+    s->nv = lanes_select(outside, s->nv, -s->nv);
+    /* By rounding, a ray may leave the surface that it has met. */
+    s->nv = lanes_select(lanes_less(lanes_splat(0), s->nv), lanes_splat(0), s->nv);
     s->grazing_sine = surface_grazing_sine(turn, outside);
     s->unsure = surface_unsure(turn, outside);
-    if (left->prim != PEN_NO_PRIM && surface_hardly_left(ray, hit.t, s->origin.bound))
-        s->unsure = INFINITY;
+    s->unsure = lanes_select(lane_mask_of(corner), lanes_splat(INFINITY), s->unsure);
+    /* The bound is computed from the point, so it is not finite where the point is not. */
+    s->finite = lane_mask_of((1u << count) - 1) &
+                lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));
 }
 
 /* Whether rounding decides on which side of the surface the viewer is, or of one beside it. */
-static ALWAYS_INLINE bool surface_viewer_grazes(const struct surface *s)
+static ALWAYS_INLINE lane_mask surface_viewer_grazes(const struct surface *s)
 {
-    return s->unsure > 0 && !(-s->nv > s->unsure);
+    return lanes_less(lanes_splat(0), s->unsure) & lane_mask_not(lanes_less(s->unsure, -s->nv));
 }
 
 /* Whether lights contribute: a viewer in the tangent plane is on neither side of it. */
-static ALWAYS_INLINE bool surface_lit(const struct surface *s)
+static ALWAYS_INLINE lane_mask surface_lit(const struct surface *s)
 {
-    return s->nv < 0 && !surface_viewer_grazes(s);
+    return s->finite & lanes_less(s->nv, lanes_splat(0)) & lane_mask_not(surface_viewer_grazes(s));
 }
 
-/* The origin surface of a ray that starts at p, on the viewer's side or `through` the surface. */
-static ALWAYS_INLINE struct pen_origin_surface surface_origin(const struct surface *s, bool through)
+/* The origin surface of a ray that starts at a point, on the viewer's side or `through` the
+ * surface. */
+static ALWAYS_INLINE struct pen_origin_surface surface_origin(const struct surface *s, int lane,
+                                                              bool through)
 {
-    struct pen_origin_surface origin = s->origin;
+    struct pen_origin_surface origin = s->origin[lane];
     origin.through = through;
     return origin;
-}
-
-/* Whether the point, the normal and the direction are finite. The bound is computed from the point,
- * so it is not finite where the point is not. */
-static ALWAYS_INLINE bool surface_finite(const struct surface *s)
-{
-    return fabs(s->nv - s->origin.bound) < INFINITY;
 }
 
 /* The value of a sample that cannot be computed. The film cannot hold it, so it is left out and
@@ -116,6 +198,11 @@ static ALWAYS_INLINE struct pen_vec3 no_sample(void)
 static ALWAYS_INLINE bool is_black(struct pen_vec3 c)
 {
     return pen_norm1(c) <= 0; /* one comparison; false for NaN */
+}
+
+static ALWAYS_INLINE lane_mask lanes_black(struct lanes3 c)
+{
+    return lanes_at_most(lanes3_norm1(c), lanes_splat(0));
 }
 
 #endif

@@ -4,80 +4,104 @@
 #ifndef PEN_SHADE_INTERNAL_UNSHADOWED_LIGHT_H
 #define PEN_SHADE_INTERNAL_UNSHADOWED_LIGHT_H
 
-#include "math/fn.h"
+#include "math/lanes_fn.h"
 #include "shade/internal/horizon.h"
 
-/* What one light contributes at a surface. */
+/* What the points send to the viewer without a light: emission, and ambient light if the rays are
+ * primary. */
+static ALWAYS_INLINE struct lanes3 light_emitted(const struct pen_scene *scene,
+                                                 const struct surface *s, bool primary,
+                                                 const unsigned fx)
+{
+    const struct lanes3 emission = surface_colours(s, &scene->materials->emission);
+    if (!(fx & PEN_FX_AMBIENT) || !primary)
+        return emission;
+    const struct lanes3 ka = surface_colours(s, &scene->materials->ka);
+    return lanes3_add(emission, lanes3_mul(lanes3_splat(scene->ambient), ka));
+}
+
+/* What one light contributes at the points of a surface. */
 struct arriving_light {
-    struct pen_vec3 term;     /* unshadowed: I (kd |n.l| + ks ...); black if nothing arrives */
-    struct pen_vec3 to_light; /* from p: to the light, or against a directional light's direction */
-    bool to_point;            /* to_light ends in the light; else it is only a direction */
-    uint32_t light;           /* number in the frozen scene */
+    lane_mask arrives;      /* something, if nothing occludes the light */
+    struct lanes3 term;     /* unshadowed: I (kd |n.l| + ks ...) */
+    struct lanes3 to_light; /* from p: to the light, or against a directional light's direction */
+    bool to_point;          /* to_light ends in the light; else it is only a direction */
+    uint32_t light;         /* number in the frozen scene */
 };
 
 /* The share of the arriving light that the material reflects to the viewer:
  * kd |n.l| + ks max(0, -v.r)^shininess, with r = l - 2 (n.l) n, so that -v.r = 2 (n.l)(n.v) - v.l.
  * Rounding may lift -v.r above 1, which a large power would amplify, so it is clamped to 1. */
-static ALWAYS_INLINE struct pen_vec3
-light_towards_viewer(const struct surface *s, struct pen_vec3 l, double nl, const unsigned fx)
+static ALWAYS_INLINE struct lanes3 light_towards_viewer(const struct surface *s, struct lanes3 l,
+                                                        lanes nl, lane_mask above,
+                                                        const unsigned fx)
 {
-    const struct pen_material *m = s->material;
-    struct pen_vec3 share = pen_scale(m->kd, -nl);
-    if (!(fx & PEN_FX_SPECULAR) || is_black(m->ks))
+    const struct lanes3 share = lanes3_scale(s->kd, -nl);
+    if (!(fx & PEN_FX_SPECULAR))
         return share;
-    double mirror = 2 * nl * s->nv - pen_dot(s->v, l);
-    double highlight = pen_pow(mirror < 1 ? mirror : 1, m->shininess);
-    return pen_add(share, pen_scale(m->ks, highlight));
+    const lane_mask shines = above & lane_mask_not(lanes_black(s->ks));
+    if (!lane_mask_bits(shines))
+        return share;
+    const lanes mirror = 2 * nl * s->nv - lanes3_dot(s->v, l);
+    const lanes highlight = lanes_pow(lanes_min(mirror, lanes_splat(1)), s->shininess);
+    return lanes3_select(shines, lanes3_add(share, lanes3_scale(s->ks, highlight)), share);
 }
 
-static ALWAYS_INLINE struct pen_vec3
-light_of_directional(const struct pen_light *light, const struct surface *s, const unsigned fx)
+static ALWAYS_INLINE void light_of_directional(struct arriving_light *arriving,
+                                               const struct pen_light *light,
+                                               const struct surface *s, const unsigned fx)
 {
-    double nl = pen_dot(s->n, light->direction);
-    if (horizon_side_of(-nl, horizon_band(s, 1, false)) != HORIZON_ABOVE)
-        return pen_vec3(0, 0, 0);
-    return pen_mul(light->intensity, light_towards_viewer(s, light->direction, nl, fx));
+    const struct lanes3 l = lanes3_splat(light->direction);
+    const lanes nl = lanes3_dot(s->n, l);
+    arriving->to_light = lanes3_neg(l);
+    arriving->arrives &= horizon_sides(-nl, horizon_band(s, lanes_splat(1), false)).above;
+    if (lane_mask_bits(arriving->arrives))
+        arriving->term = lanes3_mul(lanes3_splat(light->intensity),
+                                    light_towards_viewer(s, l, nl, arriving->arrives, fx));
 }
 
-static ALWAYS_INLINE struct pen_vec3 light_of_positional(const struct pen_light *light,
-                                                         const struct surface *s, struct pen_vec3 q,
-                                                         const unsigned fx)
+static ALWAYS_INLINE void light_of_positional(struct arriving_light *arriving,
+                                              const struct pen_light *light,
+                                              const struct surface *s, const unsigned fx)
 {
-    const struct pen_vec3 black = {0, 0, 0};
-    double nq = pen_dot(s->n, q);
-    if (!(nq < -s->origin.bound))
-        return black;
-    double d = pen_length(q);
-    if (horizon_side_of(-nq, horizon_band(s, d, true)) != HORIZON_ABOVE)
-        return black;
-    struct pen_vec3 l = pen_scale(q, 1 / d);
-    double beam = 1;
+    const struct lanes3 q = lanes3_sub(s->p, lanes3_splat(light->position));
+    const lanes nq = lanes3_dot(s->n, q);
+    arriving->to_light = lanes3_neg(q);
+    arriving->arrives &= lanes_less(nq, -s->bound);
+    if (!lane_mask_bits(arriving->arrives))
+        return;
+    const lanes d = lanes3_length(q);
+    arriving->arrives &= horizon_sides(-nq, horizon_band(s, d, true)).above;
+    if (!lane_mask_bits(arriving->arrives))
+        return;
+    const struct lanes3 l = lanes3_scale(q, 1 / d);
+    lanes beam = lanes_splat(1);
     if (light->beam) {
-        double cosine = pen_dot(light->direction, l);
-        if (!(cosine > 0))
-            return black;
-        beam = pen_pow(cosine < 1 ? cosine : 1, light->beam_exponent);
+        const lanes cosine = lanes3_dot(lanes3_splat(light->direction), l);
+        arriving->arrives &= lanes_less(lanes_splat(0), cosine);
+        if (!lane_mask_bits(arriving->arrives))
+            return;
+        beam = lanes_pow(lanes_min(cosine, lanes_splat(1)), lanes_splat(light->beam_exponent));
     }
-    double falloff = light->kc + d * (light->kl + d * light->kq);
-    struct pen_vec3 intensity = pen_scale(light->intensity, beam / falloff);
-    return pen_mul(intensity, light_towards_viewer(s, l, nq / d, fx));
+    const lanes falloff = light->kc + d * (light->kl + d * light->kq);
+    const struct lanes3 intensity = lanes3_scale(lanes3_splat(light->intensity), beam / falloff);
+    arriving->term =
+        lanes3_mul(intensity, light_towards_viewer(s, l, nq / d, arriving->arrives, fx));
 }
 
-/* For a surface that the viewer sees from one side: surface_lit. */
-static ALWAYS_INLINE struct arriving_light
-light_unshadowed(const struct pen_light *light, const struct surface *s, const unsigned fx)
+/* For the points `lit` of a surface that the viewer sees from one side: surface_lit. */
+static ALWAYS_INLINE void light_unshadowed(struct arriving_light *arriving,
+                                           const struct pen_light *light, const struct surface *s,
+                                           lane_mask lit, const unsigned fx)
 {
-    struct arriving_light arriving = {.term = {0, 0, 0}};
-    if (!light->positional) {
-        arriving.term = light_of_directional(light, s, fx);
-        arriving.to_light = pen_neg(light->direction);
-        return arriving;
-    }
-    struct pen_vec3 q = pen_sub(s->p, light->position);
-    arriving.term = light_of_positional(light, s, q, fx);
-    arriving.to_light = pen_neg(q);
-    arriving.to_point = true;
-    return arriving;
+    arriving->arrives = lit;
+    arriving->to_point = light->positional;
+    if (light->positional)
+        light_of_positional(arriving, light, s, fx);
+    else
+        light_of_directional(arriving, light, s, fx);
+    if (lane_mask_bits(arriving->arrives))
+        arriving->arrives &= lane_mask_not(lanes_black(arriving->term));
 }
 
 #endif
