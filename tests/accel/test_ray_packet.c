@@ -226,7 +226,10 @@ static void each_isa(struct random *r, struct pen_vec3 eye, struct pen_vec3 at)
             graze(r, eye, &rays);
         for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
             struct random same = *r;
-            follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, k < 4 ? 2 : 1);
+            const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)isa);
+            if (k >= 4)
+                shadow(accel, ops, &rays, NULL, k & 1 ? see_through : NULL, PEN_NO_PRIM);
+            follow(&same, accel, ops, &rays, k < 4 ? 2 : 1);
         }
         random_bits(r);
     }
@@ -304,7 +307,7 @@ END_TEST
 START_TEST(test_accel__ray_packets_at_nearly_convex_outlines)
 {
     struct random r = random_begin(304);
-    for (int i = 0; i < random_cases(60); i++) {
+    for (int i = 0; i < random_cases(40); i++) {
         const double z = random_in(&r, -1, 1), in = exp2(random_in(&r, -45, -30));
         const struct pen_vec3 v[5] = {pen_vec3(-1, -1, z), pen_vec3(0, i & 1 ? in - 1 : -1, z),
                                       pen_vec3(1, -1, z), pen_vec3(1, 1, z), pen_vec3(-1, 1, z)};
@@ -317,6 +320,55 @@ START_TEST(test_accel__ray_packets_at_nearly_convex_outlines)
 }
 END_TEST
 
-PEN_SUITE("ray_packet", test_accel__ray_packets_in_random_scenes,
-          test_accel__ray_packets_on_a_lattice, test_accel__ray_packets_in_rooms,
-          test_accel__ray_packets_at_nearly_convex_outlines)
+/* Rays along n through the points `from` to `to` from p in direction u, as near one another as the
+ * rounding of p, and their shadows. */
+static void each_isa_along(struct random *r, struct pen_vec3 p, struct pen_vec3 n,
+                           struct pen_vec3 u, const double from_to[2])
+{
+    struct pen_status st;
+    struct pen_arena *arena = pen_arena_new(0);
+    const struct pen_accel *accel = pen_accel_build(&world.prims, PEN_ACCEL_AUTO, arena, &st);
+    ck_assert(accel);
+    struct rays rays = {.count = 0};
+    struct pen_hit hit[PEN_RAY_PACKET_MAX];
+    for (int i = 0; i < PEN_RAY_PACKET_MAX; i++) {
+        const struct pen_vec3 at = pen_along(p, u, random_in(r, from_to[0], from_to[1]));
+        add(&rays, pen_along(at, n, -3), n, &pen_origin_none);
+    }
+    for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+        nearest(accel, pen_trace_ops_get((enum pen_isa)isa), &rays, hit);
+        shadow(accel, pen_trace_ops_get((enum pen_isa)isa), &rays, NULL, NULL, PEN_NO_PRIM);
+    }
+    pen_arena_free(arena);
+}
+
+/* Rays that touch a sphere or a cylinder within rounding, where they meet a plane too; and rays at
+ * cylinders as thin as the rounding of where they are. */
+START_TEST(test_accel__ray_packets_at_round_borders)
+{
+    struct random r = random_begin(305);
+    for (int i = 0; i < random_cases(200); i++) {
+        const struct pen_vec3 c = random_vec(&r, 1), n = random_direction(&r);
+        const struct pen_vec3 u = pen_normalize(pen_cross(n, random_direction(&r)));
+        const struct pen_vec3 a = pen_cross(n, u);
+        const double size = exp2(random_in(&r, -10, 0)), off = exp2(random_in(&r, -48, -20));
+        world_clear(&world);
+        if (i & 1) {
+            const double thin = exp2(random_in(&r, -53, -46));
+            world_cylinder(&world, pen_along(c, a, -.5), a, thin, 1, i & 2);
+            each_isa_along(&r, c, n, u, (const double[2]){-1.5 * thin, 1.5 * thin});
+            continue;
+        }
+        if (i & 2)
+            world_sphere(&world, c, size);
+        else
+            world_cylinder(&world, pen_along(c, a, -.5), a, size, 1, i & 4);
+        world_plane(&world, c, n);
+        each_isa_along(&r, c, n, u, (const double[2]){size * (1 - off), size * (1 + off)});
+    }
+}
+END_TEST
+
+PEN_SUITE("ray_packet", test_accel__ray_packets_at_round_borders,
+          test_accel__ray_packets_in_random_scenes, test_accel__ray_packets_on_a_lattice,
+          test_accel__ray_packets_in_rooms, test_accel__ray_packets_at_nearly_convex_outlines)

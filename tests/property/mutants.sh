@@ -447,6 +447,26 @@ mutant outline_border accel/test_ray_packet 0 "the line decides whether a ray th
 edit src/accel/internal/ray_group_outline.h 1 's/\(near \? 32 \* g->most_slack : 0\)/0/'
 judge_test
 
+mutant round_roots accel/test_ray_packet 0 "the roots at hand are those that the scalar test refines to"
+edit src/accel/internal/ray_group_round.h 1 's/lanes_splat\(0x1p-42\) \* size/lanes_splat(0x1p-90) * size/'
+judge_test
+
+mutant round_touching accel/test_ray_packet 0 "a ray that may touch a round primitive meets it nowhere else than at its middle"
+edit src/accel/internal/ray_group_round.h 1 's/lanes_splat\(0x1p-20\) \*/lanes_splat(0) */'
+judge_test
+
+mutant cylinder_beyond accel/test_ray_packet 0 "rays just inside a cylinder pass it"
+edit src/accel/internal/ray_group_round.h 1 's/lanes_splat\(1\.0625 \*/lanes_splat(0.99 */'
+judge_test
+
+mutant cylinder_thin accel/test_ray_packet 0 "how far a ray passes an axis is computed exactly"
+edit src/accel/internal/ray_group_round.h 1 's/lanes_splat\(0x1p-42 \* g->extent\)/lanes_splat(0)/'
+judge_test
+
+mutant cylinder_slab accel/test_ray_packet 0 "the ends of a slab at hand are those that the scalar test refines to"
+edit src/accel/internal/ray_group_round.h 1 's/lanes_splat\(0x1p-40\) \* \(f_size/lanes_splat(0) * (f_size/'
+judge_test
+
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/lanes_fn.h 7 \
     's/^    const lane_mask nothing = lanes_at_most\(x, .*$/    double p[LANES], q[LANES];\n    lanes_store(p, x);\n    lanes_store(q, y);\n    for (int i = 0; i < LANES; i++)\n        p[i] = pow(p[i], q[i]);\n    if (1)\n        return lanes_load(p);\n&/'

@@ -38,6 +38,7 @@ struct ray_group {
     int own_count;
     struct group_own own[PEN_RAY_PACKET_MAX]; /* by the primitives that rays start on */
     struct pen_vec3 light;                    /* where rays to a point end */
+    double extent;      /* no coordinate of origins, the light and finite boxes is larger */
     double light_bound; /* what is farther from the light does not contain it */
     double grow;        /* the self-intersection rule reaches no farther than this */
     struct pen_box origins;
@@ -173,24 +174,18 @@ static inline void group_ask_all(struct ray_group *g, int i, unsigned lanes_aske
         group_ask(g, i + __builtin_ctz(lanes_asked), prim, near);
 }
 
-/* Records intersections at t, in lanes where the scalar test would offer them. */
-static inline void group_offer(struct ray_group *g, int i, unsigned at, lanes t, uint32_t prim,
-                               uint8_t part, bool see_through)
+/* Records an intersection of each lane, if it is in the query's interval and before the best. */
+static __attribute__((noinline)) void group_record(struct ray_group *g, int i, unsigned at, lanes t,
+                                                   uint32_t prim, unsigned base, unsigned top)
 {
-    const lanes tmax = lanes_load(g->tmax + i), after = lanes_load(g->after_t + i);
     double each[LANES];
-    if (g->any && !see_through) {
-        at &= lane_mask_bits(lanes_less(lanes_splat(0), t) & lanes_less(t, tmax));
-        g->blocked |= (uint64_t)at << i;
-        return;
-    }
-    at &= lane_mask_bits(lanes_at_most(t, tmax) & lanes_at_most(after, t));
-    if (!at)
-        return;
     lanes_store(each, t);
     for (; at; at &= at - 1) {
         const int lane = __builtin_ctz(at), k = i + lane;
-        const struct pen_hit hit = {each[lane], prim, part};
+        const struct pen_hit hit = {each[lane], prim,
+                                    base >> lane & 1  ? PEN_PART_BASE
+                                    : top >> lane & 1 ? PEN_PART_TOP
+                                                      : PEN_PART_SIDE};
         if (g->any) {
             if (hit.t > 0 && hit.t < g->query[k]->tmax)
                 keep_intersection(g->query[k], hit);
@@ -198,6 +193,56 @@ static inline void group_offer(struct ray_group *g, int i, unsigned at, lanes t,
             g->best[k] = hit;
             g->tmax[k] = hit.t;
         }
+    }
+}
+
+/* The lanes in which a shadow ray passes t. */
+static inline unsigned group_stops(const struct ray_group *g, int i, lanes t)
+{
+    return lane_mask_bits(lanes_less(lanes_splat(0), t) & lanes_less(t, lanes_load(g->tmax + i)));
+}
+
+/* The lanes in which t may be in the query's interval. */
+static inline unsigned group_sought(const struct ray_group *g, int i, lanes t)
+{
+    return lane_mask_bits(lanes_at_most(t, lanes_load(g->tmax + i)) &
+                          lanes_at_most(lanes_load(g->after_t + i), t));
+}
+
+/* Records intersections at t with the side, in lanes where the scalar test would offer them. */
+static inline void group_offer(struct ray_group *g, int i, unsigned at, lanes t,
+                               const struct group_prim *q)
+{
+    if (g->any && !q->see_through) {
+        g->blocked |= (uint64_t)(at & group_stops(g, i, t)) << i;
+        return;
+    }
+    at &= group_sought(g, i, t);
+    if (at)
+        group_record(g, i, at, t, q->prim, 0, 0);
+}
+
+/* Where lines enter and leave a solid: lanes with such an end, t, and the lanes in which it is on a
+ * cap. */
+struct group_ends {
+    unsigned at[2], base[2], top[2];
+    lanes t[2];
+};
+
+/* As group_offer, for both ends. */
+static inline void group_offer_ends(struct ray_group *g, int i, const struct group_ends *e,
+                                    const struct group_prim *q)
+{
+    if (g->any && !q->see_through) {
+        const unsigned stops =
+            (e->at[0] & group_stops(g, i, e->t[0])) | (e->at[1] & group_stops(g, i, e->t[1]));
+        g->blocked |= (uint64_t)stops << i;
+        return;
+    }
+    for (int k = 0; k < 2; k++) {
+        const unsigned at = e->at[k] & group_sought(g, i, e->t[k]);
+        if (at)
+            group_record(g, i, at, e->t[k], q->prim, e->base[k], e->top[k]);
     }
 }
 

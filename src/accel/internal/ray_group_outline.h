@@ -257,8 +257,7 @@ static inline void group_offer_facet(struct ray_group *g, int i, unsigned inside
         ahead &= ~ends;
     }
     if (ahead)
-        group_offer(g, i, ahead, group_facet_root(g, i, facet), q->prim, PEN_PART_SIDE,
-                    q->see_through);
+        group_offer(g, i, ahead, group_facet_root(g, i, facet), q);
     group_ask_all(g, i, ask, q->prim, q->near);
 }
 

@@ -202,6 +202,7 @@ static inline bool group_begin(struct ray_group *g)
         ((double *)&g->origins.lo)[g->beam.axis[k]] = lo - g->grow;
         ((double *)&g->origins.hi)[g->beam.axis[k]] = hi + g->grow;
     }
+    g->extent = most;
     g->light_bound = 0x1p-30 * most;
     group_begin_edges(g, most);
     return true;
