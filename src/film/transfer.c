@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The sRGB transfer function, and 8-bit codes without computing a power for each value. The code is
+/* The sRGB transfer function, and codes without computing a power for each value. An 8-bit code is
  * a monotonic function of a binary32 value with 255 steps, so a table of the steps gives it
- * exactly. tests/film/test_transfer.c derives the table. */
+ * exactly. A 16-bit code is found from an approximation of the power, unless that is so near to a
+ * step that its error could matter. tests/film/test_transfer.c derives the tables. */
 #include <math.h>
 #include <string.h>
 
@@ -65,8 +66,45 @@ void pen_encode_8(const float *linear, size_t count, enum pen_transfer transfer,
         out[i] = (unsigned char)nearest(255 * pen_encode_unit((double)linear[i], transfer));
 }
 
+/* How far the approximation of srgb_16 may be wrong, in codes: the derivation is there. */
+static const double srgb_16_error = 0x1p-11;
+
+/* For 0.0031308 < v = m 2^e < 1 the formula is A 2^(5e/12) m^(5/12) - B, with A = 65535 * 1.055 and
+ * B = 65535 * 0.055 - 0.5, rounded down. With r the middle of the part of [1, 2) that m is in, and
+ * t = m / r - 1,
+ *     m^(5/12) = r^(5/12) (1 + 5/12 t - 35/288 t^2 + 665/10368 t^3 - …)
+ * is cut off after the square. A part is 2^-7 wide, so |t| <= 2^-8, and since each later term is
+ * below |t| times the one before, the rest is below 1.004 * 665/10368 * 2^-24 = 3.84e-9 of the
+ * whole. The whole is below A = 69139.5: 2.66e-4 codes. Roundings, of this and of the formula, take
+ * less than 1e-10 codes. So the code is right if the value is 2^-11 = 4.9e-4 away from a step; one
+ * value in a thousand is not. */
+static uint16_t srgb_16(float value)
+{
+    const double offset = 65535 * 0.055 - 0.5;
+    if ((double)value > 0.0031308 && value < 1) {
+        uint32_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        const unsigned exponent = bits >> 23, part = bits >> 16 & (SRGB_ROOTS - 1);
+        const uint32_t fraction = (bits & 0x7FFFFF) | 0x3F800000;
+        float m;
+        memcpy(&m, &fraction, sizeof m);
+        const double t = (double)m * srgb_roots[part].inverse - 1;
+        const double root = srgb_roots[part].root * (1 + t * (5.0 / 12 - t * (35.0 / 288)));
+        const double code = srgb_powers[(int)exponent - 127 - SRGB_FIRST_POWER] * root - offset;
+        const double above = code - (int)code;
+        if (above > srgb_16_error && above < 1 - srgb_16_error)
+            return (uint16_t)code;
+    }
+    return (uint16_t)nearest(65535 * pen_encode_unit((double)value, PEN_TRANSFER_SRGB));
+}
+
 void pen_encode_16(const float *linear, size_t count, enum pen_transfer transfer, uint16_t *out)
 {
+    if (transfer == PEN_TRANSFER_SRGB) {
+        for (size_t i = 0; i < count; i++)
+            out[i] = srgb_16(linear[i]);
+        return;
+    }
     for (size_t i = 0; i < count; i++)
         out[i] = (uint16_t)nearest(65535 * pen_encode_unit((double)linear[i], transfer));
 }

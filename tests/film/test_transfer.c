@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "film/encode.h"
+#include "math/fn.h"
 #include "support/random.h"
 #include "support/suite.h"
 
@@ -40,13 +41,13 @@ static unsigned formula(double v, double max, enum pen_transfer transfer)
     return (unsigned)floor(max * clamped + 0.5);
 }
 
-/* The smallest float whose 8-bit value exceeds code. */
-static float step_above(unsigned code)
+/* The smallest float whose code exceeds `code`, of the codes 0 to max. */
+static float step_above(unsigned code, double max)
 {
     uint32_t lo = 0, hi = bits_of(1.0f);
     while (hi - lo > 1) {
         uint32_t middle = lo + (hi - lo) / 2;
-        if (formula((double)float_of(middle), 255, PEN_TRANSFER_SRGB) > code)
+        if (formula((double)float_of(middle), max, PEN_TRANSFER_SRGB) > code)
             hi = middle;
         else
             lo = middle;
@@ -54,15 +55,39 @@ static float step_above(unsigned code)
     return float_of(hi);
 }
 
+/* v^(5/12) for v = m 2^e: m is in one of 128 parts of [1, 2), and e is -9 to -1. */
+static void derive_roots(struct pen_buf *out)
+{
+    pen_buf_puts(out,
+                 "/* Parts of [1, 2), by the upper bits of a float's fraction: the middle m of\n"
+                 " * each as m^(5/12) and 1 / m. */\n"
+                 "enum { SRGB_ROOTS = 128 };\n"
+                 "static const struct {\n    double root, inverse;\n"
+                 "} srgb_roots[SRGB_ROOTS] = {\n");
+    for (int i = 0; i < 128; i++) {
+        double middle = 1 + (i + 0.5) / 128;
+        pen_buf_printf(out, "{%a, %a},%s", pen_pow(middle, 1 / 2.4), 1 / middle,
+                       i == 127 ? "};\n\n" : " ");
+    }
+    pen_buf_puts(out, "/* 65535 * 1.055 * 2^(5/12 e), for e from SRGB_FIRST_POWER to -1. */\n"
+                      "enum { SRGB_FIRST_POWER = -9 };\n"
+                      "static const double srgb_powers[9] = {\n");
+    for (int e = -9; e < 0; e++)
+        pen_buf_printf(out, "%a,%s", 65535 * 1.055 * pen_pow(ldexp(1, e), 1 / 2.4),
+                       e == -1 ? "};\n\n" : " ");
+}
+
 static void derive(struct pen_buf *out)
 {
-    uint32_t first = bits_of(step_above(0)) >> CELL_SHIFT;
-    uint32_t end = (bits_of(step_above(254)) >> CELL_SHIFT) + 1;
-    pen_buf_puts(out, "/* SPDX-License-Identifier: MIT */\n"
-                      "/* The steps of 8-bit sRGB. Written by tests/film/test_transfer.c, which\n"
-                      " * finds them by bisection; not edited by hand. */\n"
-                      "#ifndef PEN_FILM_INTERNAL_TRANSFER_TABLES_H\n"
-                      "#define PEN_FILM_INTERNAL_TRANSFER_TABLES_H\n\n");
+    uint32_t first = bits_of(step_above(0, 255)) >> CELL_SHIFT;
+    uint32_t end = (bits_of(step_above(254, 255)) >> CELL_SHIFT) + 1;
+    pen_buf_puts(out,
+                 "/* SPDX-License-Identifier: MIT */\n"
+                 "/* The steps of 8-bit sRGB, and values for 16-bit sRGB. Written by\n"
+                 " * tests/film/test_transfer.c, which finds the steps by bisection; not edited\n"
+                 " * by hand. */\n"
+                 "#ifndef PEN_FILM_INTERNAL_TRANSFER_TABLES_H\n"
+                 "#define PEN_FILM_INTERNAL_TRANSFER_TABLES_H\n\n");
     pen_buf_printf(out,
                    "/* Floats with equal bits above the lowest SRGB_CELL_SHIFT are a cell. */\n"
                    "enum { SRGB_CELL_SHIFT = %d, SRGB_FIRST_CELL = %u, SRGB_CELLS = %u };\n\n",
@@ -72,15 +97,17 @@ static void derive(struct pen_buf *out)
     pen_buf_puts(out, "/* srgb_steps[c] is the smallest float whose value is above c. */\n"
                       "static const float srgb_steps[256] = {\n");
     for (unsigned c = 0; c < 255; c++)
-        pen_buf_printf(out, "%af, ", (double)step_above(c));
+        pen_buf_printf(out, "%af, ", (double)step_above(c, 255));
     pen_buf_puts(out, "0x1p+127f};\n\n");
     pen_buf_puts(out, "/* The value of a cell's first float. */\n"
                       "static const unsigned char srgb_cells[SRGB_CELLS] = {\n");
     for (uint32_t cell = first; cell < end; cell++) {
         float value = float_of(cell << CELL_SHIFT);
         pen_buf_printf(out, "%u,%s", formula((double)value, 255, PEN_TRANSFER_SRGB),
-                       cell + 1 == end ? "};\n\n#endif\n" : " ");
+                       cell + 1 == end ? "};\n\n" : " ");
     }
+    derive_roots(out);
+    pen_buf_puts(out, "#endif\n");
 }
 
 /* Removes white space, which clang-format may change. */
@@ -152,7 +179,7 @@ START_TEST(test_transfer__codes_of_8_bits_follow_the_formula)
         return;
     }
     for (unsigned c = 0; c < 255; c++) {
-        uint32_t step = bits_of(step_above(c));
+        uint32_t step = bits_of(step_above(c, 255));
         for (uint32_t bits = step - 300; bits < step + 300; bits++)
             check_8(float_of(bits));
     }
@@ -168,9 +195,32 @@ START_TEST(test_transfer__codes_of_8_bits_follow_the_formula)
 }
 END_TEST
 
+/* Both floats at each step, where an approximation that is wrong by more than its bound gives the
+ * wrong code on one side; the ends of the parts of [1, 2) that the table has, where it is worst;
+ * and the floats where the curve begins. */
 START_TEST(test_transfer__codes_of_16_bits_follow_the_formula)
 {
     struct random r = random_begin(2);
+    uint32_t step = 1;
+    for (unsigned c = 0; c < 65535; c++) {
+        while (formula((double)float_of(step + 4096), 65535, PEN_TRANSFER_SRGB) <= c)
+            step += 4096;
+        uint32_t lo = step, hi = step + 4096;
+        while (hi - lo > 1) {
+            uint32_t middle = lo + (hi - lo) / 2;
+            bool above = formula((double)float_of(middle), 65535, PEN_TRANSFER_SRGB) > c;
+            *(above ? &hi : &lo) = middle;
+        }
+        check_16(float_of(lo));
+        check_16(float_of(hi));
+        step = lo;
+    }
+    for (uint32_t bits = 0; bits < bits_of(1.0f); bits += 1u << CELL_SHIFT) {
+        check_16(float_of(bits));
+        check_16(float_of(bits + (1u << CELL_SHIFT) - 1));
+    }
+    for (uint32_t bits = bits_of(0.0031308f) - 1000; bits < bits_of(0.0031308f) + 1000; bits++)
+        check_16(float_of(bits));
     for (int i = 0; i < 300000; i++)
         check_16((float)random_in(&r, 0, 1.01));
 }

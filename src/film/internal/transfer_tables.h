@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The steps of 8-bit sRGB. Written by tests/film/test_transfer.c, which
- * finds them by bisection; not edited by hand. */
+/* The steps of 8-bit sRGB, and values for 16-bit sRGB. Written by
+ * tests/film/test_transfer.c, which finds the steps by bisection; not edited
+ * by hand. */
 #ifndef PEN_FILM_INTERNAL_TRANSFER_TABLES_H
 #define PEN_FILM_INTERNAL_TRANSFER_TABLES_H
 
@@ -152,6 +153,86 @@ static const unsigned char srgb_cells[SRGB_CELLS] = {
     229, 229, 230, 230, 231, 231, 232, 232, 233, 233, 234, 234, 235, 235, 236, 236, 237, 237, 238,
     238, 239, 239, 239, 240, 240, 241, 241, 242, 242, 243, 243, 244, 244, 245, 245, 246, 246, 246,
     247, 247, 248, 248, 249, 249, 250, 250, 251, 251, 251, 252, 252, 253, 253, 254, 254,
+};
+
+/* Parts of [1, 2), by the upper bits of a float's fraction: the middle m of
+ * each as m^(5/12) and 1 / m. */
+enum { SRGB_ROOTS = 128 };
+static const struct {
+    double root, inverse;
+} srgb_roots[SRGB_ROOTS] = {
+    {0x1.006a8b9e99c55p+0, 0x1.fe01fe01fe02p-1},  {0x1.013ee9b801866p+0, 0x1.fa11caa01fa12p-1},
+    {0x1.0212537928a1ap+0, 0x1.f6310aca0dbb5p-1}, {0x1.02e4cbd750c2bp+0, 0x1.f25f644230ab5p-1},
+    {0x1.03b655b8e38f8p+0, 0x1.ee9c7f8458e02p-1}, {0x1.0486f3f5d933dp+0, 0x1.eae807aba01ebp-1},
+    {0x1.0556a9581b697p+0, 0x1.e741aa59750e4p-1}, {0x1.0625789be522bp+0, 0x1.e3a9179dc1a73p-1},
+    {0x1.06f364701ef97p+0, 0x1.e01e01e01e01ep-1}, {0x1.07c06f76b8866p+0, 0x1.dca01dca01dcap-1},
+    {0x1.088c9c44febe5p+0, 0x1.d92f2231e7f8ap-1}, {0x1.0957ed63ef766p+0, 0x1.d5cac807572b2p-1},
+    {0x1.0a2265508a2a6p+0, 0x1.d272ca3fc5b1ap-1}, {0x1.0aec067c1e228p+0, 0x1.cf26e5c44bfc6p-1},
+    {0x1.0bb4d34c96124p+0, 0x1.cbe6d9601cbe7p-1}, {0x1.0c7cce1cc1498p+0, 0x1.c8b265afb8a42p-1},
+    {0x1.0d43f93c9a911p+0, 0x1.c5894d10d4986p-1}, {0x1.0e0a56f18cc87p+0, 0x1.c26b5392ea01cp-1},
+    {0x1.0ecfe976b55b7p+0, 0x1.bf583ee868d8bp-1}, {0x1.0f94b2fd24a4bp+0, 0x1.bc4fd65883e7bp-1},
+    {0x1.1058b5ac1c50fp+0, 0x1.b951e2b18ff23p-1}, {0x1.111bf3a14bd63p+0, 0x1.b65e2e3beee05p-1},
+    {0x1.11de6ef10b117p+0, 0x1.b37484ad806cep-1}, {0x1.12a029a6931c4p+0, 0x1.b094b31d922a4p-1},
+    {0x1.136125c4356aap+0, 0x1.adbe87f94905ep-1}, {0x1.1421654391425p+0, 0x1.aaf1d2f87ebfdp-1},
+    {0x1.14e0ea15c7999p+0, 0x1.a82e65130e159p-1}, {0x1.159fb623ad6cfp+0, 0x1.a574107688a4ap-1},
+    {0x1.165dcb4dfc99fp+0, 0x1.a2c2a87c51cap-1},  {0x1.171b2b6d834c5p+0, 0x1.a01a01a01a01ap-1},
+    {0x1.17d7d853520a3p+0, 0x1.9d79f176b682dp-1}, {0x1.1893d3c8e86c6p+0, 0x1.9ae24ea5510dap-1},
+    {0x1.194f1f90608e3p+0, 0x1.9852f0d8ec0ffp-1}, {0x1.1a09bd64994p+0, 0x1.95cbb0be377aep-1},
+    {0x1.1ac3aef95f084p+0, 0x1.934c67f9b2ce6p-1}, {0x1.1b7cf5fb93fc8p+0, 0x1.90d4f120190d5p-1},
+    {0x1.1c359411567d5p+0, 0x1.8e6527af1373fp-1}, {0x1.1ced8ada26de1p+0, 0x1.8bfce8062ff3ap-1},
+    {0x1.1da4dbef0c028p+0, 0x1.899c0f601899cp-1}, {0x1.1e5b88e2b6faap+0, 0x1.87427bcc092b9p-1},
+    {0x1.1f119341a5a57p+0, 0x1.84f00c2780614p-1}, {0x1.1fc6fc9244632p+0, 0x1.82a4a0182a4ap-1},
+    {0x1.207bc6550ede4p+0, 0x1.8060180601806p-1}, {0x1.212ff204aff3dp+0, 0x1.7e225515a4f1dp-1},
+    {0x1.21e3811620c11p+0, 0x1.7beb3922e017cp-1}, {0x1.229674f8c6df3p+0, 0x1.79baa6bb6398bp-1},
+    {0x1.2348cf1691d1bp+0, 0x1.77908119ac60dp-1}, {0x1.23fa90d417b07p+0, 0x1.756cac201756dp-1},
+    {0x1.24abbb90b111ap+0, 0x1.734f0c541fe8dp-1}, {0x1.255c50a6943abp+0, 0x1.713786d9c7c09p-1},
+    {0x1.260c516aef9dcp+0, 0x1.6f26016f26017p-1}, {0x1.26bbbf2e03a94p+0, 0x1.6d1a62681c861p-1},
+    {0x1.276a9b3b3bef1p+0, 0x1.6b1490aa31a3dp-1}, {0x1.2818e6d947a88p+0, 0x1.691473a88d0cp-1},
+    {0x1.28c6a34a319cp+0, 0x1.6719f3601671ap-1},  {0x1.2973d1cb77693p+0, 0x1.6524f853b4aa3p-1},
+    {0x1.2a2073962040cp+0, 0x1.63356b88ac0dep-1}, {0x1.2acc89ded30b8p+0, 0x1.614b36831ae94p-1},
+    {0x1.2b7815d5ec05ep+0, 0x1.5f66434292dfcp-1}, {0x1.2c2318a791d3ap+0, 0x1.5d867c3ece2a5p-1},
+    {0x1.2ccd937bca0fap+0, 0x1.5babcc647fa91p-1}, {0x1.2d7787768d5c4p+0, 0x1.59d61f123ccaap-1},
+    {0x1.2e20f5b7daf77p+0, 0x1.580560158056p-1},  {0x1.2ec9df5bcbd67p+0, 0x1.56397ba7c52e2p-1},
+    {0x1.2f72457aa54c9p+0, 0x1.54725e6bb82fep-1}, {0x1.301a2928eb40ap+0, 0x1.52aff56a8054bp-1},
+    {0x1.30c18b7771f3ep+0, 0x1.50f22e111c4c5p-1}, {0x1.31686d736f5e2p+0, 0x1.4f38f62dd4c9bp-1},
+    {0x1.320ed0268c219p+0, 0x1.4d843bedc2c4cp-1}, {0x1.32b4b496f419bp+0, 0x1.4bd3edda68fe1p-1},
+    {0x1.335a1bc766881p+0, 0x1.4a27fad76014ap-1}, {0x1.33ff06b745e15p+0, 0x1.488052201488p-1},
+    {0x1.34a37662a73d8p+0, 0x1.46dce34596066p-1}, {0x1.35476bc2616e6p+0, 0x1.453d9e2c776cap-1},
+    {0x1.35eae7cc1bbdep+0, 0x1.43a2730abee4dp-1}, {0x1.368deb725c571p+0, 0x1.420b5265e5951p-1},
+    {0x1.373077a4965c7p+0, 0x1.40782d10e6566p-1}, {0x1.37d28d4f37ad3p+0, 0x1.3ee8f42a5af07p-1},
+    {0x1.38742d5bb65c7p+0, 0x1.3d5d991aa75c6p-1}, {0x1.391558b09ddb5p+0, 0x1.3bd60d9232955p-1},
+    {0x1.39b610319bd9bp+0, 0x1.3a524387ac822p-1}, {0x1.3a5654bf8cdd7p+0, 0x1.38d22d366088ep-1},
+    {0x1.3af6273888944p+0, 0x1.3755bd1c945eep-1}, {0x1.3b958877ede05p+0, 0x1.35dce5f9f2af8p-1},
+    {0x1.3c3479566ea24p+0, 0x1.34679ace01346p-1}, {0x1.3cd2faaa1b426p+0, 0x1.32f5ced6a1dfap-1},
+    {0x1.3d710d466dfa6p+0, 0x1.3187758e9ebb6p-1}, {0x1.3e0eb1fc55e14p+0, 0x1.301c82ac4026p-1},
+    {0x1.3eabe99a41bbap+0, 0x1.2eb4ea1fed14bp-1}, {0x1.3f48b4ec2a90fp+0, 0x1.2d50a012d50ap-1},
+    {0x1.3fe514bb9e082p+0, 0x1.2bef98e5a3711p-1}, {0x1.408109cfc88c7p+0, 0x1.2a91c92f3c105p-1},
+    {0x1.411c94ed7f3c4p+0, 0x1.293725bb804a5p-1}, {0x1.41b7b6d749a2fp+0, 0x1.27dfa38a1ce4dp-1},
+    {0x1.4252704d6b3f7p+0, 0x1.268b37cd60127p-1}, {0x1.42ecc20decd8bp+0, 0x1.2539d7e9177b2p-1},
+    {0x1.4386acd4a5a0ep+0, 0x1.23eb79717605bp-1}, {0x1.4420315b44295p+0, 0x1.22a0122a0122ap-1},
+    {0x1.44b950595727ap+0, 0x1.21579804855e6p-1}, {0x1.45520a84560d9p+0, 0x1.2012012012012p-1},
+    {0x1.45ea608fa9747p+0, 0x1.1ecf43c7fb84cp-1}, {0x1.4682532cb35dfp+0, 0x1.1d8f5672e4abdp-1},
+    {0x1.4719e30ad749dp+0, 0x1.1c522fc1ce059p-1}, {0x1.47b110d782238p+0, 0x1.1b17c67f2bae3p-1},
+    {0x1.4847dd3e3206dp+0, 0x1.19e0119e0119ep-1}, {0x1.48de48e87dde1p+0, 0x1.18ab083902bdbp-1},
+    {0x1.4974547e1cd97p+0, 0x1.1778a191bd684p-1}, {0x1.4a0a00a4edc19p+0, 0x1.1648d50fc3201p-1},
+    {0x1.4a9f4e00fe253p+0, 0x1.151b9a3fdd5c9p-1}, {0x1.4b343d3491639p+0, 0x1.13f0e8d344724p-1},
+    {0x1.4bc8cee027941p+0, 0x1.12c8b89edc0acp-1}, {0x1.4c5d03a2844bcp+0, 0x1.11a3019a74826p-1},
+    {0x1.4cf0dc18b541ep+0, 0x1.107fbbe01108p-1},  {0x1.4d8458de18d42p+0, 0x1.0f5edfab325a2p-1},
+    {0x1.4e177a8c646bp+0, 0x1.0e40655826011p-1},  {0x1.4eaa41bbaabf7p+0, 0x1.0d24456359e3ap-1},
+    {0x1.4f3caf0262027p+0, 0x1.0c0a7868b4171p-1}, {0x1.4fcec2f569e6bp+0, 0x1.0af2f722eecb5p-1},
+    {0x1.50607e28118ep+0, 0x1.09ddba6af836p-1},   {0x1.50f1e12c1d5ap+0, 0x1.08cabb37565e2p-1},
+    {0x1.5182ec91cca1bp+0, 0x1.07b9f29b8eae2p-1}, {0x1.5213a0e7df4bcp+0, 0x1.06ab59c7912fbp-1},
+    {0x1.52a3febb9b4ecp+0, 0x1.059eea0727586p-1}, {0x1.53340698d217cp+0, 0x1.04949cc1664c5p-1},
+    {0x1.53c3b909e5d73p+0, 0x1.038c6b78247fcp-1}, {0x1.54531697ceb5fp+0, 0x1.02864fc7729e9p-1},
+    {0x1.54e21fca1ff17p+0, 0x1.0182436517a37p-1}, {0x1.5570d5270ce11p+0, 0x1.008040201008p-1},
+};
+
+/* 65535 * 1.055 * 2^(5/12 e), for e from SRGB_FIRST_POWER to -1. */
+enum { SRGB_FIRST_POWER = -9 };
+static const double srgb_powers[9] = {
+    0x1.412d189c72851p+12, 0x1.acb7fef86140dp+12, 0x1.1e22ab4d97c2cp+13,
+    0x1.7df1e99b8b813p+13, 0x1.fdd5dac0a765p+13,  0x1.544637890f7f7p+14,
+    0x1.c6363074067c5p+14, 0x1.2f26616f4ac55p+15, 0x1.94a816fb149c6p+15,
 };
 
 #endif
