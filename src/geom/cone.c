@@ -179,7 +179,7 @@ static unsigned parts(const struct pen_cone *c)
     return c->hull.caps ? PEN_ON_SIDE | caps : PEN_ON_SIDE;
 }
 
-/* The parts that p lies on, up to b. */
+/* The parts that p lies on, up to b; open ends as pen_cylinder_touches. */
 static unsigned parts_at(const struct pen_cone *c, struct pen_vec3 p, double b)
 {
     struct place at = place_of(c, p);
@@ -188,6 +188,8 @@ static unsigned parts_at(const struct pen_cone *c, struct pen_vec3 p, double b)
     if (!(-b <= above_base && -b <= below_top && at.outside <= b))
         return 0;
     unsigned on = at.outside >= -b ? PEN_ON_SIDE : 0;
+    if (on == 0 && !c->hull.caps)
+        return 0;
     if (above_base <= b)
         on |= PEN_ON_BASE;
     if (c->top_radius > 0 && below_top <= b)
@@ -373,12 +375,40 @@ static unsigned intersect_touching(const void *self, const struct pen_ray *ray, 
     return rim ? on & parts(c) : 0;
 }
 
-static bool passes_rim(const void *self, const struct pen_ray *ray, double bound, double *t)
+/* Whether the ray passes the rim of a cap, `height` over the base, within `bound`; *t is where it
+ * passes the cap's plane. x is that point, seen from the cap's middle; it is `beyond` the rim. The
+ * ray's distance from the rim is that from the rim's tangent there. */
+static bool passes_cap_rim(const struct pen_cone *c, const struct pen_ray *ray, double height,
+                           double bound, double *t)
+{
+    struct pen_vec3 a = pen_cylinder_normal(&c->hull, PEN_PART_TOP, ray->o);
+    struct pen_vec3 f = pen_sub(ray->o, c->hull.round.q);
+    double da = pen_dot(ray->d, a);
+    *t = (height - pen_dot2(f, a)) / da;
+    if (!(*t > 0) || isinf(*t))
+        return false;
+    struct pen_vec3 x = pen_along(pen_along(f, a, -height), ray->d, *t);
+    double beyond = pen_length(x) - (c->base_radius + c->slope * height);
+    struct pen_vec3 across = pen_cross(ray->d, pen_cross(a, pen_normalize(x)));
+    double off = beyond * da;
+    return off * off <= bound * bound * pen_dot(across, across);
+}
+
+/* The side leans, so a ray that goes into a cap within rounding of its rim may be seen to pass the
+ * cone outside, between its side and what ends at the same rim. */
+static bool passes_rim(const void *self, const struct pen_ray *ray, double bound, double *t,
+                       uint8_t *part)
 {
     const struct pen_cone *c = self;
     double side[2];
-    return !c->hull.caps && side_interval(c, ray, side) &&
-           pen_cylinder_passes_rim(&c->hull, ray, side, bound, t);
+    *part = PEN_PART_BASE;
+    if (c->hull.caps && passes_cap_rim(c, ray, 0, bound, t))
+        return true;
+    *part = PEN_PART_TOP;
+    if (c->hull.caps)
+        return c->top_radius > 0 && passes_cap_rim(c, ray, c->hull.h, bound, t);
+    *part = PEN_PART_SIDE;
+    return side_interval(c, ray, side) && pen_cylinder_passes_rim(&c->hull, ray, side, bound, t);
 }
 
 const struct pen_kind_functions pen_cone_functions = {

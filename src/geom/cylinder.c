@@ -240,11 +240,13 @@ static unsigned intersect_touching(const void *self, const struct pen_ray *ray, 
     return rim ? on & parts(c) : 0;
 }
 
-static bool passes_rim(const void *self, const struct pen_ray *ray, double bound, double *t)
+static bool passes_rim(const void *self, const struct pen_ray *ray, double bound, double *t,
+                       uint8_t *part)
 {
     const struct pen_cylinder *c = self;
     double side[2];
     bool parallel;
+    *part = PEN_PART_SIDE;
     return !c->caps && pen_cylinder_side_roots(&c->round, ray, side, &parallel) &&
            pen_cylinder_passes_rim(c, ray, side, bound, t);
 }

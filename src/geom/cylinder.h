@@ -138,8 +138,8 @@ static inline bool pen_cylinder_interval(const struct pen_cylinder *c, const str
     return pen_interval_clip(in, side);
 }
 
-/* The parts that p lies on, up to `bound` and the primitive's own rounding; an open end counts as
- * a part, and is where the rim ends. */
+/* The parts that p lies on, up to `bound` and the primitive's own rounding. An open end, which is
+ * where the rim ends, counts as a part for points of the side only: elsewhere nothing is there. */
 static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct pen_vec3 p,
                                             double bound)
 {
@@ -151,6 +151,8 @@ static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct
     if (!(-b * length <= above_base && -b * length <= below_top && off <= side))
         return 0;
     unsigned on = fabs(off) <= side ? PEN_ON_SIDE : 0;
+    if (on == 0 && !c->caps)
+        return 0;
     if (above_base <= b * length)
         on |= PEN_ON_BASE;
     if (below_top <= b * length)

@@ -160,9 +160,11 @@ struct pen_kind_functions {
     unsigned (*intersect_touching)(const void *self, const struct pen_ray *ray, double bound,
                                    struct pen_intersections *out);
 
-    /* Of kinds that may be open; else NULL. Whether the ray passes the rim of an open one within
-     * `bound`, on the side or beyond it; then *t is where it meets the side, continued. */
-    bool (*passes_rim)(const void *self, const struct pen_ray *ray, double bound, double *t);
+    /* Of kinds that have rims whose borders count; else NULL. Whether the ray passes a rim within
+     * `bound`. Of an open one: on the side or beyond it; *t is where it meets the side, continued,
+     * *part the side. Of a closed one: *t is where it passes the plane of the cap *part. */
+    bool (*passes_rim)(const void *self, const struct pen_ray *ray, double bound, double *t,
+                       uint8_t *part);
 };
 
 struct pen_kind {

@@ -411,22 +411,24 @@ static void intersect_cut(const struct pen_prims *prims, uint32_t prim, const st
     out->part[0] = PEN_PART_SIDE;
 }
 
-/* Whether the ray passes the rim of an open primitive near its origin, within the bounds: as
- * passes_border. If p is on the side, continued without end, it does not get there. */
-static bool passes_rim(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
-                       const struct pen_origin_surface *origin, double *t)
+/* Whether the ray passes a rim of the primitive near its origin, within the bounds: as
+ * passes_border. at->t, at->part are as for the kind's function. If p is on that part, continued
+ * without end, the ray does not get there. */
+static bool passes_rim(const struct pen_prims *prims, const struct pen_ray *ray,
+                       const struct pen_origin_surface *origin, struct pen_hit *at)
 {
-    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
-    const void *self = pen_prim_self(prims, prim);
-    double b = origin->bound + own_rounding(prims, prim, ray->o), nearby = PEN_NEARBY * b;
-    if (!fn->passes_rim || !fn->passes_rim(self, ray, b, t) ||
-        !(*t * *t <= nearby * nearby * ray->inv_dd))
+    const struct pen_kind_functions *fn = pen_prim_row(prims, at->prim)->fn;
+    const void *self = pen_prim_self(prims, at->prim);
+    double b = origin->bound + own_rounding(prims, at->prim, ray->o), nearby = PEN_NEARBY * b;
+    if (!fn->passes_rim || !fn->passes_rim(self, ray, b, &at->t, &at->part) ||
+        !(at->t * at->t <= nearby * nearby * ray->inv_dd))
         return false;
-    struct pen_vec3 x = pen_along(ray->o, ray->d, *t), n = fn->normal(self, PEN_PART_SIDE, x);
-    return fabs(*t * pen_dot(ray->d, n)) > 0.5 * b && !fn->touches(self, ray->o, origin->bound);
+    struct pen_vec3 x = pen_along(ray->o, ray->d, at->t), n = fn->normal(self, at->part, x);
+    return fabs(at->t * pen_dot(ray->d, n)) > 0.5 * b && !fn->touches(self, ray->o, origin->bound);
 }
 
-/* The side of an open primitive is met where the ray passes its rim, if it rises over P. */
+/* Where the ray passes a rim, it meets the primitive if that rises over P: the side of an open one,
+ * there only. A closed one that the line misses is met at its cap and at once at its side. */
 static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
                           const struct pen_ray *ray, const struct pen_origin_surface *origin,
                           struct pen_intersections *out)
@@ -434,12 +436,17 @@ static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
     const struct surface s = surface_at(prims, q.prim, ray->o);
     const struct contact c = contact_at(prims, q, s, ray, origin);
     const struct pen_intersections all = *out;
+    bool closed = q.part != PEN_PART_SIDE;
     int i = 0;
+    if (closed && all.count > 0)
+        return;
     out->count = 0;
     for (; i < all.count && all.t[i] < q.t; i++)
         pen_intersections_add(out, all.t[i], all.part[i]);
     if (rises(&c, ray->d))
         pen_intersections_add(out, q.t, q.part);
+    if (closed && out->count > 0)
+        pen_intersections_add(out, q.t, PEN_PART_SIDE);
     for (; i < all.count; i++) {
         if (all.t[i] != q.t)
             pen_intersections_add(out, all.t[i], all.part[i]);
@@ -464,9 +471,9 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
         intersect_flat(prims, prim, surface_at(prims, prim, ray->o), ray, origin, out);
         return;
     }
-    double t;
-    if (passes_rim(prims, prim, ray, origin, &t))
-        intersect_rim(prims, (struct pen_hit){t, prim, PEN_PART_SIDE}, ray, origin, out);
+    struct pen_hit rim = {.prim = prim};
+    if (passes_rim(prims, ray, origin, &rim))
+        intersect_rim(prims, rim, ray, origin, out);
     intersect_touching(prims, prim, ray, origin, out);
     struct pen_intersections all = *out;
     out->count = 0;

@@ -415,6 +415,14 @@ edit src/geom/self_intersection.c 1 's/^ *\(hit\.t > 0 && fabs\(height_above.*$/
 edit src/accel/internal/prim_test.h 1 's/^    if \(!off && trace->from_surface && t > 0\)$/    if (false)/'
 judge
 
+mutant open_end h066_round_lid 2000 "a point in the plane of an open end, off the side, counts as on it"
+edit src/geom/cone.c 1 's/^    if \(on == 0 && !c->hull\.caps\)$/    if (false)/'
+judge
+
+mutant cap_rim h073_round_rooms 9000 "the line decides whether a ray enters a closed cone at the rim of its cap"
+edit src/geom/cone.c 1 's/^    if \(c->hull\.caps && passes_cap_rim.*$/    if (false)/'
+judge
+
 mutant beam_margin rooms_same 20000 "rays of a packet are enclosed without a margin"
 edit src/accel/internal/ray_packet_query.h 1 's/ margin = 0x1p-18 \* most \+ / margin = 0 * most + /'
 judge

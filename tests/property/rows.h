@@ -99,6 +99,7 @@ void rows_round_beside(struct pen_row_run *run);
 void rows_round_lid(struct pen_row_run *run);
 void rows_dented_rooms(struct pen_row_run *run);
 void rows_round_foot(struct pen_row_run *run);
+void rows_round_front(struct pen_row_run *run);
 void rows_permuted_sums(struct pen_row_run *run);
 void rows_permuted_tied(struct pen_row_run *run);
 void rows_mixed(struct pen_row_run *run);

@@ -117,7 +117,7 @@ const struct row row_table_light[] = {
         .id = "H073 H138",
         .name = "h073_round_rooms",
         .what =
-            "closed rooms of open cylinders and cones with lids of polygons, cylinders and open "
+            "closed rooms of open cylinders and cones with lids of polygons, cylinders and "
             "cones, mirrors, of any size, at offsets to 1e9 sizes, lights outside, from 1e-3 to "
             "1e-12 "
             "of a rim: black",
@@ -141,8 +141,8 @@ const struct row row_table_light[] = {
     {
         .id = "H066 H138",
         .name = "h066_round_lid",
-        .what = "the outer side of a lid in which an open cylinder ends, from 1e-7 to 1e-12 of the "
-                "rim, lit at 45 degrees and down to 3e-7 rad: as without shadows",
+        .what = "convex solids of open cylinders and cones, quads and cones as lids, from 1e-7 to "
+                "1e-12 of a rim, lit at 45 degrees and down to 3e-7 rad: as without shadows",
         .oracle = "itself, bit for bit",
         .run = rows_round_lid,
         .full = 9000,
@@ -165,6 +165,17 @@ const struct row row_table_light[] = {
                 "no lit pixel",
         .oracle = "black",
         .run = rows_round_foot,
+        .full = 9000,
+        .check = 90,
+    },
+    {
+        .id = "H066 H138",
+        .name = "round_front",
+        .what = "the foot of closed and open cylinders and cones on a floor, and the floor before "
+                "it, lit "
+                "from the front down to 1e-6 rad: as without shadows",
+        .oracle = "itself, bit for bit",
+        .run = rows_round_front,
         .full = 9000,
         .check = 90,
     },
