@@ -7,6 +7,7 @@
  *   lane_mask                    the result of a comparison. & | ^ work on it
  *   lanes_splat, lanes_load, lanes_store, lanes_fma, lanes_sqrt, lanes_abs
  *   lanes_min, lanes_max         the second operand where one is NaN
+ *   lanes_smallest, lanes_largest   of all lanes, as a double; none is NaN
  *   lanes_less, lanes_at_most, lanes_equal     false where an operand is NaN
  *   lanes_select                 a where the mask is set, else b
  *   lanes_at                     the number in one lane

@@ -424,7 +424,7 @@ edit src/geom/cone.c 1 's/^    if \(c->hull\.caps && passes_cap_rim.*$/    if (f
 judge
 
 mutant beam_margin rooms_same 20000 "rays of a packet are enclosed without a margin"
-edit src/accel/internal/ray_packet_query.h 1 's/ margin = 0x1p-18 \* most \+ / margin = 0 * most + /'
+edit src/accel/internal/ray_group_begin.h 1 's/ margin = 0x1p-18 \* most \+ / margin = 0 * most + /'
 judge
 
 mutant packet_border rooms_same 20000 "in a packet, the line decides whether a ray passes a border near its start"
@@ -436,11 +436,11 @@ edit src/accel/internal/ray_packet_query.h 1 's/^    if \(!g->to_point \|\| !gro
 judge
 
 mutant outline_distance accel/test_ray_packet 0 "the sides of edges that rays pass are computed exactly"
-edit src/accel/internal/ray_packet_query.h 1 's/0x1p-44 \* x \+/0 * x +/'
+edit src/accel/internal/ray_group_begin.h 1 's/0x1p-44 \* x \+/0 * x +/'
 judge_test
 
 mutant outline_concurrent accel/test_ray_packet 0 "rays to a light pass exactly through it"
-edit src/accel/internal/ray_packet_query.h 1 's/\(g->concurrent \? 3 \* most : 0\)/0/'
+edit src/accel/internal/ray_group_begin.h 1 's/\(g->concurrent \? 3 \* moved : 0\)/0/'
 judge_test
 
 mutant outline_convex accel/test_ray_packet 0 "an outline is convex exactly, or not at all"

@@ -69,30 +69,44 @@ static inline unsigned beam_enter_node(const struct beam *beam, const struct pen
     return mask8_bits(&in);
 }
 
-/* Whether some ray may enter a box. No ray meets what is in the box at a smaller depth than *near,
- * counted from its own origin. */
-static inline bool beam_enters(const struct beam *beam, const struct pen_float_box *box,
-                               float *near)
+/* No ray meets what is in a box at a smaller depth, counted from its own origin. */
+static inline float beam_near(const struct beam *beam, const struct pen_float_box *box)
 {
     const int z = beam->axis[2];
-    float w0 = beam->forward ? box->lo[z] - beam->hi[2] : beam->lo[2] - box->hi[z];
-    float w1 = beam->forward ? box->hi[z] - beam->lo[2] : beam->hi[2] - box->lo[z];
-    if (w1 < -beam->margin)
-        return false;
-    w0 = w0 > 0 ? w0 : 0;
-    w1 = w1 > 0 ? w1 : 0;
-    *near = w0 - 2 * beam->margin;
+    const float w = beam->forward ? box->lo[z] - beam->hi[2] : beam->lo[2] - box->hi[z];
+    return (w > 0 ? w : 0) - 2 * beam->margin;
+}
+
+/* The beams of so many parts of the rays. The other members of struct beam are those of all. */
+enum { BEAMS = 8 };
+
+struct beams {
+    float lo[3][BEAMS], hi[3][BEAMS], least[2][BEAMS], most[2][BEAMS];
+    float box_lo[3][BEAMS], box_hi[3][BEAMS]; /* by x, y, z */
+};
+
+/* The beams that may enter a box. */
+static inline unsigned beams_enter(const struct beams *b, const struct beam *all,
+                                   const struct pen_float_box *box)
+{
+    const float8 zero = {0, 0, 0, 0, 0, 0, 0, 0};
+    const float8 z_lo = *(const float8 *)b->lo[2], z_hi = *(const float8 *)b->hi[2];
+    const float lo = box->lo[all->axis[2]], hi = box->hi[all->axis[2]];
+    float8 near = all->forward ? lo - z_hi : z_lo - hi, far = all->forward ? hi - z_lo : z_hi - lo;
+    mask8 in = far >= -all->margin;
+    near = MAX8(near, zero);
+    far = MAX8(far, zero);
     for (int i = 0; i < 2; i++) {
-        float up = beam->most[i] * (beam->most[i] >= 0 ? w1 : w0);
-        float down = beam->least[i] * (beam->least[i] >= 0 ? w0 : w1);
-        if (box->lo[beam->axis[i]] - beam->hi[i] > up + beam->margin ||
-            box->hi[beam->axis[i]] - beam->lo[i] < down - beam->margin)
-            return false;
+        const float8 least = *(const float8 *)b->least[i], most = *(const float8 *)b->most[i];
+        const float8 up = MAX8(most * near, most * far), down = -MAX8(-least * near, -least * far);
+        in &= box->lo[all->axis[i]] - *(const float8 *)b->hi[i] <= up + all->margin;
+        in &= box->hi[all->axis[i]] - *(const float8 *)b->lo[i] >= down - all->margin;
     }
-    for (int axis = 0; beam->bounded && axis < 3; axis++)
-        if (box->lo[axis] > beam->box_hi[axis] || box->hi[axis] < beam->box_lo[axis])
-            return false;
-    return true;
+    for (int i = 0; all->bounded && i < 3; i++) {
+        in &= box->lo[all->axis[i]] <= *(const float8 *)b->box_hi[i];
+        in &= box->hi[all->axis[i]] >= *(const float8 *)b->box_lo[i];
+    }
+    return mask8_bits(&in);
 }
 
 #endif

@@ -9,8 +9,9 @@
 #include "accel/ray_packet.h"
 #include "math/lanes.h"
 
-/* Rays are tested in parts of so many, each with a beam of its own. */
-enum { GROUP_PART = 16 };
+/* A group has parts of so many rays, each with a beam of its own. */
+enum { GROUP_PART = 8, GROUP_PARTS = PEN_RAY_PACKET_MAX / GROUP_PART };
+_Static_assert((int)GROUP_PARTS == (int)BEAMS, "as many parts as beams are tested at once");
 
 /* The corners of a range of slopes. */
 enum { GROUP_CORNERS = 4 };
@@ -21,7 +22,7 @@ struct group_own {
     uint64_t rays;
 };
 
-/* Arrays are by ray; rays beyond `count` up to a multiple of LANES repeat the first one. Axes of
+/* Arrays are by ray; rays beyond `count` up to a whole part repeat the first one. Axes of
  * vectors are in the rays' own order, pen_permuted. */
 struct ray_group {
     int count;
@@ -49,7 +50,9 @@ struct ray_group {
     double edge_distance, most_slack;
     double corner[2][GROUP_CORNERS];
     double moment[3][PEN_RAY_PACKET_MAX];
-    struct beam beam, part[PEN_RAY_PACKET_MAX / GROUP_PART];
+    struct beam beam;
+    struct beams parts;
+    unsigned part_bits; /* the parts that there are */
     double o[3][PEN_RAY_PACKET_MAX], d[3][PEN_RAY_PACKET_MAX];
     double sx[PEN_RAY_PACKET_MAX], sy[PEN_RAY_PACKET_MAX], inv_dd[PEN_RAY_PACKET_MAX];
     double near[PEN_RAY_PACKET_MAX];

@@ -4,6 +4,7 @@
 #ifndef PEN_ACCEL_INTERNAL_RAY_PACKET_QUERY_H
 #define PEN_ACCEL_INTERNAL_RAY_PACKET_QUERY_H
 
+#include "accel/internal/ray_group_begin.h"
 #include "accel/internal/ray_group_test.h"
 
 /* Smaller groups, and groups that may meet more primitives, are traced ray by ray. */
@@ -13,200 +14,8 @@ enum { GROUP_RAYS_MIN = 4, GROUP_CANDIDATES = 192 };
 struct group_candidate {
     float near; /* no ray meets it at a smaller depth: see beam.h */
     uint32_t prim;
+    uint64_t rays; /* the others surely miss it */
 };
-
-static inline bool ray_is_forward(const struct pen_ray *ray)
-{
-    return ray->permuted_d.z > 0;
-}
-
-static inline void group_init(struct ray_group *g, const struct pen_accel *accel)
-{
-    g->count = g->own_count = 0;
-    g->any = g->from_surface = g->to_point = false;
-    g->accel = accel;
-    g->light = pen_vec3(0, 0, 0);
-    g->grow = 0;
-}
-
-static inline void group_add(struct ray_group *g, const struct pen_ray_packet *packet, int ray)
-{
-    const int i = g->count++;
-    const struct pen_ray *r = packet->ray[ray];
-    const struct pen_origin_surface *origin = packet->origin[ray];
-    const struct trace trace = trace_begin(g->accel, r, origin);
-    g->ray[i] = r;
-    g->origin[i] = origin;
-    g->o[0][i] = r->permuted_o.x;
-    g->o[1][i] = r->permuted_o.y;
-    g->o[2][i] = r->permuted_o.z;
-    g->d[0][i] = r->permuted_d.x;
-    g->d[1][i] = r->permuted_d.y;
-    g->d[2][i] = r->permuted_d.z;
-    g->sx[i] = r->sx;
-    g->sy[i] = r->sy;
-    g->inv_dd[i] = r->inv_dd;
-    group_add_own(g, i, origin->prim);
-    g->near[i] = r->near;
-    g->bound[i] = trace.from_surface ? origin->bound : 0;
-    g->slack[i] = trace.from_surface ? trace.slack : 0;
-    g->near_sq[i] = trace.from_surface ? trace.near_sq : -1;
-    g->from_surface |= trace.from_surface;
-    if (trace.from_surface && trace.grow > g->grow)
-        g->grow = trace.grow;
-}
-
-static inline void group_add_shadow(struct ray_group *g, const struct pen_ray_packet *packet,
-                                    int ray)
-{
-    const int i = g->count;
-    group_add(g, packet, ray);
-    struct pen_shadow *query = packet->query[ray];
-    query->count = 0;
-    query->overflow = false;
-    g->query[i] = query;
-    g->tmax[i] = query->tmax;
-    g->after_t[i] = 0;
-}
-
-static inline void group_add_nearest(struct ray_group *g, const struct pen_ray_packet *packet,
-                                     int ray)
-{
-    const int i = g->count;
-    group_add(g, packet, ray);
-    g->after[i] = packet->after[ray];
-    g->best[i] = (struct pen_hit){INFINITY, PEN_NO_PRIM, UINT8_MAX};
-    g->after_t[i] = packet->after[ray].t;
-    g->tmax[i] = INFINITY;
-}
-
-/* Fills the lanes beyond the last ray with copies of the first. */
-static inline void group_pad(struct ray_group *g)
-{
-    double *const all[] = {g->o[0],    g->o[1], g->o[2],  g->d[0],   g->d[1],
-                           g->d[2],    g->sx,   g->sy,    g->inv_dd, g->near,
-                           g->after_t, g->tmax, g->bound, g->slack,  g->near_sq};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        for (int i = g->count; i % LANES; i++)
-            all[k][i] = all[k][0];
-    g->live = g->count < 64 ? (UINT64_C(1) << g->count) - 1 : UINT64_MAX;
-    g->blocked = 0;
-}
-
-/* The least and the largest of x[begin] to x[end - 1]. `begin` is a multiple of LANES, and lanes
- * beyond the end repeat an earlier number. */
-static inline void range_of(const double *x, int begin, int end, double *lo, double *hi)
-{
-    lanes least = lanes_load(x + begin), most = least;
-    double l[LANES], m[LANES];
-    for (int i = begin + LANES; i < end; i += LANES) {
-        least = lanes_min(lanes_load(x + i), least);
-        most = lanes_max(lanes_load(x + i), most);
-    }
-    lanes_store(l, least);
-    lanes_store(m, most);
-    *lo = l[0];
-    *hi = m[0];
-    for (int i = 1; i < LANES; i++) {
-        *lo = l[i] < *lo ? l[i] : *lo;
-        *hi = m[i] > *hi ? m[i] : *hi;
-    }
-}
-
-/* Makes the beam of rays begin to end - 1. */
-static inline void group_beam(const struct ray_group *g, int begin, int end, double margin,
-                              struct beam *beam)
-{
-    const struct pen_ray *first = g->ray[0];
-    const struct pen_vec3 light = pen_permuted(first, &g->light);
-    const double *const slopes[2] = {g->sx, g->sy};
-    *beam = (struct beam){.axis = {first->kx, first->ky, first->kz},
-                          .forward = ray_is_forward(first) != g->to_point,
-                          .margin = pen_float_up(margin),
-                          .bounded = g->to_point};
-    for (int k = 0; k < 2; k++) {
-        double least, most;
-        range_of(slopes[k], begin, end, &least, &most);
-        beam->least[k] = pen_float_near(beam->forward ? least : -most);
-        beam->most[k] = pen_float_near(beam->forward ? most : -least);
-    }
-    for (int k = 0; k < 3; k++) {
-        const double at = pen_component(light, k);
-        double lo, hi;
-        range_of(g->o[k], begin, end, &lo, &hi);
-        beam->lo[k] = pen_float_near(g->to_point ? at : lo);
-        beam->hi[k] = pen_float_near(g->to_point ? at : hi);
-        beam->box_lo[beam->axis[k]] = pen_float_down((lo < at ? lo : at) - margin);
-        beam->box_hi[beam->axis[k]] = pen_float_up((hi > at ? hi : at) + margin);
-    }
-}
-
-/* The largest size of a coordinate. */
-static inline double group_extent(const struct ray_group *g)
-{
-    double most = g->accel->extent;
-    if (g->to_point)
-        most = larger(most, larger(fabs(g->light.x), larger(fabs(g->light.y), fabs(g->light.z))));
-    for (int k = 0; k < 3; k++) {
-        double lo, hi;
-        range_of(g->o[k], 0, g->count, &lo, &hi);
-        most = larger(most, larger(fabs(lo), fabs(hi)));
-    }
-    return most;
-}
-
-/* Prepares tests of outlines; x is the largest size of a coordinate. */
-static inline void group_begin_edges(struct ray_group *g, double x)
-{
-    const struct pen_vec3 c = g->to_point ? pen_permuted(g->ray[0], &g->light)
-                                          : pen_vec3(g->o[0][0], g->o[1][0], g->o[2][0]);
-    const struct lanes3 middle = lanes3_splat(c);
-    double lo, hi, most = 0;
-    for (int i = 0; i < g->count; i += LANES) {
-        const struct lanes3 r = lanes3_sub(group_origin(g, i), middle);
-        const lanes sx = lanes_load(g->sx + i), sy = lanes_load(g->sy + i);
-        lanes_store(g->moment[0] + i, r.y - r.z * sy);
-        lanes_store(g->moment[1] + i, r.z * sx - r.x);
-        lanes_store(g->moment[2] + i, r.x * sy - r.y * sx);
-    }
-    for (int k = 0; k < 3; k++) {
-        range_of(g->moment[k], 0, g->count, &lo, &hi);
-        most = larger(most, larger(-lo, hi));
-    }
-    range_of(g->slack, 0, g->count, &lo, &g->most_slack);
-    g->middle = c;
-    g->concurrent = most <= 0x1p-40 * x;
-    g->edge_distance = x > 0x1p-200 ? 0x1p-44 * x + (g->concurrent ? 3 * most : 0) : 0;
-    for (int k = 0; k < 2; k++) {
-        range_of(k ? g->sy : g->sx, 0, g->count, &lo, &hi);
-        for (int i = 0; i < GROUP_CORNERS; i++)
-            g->corner[k][i] = i >> k & 1 ? hi : lo;
-    }
-}
-
-/* Makes the beams. False if lengths are out of the range of binary32. */
-static inline bool group_begin(struct ray_group *g)
-{
-    group_pad(g);
-    const double most = group_extent(g), margin = 0x1p-18 * most + g->grow;
-    if (!(most < 0x1p60 && g->grow < 0x1p60))
-        return false;
-    group_beam(g, 0, g->count, margin, &g->beam);
-    for (int begin = 0; begin < g->count; begin += GROUP_PART) {
-        const int end = begin + GROUP_PART < g->count ? begin + GROUP_PART : g->count;
-        group_beam(g, begin, end, margin, &g->part[begin / GROUP_PART]);
-    }
-    for (int k = 0; k < 3; k++) {
-        double lo, hi;
-        range_of(g->o[k], 0, g->count, &lo, &hi);
-        ((double *)&g->origins.lo)[g->beam.axis[k]] = lo - g->grow;
-        ((double *)&g->origins.hi)[g->beam.axis[k]] = hi + g->grow;
-    }
-    g->extent = most;
-    g->light_bound = 0x1p-30 * most;
-    group_begin_edges(g, most);
-    return true;
-}
 
 /* Whether the origin of some ray may be on a primitive in this box, or on its border. */
 static inline bool group_starts_in(const struct ray_group *g, const struct pen_float_box *box)
@@ -249,6 +58,23 @@ static inline bool group_misses(const struct ray_group *g, uint32_t prim)
            group_on_one_side(g, prims->plane[ref.index].n, prims->plane[ref.index].q);
 }
 
+/* The rays of those parts of the group whose beam enters a box. */
+static inline uint64_t group_rays_in(const struct ray_group *g, const struct pen_float_box *box)
+{
+    uint64_t rays = 0;
+    for (unsigned parts = beams_enter(&g->parts, &g->beam, box) & g->part_bits; parts;
+         parts &= parts - 1)
+        rays |= (uint64_t)0xff << 8 * __builtin_ctz(parts);
+    return rays;
+}
+
+/* The rays that may meet a primitive. */
+static inline uint64_t group_rays_at(const struct ray_group *g, uint32_t prim)
+{
+    const bool infinite = pen_prim_infinite(g->accel->prims->ref[prim].kind);
+    return infinite ? UINT64_MAX : group_rays_in(g, &g->accel->prim_box[prim]);
+}
+
 /* The candidates among the primitives of a list of items. False if there are too many. */
 static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first, bool boxes,
                                       struct group_candidate *out, int *count)
@@ -256,8 +82,13 @@ static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first,
     for (const uint32_t *item = &g->accel->items[first];; item++) {
         const uint32_t *prim = block_prims(g->accel, *item);
         for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
-            struct group_candidate c = {0, prim[lane]};
-            if (boxes && !beam_enters(&g->beam, &g->accel->prim_box[c.prim], &c.near))
+            struct group_candidate c = {0, prim[lane], UINT64_MAX};
+            if (boxes) {
+                const struct pen_float_box *box = &g->accel->prim_box[c.prim];
+                c.rays = group_rays_in(g, box);
+                c.near = beam_near(&g->beam, box);
+            }
+            if (!c.rays)
                 continue;
             if (group_misses(g, c.prim))
                 continue;
@@ -292,27 +123,16 @@ static inline bool group_collect(const struct ray_group *g, struct group_candida
     return true;
 }
 
-/* The rays of those parts of the group whose beam enters a primitive's box. */
-static inline uint64_t group_parts(const struct ray_group *g, uint32_t prim)
-{
-    uint64_t rays = 0;
-    for (int begin = 0; begin < g->count; begin += GROUP_PART) {
-        float near;
-        if (beam_enters(&g->part[begin / GROUP_PART], &g->accel->prim_box[prim], &near))
-            rays |= ((UINT64_C(1) << GROUP_PART) - 1) << begin;
-    }
-    return rays;
-}
-
+/* What a test needs to know of a primitive that only `rays` may meet. */
 static inline struct group_prim group_prim_of(const struct ray_group *g, uint32_t prim,
-                                              bool see_through)
+                                              uint64_t rays, bool see_through)
 {
     const bool infinite = pen_prim_infinite(g->accel->prims->ref[prim].kind);
     const bool near =
         g->from_surface && (infinite || group_starts_in(g, &g->accel->prim_box[prim]));
     return (struct group_prim){
         .prim = prim,
-        .rays = infinite ? UINT64_MAX : group_parts(g, prim),
+        .rays = rays,
         .own = near ? group_own(g, prim) : 0,
         .near = near,
         .see_through = see_through,
@@ -334,10 +154,10 @@ static inline void sort_candidates(struct group_candidate *c, int count)
 /* The largest depth at which a ray may still meet something nearer than it has. */
 static inline double group_depth(const struct ray_group *g)
 {
-    double most = 0;
-    for (int i = 0; i < g->count; i++)
-        most = larger(most, g->tmax[i] * fabs(g->d[2][i]));
-    return most;
+    lanes most = lanes_splat(0);
+    for (int i = 0; i < g->count; i += LANES)
+        most = lanes_max(most, lanes_load(g->tmax + i) * lanes_abs(lanes_load(g->d[2] + i)));
+    return lanes_largest(most);
 }
 
 static inline bool group_nearest(struct ray_group *g)
@@ -350,11 +170,18 @@ static inline bool group_nearest(struct ray_group *g)
     for (int k = 0; k < count; k++) {
         if (c[k].near > 0 && (double)c[k].near > 1.0000001 * group_depth(g))
             break;
-        struct group_prim q = group_prim_of(g, c[k].prim, false);
+        struct group_prim q = group_prim_of(g, c[k].prim, c[k].rays, false);
         q.depth = c[k].near;
         group_test(g, &q);
     }
     return true;
+}
+
+/* Whether a point may be within b of a facet's plane. The sums are off by less than 2^-48 of the
+ * coordinates, of which b is 2^-30; the normal's length is below 2. */
+static inline bool may_be_on_facet(const struct pen_facet *facet, struct pen_vec3 p, double b)
+{
+    return fabs(facet->c - pen_dot(facet->g, p)) <= 2 * b;
 }
 
 /* Whether a primitive may contain the light, so that rays that end there do not count it. What is
@@ -367,11 +194,11 @@ static inline bool group_light_on(const struct ray_group *g, uint32_t prim)
     const double b = g->light_bound;
     switch (pen_block_of(ref.kind)) {
     case PEN_BLOCK_TRIANGLES:
-        return fabs(pen_facet_above(&prims->triangle[ref.index].facet, g->light)) <= b;
+        return may_be_on_facet(&prims->triangle[ref.index].facet, g->light, b);
     case PEN_BLOCK_POLYGONS:
         return prims->polygon[ref.index].piece ||
-               fabs(pen_facet_above(&prims->polygon[ref.index].facet, g->light)) <=
-                   b + 8 * PEN_U * prims->polygon[ref.index].scale;
+               may_be_on_facet(&prims->polygon[ref.index].facet, g->light,
+                               b + 8 * PEN_U * prims->polygon[ref.index].scale);
     case PEN_BLOCK_PLANES: {
         const struct pen_plane *p = &prims->plane[ref.index];
         const struct pen_vec3 f = pen_sub(g->light, p->q);
@@ -395,9 +222,10 @@ static inline bool group_light_on(const struct ray_group *g, uint32_t prim)
 }
 
 /* Tests a primitive against shadow rays. */
-static inline void group_test_shadow(struct ray_group *g, uint32_t prim, bool see_through)
+static inline void group_test_shadow(struct ray_group *g, uint32_t prim, uint64_t rays,
+                                     bool see_through)
 {
-    const struct group_prim q = group_prim_of(g, prim, see_through);
+    const struct group_prim q = group_prim_of(g, prim, rays, see_through);
     if (!g->to_point || !group_light_on(g, prim)) {
         group_test(g, &q);
         return;
@@ -417,7 +245,7 @@ static inline bool group_shadow(struct ray_group *g, struct pen_ray_packet *pack
     if (!group_begin(g))
         return false;
     if (last < g->accel->prims->count && !(see_through && see_through[last]))
-        group_test_shadow(g, last, false);
+        group_test_shadow(g, last, group_rays_at(g, last), false);
     else
         last = PEN_NO_PRIM;
     if (!g->live)
@@ -430,7 +258,7 @@ static inline bool group_shadow(struct ray_group *g, struct pen_ray_packet *pack
             const uint64_t live = g->live;
             if (c[k].prim == last || transmits != (pass == 1))
                 continue;
-            group_test_shadow(g, c[k].prim, transmits);
+            group_test_shadow(g, c[k].prim, c[k].rays, transmits);
             if (g->live != live)
                 packet->last_occluder = c[k].prim;
         }

@@ -70,6 +70,21 @@ static inline lanes lanes_max(lanes a, lanes b)
     return (lanes)_mm256_max_pd((__m256d)a, (__m256d)b);
 }
 
+/* The least and the largest of all lanes. */
+static inline double lanes_smallest(lanes x)
+{
+    const __m128d half =
+        _mm_min_pd(_mm256_castpd256_pd128((__m256d)x), _mm256_extractf128_pd((__m256d)x, 1));
+    return _mm_cvtsd_f64(_mm_min_sd(half, _mm_unpackhi_pd(half, half)));
+}
+
+static inline double lanes_largest(lanes x)
+{
+    const __m128d half =
+        _mm_max_pd(_mm256_castpd256_pd128((__m256d)x), _mm256_extractf128_pd((__m256d)x, 1));
+    return _mm_cvtsd_f64(_mm_max_sd(half, _mm_unpackhi_pd(half, half)));
+}
+
 static inline lanes lanes_select(lane_mask m, lanes a, lanes b)
 {
     return (lanes)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)m);

@@ -70,6 +70,17 @@ static inline lanes lanes_max(lanes a, lanes b)
     return a > b ? a : b;
 }
 
+/* The least and the largest of all lanes. */
+static inline double lanes_smallest(lanes x)
+{
+    return x;
+}
+
+static inline double lanes_largest(lanes x)
+{
+    return x;
+}
+
 static inline lanes lanes_select(lane_mask m, lanes a, lanes b)
 {
     return m ? a : b;
