@@ -318,6 +318,16 @@ static void stop_at_rows(void *user, int rows)
         atomic_store(&s->cancel, true);
 }
 
+/* Keeps threads from the lower half until the render is cancelled. */
+static void wait_for_cancel(void *user, int thread, int x, int y)
+{
+    struct stopping *s = user;
+    const struct timespec nap = {0, 1000000};
+    (void)thread, (void)x;
+    for (int i = 0; y >= 320 && !atomic_load(&s->cancel) && i < PATIENCE_S * 1000; i++)
+        nanosleep(&nap, NULL);
+}
+
 /* A cancelled render ends in an error, and the file that was begun is given up. */
 START_TEST(test_tiles__a_cancelled_render_has_no_picture)
 {
@@ -331,11 +341,14 @@ START_TEST(test_tiles__a_cancelled_render_has_no_picture)
     struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
     struct pen_render_task task = task_of(scene, film.rgb);
     task.cancel = &stopping.cancel;
+    task.pixel_begins = wait_for_cancel;
+    task.pixel_user = &stopping;
     task.rows_done = stop_at_rows;
     task.rows_user = &stopping;
     ck_assert(!pen_render_run(pool, &task, &stats, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);
-    ck_assert_uint_lt(stats.tile_count, 640);
+    ck_assert_uint_ge(stats.tile_count, 40);
+    ck_assert_uint_le(stats.tile_count, 322);
     pen_thread_pool_free(pool);
     pen_png_free(stopping.png);
     pen_buf_release(&out);
