@@ -112,34 +112,7 @@ static inline struct pen_vec3 pen_without_less(struct pen_vec3 v, double least)
 /* Makes a ray. Components of o below PEN_LEAST, and of d below PEN_LEAST_DIRECTION of its largest,
  * are taken as 0. Fails (returns false, *ray undefined) if o or d is not finite, or if the largest
  * component of d lies outside 2^-400 ... 2^400 (zero is): squares must stay in range. */
-static inline bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d)
-{
-    double ax = fabs(d.x), ay = fabs(d.y), az = fabs(d.z);
-    if (!(ax <= 0x1p400 && ay <= 0x1p400 && az <= 0x1p400 && fabs(o.x) < INFINITY &&
-          fabs(o.y) < INFINITY && fabs(o.z) < INFINITY))
-        return false;
-    /* Of two equal components, the first in the order z, x, y. */
-    int kz = ax >= ay ? (ax > az ? 0 : 2) : (ay >= az ? 1 : 2);
-    double largest = kz == 0 ? ax : kz == 1 ? ay : az;
-    if (!(largest >= 0x1p-400))
-        return false;
-    d = pen_without_less(d, PEN_LEAST_DIRECTION * largest);
-    o = pen_without_less(o, PEN_LEAST);
-    ray->o = o;
-    ray->d = d;
-    ray->kz = kz;
-    ray->kx = kz == 2 ? 0 : kz + 1;
-    ray->ky = 3 - kz - ray->kx;
-    ray->permuted_o = pen_permuted(ray, &ray->o);
-    ray->permuted_d = pen_permuted(ray, &ray->d);
-    ray->inv_dd = 1.0 / pen_dot(ray->permuted_d, ray->permuted_d);
-    ray->sx = ray->permuted_d.x / ray->permuted_d.z;
-    ray->sy = ray->permuted_d.y / ray->permuted_d.z;
-    ray->sz = 1.0 / ray->permuted_d.z;
-    /* Quotients of unequal doubles do not round to 1. */
-    ray->near = fabs(ray->sx * ray->sy) < 1 ? PEN_NEAR : INFINITY;
-    return true;
-}
+bool pen_ray_make(struct pen_ray *ray, struct pen_vec3 o, struct pen_vec3 d);
 
 /* A bound of the distance between o + d and the point that a ray is aimed at. d = point - o is
  * rounded, so a far origin counts as much as a far point. */

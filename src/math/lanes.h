@@ -12,6 +12,7 @@
  *   lanes_select                 a where the mask is set, else b
  *   lanes_at                     the number in one lane
  *   lanes_strided, lanes_store_strided         lane i at x[i stride]
+ *   lanes_store_rows             lane i of four vectors at to[i][0] to to[i][3]
  *   lanes_rows                   table[stride row[i]], an array of row numbers
  *   lane_mask_not, lane_mask_bits              bit i is lane i
  *   lane_mask_of                 the mask with these bits

@@ -5,8 +5,23 @@
 #define TESTS_SUPPORT_LANES_H
 
 #include "base/cpu.h"
+#include "geom/ray.h"
+#include "scene/scene.h"
 
 enum { LANES_TEST_MAX = 8, LANES_TEST_FUNCTIONS = 7 };
+
+/* A point of a surface, as struct surface of shade holds it. */
+struct lanes_point {
+    struct pen_vec3 kd, ks, p, n, v;
+    double shininess, nv, grazing_sine, bound;
+    bool lit;
+};
+
+/* What a light brings to it; `term` has a meaning only if it arrives. */
+struct lanes_arriving {
+    bool arrives;
+    struct pen_vec3 term, to_light;
+};
 
 /* Arrays are by lane. */
 struct lanes_test {
@@ -14,6 +29,11 @@ struct lanes_test {
     /* exp(x), ln(x), pow(x, y), sine and cosine of x in radians, and of x in degrees. */
     void (*functions)(const double *x, const double *y,
                       double out[LANES_TEST_FUNCTIONS][LANES_TEST_MAX]);
+    /* lanes_ray_make, with a bit for each lane that has a ray. */
+    unsigned (*rays)(const struct pen_vec3 *o, const struct pen_vec3 *d, struct pen_ray *out);
+    /* light_unshadowed, with and without specular light. */
+    void (*light)(const struct pen_light *light, const struct lanes_point *point, bool specular,
+                  struct lanes_arriving *out);
 };
 
 /* NULL if this processor does not have the instruction set. */

@@ -2,7 +2,9 @@
 /* Compiled once for each instruction set, PEN_ISA (base/cpu.h). */
 #include "support/lanes.h"
 
+#include "geom/ray_lanes.h"
 #include "math/lanes_fn.h"
+#include "shade/internal/unshadowed_light.h"
 
 _Static_assert((int)LANES <= (int)LANES_TEST_MAX, "arrays are as long as the widest vector");
 
@@ -22,7 +24,62 @@ static void functions(const double *x, const double *y,
     lanes_store(out[6], cosine);
 }
 
+static unsigned rays(const struct pen_vec3 *o, const struct pen_vec3 *d, struct pen_ray *out)
+{
+    struct pen_ray *ray[LANES];
+    for (int i = 0; i < LANES; i++)
+        ray[i] = &out[i];
+    return lane_mask_bits(lanes_ray_make(ray, lanes3_load(o), lanes3_load(d)));
+}
+
+static struct surface surface_of(const struct lanes_point *point)
+{
+    const double *const first = (const double *)point;
+    const size_t stride = sizeof *point / sizeof(double);
+    struct surface s = {.finite = lane_mask_of(LANES_ALL)};
+#define VECTOR(name)                                                                               \
+    s.name.x =                                                                                     \
+        lanes_strided(first + offsetof(struct lanes_point, name.x) / sizeof(double), stride);      \
+    s.name.y =                                                                                     \
+        lanes_strided(first + offsetof(struct lanes_point, name.y) / sizeof(double), stride);      \
+    s.name.z = lanes_strided(first + offsetof(struct lanes_point, name.z) / sizeof(double), stride);
+#define NUMBER(name)                                                                               \
+    s.name = lanes_strided(first + offsetof(struct lanes_point, name) / sizeof(double), stride);
+    VECTOR(kd)
+    VECTOR(ks)
+    VECTOR(p)
+    VECTOR(n)
+    VECTOR(v)
+    NUMBER(shininess)
+    NUMBER(nv)
+    NUMBER(grazing_sine)
+    NUMBER(bound)
+    return s;
+}
+
+static void light(const struct pen_light *source, const struct lanes_point *point, bool specular,
+                  struct lanes_arriving *out)
+{
+    const struct surface s = surface_of(point);
+    struct pen_vec3 term[LANES], to_light[LANES];
+    struct arriving_light arriving;
+    unsigned lit = 0;
+    for (int i = 0; i < LANES; i++)
+        lit |= (unsigned)point[i].lit << i;
+    arriving.term = lanes3_splat(pen_vec3(0, 0, 0));
+    if (specular)
+        light_unshadowed(&arriving, source, &s, lane_mask_of(lit), PEN_FX_SPECULAR);
+    else
+        light_unshadowed(&arriving, source, &s, lane_mask_of(lit), 0);
+    lanes3_store(term, arriving.term);
+    lanes3_store(to_light, arriving.to_light);
+    for (int i = 0; i < LANES; i++)
+        out[i] = (struct lanes_arriving){lane_mask_bits(arriving.arrives) >> i & 1, term[i],
+                                         to_light[i]};
+}
+
 #define NAME_OF_ISA(isa) NAME_OF_TOKEN(isa)
 #define NAME_OF_TOKEN(token) lanes_test_##token
 extern const struct lanes_test NAME_OF_ISA(PEN_ISA);
-const struct lanes_test NAME_OF_ISA(PEN_ISA) = {.lanes = LANES, .functions = functions};
+const struct lanes_test NAME_OF_ISA(PEN_ISA) = {
+    .lanes = LANES, .functions = functions, .rays = rays, .light = light};

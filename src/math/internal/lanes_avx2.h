@@ -130,6 +130,18 @@ static inline void lanes_store_strided(double *to, size_t stride, lanes x)
     to[3 * stride] = x[3];
 }
 
+static inline void lanes_store_rows(double *const *to, lanes a, lanes b, lanes c, lanes d)
+{
+    const __m256d ab = _mm256_unpacklo_pd((__m256d)a, (__m256d)b); /* lanes 0 and 2 */
+    const __m256d ab1 = _mm256_unpackhi_pd((__m256d)a, (__m256d)b);
+    const __m256d cd = _mm256_unpacklo_pd((__m256d)c, (__m256d)d);
+    const __m256d cd1 = _mm256_unpackhi_pd((__m256d)c, (__m256d)d);
+    _mm256_storeu_pd(to[0], _mm256_permute2f128_pd(ab, cd, 0x20));
+    _mm256_storeu_pd(to[1], _mm256_permute2f128_pd(ab1, cd1, 0x20));
+    _mm256_storeu_pd(to[2], _mm256_permute2f128_pd(ab, cd, 0x31));
+    _mm256_storeu_pd(to[3], _mm256_permute2f128_pd(ab1, cd1, 0x31));
+}
+
 static inline double lanes_at(lanes x, int lane)
 {
     return x[lane];

@@ -127,6 +127,14 @@ static inline void lanes_store_strided(double *to, size_t stride, lanes x)
     *to = x;
 }
 
+static inline void lanes_store_rows(double *const *to, lanes a, lanes b, lanes c, lanes d)
+{
+    to[0][0] = a;
+    to[0][1] = b;
+    to[0][2] = c;
+    to[0][3] = d;
+}
+
 static inline double lanes_at(lanes x, int lane)
 {
     (void)lane;

@@ -49,6 +49,11 @@ struct block_stack {
     uint16_t path[BLOCK_PATHS];
 };
 
+/* Points of the image, one for each pixel of a block. */
+struct block_points {
+    double x[BLOCK_PIXELS], y[BLOCK_PIXELS];
+};
+
 /* The working memory of a block: pen_kernel_scratch owns one. Its size is that of the instruction
  * set's vectors, so only the block kernels know it. */
 struct pen_block_scratch {
@@ -64,6 +69,7 @@ struct pen_block_scratch {
     struct pen_ray shadow_ray[PEN_RAY_PACKET_MAX];
     struct pen_shadow query[PEN_RAY_PACKET_MAX];
     struct pen_ray_packet packet;
+    int of_packet[PEN_RAY_PACKET_MAX]; /* the points of its shadow rays */
     /* By pixel. */
     int x[BLOCK_PIXELS], y[BLOCK_PIXELS];
     uint64_t left; /* bits of pixels that are left to the pixel kernel */
@@ -131,6 +137,16 @@ static ALWAYS_INLINE int block_groups(const struct pen_block_scratch *b)
     return (b->count + LANES - 1) / LANES;
 }
 
+/* The paths of one group of the wave. Returns how many. */
+static ALWAYS_INLINE int block_group_paths(const struct pen_block_scratch *b, int group,
+                                           const struct path **path)
+{
+    const int first = group * LANES, left = b->count - first, count = left < LANES ? left : LANES;
+    for (int i = 0; i < count; i++)
+        path[i] = &b->wave[first + i]->path;
+    return count;
+}
+
 /* Of the wave's points, as bits, those of one group. */
 static ALWAYS_INLINE unsigned group_bits(uint64_t points, int group)
 {
@@ -174,10 +190,8 @@ static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
                                          struct pen_block_scratch *b)
 {
     for (int g = 0; g < block_groups(b); g++) {
-        const int first = g * LANES, count = b->count - first < LANES ? b->count - first : LANES;
         const struct path *path[LANES];
-        for (int i = 0; i < count; i++)
-            path[i] = &b->wave[first + i]->path;
+        const int first = g * LANES, count = block_group_paths(b, g, path);
         surface_at(&b->surface[g], input->scene, path, count);
         const unsigned finite = lane_mask_bits(b->surface[g].finite);
         for (int i = 0; i < count; i++)
@@ -194,6 +208,34 @@ static ALWAYS_INLINE void block_set_transmittance(struct pen_block_scratch *b, i
     b->transmittance[2][point] = t.z;
 }
 
+/* Adds the shadow rays from a group of points to the packet. */
+static ALWAYS_INLINE void block_add_shadow_rays(const struct pen_kernel_input *input,
+                                                struct pen_block_scratch *b, int g, unsigned points,
+                                                const unsigned fx)
+{
+    struct pen_ray_packet *packet = &b->packet;
+    const struct arriving_light *arriving = &b->arriving[g];
+    const struct surface *s = &b->surface[g];
+    const int first = g * LANES;
+    struct pen_ray *ray[LANES];
+    for (int i = 0; i < LANES; i++)
+        ray[i] = &b->shadow_ray[first + i];
+    const unsigned made = lane_mask_bits(lanes_ray_make(ray, s->p, arriving->to_light));
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctz(points), k = packet->count;
+        b->counts[b->wave[first + i]->pixel].shadow++;
+        if (!(made >> i & 1)) {
+            block_set_transmittance(b, first + i, no_sample());
+            continue;
+        }
+        shadow_query(input, &b->query[first + i], arriving->to_point, fx);
+        packet->ray[k] = ray[i];
+        packet->origin[k] = &s->origin[i];
+        packet->query[k] = &b->query[first + i];
+        b->of_packet[packet->count++] = first + i;
+    }
+}
+
 /* Transmittances of the shadow rays from points of the wave to one hard light. */
 static ALWAYS_INLINE void block_hard_shadows(const struct pen_kernel_input *input,
                                              struct pen_kernel_scratch *scratch,
@@ -201,34 +243,21 @@ static ALWAYS_INLINE void block_hard_shadows(const struct pen_kernel_input *inpu
                                              uint64_t points, const unsigned fx)
 {
     struct pen_ray_packet *packet = &b->packet;
-    int of[PEN_RAY_PACKET_MAX];
     packet->count = 0;
     packet->light = input->scene->lights[light].position;
     packet->last_occluder = scratch->last_occluder[light];
-    for (; points; points &= points - 1) {
-        const int i = __builtin_ctzll(points), k = packet->count, lane = i % LANES;
-        const struct arriving_light *arriving = &b->arriving[i / LANES];
-        const struct surface *s = &b->surface[i / LANES];
-        b->counts[b->wave[i]->pixel].shadow++;
-        if (!pen_ray_make(&b->shadow_ray[k], lanes3_at(s->p, lane),
-                          lanes3_at(arriving->to_light, lane))) {
-            block_set_transmittance(b, i, no_sample());
-            continue;
-        }
-        shadow_query(input, &b->query[k], arriving->to_point, fx);
-        packet->ray[k] = &b->shadow_ray[k];
-        packet->origin[k] = &s->origin[lane];
-        packet->query[k] = &b->query[k];
-        of[packet->count++] = i;
-    }
+    for (int g = 0; g < block_groups(b); g++)
+        if (group_bits(points, g))
+            block_add_shadow_rays(input, b, g, group_bits(points, g), fx);
     const uint64_t blocked = input->trace->shadow_packet(input->scene->accel, packet);
     scratch->last_occluder[light] = packet->last_occluder;
     for (int k = 0; k < packet->count; k++) {
         const struct pen_vec3 white = {1, 1, 1};
         struct pen_vec3 t = {0, 0, 0};
         if (!(blocked >> k & 1))
-            t = shadow_colour(input, &b->shadow_ray[k], packet->origin[k], &b->query[k], white, fx);
-        block_set_transmittance(b, of[k], t);
+            t = shadow_colour(input, packet->ray[k], packet->origin[k], packet->query[k], white,
+                              fx);
+        block_set_transmittance(b, b->of_packet[k], t);
     }
 }
 
@@ -322,47 +351,74 @@ static ALWAYS_INLINE void block_push(struct pen_block_scratch *b, struct block_s
     stack_push(stack, b, path);
 }
 
+/* Puts the reflected paths of a group of points on their stack. Those of pixels without room for
+ * one are left. */
 static ALWAYS_INLINE void block_reflect(const struct pen_kernel_input *input,
-                                        struct pen_block_scratch *b, const struct block_path *at,
-                                        const struct surface *s, int lane,
-                                        struct block_record *record, const unsigned fx)
+                                        struct pen_block_scratch *b, int g, unsigned points,
+                                        const struct path *const *path, const unsigned fx)
 {
-    struct block_path *reflected = block_path_new(b);
-    if (!reflected) {
-        block_leave(b, at);
-        return;
+    struct block_path *const *at = &b->wave[g * LANES];
+    struct block_path *made[LANES];
+    struct path *reflected[LANES];
+    for (int i = 0; i < LANES; i++) {
+        if (!(points >> i & 1))
+            continue;
+        made[i] = block_path_new(b);
+        if (!made[i]) {
+            block_leave(b, at[i]);
+            points &= ~(1u << i);
+            continue;
+        }
+        made[i]->pixel = at[i]->pixel;
+        reflected[i] = &made[i]->path;
     }
-    reflected->pixel = at->pixel;
-    if (!path_reflect(input, &at->path, s, lane, &reflected->path, fx)) {
-        stack_push(&b->unused, b, reflected);
-        return;
+    points = paths_reflect(input, &b->surface[g], points, path, reflected, fx);
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctz(points);
+        b->counts[at[i]->pixel].reflection++;
+        block_push(b, &b->reflected, made[i], &b->record[at[i]->record].reflected);
     }
-    b->counts[at->pixel].reflection++;
-    block_push(b, &b->reflected, reflected, &record->reflected);
 }
 
-/* Records the radiance of a point and puts its paths on the stacks. */
-static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
-                                         struct pen_block_scratch *b, int i, const unsigned fx)
+/* Continues a path through the surface, or ends it. */
+static ALWAYS_INLINE void block_transmit(const struct pen_kernel_input *input,
+                                         struct pen_block_scratch *b, struct block_path *at,
+                                         const struct surface *s, int lane, bool deeper,
+                                         const unsigned fx)
 {
-    struct block_path *at = b->wave[i];
-    const int lane = i % LANES;
-    const struct surface *s = &b->surface[i / LANES];
-    struct block_record *record = &b->record[at->record];
-    if (b->left >> at->pixel & 1) {
-        stack_push(&b->unused, b, at);
-        return;
-    }
-    record->radiance = pen_mul(at->path.weight, lanes3_at(b->radiance[i / LANES], lane));
-    const bool deeper = at->path.depth + 1 < input->settings->max_depth;
-    if ((fx & PEN_FX_MIRROR) && deeper)
-        block_reflect(input, b, at, s, lane, record, fx);
-    if ((fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &at->path, s, lane, fx)) {
+    if ((fx & PEN_FX_TRANSMISSION) && deeper && !(b->left >> at->pixel & 1) &&
+        path_transmit(input, &at->path, s, lane, fx)) {
         b->counts[at->pixel].transmission++;
-        block_push(b, &b->transmitted, at, &record->transmitted);
+        block_push(b, &b->transmitted, at, &b->record[at->record].transmitted);
     } else {
         stack_push(&b->unused, b, at);
     }
+}
+
+/* Records the radiance of a group of points and puts their paths on the stacks. */
+static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
+                                         struct pen_block_scratch *b, int g, const unsigned fx)
+{
+    const struct surface *s = &b->surface[g];
+    const struct path *path[LANES];
+    struct pen_vec3 radiance[LANES];
+    const int first = g * LANES, count = block_group_paths(b, g, path);
+    unsigned deeper = 0;
+    lanes3_store(radiance, b->radiance[g]);
+    for (int i = 0; i < count; i++) {
+        const struct block_path *at = b->wave[first + i];
+        b->record[at->record].radiance = pen_mul(path[i]->weight, radiance[i]);
+        deeper |= (unsigned)(path[i]->depth + 1 < input->settings->max_depth &&
+                             !(b->left >> at->pixel & 1))
+                  << i;
+    }
+    if (fx & PEN_FX_MIRROR) {
+        const unsigned points = deeper & paths_reflected(input, s, path, count);
+        if (points)
+            block_reflect(input, b, g, points, path, fx);
+    }
+    for (int i = 0; i < count; i++)
+        block_transmit(input, b, b->wave[first + i], s, i, deeper >> i & 1, fx);
 }
 
 /* Renders the wave. */
@@ -373,8 +429,8 @@ static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
     block_trace(input, b);
     block_surfaces(input, b);
     block_shade(input, scratch, b, fx);
-    for (int i = 0; i < b->count; i++)
-        block_continue(input, b, i, fx);
+    for (int g = 0; g < block_groups(b); g++)
+        block_continue(input, b, g, fx);
 }
 
 /* Adds up a tree of records in the pixel kernel's order: depth first, the transmitted path before
@@ -396,38 +452,51 @@ static inline struct pen_vec3 block_sum(const struct pen_block_scratch *b, int32
     return sum;
 }
 
-/* The camera rays through sample `index` of the block's pixels. */
+/* Puts the path of a camera ray, which is made, into the wave. */
+static ALWAYS_INLINE void block_begin_path(struct pen_block_scratch *b, struct block_path *wave,
+                                           int pixel, int32_t record)
+{
+    wave->path.origin = pen_origin_none;
+    wave->path.after = pen_after_start;
+    wave->path.weight = pen_vec3(1, 1, 1);
+    wave->path.depth = 0;
+    wave->path.node = 1;
+    wave->record = record;
+    wave->pixel = (uint8_t)pixel;
+    b->wave[b->count++] = wave;
+}
+
+/* The camera rays through points of the block's pixels. The first paths of the pool are theirs, in
+ * whole groups of LANES. */
 static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input,
                                             struct pen_block_scratch *b,
-                                            const struct pen_point2 *at, int pixels)
+                                            const struct block_points *at, int pixels)
 {
     b->count = b->record_count = 0;
-    b->transmitted.count = b->reflected.count = b->unused.count = b->used = 0;
-    for (int i = 0; i < pixels; i++) {
-        const int32_t record = block_record_new(b, i);
-        struct block_path *wave = block_path_new(b);
-        if (!camera_ray(&input->pinhole, at[i], &wave->path.ray)) {
-            b->left |= UINT64_C(1) << i;
-            stack_push(&b->unused, b, wave);
-            continue;
+    b->transmitted.count = b->reflected.count = b->unused.count = 0;
+    b->used = BLOCK_PIXELS;
+    for (int first = 0; first < pixels; first += LANES) {
+        struct pen_ray *ray[LANES];
+        for (int i = 0; i < LANES; i++)
+            ray[i] = &b->pool[first + i].path.ray;
+        const unsigned made = lane_mask_bits(camera_rays(&input->pinhole, lanes_load(at->x + first),
+                                                         lanes_load(at->y + first), ray));
+        for (int i = first; i < first + LANES && i < pixels; i++) {
+            const int32_t record = block_record_new(b, i); /* number i */
+            if (made >> (i - first) & 1)
+                block_begin_path(b, &b->pool[i], i, record);
+            else
+                b->left |= UINT64_C(1) << i;
         }
-        wave->path.origin = pen_origin_none;
-        wave->path.after = pen_after_start;
-        wave->path.weight = pen_vec3(1, 1, 1);
-        wave->path.depth = 0;
-        wave->path.node = 1;
-        wave->record = record;
-        wave->pixel = (uint8_t)i;
-        b->wave[b->count++] = wave;
     }
 }
 
 /* One sample of every pixel: its radiance in c. Those that are left are rendered by `alone`. */
 static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch,
-                                        const struct pen_point2 *at, int pixels, struct pen_vec3 *c,
-                                        struct pen_ray_counts *counts, pen_kernel_sample_fn *alone,
-                                        const unsigned fx)
+                                        const struct block_points *at, int pixels,
+                                        struct pen_vec3 *c, struct pen_ray_counts *counts,
+                                        pen_kernel_sample_fn *alone, const unsigned fx)
 {
     struct pen_block_scratch *b = scratch->block;
     const struct pen_ray_counts none = {0, 0, 0, 0, 0, 0};
@@ -446,7 +515,7 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
         if (b->left >> i & 1) {
             scratch->key.x = (uint32_t)b->x[i];
             scratch->key.y = (uint32_t)b->y[i];
-            c[i] = alone(input, scratch, at[i], counts);
+            c[i] = alone(input, scratch, (struct pen_point2){at->x[i], at->y[i]}, counts);
             continue;
         }
         const struct pen_vec3 zero = {0, 0, 0};
@@ -481,7 +550,7 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
     struct pen_block_scratch *b = scratch->block;
     const int pixels = block_order(b, rect);
     struct pen_vec3 sum[BLOCK_PIXELS], c[BLOCK_PIXELS];
-    struct pen_point2 at[BLOCK_PIXELS];
+    struct block_points at = {{0}, {0}};
     int kept[BLOCK_PIXELS];
     uint64_t hash[BLOCK_PIXELS];
     struct pen_sample_key key = {.seed = input->settings->seed, .purpose = PEN_PURPOSE_PIXEL};
@@ -498,14 +567,14 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
     }
     for (int k = 0; k < samples; k++) {
         for (int i = 0; i < pixels; i++) {
-            at[i] = pixel_point(hash[i], k, samples);
-            at[i].x += b->x[i];
-            at[i].y += b->y[i];
+            const struct pen_point2 point = pixel_point(hash[i], k, samples);
+            at.x[i] = point.x + b->x[i];
+            at.y[i] = point.y + b->y[i];
         }
         counts->primary += (uint64_t)pixels;
         if (fx & PEN_FX_SOFT_SHADOWS)
             scratch->key.pixel_sample = (uint32_t)k;
-        block_samples(input, scratch, at, pixels, c, counts, alone, fx);
+        block_samples(input, scratch, &at, pixels, c, counts, alone, fx);
         for (int i = 0; i < pixels; i++) {
             if (!fits_film(c[i])) {
                 counts->dropped_samples++;

@@ -94,7 +94,8 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     const struct pen_scene *scene = input->scene;
     struct pen_vec3 sum = {0, 0, 0};
     struct path path;
-    if (!camera_ray(&input->pinhole, at, &path.ray))
+    struct pen_ray *const ray = &path.ray;
+    if (!lane_mask_bits(camera_rays(&input->pinhole, at.x, at.y, &ray)))
         return no_sample();
     path.origin = pen_origin_none;
     path.after = pen_after_start;
@@ -122,10 +123,13 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             struct pen_vec3 here = shade_surface(input, scratch, &s, path.depth == 0, counts, fx);
             sum = pen_add(sum, pen_mul(path.weight, here));
             bool deeper = path.depth + 1 < input->settings->max_depth;
-            if ((fx & PEN_FX_MIRROR) && deeper &&
-                path_reflect(input, &path, &s, 0, &scratch->waiting[waiting], fx)) {
-                counts->reflection++;
-                waiting++;
+            if ((fx & PEN_FX_MIRROR) && deeper) {
+                struct path *reflected = &scratch->waiting[waiting];
+                unsigned made = paths_reflected(input, &s, &at_hit, 1);
+                if (made)
+                    made = paths_reflect(input, &s, made, &at_hit, &reflected, fx);
+                counts->reflection += made;
+                waiting += (int)made;
             }
             continues =
                 (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, 0, fx);

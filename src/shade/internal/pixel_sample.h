@@ -5,6 +5,7 @@
 
 #include <float.h>
 
+#include "geom/ray_lanes.h"
 #include "shade/internal/surface.h"
 
 /* Point i of a pixel's samples: the centre if it has one sample only. */
@@ -13,12 +14,15 @@ static ALWAYS_INLINE struct pen_point2 pixel_point(uint64_t hash, int i, int sam
     return samples > 1 ? pen_sobol2(hash, (uint32_t)i) : (struct pen_point2){0.5, 0.5};
 }
 
-/* The camera ray through a point of the image. */
-static ALWAYS_INLINE bool camera_ray(const struct pen_pinhole *pinhole, struct pen_point2 at,
-                                     struct pen_ray *ray)
+/* The camera rays through points of the image, into *ray[lane]. Returns the lanes that have one. */
+static ALWAYS_INLINE lane_mask camera_rays(const struct pen_pinhole *pinhole, lanes x, lanes y,
+                                           struct pen_ray *const *ray)
 {
-    struct pen_vec3 d = pen_along(pinhole->middle, pinhole->dx, at.x - pinhole->half_width);
-    return pen_ray_make(ray, pinhole->eye, pen_along(d, pinhole->dy, at.y - pinhole->half_height));
+    const struct lanes3 middle = lanes3_splat(pinhole->middle);
+    const struct lanes3 d =
+        lanes3_along(middle, lanes3_splat(pinhole->dx), x - pinhole->half_width);
+    return lanes_ray_make(ray, lanes3_splat(pinhole->eye),
+                          lanes3_along(d, lanes3_splat(pinhole->dy), y - pinhole->half_height));
 }
 
 static ALWAYS_INLINE bool fits_film(struct pen_vec3 c)

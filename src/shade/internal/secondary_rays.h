@@ -4,6 +4,7 @@
 #ifndef PEN_SHADE_INTERNAL_SECONDARY_RAYS_H
 #define PEN_SHADE_INTERNAL_SECONDARY_RAYS_H
 
+#include "geom/ray_lanes.h"
 #include "shade/internal/surface.h"
 
 /* Whether a path continues: it ends when its weight is 0, or below min_contribution, in all
@@ -21,27 +22,44 @@ static ALWAYS_INLINE lane_mask surface_mirrors(const struct surface *s)
            lane_mask_not(surface_viewer_grazes(s));
 }
 
-/* Makes the reflected path, a new ray from a point of s. False if its weight is too small, or if
- * the viewer grazes the surface: rounding may then mirror the ray to the other side.
- * pen_ray_make accepts the ray: p is finite, and n and v are finite and of length 1, hence so is
- * their mirror image. */
-static ALWAYS_INLINE bool path_reflect(const struct pen_kernel_input *input,
-                                       const struct path *path, const struct surface *s, int lane,
-                                       struct path *reflected, const unsigned fx)
+/* Of the points of s, which are on these paths, those that reflect theirs, as bits: its weight is
+ * large enough, and the viewer does not graze the surface, so that rounding cannot mirror the ray
+ * to the other side. */
+static ALWAYS_INLINE unsigned paths_reflected(const struct pen_kernel_input *input,
+                                              const struct surface *s,
+                                              const struct path *const *path, int count)
 {
-    struct pen_vec3 weight = pen_mul(path->weight, input->scene->materials[s->material[lane]].kr);
-    if (!path_contributes(input, weight) || !(lane_mask_bits(surface_mirrors(s)) >> lane & 1))
-        return false;
-    struct lanes3 d = lanes3_along(s->v, s->n, -2 * s->nv);
-    if (!pen_ray_make(&reflected->ray, lanes3_at(s->p, lane), lanes3_at(d, lane)))
-        return false;
-    reflected->origin = surface_origin(s, lane, false);
-    reflected->after = pen_after_start;
-    reflected->weight = weight;
-    reflected->depth = path->depth + 1;
-    if (fx & PEN_FX_SOFT_SHADOWS)
-        reflected->node = pen_sample_node(path->node, true);
-    return true;
+    unsigned lanes_left = lane_mask_bits(surface_mirrors(s));
+    for (int i = 0; i < count; i++) {
+        const struct pen_material *m = &input->scene->materials[s->material[i]];
+        if (!path_contributes(input, pen_mul(path[i]->weight, m->kr)))
+            lanes_left &= ~(1u << i);
+    }
+    return lanes_left;
+}
+
+/* Makes the reflected paths of the points that reflect theirs, into *reflected[lane]. Returns those
+ * that have one, which are all: p is finite, and n and v are finite and of length 1, hence so is
+ * their mirror image. */
+static ALWAYS_INLINE unsigned paths_reflect(const struct pen_kernel_input *input,
+                                            const struct surface *s, unsigned points,
+                                            const struct path *const *path,
+                                            struct path *const *reflected, const unsigned fx)
+{
+    struct pen_ray *ray[LANES], nowhere;
+    for (int i = 0; i < LANES; i++) {
+        ray[i] = points >> i & 1 ? &reflected[i]->ray : &nowhere;
+        if (!(points >> i & 1))
+            continue;
+        reflected[i]->origin = surface_origin(s, i, false);
+        reflected[i]->after = pen_after_start;
+        reflected[i]->weight = pen_mul(path[i]->weight, input->scene->materials[s->material[i]].kr);
+        reflected[i]->depth = path[i]->depth + 1;
+        if (fx & PEN_FX_SOFT_SHADOWS)
+            reflected[i]->node = pen_sample_node(path[i]->node, true);
+    }
+    const struct lanes3 d = lanes3_along(s->v, s->n, -2 * s->nv);
+    return points & lane_mask_bits(lanes_ray_make(ray, s->p, d));
 }
 
 /* Continues the path through the surface: the same ray, after this intersection. False if its

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+/* Rays made LANES at a time. pen_ray_make is the same text with one lane (ray.c). */
+#ifndef PEN_GEOM_RAY_LANES_H
+#define PEN_GEOM_RAY_LANES_H
+
+#include <stddef.h>
+
+#include "geom/ray.h"
+#include "math/lanes.h"
+
+static inline lanes lanes_without_less(lanes x, lanes least)
+{
+    const lanes zero = lanes_of_words(lanes_words(x) & UINT64_C(1) << 63);
+    return lanes_select(lanes_less(lanes_abs(x), least), zero, x);
+}
+
+/* pen_without_less, for numbers. */
+static inline struct lanes3 lanes3_without_less(struct lanes3 v, lanes least)
+{
+    const lanes x = lanes_abs(v.x), y = lanes_abs(v.y), z = lanes_abs(v.z);
+    if (!lane_mask_bits(lanes_less(lanes_min(lanes_min(x, y), z), least)))
+        return v;
+    return (struct lanes3){lanes_without_less(v.x, least), lanes_without_less(v.y, least),
+                           lanes_without_less(v.z, least)};
+}
+
+/* The lanes whose kz is 0, and those whose kz is 1. */
+struct lanes_axes {
+    lane_mask x, y;
+};
+
+/* pen_permuted, for lanes that need not have the same axis. */
+static inline struct lanes3 lanes3_permuted(struct lanes_axes kz, struct lanes3 v)
+{
+    return (struct lanes3){lanes_select(kz.x, v.y, lanes_select(kz.y, v.z, v.x)),
+                           lanes_select(kz.x, v.z, lanes_select(kz.y, v.x, v.y)),
+                           lanes_select(kz.x, v.x, lanes_select(kz.y, v.y, v.z))};
+}
+
+/* Permutes the axes of *o and *d. Mostly all lanes have the same. */
+static inline void lanes_ray_permute(struct lanes_axes kz, struct lanes3 *o, struct lanes3 *d)
+{
+    const unsigned x = lane_mask_bits(kz.x), y = lane_mask_bits(kz.y);
+    if (x == LANES_ALL) {
+        *o = (struct lanes3){o->y, o->z, o->x};
+        *d = (struct lanes3){d->y, d->z, d->x};
+    } else if (y == LANES_ALL) {
+        *o = (struct lanes3){o->z, o->x, o->y};
+        *d = (struct lanes3){d->z, d->x, d->y};
+    } else if (x | y) {
+        *o = lanes3_permuted(kz, *o);
+        *d = lanes3_permuted(kz, *d);
+    }
+}
+
+/* Whether pen_ray_make makes a ray of o and d, whose largest component is `largest` in size. */
+static inline lane_mask lanes_ray_can_be(struct lanes3 o, struct lanes3 d, lanes largest)
+{
+    /* 0, or NaN where something is not finite. */
+    const lanes nothing = ((o.x + d.x) * 0 + (o.y + d.y) * 0) + (o.z + d.z) * 0;
+    return lanes_equal(nothing, lanes_splat(0)) & lanes_at_most(largest, lanes_splat(0x1p400)) &
+           lanes_at_most(lanes_splat(0x1p-400), largest);
+}
+
+/* Rows of four numbers of struct pen_ray, from number `first` on. */
+static inline void lanes_ray_write(struct pen_ray *const *ray, int first, lanes a, lanes b, lanes c,
+                                   lanes d)
+{
+    double *to[LANES];
+    for (int i = 0; i < LANES; i++)
+        to[i] = (double *)ray[i] + first;
+    lanes_store_rows(to, a, b, c, d);
+}
+
+/* The axes, and `near`: a ray whose sx or sy is below 1 in size is not tied. Quotients of unequal
+ * doubles do not round to 1. */
+static inline void lanes_ray_write_axes(struct pen_ray *const *ray, struct lanes_axes kz,
+                                        lane_mask below_1)
+{
+    static const struct {
+        int kx, ky, kz;
+    } order[] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}}; /* kz is neither of lanes_axes, y, x */
+    const unsigned x = lane_mask_bits(kz.x), y = lane_mask_bits(kz.y);
+    double near[LANES];
+    lanes_store(near, lanes_select(below_1, lanes_splat(PEN_NEAR), lanes_splat(INFINITY)));
+    for (int i = 0; i < LANES; i++) {
+        const unsigned k = 2 * (x >> i & 1) + (y >> i & 1);
+        ray[i]->near = near[i];
+        ray[i]->kx = order[k].kx;
+        ray[i]->ky = order[k].ky;
+        ray[i]->kz = order[k].kz;
+    }
+}
+
+_Static_assert(offsetof(struct pen_ray, d) == 3 * sizeof(double) &&
+                   offsetof(struct pen_ray, inv_dd) == 6 * sizeof(double) &&
+                   offsetof(struct pen_ray, sz) == 9 * sizeof(double) &&
+                   offsetof(struct pen_ray, permuted_o) == 10 * sizeof(double) &&
+                   offsetof(struct pen_ray, permuted_d) == 13 * sizeof(double),
+               "lanes_ray_make writes the numbers of a ray in this order");
+
+/* pen_ray_make of each lane, into *ray[lane]. Returns the lanes in which it succeeds; the rays of
+ * the others are undefined. Every ray[lane] is a place to write to. */
+static inline lane_mask lanes_ray_make(struct pen_ray *const *ray, struct lanes3 o, struct lanes3 d)
+{
+    const lanes ax = lanes_abs(d.x), ay = lanes_abs(d.y), az = lanes_abs(d.z);
+    /* Of two equal components, the first in the order z, x, y. */
+    const lane_mask x_before_y = lanes_at_most(ay, ax);
+    const struct lanes_axes kz = {x_before_y & lanes_less(az, ax),
+                                  lane_mask_not(x_before_y) & lanes_at_most(az, ay)};
+    const lanes largest = lanes_select(kz.x, ax, lanes_select(kz.y, ay, az));
+    const lane_mask made = lanes_ray_can_be(o, d, largest);
+    d = lanes3_without_less(d, PEN_LEAST_DIRECTION * largest);
+    o = lanes3_without_less(o, lanes_splat(PEN_LEAST));
+    struct lanes3 po = o, pd = d;
+    lanes_ray_permute(kz, &po, &pd);
+    const lanes inv_dd = 1.0 / lanes3_dot(pd, pd);
+    const lanes sx = pd.x / pd.z, sy = pd.y / pd.z, sz = 1.0 / pd.z;
+    lanes_ray_write(ray, 0, o.x, o.y, o.z, d.x);
+    lanes_ray_write(ray, 4, d.y, d.z, inv_dd, sx);
+    lanes_ray_write(ray, 8, sy, sz, po.x, po.y);
+    lanes_ray_write(ray, 12, po.z, pd.x, pd.y, pd.z);
+    lanes_ray_write_axes(ray, kz, lanes_less(lanes_abs(sx * sy), lanes_splat(1)));
+    return made;
+}
+
+#endif
