@@ -158,7 +158,9 @@ $(Q)$(COMPILE) $(PKG_CFLAGS) $(LIB_FLAGS) $(EXTRA) -MMD -MP -c -o $@ $<
 endef
 $(BUILD)/%.o: %.c Makefile
 	$(compile_object)
+# Hot code of many small functions, whose arrays have fixed sizes: no stack protector, no frame pointer.
 define isa_rules
+$(ISA_SRC:%.c=$(BUILD)/%_$(1).o): HARDEN := $(if $(SAN),-fno-omit-frame-pointer,-fomit-frame-pointer)
 $(ISA_SRC:%.c=$(BUILD)/%_$(1).o): EXTRA := $(ISA_FLAGS_$(1)) -DPEN_ISA=$(1)
 $(ISA_SRC:%.c=$(BUILD)/%_$(1).o): $(BUILD)/%_$(1).o: %.c Makefile
 	$$(compile_object)
