@@ -7,8 +7,9 @@
 #include "accel/internal/ray_group_begin.h"
 #include "accel/internal/ray_group_test.h"
 
-/* Smaller groups, and groups that may meet more primitives, are traced ray by ray. */
-enum { GROUP_RAYS_MIN = 4, GROUP_CANDIDATES = 192 };
+/* Smaller groups are traced ray by ray, and so are groups with more candidates than rays, as in
+ * fine meshes: single rays need not look at most of these. Both were measured. */
+enum { GROUP_RAYS_MIN = 12 };
 
 /* A primitive that some ray may meet. */
 struct group_candidate {
@@ -92,7 +93,7 @@ static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first,
                 continue;
             if (group_misses(g, c.prim))
                 continue;
-            if (*count == GROUP_CANDIDATES)
+            if (*count == g->count)
                 return false;
             out[(*count)++] = c;
         }
@@ -162,7 +163,7 @@ static inline double group_depth(const struct ray_group *g)
 
 static inline bool group_nearest(struct ray_group *g)
 {
-    struct group_candidate c[GROUP_CANDIDATES];
+    struct group_candidate c[PEN_RAY_PACKET_MAX];
     int count;
     if (!group_begin(g) || !group_collect(g, c, &count))
         return false;
@@ -239,7 +240,7 @@ static inline void group_test_shadow(struct ray_group *g, uint32_t prim, uint64_
 static inline bool group_shadow(struct ray_group *g, struct pen_ray_packet *packet,
                                 const uint8_t *see_through)
 {
-    struct group_candidate c[GROUP_CANDIDATES];
+    struct group_candidate c[PEN_RAY_PACKET_MAX];
     int count;
     uint32_t last = packet->last_occluder;
     if (!group_begin(g))
