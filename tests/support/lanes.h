@@ -31,6 +31,9 @@ struct lanes_test {
                       double out[LANES_TEST_FUNCTIONS][LANES_TEST_MAX]);
     /* lanes_ray_make, with a bit for each lane that has a ray. */
     unsigned (*rays)(const struct pen_vec3 *o, const struct pen_vec3 *d, struct pen_ray *out);
+    /* lanes_prim_surface. */
+    bool (*surface)(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 *p,
+                    struct pen_vec3 *n);
     /* light_unshadowed, with and without specular light. */
     void (*light)(const struct pen_light *light, const struct lanes_point *point, bool specular,
                   struct lanes_arriving *out);

@@ -3,6 +3,7 @@
 #include "support/lanes.h"
 
 #include "geom/ray_lanes.h"
+#include "geom/surface_lanes.h"
 #include "math/lanes_fn.h"
 #include "shade/internal/unshadowed_light.h"
 
@@ -30,6 +31,17 @@ static unsigned rays(const struct pen_vec3 *o, const struct pen_vec3 *d, struct 
     for (int i = 0; i < LANES; i++)
         ray[i] = &out[i];
     return lane_mask_bits(lanes_ray_make(ray, lanes3_load(o), lanes3_load(d)));
+}
+
+static bool surface(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 *p,
+                    struct pen_vec3 *n)
+{
+    struct lanes3 at = lanes3_load(p), normal;
+    if (!lanes_prim_surface(prims, hit.prim, hit.part, &at, &normal))
+        return false;
+    lanes3_store(p, at);
+    lanes3_store(n, normal);
+    return true;
 }
 
 static struct surface surface_of(const struct lanes_point *point)
@@ -82,4 +94,4 @@ static void light(const struct pen_light *source, const struct lanes_point *poin
 #define NAME_OF_TOKEN(token) lanes_test_##token
 extern const struct lanes_test NAME_OF_ISA(PEN_ISA);
 const struct lanes_test NAME_OF_ISA(PEN_ISA) = {
-    .lanes = LANES, .functions = functions, .rays = rays, .light = light};
+    .lanes = LANES, .functions = functions, .rays = rays, .surface = surface, .light = light};

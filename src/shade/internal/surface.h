@@ -5,6 +5,7 @@
 #ifndef PEN_SHADE_INTERNAL_SURFACE_H
 #define PEN_SHADE_INTERNAL_SURFACE_H
 
+#include "geom/surface_lanes.h"
 #include "math/lanes.h"
 #include "shade/internal/scratch.h"
 
@@ -78,28 +79,61 @@ static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_
     s->shininess = lanes_rows(&first->shininess, MATERIAL_DOUBLES, s->material);
 }
 
-/* The points and the outward normals. */
-static ALWAYS_INLINE void surface_points(struct surface *s, const struct pen_scene *scene,
-                                         const struct path *const *path, int count)
+/* Whether all points are on the same part of one primitive. */
+static ALWAYS_INLINE bool surface_is_of_one_part(const struct surface *s, int count)
 {
-    const struct pen_prims *prims = &scene->prims;
-    struct pen_vec3 p[LANES] = {{0, 0, 0}}, n[LANES] = {{0, 0, 0}}, d[LANES] = {{0, 0, 0}};
-    for (int i = 0; i < count; i++) {
-        p[i] = pen_prim_point(prims, s->hit[i], &path[i]->ray);
-        n[i] = pen_prim_normal(prims, s->hit[i], p[i]);
-        d[i] = path[i]->ray.d;
-    }
-    s->v = lanes3_normalize(lanes3_load(d));
-    s->n = lanes3_load(n);
-    s->nv = lanes3_dot(s->n, s->v);
+    bool one = true;
+    for (int i = 1; i < count; i++)
+        one &= s->hit[i].prim == s->hit[0].prim && s->hit[i].part == s->hit[0].part;
+    return one;
+}
+
+/* Points that a line seen to pass just inside an outline meets beside it are moved to its border.
+ */
+static ALWAYS_INLINE void surface_keep_in_outlines(struct surface *s, const struct pen_prims *prims,
+                                                   const struct path *const *path, int count)
+{
     const lane_mask slanting = lanes_less(lanes_abs(s->nv), lanes_splat(PEN_POINT_STEEP));
-    for (unsigned lanes_left = lane_mask_bits(slanting); lanes_left; lanes_left &= lanes_left - 1) {
-        const int i = __builtin_ctz(lanes_left);
-        if (i < count && pen_prim_flat(prims->ref[s->hit[i].prim].kind))
+    const unsigned bits = lane_mask_bits(slanting);
+    if (!bits)
+        return;
+    struct pen_vec3 p[LANES];
+    lanes3_store(p, s->p);
+    for (int i = 0; i < count; i++) {
+        if (bits >> i & 1 && pen_prim_flat(prims->ref[s->hit[i].prim].kind))
             p[i] = pen_prim_point_in_outline(prims, s->hit[i], path[i]->ray.o, p[i],
                                              lanes_at(s->nv, i));
     }
     s->p = lanes3_load(p);
+}
+
+/* The points and the outward normals, in lanes where all are on one part of a primitive. */
+static ALWAYS_INLINE void surface_points(struct surface *s, const struct pen_scene *scene,
+                                         const struct path *const *path, int count)
+{
+    const struct pen_prims *prims = &scene->prims;
+    struct pen_vec3 o[LANES], d[LANES];
+    double t[LANES];
+    for (int i = 0; i < LANES; i++) {
+        const int from = i < count ? i : 0;
+        o[i] = path[from]->ray.o;
+        d[i] = path[from]->ray.d;
+        t[i] = s->hit[from].t;
+    }
+    const struct lanes3 direction = lanes3_load(d);
+    s->p = lanes3_along(lanes3_load(o), direction, lanes_load(t));
+    if (!surface_is_of_one_part(s, count) ||
+        !lanes_prim_surface(prims, s->hit[0].prim, s->hit[0].part, &s->p, &s->n)) {
+        for (int i = 0; i < count; i++) {
+            o[i] = pen_prim_point(prims, s->hit[i], &path[i]->ray);
+            d[i] = pen_prim_normal(prims, s->hit[i], o[i]);
+        }
+        s->p = lanes3_load(o);
+        s->n = lanes3_load(d);
+    }
+    s->v = lanes3_normalize(direction);
+    s->nv = lanes3_dot(s->n, s->v);
+    surface_keep_in_outlines(s, prims, path, count);
 }
 
 /* The origin surfaces of rays from the points. Returns by how much moving a point by its bound

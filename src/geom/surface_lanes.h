@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+/* The hit points of LANES rays on one primitive, put back on its surface, and the normals there.
+ * Each lane does the operations of a scalar function, which a comment names, in the same order. */
+#ifndef PEN_GEOM_SURFACE_LANES_H
+#define PEN_GEOM_SURFACE_LANES_H
+
+#include "geom/prims.h"
+#include "math/lanes.h"
+
+/* pen_facet_project */
+static inline struct lanes3 lanes_facet_project(const struct pen_facet *facet, struct lanes3 p)
+{
+    const struct lanes3 g = lanes3_splat(facet->g);
+    const lanes low = facet->c_low - lanes3_dot(lanes3_splat(facet->g_low), p);
+    const lanes above = lanes3_dot2_plus(lanes_splat(facet->c), lanes3_neg(g), p, low);
+    return lanes3_along(p, g, above / lanes_splat(pen_dot(facet->g, facet->g)));
+}
+
+/* pen_plane_project */
+static inline struct lanes3 lanes_plane_project(const struct pen_plane *plane, struct lanes3 p)
+{
+    const struct lanes3 n = lanes3_splat(plane->n);
+    return lanes3_along(p, n, lanes3_dot(n, lanes3_sub(lanes3_splat(plane->q), p)));
+}
+
+/* pen_sphere_normal */
+static inline struct lanes3 lanes_sphere_normal(const struct pen_sphere *s, struct lanes3 p)
+{
+    return lanes3_normalize(lanes3_sub(p, lanes3_splat(s->c)));
+}
+
+/* pen_sphere_project */
+static inline struct lanes3 lanes_sphere_project(const struct pen_sphere *s, struct lanes3 p)
+{
+    return lanes3_along(lanes3_splat(s->c), lanes_sphere_normal(s, p), lanes_splat(s->r));
+}
+
+/* pen_difference_error */
+static inline lanes lanes_difference_error(lanes a, lanes b, lanes diff)
+{
+    const lanes part = diff - a;
+    return (a - (diff - part)) - (b + part);
+}
+
+/* pen_cylinder_side_across */
+static inline struct lanes3 lanes_cylinder_side_across(const struct pen_cylinder_side *s,
+                                                       struct lanes3 p)
+{
+    const struct lanes3 q = lanes3_splat(s->q), a = lanes3_splat(s->a), f = lanes3_sub(p, q);
+    const struct lanes3 low = {lanes_difference_error(p.x, q.x, f.x),
+                               lanes_difference_error(p.y, q.y, f.y),
+                               lanes_difference_error(p.z, q.z, f.z)};
+    const struct lanes3 rest = {low.y * a.z - low.z * a.y, low.z * a.x - low.x * a.z,
+                                low.x * a.y - low.y * a.x};
+    return lanes3_add(lanes3_cross(f, a), rest);
+}
+
+/* pen_unit_of where *usual: the largest component is within 2^-500 and 2^500. */
+static inline struct lanes3 lanes_unit_of(struct lanes3 v, lane_mask *usual)
+{
+    const lanes m = lanes_max(lanes_max(lanes_abs(v.x), lanes_abs(v.y)), lanes_abs(v.z));
+    *usual = lanes_less(lanes_splat(0x1p-500), m) & lanes_less(m, lanes_splat(0x1p500));
+    /* In two's complement; half of it is rounded towards 0, as in C. */
+    const lane_words exponent = (lanes_words(m) >> 52) - 1022;
+    const lane_words half = ((exponent + (exponent >> 63) + 1024) >> 1) - 512;
+    const lanes first = lanes_of_words((1023 - half) << 52);
+    const lanes second = lanes_of_words((1023 - (exponent - half)) << 52);
+    const struct lanes3 s = lanes3_scale(lanes3_scale(v, first), second);
+    const lanes length = lanes3_length(s);
+    return (struct lanes3){s.x / length, s.y / length, s.z / length};
+}
+
+/* pen_cylinder_side_normal, where *usual, of a point at which pen_cylinder_side_across is `across`.
+ */
+static inline struct lanes3 lanes_cylinder_side_normal(const struct pen_cylinder_side *s,
+                                                       struct lanes3 across, lane_mask *usual)
+{
+    return lanes_unit_of(lanes3_cross(lanes3_splat(s->a), across), usual);
+}
+
+/* Projects *p as pen_cylinder_side_project, and sets *n to the normal there. False if a lane needs
+ * the scalar functions. */
+static inline bool lanes_cylinder_side_surface(const struct pen_cylinder_side *s, struct lanes3 *p,
+                                               struct lanes3 *n)
+{
+    lane_mask usual, still_usual;
+    const struct lanes3 across = lanes_cylinder_side_across(s, *p);
+    const lanes distance = lanes3_length(across) / lanes_splat(s->length);
+    *n = lanes_cylinder_side_normal(s, across, &usual);
+    *p = lanes3_along(*p, *n, s->r - distance);
+    *n = lanes_cylinder_side_normal(s, lanes_cylinder_side_across(s, *p), &still_usual);
+    return lane_mask_bits(usual & still_usual) == LANES_ALL;
+}
+
+/* Projects *p, where rays meet a part of a primitive, as pen_prim_point, and sets *n to
+ * pen_prim_normal there. False, and both undefined, if that needs the scalar functions. */
+static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t prim, uint8_t part,
+                                      struct lanes3 *p, struct lanes3 *n)
+{
+    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_facet *facet = NULL;
+    switch ((enum pen_prim_kind)ref.kind) {
+    case PEN_PRIM_SPHERE:
+        *p = lanes_sphere_project(&prims->sphere[ref.index], *p);
+        *n = lanes_sphere_normal(&prims->sphere[ref.index], *p);
+        return true;
+    case PEN_PRIM_PLANE:
+        *p = lanes_plane_project(&prims->plane[ref.index], *p);
+        *n = lanes3_splat(prims->plane[ref.index].n);
+        return true;
+    case PEN_PRIM_TRIANGLE:
+        facet = &prims->triangle[ref.index].facet;
+        break;
+    case PEN_PRIM_POLYGON:
+        if (prims->polygon[ref.index].piece)
+            return false;
+        facet = &prims->polygon[ref.index].facet;
+        break;
+    case PEN_PRIM_INFINITE_CYLINDER:
+        return lanes_cylinder_side_surface(&prims->infinite_cylinder[ref.index].round, p, n);
+    case PEN_PRIM_CYLINDER:
+        return part == PEN_PART_SIDE &&
+               lanes_cylinder_side_surface(&prims->cylinder[ref.index].round, p, n);
+    case PEN_PRIM_CONE:
+    case PEN_PRIM_KIND_COUNT:
+        return false;
+    }
+    *p = lanes_facet_project(facet, *p);
+    *n = lanes3_splat(facet->n);
+    return true;
+}
+
+#endif
