@@ -275,7 +275,7 @@ $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/librender
 
 # Whole programs by the clock, against POV-Ray where it is installed: tests/bench/README.md has the
 # variables. SCENES="NAME…" takes only these.
-.PHONY: bench-frames bench-compare bench-growth
+.PHONY: bench-frames bench-compare bench-growth bench-auto
 bench-frames: all $(BENCHES)
 	@sh tests/bench/frames.sh $(BUILD)
 
@@ -287,6 +287,10 @@ bench-compare: all $(BENCHES)
 # A chart of how cost grows with primitives, pixels, lights, samples and threads.
 bench-growth: all $(BENCHES)
 	@sh tests/bench/growth.sh $(BUILD)
+
+# `auto` against the best of the five accelerators.
+bench-auto: all $(BENCHES)
+	@sh tests/bench/auto.sh $(BUILD)
 
 # The table of accelerators and threads, see tests/bench/table.sh: some minutes.
 .PHONY: table

@@ -76,6 +76,28 @@ static inline uint64_t group_rays_at(const struct ray_group *g, uint32_t prim)
     return infinite ? UINT64_MAX : group_rays_in(g, &g->accel->prim_box[prim]);
 }
 
+/* Whether a primitive is tested in lanes. What has no such test is asked of the scalar test for
+ * every ray of a part, of which most miss its box: groups that meet it are faster ray by ray. */
+static inline bool group_has_test(const struct ray_group *g, uint32_t prim)
+{
+    switch (pen_block_of(g->accel->prims->ref[prim].kind)) {
+    case PEN_BLOCK_POLYGONS:
+        return !pen_prim_cut(g->accel->prims, prim);
+    case PEN_BLOCK_TRIANGLES:
+    case PEN_BLOCK_SPHERES:
+    case PEN_BLOCK_CYLINDERS:
+    case PEN_BLOCK_PLANES:
+        return true;
+    case PEN_BLOCK_INFINITE_CYLINDERS:
+    case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
+        break;
+    }
+    return false;
+}
+
 /* The candidates among the primitives of a list of items. False if there are too many. */
 static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first, bool boxes,
                                       struct group_candidate *out, int *count)
@@ -93,7 +115,7 @@ static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first,
                 continue;
             if (group_misses(g, c.prim))
                 continue;
-            if (*count == g->count)
+            if (*count == g->count || (boxes && !group_has_test(g, c.prim)))
                 return false;
             out[(*count)++] = c;
         }
