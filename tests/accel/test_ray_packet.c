@@ -2,6 +2,7 @@
 /* Packets of rays give the answers of single rays, bit for bit: for every kind of primitive, every
  * instruction set, and any number of rays, with primitives that touch and coincide. */
 #include <stdio.h>
+#include <string.h>
 
 #include "support/rooms.h"
 #include "support/suite.h"
@@ -108,6 +109,8 @@ enum turn { TO_LIGHT, ALONG_LIGHT, MIRRORED, ANYWHERE, TURN_COUNT };
 static void turn(struct random *r, const struct rays *from, const struct pen_hit *hit, uint64_t met,
                  enum turn way, struct pen_vec3 light, struct rays *out)
 {
+    /* Points may be known less well than these. */
+    const double worse = random_below(r, 3) ? 1 : exp2(random_in(r, 0, 16));
     out->count = 0;
     for (; met; met &= met - 1) {
         const int i = __builtin_ctzll(met);
@@ -117,6 +120,7 @@ static void turn(struct random *r, const struct rays *from, const struct pen_hit
         struct pen_origin_surface origin =
             pen_origin_at(&world.prims, ray, &from->origin[i], hit[i], p);
         struct pen_vec3 d = light;
+        origin.bound *= worse;
         if (way == TO_LIGHT)
             d = pen_sub(light, p);
         else if (way == MIRRORED)
@@ -178,11 +182,17 @@ static struct pen_vec3 aim(struct random *r)
                     box.lo.z + z * (box.hi.z - box.lo.z));
 }
 
+/* Most packets are full: those of few rays and many candidates are traced ray by ray. */
+static int packet_count(struct random *r)
+{
+    return random_below(r, 4) ? PEN_RAY_PACKET_MAX : 1 + (int)random_below(r, PEN_RAY_PACKET_MAX);
+}
+
 /* Rays from an eye through points about `at`; widths from a whole picture to some ulps. */
 static void look(struct random *r, struct pen_vec3 eye, struct pen_vec3 at, struct rays *out)
 {
     const double width = exp2(random_in(r, -45, 0));
-    const int count = 1 + (int)random_below(r, PEN_RAY_PACKET_MAX);
+    const int count = packet_count(r);
     out->count = 0;
     for (int i = 0; i < count; i++)
         add(out, eye, pen_sub(pen_along(at, random_vec(r, 1), width), eye), &pen_origin_none);
@@ -203,7 +213,7 @@ static void graze(struct random *r, struct pen_vec3 eye, struct rays *out)
     if (hit.prim == PEN_NO_PRIM)
         return;
     const struct stand s = world_stand(&world, &ray, &pen_origin_none, hit);
-    const int count = 4 + (int)random_below(r, PEN_RAY_PACKET_MAX - 3);
+    const int count = packet_count(r);
     for (int i = 0; i < count; i++) {
         const struct pen_vec3 to =
             pen_along(seam, random_direction(r), exp2(random_in(r, -53, -48)));
@@ -239,7 +249,7 @@ static void each_isa(struct random *r, struct pen_vec3 eye, struct pen_vec3 at)
 START_TEST(test_accel__ray_packets_in_random_scenes)
 {
     struct random r = random_begin(301);
-    for (int scene = 0; scene < random_cases(300); scene++) {
+    for (int scene = 0; scene < random_cases(200); scene++) {
         world_clear(&world);
         world_random(&world, &r, 1 + random_below(&r, 60), random_in(&r, 0.02, 1));
         for (int i = 0; i < (scene & 3); i++) { /* as large as the rounding of where they are */
@@ -298,6 +308,59 @@ START_TEST(test_accel__ray_packets_in_rooms)
         if (i & 1)
             world_cylinder(&world, eye, random_direction(&r), .1, .1, true);
         each_isa(&r, i & 2 ? eye : pen_along(eye, random_direction(&r), .1), aim(&r));
+    }
+}
+END_TEST
+
+/* Rays through points of one edge of a primitive, within rounding, from the eye or from near it. */
+static void look_along_edge(struct random *r, struct pen_vec3 eye, struct rays *out)
+{
+    const struct pen_outline line =
+        pen_prim_outline(&world.prims, random_below(r, world.prims.count));
+    const uint32_t k = random_below(r, line.count);
+    const struct pen_vec3 a = line.v[k], e = pen_sub(line.v[k + 1 < line.count ? k + 1 : 0], a);
+    const double width = exp2(random_in(r, -56, -46)), apart = random_below(r, 2) ? .01 : 0;
+    out->count = 0;
+    for (int i = 0; i < PEN_RAY_PACKET_MAX; i++) {
+        const struct pen_vec3 o = pen_along(eye, random_vec(r, 1), apart);
+        const struct pen_vec3 at = pen_along(a, e, random_in(r, 0, 1));
+        add(out, o, pen_sub(pen_along(at, random_vec(r, 1), width), o), &pen_origin_none);
+    }
+}
+
+/* Edges that triangles share, and on which they stand on a floor: full packets through them, and
+ * from there on. */
+START_TEST(test_accel__ray_packets_along_edges)
+{
+    struct random r = random_begin(306);
+    for (int i = 0; i < random_cases(60); i++) {
+        struct pen_vec3 v[4], top = pen_vec3(random_in(&r, -.3, .3), random_in(&r, -.3, .3), 1);
+        const struct pen_vec3 floor[4] = {pen_vec3(-4, -4, 0), pen_vec3(4, -4, 0),
+                                          pen_vec3(4, 4, 0), pen_vec3(-4, 4, 0)};
+        world_clear(&world);
+        for (int k = 0; k < 4; k++)
+            v[k] = pen_vec3(random_in(&r, .5, 1) * (k == 0 || k == 3 ? -1 : 1),
+                            random_in(&r, .5, 1) * (k < 2 ? -1 : 1), 0);
+        for (int k = 0; k < 4; k++)
+            world_triangle(&world, v[k], v[(k + 1) % 4], top);
+        world_polygon(&world, floor, 4);
+        memset(see_through, i & 1, sizeof see_through);
+        struct pen_status st;
+        struct pen_arena *arena = pen_arena_new(0);
+        const struct pen_accel *accel = pen_accel_build(&world.prims, PEN_ACCEL_AUTO, arena, &st);
+        ck_assert(accel);
+        struct pen_vec3 eye = random_vec(&r, 3);
+        eye.z = fabs(eye.z) + .5;
+        for (int k = 0; k < 4; k++) {
+            struct rays rays;
+            look_along_edge(&r, eye, &rays);
+            for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+                struct random same = r;
+                follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, 1);
+            }
+            random_bits(&r);
+        }
+        pen_arena_free(arena);
     }
 }
 END_TEST
@@ -369,6 +432,7 @@ START_TEST(test_accel__ray_packets_at_round_borders)
 }
 END_TEST
 
-PEN_SUITE("ray_packet", test_accel__ray_packets_at_round_borders,
-          test_accel__ray_packets_in_random_scenes, test_accel__ray_packets_on_a_lattice,
-          test_accel__ray_packets_in_rooms, test_accel__ray_packets_at_nearly_convex_outlines)
+PEN_SUITE("ray_packet", test_accel__ray_packets_along_edges,
+          test_accel__ray_packets_at_round_borders, test_accel__ray_packets_in_random_scenes,
+          test_accel__ray_packets_on_a_lattice, test_accel__ray_packets_in_rooms,
+          test_accel__ray_packets_at_nearly_convex_outlines)

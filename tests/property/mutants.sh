@@ -436,7 +436,7 @@ edit src/accel/internal/ray_packet_query.h 1 's/^    if \(!g->to_point \|\| !gro
 judge
 
 mutant outline_distance accel/test_ray_packet 0 "the sides of edges that rays pass are computed exactly"
-edit src/accel/internal/ray_group_begin.h 1 's/0x1p-44 \* x \+/0 * x +/'
+edit src/accel/internal/ray_group_begin.h 1 's/0x1p-44 \* x \+/0x1p-80 * x +/'
 judge_test
 
 mutant outline_concurrent accel/test_ray_packet 0 "rays to a light pass exactly through it"
