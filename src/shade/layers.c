@@ -94,7 +94,8 @@ static bool contains(const struct pen_box *b, struct pen_vec3 p)
            p.z <= b->hi.z;
 }
 
-bool pen_layers_at(const struct pen_scene *scene, const struct pen_ray *ray, struct pen_hit hit)
+/* Whether a place of the hit's primitive, where it may have layers, contains the hit. */
+static bool layers_at(const struct pen_scene *scene, const struct pen_ray *ray, struct pen_hit hit)
 {
     const struct pen_vec3 p = pen_along(ray->o, ray->d, hit.t);
     const struct pen_layer_place *place = &scene->layer_place[scene->layer_first[hit.prim]];
@@ -134,7 +135,7 @@ static void begin_class(const struct pen_kernel_input *input, struct layers *lay
     layers->next = 0;
     layers->count = 1;
     layers->waiting[0] = *hit;
-    if (pen_layers_at(input->scene, &path->ray, *hit))
+    if (layers_at(input->scene, &path->ray, *hit))
         collect(input, layers, path, *hit);
     layers->any = layers->count > 1 || layers->ahead_count > 0;
     *hit = layers->waiting[layers->next++];
@@ -143,10 +144,19 @@ static void begin_class(const struct pen_kernel_input *input, struct layers *lay
 void pen_layers_begin(const struct pen_kernel_input *input, struct layers *layers,
                       const struct path *path, struct pen_hit *hit)
 {
-    if (!pen_layers_at(input->scene, &path->ray, *hit))
+    if (!layers_at(input->scene, &path->ray, *hit))
         return;
     layers->ahead_count = 0;
     begin_class(input, layers, path, hit);
+}
+
+bool pen_layers_met(const struct pen_kernel_input *input, const struct path *path,
+                    struct pen_hit hit)
+{
+    struct layers layers;
+    layers.any = false;
+    pen_layers_begin(input, &layers, path, &hit);
+    return layers.any;
 }
 
 bool pen_layers_next(const struct pen_kernel_input *input, struct layers *layers,

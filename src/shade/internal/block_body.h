@@ -118,12 +118,13 @@ static ALWAYS_INLINE void block_take(struct pen_block_scratch *b, struct block_s
     }
 }
 
-/* Whether the hit may be a place where surfaces coincide. */
-static ALWAYS_INLINE bool is_layered(const struct pen_scene *scene, const struct pen_ray *ray,
+/* Whether the path's next hit is one of several layers: see path_nearest. */
+static ALWAYS_INLINE bool is_layered(const struct pen_kernel_input *input, const struct path *path,
                                      struct pen_hit hit)
 {
-    const uint32_t *first = scene->layer_first;
-    return first && first[hit.prim] != first[hit.prim + 1] && pen_layers_at(scene, ray, hit);
+    const uint32_t *first = input->scene->layer_first;
+    return first && first[hit.prim] != first[hit.prim + 1] && hit.t > PEN_LAST_LAYER_T &&
+           pen_layers_met(input, path, hit);
 }
 
 /* Leaves the pixel of a path to the pixel kernel. */
@@ -174,7 +175,7 @@ static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
         if (!(met >> i & 1)) {
             b->record[at->record].radiance = pen_mul(at->path.weight, scene->background);
             stack_push(&b->unused, b, at);
-        } else if (is_layered(scene, &at->path.ray, hit)) {
+        } else if (is_layered(input, &at->path, hit)) {
             block_leave(b, at);
             stack_push(&b->unused, b, at);
         } else {

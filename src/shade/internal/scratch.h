@@ -32,15 +32,15 @@ struct pen_kernel_scratch {
     struct pen_sample_key key; /* of the samples on lights; `light` is set for each light */
 };
 
-/* Whether a place of the hit's primitive, where it may have layers, contains the hit. Most hits are
- * in none. */
-bool pen_layers_at(const struct pen_scene *scene, const struct pen_ray *ray, struct pen_hit hit);
-
 /* A ray outside layers has met a hit that may have some: replaces it by the first of its class. */
 void pen_layers_begin(const struct pen_kernel_input *input, struct layers *layers,
                       const struct path *path, struct pen_hit *hit);
 
-/* The next hit after that; false if there is none. */
+/* Whether that hit has layers. */
+bool pen_layers_met(const struct pen_kernel_input *input, const struct path *path,
+                    struct pen_hit hit);
+
+/* The next hit after that of pen_layers_begin; false if there is none. */
 bool pen_layers_next(const struct pen_kernel_input *input, struct layers *layers,
                      const struct path *path, struct pen_hit *hit);
 
