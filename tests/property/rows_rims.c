@@ -181,13 +181,20 @@ static void draw_round(struct row_draw *d, struct row_case *c)
         c->arg[3] = 0; /* elsewhere rounding puts equal cylinders beside each other */
 }
 
-/* Also where the document is centred on its origin, the middle of a lid is rounded aside, by up to
- * 1u of its height. The rim reaches out by 8u: that hides the gap for an eye near the axis, which
- * sees the rim at slopes of less than 4. */
+/* Turns the axis to that of the document: the middle of a lid then is that of the rim below, bit
+ * for bit. Elsewhere they are rounded apart, and a camera ray may pass between them. */
+static void stand_upright(struct place *at)
+{
+    at->z = pen_vec3(0, 0, 1);
+    gen_frame(&at->r, at->z, &at->x, &at->y);
+}
+
 static void judge_round(const struct row_case *c, struct row_verdict *v)
 {
-    struct place at = begin_place(c);
     enum round_room room = (enum round_room)c->arg[0];
+    struct place at = begin_place(c);
+    if (room == ROUND_PENCIL)
+        stand_upright(&at);
     double radius = random_in(&at.r, .5, 1), high = random_in(&at.r, .5, 2), angle, seam = high;
     double top = room == ROUND_FRUSTUM ? .6 * radius : radius, up = random_below(&at.r, 2);
     if (room == ROUND_SPINDLE)
@@ -203,8 +210,7 @@ static void judge_round(const struct row_case *c, struct row_verdict *v)
     angle = random_in(&at.r, 0, 2 * pi);
     seam = room == ROUND_STACKED ? .5 * high : up * high;
     double reach = up > 0 ? top : radius;
-    double aside = has_equal_radii(room) ? .1 : .4;
-    vec3 eye = around(&at, random_in(&at.r, 0, aside) * top, random_in(&at.r, 0, 7),
+    vec3 eye = around(&at, random_in(&at.r, 0, .4) * top, random_in(&at.r, 0, 7),
                       high * random_in(&at.r, .2, .8));
     vec3 aim = around(&at, reach, angle, seam);
     if (!has_equal_radii(room)) {
