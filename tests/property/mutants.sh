@@ -80,6 +80,7 @@ edit() {
 # run_row TREE CASES ROW: what the row found there, with the stored cases, which are the rarest, as JSON;
 # nothing if it found nothing.
 run_row() {
+    rm -f "$dir/$1/build/$3/report.json"
     (cd "$dir/$1" && timeout 300 $stability --rows "$3" --cases "$2" --jobs 1 --no-price \
         --corpus tests/property/corpus/worst.txt --out "build/$3") >"$dir/$1.out" 2>&1
     jq -c --arg row "$3" '.rows[] | select(.test == $row and .verdict != "not run") |
