@@ -420,7 +420,7 @@ mutant open_end h066_round_lid 2000 "a point in the plane of an open end, off th
 edit src/geom/cone.c 1 's/^    if \(on == 0 && !c->hull\.caps\)$/    if (false)/'
 judge
 
-mutant cap_rim h073_round_rooms 9000 "the line decides whether a ray enters a closed cone at the rim of its cap"
+mutant cap_rim h073_round_rooms 90 "the line decides whether a ray enters a closed cone at the rim of its cap"
 edit src/geom/cone.c 1 's/^    if \(c->hull\.caps && passes_cap_rim.*$/    if (false)/'
 judge
 
