@@ -505,34 +505,66 @@ static void draw_foot(struct row_draw *d, struct row_case *c)
     draw_place(d, c, FOOT_COUNT, -7);
 }
 
+static bool is_open(enum foot foot)
+{
+    return foot == FOOT_OPEN || foot == FOOT_OPEN_CONE;
+}
+
+static bool is_straight(enum foot foot)
+{
+    return foot == FOOT_CLOSED || foot == FOOT_OPEN;
+}
+
+static void add_floor(struct place *at)
+{
+    if (random_below(&at->r, 2))
+        kit_plane(&kit, at->o, at->z, at->material);
+    else
+        add_ngon(at, 4, 100, 0);
+}
+
+/* A cylinder, or a cone whose radius at the top is `top` times that of its foot. */
+static void add_foot(const struct place *at, enum foot foot, double radius, double top)
+{
+    if (is_straight(foot))
+        add_cylinder(at, 0, radius, 4, !is_open(foot));
+    else
+        add_cone(at, 0, radius, top * radius, 4, !is_open(foot));
+}
+
+/* A sun, and a lamp of that radius in the same direction. */
+static void add_lights(const struct place *at, double turn, double slope, double radius)
+{
+    vec3 flat = pen_along(pen_scale(at->x, cos(turn)), at->y, sin(turn));
+    kit_directional(&kit, pen_neg(pen_along(flat, at->z, slope)), pen_vec3(1, 1, 1));
+    vec3 lamp = put(at, 20 * cos(turn), 20 * sin(turn), 20 * slope);
+    kit_point(&kit, lamp, pen_vec3(1, 1, 1))->radius = radius * at->size;
+}
+
+/* Takes the picture of the foot, and that without shadows. The eye is `up` over the floor. */
+static void take_foot(struct place *at, double radius, double angle, double aside, double up)
+{
+    kit.settings.max_depth = 1;
+    shot_look(&kit, around(at, 6, angle + aside, up), around(at, radius, angle, 0), at->window);
+    shot_take(&kit, film);
+    kit.lights[0].shadows = kit.lights[1].shadows = false;
+    shot_take(&kit, other);
+}
+
 static void judge_foot(const struct row_case *c, struct row_verdict *v)
 {
     struct place at = begin_place(c);
     enum foot foot = (enum foot)c->arg[0];
     double angle = random_in(&at.r, 0, 2 * pi), radius = random_in(&at.r, .5, 1);
-    bool open = foot == FOOT_OPEN || foot == FOOT_OPEN_CONE;
-    if (random_below(&at.r, 2))
-        kit_plane(&kit, at.o, at.z, at.material);
-    else
-        add_ngon(&at, 4, 100, 0);
-    if (foot == FOOT_CLOSED || foot == FOOT_OPEN)
-        add_cylinder(&at, 0, radius, 4, !open);
-    else
-        add_cone(&at, 0, radius, random_below(&at.r, 2) ? 1.5 * radius : .8 * radius, 4, !open);
+    bool straight = is_straight(foot);
+    add_floor(&at);
+    add_foot(&at, foot, radius, straight || random_below(&at.r, 2) ? 1.5 : .8);
     /* Behind the foot as seen from the axis. A narrowing cone's side must not see it. */
-    bool straight = foot == FOOT_CLOSED || foot == FOOT_OPEN;
     double slope = straight ? gen_power(&at.r, -1, .5) : random_in(&at.r, .1, .9);
     double turn = angle + pi + (straight ? 1.3 : .8) * random_in(&at.r, -1, 1);
-    vec3 light = pen_along(pen_along(pen_scale(at.x, cos(turn)), at.y, sin(turn)), at.z, slope);
-    kit_directional(&kit, pen_neg(light), pen_vec3(1, 1, 1));
-    kit_point(&kit, pen_along(at.o, light, 20 * at.size), pen_vec3(1, 1, 1))->radius = at.size;
-    vec3 foot_at = around(&at, radius, angle, 0);
-    vec3 eye = around(&at, 6, angle + random_in(&at.r, -.5, .5), gen_power(&at.r, -2, .7));
-    kit.settings.max_depth = 1;
-    shot_look(&kit, eye, foot_at, at.window);
-    shot_take(&kit, film);
-    kit.lights[0].shadows = kit.lights[1].shadows = false;
-    shot_take(&kit, other);
+    add_lights(&at, turn, slope, 1);
+    double aside = random_in(&at.r, -.5, .5), up = gen_power(&at.r, -2, .7);
+    take_foot(&at, radius, angle, aside, up);
     if (shot_lit(other) == 0) {
         row_skip(v);
         return;
@@ -551,34 +583,19 @@ static void judge_front(const struct row_case *c, struct row_verdict *v)
     struct place at = begin_place(c);
     enum foot foot = (enum foot)c->arg[0];
     double angle = random_in(&at.r, 0, 2 * pi), radius = random_in(&at.r, .5, 1);
-    bool open = foot == FOOT_OPEN || foot == FOOT_OPEN_CONE;
-    if (random_below(&at.r, 2))
-        kit_plane(&kit, at.o, at.z, at.material);
-    else
-        add_ngon(&at, 4, 100, 0);
-    if (foot == FOOT_CLOSED || foot == FOOT_OPEN)
-        add_cylinder(&at, 0, radius, 4, !open);
-    else
-        add_cone(&at, 0, radius, random_in(&at.r, 0, .9) * radius, 4, !open);
+    add_floor(&at);
+    add_foot(&at, foot, radius, is_straight(foot) ? 1 : random_in(&at.r, 0, .9));
     double turn = angle + 1.5 * random_in(&at.r, -1, 1), slope = gen_power(&at.r, -6, .5);
-    vec3 light = pen_along(pen_along(pen_scale(at.x, cos(turn)), at.y, sin(turn)), at.z, slope);
-    kit_directional(&kit, pen_neg(light), pen_vec3(1, 1, 1));
-    kit_point(&kit, pen_along(put(&at, 0, 0, 0), light, 20 * at.size), pen_vec3(1, 1, 1))->radius =
-        random_below(&at.r, 2) ? 0 : .01 * slope * at.size;
-    double up = gen_power(&at.r, open ? -2 : -.1, .7);
-    vec3 eye = around(&at, 6, angle + random_in(&at.r, -.5, .5), up);
-    kit.settings.max_depth = 1;
-    shot_look(&kit, eye, around(&at, radius, angle, 0), at.window);
-    shot_take(&kit, film);
-    kit.lights[0].shadows = kit.lights[1].shadows = false;
-    shot_take(&kit, other);
+    add_lights(&at, turn, slope, random_below(&at.r, 2) ? 0 : .01 * slope);
+    double up = gen_power(&at.r, is_open(foot) ? -2 : -.1, .7), aside = random_in(&at.r, -.5, .5);
+    take_foot(&at, radius, angle, aside, up);
     int differ = 0;
     for (int i = 0; i < SHOT_PIXELS; i++)
         differ += film[3 * i] != other[3 * i];
     static const char *const name[FOOT_COUNT] = {
         "shaded pixels before a cylinder", "shaded pixels before an open cylinder",
         "shaded pixels before a cone", "shaded pixels before an open cone"};
-    if (open)
+    if (is_open(foot))
         row_measure(v, name[foot], differ, 0);
     else
         judge_gap(c, differ, name[foot], v);
