@@ -14,16 +14,12 @@
 #include <float.h>
 
 #include "accel/internal/structure.h"
+#include "math/scale.h"
 
 /* A margin for a length: far above its rounding, far below what can be seen. */
 static double margin_of(double length)
 {
     return 0x1p-34 * length;
-}
-
-static double max2(double a, double b)
-{
-    return a > b ? a : b;
 }
 
 static bool in_range(struct pen_vec3 v)
@@ -34,7 +30,7 @@ static bool in_range(struct pen_vec3 v)
 bool pen_packet_prepare(struct pen_shadow_packet *packet, double scale)
 {
     double cc = pen_dot(packet->c, packet->c),
-           uu = max2(pen_dot(packet->u, packet->u), pen_dot(packet->v, packet->v));
+           uu = pen_larger(pen_dot(packet->u, packet->u), pen_dot(packet->v, packet->v));
     if (!(in_range(packet->o) && in_range(packet->c) && in_range(packet->u) &&
           in_range(packet->v) && scale <= 0x1p200 && cc >= 0x1p-200 && uu <= 0x1p60 * cc))
         return false;
@@ -130,7 +126,7 @@ static double farthest(const struct pen_shadow_packet *packet, const struct flat
 {
     double most = 0;
     for (uint32_t i = 0; i < flat->count; i++)
-        most = max2(most, pen_norm1(pen_sub(flat->v[i], packet->o)));
+        most = pen_larger(most, pen_norm1(pen_sub(flat->v[i], packet->o)));
     return most;
 }
 
@@ -280,7 +276,7 @@ static bool cylinder_is_beyond(const struct pen_shadow_packet *packet, struct pe
     struct pen_vec3 m =
         pen_along(pen_scale(across, packet->cone_cos), packet->axis, -packet->cone_sin);
     double ma = pen_dot(m, axis);
-    double rim = c->round.r * sqrt(max2(1 - ma * ma, 0));
+    double rim = c->round.r * sqrt(pen_larger(1 - ma * ma, 0));
     return pen_dot(m, middle) - 0.5 * c->h * fabs(ma) - rim > delta;
 }
 
@@ -307,7 +303,7 @@ static bool cylinder_is_outside(const struct pen_shadow_packet *packet,
 static double cylinder_gap(const struct pen_cylinder *c, struct pen_vec3 axis, struct pen_vec3 f)
 {
     double along = pen_dot(f, axis), side = pen_length(cross(f, axis)) - c->round.r;
-    return max2(side, max2(-along, along - c->h));
+    return pen_larger(side, pen_larger(-along, along - c->h));
 }
 
 /* Whether no ray that starts on the cylinder intersects it again. */

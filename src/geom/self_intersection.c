@@ -7,11 +7,7 @@
 #include "geom/internal/coincidence.h"
 #include "geom/internal/kinds.h"
 #include "geom/prims.h"
-
-static double max2(double a, double b)
-{
-    return a > b ? a : b;
-}
+#include "math/scale.h"
 
 /* Rounding seldom reaches this share of its bound. */
 #define USUAL_ROUNDING 0.125
@@ -111,7 +107,7 @@ static struct contact contact_at(const struct pen_prims *prims, struct pen_hit q
     c.slack = origin->bound + c.own;
     const struct pen_outline outline = outline_of(s);
     if (outline.count > 0)
-        c.share = max2(c.share, c.slack / outline.extent);
+        c.share = pen_larger(c.share, c.slack / outline.extent);
     return c;
 }
 
@@ -136,7 +132,7 @@ static double side_of_beginning(const struct contact *c, struct pen_vec3 toward,
     double wn = pen_dot(toward, c->n) + above(c), rounding = 2 * (bound + c->own);
     if (outline_of(c->surface).count == 0)
         rounding += 2 * c->origin->bound;
-    rounding += max2(8 * PEN_U * pen_norm1(c->p), c->share * pen_norm1(toward));
+    rounding += pen_larger(8 * PEN_U * pen_norm1(c->p), c->share * pen_norm1(toward));
     return fabs(wn) <= rounding ? 0 : wn;
 }
 

@@ -35,21 +35,12 @@ static inline struct lanes3 lanes_sphere_project(const struct pen_sphere *s, str
     return lanes3_along(lanes3_splat(s->c), lanes_sphere_normal(s, p), lanes_splat(s->r));
 }
 
-/* pen_difference_error */
-static inline lanes lanes_difference_error(lanes a, lanes b, lanes diff)
-{
-    const lanes part = diff - a;
-    return (a - (diff - part)) - (b + part);
-}
-
 /* pen_cylinder_side_across */
 static inline struct lanes3 lanes_cylinder_side_across(const struct pen_cylinder_side *s,
                                                        struct lanes3 p)
 {
-    const struct lanes3 q = lanes3_splat(s->q), a = lanes3_splat(s->a), f = lanes3_sub(p, q);
-    const struct lanes3 low = {lanes_difference_error(p.x, q.x, f.x),
-                               lanes_difference_error(p.y, q.y, f.y),
-                               lanes_difference_error(p.z, q.z, f.z)};
+    const struct lanes3 q = lanes3_splat(s->q), a = lanes3_splat(s->a), f = lanes3_sub(p, q),
+                        low = lanes3_difference_error(p, q, f);
     const struct lanes3 rest = {low.y * a.z - low.z * a.y, low.z * a.x - low.x * a.z,
                                 low.x * a.y - low.y * a.x};
     return lanes3_add(lanes3_cross(f, a), rest);

@@ -170,6 +170,16 @@ static inline struct lanes3 lanes3_along_once(struct lanes3 a, struct lanes3 d, 
     return (struct lanes3){lanes_fma(t, d.x, a.x), lanes_fma(t, d.y, a.y), lanes_fma(t, d.z, a.z)};
 }
 
+/* pen_difference_error3 */
+static inline struct lanes3 lanes3_difference_error(struct lanes3 a, struct lanes3 b,
+                                                    struct lanes3 diff)
+{
+    const struct lanes3 part = lanes3_sub(diff, a);
+    return (struct lanes3){(a.x - (diff.x - part.x)) - (b.x + part.x),
+                           (a.y - (diff.y - part.y)) - (b.y + part.y),
+                           (a.z - (diff.z - part.z)) - (b.z + part.z)};
+}
+
 /* The rounding error of a sum. */
 static inline lanes lanes_sum_error(lanes a, lanes b, lanes sum)
 {

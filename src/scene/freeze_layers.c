@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "math/scale.h"
 #include "scene/internal/freeze.h"
 
 enum {
@@ -156,18 +157,13 @@ static void add_place(struct finder *f, uint32_t prim, struct pen_layer_place th
     f->place[f->places++] = (struct place){prim, there};
 }
 
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* The common box of two surfaces is a place of both primitives. */
 static void mark(struct finder *f, const struct surface *a, const struct surface *b)
 {
     double lo[3], hi[3];
     for (int k = 0; k < 3; k++) {
-        lo[k] = larger(a->lo[k], b->lo[k]);
-        hi[k] = -larger(-a->hi[k], -b->hi[k]);
+        lo[k] = pen_larger(a->lo[k], b->lo[k]);
+        hi[k] = -pen_larger(-a->hi[k], -b->hi[k]);
     }
     struct pen_box common = {pen_vec3(lo[0], lo[1], lo[2]), pen_vec3(hi[0], hi[1], hi[2])};
     uint32_t p = a->part.prim, q = b->part.prim;

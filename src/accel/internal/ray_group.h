@@ -8,6 +8,7 @@
 #include "accel/internal/traverse_query.h"
 #include "accel/ray_packet.h"
 #include "math/lanes.h"
+#include "math/scale.h"
 
 /* A group has parts of so many rays, each with a beam of its own. */
 enum { GROUP_PART = 8, GROUP_PARTS = PEN_RAY_PACKET_MAX / GROUP_PART };
@@ -107,11 +108,6 @@ static inline uint64_t group_own(const struct ray_group *g, uint32_t prim)
         if (g->own[k].prim == prim)
             return g->own[k].rays;
     return 0;
-}
-
-static inline double larger(double a, double b)
-{
-    return a > b ? a : b;
 }
 
 /* What a test knows of its primitive. */

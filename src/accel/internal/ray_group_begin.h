@@ -163,9 +163,10 @@ static inline double group_extent(const struct ray_group *g, const struct group_
 {
     double most = g->accel->extent;
     if (g->to_point)
-        most = larger(most, larger(fabs(g->light.x), larger(fabs(g->light.y), fabs(g->light.z))));
+        most = pen_larger(
+            most, pen_larger(fabs(g->light.x), pen_larger(fabs(g->light.y), fabs(g->light.z))));
     for (int k = 0; k < 3; k++)
-        most = larger(most, larger(-r->o_lo[k], r->o_hi[k]));
+        most = pen_larger(most, pen_larger(-r->o_lo[k], r->o_hi[k]));
     return most;
 }
 

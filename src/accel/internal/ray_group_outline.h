@@ -71,7 +71,7 @@ static inline struct group_edge group_edge_of(const struct ray_group *g,
     return (struct group_edge){
         .w = {a.y * u.z - a.z * u.y, a.z * u.x - a.x * u.z, a.x * u.y - a.y * u.x},
         .u = {u.x, u.y, u.z},
-        .margin = distance * larger(larger(fabs(u.x), fabs(u.y)), fabs(u.z))};
+        .margin = distance * pen_larger(pen_larger(fabs(u.x), fabs(u.y)), fabs(u.z))};
 }
 
 /* S.w */

@@ -33,16 +33,6 @@ struct lanes_roots {
     unsigned two;                               /* there surely are two roots */
 };
 
-/* pen_difference_error3 */
-static inline struct lanes3 lanes3_difference_error(struct lanes3 a, struct lanes3 b,
-                                                    struct lanes3 diff)
-{
-    const struct lanes3 part = lanes3_sub(diff, a);
-    return (struct lanes3){(a.x - (diff.x - part.x)) - (b.x + part.x),
-                           (a.y - (diff.y - part.y)) - (b.y + part.y),
-                           (a.z - (diff.z - part.z)) - (b.z + part.z)};
-}
-
 /* Lanes that surely go outward from a round side that they start on, so that they do not meet it
  * again: f is what the side has outward at the origin, not normalised. */
 static inline unsigned lanes_outward(lanes outward, struct lanes3 f, struct lanes3 d)
