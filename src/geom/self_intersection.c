@@ -2,6 +2,7 @@
 /* The intersections of a ray that starts on a surface: the self-intersection rule, stated with a
  * figure and a decision table in src/geom/README.md. Here P is the primitive that the ray starts on
  * and Q another one. */
+#include <math.h>
 #include <stddef.h>
 
 #include "geom/internal/coincidence.h"
@@ -184,13 +185,64 @@ static double side_of_departure(const struct contact *own, struct pen_vec3 d)
     return own->origin->through ? -side : side;
 }
 
-/* Whether Q extends beyond P's tangent plane, on the side to which the ray goes. */
+/* The largest up.(x - p) of the points x of the segment from a to e that are within r of p;
+ * -INFINITY if there are none. */
+static double segment_reach(struct pen_vec3 a, struct pen_vec3 e, struct pen_vec3 p,
+                            struct pen_vec3 up, double r)
+{
+    const struct pen_vec3 w = pen_sub(e, a), f = pen_sub(a, p);
+    double ww = pen_dot(w, w), k = ww > 0 ? -pen_dot(f, w) / ww : 0;
+    const struct pen_vec3 foot = pen_along(f, w, k);
+    double half_sq = r * r - pen_dot(foot, foot);
+    if (!(half_sq >= 0))
+        return -INFINITY;
+    double half = ww > 0 ? sqrt(half_sq / ww) : INFINITY;
+    double lo = pen_larger(k - half, 0), hi = k + half < 1 ? k + half : 1;
+    if (!(lo <= hi))
+        return -INFINITY;
+    return pen_larger(pen_dot(up, pen_along(f, w, lo)), pen_dot(up, pen_along(f, w, hi)));
+}
+
+/* The reach of a flat Q along unit vector `up` beyond p, of its points within r of p: the largest
+ * is on Q's outline or, steepest in Q's plane, on the sphere of radius r. INFINITY where the
+ * rounding of far corners could hide more than the slack. */
+static double reach_nearby(const struct contact *c, struct pen_vec3 up, double r)
+{
+    const struct pen_outline line = outline_of(c->surface);
+    double most = -INFINITY, size = 0;
+    for (uint32_t i = 0; i < line.count; i++) {
+        const struct pen_vec3 from = line.v[i], to = line.v[i + 1 < line.count ? i + 1 : 0];
+        size = pen_larger(size, pen_norm1(pen_sub(from, c->p)));
+        most = pen_larger(most, segment_reach(from, to, c->p, up, r));
+    }
+    if (4 * PEN_U * size > c->slack)
+        return INFINITY;
+    double high = above(c), flat_sq = r * r - high * high;
+    const struct pen_vec3 foot = pen_along(c->p, c->n, -high);
+    const struct pen_vec3 steep = pen_along(up, c->n, -pen_dot(up, c->n));
+    double length = pen_length(steep);
+    struct pen_vec3 x = foot;
+    if (length > 0 && flat_sq > 0)
+        x = pen_along(foot, steep, sqrt(flat_sq) / length);
+    if (contains_point(c->surface, c->n, x, c->slack))
+        most = pen_larger(most, pen_dot(up, pen_sub(x, c->p)));
+    return most;
+}
+
+/* Whether Q extends beyond P's tangent plane, on the side to which the ray goes; a flat Q, near p:
+ * no ray is so low that it meets Q where it rises only farther away (PEN_HORIZON_SINE). Without
+ * that a corner which the rounding of the document has lifted over P would count. */
 static bool rises(const struct contact *c, struct pen_vec3 d)
 {
     const struct contact own = contact_of_origin(c);
     double side = side_of_departure(&own, d);
     struct pen_vec3 up = side > 0 ? own.n : pen_neg(own.n);
-    return side == 0 || c->surface.fn->reach(c->surface.self, up, c->p) > c->slack;
+    if (side == 0)
+        return true;
+    if (!(c->surface.fn->reach(c->surface.self, up, c->p) > c->slack))
+        return false;
+    return outline_of(c->surface).count == 0 ||
+           reach_nearby(c, up, PEN_NEARBY * c->slack) > c->slack;
 }
 
 /* Whether an intersection of Q at the ray's origin counts: the ray does not go back to the side
@@ -449,6 +501,27 @@ static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
     }
 }
 
+/* Whether a primitive with rims, which p is not on, is left near the ray's origin although it does
+ * not rise over P. The ray has then passed a rim in which a neighbour of P ends, and has met it by
+ * rounding: what does not rise has a chord within the slack of P's tangent plane, no longer than
+ * the slack over the sine of the ray, which is nearby (PEN_HORIZON_SINE). */
+static bool ends_below(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                       const struct pen_origin_surface *origin, const struct pen_intersections *met)
+{
+    const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
+    if (!fn->passes_rim || met->count == 0)
+        return false;
+    const int last = met->count - 1;
+    double t = met->t[last], b = origin->bound + own_rounding(prims, prim, ray->o),
+           nearby = PEN_NEARBY * b;
+    if (!(t > 0 && t * t <= nearby * nearby * ray->inv_dd) ||
+        fn->touches(pen_prim_self(prims, prim), ray->o, origin->bound))
+        return false;
+    const struct pen_hit q = {t, prim, met->part[last]};
+    const struct contact c = contact_at(prims, q, surface_at(prims, prim, ray->o), ray, origin);
+    return !rises(&c, ray->d);
+}
+
 void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                         const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
@@ -470,6 +543,8 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
     struct pen_hit rim = {.prim = prim};
     if (passes_rim(prims, ray, origin, &rim))
         intersect_rim(prims, rim, ray, origin, out);
+    if (ends_below(prims, prim, ray, origin, out))
+        out->count = 0;
     intersect_touching(prims, prim, ray, origin, out);
     struct pen_intersections all = *out;
     out->count = 0;

@@ -9,6 +9,12 @@
 
 static struct world world;
 
+/* A random power of ten. */
+static double power_of_ten(struct random *r, double least, double most)
+{
+    return pow(10, random_in(r, least, most));
+}
+
 static const double offsets[] = {0, 1e3, 1e6, 1e9}, radii[] = {1e-6, 1, 1e6};
 
 /* A convex round primitive of kind `kind` (0 sphere, 1 infinite cylinder, 2 cylinder) as primitive
@@ -353,9 +359,48 @@ START_TEST(test_self_intersection__corners_stop_rays)
 }
 END_TEST
 
+/* A column of two cylinders: from its lower side, at and just below the joint, and off the side by
+ * rounding, rays that go outward do not meet the upper cylinder within the rim of its cap. */
+START_TEST(test_self_intersection__joint_of_a_column)
+{
+    struct random r = random_begin(68);
+    for (int i = 0; i < 20000; i++) {
+        world_clear(&world);
+        world_cylinder(&world, pen_vec3(0, 0, -1), pen_vec3(0, 0, 1), 1, 1, true);
+        world_cylinder(&world, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), 1, 1, true);
+        vec3 p = pen_vec3(1 - random_unit(&r) * 8 * PEN_U, 0, -power_of_ten(&r, -15, -9));
+        vec3 out = pen_vec3(power_of_ten(&r, -6.5, 0), random_in(&r, -1, 1), random_unit(&r));
+        vec3 eye = pen_vec3(random_in(&r, 1, 3), random_in(&r, -1, 1), random_in(&r, -1, 1));
+        ck_assert_msg(!blocked(0, eye, p, out), "ray %d, seed %llu", i, (unsigned long long)r.seed);
+    }
+}
+END_TEST
+
+/* A face that ends flush with a surface, and rises over it only far away by the rounding of a
+ * corner, does not stop a ray that passes its border within the bounds. */
+START_TEST(test_self_intersection__far_corner_lifted_by_rounding)
+{
+    struct random r = random_begin(69);
+    for (int i = 0; i < 20000; i++) {
+        double lift = power_of_ten(&r, -13, -11), y = 1 + power_of_ten(&r, -9, -5);
+        const vec3 top[4] = {{-1, 1, 0}, {0, 1, 0}, {0, 2, 0}, {-1, 2, 0}};
+        const vec3 face[4] = {{0, 1, 0}, {0, 2, lift}, {0, 2, -1}, {0, 1, -1}};
+        world_clear(&world);
+        world_polygon(&world, top, 4);
+        world_polygon(&world, face, 4);
+        vec3 p = pen_vec3(-power_of_ten(&r, -13, -9), y, -4 * PEN_U * random_unit(&r));
+        vec3 d = pen_vec3(1, random_in(&r, -1, 1), power_of_ten(&r, -6, -2));
+        vec3 eye = pen_add(p, pen_vec3(random_in(&r, -1, 1), random_in(&r, -1, 1), 1));
+        ck_assert_msg(!blocked(0, eye, p, d), "ray %d, seed %llu", i, (unsigned long long)r.seed);
+    }
+}
+END_TEST
+
 PEN_SUITE("self_intersection", test_self_intersection__h059_h061_round_primitives,
           test_self_intersection__h060_flat_primitives, test_self_intersection__h062_dihedral,
           test_self_intersection__h063_thin_shell, test_self_intersection__h068_h069_coincident,
           test_self_intersection__h071_touching_spheres,
           test_self_intersection__convex_edges_and_seams_cast_no_shadow,
-          test_self_intersection__h065_resting_box, test_self_intersection__corners_stop_rays)
+          test_self_intersection__h065_resting_box, test_self_intersection__corners_stop_rays,
+          test_self_intersection__joint_of_a_column,
+          test_self_intersection__far_corner_lifted_by_rounding)

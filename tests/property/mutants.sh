@@ -285,7 +285,7 @@ edit src/scene/freeze_prims.c 1 's/^    from\.rounding = rounding_of\(.*$/    fr
 judge
 
 mutant rim_no_border h066_round_lid 500 "passing a rim within rounding is decided by the line"
-edit src/geom/self_intersection.c 1 's/^    if \(!fn->passes_rim \|\|/    if (PEN_U > 0 || !fn->passes_rim ||/'
+edit src/geom/self_intersection.c 1 's/^    if \(!fn->passes_rim \|\| !fn/    if (PEN_U > 0 || !fn->passes_rim || !fn/'
 judge
 
 mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point state they inherit"
@@ -422,6 +422,14 @@ judge
 
 mutant cap_rim h073_round_rooms 90 "the line decides whether a ray enters a closed cone at the rim of its cap"
 edit src/geom/cone.c 1 's/^    if \(c->hull\.caps && passes_cap_rim.*$/    if (false)/'
+judge
+
+mutant far_corner convex_lit 200 "a face that rises only far away, by rounding, is met at its border"
+edit src/geom/self_intersection.c 1 's/^    return outline_of\(c->surface\)\.count == 0 \|\|$/    return true ||/'
+judge
+
+mutant joint convex_lit 200 "at the joint of a column, a ray meets the next cylinder within the rim of its cap"
+edit src/geom/self_intersection.c 1 's/^    return !rises\(&c, ray->d\);$/    return false \&\& !rises(\&c, ray->d);/'
 judge
 
 mutant beam_margin rooms_same 20000 "rays of a packet are enclosed without a margin"

@@ -564,7 +564,8 @@ static inline bool test_cylinders4(struct trace *trace, const struct pen_cylinde
     lanes &= useful_pairs(trace, t0, t1, any);
     if (trace->reaches_origin)
         plain |= bits(cylinder_touches4(trace, b, side.nn, fa)) |
-                 (b->open ? b->open & near4(trace, side.t0, side.t1) : 0);
+                 (b->open ? b->open & near4(trace, side.t0, side.t1) : 0) |
+                 (bits(met) & near4(trace, t0, t1));
     lanes &= ~plain;
     if (lanes) {
         double s0[PEN_LANES], s1[PEN_LANES], l[PEN_LANES], h[PEN_LANES];

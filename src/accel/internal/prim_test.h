@@ -185,8 +185,9 @@ static inline bool near_origin(const struct trace *trace, double t0, double t1)
     return t0 * t0 <= trace->near_sq || t1 * t1 <= trace->near_sq;
 }
 
-/* Whether the ray may pass the rim of an open cylinder so near that the self-intersection rule
- * decides; `in` is its interval inside, NULL if there is none. */
+/* Whether the ray may pass the rim of a cylinder so near its origin that the self-intersection rule
+ * decides; `in` is its interval inside, NULL if there is none. Where there is none, only an open
+ * cylinder may be met. */
 static inline bool may_pass_rim(const struct trace *trace, const struct pen_cylinder *c,
                                 const struct pen_interval *in)
 {
@@ -194,7 +195,8 @@ static inline bool may_pass_rim(const struct trace *trace, const struct pen_cyli
     bool parallel;
     if (in)
         return near_origin(trace, in->lo, in->hi);
-    return trace->reaches_origin && pen_cylinder_side_roots(&c->round, trace->ray, t, &parallel) &&
+    return !c->caps && trace->reaches_origin &&
+           pen_cylinder_side_roots(&c->round, trace->ray, t, &parallel) &&
            near_origin(trace, t[0], t[1]);
 }
 
@@ -209,7 +211,7 @@ static inline bool test_cylinder(struct trace *trace, uint32_t prim, const struc
     if (trace->from_surface && pen_cylinder_touches(c, trace->ray->o, trace->origin->bound))
         return test_reference(trace, prim, any);
     bool met = pen_cylinder_interval(c, trace->ray, &in);
-    if (!c->caps && trace->from_surface && may_pass_rim(trace, c, met ? &in : NULL))
+    if (trace->from_surface && may_pass_rim(trace, c, met ? &in : NULL))
         return test_reference(trace, prim, any);
     if (!met)
         return false;

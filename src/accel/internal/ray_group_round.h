@@ -247,7 +247,7 @@ static inline void group_cylinder_slab(const struct ray_group *g, int i,
 }
 
 /* A superset of the lanes whose origin is on the cylinder, or that may pass its open rim near
- * their origin: pen_cylinder_touches, with |a| < 2; may_pass_rim. */
+ * their origin: pen_cylinder_touches, with |a| < 2; may_pass_rim where the line may miss it. */
 static inline unsigned group_at_cylinder(const struct ray_group *g, int i,
                                          const struct pen_cylinder *c,
                                          const struct lanes_cylinder *x)
@@ -303,9 +303,17 @@ static inline void group_offer_inside(struct ray_group *g, int i, unsigned at,
     group_offer_ends(g, i, &e, q);
 }
 
+/* Lanes that leave the inside, at t or later, farther from their origin than the self-intersection
+ * rule reaches: see may_pass_rim. */
+static inline unsigned group_leaves_far(const struct ray_group *g, int i, lanes t)
+{
+    return lane_mask_bits(lanes_less(lanes_splat(0), t) &
+                          lanes_less(lanes_load(g->near_sq + i), t * t));
+}
+
 /* Decides what it can of lanes in which the scalar test refines the side's roots, `refined`, or the
- * slab's; returns the others. Where rays may pass an open rim near their origin, bounds of two
- * refined roots are not used: the self-intersection rule may decide otherwise. */
+ * slab's; returns the others. Where rays may pass a rim near their origin, bounds of two refined
+ * roots are not used: the self-intersection rule may decide otherwise. */
 static inline unsigned group_decide_cylinder(struct ray_group *g, int i, unsigned rays,
                                              const struct group_cylinder *c,
                                              const struct lanes_cylinder *x,
@@ -324,9 +332,11 @@ static inline unsigned group_decide_cylinder(struct ray_group *g, int i, unsigne
         enters = lane_mask_bits(lanes_less(after_base, s->t0_least));
         leaves = lane_mask_bits(lanes_less(s->t1_most, before_top));
     }
-    const unsigned blocked = rays & s->two & lane_mask_bits(lanes_less(in.in_most, in.out_least)) &
-                             ((enters & group_between(g, i, in.in_least, in.in_most)) |
-                              (leaves & group_between(g, i, in.out_least, in.out_most)));
+    unsigned blocked = rays & s->two & lane_mask_bits(lanes_less(in.in_most, in.out_least)) &
+                       ((enters & group_between(g, i, in.in_least, in.in_most)) |
+                        (leaves & group_between(g, i, in.out_least, in.out_most)));
+    if (q->near)
+        blocked &= group_leaves_far(g, i, in.out_least);
     g->blocked |= (uint64_t)blocked << i;
     return rays & ~blocked;
 }
@@ -344,8 +354,10 @@ static inline void group_test_cylinder_at(struct ray_group *g, int i,
     const lanes t0 = lanes_max(x.side.t0, x.lo), t1 = lanes_min(x.side.t1, x.hi);
     const unsigned met = lane_mask_bits(lanes_less(x.side.t0, x.side.t1) & lanes_less(t0, t1));
     unsigned ask = live & x.special;
-    if (q->near)
-        ask |= live & group_at_cylinder(g, i, c->c, &x);
+    if (q->near) {
+        const unsigned ahead = met & lane_mask_bits(lanes_less(lanes_splat(0), t1));
+        ask |= live & (group_at_cylinder(g, i, c->c, &x) | (ahead & ~group_leaves_far(g, i, t1)));
+    }
     const unsigned refined = live & ~ask & (x.side.refined | (x.loses & met));
     if (refined)
         ask |= group_decide_cylinder(g, i, refined, c, &x, q);
