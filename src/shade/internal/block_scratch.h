@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* The working memory of a block of pixels (block_body.h): its paths, which are taken from a pool
+ * and wait on stacks, and its records.
+ *
+ * What each surface sends to its pixel is kept in a *record*. When no path is left, each pixel adds
+ * up its records in the order in which the pixel kernel traverses its tree: a surface, the tree
+ * behind it, the tree that it reflects.
+ *
+ * Memory is bounded: BLOCK_RECORDS records, PIXEL_RECORDS of them for one pixel, so that no tree
+ * that the cap on surfaces cuts fits in; BLOCK_PATHS paths. A pixel sample that has no room left is
+ * *deferred* to the pixel kernel, and what the block knows of it is forgotten. */
+#ifndef PEN_SHADE_INTERNAL_BLOCK_SCRATCH_H
+#define PEN_SHADE_INTERNAL_BLOCK_SCRATCH_H
+
+#include "shade/internal/surface.h"
+#include "shade/internal/unshadowed_light.h"
+
+enum {
+    BLOCK_PIXELS = PEN_BLOCK_SIDE * PEN_BLOCK_SIDE,
+    BLOCK_RECORDS = 64 * BLOCK_PIXELS,
+    BLOCK_PATHS = 1024,
+    WAVE_GROUPS = PEN_RAY_PACKET_MAX / LANES,
+    PIXEL_RECORDS = 1024, /* less than pen_tree_surfaces_max */
+    NO_RECORD = -1
+};
+_Static_assert((int)BLOCK_PIXELS <= (int)PEN_RAY_PACKET_MAX,
+               "the camera rays of a block are one wave");
+
+/* What one surface, or the background, sends to its pixel, and the records of the paths from it. */
+struct block_record {
+    struct pen_vec3 radiance; /* times the path's weight */
+    int32_t transmitted, reflected;
+};
+
+/* A path of a pixel that is traced, or waits for it. */
+struct block_path {
+    struct path path;
+    int32_t record;
+    uint8_t pixel;
+};
+
+/* A stack of paths, by their place in the pool. */
+struct block_stack {
+    int count;
+    uint16_t path[BLOCK_PATHS];
+};
+
+/* Points of the image, one for each pixel of a block. */
+struct block_points {
+    double x[BLOCK_PIXELS], y[BLOCK_PIXELS];
+};
+
+/* The working memory of a block: pen_kernel_scratch owns one. Its size is that of the instruction
+ * set's vectors, so only the block kernels know it. */
+struct pen_block_scratch {
+    /* By groups of LANES points of the wave. */
+    struct surface surface[WAVE_GROUPS];
+    struct arriving_light arriving[WAVE_GROUPS];
+    lane_mask lit[WAVE_GROUPS]; /* points to which lights contribute */
+    struct lanes3 radiance[WAVE_GROUPS];
+    /* By paths of the wave; after it has been traced, only those that meet a surface. */
+    int count;
+    struct block_path *wave[PEN_RAY_PACKET_MAX];
+    double transmittance[3][PEN_RAY_PACKET_MAX];
+    struct pen_ray shadow_ray[PEN_RAY_PACKET_MAX];
+    struct pen_shadow query[PEN_RAY_PACKET_MAX];
+    struct pen_ray_packet packet;
+    int of_packet[PEN_RAY_PACKET_MAX]; /* the points of its shadow rays */
+    /* By pixel. */
+    int x[BLOCK_PIXELS], y[BLOCK_PIXELS];
+    uint64_t deferred; /* bits of pixels that are left to the pixel kernel */
+    struct pen_ray_counts counts[BLOCK_PIXELS];
+    int surfaces[BLOCK_PIXELS]; /* records of each pixel */
+    struct block_stack transmitted, reflected, unused;
+    int used; /* of the pool, from its beginning */
+    struct block_path pool[BLOCK_PATHS];
+    int record_count;
+    struct block_record record[BLOCK_RECORDS];
+};
+
+/* A new record for a pixel; NO_RECORD if there is no room. */
+static ALWAYS_INLINE int32_t block_record_new(struct pen_block_scratch *b, int pixel)
+{
+    if (b->record_count == BLOCK_RECORDS || b->surfaces[pixel]++ == PIXEL_RECORDS)
+        return NO_RECORD;
+    b->record[b->record_count] = (struct block_record){{0, 0, 0}, NO_RECORD, NO_RECORD};
+    return b->record_count++;
+}
+
+static ALWAYS_INLINE void stack_push(struct block_stack *stack, const struct pen_block_scratch *b,
+                                     const struct block_path *path)
+{
+    stack->path[stack->count++] = (uint16_t)(path - b->pool);
+}
+
+/* A path from the pool; NULL if there is none. */
+static ALWAYS_INLINE struct block_path *block_path_new(struct pen_block_scratch *b)
+{
+    if (b->unused.count > 0)
+        return &b->pool[b->unused.path[--b->unused.count]];
+    return b->used < BLOCK_PATHS ? &b->pool[b->used++] : NULL;
+}
+
+/* Takes the next wave from a stack, without the paths of pixels that are deferred. */
+static ALWAYS_INLINE void block_take(struct pen_block_scratch *b, struct block_stack *stack)
+{
+    b->count = 0;
+    while (stack->count > 0 && b->count < PEN_RAY_PACKET_MAX) {
+        struct block_path *next = &b->pool[stack->path[--stack->count]];
+        if (b->deferred >> next->pixel & 1)
+            stack_push(&b->unused, b, next);
+        else
+            b->wave[b->count++] = next;
+    }
+}
+
+/* Defers the pixel of a path to the pixel kernel. */
+static ALWAYS_INLINE void block_defer(struct pen_block_scratch *b, const struct block_path *path)
+{
+    b->deferred |= UINT64_C(1) << path->pixel;
+}
+
+static ALWAYS_INLINE int block_groups(const struct pen_block_scratch *b)
+{
+    return (b->count + LANES - 1) / LANES;
+}
+
+/* The paths of one group of the wave. Returns how many. */
+static ALWAYS_INLINE int block_group_paths(const struct pen_block_scratch *b, int group,
+                                           const struct path **path)
+{
+    const int first = group * LANES, left = b->count - first, count = left < LANES ? left : LANES;
+    for (int i = 0; i < count; i++)
+        path[i] = &b->wave[first + i]->path;
+    return count;
+}
+
+/* Of the wave's points, as bits, those of one group. */
+static ALWAYS_INLINE unsigned group_bits(uint64_t points, int group)
+{
+    return (unsigned)(points >> (group * LANES)) & LANES_ALL;
+}
+
+/* Puts a path, which is in the pool, on a stack with a new record, its number in *link. The pixel
+ * is deferred if there is no room. */
+static ALWAYS_INLINE void block_push(struct pen_block_scratch *b, struct block_stack *stack,
+                                     struct block_path *path, int32_t *link)
+{
+    const int32_t record = block_record_new(b, path->pixel);
+    if (record == NO_RECORD) {
+        block_defer(b, path);
+        stack_push(&b->unused, b, path);
+        return;
+    }
+    *link = path->record = record;
+    stack_push(stack, b, path);
+}
+
+/* Adds up a tree of records in the pixel kernel's order: depth first, the transmitted path before
+ * the reflected one. */
+static inline struct pen_vec3 block_sum(const struct pen_block_scratch *b, int32_t record,
+                                        struct pen_vec3 sum)
+{
+    while (record != NO_RECORD) {
+        const struct block_record *r = &b->record[record];
+        sum = pen_add(sum, r->radiance);
+        if (r->transmitted != NO_RECORD && r->reflected != NO_RECORD)
+            sum = block_sum(b, r->transmitted, sum);
+        else if (r->transmitted != NO_RECORD) {
+            record = r->transmitted;
+            continue;
+        }
+        record = r->reflected;
+    }
+    return sum;
+}
+
+#endif

@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: MIT */
+/* One wave of a block (block_body.h): up to 64 paths are traced as one packet; then, light by light
+ * in document order, the shadow rays of all their points; then their transmitted and reflected
+ * paths are put on two stacks. A pixel sample that meets coincident surfaces, whose point is not
+ * finite, or that finds no room, is deferred to the pixel kernel. */
+#ifndef PEN_SHADE_INTERNAL_BLOCK_WAVE_H
+#define PEN_SHADE_INTERNAL_BLOCK_WAVE_H
+
+#include "shade/internal/block_scratch.h"
+#include "shade/internal/secondary_rays.h"
+#include "shade/internal/soft_shadow.h"
+
+/* Whether the path's next hit is one of several layers: see path_nearest. */
+static ALWAYS_INLINE bool is_layered(const struct pen_kernel_input *input, const struct path *path,
+                                     struct pen_hit hit)
+{
+    const uint32_t *first = input->scene->layer_first;
+    return first && first[hit.prim] != first[hit.prim + 1] && hit.t > PEN_LAST_LAYER_T &&
+           pen_layers_met(input, path, hit);
+}
+
+/* Traces the wave. The paths that meet a surface remain in it. */
+static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
+                                      struct pen_block_scratch *b)
+{
+    const struct pen_scene *scene = input->scene;
+    struct pen_ray_packet *packet = &b->packet;
+    packet->count = b->count;
+    for (int i = 0; i < b->count; i++) {
+        const struct path *path = &b->wave[i]->path;
+        packet->ray[i] = &path->ray;
+        packet->origin[i] = &path->origin;
+        packet->after[i] = path->after;
+    }
+    const uint64_t met = input->trace->nearest_packet(scene->accel, packet);
+    int points = 0;
+    for (int i = 0; i < b->count; i++) {
+        struct block_path *at = b->wave[i];
+        const struct pen_hit hit = packet->hit[i];
+        if (!(met >> i & 1)) {
+            b->record[at->record].radiance = pen_mul(at->path.weight, scene->background);
+            stack_push(&b->unused, b, at);
+        } else if (is_layered(input, &at->path, hit)) {
+            block_defer(b, at);
+            stack_push(&b->unused, b, at);
+        } else {
+            b->surface[points / LANES].hit[points % LANES] = hit;
+            b->wave[points++] = at;
+        }
+    }
+    b->count = points;
+}
+
+/* Computes the surfaces of the wave. */
+static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
+                                         struct pen_block_scratch *b)
+{
+    for (int g = 0; g < block_groups(b); g++) {
+        const struct path *path[LANES];
+        const int first = g * LANES, count = block_group_paths(b, g, path);
+        surface_at(&b->surface[g], input->scene, path, count);
+        const unsigned finite = lane_mask_bits(b->surface[g].finite);
+        for (int i = 0; i < count; i++)
+            if (!(finite >> i & 1))
+                block_defer(b, b->wave[first + i]);
+    }
+}
+
+static ALWAYS_INLINE void block_set_transmittance(struct pen_block_scratch *b, int point,
+                                                  struct pen_vec3 t)
+{
+    b->transmittance[0][point] = t.x;
+    b->transmittance[1][point] = t.y;
+    b->transmittance[2][point] = t.z;
+}
+
+/* Adds the shadow rays from a group of points to the packet. */
+static ALWAYS_INLINE void block_add_shadow_rays(const struct pen_kernel_input *input,
+                                                struct pen_block_scratch *b, int g, unsigned points,
+                                                const unsigned fx)
+{
+    struct pen_ray_packet *packet = &b->packet;
+    const struct arriving_light *arriving = &b->arriving[g];
+    const struct surface *s = &b->surface[g];
+    const int first = g * LANES;
+    struct pen_ray *ray[LANES];
+    for (int i = 0; i < LANES; i++)
+        ray[i] = &b->shadow_ray[first + i];
+    const unsigned made = lane_mask_bits(lanes_ray_make(ray, s->p, arriving->to_light));
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctz(points), k = packet->count;
+        b->counts[b->wave[first + i]->pixel].shadow++;
+        if (!(made >> i & 1)) {
+            block_set_transmittance(b, first + i, no_sample());
+            continue;
+        }
+        shadow_query(input, &b->query[first + i], arriving->to_point, fx);
+        packet->ray[k] = ray[i];
+        packet->origin[k] = &s->origin[i];
+        packet->query[k] = &b->query[first + i];
+        b->of_packet[packet->count++] = first + i;
+    }
+}
+
+/* Transmittances of the shadow rays from points of the wave to one hard light. */
+static ALWAYS_INLINE void block_hard_shadows(const struct pen_kernel_input *input,
+                                             struct pen_kernel_scratch *scratch,
+                                             struct pen_block_scratch *b, uint32_t light,
+                                             uint64_t points, const unsigned fx)
+{
+    struct pen_ray_packet *packet = &b->packet;
+    packet->count = 0;
+    packet->light = input->scene->lights[light].position;
+    packet->last_occluder = scratch->last_occluder[light];
+    for (int g = 0; g < block_groups(b); g++)
+        if (group_bits(points, g))
+            block_add_shadow_rays(input, b, g, group_bits(points, g), fx);
+    const uint64_t blocked = input->trace->shadow_packet(input->scene->accel, packet);
+    scratch->last_occluder[light] = packet->last_occluder;
+    for (int k = 0; k < packet->count; k++) {
+        const struct pen_vec3 white = {1, 1, 1};
+        struct pen_vec3 t = {0, 0, 0};
+        if (!(blocked >> k & 1))
+            t = shadow_colour(input, packet->ray[k], packet->origin[k], packet->query[k], white,
+                              fx);
+        block_set_transmittance(b, b->of_packet[k], t);
+    }
+}
+
+/* The same for a light with a radius, point by point. */
+static ALWAYS_INLINE void block_soft_shadows(const struct pen_kernel_input *input,
+                                             struct pen_kernel_scratch *scratch,
+                                             struct pen_block_scratch *b, uint64_t points,
+                                             const unsigned fx)
+{
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctzll(points), pixel = b->wave[i]->pixel, g = i / LANES;
+        scratch->key.x = (uint32_t)b->x[pixel];
+        scratch->key.y = (uint32_t)b->y[pixel];
+        scratch->key.node = b->wave[i]->path.node;
+        block_set_transmittance(b, i,
+                                soft_transmittance(input, scratch, &b->surface[g], i % LANES,
+                                                   &b->arriving[g], &b->counts[pixel], fx));
+    }
+}
+
+/* Multiplies what arrives at a group of points by its transmittance. */
+static ALWAYS_INLINE void block_filter(struct pen_block_scratch *b, int g)
+{
+    struct arriving_light *arriving = &b->arriving[g];
+    const struct lanes3 t = {lanes_load(b->transmittance[0] + g * LANES),
+                             lanes_load(b->transmittance[1] + g * LANES),
+                             lanes_load(b->transmittance[2] + g * LANES)};
+    arriving->arrives &= lane_mask_not(lanes_black(t));
+    arriving->term = lanes3_mul(arriving->term, t);
+}
+
+/* Adds what one light brings to the wave's points. */
+static ALWAYS_INLINE void block_light(const struct pen_kernel_input *input,
+                                      struct pen_kernel_scratch *scratch,
+                                      struct pen_block_scratch *b, uint32_t light,
+                                      const unsigned fx)
+{
+    const struct pen_light *l = &input->scene->lights[light];
+    const bool shadows = (fx & PEN_FX_HARD_SHADOWS) && l->shadows;
+    uint64_t points = 0;
+    for (int g = 0; g < block_groups(b); g++) {
+        light_unshadowed(&b->arriving[g], l, &b->surface[g], b->lit[g], fx);
+        b->arriving[g].light = light;
+        points |= (uint64_t)lane_mask_bits(b->arriving[g].arrives) << (g * LANES);
+    }
+    if (shadows && points) {
+        if ((fx & PEN_FX_SOFT_SHADOWS) && l->soft)
+            block_soft_shadows(input, scratch, b, points, fx);
+        else
+            block_hard_shadows(input, scratch, b, light, points, fx);
+    }
+    for (int g = 0; g < block_groups(b); g++) {
+        if (!group_bits(points, g))
+            continue;
+        if (shadows)
+            block_filter(b, g);
+        b->radiance[g] =
+            lanes3_select(b->arriving[g].arrives, lanes3_add(b->radiance[g], b->arriving[g].term),
+                          b->radiance[g]);
+    }
+}
+
+/* The radiance of the wave's points, as shade_surface of the pixel kernel. */
+static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
+                                      struct pen_kernel_scratch *scratch,
+                                      struct pen_block_scratch *b, const unsigned fx)
+{
+    bool any = false;
+    for (int g = 0; g < block_groups(b); g++) {
+        const bool primary = b->wave[g * LANES]->path.depth == 0; /* as all of the wave */
+        b->radiance[g] = light_emitted(input->scene, &b->surface[g], primary, fx);
+        b->lit[g] = surface_lit(&b->surface[g]);
+        any |= lane_mask_bits(b->lit[g]) != 0;
+    }
+    for (uint32_t light = 0; light < input->scene->light_count && any; light++)
+        block_light(input, scratch, b, light, fx);
+}
+
+/* Puts the reflected paths of a group of points on their stack. Pixels without room for
+ * one are deferred. */
+static ALWAYS_INLINE void block_reflect(const struct pen_kernel_input *input,
+                                        struct pen_block_scratch *b, int g, unsigned points,
+                                        const struct path *const *path, const unsigned fx)
+{
+    struct block_path *const *at = &b->wave[g * LANES];
+    struct block_path *made[LANES];
+    struct path *reflected[LANES];
+    for (int i = 0; i < LANES; i++) {
+        if (!(points >> i & 1))
+            continue;
+        made[i] = block_path_new(b);
+        if (!made[i]) {
+            block_defer(b, at[i]);
+            points &= ~(1u << i);
+            continue;
+        }
+        made[i]->pixel = at[i]->pixel;
+        reflected[i] = &made[i]->path;
+    }
+    points = paths_reflect(input, &b->surface[g], points, path, reflected, fx);
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctz(points);
+        b->counts[at[i]->pixel].reflection++;
+        block_push(b, &b->reflected, made[i], &b->record[at[i]->record].reflected);
+    }
+}
+
+/* Continues a path through the surface, or ends it. */
+static ALWAYS_INLINE void block_transmit(const struct pen_kernel_input *input,
+                                         struct pen_block_scratch *b, struct block_path *at,
+                                         const struct surface *s, int lane, bool deeper,
+                                         const unsigned fx)
+{
+    if ((fx & PEN_FX_TRANSMISSION) && deeper && !(b->deferred >> at->pixel & 1) &&
+        path_transmit(input, &at->path, s, lane, fx)) {
+        b->counts[at->pixel].transmission++;
+        block_push(b, &b->transmitted, at, &b->record[at->record].transmitted);
+    } else {
+        stack_push(&b->unused, b, at);
+    }
+}
+
+/* Records the radiance of a group of points and puts their paths on the stacks. */
+static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
+                                         struct pen_block_scratch *b, int g, const unsigned fx)
+{
+    const struct surface *s = &b->surface[g];
+    const struct path *path[LANES];
+    struct pen_vec3 radiance[LANES];
+    const int first = g * LANES, count = block_group_paths(b, g, path);
+    unsigned deeper = 0;
+    lanes3_store(radiance, b->radiance[g]);
+    for (int i = 0; i < count; i++) {
+        const struct block_path *at = b->wave[first + i];
+        b->record[at->record].radiance = pen_mul(path[i]->weight, radiance[i]);
+        deeper |= (unsigned)(path[i]->depth + 1 < input->settings->max_depth &&
+                             !(b->deferred >> at->pixel & 1))
+                  << i;
+    }
+    if (fx & PEN_FX_MIRROR) {
+        const unsigned points = deeper & paths_reflected(input, s, path, count);
+        if (points)
+            block_reflect(input, b, g, points, path, fx);
+    }
+    for (int i = 0; i < count; i++)
+        block_transmit(input, b, b->wave[first + i], s, i, deeper >> i & 1, fx);
+}
+
+/* Renders the wave. */
+static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
+                                     struct pen_kernel_scratch *scratch,
+                                     struct pen_block_scratch *b, const unsigned fx)
+{
+    block_trace(input, b);
+    block_surfaces(input, b);
+    block_shade(input, scratch, b, fx);
+    for (int g = 0; g < block_groups(b); g++)
+        block_continue(input, b, g, fx);
+}
+
+#endif
