@@ -50,10 +50,12 @@ CHECK_LIBS := -Wl,--wrap=_mark_point $(shell pkg-config --libs check 2>/dev/null
 MACHINE := $(shell $(CC) -dumpmachine 2>/dev/null)
 ifneq ($(findstring x86_64,$(MACHINE)),)
 AVX2_FLAGS := -mavx2 -mfma
+AVX512_FLAGS := $(AVX2_FLAGS) -mavx512f -mavx512vl -mavx512bw -mavx512dq
 endif
 # The instruction sets of PEN_ISA_LIST and the flags of each.
 ISAS := $(shell sed -n 's/^ *X.[A-Z0-9]*, \([a-z0-9]*\),.*/\1/p' src/base/cpu.h)
 ISA_FLAGS_avx2 := $(AVX2_FLAGS)
+ISA_FLAGS_avx512 := $(AVX512_FLAGS)
 
 # libpenumbra, for other programs. A sanitizer's runtime belongs to a program, so those builds make no
 # shared library.

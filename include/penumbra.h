@@ -26,8 +26,8 @@
  * setlocale, and no locale changes what it reads or writes. It keeps the calling thread's locale
  * and floating-point environment, and whatever these are, the picture is the same. It prints
  * nothing and never ends the process. It opens no files but some of /proc and /sys and a source
- * of random numbers (for hashing of keys), and reads one environment variable: PENUMBRA_ISA=base
- * avoids AVX2, for the same picture.
+ * of random numbers (for hashing of keys), and reads one environment variable: PENUMBRA_ISA=base,
+ * avx2 or avx512 takes these instructions, if the processor has them, for the same picture.
  *
  * Pictures: the same scene and settings give the same bits on every machine, for any number of
  * threads, and from the programs `penumbra` and `penumbrad`. */

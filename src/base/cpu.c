@@ -11,15 +11,28 @@
 
 #include "base/utf8.h"
 
+bool pen_cpu_runs(enum pen_isa isa)
+{
+#define RUNS(UPPER, lower, runs, ...)                                                              \
+    if (isa == PEN_ISA_##UPPER)                                                                    \
+        return runs;
+    PEN_ISA_LIST(RUNS)
+#undef RUNS
+    return false;
+}
+
 enum pen_isa pen_cpu_isa(void)
 {
-    const char *last = getenv("PENUMBRA_ISA");
+    const char *wanted = getenv("PENUMBRA_ISA");
     enum pen_isa best = PEN_ISA_BASE;
-#define TRY(UPPER, lower, runs)                                                                    \
-    if (runs)                                                                                      \
-        best = PEN_ISA_##UPPER;                                                                    \
-    if (last && strcmp(last, #lower) == 0)                                                         \
-        return best;
+#define TRY(UPPER, lower, runs, faster)                                                            \
+    {                                                                                              \
+        const bool is_wanted = wanted && strcmp(wanted, #lower) == 0;                              \
+        if ((runs) && ((faster) || is_wanted))                                                     \
+            best = PEN_ISA_##UPPER;                                                                \
+        if (is_wanted)                                                                             \
+            return best;                                                                           \
+    }
     PEN_ISA_LIST(TRY)
 #undef TRY
     return best;

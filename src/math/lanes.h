@@ -2,7 +2,7 @@
 /* Vectors of doubles, one number to a lane, in files that are compiled once for each instruction
  * set (PEN_ISA_LIST, base/cpu.h). The instruction set's header defines
  *
- *   LANES                        how many there are: 1 for base, 4 for AVX2
+ *   LANES                        how many there are: 1 for base, 4 for AVX2, 8 for AVX-512
  *   lanes                        the vector. + - * / and unary - work on it, lane by lane
  *   lane_mask                    the result of a comparison. & | ^ work on it
  *   lanes_splat, lanes_load, lanes_store, lanes_fma, lanes_sqrt, lanes_abs
@@ -29,7 +29,9 @@
 
 #include "math/exact.h"
 
-#ifdef __AVX2__
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+#include "math/internal/lanes_avx512.h"
+#elif defined(__AVX2__)
 #include "math/internal/lanes_avx2.h"
 #else
 #include "math/internal/lanes_base.h"

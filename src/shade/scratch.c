@@ -7,11 +7,11 @@
 /* Vectors of the widest instruction set are aligned to their size. */
 enum { BLOCK_ALIGN = 64 };
 
-/* The bytes that the block kernels of any instruction set of this processor need. */
+/* The bytes that the block kernels of any instruction set need. */
 static size_t block_bytes(void)
 {
     size_t bytes = 0;
-    for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+    for (int isa = 0; isa < PEN_ISA_COUNT; isa++) {
         const struct pen_kernel *kernel = pen_kernel_select(0, (enum pen_isa)isa);
         bytes = kernel->block_bytes > bytes ? kernel->block_bytes : bytes;
     }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Boundary cases of several primitives: how many intersections a ray has with them, in which order,
  * and which is the nearest, by every accelerator and compiled variant. */
+#include "support/isa.h"
 #include "support/suite.h"
 #include "support/world.h"
 
 typedef struct pen_vec3 vec3;
 
-enum { MOST = 8, WAYS = 2 * PEN_ACCEL_COUNT };
+enum { MOST = 8 };
 
 static struct world world;
 
@@ -24,15 +25,14 @@ static void build(void)
 }
 
 /* The intersections from o along z, walked from one to the next. */
-static int walk(int direction, vec3 o, vec3 d, struct pen_hit hit[MOST])
+static int walk(int way, vec3 o, vec3 d, struct pen_hit hit[MOST])
 {
-    const struct pen_trace_ops *ops =
-        pen_trace_ops_get(direction & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
+    const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)(way / PEN_ACCEL_COUNT));
     struct pen_ray ray = world_ray(o, d);
     struct pen_t_interval interval = {pen_after_start, INFINITY};
     int count = 0;
-    while (count < MOST &&
-           ops->nearest(accel[direction / 2], &ray, &pen_origin_none, &interval, &interval.after))
+    while (count < MOST && ops->nearest(accel[way % PEN_ACCEL_COUNT], &ray, &pen_origin_none,
+                                        &interval, &interval.after))
         hit[count++] = interval.after;
     return count;
 }
@@ -44,13 +44,13 @@ struct wanted_hit {
 
 static void assert_intersections(vec3 o, vec3 d, const struct wanted_hit *want, int wanted)
 {
-    for (int direction = 0; direction < WAYS; direction++) {
+    for (int way = 0; way < PEN_ACCEL_COUNT * isa_count(); way++) {
         struct pen_hit hit[MOST];
-        int count = walk(direction, o, d, hit);
-        ck_assert_msg(count == wanted, "way %d: %d hits, not %d", direction, count, wanted);
+        int count = walk(way, o, d, hit);
+        ck_assert_msg(count == wanted, "way %d: %d hits, not %d", way, count, wanted);
         for (int i = 0; i < count; i++)
             ck_assert_msg(hit[i].t == want[i].t && hit[i].prim == want[i].prim,
-                          "way %d, hit %d: %a of %u", direction, i, hit[i].t, hit[i].prim);
+                          "way %d, hit %d: %a of %u", way, i, hit[i].t, hit[i].prim);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "support/isa.h"
 #include "support/rooms.h"
 #include "support/suite.h"
 
@@ -234,7 +235,7 @@ static void each_isa(struct random *r, struct pen_vec3 eye, struct pen_vec3 at)
             look(r, eye, k ? aim(r) : at, &rays);
         else
             graze(r, eye, &rays);
-        for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+        for (int isa = 0; isa < isa_count(); isa++) {
             struct random same = *r;
             const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)isa);
             if (k >= 4)
@@ -354,7 +355,7 @@ START_TEST(test_accel__ray_packets_along_edges)
         for (int k = 0; k < 4; k++) {
             struct rays rays;
             look_along_edge(&r, eye, &rays);
-            for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+            for (int isa = 0; isa < isa_count(); isa++) {
                 struct random same = r;
                 follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, 1);
             }
@@ -398,7 +399,7 @@ static void each_isa_along(struct random *r, struct pen_vec3 p, struct pen_vec3 
         const struct pen_vec3 at = pen_along(p, u, random_in(r, from_to[0], from_to[1]));
         add(&rays, pen_along(at, n, -3), n, &pen_origin_none);
     }
-    for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+    for (int isa = 0; isa < isa_count(); isa++) {
         nearest(accel, pen_trace_ops_get((enum pen_isa)isa), &rays, hit);
         shadow(accel, pen_trace_ops_get((enum pen_isa)isa), &rays, NULL, NULL, PEN_NO_PRIM);
     }

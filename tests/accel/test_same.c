@@ -2,6 +2,7 @@
 /* Every accelerator and every compiled variant gives the same intersections as trying all
  * primitives, bit for bit. */
 #include "accel/internal/build_generic.h"
+#include "support/isa.h"
 #include "support/rooms.h"
 #include "support/suite.h"
 
@@ -9,13 +10,12 @@ static struct world world;
 
 /* Every accelerator, manual with groups and without; and every accelerator once more with some
  * kinds of primitives in generic blocks. */
-enum { GENERIC = PEN_ACCEL_COUNT + 1, ACCELS = GENERIC + PEN_ACCEL_COUNT, VARIANTS = 2 * ACCELS };
+enum { GENERIC = PEN_ACCEL_COUNT + 1, ACCELS = GENERIC + PEN_ACCEL_COUNT };
 
 /* Every accelerator with every instruction set. */
 struct variants {
     struct pen_arena *arena;
     const struct pen_accel *accel[ACCELS];
-    const struct pen_trace_ops *ops[2];
 };
 
 /* Random groups of the world's primitives, in order, nested; some are empty, some equal. */
@@ -54,9 +54,13 @@ static struct variants build(const struct world *w, struct random *random)
             &w->prims, (enum pen_accelerator)kind, kinds, variants.arena, &st);
     for (int i = 0; i < ACCELS; i++)
         ck_assert(variants.accel[i]);
-    variants.ops[0] = pen_trace_ops_get(PEN_ISA_BASE);
-    variants.ops[1] = pen_trace_ops_get(pen_cpu_isa());
     return variants;
+}
+
+/* Variants are the accelerators with each instruction set. */
+static const struct pen_trace_ops *ops_of(int variant)
+{
+    return pen_trace_ops_get((enum pen_isa)(variant / ACCELS));
 }
 
 /* Compares one nearest query; returns the hit. */
@@ -65,10 +69,9 @@ static struct pen_hit nearest(const struct world *w, const struct variants *vari
                               const struct pen_t_interval *interval)
 {
     struct pen_hit truth = world_nearest(w, ray, origin, interval);
-    for (int i = 0; i < VARIANTS; i++) {
+    for (int i = 0; i < ACCELS * isa_count(); i++) {
         struct pen_hit hit = {0, PEN_NO_PRIM, 0};
-        bool found =
-            variants->ops[i & 1]->nearest(variants->accel[i / 2], ray, origin, interval, &hit);
+        bool found = ops_of(i)->nearest(variants->accel[i % ACCELS], ray, origin, interval, &hit);
         ck_assert_msg(
             found == (truth.prim != PEN_NO_PRIM) &&
                 (!found || (hit.t == truth.t && hit.prim == truth.prim && hit.part == truth.part)),
@@ -103,10 +106,11 @@ static bool shadow(const struct world *w, const struct variants *variants,
         count++;
         interval.after = h;
     }
-    for (int i = 0; i < VARIANTS; i++) {
+    for (int i = 0; i < ACCELS * isa_count(); i++) {
         struct pen_shadow query = {.tmax = 1, .see_through = see_through};
-        query.last_occluder = i < 2 && w->prims.count ? last++ % w->prims.count : PEN_NO_PRIM;
-        bool b = variants->ops[i & 1]->shadow(variants->accel[i / 2], ray, origin, &query);
+        query.last_occluder =
+            i % ACCELS == 0 && w->prims.count ? last++ % w->prims.count : PEN_NO_PRIM;
+        bool b = ops_of(i)->shadow(variants->accel[i % ACCELS], ray, origin, &query);
         ck_assert_msg(b == blocked, "variant %d: blocked %d, not %d", i, b, blocked);
         if (blocked)
             continue;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Shadow queries: which surfaces count, and the results for transmissive ones. */
+#include "support/isa.h"
 #include "support/suite.h"
 #include "support/world.h"
 
@@ -17,11 +18,11 @@ static bool occluded(vec3 o, vec3 d, const struct pen_origin_surface *origin,
     struct pen_ray ray = world_ray(o, d);
     struct pen_shadow fresh = *query, first = fresh;
     bool answer = false;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 2 * isa_count(); i++) {
         struct pen_status st;
         struct pen_arena *arena = pen_arena_new(0);
-        const struct pen_accel *accel = pen_accel_build(&world.prims, kinds[i / 2], arena, &st);
-        const struct pen_trace_ops *ops = pen_trace_ops_get(i & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
+        const struct pen_accel *accel = pen_accel_build(&world.prims, kinds[i & 1], arena, &st);
+        const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)(i / 2));
         *query = fresh;
         bool blocked = ops->shadow(accel, &ray, origin, query);
         if (i == 0) {

@@ -2,6 +2,7 @@
 /* Accelerators on inputs that are hard for them, against trying every primitive. */
 #include <stdlib.h>
 
+#include "support/isa.h"
 #include "support/suite.h"
 #include "support/world.h"
 
@@ -52,13 +53,13 @@ static uint32_t same(const struct tree *tree, const struct world *w, vec3 o, vec
     struct pen_ray ray = world_ray(o, d);
     struct pen_t_interval interval = {pen_after_start, tmax};
     struct pen_hit truth = world_nearest(w, &ray, &pen_origin_none, &interval);
-    for (int i = 0; i < 2 * TREES; i++) {
-        const struct pen_trace_ops *ops = pen_trace_ops_get(i & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
+    for (int i = 0; i < TREES * isa_count(); i++) {
+        const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)(i / TREES));
         struct pen_hit hit = {0, PEN_NO_PRIM, 0};
-        ops->nearest(tree->accel[i / 2], &ray, &pen_origin_none, &interval, &hit);
+        ops->nearest(tree->accel[i % TREES], &ray, &pen_origin_none, &interval, &hit);
         ck_assert_msg(hit.prim == truth.prim && (hit.prim == PEN_NO_PRIM || hit.t == truth.t),
-                      "%d, %s: o %a %a %a d %a %a %a: %u, not %u", i / 2, ops->name, o.x, o.y, o.z,
-                      d.x, d.y, d.z, hit.prim, truth.prim);
+                      "%d, %s: o %a %a %a d %a %a %a: %u, not %u", i % TREES, ops->name, o.x, o.y,
+                      o.z, d.x, d.y, d.z, hit.prim, truth.prim);
     }
     return truth.prim;
 }
@@ -111,9 +112,9 @@ START_TEST(test_tree__h097_identical_centroids)
         ck_assert(
             pen_triangle_make(&many[i], pen_vec3(.1, 0, 0), pen_vec3(1, 0, 0), pen_vec3(0, 1, .3)));
     struct tree tree = plant(&prims);
-    for (int i = 0; i < 2 * TREES; i++) {
-        const struct pen_trace_ops *ops = pen_trace_ops_get(i & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
-        const struct pen_accel *accel = tree.accel[i / 2];
+    for (int i = 0; i < TREES * isa_count(); i++) {
+        const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)(i / TREES));
+        const struct pen_accel *accel = tree.accel[i % TREES];
         struct pen_ray ray = world_ray(pen_vec3(.4, .3, 2), pen_vec3(0, 0, -1));
         struct pen_t_interval interval = {pen_after_start, INFINITY};
         struct pen_hit hit;

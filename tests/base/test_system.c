@@ -50,20 +50,30 @@ START_TEST(test_clock__format)
 }
 END_TEST
 
-START_TEST(test_cpu__baseline_can_be_forced)
+START_TEST(test_cpu__instruction_sets_can_be_forced)
 {
     unsetenv("PENUMBRA_ISA");
     enum pen_isa best = pen_cpu_isa();
 #ifdef __x86_64__
-    ck_assert_int_eq(best == PEN_ISA_AVX2,
-                     __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"));
+    const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq");
+    ck_assert_int_eq(pen_cpu_runs(PEN_ISA_AVX2), avx2);
+    ck_assert_int_eq(pen_cpu_runs(PEN_ISA_AVX512), avx2 && avx512);
+    ck_assert_int_eq(best == PEN_ISA_AVX512,
+                     avx2 && avx512 && __builtin_cpu_supports("avx512vbmi2"));
 #endif
-    setenv("PENUMBRA_ISA", "base", 1);
-    ck_assert_int_eq(pen_cpu_isa(), PEN_ISA_BASE);
-    setenv("PENUMBRA_ISA", "avx2", 1);
-    ck_assert_int_eq(pen_cpu_isa(), best);
-    ck_assert_str_eq(pen_isa_name(PEN_ISA_BASE), "base");
-    ck_assert_str_eq(pen_isa_name(PEN_ISA_AVX2), "avx2");
+    ck_assert(pen_cpu_runs(PEN_ISA_BASE) && pen_cpu_runs(best));
+    static const char *const name[] = {"base", "avx2", "avx512"};
+    for (int isa = 0; isa < PEN_ISA_COUNT; isa++) {
+        ck_assert_str_eq(pen_isa_name((enum pen_isa)isa), name[isa]);
+        setenv("PENUMBRA_ISA", name[isa], 1);
+        int last = isa;
+        while (!pen_cpu_runs((enum pen_isa)last))
+            last--;
+        ck_assert_int_eq(pen_cpu_isa(), last);
+    }
+    unsetenv("PENUMBRA_ISA");
 }
 END_TEST
 
@@ -97,5 +107,5 @@ START_TEST(test_cpu__model_fits)
 END_TEST
 
 PEN_SUITE("system", test_clock__durations, test_clock__wall_time_is_that_of_the_system,
-          test_clock__format, test_cpu__baseline_can_be_forced,
+          test_clock__format, test_cpu__instruction_sets_can_be_forced,
           test_cpu__count_follows_the_affinity, test_cpu__model_fits)

@@ -3,7 +3,7 @@
  * instruction set. Prints one line for each scene and instruction set. Compare numbers within one
  * run only: between runs the machine's speed changes.
  *
- * usage: bench_accel [all|room|bumpy|soup] [rays] [base|avx2] [accelerator] */
+ * usage: bench_accel [all|room|bumpy|soup] [rays] [base|avx2|avx512] [accelerator] */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -246,7 +246,7 @@ static void run(const char *name, const struct bench_scene *b, enum pen_accelera
     struct query *shadow = need(calloc(n, sizeof *shadow));
     struct query *bounce = need(calloc(n, sizeof *bounce));
     size_t hits = make_queries(b, accel, side, primary, shadow, bounce);
-    for (int isa = 0; isa <= (int)pen_cpu_isa(); isa++) {
+    for (int isa = 0; isa < PEN_ISA_COUNT && pen_cpu_runs((enum pen_isa)isa); isa++) {
         const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)isa);
         if (only && strcmp(only, ops->name) != 0)
             continue;
@@ -259,7 +259,7 @@ static void run(const char *name, const struct bench_scene *b, enum pen_accelera
             for (int i = 0; i < 3; i++)
                 best[i] = rate[i] > best[i] ? rate[i] : best[i];
         }
-        printf("  %-5s Mray/s: primary %6.2f  shadow %6.2f  bounce %6.2f   (%016llx)\n", ops->name,
+        printf("  %-6s Mray/s: primary %6.2f  shadow %6.2f  bounce %6.2f   (%016llx)\n", ops->name,
                best[0], best[1], best[2], (unsigned long long)sum);
     }
     free(primary);

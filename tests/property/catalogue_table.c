@@ -224,7 +224,7 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              "test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes "
              "tests/crash/check_crash.sh",
              ROW_TESTED, NULL},
-    [102] = {"the same picture with and without AVX2",
+    [102] = {"the same picture by every instruction set",
              "test_count__variants_agree "
              "test_kernel__every_kernel_gives_the_same_bits "
              "test_packet__packets_equal_single_rays",

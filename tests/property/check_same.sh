@@ -13,7 +13,7 @@ cd "$(dirname "$0")/../.." || exit 1
 films=$build/tests/property/films
 "$films" >"$work/plain" 2>&1
 expect "H104: films are those of the table" "$?" 0
-for isa in avx2 base; do
+for isa in avx512 avx2 base; do
     PENUMBRA_ISA=$isa GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4 "$films" >"$work/masked" 2>&1
     expect "H104: with glibc's AVX2 and FMA masked off, by $isa" "$?" 0
     expect "H104: and so are the values they are rounded from" \

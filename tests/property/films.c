@@ -217,8 +217,8 @@ bool films_match(int i, const struct films_variant *variant, char *why, size_t b
     char was[40] = "";
     if (isa)
         snprintf(was, sizeof was, "%s", isa);
-    if (variant->base)
-        setenv("PENUMBRA_ISA", "base", 1);
+    if (variant->isa)
+        setenv("PENUMBRA_ISA", variant->isa, 1);
     unsigned before = change_state(variant->strange);
     bool ok = match(i, variant, why, bytes);
     restore_state(before);

@@ -20,7 +20,7 @@ struct films_variant {
     enum films_order order;
     uint64_t seed;
     bool cut;         /* cancelled in the middle, then the tiles that were not done */
-    bool base;        /* the baseline instructions */
+    const char *isa;  /* PENUMBRA_ISA; NULL: none */
     unsigned strange; /* bits set in MXCSR before anything is made; 0: none */
 };
 

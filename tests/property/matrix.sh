@@ -63,6 +63,8 @@ $make -s BUILD="$build" "$build/$films" >/dev/null || exit 2
 if wanted h104_libm; then
     agrees "glibc's choice" "$build/$films"
     agrees "without AVX2 and FMA" env GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4 "$build/$films"
+    agrees "AVX-512" env PENUMBRA_ISA=avx512 "$build/$films"
+    agrees "AVX2" env PENUMBRA_ISA=avx2 "$build/$films"
     agrees "baseline" env PENUMBRA_ISA=base "$build/$films"
     agrees "baseline without AVX2 and FMA" env PENUMBRA_ISA=base \
         GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4 "$build/$films"
@@ -70,7 +72,7 @@ if wanted h104_libm; then
     found=$(sh deploy/libm.sh "$build/libpenumbra.a" | tr '\n' ' ')
     [ -z "$found" ] || wrong "libpenumbra.a calls $found"
     result "H104" h104_libm "every golden film, and the values it is rounded from, with glibc's \
-variants for AVX2 and FMA masked off, by either set of instructions; the library calls no libm but \
+variants for AVX2 and FMA masked off, by every set of instructions; the library calls no libm but \
 sqrt, fma and rounding" "golden hashes; itself; nm -u"
 fi
 
@@ -89,6 +91,8 @@ if wanted h103_compilers; then
             if $make -s -j"${JOBS:-$(nproc)}" BUILD="$into" CC=$compiler OPT="$options" \
                 "$into/$films" >"$out/said" 2>&1; then
                 agrees "$compiler $level" "$into/$films"
+                agrees "$compiler $level AVX-512" env PENUMBRA_ISA=avx512 "$into/$films"
+                agrees "$compiler $level AVX2" env PENUMBRA_ISA=avx2 "$into/$films"
                 agrees "$compiler $level baseline" env PENUMBRA_ISA=base "$into/$films"
             else
                 wrong "$compiler $level does not build: $(grep -m1 error "$out/said")"
@@ -97,7 +101,7 @@ if wanted h103_compilers; then
         done
     done
     result "H103" h103_compilers "every golden film, and the values it is rounded from, made by gcc \
-and clang with -O1, -O2 and -O3, and by gcc with -O2 -flto, by either set of instructions" "golden hashes; the first build"
+and clang with -O1, -O2 and -O3, and by gcc with -O2 -flto, by every set of instructions" "golden hashes; the first build"
 fi
 
 if wanted h101_killed; then

@@ -139,7 +139,7 @@ static const struct price_method *method_at(int i)
     int own = (int)(sizeof lists / sizeof lists[0]);
     if (i < own)
         return &lists[i];
-    return pen_cpu_isa() == PEN_ISA_AVX2 ? price_method_avx2(i - own) : price_method_base(i - own);
+    return pen_cpu_isa() >= PEN_ISA_AVX2 ? price_method_avx2(i - own) : price_method_base(i - own);
 }
 
 static double run_calls(const struct price_method *m, long calls)

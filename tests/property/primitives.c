@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/isa.h"
+
 typedef struct pen_vec3 vec3;
 
 /* Creases along x = 0, 2, 4 ...; between them flat, and exactly so: coefficients are dyadic. */
@@ -95,16 +97,18 @@ struct pen_hit primitives_nearest(const struct primitives_tree *tree, const stru
                                   const struct pen_origin_surface *origin, double tmax, bool *alike)
 {
     struct pen_t_interval interval = {pen_after_start, tmax};
-    struct pen_hit hit[2];
-    for (int i = 0; i < 2; i++) {
-        const struct pen_trace_ops *ops = pen_trace_ops_get(i ? pen_cpu_isa() : PEN_ISA_BASE);
-        memset(&hit[i], 0, sizeof hit[i]);
-        hit[i].prim = PEN_NO_PRIM;
-        if (!ops->nearest(tree->accel, ray, origin, &interval, &hit[i]))
-            hit[i] = (struct pen_hit){0, PEN_NO_PRIM, 0};
+    struct pen_hit first = {0};
+    *alike = true;
+    for (int isa = 0; isa < isa_count(); isa++) {
+        const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)isa);
+        struct pen_hit hit = {0, PEN_NO_PRIM, 0};
+        if (!ops->nearest(tree->accel, ray, origin, &interval, &hit))
+            hit = (struct pen_hit){0, PEN_NO_PRIM, 0};
+        if (isa == 0)
+            first = hit;
+        *alike &= hit.prim == first.prim && hit.t == first.t && hit.part == first.part;
     }
-    *alike = hit[0].prim == hit[1].prim && hit[0].t == hit[1].t && hit[0].part == hit[1].part;
-    return hit[0];
+    return first;
 }
 
 int primitives_walk(const struct primitives_tree *tree, const struct pen_ray *ray, int most)

@@ -28,7 +28,7 @@ void primitives_build(struct primitives_tree *tree, const struct pen_prims *prim
 void primitives_build_kind(struct primitives_tree *tree, const struct pen_prims *prims,
                            enum pen_accelerator kind);
 
-/* The nearest intersection by the tree; *alike: whether both compiled variants say the same. */
+/* The nearest intersection by the tree; *alike: whether all instruction sets say the same. */
 struct pen_hit primitives_nearest(const struct primitives_tree *tree, const struct pen_ray *ray,
                                   const struct pen_origin_surface *origin, double tmax,
                                   bool *alike);

@@ -126,7 +126,7 @@ static void require_same(struct row_verdict *v, const struct pen_ray *ray, doubl
     for (int i = 0; i < 2; i++) {
         const struct primitives_tree *by = i ? &other : &tree;
         struct pen_hit hit = primitives_nearest(by, ray, &pen_origin_none, tmax, &alike);
-        row_require(v, alike, "base and avx2 differ");
+        row_require(v, alike, "instruction sets differ");
         if (!same_hit(hit, *first))
             row_fail(v, "%s: %s meets %d, trying all meets %d",
                      hit.prim == PEN_NO_PRIM ? "false miss" : "another",

@@ -7,6 +7,7 @@
 #include "property/oracle.h"
 #include "property/primitives.h"
 #include "property/rows.h"
+#include "support/isa.h"
 
 static struct world world;
 static struct primitives_tree tree;
@@ -84,7 +85,7 @@ static void judge_embree(const struct row_case *c, struct row_verdict *v)
         struct pen_hit hit;
         bool alike;
         hit = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
-        row_require(v, alike, "base and avx2 differ");
+        row_require(v, alike, "instruction sets differ");
         row_require(v, count >= 1 && hit.prim < 2u * EMBREE * EMBREE, "leak");
         row_require(v, count <= 2, "double hit");
         return;
@@ -318,10 +319,10 @@ static void judge_cube(const struct row_case *c, struct row_verdict *v)
     }
     make_cube(lo, hi);
     primitives_build(&tree, &world.prims);
-    for (int i = 0; i < 2; i++) {
+    for (int isa = 0; isa < isa_count(); isa++) {
         struct pen_shadow query = {
             .tmax = INFINITY, .see_through = clear, .last_occluder = PEN_NO_PRIM};
-        const struct pen_trace_ops *ops = pen_trace_ops_get(i ? pen_cpu_isa() : PEN_ISA_BASE);
+        const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)isa);
         row_require(v, !ops->shadow(tree.accel, &ray, &pen_origin_none, &query), "blocked");
         if (query.count != 0 && query.count != 2)
             row_fail(v, "%d surfaces, not 0 or 2", query.count);

@@ -58,7 +58,7 @@ static void judge_overlap(const struct row_case *c, struct row_verdict *v)
     primitives_build(&tree, &world.prims);
     primitives_intersections(&world, o, d, &first);
     struct pen_hit hit = primitives_nearest(&tree, &ray, &pen_origin_none, INFINITY, &alike);
-    row_require(v, alike, "base and avx2 differ");
+    row_require(v, alike, "instruction sets differ");
     row_require(v, hit.prim == first.prim && (hit.prim == PEN_NO_PRIM || hit.t == first.t),
                 "the tree and trying all differ");
     row_require(v, hit.prim == PEN_NO_PRIM || unsure[hit.prim] || in[hit.prim],

@@ -28,12 +28,13 @@ static const struct films_variant accelerators[] = {
 };
 
 static const struct films_variant sets[] = {
-    {.threads = 2, .tile = 16},
-    {.threads = 2, .tile = 16, .base = true},
-    {.threads = 2, .tile = 16, .base = true, .accelerator = PEN_ACCEL_NONE},
-    {.threads = 2, .tile = 16, .base = true, .accelerator = PEN_ACCEL_CBR},
-    {.threads = 2, .tile = 16, .base = true, .accelerator = PEN_ACCEL_MANUAL},
-    {.threads = 2, .tile = 16, .base = true, .accelerator = PEN_ACCEL_MEDIAN},
+    {.threads = 2, .tile = 16, .isa = "avx512"},
+    {.threads = 2, .tile = 16, .isa = "avx2"},
+    {.threads = 2, .tile = 16, .isa = "base"},
+    {.threads = 2, .tile = 16, .isa = "base", .accelerator = PEN_ACCEL_NONE},
+    {.threads = 2, .tile = 16, .isa = "base", .accelerator = PEN_ACCEL_CBR},
+    {.threads = 2, .tile = 16, .isa = "base", .accelerator = PEN_ACCEL_MANUAL},
+    {.threads = 2, .tile = 16, .isa = "base", .accelerator = PEN_ACCEL_MEDIAN},
 };
 
 static const struct films_variant plain[] = {{.threads = 2, .tile = 16}};

@@ -6,6 +6,7 @@
 #include "property/primitives.h"
 #include "property/rows.h"
 #include "scene/settings.h"
+#include "support/isa.h"
 
 static struct world world;
 static struct primitives_tree tree, kinds[PEN_ACCEL_COUNT];
@@ -62,11 +63,11 @@ static struct pen_hit require_same(struct row_verdict *v, const struct pen_ray *
         const char *name = pen_accelerator_name((enum pen_accelerator)k);
         struct pen_hit hit = primitives_nearest(&kinds[k], ray, origin, tmax, &alike);
         if (!alike)
-            row_fail(v, "%s: base and avx2 differ", name);
+            row_fail(v, "%s: instruction sets differ", name);
         if (!same_hit(hit, truth))
             row_fail(v, "%s meets %d, trying all meets %d", name, (int)hit.prim, (int)truth.prim);
         struct pen_shadow query = {.tmax = tmax, .last_occluder = PEN_NO_PRIM};
-        const struct pen_trace_ops *ops = pen_trace_ops_get(k & 1 ? pen_cpu_isa() : PEN_ISA_BASE);
+        const struct pen_trace_ops *ops = pen_trace_ops_get((enum pen_isa)(k % isa_count()));
         if (ops->shadow(kinds[k].accel, ray, origin, &query) !=
             (truth.prim != PEN_NO_PRIM && truth.t < tmax))
             row_fail(v, "%s: shadow differs", name);

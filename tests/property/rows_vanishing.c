@@ -127,7 +127,7 @@ static void judge_vanishing(const struct row_case *c, struct row_verdict *v)
         struct pen_hit hit =
             primitives_nearest(&kinds[k], &ray, &pen_origin_none, INFINITY, &alike);
         if (!alike)
-            row_fail(v, "%s: base and avx2 differ", name);
+            row_fail(v, "%s: instruction sets differ", name);
         if (hit.prim != truth.prim ||
             (hit.prim != PEN_NO_PRIM && (hit.t != truth.t || hit.part != truth.part)))
             row_fail(v, "%s meets %d at %a, trying all meets %d at %a", name, (int)hit.prim, hit.t,

@@ -97,7 +97,8 @@ const struct row row_table_light[] = {
         .id = "H112 H146",
         .name = "h112_tree_ways",
         .what = "balls that reflect and transmit, to depths of 20 to 60, with 1, 2 and 8 threads, "
-                "tiles of 1, 2 and 32, baseline and AVX2, three accelerators, and in two parts: "
+                "tiles of 1, 2 and 32, baseline and wider vectors, three accelerators, and in two "
+                "parts: "
                 "the same film and the same counts, whether trees are cut or not",
         .oracle = "itself, bit for bit",
         .run = rows_tree_ways,

@@ -42,8 +42,8 @@ const struct row row_table_same[] = {
     {
         .id = "H102",
         .name = "h102_instructions",
-        .what = "every golden film with baseline and AVX2 instructions, baseline with every "
-                "accelerator",
+        .what = "every golden film with baseline, AVX2 and AVX-512 instructions, baseline with "
+                "every accelerator",
         .oracle = golden,
         .run = rows_films_sets,
         .full = ALL,

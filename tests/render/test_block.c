@@ -4,33 +4,60 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/isa.h"
 #include "support/kit.h"
 #include "support/random.h"
 #include "support/suite.h"
 
 static struct kit kit;
 
-/* Renders the kit's scene as a whole, and pixel by pixel. */
+static size_t film_bytes(void)
+{
+    return 3 * (size_t)kit.settings.width * (size_t)kit.settings.height * sizeof(float);
+}
+
+static struct pen_ray_counts render(struct pen_thread_pool *pool, const struct pen_scene *scene,
+                                    bool pixel_by_pixel, float *film)
+{
+    struct pen_status st;
+    struct pen_render_stats stats;
+    const struct pen_render_task task = {.scene = scene,
+                                         .settings = &kit.settings,
+                                         .tile_count = -1,
+                                         .rgb = film,
+                                         .pixel_by_pixel = pixel_by_pixel};
+    ck_assert(pen_render_run(pool, &task, &stats, &st));
+    return stats.rays;
+}
+
+static void compare_counts(const struct pen_ray_counts *a, const struct pen_ray_counts *b,
+                           const char *what)
+{
+    ck_assert_msg(a->primary == b->primary && a->shadow == b->shadow &&
+                      a->reflection == b->reflection && a->transmission == b->transmission &&
+                      a->dropped_samples == b->dropped_samples &&
+                      a->truncated_paths == b->truncated_paths,
+                  "%s: numbers of rays", what);
+}
+
+/* Renders the kit's scene as a whole, with each instruction set, and pixel by pixel. */
 static void compare(const char *what)
 {
     struct pen_status st;
     struct pen_scene *scene = kit_freeze(&kit);
     const struct pen_settings *settings = &kit.settings;
-    float *film = calloc(3 * (size_t)settings->width * (size_t)settings->height, sizeof *film);
-    ck_assert(film);
+    float *film = malloc(film_bytes()), *singly = malloc(film_bytes());
     struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
-    struct pen_render_stats stats;
-    const size_t bytes = 3 * (size_t)settings->width * (size_t)settings->height * sizeof *film;
-    float *singly = malloc(bytes);
-    struct pen_render_task task = {
-        .scene = scene, .settings = settings, .tile_count = -1, .rgb = singly};
-    task.pixel_by_pixel = true;
-    ck_assert(singly && pen_render_run(pool, &task, &stats, &st));
-    task.pixel_by_pixel = false;
-    task.rgb = film;
-    ck_assert(pen_render_run(pool, &task, &stats, &st));
-    ck_assert_msg(memcmp(film, singly, bytes) == 0, "%s: pixel by pixel", what);
-    free(singly);
+    ck_assert(film && singly && pool);
+    const struct pen_ray_counts rays_singly = render(pool, scene, true, singly);
+    for (int isa = 0; isa < isa_count(); isa++) {
+        isa_force(isa);
+        const struct pen_ray_counts rays = render(pool, scene, false, film);
+        ck_assert_msg(memcmp(film, singly, film_bytes()) == 0, "%s: pixel by pixel, %s", what,
+                      pen_isa_name((enum pen_isa)isa));
+        compare_counts(&rays, &rays_singly, what);
+    }
+    isa_release();
     struct pen_ray_counts sum = {0, 0, 0, 0, 0, 0};
     for (int y = 0; y < settings->height; y++) {
         for (int x = 0; x < settings->width; x++) {
@@ -44,14 +71,10 @@ static void compare(const char *what)
                               y, (double)got[c], rgb[c]);
         }
     }
-    ck_assert_msg(sum.primary == stats.rays.primary && sum.shadow == stats.rays.shadow &&
-                      sum.reflection == stats.rays.reflection &&
-                      sum.transmission == stats.rays.transmission &&
-                      sum.dropped_samples == stats.rays.dropped_samples &&
-                      sum.truncated_paths == stats.rays.truncated_paths,
-                  "%s: numbers of rays", what);
+    compare_counts(&sum, &rays_singly, what);
     pen_thread_pool_free(pool);
     free(film);
+    free(singly);
     pen_scene_free(scene);
 }
 

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/isa.h"
 #include "support/kit.h"
 #include "support/random.h"
 #include "support/suite.h"
@@ -190,12 +191,12 @@ START_TEST(test_packet__packets_equal_single_rays)
         unsigned long long state = random.state;
         any_scene(&random);
         render(&single, PEN_ACCEL_NONE);
-        render(&packets, PEN_ACCEL_AUTO);
-        compare(&single, &packets, pen_isa_name(pen_cpu_isa()), state);
-        setenv("PENUMBRA_ISA", "base", 1);
-        render(&packets, PEN_ACCEL_AUTO);
-        unsetenv("PENUMBRA_ISA");
-        compare(&single, &packets, "base", state);
+        for (int isa = 0; isa < isa_count(); isa++) {
+            isa_force(isa);
+            render(&packets, PEN_ACCEL_AUTO);
+            compare(&single, &packets, pen_isa_name((enum pen_isa)isa), state);
+        }
+        isa_release();
     }
 }
 END_TEST

@@ -7,6 +7,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "support/isa.h"
 #include "support/kit.h"
 #include "support/suite.h"
 
@@ -93,16 +94,15 @@ START_TEST(test_render__test_counts_do_not_depend_on_the_division)
     ck_assert_uint_gt(first.tests.boxes, first.rays.primary);
     ck_assert_uint_gt(first.tests.primitives, first.rays.primary);
     static const int tiles[] = {1, 7, 100};
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 3 * isa_count(); i++) {
         kit.settings.tile = tiles[i % 3];
-        if (i >= 3)
-            setenv("PENUMBRA_ISA", "base", 1);
+        isa_force(i / 3);
         struct pen_render_stats stats = counted(scene, 1 + i, film);
         ck_assert(memcmp(film, want, film_bytes()) == 0);
         ck_assert_uint_eq(stats.tests.boxes, first.tests.boxes);
         ck_assert_uint_eq(stats.tests.primitives, first.tests.primitives);
     }
-    unsetenv("PENUMBRA_ISA");
+    isa_release();
     free(film);
     free(want);
     pen_scene_free(scene);

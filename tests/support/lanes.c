@@ -8,7 +8,7 @@ PEN_ISA_LIST(DECLARE)
 
 const struct lanes_test *lanes_test_of(enum pen_isa isa)
 {
-#define ROW(UPPER, lower, there) [PEN_ISA_##UPPER] = &lanes_test_##lower,
+#define ROW(UPPER, lower, ...) [PEN_ISA_##UPPER] = &lanes_test_##lower,
     static const struct lanes_test *const all[] = {PEN_ISA_LIST(ROW)};
-    return isa <= pen_cpu_isa() ? all[isa] : NULL;
+    return pen_cpu_runs(isa) ? all[isa] : NULL;
 }

@@ -14,8 +14,8 @@
 enum { GROUP_PART = 8, GROUP_PARTS = PEN_RAY_PACKET_MAX / GROUP_PART };
 _Static_assert((int)GROUP_PARTS == (int)BEAMS, "as many parts as beams are tested at once");
 
-/* The corners of a range of slopes. */
-enum { GROUP_CORNERS = 4 };
+/* The four corners of a range of slopes, again and again where there are more lanes. */
+enum { GROUP_CORNERS = LANES > 4 ? LANES : 4 };
 
 /* Rays that start on one primitive. */
 struct group_own {
