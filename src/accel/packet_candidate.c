@@ -378,7 +378,8 @@ infinite_cylinder_candidate(const struct pen_shadow_packet *packet,
     if (candidate->is_origin &&
         all_positive(packet, pen_sub(f, pen_scale(axis, pen_dot(f, axis))), pen_norm1(f)))
         return PEN_CANDIDATE_NEVER;
-    return scalar_fallback(candidate);
+    candidate->kind = PEN_CANDIDATE_FALLBACK;
+    return PEN_CANDIDATE_SOME;
 }
 
 /* LINE_POSITIVE if all rays pass inside the outline, LINE_NEGATIVE if all pass outside, LINE_MIXED
