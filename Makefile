@@ -294,6 +294,11 @@ bench-growth: all $(BENCHES)
 bench-auto: all $(BENCHES)
 	@sh tests/bench/auto.sh $(BUILD)
 
+# The choices of `auto`, beside what its cost model expects (src/accel/auto_choice.c).
+.PHONY: bench-choices
+bench-choices: all $(BENCHES)
+	@sh tests/bench/choices.sh $(BUILD)
+
 # The table of accelerators and threads, see tests/bench/table.sh: some minutes.
 .PHONY: table
 table: all

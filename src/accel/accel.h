@@ -20,7 +20,7 @@
 #include "geom/prims.h"
 
 enum pen_accelerator {
-    PEN_ACCEL_AUTO,   /* surface-area heuristic: a tree of up to eight children to a node */
+    PEN_ACCEL_AUTO,   /* what is expected to be quickest, of enum pen_auto_choice */
     PEN_ACCEL_NONE,   /* every primitive, in order */
     PEN_ACCEL_CBR,    /* a box for each primitive, in one list */
     PEN_ACCEL_MANUAL, /* as CBR, with a box and a list for each group of the document */
@@ -28,6 +28,18 @@ enum pen_accelerator {
                        * of up to four triangles */
 };
 enum { PEN_ACCEL_COUNT = PEN_ACCEL_MEDIAN + 1 };
+
+/* What PEN_ACCEL_AUTO chooses from. The tree is made by the surface-area heuristic, with up to
+ * eight children to a node. */
+enum pen_auto_choice {
+    PEN_AUTO_NONE,   /* the list of PEN_ACCEL_NONE, ray by ray */
+    PEN_AUTO_TREE,   /* the tree, ray by ray */
+    PEN_AUTO_PACKETS /* the tree, rays in packets (accel/ray_packet.h) */
+};
+enum { PEN_AUTO_COUNT = PEN_AUTO_PACKETS + 1 };
+
+/* "none", "tree" or "packets". */
+const char *pen_auto_choice_name(enum pen_auto_choice choice);
 
 struct pen_accel; /* lives in the arena it was built in */
 
@@ -45,6 +57,13 @@ struct pen_accel_stats {
      * are blocked is ignored. */
     double sah_cost;
     double build_ms;
+    /* Of PEN_ACCEL_AUTO: what was chosen, and the expected time of a ray's query with each choice,
+     * in units of one test of a block of four triangles (src/accel/auto_choice.c); the least is
+     * chosen, the first of equals. A pure function of the primitives: no machine, thread or setting
+     * changes it. Without finite primitives there is no tree, and only that of PEN_AUTO_NONE is
+     * finite. */
+    enum pen_auto_choice choice;
+    double expected[PEN_AUTO_COUNT];
 };
 
 /* Builds. Units: local frame. Owns: the structure borrows `prims`, which must outlive it. Cost:

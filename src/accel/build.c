@@ -1,10 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* Building: which builder makes which kind of accelerator, and the statistics of what it built. */
-#include "accel/internal/build_generic.h"
+#include "accel/internal/test_doors.h"
 #include "accel/internal/tree_layout.h"
 #include "base/clock.h"
 
 const struct pen_hit pen_after_start = {0, PEN_NO_PRIM, UINT8_MAX};
+
+/* What is built. */
+struct request {
+    const struct pen_prims *prims;
+    enum pen_accelerator kind;
+    const struct pen_groups *groups; /* for PEN_ACCEL_MANUAL; NULL: none */
+    unsigned generic_kinds;
+    const enum pen_auto_choice *choice; /* of PEN_ACCEL_AUTO; NULL: the model's */
+};
 
 /* PEN_ACCEL_NONE: one list of all primitives. */
 static bool build_none(struct pen_tree_layout *layout)
@@ -12,52 +21,67 @@ static bool build_none(struct pen_tree_layout *layout)
     return layout->count == 0 || pen_tree_layout_add_leaf(layout, 0, layout->count) != PEN_NO_CHILD;
 }
 
-static bool build_layout(struct pen_tree_layout *layout, enum pen_accelerator kind,
-                         const struct pen_groups *groups)
+/* PEN_ACCEL_AUTO. The costs are those of the tree, so it is built first. A list is in document
+ * order, which the tree's builder has changed: the layout begins again. */
+static bool build_auto(struct pen_tree_layout *layout, const struct request *request,
+                       struct pen_accel_stats *stats)
 {
-    switch (kind) {
+    if (!pen_build_sah(layout))
+        return false;
+    pen_auto_expect(layout, stats->expected);
+    stats->choice = request->choice ? *request->choice : pen_auto_choose(stats->expected);
+    if (stats->choice != PEN_AUTO_NONE)
+        return true;
+    pen_tree_layout_release(layout);
+    return pen_tree_layout_init(layout, request->prims, request->generic_kinds) &&
+           build_none(layout);
+}
+
+static bool build_layout(struct pen_tree_layout *layout, const struct request *request,
+                         struct pen_accel_stats *stats)
+{
+    switch (request->kind) {
     case PEN_ACCEL_NONE:
         return build_none(layout);
     case PEN_ACCEL_CBR:
         return pen_build_lists(layout, NULL);
     case PEN_ACCEL_MANUAL:
-        return pen_build_lists(layout, groups);
+        return pen_build_lists(layout, request->groups);
     case PEN_ACCEL_MEDIAN:
         return pen_build_median(layout);
     case PEN_ACCEL_AUTO:
         break;
     }
-    return pen_build_sah(layout);
+    return build_auto(layout, request, stats);
 }
 
-static bool build(const struct pen_prims *prims, const struct pen_groups *groups,
-                  unsigned generic_kinds, struct pen_arena *arena, struct pen_accel *accel)
+static bool build(const struct request *request, struct pen_arena *arena, struct pen_accel *accel)
 {
     struct pen_tree_layout layout;
-    bool ok = pen_tree_layout_init(&layout, prims, generic_kinds) &&
-              build_layout(&layout, accel->stats.kind, groups) &&
+    bool ok = pen_tree_layout_init(&layout, request->prims, request->generic_kinds) &&
+              build_layout(&layout, request, &accel->stats) &&
               pen_accel_pack(&layout, arena, accel);
     if (ok)
         accel->stats.sah_cost = pen_tree_layout_cost(&layout);
+    accel->packets = layout.shape == PEN_SHAPE_WIDE && accel->stats.choice == PEN_AUTO_PACKETS;
     pen_tree_layout_release(&layout);
     return ok;
 }
 
-static struct pen_accel *build_kind(const struct pen_prims *prims, enum pen_accelerator kind,
-                                    const struct pen_groups *groups, unsigned generic_kinds,
-                                    struct pen_arena *arena, struct pen_status *st)
+static struct pen_accel *build_request(const struct request *request, struct pen_arena *arena,
+                                       struct pen_status *st)
 {
-    if (prims->count > PEN_ITEM_INDEX_MAX) {
+    if (request->prims->count > PEN_ITEM_INDEX_MAX) {
         pen_fail(st, PEN_TOO_LARGE, "%u primitives; an acceleration structure holds at most %u",
-                 prims->count, PEN_ITEM_INDEX_MAX);
+                 request->prims->count, PEN_ITEM_INDEX_MAX);
         return NULL;
     }
     int64_t start = pen_clock_ns();
     size_t before = pen_arena_used(arena);
     struct pen_accel *accel = pen_arena_alloc(arena, 1, sizeof *accel);
     if (accel)
-        accel->stats.kind = kind;
-    if (!accel || !build(prims, groups, generic_kinds, arena, accel)) {
+        accel->stats.kind = request->kind;
+    if (!accel || !build(request, arena, accel)) {
         pen_fail(st, PEN_NO_MEMORY, "not enough memory for the acceleration structure");
         return NULL;
     }
@@ -69,21 +93,32 @@ static struct pen_accel *build_kind(const struct pen_prims *prims, enum pen_acce
 struct pen_accel *pen_accel_build(const struct pen_prims *prims, enum pen_accelerator kind,
                                   struct pen_arena *arena, struct pen_status *st)
 {
-    return build_kind(prims, kind, NULL, 0, arena, st);
+    return build_request(&(struct request){.prims = prims, .kind = kind}, arena, st);
 }
 
 struct pen_accel *pen_accel_build_manual(const struct pen_prims *prims,
                                          const struct pen_groups *groups, struct pen_arena *arena,
                                          struct pen_status *st)
 {
-    return build_kind(prims, PEN_ACCEL_MANUAL, groups, 0, arena, st);
+    const struct request request = {.prims = prims, .kind = PEN_ACCEL_MANUAL, .groups = groups};
+    return build_request(&request, arena, st);
 }
 
 struct pen_accel *pen_accel_build_generic(const struct pen_prims *prims, enum pen_accelerator kind,
                                           unsigned generic_kinds, struct pen_arena *arena,
                                           struct pen_status *st)
 {
-    return build_kind(prims, kind, NULL, generic_kinds, arena, st);
+    const enum pen_auto_choice packets = PEN_AUTO_PACKETS;
+    const struct request request = {
+        .prims = prims, .kind = kind, .generic_kinds = generic_kinds, .choice = &packets};
+    return build_request(&request, arena, st);
+}
+
+struct pen_accel *pen_accel_build_choice(const struct pen_prims *prims, enum pen_auto_choice choice,
+                                         struct pen_arena *arena, struct pen_status *st)
+{
+    const struct request request = {.prims = prims, .kind = PEN_ACCEL_AUTO, .choice = &choice};
+    return build_request(&request, arena, st);
 }
 
 const struct pen_accel_stats *pen_accel_get_stats(const struct pen_accel *accel)

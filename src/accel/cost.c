@@ -5,7 +5,7 @@
  * CG&A 7(5), 1987). It is computed from the finished layout, in the same way for every kind. */
 #include "accel/internal/tree_layout.h"
 
-static double half_area(const struct pen_child_box *box)
+double pen_child_box_half_area(const struct pen_child_box *box)
 {
     double x = (double)box->hi[0] - (double)box->lo[0], y = (double)box->hi[1] - (double)box->lo[1],
            z = (double)box->hi[2] - (double)box->lo[2];
@@ -27,6 +27,12 @@ static struct pen_child_box whole(const struct pen_tree_layout *layout)
     return sum;
 }
 
+double pen_tree_layout_half_area(const struct pen_tree_layout *layout)
+{
+    struct pen_child_box all = whole(layout);
+    return pen_child_box_half_area(&all);
+}
+
 /* The cost of entering a child: of the boxes of a node, or the primitives of a leaf. */
 static double cost_of_child(const struct pen_tree_layout *layout, uint32_t child)
 {
@@ -46,13 +52,14 @@ double pen_tree_layout_cost(const struct pen_tree_layout *layout)
 {
     if (layout->shape == PEN_SHAPE_NONE)
         return (double)layout->count + layout->infinite;
-    struct pen_child_box all = whole(layout);
-    double root = half_area(&all), sum = cost_of_child(layout, 0) + layout->infinite;
+    double root = pen_tree_layout_half_area(layout),
+           sum = cost_of_child(layout, 0) + layout->infinite;
     for (uint32_t node = 0; node < layout->nodes.count; node++) {
         struct pen_child_box in;
         for (int lane = 0; lane < pen_tree_layout_width(layout); lane++) {
             if (pen_tree_layout_child(layout, node, lane, &in))
-                sum += (root > 0 ? half_area(&in) / root : 1) * cost_of_child(layout, in.child);
+                sum += (root > 0 ? pen_child_box_half_area(&in) / root : 1) *
+                       cost_of_child(layout, in.child);
         }
     }
     return sum;

@@ -7,8 +7,8 @@
 
 /* The arrays being filled, and how far each is. In the first pass `items` is NULL. */
 struct packer {
-    bool singles; /* a leaf of one primitive is that primitive, not a block; never in wide trees,
-                   * because shadow-ray packets read blocks only */
+    bool singles; /* a leaf of one primitive is that primitive, not a block; never where `auto`
+                   * builds, because shadow-ray packets read blocks only */
     const struct pen_prims *prims;
     const struct pen_ref *ref;
     uint32_t *items;

@@ -29,6 +29,18 @@ json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms)
     return pen_figure(render_ms > 0 ? (double)ray_sum(rays) / render_ms / 1000 : 0);
 }
 
+/* {none, tree, packets}: expected costs, without those of choices that there are not. */
+static json_t *expected_costs(const struct pen_accel_stats *accel)
+{
+    json_t *costs = json_object();
+    for (int i = 0; i < PEN_AUTO_COUNT; i++) {
+        if (isfinite(accel->expected[i]))
+            costs = pen_json_with(costs, pen_auto_choice_name((enum pen_auto_choice)i),
+                                  pen_figure(accel->expected[i]));
+    }
+    return costs;
+}
+
 json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                                const struct pen_render_stats *stats)
 {
@@ -38,6 +50,10 @@ json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                   "nodes", (json_int_t)accel->nodes, "leaves", (json_int_t)accel->leaves, "depth",
                   (json_int_t)accel->depth, "bytes", (json_int_t)accel->bytes, "sah_cost",
                   pen_figure(accel->sah_cost), "build_ms", pen_figure(accel->build_ms));
+    if (accel->kind == PEN_ACCEL_AUTO) {
+        json = pen_json_with(json, "choice", json_string(pen_auto_choice_name(accel->choice)));
+        json = pen_json_with(json, "expected_costs", expected_costs(accel));
+    }
     if (!stats->tests_counted || !(rays > 0))
         return json;
     json = pen_json_with(json, "box_tests_per_ray", pen_figure((double)stats->tests.boxes / rays));

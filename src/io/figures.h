@@ -18,8 +18,8 @@ json_t *pen_figure_rays(const struct pen_ray_counts *rays);
 /* Millions of rays per second. */
 json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms);
 
-/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}, and box_tests_per_ray and
- * primitive_tests_per_ray if the render counted intersection tests. */
+/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}; choice and expected_costs of `auto`;
+ * box_tests_per_ray and primitive_tests_per_ray if the render counted intersection tests. */
 json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                                const struct pen_render_stats *stats);
 

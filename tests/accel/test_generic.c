@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Generic blocks, for kinds of primitives without a block of their own. Every kind is put into them
  * in turn; test_same.c compares the intersections. */
-#include "accel/internal/build_generic.h"
 #include "accel/internal/structure.h"
+#include "accel/internal/test_doors.h"
 #include "support/isa.h"
 #include "support/suite.h"
 #include "support/world.h"

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "accel/internal/test_doors.h"
 #include "support/isa.h"
 #include "support/rooms.h"
 #include "support/suite.h"
@@ -227,7 +228,7 @@ static void each_isa(struct random *r, struct pen_vec3 eye, struct pen_vec3 at)
     struct pen_status st;
     struct pen_arena *arena = pen_arena_new(0);
     const enum pen_accelerator kind = random_below(r, 8) ? PEN_ACCEL_AUTO : PEN_ACCEL_MEDIAN;
-    const struct pen_accel *accel = pen_accel_build(&world.prims, kind, arena, &st);
+    const struct pen_accel *accel = pen_accel_build_generic(&world.prims, kind, 0, arena, &st);
     ck_assert(accel);
     struct rays rays;
     for (int k = 0; k < 8; k++) {
@@ -348,7 +349,8 @@ START_TEST(test_accel__ray_packets_along_edges)
         memset(see_through, i & 1, sizeof see_through);
         struct pen_status st;
         struct pen_arena *arena = pen_arena_new(0);
-        const struct pen_accel *accel = pen_accel_build(&world.prims, PEN_ACCEL_AUTO, arena, &st);
+        const struct pen_accel *accel =
+            pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
         ck_assert(accel);
         struct pen_vec3 eye = random_vec(&r, 3);
         eye.z = fabs(eye.z) + .5;
@@ -391,7 +393,8 @@ static void each_isa_along(struct random *r, struct pen_vec3 p, struct pen_vec3 
 {
     struct pen_status st;
     struct pen_arena *arena = pen_arena_new(0);
-    const struct pen_accel *accel = pen_accel_build(&world.prims, PEN_ACCEL_AUTO, arena, &st);
+    const struct pen_accel *accel =
+        pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
     ck_assert(accel);
     struct rays rays = {.count = 0};
     struct pen_hit hit[PEN_RAY_PACKET_MAX];

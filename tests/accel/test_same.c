@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Every accelerator and every compiled variant gives the same intersections as trying all
  * primitives, bit for bit. */
-#include "accel/internal/build_generic.h"
+#include "accel/internal/test_doors.h"
 #include "support/isa.h"
 #include "support/rooms.h"
 #include "support/suite.h"
 
 static struct world world;
 
-/* Every accelerator, manual with groups and without; and every accelerator once more with some
- * kinds of primitives in generic blocks. */
-enum { GENERIC = PEN_ACCEL_COUNT + 1, ACCELS = GENERIC + PEN_ACCEL_COUNT };
+/* Every accelerator, manual with groups and without; every accelerator once more with some kinds of
+ * primitives in generic blocks; and the tree, whether or not `auto` chooses it. */
+enum { GENERIC = PEN_ACCEL_COUNT + 1, TREE = GENERIC + PEN_ACCEL_COUNT, ACCELS };
 
 /* Every accelerator with every instruction set. */
 struct variants {
@@ -52,6 +52,7 @@ static struct variants build(const struct world *w, struct random *random)
     for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++)
         variants.accel[GENERIC + kind] = pen_accel_build_generic(
             &w->prims, (enum pen_accelerator)kind, kinds, variants.arena, &st);
+    variants.accel[TREE] = pen_accel_build_choice(&w->prims, PEN_AUTO_TREE, variants.arena, &st);
     for (int i = 0; i < ACCELS; i++)
         ck_assert(variants.accel[i]);
     return variants;

@@ -11,7 +11,7 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}
 folder=${2:-$build/auto}
 . "$root/tests/bench/lib.sh"
-scenes=${SCENES-$BUILTIN $ROOMS row $HAINES}
+scenes=${SCENES-$BUILTIN $ROOMS $SMALL $HAINES}
 mkdir -p "$folder"
 {
     echo '| scene | none | cbr | manual | median | auto, ms | over the quickest of the others |'
@@ -19,6 +19,7 @@ mkdir -p "$folder"
     for scene in $scenes; do
         size=${SIZE:+$(timed_size "$scene")}
         case $scene in
+        *:[0-9]*) size=${size:-400 300} ;;
         builtin:room | builtin:forest | parlour) size=${size:-250 350} ;;
         builtin:room-soft | builtin:soft-shadow | soft-room) size=${size:-75 105} ;;
         esac

@@ -7,11 +7,16 @@ BUILTIN='builtin:room builtin:room-soft builtin:forest builtin:teapot builtin:sp
 ROOMS='parlour soft-room'
 HAINES='balls gears lattice mount rings teapot tetra'
 
-# make_scene NAME FILE [WIDTH HEIGHT]: writes a scene, at another size if that is given. One sample per
+# Small scenes, and how many primitives they have.
+SMALL='row:2 row:9 row:40 tubes:3 tubes:9 tubes:40 cones:3 cones:9 cones:40'
+
+# make_scene NAME FILE [WIDTH HEIGHT]: writes a scene, at another size if that is given. NAME may be
+# NAME:PRIMITIVES. One sample per
 # pixel, so that another renderer does the same work.
 make_scene() {
     case $1 in
     builtin:*) "$build/penumbra" scenes "${1#builtin:}" ;;
+    *:*) "$build/tests/bench/make_scene" "${1%:*}" "${1#*:}" ;;
     *) "$build/tests/bench/make_scene" "$1" ;;
     esac | if [ "${3:-}" ]; then
         jq -c --argjson w "$3" --argjson h "$4" '.render += {width: $w, height: $h, samples_per_pixel: 1}'

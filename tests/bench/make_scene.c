@@ -26,6 +26,8 @@ static const struct {
     {"soft-room", parlour_soft, 1},
     {"field", field, 10000},
     {"row", row, 9},
+    {"tubes", tubes, 9},
+    {"cones", cones, 9},
 };
 
 int main(int argc, char **argv)

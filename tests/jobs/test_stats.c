@@ -280,6 +280,8 @@ START_TEST(test_stats__views_share_one_build)
     json_t *stats = stats_of_job();
     const json_t *accelerator = json_object_get(stats, "accelerator");
     ck_assert_str_eq(json_string_value(json_object_get(accelerator, "kind")), "manual");
+    ck_assert(!json_object_get(accelerator, "choice"));
+    ck_assert(!json_object_get(accelerator, "expected_costs"));
     ck_assert(number(accelerator, "build_ms") <=
               number(json_object_get(stats, "timing"), "build_ms"));
     ck_assert(number(json_object_get(stats, "rays"), "primary") == 4 * 24 * 18);
@@ -312,7 +314,15 @@ START_TEST(test_stats__percentiles_of_tiles_are_nearest_ranks)
     ck_assert(number(tiles, "p95") == 190);
     ck_assert(number(tiles, "max") == 200);
     ck_assert(number(json_object_get(stats, "timing"), "queue_ms") == 1.235);
-    ck_assert(!json_object_get(json_object_get(stats, "accelerator"), "box_tests_per_ray"));
+    const json_t *accelerator = json_object_get(stats, "accelerator");
+    ck_assert(!json_object_get(accelerator, "box_tests_per_ray"));
+    const char *choice = json_string_value(json_object_get(accelerator, "choice"));
+    ck_assert_str_eq(choice, pen_auto_choice_name(in.accel->choice));
+    const json_t *costs = json_object_get(accelerator, "expected_costs");
+    ck_assert_uint_eq(json_object_size(costs), 3);
+    ck_assert(number(costs, choice) <= number(costs, "none"));
+    ck_assert(number(costs, choice) <= number(costs, "tree"));
+    ck_assert(number(costs, choice) <= number(costs, "packets"));
     json_decref(stats);
     render.tests_counted = true; /* only benchmarks count tests */
     render.tests = (struct pen_test_counts){.boxes = 50, .primitives = 9};

@@ -7,6 +7,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "accel/internal/test_doors.h"
 #include "support/isa.h"
 #include "support/kit.h"
 #include "support/suite.h"
@@ -63,6 +64,32 @@ START_TEST(test_render__same_film_for_threads_tiles_and_accelerators)
         pen_scene_free(scene);
     }
     free(want);
+}
+END_TEST
+
+/* Soft lights, mirrors and glass, hard lights, and tubes, each with all choices. */
+START_TEST(test_render__same_film_for_all_choices_of_auto)
+{
+    kit_medley(&kit);
+    for (int tubes = 0; tubes <= 8; tubes += 8) {
+        for (int i = 0; i < tubes; i++)
+            kit_tube(&kit, pen_vec3(i - 4, 0, -2), pen_vec3(0.25, 1, 0.125 * i), 0.1, i % 4);
+        kit.settings.accelerator = PEN_ACCEL_NONE;
+        struct pen_status st;
+        struct pen_scene *scene = kit_freeze(&kit);
+        float *want = kit_film(scene, &kit.settings, 1);
+        for (int choice = 0; choice < PEN_AUTO_COUNT; choice++) {
+            scene->accel = pen_accel_build_choice(&scene->prims, (enum pen_auto_choice)choice,
+                                                  scene->arena, &st);
+            ck_assert(scene->accel);
+            float *got = kit_film(scene, &kit.settings, 2);
+            ck_assert_msg(memcmp(got, want, film_bytes()) == 0, "%d tubes more: %s", tubes,
+                          pen_auto_choice_name((enum pen_auto_choice)choice));
+            free(got);
+        }
+        free(want);
+        pen_scene_free(scene);
+    }
 }
 END_TEST
 
@@ -425,6 +452,7 @@ END_TEST
 
 PEN_SUITE("render", test_render__tiles_cover_the_image_once,
           test_render__same_film_for_threads_tiles_and_accelerators,
+          test_render__same_film_for_all_choices_of_auto,
           test_render__test_counts_do_not_depend_on_the_division,
           test_render__a_single_pixel_equals_the_film, test_render__statistics,
           test_render__ranges_of_tiles_make_the_whole, test_render__cancel_acts_within_a_block,

@@ -300,7 +300,7 @@ static inline void divide_rays(const struct pen_ray_packet *packet, uint64_t ray
 
 static inline bool group_is_worth(const struct pen_accel *accel, uint64_t rays)
 {
-    return accel->shape == PEN_SHAPE_WIDE && __builtin_popcountll(rays) >= GROUP_RAYS_MIN;
+    return accel->packets && __builtin_popcountll(rays) >= GROUP_RAYS_MIN;
 }
 
 static inline uint64_t nearest_one_by_one(const struct pen_accel *accel,

@@ -8,7 +8,7 @@
  * the scene keeps it. Infinite primitives are in a list beside the nodes; with PEN_ACCEL_NONE so
  * are all others. What a node is depends on the structure's shape:
  *
- *   wide   (auto) up to eight children, entered nearest first;
+ *   wide   (auto, where it chooses a tree) up to eight children, entered nearest first;
  *   pairs  (median) two children, entered nearest first; a leaf is a block of triangles, or a
  *          single primitive;
  *   lists  (cbr, manual) any number of children, eight to a node in consecutive nodes, entered in
@@ -160,6 +160,7 @@ struct pen_accel {
     double extent;                        /* the largest size of a coordinate of their boxes */
     const struct pen_float_box *prim_box; /* by primitive; wide trees only. Infinite ones: zero */
     const bool *convex;                   /* by primitive; wide trees only. See pack_boxes.c */
+    bool packets;                         /* rays of a packet are traced in groups */
     struct pen_accel_stats stats;
     struct pen_test_counts *counts; /* of a view that counts; else NULL */
 };

@@ -127,6 +127,18 @@ bool pen_build_lists(struct pen_tree_layout *layout, const struct pen_groups *gr
 /* The expected cost of a ray, as pen_accel_stats defines it. */
 double pen_tree_layout_cost(const struct pen_tree_layout *layout);
 
+/* The surface of the box around all children of the first node or list, halved: lines that meet it
+ * meet a box inside with a probability that is the ratio of their surfaces. */
+double pen_tree_layout_half_area(const struct pen_tree_layout *layout);
+double pen_child_box_half_area(const struct pen_child_box *box);
+
+/* The expected times that pen_accel_stats defines. `layout` is the tree of pen_build_sah, or has no
+ * finite primitive. Cost: linear. */
+void pen_auto_expect(const struct pen_tree_layout *layout, double expected[PEN_AUTO_COUNT]);
+
+/* The least expected time; the first of equals. */
+enum pen_auto_choice pen_auto_choose(const double expected[PEN_AUTO_COUNT]);
+
 /* Fills in *accel, except stats.kind, stats.sah_cost and stats.build_ms. Owns: all in the arena.
  * Fails: returns false when out of memory. */
 bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,

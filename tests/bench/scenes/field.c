@@ -24,13 +24,44 @@ void field(int size)
     scene_end(&s, "\"width\": 400, \"height\": 300");
 }
 
+static void begin_floor(struct scene_text *s, const char *name)
+{
+    begin(s, name, pen_vec3(0.5, 1.5, 4));
+    scene_quad(s, pen_vec3(-3, -0.5, -3), pen_vec3(-3, -0.5, 3), pen_vec3(3, -0.5, 3),
+               pen_vec3(3, -0.5, -3));
+}
+
+/* Where thing i of `size` - 1 stands. */
+static struct pen_vec3 place(int i, int size)
+{
+    return pen_vec3(3.0 * i / size - 1.5, 0, i % 2 ? 0.3 : -0.3);
+}
+
 void row(int size)
 {
     struct scene_text s;
-    begin(&s, "row", pen_vec3(0.5, 1.5, 4));
-    scene_quad(&s, pen_vec3(-3, -0.5, -3), pen_vec3(-3, -0.5, 3), pen_vec3(3, -0.5, 3),
-               pen_vec3(3, -0.5, -3));
+    begin_floor(&s, "row");
     for (int i = 1; i < size; i++)
-        scene_sphere(&s, pen_vec3(3.0 * i / size - 1.5, 0, i % 2 ? 0.3 : -0.3), 1.0 / size);
+        scene_sphere(&s, place(i, size), 1.0 / size);
+    scene_end(&s, "\"width\": 800, \"height\": 600");
+}
+
+void tubes(int size)
+{
+    struct scene_text s;
+    begin_floor(&s, "tubes");
+    for (int i = 1; i < size; i++)
+        scene_tube(&s, place(i, size), pen_vec3(i % 3 - 1, 2, i % 5 - 2), 0.4 / size);
+    scene_end(&s, "\"width\": 800, \"height\": 600");
+}
+
+void cones(int size)
+{
+    struct scene_text s;
+    begin_floor(&s, "cones");
+    for (int i = 1; i < size; i++) {
+        const struct pen_vec3 base = place(i, size);
+        scene_cone(&s, base, pen_vec3(base.x, 2.0 / size, base.z), 1.0 / size);
+    }
     scene_end(&s, "\"width\": 800, \"height\": 600");
 }

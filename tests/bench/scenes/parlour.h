@@ -20,4 +20,8 @@ void field(int size);
 /* A floor and spheres of a third of their distance in a row of `size` - 1. */
 void row(int size);
 
+/* The same floor, and `size` - 1 infinite tubes, which lean; cones, which stand. */
+void tubes(int size);
+void cones(int size);
+
 #endif

@@ -90,6 +90,25 @@ void scene_sphere(struct scene_text *s, struct pen_vec3 center, double radius)
     fprintf(s->out, ", \"radius\": %.17g}", radius);
 }
 
+void scene_tube(struct scene_text *s, struct pen_vec3 origin, struct pen_vec3 axis, double radius)
+{
+    begin_object(s, "tube");
+    put_vec(s, "origin", origin);
+    fputs(", ", s->out);
+    put_vec(s, "axis", axis);
+    fprintf(s->out, ", \"radius\": %.17g}", radius);
+}
+
+void scene_cone(struct scene_text *s, struct pen_vec3 from, struct pen_vec3 to, double radius)
+{
+    struct pen_vec3 axis = pen_sub(to, from);
+    begin_object(s, "cone");
+    put_vec(s, "base", from);
+    fputs(", ", s->out);
+    put_vec(s, "axis", axis);
+    fprintf(s->out, ", \"radius\": %.17g, \"height\": %.17g}", radius, sqrt(pen_dot(axis, axis)));
+}
+
 void scene_cylinder(struct scene_text *s, struct pen_vec3 from, struct pen_vec3 to, double radius,
                     bool caps)
 {

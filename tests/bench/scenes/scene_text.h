@@ -42,6 +42,10 @@ void scene_sphere(struct scene_text *s, struct pen_vec3 center, double radius);
 /* Between two points. */
 void scene_cylinder(struct scene_text *s, struct pen_vec3 from, struct pen_vec3 to, double radius,
                     bool caps);
+/* From the centre of its base to its tip. */
+void scene_cone(struct scene_text *s, struct pen_vec3 from, struct pen_vec3 to, double radius);
+/* Infinite. */
+void scene_tube(struct scene_text *s, struct pen_vec3 origin, struct pen_vec3 axis, double radius);
 /* Three points make a triangle, more a polygon. */
 void scene_polygon(struct scene_text *s, const struct pen_vec3 *vertex, int count);
 void scene_quad(struct scene_text *s, struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c,
