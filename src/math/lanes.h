@@ -16,9 +16,12 @@
  *   lanes_rows                   table[stride row[i]], an array of row numbers
  *   lane_mask_not, lane_mask_bits              bit i is lane i
  *   lane_mask_of                 the mask with these bits
- *   lane_words                   64 bits to a lane. + - & | ^ << >> work on it
+ *   lane_words                   64 bits to a lane. + - * & | ^ << >> work on it
  *   lanes_words, lanes_of_words  the bits of numbers, and back
  *   lane_words_odd               whether the lowest bit is set
+ *   lane_words_count             0, 1 and so on, by lane
+ *   lane_halves                  32 bits to a lane, with the same operations
+ *   lane_halves_count, lane_words_of_halves
  *   lanes_gather                 table[i], i from 0 on
  *
  * Every operation rounds as the scalar one does. So code that is written once in lanes gives the
@@ -38,6 +41,12 @@
 #endif
 
 enum { LANES_ALL = (1 << LANES) - 1 }; /* as lane_mask_bits */
+
+/* The numbers that words below 2^52 are, through the fraction of 2^52. */
+static inline lanes lanes_of_small(lane_words w)
+{
+    return lanes_of_words(w | UINT64_C(0x4330000000000000)) - 0x1p52;
+}
 
 /* Vectors of space, one to a lane. */
 struct lanes3 {

@@ -54,12 +54,6 @@ static inline lane_words lanes_shifted_integer(lanes shifted)
     return lanes_words(shifted) - UINT64_C(0x4338000000000000);
 }
 
-/* The number of words below 2^52. */
-static inline lanes lanes_of_small(lane_words w)
-{
-    return lanes_of_words(w | UINT64_C(0x4330000000000000)) - 0x1p52;
-}
-
 /* 2^e, e in two's complement, from -1022 to 1023. */
 static inline lanes lanes_power_of_2(lane_words e)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The elementary functions in lanes give the bits of the scalar ones, whatever the other lanes
- * hold, for every instruction set of this processor. */
+/* The elementary functions and sample points in lanes have the bits of the scalar ones, whatever
+ * the other lanes hold, for every instruction set of this processor. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -117,4 +117,34 @@ START_TEST(test_lanes__functions_at_their_edges)
 }
 END_TEST
 
-PEN_SUITE("lanes", test_lanes__functions_of_random_numbers, test_lanes__functions_at_their_edges)
+/* Sample points are those of math/sample.h, up to the last index. */
+START_TEST(test_lanes__sample_points)
+{
+    for (int isa = 0; isa < PEN_ISA_COUNT; isa++) {
+        const struct lanes_test *test = lanes_test_of((enum pen_isa)isa);
+        struct random r = random_begin(2);
+        for (int n = random_cases(test ? 50000 : 0); n-- > 0;) {
+            struct pen_point2 random[MAX], sobol[MAX], disk[MAX];
+            const uint64_t hash = random_bits(&r);
+            const uint32_t bits = (uint32_t)random_bits(&r),
+                           last = UINT32_MAX - (uint32_t)test->lanes + 1,
+                           index = n & 1         ? bits & 255
+                                   : bits < last ? bits
+                                                 : last;
+            test->samples(hash, index, random, sobol, disk);
+            for (int i = 0; i < test->lanes; i++) {
+                const struct pen_point2 p = pen_random2(hash, index + (uint32_t)i);
+                const struct pen_point2 q = pen_sobol2(hash, index + (uint32_t)i);
+                const struct pen_point2 d = pen_disk_of_square(p);
+                ck_assert_msg(random[i].x == p.x && random[i].y == p.y && sobol[i].x == q.x &&
+                                  sobol[i].y == q.y && disk[i].x == d.x && disk[i].y == d.y,
+                              "%s: hash %llx, index %u, lane %d", pen_isa_name((enum pen_isa)isa),
+                              (unsigned long long)hash, index, i);
+            }
+        }
+    }
+}
+END_TEST
+
+PEN_SUITE("lanes", test_lanes__functions_of_random_numbers, test_lanes__functions_at_their_edges,
+          test_lanes__sample_points)

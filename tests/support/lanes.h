@@ -6,6 +6,7 @@
 
 #include "base/cpu.h"
 #include "geom/ray.h"
+#include "math/sample.h"
 #include "scene/scene.h"
 
 enum { LANES_TEST_MAX = 8, LANES_TEST_FUNCTIONS = 7 };
@@ -29,6 +30,11 @@ struct lanes_test {
     /* exp(x), ln(x), pow(x, y), sine and cosine of x in radians, and of x in degrees. */
     void (*functions)(const double *x, const double *y,
                       double out[LANES_TEST_FUNCTIONS][LANES_TEST_MAX]);
+    /* pen_random2, pen_sobol2 and, of the points of the first, pen_disk_of_square, for as many
+     * indices in a row as there are lanes. */
+    void (*samples)(uint64_t hash, uint32_t index, struct pen_point2 random[LANES_TEST_MAX],
+                    struct pen_point2 sobol[LANES_TEST_MAX],
+                    struct pen_point2 disk[LANES_TEST_MAX]);
     /* lanes_ray_make, with a bit for each lane that has a ray. */
     unsigned (*rays)(const struct pen_vec3 *o, const struct pen_vec3 *d, struct pen_ray *out);
     /* lanes_prim_surface. */

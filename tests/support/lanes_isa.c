@@ -5,6 +5,7 @@
 #include "geom/ray_lanes.h"
 #include "geom/surface_lanes.h"
 #include "math/lanes_fn.h"
+#include "math/sample_lanes.h"
 #include "shade/internal/unshadowed_light.h"
 
 _Static_assert((int)LANES <= (int)LANES_TEST_MAX, "arrays are as long as the widest vector");
@@ -23,6 +24,20 @@ static void functions(const double *x, const double *y,
     lanes_sincos_deg(a, &sine, &cosine);
     lanes_store(out[5], sine);
     lanes_store(out[6], cosine);
+}
+
+static void store_points(struct pen_point2 *to, struct lanes_point2 from)
+{
+    lanes_store_strided(&to[0].x, 2, from.x);
+    lanes_store_strided(&to[0].y, 2, from.y);
+}
+
+static void samples(uint64_t hash, uint32_t index, struct pen_point2 random[LANES_TEST_MAX],
+                    struct pen_point2 sobol[LANES_TEST_MAX], struct pen_point2 disk[LANES_TEST_MAX])
+{
+    store_points(random, lanes_random2(hash, index));
+    store_points(sobol, lanes_sobol2(hash, index));
+    store_points(disk, lanes_disk_of_square(lanes_random2(hash, index)));
 }
 
 static unsigned rays(const struct pen_vec3 *o, const struct pen_vec3 *d, struct pen_ray *out)
@@ -93,5 +108,9 @@ static void light(const struct pen_light *source, const struct lanes_point *poin
 #define NAME_OF_ISA(isa) NAME_OF_TOKEN(isa)
 #define NAME_OF_TOKEN(token) lanes_test_##token
 extern const struct lanes_test NAME_OF_ISA(PEN_ISA);
-const struct lanes_test NAME_OF_ISA(PEN_ISA) = {
-    .lanes = LANES, .functions = functions, .rays = rays, .surface = surface, .light = light};
+const struct lanes_test NAME_OF_ISA(PEN_ISA) = {.lanes = LANES,
+                                                .functions = functions,
+                                                .samples = samples,
+                                                .rays = rays,
+                                                .surface = surface,
+                                                .light = light};

@@ -16,7 +16,7 @@
 #ifndef PEN_ACCEL_INTERNAL_BEAM_H
 #define PEN_ACCEL_INTERNAL_BEAM_H
 
-#include "accel/internal/lanes.h"
+#include "accel/internal/floats8.h"
 #include "accel/internal/rounding.h"
 #include "accel/internal/structure.h"
 

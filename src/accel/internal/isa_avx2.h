@@ -6,7 +6,6 @@
 
 #ifdef __AVX2__
 #include "accel/internal/boxes_avx2.h"
-#include "accel/internal/lanes_avx2.h"
 #else
 #include "accel/internal/isa_base.h"
 #endif

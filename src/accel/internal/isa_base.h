@@ -5,8 +5,7 @@
  *   struct box_ray            a ray as boxes see it, with a member `tmin` and a member `scale`;
  *   box_ray_make              makes it from a ray;
  *   enter_node, enter_pair    which boxes of a node a struct box_ray enters, and at which t;
- *   test_item                 tests the block, or the single primitive, of an item;
- *   mask4_bits, mask8_bits, sqrt4   what the types of lanes.h lack (for packets).
+ *   test_item                 tests the block, or the single primitive, of an item.
  *
  * Nodes, blocks and counts are the same for all instruction sets; what prim_test.h says of
  * box_ray, of enter_node and of the intersections that test_item offers holds for each. */
@@ -14,6 +13,5 @@
 #define PEN_ACCEL_INTERNAL_ISA_BASE_H
 
 #include "accel/internal/boxes_base.h"
-#include "accel/internal/lanes_base.h"
 
 #endif

@@ -1,153 +1,176 @@
 /* SPDX-License-Identifier: MIT */
-/* Tests the rays of a packet against its candidates, four rays at a time, and traces those that
+/* Tests the rays of a packet against its candidates, LANES rays at a time, and traces those that
  * need the scalar fallback. */
 #ifndef PEN_ACCEL_INTERNAL_PACKET_TEST_H
 #define PEN_ACCEL_INTERNAL_PACKET_TEST_H
 
 #include "accel/internal/packet_traverse.h"
 #include "accel/internal/traverse_query.h"
+#include "math/lanes.h"
 
 /* Rays that surely hit the candidate's primitive before they end, that surely miss it, that surely
  * intersect it exactly once, and exactly twice. A ray in neither `hit` nor `miss` is not decided.
  */
 struct verdict {
-    mask4 hit, miss, once, twice;
+    lane_mask hit, miss, once, twice;
 };
 
-static inline void classify_lines(const struct pen_candidate *candidate, const double4 *a,
-                                  const double4 *b, struct verdict *out)
+/* Points of the disk. */
+struct disk_points {
+    lanes a, b;
+};
+
+static inline lanes line_at(const struct pen_packet_line *line, struct disk_points p)
 {
-    out->hit = (mask4){-1, -1, -1, -1};
-    out->miss = out->twice = (mask4){0, 0, 0, 0};
+    return line->e + p.a * line->u + p.b * line->v;
+}
+
+/* The squared length of the direction to a point of the disk, which u and v span: d.d. */
+static inline lanes length_at(const struct pen_packet_line *line, struct disk_points p)
+{
+    return line->e + p.a * p.a * line->u + p.b * p.b * line->v;
+}
+
+static inline lane_mask lanes_above(lanes x, double bound)
+{
+    return lanes_less(lanes_splat(bound), x);
+}
+
+static inline lane_mask lanes_below(lanes x, double bound)
+{
+    return lanes_less(x, lanes_splat(bound));
+}
+
+static inline struct verdict classify_lines(const struct pen_candidate *candidate,
+                                            struct disk_points p)
+{
+    const lane_mask none = lane_mask_of(0);
+    struct verdict out = {lane_mask_of(LANES_ALL), none, none, none};
     for (int i = 0; i < candidate->lines; i++) {
         const struct pen_packet_line *line = &candidate->line[i];
-        double4 e = line->e + *a * line->u + *b * line->v;
-        out->hit &= e > line->band;
-        out->miss |= e < -line->band;
+        const lanes e = line_at(line, p);
+        out.hit &= lanes_above(e, line->band);
+        out.miss |= lanes_below(e, -line->band);
     }
     if (candidate->plane_only)
-        out->hit = out->twice;
-    out->once = out->hit;
+        out.hit = none;
+    out.once = out.hit;
+    return out;
 }
 
 /* Rays that are surely on one side of a line. */
 struct sides {
-    mask4 above, below;
+    lane_mask above, below;
 };
 
-static inline void line_sides(const struct pen_packet_line *line, const double4 *a,
-                              const double4 *b, struct sides *out)
+static inline struct sides line_sides(const struct pen_packet_line *line, struct disk_points p)
 {
-    double4 e = line->e + *a * line->u + *b * line->v;
-    out->above = e > line->band;
-    out->below = e < -line->band;
+    const lanes e = line_at(line, p);
+    return (struct sides){lanes_above(e, line->band), lanes_below(e, -line->band)};
 }
 
 /* See outline_candidate. */
-static inline void classify_outline(const struct pen_candidate *candidate, const double4 *a,
-                                    const double4 *b, struct verdict *out)
+static inline struct verdict classify_outline(const struct pen_candidate *candidate,
+                                              struct disk_points p)
 {
-    struct sides plane, chord, edge, next;
-    mask4 inside = {0, 0, 0, 0}, sure;
-    line_sides(&candidate->line[0], a, b, &plane);
-    line_sides(&candidate->line[1], a, b, &chord);
-    sure = chord.above | chord.below;
+    const struct sides plane = line_sides(&candidate->line[0], p);
+    struct sides chord = line_sides(&candidate->line[1], p);
+    lane_mask inside = lane_mask_of(0), sure = chord.above | chord.below;
     for (int i = 2; i + 1 < candidate->lines; i += 2) {
-        line_sides(&candidate->line[i], a, b, &edge);
-        line_sides(&candidate->line[i + 1], a, b, &next);
+        const struct sides edge = line_sides(&candidate->line[i], p);
+        const struct sides next = line_sides(&candidate->line[i + 1], p);
         sure &= (edge.above | edge.below) & (next.above | next.below);
         inside ^= (chord.above & edge.above & next.below) | (chord.below & edge.below & next.above);
         chord = next;
     }
-    out->hit = out->once = plane.above & sure & inside;
-    out->miss = plane.below | (sure & ~inside);
-    out->twice = (mask4){0, 0, 0, 0};
+    const lane_mask hit = plane.above & sure & inside;
+    return (struct verdict){.hit = hit,
+                            .miss = plane.below | (sure & lane_mask_not(inside)),
+                            .once = hit,
+                            .twice = lane_mask_of(0)};
 }
 
-static inline void classify_sphere_ahead(const struct pen_candidate *candidate, const double4 *a,
-                                         const double4 *b, struct verdict *out)
+static inline struct verdict classify_sphere_ahead(const struct pen_candidate *candidate,
+                                                   struct disk_points at)
 {
-    const struct pen_packet_line *g = &candidate->line[0], *k = &candidate->line[1],
-                                 *d = &candidate->line[2];
-    double4 p = g->e + *a * g->u + *b * g->v;
-    double4 dd = d->e + *a * *a * d->u + *b * *b * d->v;
-    double4 f = p * p - k->e * dd;
-    out->hit = out->twice = (f > k->band) & (p > 0);
-    out->miss = (f < -k->band) | ((f > k->band) & (p < 0));
-    out->once = (mask4){0, 0, 0, 0};
+    const struct pen_packet_line *k = &candidate->line[1];
+    const lanes p = line_at(&candidate->line[0], at), dd = length_at(&candidate->line[2], at);
+    const lanes f = p * p - k->e * dd;
+    const lane_mask hit = lanes_above(f, k->band) & lanes_above(p, 0);
+    return (struct verdict){.hit = hit,
+                            .miss = lanes_below(f, -k->band) |
+                                    (lanes_above(f, k->band) & lanes_below(p, 0)),
+                            .once = lane_mask_of(0),
+                            .twice = hit};
 }
 
 /* Two intersections at lo < hi: whether each surely counts, or surely does not. */
 struct ends {
-    mask4 lo, no_lo, hi, no_hi;
+    lane_mask lo, no_lo, hi, no_hi;
 };
 
 /* An intersection before the ray begins or after it ends does not count. If the ray starts on the
  * primitive, neither does the intersection at its origin, which is lo if hi is surely ahead. */
-static inline void ends_of(const struct pen_candidate *candidate, const double4 *lo,
-                           const double4 *hi, double end, struct ends *out)
+static inline struct ends ends_of(const struct pen_candidate *candidate, lanes lo, lanes hi,
+                                  double end)
 {
-    double4 lo_band = 0x1p-20 * (1 + ABS4(*lo)), hi_band = 0x1p-20 * (1 + ABS4(*hi));
-    out->lo = (*lo > lo_band) & (*lo < end - lo_band);
-    out->hi = (*hi > hi_band) & (*hi < end - hi_band);
-    out->no_lo = (*lo < -lo_band) | (*lo > end + lo_band);
-    out->no_hi = (*hi < -hi_band) | (*hi > end + hi_band);
+    const lanes lo_band = 0x1p-20 * (1 + lanes_abs(lo)), hi_band = 0x1p-20 * (1 + lanes_abs(hi));
+    struct ends e = {
+        .lo = lanes_less(lo_band, lo) & lanes_less(lo, end - lo_band),
+        .no_lo = lanes_less(lo, -lo_band) | lanes_less(end + lo_band, lo),
+        .hi = lanes_less(hi_band, hi) & lanes_less(hi, end - hi_band),
+        .no_hi = lanes_less(hi, -hi_band) | lanes_less(end + hi_band, hi),
+    };
     if (candidate->is_origin) {
-        out->no_lo = *hi > hi_band;
-        out->no_hi &= *hi > hi_band;
-        out->lo = out->lo ^ out->lo;
+        e.no_lo = lanes_less(hi_band, hi);
+        e.no_hi &= lanes_less(hi_band, hi);
+        e.lo = lane_mask_of(0);
     }
+    return e;
 }
 
-static inline void verdict_of_ends(const struct ends *e, const mask4 *sure, const mask4 *beside,
-                                   struct verdict *out)
+static inline struct verdict verdict_of_ends(const struct ends *e, lane_mask sure, lane_mask beside)
 {
-    out->hit = *sure & (e->lo | e->hi);
-    out->miss = *beside | (*sure & e->no_lo & e->no_hi);
-    out->twice = *sure & e->lo & e->hi;
-    out->once = *sure & ((e->lo & e->no_hi) | (e->no_lo & e->hi));
+    return (struct verdict){.hit = sure & (e->lo | e->hi),
+                            .miss = beside | (sure & e->no_lo & e->no_hi),
+                            .once = sure & ((e->lo & e->no_hi) | (e->no_lo & e->hi)),
+                            .twice = sure & e->lo & e->hi};
 }
 
-static inline void classify_sphere(const struct pen_candidate *candidate, const double4 *a,
-                                   const double4 *b, struct verdict *out)
+static inline struct verdict classify_sphere(const struct pen_candidate *candidate,
+                                             struct disk_points at)
 {
-    const struct pen_packet_line *g = &candidate->line[0], *k = &candidate->line[1],
-                                 *d = &candidate->line[2];
-    double4 p = g->e + *a * g->u + *b * g->v;
-    double4 dd = d->e + *a * *a * d->u + *b * *b * d->v;
-    double4 f = p * p - k->e * dd, root = f, inv = 1 / dd;
-    sqrt4(&root);
-    double4 lo = (p - root) * inv, hi = (p + root) * inv;
-    mask4 sure = f > k->band, beside = f < -k->band;
-    struct ends e;
-    ends_of(candidate, &lo, &hi, d->band, &e);
-    verdict_of_ends(&e, &sure, &beside, out);
+    const struct pen_packet_line *k = &candidate->line[1], *d = &candidate->line[2];
+    const lanes p = line_at(&candidate->line[0], at), dd = length_at(d, at);
+    const lanes f = p * p - k->e * dd, root = lanes_sqrt(f), inv = 1 / dd;
+    const struct ends e = ends_of(candidate, (p - root) * inv, (p + root) * inv, d->band);
+    return verdict_of_ends(&e, lanes_above(f, k->band), lanes_below(f, -k->band));
 }
 
 /* The lines are those of cylinder_lines, in packet_candidate.c. Without caps, an end of the overlap
  * that belongs to the slab is no intersection. One at a cap that the ray runs along is not sure. */
-static inline void classify_cylinder(const struct pen_candidate *candidate, const double4 *a,
-                                     const double4 *b, struct verdict *out)
+static inline struct verdict classify_cylinder(const struct pen_candidate *candidate,
+                                               struct disk_points p)
 {
-    const struct pen_packet_line *la = &candidate->line[0], *lb = &candidate->line[1],
-                                 *d = &candidate->line[2];
+    const struct pen_packet_line *d = &candidate->line[2];
     const struct pen_packet_line *side = &candidate->line[3], *slab = &candidate->line[4];
-    double4 da = la->e + *a * la->u + *b * la->v, fd = lb->e + *a * lb->u + *b * lb->v;
-    double4 dd = d->e + *a * *a * d->u + *b * *b * d->v, mm = dd - da * da;
-    double4 disc = fd * fd - mm * side->e, size = fd * fd + mm * side->u, root = disc;
-    mask4 oblique = mm > 0x1p-16 * dd, slanting = da * da > 0x1p-40 * dd;
-    sqrt4(&root);
-    double4 inv = 1 / mm, t0 = (-fd - root) * inv, t1 = (-fd + root) * inv;
-    double4 sa = slab->e / da, sb = slab->u / da;
-    double4 s0 = SELECT4(sa < sb, sa, sb), s1 = SELECT4(sa < sb, sb, sa);
-    double4 lo = SELECT4(t0 > s0, t0, s0), hi = SELECT4(t1 < s1, t1, s1);
-    double4 band = 0x1p-20 * (1 + ABS4(lo) + ABS4(hi));
-    mask4 meets = oblique & (disc > 0x1p-20 * size), sure = meets & (hi - lo > band);
-    mask4 beside = (oblique & (disc < -0x1p-20 * size)) | (meets & (hi - lo < -band));
-    mask4 lo_side = t0 - s0 > band, lo_cap = t0 - s0 < -band;
-    mask4 hi_side = s1 - t1 > band, hi_cap = s1 - t1 < -band;
-    struct ends e;
-    ends_of(candidate, &lo, &hi, d->band, &e);
+    const lanes da = line_at(&candidate->line[0], p), fd = line_at(&candidate->line[1], p);
+    const lanes dd = length_at(d, p), mm = dd - da * da;
+    const lanes disc = fd * fd - mm * side->e, size = fd * fd + mm * side->u;
+    const lane_mask oblique = lanes_less(0x1p-16 * dd, mm);
+    const lane_mask slanting = lanes_less(0x1p-40 * dd, da * da);
+    const lanes root = lanes_sqrt(disc), inv = 1 / mm;
+    const lanes t0 = (-fd - root) * inv, t1 = (-fd + root) * inv;
+    const lanes sa = slab->e / da, sb = slab->u / da;
+    const lanes s0 = lanes_min(sa, sb), s1 = lanes_max(sb, sa);
+    const lanes lo = lanes_max(t0, s0), hi = lanes_min(t1, s1);
+    const lanes band = 0x1p-20 * (1 + lanes_abs(lo) + lanes_abs(hi));
+    const lane_mask meets = oblique & lanes_less(0x1p-20 * size, disc);
+    const lane_mask beside =
+        (oblique & lanes_less(disc, -0x1p-20 * size)) | (meets & lanes_less(hi - lo, -band));
+    const lane_mask lo_side = lanes_less(band, t0 - s0), lo_cap = lanes_less(t0 - s0, -band);
+    const lane_mask hi_side = lanes_less(band, s1 - t1), hi_cap = lanes_less(s1 - t1, -band);
+    struct ends e = ends_of(candidate, lo, hi, d->band);
     if (slab->v > 0) {
         e.lo &= lo_side | (lo_cap & slanting);
         e.hi &= hi_side | (hi_cap & slanting);
@@ -157,7 +180,27 @@ static inline void classify_cylinder(const struct pen_candidate *candidate, cons
         e.no_lo |= lo_cap;
         e.no_hi |= hi_cap;
     }
-    verdict_of_ends(&e, &sure, &beside, out);
+    return verdict_of_ends(&e, meets & lanes_less(band, hi - lo), beside);
+}
+
+static inline struct verdict classify(const struct pen_candidate *candidate, struct disk_points p)
+{
+    switch ((enum pen_candidate_kind)candidate->kind) {
+    case PEN_CANDIDATE_LINES:
+        return classify_lines(candidate, p);
+    case PEN_CANDIDATE_OUTLINE:
+        return classify_outline(candidate, p);
+    case PEN_CANDIDATE_SPHERE_AHEAD:
+        return classify_sphere_ahead(candidate, p);
+    case PEN_CANDIDATE_SPHERE:
+        return classify_sphere(candidate, p);
+    case PEN_CANDIDATE_CYLINDER:
+        return classify_cylinder(candidate, p);
+    case PEN_CANDIDATE_FALLBACK:
+        break;
+    }
+    const lane_mask none = lane_mask_of(0);
+    return (struct verdict){none, none, none, none};
 }
 
 /* The same for a whole packet, a bit for each ray. */
@@ -165,32 +208,22 @@ struct verdicts {
     uint64_t hit, miss, once, twice;
 };
 
-/* Classifies rays 0 ... n - 1, without groups of four that are all in `done`. */
+/* Classifies rays 0 ... n - 1, without groups of LANES that are all in `done`. */
 static inline void classify_rays(const struct pen_candidate *candidate, const double *a,
                                  const double *b, int n, uint64_t done, struct verdicts *v)
 {
     *v = (struct verdicts){0, 0, 0, 0};
-    for (int i = 0; i < n; i += 4) {
-        if ((done >> i & 15) == 15)
+    for (int i = 0; i < n; i += LANES) {
+        if ((done >> i & LANES_ALL) == LANES_ALL)
             continue;
-        const double4 *a4 = (const double4 *)(a + i), *b4 = (const double4 *)(b + i);
-        struct verdict out;
-        if (candidate->kind == PEN_CANDIDATE_LINES)
-            classify_lines(candidate, a4, b4, &out);
-        else if (candidate->kind == PEN_CANDIDATE_OUTLINE)
-            classify_outline(candidate, a4, b4, &out);
-        else if (candidate->kind == PEN_CANDIDATE_SPHERE_AHEAD)
-            classify_sphere_ahead(candidate, a4, b4, &out);
-        else if (candidate->kind == PEN_CANDIDATE_SPHERE)
-            classify_sphere(candidate, a4, b4, &out);
-        else
-            classify_cylinder(candidate, a4, b4, &out);
-        v->hit |= (uint64_t)mask4_bits(&out.hit) << i;
-        v->miss |= (uint64_t)mask4_bits(&out.miss) << i;
+        const struct disk_points p = {lanes_load(a + i), lanes_load(b + i)};
+        const struct verdict out = classify(candidate, p);
+        v->hit |= (uint64_t)lane_mask_bits(out.hit) << i;
+        v->miss |= (uint64_t)lane_mask_bits(out.miss) << i;
         if (candidate->opaque)
             continue;
-        v->once |= (uint64_t)mask4_bits(&out.once) << i;
-        v->twice |= (uint64_t)mask4_bits(&out.twice) << i;
+        v->once |= (uint64_t)lane_mask_bits(out.once) << i;
+        v->twice |= (uint64_t)lane_mask_bits(out.twice) << i;
     }
 }
 

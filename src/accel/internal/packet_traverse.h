@@ -6,6 +6,7 @@
 #ifndef PEN_ACCEL_INTERNAL_PACKET_TRAVERSE_H
 #define PEN_ACCEL_INTERNAL_PACKET_TRAVERSE_H
 
+#include "accel/internal/floats8.h"
 #include "accel/internal/packet_candidate.h"
 #include "accel/internal/prim_test.h"
 

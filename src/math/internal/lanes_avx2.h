@@ -12,6 +12,7 @@ enum { LANES = 4 };
 typedef double lanes __attribute__((vector_size(32)));
 typedef int64_t lane_mask __attribute__((vector_size(32))); /* -1 or 0 */
 typedef uint64_t lane_words __attribute__((vector_size(32)));
+typedef uint32_t lane_halves __attribute__((vector_size(16)));
 
 static inline lanes lanes_splat(double x)
 {
@@ -103,6 +104,21 @@ static inline lanes lanes_of_words(lane_words w)
 static inline lane_mask lane_words_odd(lane_words w)
 {
     return (lane_mask) - (w & 1);
+}
+
+static inline lane_words lane_words_count(void)
+{
+    return (lane_words){0, 1, 2, 3};
+}
+
+static inline lane_halves lane_halves_count(void)
+{
+    return (lane_halves){0, 1, 2, 3};
+}
+
+static inline lane_words lane_words_of_halves(lane_halves w)
+{
+    return (lane_words)_mm256_cvtepu32_epi64((__m128i)w);
 }
 
 /* Loads one by one: quicker than the instruction for it on many processors. */

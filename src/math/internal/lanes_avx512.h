@@ -12,6 +12,7 @@ enum { LANES = 8 };
 typedef double lanes __attribute__((vector_size(64)));
 typedef unsigned lane_mask; /* bit i is lane i: what comparisons give, and what __mmask8 holds */
 typedef uint64_t lane_words __attribute__((vector_size(64)));
+typedef uint32_t lane_halves __attribute__((vector_size(32)));
 
 static inline lanes lanes_splat(double x)
 {
@@ -99,6 +100,21 @@ static inline lanes lanes_of_words(lane_words w)
 static inline lane_mask lane_words_odd(lane_words w)
 {
     return _mm512_test_epi64_mask((__m512i)w, _mm512_set1_epi64(1));
+}
+
+static inline lane_words lane_words_count(void)
+{
+    return (lane_words){0, 1, 2, 3, 4, 5, 6, 7};
+}
+
+static inline lane_halves lane_halves_count(void)
+{
+    return (lane_halves){0, 1, 2, 3, 4, 5, 6, 7};
+}
+
+static inline lane_words lane_words_of_halves(lane_halves w)
+{
+    return (lane_words)_mm512_cvtepu32_epi64((__m256i)w);
 }
 
 /* Loads one by one: quicker than the instruction for it on many processors. */

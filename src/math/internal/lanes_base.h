@@ -12,6 +12,7 @@ enum { LANES = 1 };
 typedef double lanes;
 typedef int lane_mask; /* 1 or 0 */
 typedef uint64_t lane_words;
+typedef uint32_t lane_halves;
 
 static inline lanes lanes_splat(double x)
 {
@@ -103,6 +104,21 @@ static inline lanes lanes_of_words(lane_words w)
 static inline lane_mask lane_words_odd(lane_words w)
 {
     return w & 1;
+}
+
+static inline lane_words lane_words_count(void)
+{
+    return 0;
+}
+
+static inline lane_halves lane_halves_count(void)
+{
+    return 0;
+}
+
+static inline lane_words lane_words_of_halves(lane_halves w)
+{
+    return w;
 }
 
 static inline lanes lanes_gather(const double *table, lane_words i)

@@ -6,12 +6,10 @@
 #define PEN_SHADE_INTERNAL_LIGHT_POINTS_H
 
 #include <math.h>
-#include <string.h>
 
 #include "accel/shadow_packet.h"
-#include "math/sample.h"
+#include "math/sample_lanes.h"
 #include "scene/settings.h"
-#include "shade/internal/light_points4.h"
 
 struct points {
     uint64_t hash;
@@ -79,28 +77,33 @@ static inline struct points_row points_row(uint32_t edge, uint32_t row)
     return r;
 }
 
-/* The points of four cells of a row of the grid, in the square around the unit disk. */
-static inline void points_cells(const struct points *p, uint32_t row, uint32_t column, double4 *x,
-                                double4 *y)
+/* The points of LANES cells of a row of the grid, in the square around the unit disk. Returns those
+ * that are in the disk and before column `stop`, as bits. */
+static inline unsigned points_cells(const struct points *p, uint32_t row, uint32_t column,
+                                    uint32_t stop, struct lanes_point2 *at)
 {
-    double4 columns = {column, column + 1., column + 2., column + 3.};
-    points_random(p->hash, p->first + row * p->samples + column, x, y);
-    *x = 2 * ((columns + *x) / p->samples) - 1;
-    *y = 2 * ((row + *y) / p->samples) - 1;
+    const uint32_t left = stop - column;
+    const lanes columns = lanes_splat(column) + lanes_of_small(lane_words_count());
+    *at = lanes_random2(p->hash, p->first + row * p->samples + column);
+    at->x = 2 * ((columns + at->x) / lanes_splat(p->samples)) - 1;
+    at->y = 2 * ((lanes_splat(row) + at->y) / lanes_splat(p->samples)) - 1;
+    return lane_mask_bits(lanes_at_most(at->x * at->x + at->y * at->y, lanes_splat(1))) &
+           (left < LANES ? (1u << left) - 1 : LANES_ALL);
 }
 
-/* Appends the points of four cells of a row that are in the disk and before column `stop`. Returns
+/* Appends the points of LANES cells of a row that are in the disk and before column `stop`. Returns
  * the length of the list. */
 static inline int points_add_cells(const struct points *p, uint32_t row, uint32_t column,
                                    uint32_t stop, struct point_list *list)
 {
-    double4 x, y;
-    points_cells(p, row, column, &x, &y);
-    mask4 in = x * x + y * y <= 1;
-    for (uint32_t i = 0; i < 4 && column + i < stop; i++) {
-        list->a[list->count] = x[i];
-        list->b[list->count] = y[i];
-        list->count += in[i] & 1;
+    struct lanes_point2 at;
+    double x[LANES], y[LANES];
+    unsigned in = points_cells(p, row, column, stop, &at);
+    lanes_store(x, at.x);
+    lanes_store(y, at.y);
+    for (; in; in &= in - 1) {
+        list->a[list->count] = x[__builtin_ctz(in)];
+        list->b[list->count++] = y[__builtin_ctz(in)];
     }
     return list->count;
 }
@@ -124,8 +127,8 @@ static inline void points_fill_drawing(struct points *p, struct point_list *list
         struct points_row row = points_row(p->samples, p->next);
         if (p->column < row.out)
             p->column = row.out;
-        for (; p->column < row.stop; p->column += 4) {
-            if (list->count > PEN_PACKET_RAYS - 4)
+        for (; p->column < row.stop; p->column += LANES) {
+            if (list->count > PEN_PACKET_RAYS - LANES)
                 return;
             if (points_add_cells(p, p->next, p->column, row.stop, list) > 0)
                 p->none = false;
@@ -156,15 +159,13 @@ static inline int points_fill(struct points *p, struct point_list *list)
     }
     uint32_t left = p->samples - p->next;
     list->count = left < PEN_PACKET_RAYS ? (int)left : PEN_PACKET_RAYS;
-    for (int i = 0; i < list->count; i += 4) {
-        double4 x, y;
-        if (p->pattern == PEN_PATTERN_SOBOL)
-            points_sobol(p->hash, p->next + (uint32_t)i, &x, &y);
-        else
-            points_random(p->hash, p->next + (uint32_t)i, &x, &y);
-        points_disk(&x, &y);
-        memcpy(list->a + i, &x, sizeof x);
-        memcpy(list->b + i, &y, sizeof y);
+    for (int i = 0; i < list->count; i += LANES) {
+        const uint32_t index = p->next + (uint32_t)i;
+        const struct lanes_point2 at =
+            lanes_disk_of_square(p->pattern == PEN_PATTERN_SOBOL ? lanes_sobol2(p->hash, index)
+                                                                 : lanes_random2(p->hash, index));
+        lanes_store(list->a + i, at.x);
+        lanes_store(list->b + i, at.y);
     }
     p->next += (uint32_t)list->count;
     return list->count;
@@ -174,14 +175,10 @@ static inline int points_fill(struct points *p, struct point_list *list)
 static inline uint32_t points_count_cells(const struct points *p, uint32_t row, uint32_t column,
                                           uint32_t stop)
 {
+    struct lanes_point2 at;
     uint32_t count = 0;
-    for (; column < stop; column += 4) {
-        double4 x, y;
-        mask4 in, number = {0, 1, 2, 3};
-        points_cells(p, row, column, &x, &y);
-        in = (x * x + y * y <= 1) & (number < (int64_t)(stop - column));
-        count -= (uint32_t)(in[0] + in[1] + in[2] + in[3]);
-    }
+    for (; column < stop; column += LANES)
+        count += (uint32_t)__builtin_popcount(points_cells(p, row, column, stop, &at));
     return count;
 }
 

@@ -203,7 +203,7 @@ static ALWAYS_INLINE void soft_add_packet(const struct pen_kernel_input *input,
 {
     struct point_list list;
     for (int n; (n = points_fill(&soft->points, &list)) > 0; soft->count += (uint32_t)n) {
-        for (int i = n; i & 3; i++) /* rays are tested in whole groups of four */
+        for (int i = n; i % LANES; i++) /* rays are tested in whole groups */
             list.a[i] = list.b[i] = 0;
         soft_add_rays(input, scratch, soft, &list, fx);
     }

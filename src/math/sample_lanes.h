@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+/* The functions of math/sample.h in lanes: points of LANES indices in a row. */
+#ifndef PEN_MATH_SAMPLE_LANES_H
+#define PEN_MATH_SAMPLE_LANES_H
+
+#include "math/lanes.h"
+#include "math/sample.h"
+
+struct lanes_point2 {
+    lanes x, y;
+};
+
+/* The finalizer of SplitMix64. */
+static inline lane_words lanes_mix(lane_words z)
+{
+    z = (z ^ z >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ z >> 27) * UINT64_C(0x94D049BB133111EB);
+    return z ^ z >> 31;
+}
+
+/* The middles of 2^32 cells of [0, 1). */
+static inline lanes lanes_unit_interval(lane_words cell)
+{
+    return (lanes_of_small(cell) + 0.5) * 0x1p-32;
+}
+
+/* pen_random2 of index, index + 1 and so on. */
+static inline struct lanes_point2 lanes_random2(uint64_t hash, uint32_t index)
+{
+    const lane_words number = index + lane_words_count() + 1;
+    const lane_words bits = lanes_mix(hash + number * UINT64_C(0x9E3779B97F4A7C15));
+    return (struct lanes_point2){lanes_unit_interval(bits & UINT32_MAX),
+                                 lanes_unit_interval(bits >> 32)};
+}
+
+static inline lane_halves lanes_reverse_bits(lane_halves x)
+{
+    x = x >> 16 | x << 16;
+    x = (x >> 8 & 0x00FF00FF) | (x & 0x00FF00FF) << 8;
+    x = (x >> 4 & 0x0F0F0F0F) | (x & 0x0F0F0F0F) << 4;
+    x = (x >> 2 & 0x33333333) | (x & 0x33333333) << 2;
+    return (x >> 1 & 0x55555555) | (x & 0x55555555) << 1;
+}
+
+static inline lane_halves lanes_scramble_reversed(lane_halves x, uint32_t seed)
+{
+    x ^= x * 0x3D20ADEAu;
+    x += seed;
+    x *= seed >> 16 | 1u;
+    x ^= x * 0x05526C56u;
+    return x ^ x * 0x53A22864u;
+}
+
+static inline lane_halves lanes_second_reversed(lane_halves x)
+{
+    x ^= x >> 16;
+    x ^= x >> 8 & 0x00FF00FF;
+    x ^= x >> 4 & 0x0F0F0F0F;
+    x ^= x >> 2 & 0x33333333;
+    return x ^ (x >> 1 & 0x55555555);
+}
+
+/* pen_sobol2 of index, index + 1 and so on. */
+static inline struct lanes_point2 lanes_sobol2(uint64_t hash, uint32_t index)
+{
+    const uint32_t order_seed = (uint32_t)(hash * UINT64_C(0x9E3779B97F4A7C15) >> 32);
+    lane_halves s = lanes_reverse_bits(index + lane_halves_count());
+    s = lanes_reverse_bits(lanes_scramble_reversed(s, order_seed));
+    const lane_halves x = lanes_scramble_reversed(s, (uint32_t)hash);
+    const lane_halves y = lanes_scramble_reversed(lanes_second_reversed(s), (uint32_t)(hash >> 32));
+    return (struct lanes_point2){
+        lanes_unit_interval(lane_words_of_halves(lanes_reverse_bits(x))),
+        lanes_unit_interval(lane_words_of_halves(lanes_reverse_bits(y))),
+    };
+}
+
+/* pen_disk_of_square, without its case for the square's middle lines: lanes_unit_interval gives no
+ * such point. */
+static inline struct lanes_point2 lanes_disk_of_square(struct lanes_point2 p)
+{
+    const lanes a = 2 * p.x - 1, b = 2 * p.y - 1;
+    const lane_mask wide = lanes_less(lanes_abs(b), lanes_abs(a));
+    const lanes longer = lanes_select(wide, a, b), shorter = lanes_select(wide, b, a);
+    const lanes angle = 0x1.921fb54442d18p-1 * (shorter / longer), z = angle * angle;
+    lanes s = 1. / 6227020800 + z * (-1. / 1307674368000);
+    s = 1. / 362880 + z * (-1. / 39916800 + z * s);
+    s = -1. / 6 + z * (1. / 120 + z * (-1. / 5040 + z * s));
+    lanes c = -1. / 87178291200 + z * (1. / 20922789888000);
+    c = 1. / 40320 + z * (-1. / 3628800 + z * (1. / 479001600 + z * c));
+    c = -0.5 + z * (1. / 24 + z * (-1. / 720 + z * c));
+    const lanes sine = longer * (angle + angle * z * s), cosine = longer * (1 + z * c);
+    return (struct lanes_point2){lanes_select(wide, cosine, sine),
+                                 lanes_select(wide, sine, cosine)};
+}
+
+#endif
