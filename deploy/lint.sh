@@ -260,7 +260,7 @@ while read -r door; do
 done <"$work/doors" >>"$work/out"
 count "$work/out"
 
-# 11. Words that are no parts of identifiers, because the field has others: fan (shadow-ray packet), gate
+# 11. Words that are no parts of identifiers, because the field has others: fan (disk packet), gate
 # (candidate), tint (transmissive occluder), obituary (death report), twofold (double-double), crossing
 # (intersection), fate (visibility), suspect (quarantined), tidy (purge).
 git ls-files 'src/*.[ch]' 'include/*.h' >"$work/files"

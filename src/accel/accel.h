@@ -12,8 +12,8 @@
 #ifndef PEN_ACCEL_ACCEL_H
 #define PEN_ACCEL_ACCEL_H
 
+#include "accel/disk_packet.h"
 #include "accel/ray_packet.h"
-#include "accel/shadow_packet.h"
 #include "base/arena.h"
 #include "base/cpu.h"
 #include "base/status.h"
@@ -132,20 +132,20 @@ struct pen_trace_ops {
      * that is blocked. NULL in counting variants. */
     uint64_t (*nearest_packet)(const struct pen_accel *accel, struct pen_ray_packet *packet);
     uint64_t (*shadow_packet)(const struct pen_accel *accel, struct pen_ray_packet *packet);
-    /* The three steps of a shadow-ray packet (accel/shadow_packet.h); NULL in counting variants.
-     *  1. packet_begin collects the candidates and tells what all rays have in common.
-     *  2. If that is PEN_PACKET_MIXED, packet_test tests n <= PEN_PACKET_RAYS rays, given by (a,
-     * b). It returns a bit for each ray that is blocked. *fallback gets a bit for each ray that is
+    /* The three steps of a disk packet (accel/disk_packet.h); NULL in counting variants.
+     *  1. disk_begin collects the candidates and tells what all rays have in common.
+     *  2. If that is PEN_DISK_MIXED, disk_test tests n <= PEN_DISK_RAYS rays, given by (a, b). It
+     *     returns a bit for each ray that is blocked. *fallback gets a bit for each ray that is
      *     not decided: whether it is blocked, or how often it intersects which primitives. The
      *     others intersect the candidates in `transmissive` that name them in once and twice, at
      *     most two times in all, so that the order does not matter.
-     *  3. packet_ray does for ray i of *fallback what `shadow` does, without last_occluder. */
-    enum pen_packet_visibility (*packet_begin)(const struct pen_accel *accel,
-                                               struct pen_shadow_packet *packet);
-    uint64_t (*packet_test)(struct pen_shadow_packet *packet, const double a[PEN_PACKET_RAYS],
-                            const double b[PEN_PACKET_RAYS], int n, uint64_t *fallback);
-    bool (*packet_ray)(const struct pen_accel *accel, const struct pen_shadow_packet *packet,
-                       const struct pen_ray *ray, int i, struct pen_shadow *query);
+     *  3. disk_ray does for ray i of *fallback what `shadow` does, without last_occluder. */
+    enum pen_disk_visibility (*disk_begin)(const struct pen_accel *accel,
+                                           struct pen_disk_packet *packet);
+    uint64_t (*disk_test)(struct pen_disk_packet *packet, const double a[PEN_DISK_RAYS],
+                          const double b[PEN_DISK_RAYS], int n, uint64_t *fallback);
+    bool (*disk_ray)(const struct pen_accel *accel, const struct pen_disk_packet *packet,
+                     const struct pen_ray *ray, int i, struct pen_shadow *query);
 };
 
 /* The table for an instruction set. Its functions run only on processors that have it

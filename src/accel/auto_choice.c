@@ -17,8 +17,8 @@
  * scalar test, ray by ray, which costs more than in a list. So some four infinite cylinders are
  * enough to make packets slower.
  *
- * Neither soft lights nor coincident surfaces matter to the choice. Shadow-ray packets of soft
- * lights work with each, and coincident surfaces, whose pixels go ray by ray after their packet,
+ * Neither soft lights nor coincident surfaces matter to the choice. Disk packets, of soft lights,
+ * work with each, and coincident surfaces, whose pixels go ray by ray after their packet,
  * add the same to each. `cbr`, `manual` and `median` are no choices: they have not been found more
  * than 5 % quicker than the best of these three.
  *

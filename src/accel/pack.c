@@ -8,7 +8,7 @@
 /* The arrays being filled, and how far each is. In the first pass `items` is NULL. */
 struct packer {
     bool singles; /* a leaf of one primitive is that primitive, not a block; never where `auto`
-                   * builds, because shadow-ray packets read blocks only */
+                   * builds, because disk packets read blocks only */
     const struct pen_prims *prims;
     const struct pen_ref *ref;
     uint32_t *items;

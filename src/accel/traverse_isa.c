@@ -4,7 +4,7 @@
 
 enum { COUNTING = 0 };
 
-#include "accel/internal/packet_test.h"
+#include "accel/internal/disk_packet_test.h"
 #include "accel/internal/ray_packet_query.h"
 #include "accel/internal/variants.h"
 
@@ -14,7 +14,7 @@ const struct pen_trace_ops ISA_NAMED(pen_trace_, PEN_ISA) = {
     .shadow = shadow,
     .nearest_packet = nearest_packet,
     .shadow_packet = shadow_packet,
-    .packet_begin = packet_begin,
-    .packet_test = packet_test,
-    .packet_ray = packet_ray,
+    .disk_begin = disk_begin,
+    .disk_test = disk_test,
+    .disk_ray = disk_ray,
 };

@@ -88,7 +88,7 @@ END_TEST
 
 /* The verdict of a packet on each ray, and of `shadow` on the ray alone. */
 static void compare_ray(const struct pen_accel *accel, const struct pen_trace_ops *ops,
-                        const struct pen_shadow_packet *packet, double a, double b, int i,
+                        const struct pen_disk_packet *packet, double a, double b, int i,
                         bool blocked, bool fallback)
 {
     struct pen_shadow alone = {.tmax = packet->to_point ? 1 : INFINITY,
@@ -96,13 +96,13 @@ static void compare_ray(const struct pen_accel *accel, const struct pen_trace_op
                                .see_through = packet->see_through,
                                .last_occluder = PEN_NO_PRIM};
     struct pen_shadow together = alone;
-    struct pen_ray ray = world_ray(packet->o, pen_packet_direction(packet, a, b));
+    struct pen_ray ray = world_ray(packet->o, pen_disk_packet_direction(packet, a, b));
     bool truth = ops->shadow(accel, &ray, packet->origin, &alone);
     if (!fallback) {
         ck_assert(blocked == truth);
         return;
     }
-    ck_assert(ops->packet_ray(accel, packet, &ray, i, &together) == truth);
+    ck_assert(ops->disk_ray(accel, packet, &ray, i, &together) == truth);
     if (truth)
         return;
     ck_assert_int_eq(together.count, alone.count);
@@ -112,29 +112,29 @@ static void compare_ray(const struct pen_accel *accel, const struct pen_trace_op
 
 /* Compares the rays of a packet, and counts those that take the scalar fallback. */
 static int compare_packet(struct random *r, const struct pen_accel *accel, enum pen_isa isa,
-                          struct pen_shadow_packet *packet)
+                          struct pen_disk_packet *packet)
 {
     const struct pen_trace_ops *ops = pen_trace_ops_get(isa);
-    double a[PEN_PACKET_RAYS], b[PEN_PACKET_RAYS];
+    double a[PEN_DISK_RAYS], b[PEN_DISK_RAYS];
     uint64_t blocked = 0, fallback = 0;
     packet->last_occluder = PEN_NO_PRIM;
-    for (int i = 0; i < PEN_PACKET_RAYS; i++) {
+    for (int i = 0; i < PEN_DISK_RAYS; i++) {
         a[i] = random_in(r, -.7, .7);
         b[i] = random_in(r, -.7, .7);
     }
-    switch (ops->packet_begin(accel, packet)) {
-    case PEN_PACKET_ALL_VISIBLE:
+    switch (ops->disk_begin(accel, packet)) {
+    case PEN_DISK_ALL_VISIBLE:
         break;
-    case PEN_PACKET_ALL_OCCLUDED:
+    case PEN_DISK_ALL_OCCLUDED:
         blocked = UINT64_MAX;
         break;
-    case PEN_PACKET_MIXED:
-        blocked = ops->packet_test(packet, a, b, PEN_PACKET_RAYS, &fallback);
+    case PEN_DISK_MIXED:
+        blocked = ops->disk_test(packet, a, b, PEN_DISK_RAYS, &fallback);
         break;
-    case PEN_PACKET_NOT_POSSIBLE:
+    case PEN_DISK_NOT_POSSIBLE:
         return 0;
     }
-    for (int i = 0; i < PEN_PACKET_RAYS; i++)
+    for (int i = 0; i < PEN_DISK_RAYS; i++)
         compare_ray(accel, ops, packet, a[i], b[i], i, blocked >> i & 1, fallback >> i & 1);
     return __builtin_popcountll(fallback);
 }
@@ -142,7 +142,7 @@ static int compare_packet(struct random *r, const struct pen_accel *accel, enum 
 START_TEST(test_generic__packets_leave_them_to_the_reference)
 {
     struct random r = random_begin(64);
-    static struct pen_shadow_packet packet;
+    static struct pen_disk_packet packet;
     static const uint8_t opaque[WORLD_MAX];
     int fallbacks[PEN_PRIM_KIND_COUNT] = {0};
     for (int i = 0; i < random_cases(600); i++) {

@@ -227,7 +227,7 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
     [102] = {"the same picture by every instruction set",
              "test_count__variants_agree "
              "test_kernel__every_kernel_gives_the_same_bits "
-             "test_packet__packets_equal_single_rays",
+             "test_disk_packet__packets_equal_single_rays",
              ROW_TESTED, NULL},
     [103] = {"the same picture from any compiler",
              "test_golden__films_are_those_of_the_table "

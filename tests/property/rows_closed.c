@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* More surfaces that close or tile: the meshes, shadow-ray packets, stars and circles of the
+/* More surfaces that close or tile: the meshes, disk packets, stars and circles of the
  * catalogue. What must hold is a count. */
 #include <stdlib.h>
 

@@ -335,11 +335,11 @@ static bool faulty_shadow(const struct pen_accel *accel, const struct pen_ray *r
     return fault.real->shadow(accel, ray, origin, query);
 }
 
-static enum pen_packet_visibility faulty_packet_begin(const struct pen_accel *accel,
-                                                      struct pen_shadow_packet *packet)
+static enum pen_disk_visibility faulty_disk_begin(const struct pen_accel *accel,
+                                                  struct pen_disk_packet *packet)
 {
     fault.shadow++;
-    return fault.real->packet_begin(accel, packet);
+    return fault.real->disk_begin(accel, packet);
 }
 
 static struct pen_trace_ops faulty_ops(enum pen_isa isa)
@@ -348,7 +348,7 @@ static struct pen_trace_ops faulty_ops(enum pen_isa isa)
     struct pen_trace_ops ops = *fault.real;
     ops.nearest = faulty_nearest;
     ops.shadow = faulty_shadow;
-    ops.packet_begin = ops.packet_begin ? faulty_packet_begin : NULL;
+    ops.disk_begin = ops.disk_begin ? faulty_disk_begin : NULL;
     return ops;
 }
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The points of a light's disk that are sampled from one shaded point, by the setting
- * light_pattern, in groups of up to PEN_PACKET_RAYS. struct pen_sample_key defines which points
+ * light_pattern, in groups of up to PEN_DISK_RAYS. struct pen_sample_key defines which points
  * these are. */
 #ifndef PEN_SHADE_INTERNAL_LIGHT_POINTS_H
 #define PEN_SHADE_INTERNAL_LIGHT_POINTS_H
 
 #include <math.h>
 
-#include "accel/shadow_packet.h"
+#include "accel/disk_packet.h"
 #include "math/sample_lanes.h"
 #include "scene/settings.h"
 
@@ -29,7 +29,7 @@ enum { POINTS_DRAWINGS = 64 };
 
 /* A group of points, as coordinates on the unit disk. */
 struct point_list {
-    double a[PEN_PACKET_RAYS], b[PEN_PACKET_RAYS];
+    double a[PEN_DISK_RAYS], b[PEN_DISK_RAYS];
     int count;
 };
 
@@ -128,7 +128,7 @@ static inline void points_fill_drawing(struct points *p, struct point_list *list
         if (p->column < row.out)
             p->column = row.out;
         for (; p->column < row.stop; p->column += LANES) {
-            if (list->count > PEN_PACKET_RAYS - LANES)
+            if (list->count > PEN_DISK_RAYS - LANES)
                 return;
             if (points_add_cells(p, p->next, p->column, row.stop, list) > 0)
                 p->none = false;
@@ -158,7 +158,7 @@ static inline int points_fill(struct points *p, struct point_list *list)
         return list->count;
     }
     uint32_t left = p->samples - p->next;
-    list->count = left < PEN_PACKET_RAYS ? (int)left : PEN_PACKET_RAYS;
+    list->count = left < PEN_DISK_RAYS ? (int)left : PEN_DISK_RAYS;
     for (int i = 0; i < list->count; i += LANES) {
         const uint32_t index = p->next + (uint32_t)i;
         const struct lanes_point2 at =

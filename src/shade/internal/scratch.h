@@ -21,7 +21,7 @@ struct path {
 
 struct pen_kernel_scratch {
     struct pen_shadow shadow;
-    struct pen_shadow_packet packet;
+    struct pen_disk_packet packet;
     uint32_t *last_occluder;         /* by light */
     struct path *waiting;            /* the stack; max_depth entries: see kernel_body.h */
     int surfaces_max;                /* of a pixel sample: pen_tree_surfaces_max */

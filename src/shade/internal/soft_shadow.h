@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Soft shadows: the mean transmittance of the shadow rays to sampled points of a light's disk,
  * which faces the shaded point. Where possible the rays are tested as a packet
- * (accel/shadow_packet.h), else one by one. The sum is the same to the bit, since it is made in the
+ * (accel/disk_packet.h), else one by one. The sum is the same to the bit, since it is made in the
  * order of the points. */
 #ifndef PEN_SHADE_INTERNAL_SOFT_SHADOW_H
 #define PEN_SHADE_INTERNAL_SOFT_SHADOW_H
@@ -24,7 +24,7 @@ struct soft {
 
 /* A light's disk is perpendicular to the direction to it; that of a directional one is at unit
  * distance. */
-static ALWAYS_INLINE void soft_disk(struct pen_shadow_packet *packet, const struct pen_light *light,
+static ALWAYS_INLINE void soft_disk(struct pen_disk_packet *packet, const struct pen_light *light,
                                     struct pen_vec3 to_light)
 {
     struct pen_vec3 n = light->positional ? pen_normalize(to_light) : to_light;
@@ -43,7 +43,7 @@ static ALWAYS_INLINE void soft_add(const struct pen_kernel_input *input,
 {
     const struct surface *s = soft->s;
     const int lane = soft->lane;
-    struct shadow_ray shadow = {.d = pen_packet_direction(&scratch->packet, at.x, at.y),
+    struct shadow_ray shadow = {.d = pen_disk_packet_direction(&scratch->packet, at.x, at.y),
                                 .to_point = soft->arriving->to_point,
                                 .light = soft->arriving->light};
     const struct lanes3 d = lanes3_splat(shadow.d);
@@ -76,7 +76,7 @@ static ALWAYS_INLINE void soft_add_singly(const struct pen_kernel_input *input,
 
 /* Whether all of the disk is above the horizon, by more than rounding. `size` is at least the
  * length of the vector to any of its points. */
-static ALWAYS_INLINE bool soft_disk_is_above_horizon(const struct pen_shadow_packet *packet,
+static ALWAYS_INLINE bool soft_disk_is_above_horizon(const struct pen_disk_packet *packet,
                                                      const struct soft *soft)
 {
     struct pen_vec3 n = lanes3_at(soft->s->n, soft->lane);
@@ -87,20 +87,20 @@ static ALWAYS_INLINE bool soft_disk_is_above_horizon(const struct pen_shadow_pac
     return c > sqrt(u * u + v * v) + band + 0x1p-40 * size;
 }
 
-static ALWAYS_INLINE enum pen_packet_visibility
+static ALWAYS_INLINE enum pen_disk_visibility
 soft_begin_packet(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
                   struct soft *soft, const unsigned fx)
 {
-    struct pen_shadow_packet *packet = &scratch->packet;
+    struct pen_disk_packet *packet = &scratch->packet;
     uint32_t *last = &scratch->last_occluder[soft->arriving->light];
-    if (!input->trace->packet_begin || !soft_disk_is_above_horizon(packet, soft))
-        return PEN_PACKET_NOT_POSSIBLE;
+    if (!input->trace->disk_begin || !soft_disk_is_above_horizon(packet, soft))
+        return PEN_DISK_NOT_POSSIBLE;
     packet->o = lanes3_at(soft->s->p, soft->lane);
     packet->origin = &soft->origin;
     packet->to_point = soft->arriving->to_point;
     packet->see_through = fx & PEN_FX_SHADOW_TRANSMITTANCE ? input->scene->see_through : NULL;
     packet->last_occluder = *last;
-    enum pen_packet_visibility visibility = input->trace->packet_begin(input->scene->accel, packet);
+    enum pen_disk_visibility visibility = input->trace->disk_begin(input->scene->accel, packet);
     *last = packet->last_occluder;
     return visibility;
 }
@@ -117,7 +117,7 @@ static ALWAYS_INLINE struct pen_vec3 soft_trace_ray(const struct pen_kernel_inpu
     if (!pen_ray_make(&ray, scratch->packet.o, d))
         return no_sample();
     shadow_query(input, query, soft->arriving->to_point, fx);
-    if (input->trace->packet_ray(input->scene->accel, &scratch->packet, &ray, i, query))
+    if (input->trace->disk_ray(input->scene->accel, &scratch->packet, &ray, i, query))
         return none;
     return shadow_colour(input, &ray, &soft->origin, query, clear, fx);
 }
@@ -125,12 +125,12 @@ static ALWAYS_INLINE struct pen_vec3 soft_trace_ray(const struct pen_kernel_inpu
 /* The transmittance of ray i, which has at most two transmissive intersections: a product of two
  * factors has the same bits in either order. */
 static ALWAYS_INLINE struct pen_vec3 soft_ray_transmittance(const struct pen_kernel_input *input,
-                                                            const struct pen_shadow_packet *packet,
+                                                            const struct pen_disk_packet *packet,
                                                             int i)
 {
     struct pen_vec3 t = {1, 1, 1};
     for (int k = 0; k < packet->transmissive_count; k++) {
-        const struct pen_candidate *candidate = &packet->candidate[packet->transmissive[k]];
+        const struct pen_disk_candidate *candidate = &packet->candidate[packet->transmissive[k]];
         if ((candidate->once | candidate->twice) >> i & 1)
             t = shadow_filter(input->scene, candidate->prim, t);
         if (candidate->twice >> i & 1)
@@ -140,7 +140,7 @@ static ALWAYS_INLINE struct pen_vec3 soft_ray_transmittance(const struct pen_ker
 }
 
 /* Whether all unblocked rays have the same transmissive intersections. */
-static ALWAYS_INLINE bool soft_uniform(const struct pen_shadow_packet *packet, uint64_t unblocked)
+static ALWAYS_INLINE bool soft_uniform(const struct pen_disk_packet *packet, uint64_t unblocked)
 {
     for (int k = 0; k < packet->transmissive_count; k++) {
         uint64_t once = packet->candidate[packet->transmissive[k]].once & unblocked;
@@ -157,13 +157,13 @@ static ALWAYS_INLINE void soft_add_each(const struct pen_kernel_input *input,
                                         const struct point_list *list, uint64_t unblocked,
                                         uint64_t fallback, const unsigned fx)
 {
-    struct pen_shadow_packet *packet = &scratch->packet;
+    struct pen_disk_packet *packet = &scratch->packet;
     for (; unblocked; unblocked &= unblocked - 1) {
         int i = __builtin_ctzll(unblocked);
         struct pen_vec3 t;
         if (fallback >> i & 1)
             t = soft_trace_ray(input, scratch, soft, i,
-                               pen_packet_direction(packet, list->a[i], list->b[i]), fx);
+                               pen_disk_packet_direction(packet, list->a[i], list->b[i]), fx);
         else
             t = soft_ray_transmittance(input, packet, i);
         soft->sum = pen_add(soft->sum, t);
@@ -176,10 +176,10 @@ static ALWAYS_INLINE void soft_add_rays(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch, struct soft *soft,
                                         const struct point_list *list, const unsigned fx)
 {
-    struct pen_shadow_packet *packet = &scratch->packet;
+    struct pen_disk_packet *packet = &scratch->packet;
     uint64_t all = list->count < 64 ? (UINT64_C(1) << list->count) - 1 : UINT64_MAX, fallback;
     uint64_t unblocked =
-        all & ~input->trace->packet_test(packet, list->a, list->b, list->count, &fallback);
+        all & ~input->trace->disk_test(packet, list->a, list->b, list->count, &fallback);
     if (!unblocked)
         return;
     if (fallback || !soft_uniform(packet, unblocked)) {
@@ -225,13 +225,13 @@ soft_transmittance(const struct pen_kernel_input *input, struct pen_kernel_scrat
               lanes3_at(arriving->to_light, lane));
     scratch->key.light = input->scene->light_index[arriving->light];
     soft.points = points_begin(input->settings, pen_sample_hash(&scratch->key));
-    enum pen_packet_visibility visibility = soft_begin_packet(input, scratch, &soft, fx);
-    if (visibility == PEN_PACKET_ALL_VISIBLE || visibility == PEN_PACKET_ALL_OCCLUDED) {
-        double t = visibility == PEN_PACKET_ALL_VISIBLE;
+    enum pen_disk_visibility visibility = soft_begin_packet(input, scratch, &soft, fx);
+    if (visibility == PEN_DISK_ALL_VISIBLE || visibility == PEN_DISK_ALL_OCCLUDED) {
+        double t = visibility == PEN_DISK_ALL_VISIBLE;
         counts->shadow += points_count(&soft.points);
         return pen_vec3(t, t, t);
     }
-    if (visibility == PEN_PACKET_MIXED)
+    if (visibility == PEN_DISK_MIXED)
         soft_add_packet(input, scratch, &soft, fx);
     else
         soft_add_singly(input, scratch, &soft, fx);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Shadow-ray packets give the same bits as single shadow rays. Soft lights are rendered with a
+/* Disk packets give the same bits as single shadow rays. Soft lights are rendered with a
  * tree, which traces packets, and without one, which traces single rays; pixels and ray counts must
  * be equal. The random scenes are hard on purpose: most coordinates are small integers, so that
  * lights lie in planes, on axes and at centres, primitives touch and coincide, and points lie on
@@ -181,7 +181,7 @@ static void compare(const struct film *want, const struct film *got, const char 
                      (unsigned long long)got->rays.shadow, (unsigned long long)want->rays.shadow);
 }
 
-START_TEST(test_packet__packets_equal_single_rays)
+START_TEST(test_disk_packet__packets_equal_single_rays)
 {
     struct random random = random_begin(77);
     const char *many = getenv("PEN_N");
@@ -201,4 +201,4 @@ START_TEST(test_packet__packets_equal_single_rays)
 }
 END_TEST
 
-PEN_SUITE("packet", test_packet__packets_equal_single_rays)
+PEN_SUITE("disk_packet", test_disk_packet__packets_equal_single_rays)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the candidates of shadow-ray packets: what a primitive is to the rays from one point to a
+/* Makes the candidates of disk packets: what a primitive is to the rays from one point to a
  * disk.
  *
  * Bands. Let delta be 4 grow plus some 2^-34 of all lengths involved, where grow is how far the
@@ -9,7 +9,7 @@
  *    the primitive's test and by the lines here;
  *  - a primitive within delta of the origin is always tested by the reference itself;
  *  - so is one that a ray passes within delta of the ray's end. */
-#include "accel/internal/packet_candidate.h"
+#include "accel/internal/disk_candidate.h"
 
 #include <float.h>
 
@@ -27,7 +27,7 @@ static bool in_range(struct pen_vec3 v)
     return pen_norm1(v) <= 0x1p200;
 }
 
-bool pen_packet_prepare(struct pen_shadow_packet *packet, double scale)
+bool pen_disk_packet_prepare(struct pen_disk_packet *packet, double scale)
 {
     double cc = pen_dot(packet->c, packet->c),
            uu = pen_larger(pen_dot(packet->u, packet->u), pen_dot(packet->v, packet->v));
@@ -50,14 +50,14 @@ bool pen_packet_prepare(struct pen_shadow_packet *packet, double scale)
 /* The sign of a line for all rays of the packet. */
 enum line_sign { LINE_NEGATIVE, LINE_POSITIVE, LINE_MIXED };
 
-static inline struct pen_packet_line line_of(const struct pen_shadow_packet *packet,
-                                             struct pen_vec3 n, double band)
+static inline struct pen_disk_line line_of(const struct pen_disk_packet *packet, struct pen_vec3 n,
+                                           double band)
 {
-    return (struct pen_packet_line){pen_dot(n, packet->c), pen_dot(n, packet->u),
-                                    pen_dot(n, packet->v), band};
+    return (struct pen_disk_line){pen_dot(n, packet->c), pen_dot(n, packet->u),
+                                  pen_dot(n, packet->v), band};
 }
 
-static enum line_sign line_sign(const struct pen_packet_line *line)
+static enum line_sign line_sign(const struct pen_disk_line *line)
 {
     double most = sqrt(line->u * line->u + line->v * line->v) + line->band;
     return line->e > most ? LINE_POSITIVE : line->e < -most ? LINE_NEGATIVE : LINE_MIXED;
@@ -65,7 +65,7 @@ static enum line_sign line_sign(const struct pen_packet_line *line)
 
 /* Adds a line that is positive where rays hit. False if it is positive for no ray. One that is
  * positive for all rays is left out. */
-static bool add_line(struct pen_candidate *candidate, struct pen_packet_line line)
+static bool add_line(struct pen_disk_candidate *candidate, struct pen_disk_line line)
 {
     enum line_sign sign = line_sign(&line);
     if (sign == LINE_NEGATIVE)
@@ -76,25 +76,26 @@ static bool add_line(struct pen_candidate *candidate, struct pen_packet_line lin
 }
 
 /* Every ray is tested against the primitive by itself, by the reference. */
-static enum pen_candidate_verdict scalar_fallback(struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict scalar_fallback(struct pen_disk_candidate *candidate)
 {
-    candidate->kind = PEN_CANDIDATE_FALLBACK;
+    candidate->kind = PEN_DISK_CANDIDATE_FALLBACK;
     candidate->by_reference = true;
-    return PEN_CANDIDATE_SOME;
+    return PEN_DISK_CANDIDATE_SOME;
 }
 
-static enum pen_candidate_verdict verdict_of_lines(const struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict verdict_of_lines(const struct pen_disk_candidate *candidate)
 {
-    return candidate->lines == 0 && candidate->opaque ? PEN_CANDIDATE_ALWAYS : PEN_CANDIDATE_SOME;
+    return candidate->lines == 0 && candidate->opaque ? PEN_DISK_CANDIDATE_ALWAYS
+                                                      : PEN_DISK_CANDIDATE_SOME;
 }
 
 /* The line that is positive where a ray intersects a plane before the ray ends. n is the plane's
  * unit normal, h the plane's signed distance from the origin along n. */
-static struct pen_packet_line plane_line(const struct pen_shadow_packet *packet, struct pen_vec3 n,
-                                         double h, double delta)
+static struct pen_disk_line plane_line(const struct pen_disk_packet *packet, struct pen_vec3 n,
+                                       double h, double delta)
 {
     struct pen_vec3 towards = h < 0 ? pen_neg(n) : n;
-    struct pen_packet_line line = line_of(packet, towards, delta);
+    struct pen_disk_line line = line_of(packet, towards, delta);
     if (packet->to_point)
         line.e -= fabs(h);
     else
@@ -102,16 +103,16 @@ static struct pen_packet_line plane_line(const struct pen_shadow_packet *packet,
     return line;
 }
 
-static enum pen_candidate_verdict plane_candidate(const struct pen_shadow_packet *packet,
-                                                  const struct pen_plane *plane,
-                                                  struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict plane_candidate(const struct pen_disk_packet *packet,
+                                                       const struct pen_plane *plane,
+                                                       struct pen_disk_candidate *candidate)
 {
     struct pen_vec3 f = pen_sub(plane->q, packet->o);
     double h = pen_dot(plane->n, f), delta = packet->delta + margin_of(pen_norm1(f));
     if (fabs(h) <= delta)
         return scalar_fallback(candidate);
     if (!add_line(candidate, plane_line(packet, plane->n, h, delta)))
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     return verdict_of_lines(candidate);
 }
 
@@ -122,7 +123,7 @@ struct flat {
     struct pen_vec3 n; /* unit; the vertices run counter-clockwise around it */
 };
 
-static double farthest(const struct pen_shadow_packet *packet, const struct flat *flat)
+static double farthest(const struct pen_disk_packet *packet, const struct flat *flat)
 {
     double most = 0;
     for (uint32_t i = 0; i < flat->count; i++)
@@ -138,9 +139,9 @@ static struct pen_vec3 cross(struct pen_vec3 a, struct pen_vec3 b)
 /* The line that is positive where rays pass on the inner side of an edge or a chord from p to q,
  * for rays that go towards the side of n. The distance between the ray's line and that of the edge
  * is at least |value| / (|d| |edge|), from which the band follows. */
-static struct pen_packet_line chord_line(const struct pen_shadow_packet *packet,
-                                         const struct pen_vec3 *p, const struct pen_vec3 *q,
-                                         double delta)
+static struct pen_disk_line chord_line(const struct pen_disk_packet *packet,
+                                       const struct pen_vec3 *p, const struct pen_vec3 *q,
+                                       double delta)
 {
     struct pen_vec3 edge = pen_sub(*q, *p);
     return line_of(packet, cross(pen_sub(*p, packet->o), edge),
@@ -148,49 +149,49 @@ static struct pen_packet_line chord_line(const struct pen_shadow_packet *packet,
 }
 
 /* The line of edge i. */
-static struct pen_packet_line edge_line(const struct pen_shadow_packet *packet,
-                                        const struct flat *flat, uint32_t i, double delta)
+static struct pen_disk_line edge_line(const struct pen_disk_packet *packet, const struct flat *flat,
+                                      uint32_t i, double delta)
 {
     return chord_line(packet, &flat->v[i], &flat->v[i + 1 < flat->count ? i + 1 : 0], delta);
 }
 
 /* The origin is within delta of the primitive's plane. The primitive is left out only if one edge
  * has all rays on one side and another edge has all rays on the other; else it falls back. */
-static enum pen_candidate_verdict coplanar_candidate(const struct pen_shadow_packet *packet,
-                                                     const struct flat *flat, double delta,
-                                                     struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict coplanar_candidate(const struct pen_disk_packet *packet,
+                                                          const struct flat *flat, double delta,
+                                                          struct pen_disk_candidate *candidate)
 {
     bool positive = false, negative = false;
     for (uint32_t i = 0; i < flat->count; i++) {
-        struct pen_packet_line line = edge_line(packet, flat, i, delta);
+        struct pen_disk_line line = edge_line(packet, flat, i, delta);
         enum line_sign sign = line_sign(&line);
         positive = positive || sign == LINE_POSITIVE;
         negative = negative || sign == LINE_NEGATIVE;
         if (positive && negative)
-            return PEN_CANDIDATE_NEVER;
+            return PEN_DISK_CANDIDATE_NEVER;
     }
     return scalar_fallback(candidate);
 }
 
-static enum pen_candidate_verdict convex_candidate(const struct pen_shadow_packet *packet,
-                                                   const struct flat *flat,
-                                                   struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict convex_candidate(const struct pen_disk_packet *packet,
+                                                        const struct flat *flat,
+                                                        struct pen_disk_candidate *candidate)
 {
     double delta = packet->delta + margin_of(farthest(packet, flat));
     double h = pen_dot(flat->n, pen_sub(flat->v[0], packet->o));
     if (fabs(h) <= delta)
         return coplanar_candidate(packet, flat, delta, candidate);
     if (!add_line(candidate, plane_line(packet, flat->n, h, delta)))
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     for (uint32_t i = 0; i < flat->count; i++) {
-        struct pen_packet_line line = edge_line(packet, flat, i, delta);
+        struct pen_disk_line line = edge_line(packet, flat, i, delta);
         if (h < 0) {
             line.e = -line.e;
             line.u = -line.u;
             line.v = -line.v;
         }
         if (!add_line(candidate, line))
-            return PEN_CANDIDATE_NEVER;
+            return PEN_DISK_CANDIDATE_NEVER;
     }
     return verdict_of_lines(candidate);
 }
@@ -201,7 +202,7 @@ struct cone_coordinates {
     double outside, depth;
 };
 
-static struct cone_coordinates cone_coordinates_of(const struct pen_shadow_packet *packet,
+static struct cone_coordinates cone_coordinates_of(const struct pen_disk_packet *packet,
                                                    struct pen_vec3 f)
 {
     double depth = pen_dot(f, packet->axis), aside = pen_length(cross(f, packet->axis));
@@ -209,7 +210,7 @@ static struct cone_coordinates cone_coordinates_of(const struct pen_shadow_packe
 }
 
 /* Whether no ray meets the ball of radius r around o + f, by more than delta. */
-static bool ball_is_outside(const struct pen_shadow_packet *packet, struct pen_vec3 f, double r,
+static bool ball_is_outside(const struct pen_disk_packet *packet, struct pen_vec3 f, double r,
                             double delta)
 {
     struct cone_coordinates p = cone_coordinates_of(packet, f);
@@ -218,9 +219,9 @@ static bool ball_is_outside(const struct pen_shadow_packet *packet, struct pen_v
 }
 
 /* Whether d.n > 0 for all rays, where n is rounded like a vector of length `size`. */
-static bool all_positive(const struct pen_shadow_packet *packet, struct pen_vec3 n, double size)
+static bool all_positive(const struct pen_disk_packet *packet, struct pen_vec3 n, double size)
 {
-    struct pen_packet_line line = line_of(packet, n, margin_of(packet->reach * size));
+    struct pen_disk_line line = line_of(packet, n, margin_of(packet->reach * size));
     return line_sign(&line) == LINE_POSITIVE;
 }
 
@@ -228,8 +229,8 @@ static bool all_positive(const struct pen_shadow_packet *packet, struct pen_vec3
  * g from the origin to the centre, and k = |g|^2 - r^2. The candidate's lines hold: 0  p as a
  * function of (a, b) 1  e: k; band: that of the square root's argument 2  |d|^2 = e + u a^2 + v
  * b^2; band: the t at which a ray ends */
-static void sphere_lines(const struct pen_shadow_packet *packet, struct pen_vec3 g, double k,
-                         double size, struct pen_candidate *candidate)
+static void sphere_lines(const struct pen_disk_packet *packet, struct pen_vec3 g, double k,
+                         double size, struct pen_disk_candidate *candidate)
 {
     candidate->line[0] = line_of(packet, g, 0);
     candidate->line[1].e = k;
@@ -242,34 +243,34 @@ static void sphere_lines(const struct pen_shadow_packet *packet, struct pen_vec3
 
 /* If the origin is outside and the whole sphere is before the disk, a ray with p > 0 either misses
  * the sphere or intersects it twice; the cone of tangents from the origin tells which. */
-static enum pen_candidate_verdict sphere_candidate(const struct pen_shadow_packet *packet,
-                                                   const struct pen_sphere *s,
-                                                   struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict sphere_candidate(const struct pen_disk_packet *packet,
+                                                        const struct pen_sphere *s,
+                                                        struct pen_disk_candidate *candidate)
 {
     struct pen_vec3 g = pen_sub(s->c, packet->o);
     double distance = pen_length(g), delta = packet->delta + margin_of(distance + s->r);
     if (candidate->is_origin && all_positive(packet, pen_neg(g), pen_norm1(g)))
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     if (!candidate->is_origin && ball_is_outside(packet, g, s->r, delta))
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     if (!candidate->is_origin && fabs(distance - s->r) <= delta)
         return scalar_fallback(candidate);
     double depth = pen_dot(g, packet->axis), k = (distance - s->r) * (distance + s->r);
-    candidate->kind = PEN_CANDIDATE_SPHERE;
+    candidate->kind = PEN_DISK_CANDIDATE_SPHERE;
     sphere_lines(packet, g, k, distance + s->r, candidate);
     if (candidate->is_origin || k < 0 || (packet->to_point && depth + s->r > packet->depth - delta))
-        return PEN_CANDIDATE_SOME;
+        return PEN_DISK_CANDIDATE_SOME;
     double aside = pen_length(cross(g, packet->axis));
     if (candidate->opaque && depth * packet->cone_cos - aside * packet->cone_sin > sqrt(k) + delta)
-        return PEN_CANDIDATE_ALWAYS;
-    candidate->kind = PEN_CANDIDATE_SPHERE_AHEAD;
-    return PEN_CANDIDATE_SOME;
+        return PEN_DISK_CANDIDATE_ALWAYS;
+    candidate->kind = PEN_DISK_CANDIDATE_SPHERE_AHEAD;
+    return PEN_DISK_CANDIDATE_SOME;
 }
 
 /* Whether the plane through the origin that touches the cone of rays in direction `across`
  * separates the cylinder from the cone. `across` is a unit vector perpendicular to the cone's axis,
  * to some 2^-40. */
-static bool cylinder_is_beyond(const struct pen_shadow_packet *packet, struct pen_vec3 across,
+static bool cylinder_is_beyond(const struct pen_disk_packet *packet, struct pen_vec3 across,
                                struct pen_vec3 middle, struct pen_vec3 axis,
                                const struct pen_cylinder *c, double delta)
 {
@@ -280,9 +281,8 @@ static bool cylinder_is_beyond(const struct pen_shadow_packet *packet, struct pe
     return pen_dot(m, middle) - 0.5 * c->h * fabs(ma) - rim > delta;
 }
 
-static bool cylinder_is_outside(const struct pen_shadow_packet *packet,
-                                const struct pen_cylinder *c, struct pen_vec3 middle,
-                                struct pen_vec3 axis, double delta)
+static bool cylinder_is_outside(const struct pen_disk_packet *packet, const struct pen_cylinder *c,
+                                struct pen_vec3 middle, struct pen_vec3 axis, double delta)
 {
     if (ball_is_outside(packet, middle, c->round.r + 0.5 * c->h, delta))
         return true;
@@ -307,7 +307,7 @@ static double cylinder_gap(const struct pen_cylinder *c, struct pen_vec3 axis, s
 }
 
 /* Whether no ray that starts on the cylinder intersects it again. */
-static bool cylinder_is_not_met_again(const struct pen_shadow_packet *packet,
+static bool cylinder_is_not_met_again(const struct pen_disk_packet *packet,
                                       const struct pen_cylinder *c, struct pen_vec3 axis,
                                       struct pen_vec3 f)
 {
@@ -329,12 +329,13 @@ static bool cylinder_is_not_met_again(const struct pen_shadow_packet *packet,
  *   2  |d|^2 = e + u a^2 + v b^2; band: the t at which a ray ends
  *   3  e: |side|^2 - r^2; u: |side|^2 + r^2
  *   4  e, u: the heights of base and top above the origin along the axis; v: 1 if there are caps */
-static void cylinder_lines(const struct pen_shadow_packet *packet, const struct pen_cylinder *c,
-                           struct pen_vec3 axis, struct pen_vec3 f, struct pen_candidate *candidate)
+static void cylinder_lines(const struct pen_disk_packet *packet, const struct pen_cylinder *c,
+                           struct pen_vec3 axis, struct pen_vec3 f,
+                           struct pen_disk_candidate *candidate)
 {
     double along = pen_dot(f, axis);
     struct pen_vec3 side = pen_sub(f, pen_scale(axis, along));
-    candidate->kind = PEN_CANDIDATE_CYLINDER;
+    candidate->kind = PEN_DISK_CANDIDATE_CYLINDER;
     candidate->line[0] = line_of(packet, axis, 0);
     candidate->line[1] = line_of(packet, side, 0);
     candidate->line[2].e = packet->depth * packet->depth;
@@ -348,52 +349,52 @@ static void cylinder_lines(const struct pen_shadow_packet *packet, const struct 
     candidate->line[4].v = c->caps;
 }
 
-static enum pen_candidate_verdict cylinder_candidate(const struct pen_shadow_packet *packet,
-                                                     const struct pen_cylinder *c,
-                                                     struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict cylinder_candidate(const struct pen_disk_packet *packet,
+                                                          const struct pen_cylinder *c,
+                                                          struct pen_disk_candidate *candidate)
 {
     struct pen_vec3 axis = pen_scale(c->round.a, 1 / c->round.length);
     struct pen_vec3 f = pen_sub(packet->o, c->round.q);
     double size = c->round.r + c->h, delta = packet->delta + margin_of(pen_norm1(f) + size);
     if (candidate->is_origin && cylinder_is_not_met_again(packet, c, axis, f))
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     double gap = cylinder_gap(c, axis, f);
     struct pen_vec3 middle = pen_sub(pen_scale(axis, 0.5 * c->h), f);
     if (!candidate->is_origin && gap > delta && cylinder_is_outside(packet, c, middle, axis, delta))
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     if (!candidate->is_origin && fabs(gap) <= delta)
         return scalar_fallback(candidate);
     cylinder_lines(packet, c, axis, f, candidate);
-    return PEN_CANDIDATE_SOME;
+    return PEN_DISK_CANDIDATE_SOME;
 }
 
-static enum pen_candidate_verdict
-infinite_cylinder_candidate(const struct pen_shadow_packet *packet,
+static enum pen_disk_candidate_verdict
+infinite_cylinder_candidate(const struct pen_disk_packet *packet,
                             const struct pen_infinite_cylinder *infinite_cylinder,
-                            struct pen_candidate *candidate)
+                            struct pen_disk_candidate *candidate)
 {
     struct pen_vec3 axis =
         pen_scale(infinite_cylinder->round.a, 1 / infinite_cylinder->round.length);
     struct pen_vec3 f = pen_sub(packet->o, infinite_cylinder->round.q);
     if (candidate->is_origin &&
         all_positive(packet, pen_sub(f, pen_scale(axis, pen_dot(f, axis))), pen_norm1(f)))
-        return PEN_CANDIDATE_NEVER;
-    candidate->kind = PEN_CANDIDATE_FALLBACK;
-    return PEN_CANDIDATE_SOME;
+        return PEN_DISK_CANDIDATE_NEVER;
+    candidate->kind = PEN_DISK_CANDIDATE_FALLBACK;
+    return PEN_DISK_CANDIDATE_SOME;
 }
 
 /* LINE_POSITIVE if all rays pass inside the outline, LINE_NEGATIVE if all pass outside, LINE_MIXED
  * if neither is sure. The outline is a triangle fan around its first corner: a point is inside if
  * an odd number of these triangles contain it, and a triangle contains what is on one side of all
  * three of its edges. */
-static enum line_sign outline_sign(const struct pen_candidate *candidate, uint32_t corners)
+static enum line_sign outline_sign(const struct pen_disk_candidate *candidate, uint32_t corners)
 {
     bool inside = false;
     for (uint32_t i = 0; i < 2 * corners - 3; i++)
         if (line_sign(&candidate->line[1 + i]) == LINE_MIXED)
             return LINE_MIXED;
     for (uint32_t i = 1; i + 1 < corners; i++) {
-        const struct pen_packet_line *line = &candidate->line[2 * i - 1];
+        const struct pen_disk_line *line = &candidate->line[2 * i - 1];
         enum line_sign from = line_sign(&line[0]), edge = line_sign(&line[1]);
         inside ^= from == edge && line_sign(&line[2]) != edge;
     }
@@ -402,9 +403,9 @@ static enum line_sign outline_sign(const struct pen_candidate *candidate, uint32
 
 /* A flat polygon that need not be convex. Line 0 is that of its plane; then, in turn, the chord
  * from the first corner to corner i, and the edge from corner i to the next. */
-static enum pen_candidate_verdict outline_candidate(const struct pen_shadow_packet *packet,
-                                                    const struct flat *flat, double delta,
-                                                    struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict outline_candidate(const struct pen_disk_packet *packet,
+                                                         const struct flat *flat, double delta,
+                                                         struct pen_disk_candidate *candidate)
 {
     double h = pen_dot(flat->n, pen_sub(flat->v[0], packet->o));
     candidate->lines = (uint8_t)(2 * flat->count - 2);
@@ -415,21 +416,21 @@ static enum pen_candidate_verdict outline_candidate(const struct pen_shadow_pack
     }
     enum line_sign inside = outline_sign(candidate, flat->count);
     if (inside == LINE_NEGATIVE)
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     if (fabs(h) <= delta)
         return scalar_fallback(candidate);
-    candidate->kind = PEN_CANDIDATE_OUTLINE;
+    candidate->kind = PEN_DISK_CANDIDATE_OUTLINE;
     candidate->line[0] = plane_line(packet, flat->n, h, delta);
     enum line_sign before = line_sign(&candidate->line[0]);
     if (before == LINE_NEGATIVE)
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     bool always = candidate->opaque && before == LINE_POSITIVE && inside == LINE_POSITIVE;
-    return always ? PEN_CANDIDATE_ALWAYS : PEN_CANDIDATE_SOME;
+    return always ? PEN_DISK_CANDIDATE_ALWAYS : PEN_DISK_CANDIDATE_SOME;
 }
 
-static enum pen_candidate_verdict triangle_candidate(const struct pen_shadow_packet *packet,
-                                                     const struct pen_triangle *tri,
-                                                     struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict triangle_candidate(const struct pen_disk_packet *packet,
+                                                          const struct pen_triangle *tri,
+                                                          struct pen_disk_candidate *candidate)
 {
     const struct pen_vec3 *v = tri->v;
     struct flat flat = {v, 3, tri->facet.n};
@@ -440,9 +441,10 @@ static enum pen_candidate_verdict triangle_candidate(const struct pen_shadow_pac
 
 /* A polygon with many corners, or one that is not flat. Only its plane is used, with a margin for
  * how far the corners may be off it, and only to prove misses. */
-static enum pen_candidate_verdict plane_only_candidate(const struct pen_shadow_packet *packet,
-                                                       const struct pen_polygon *p, double delta,
-                                                       struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict plane_only_candidate(const struct pen_disk_packet *packet,
+                                                            const struct pen_polygon *p,
+                                                            double delta,
+                                                            struct pen_disk_candidate *candidate)
 {
     double h = pen_dot(p->facet.n, pen_sub(p->v[0], packet->o));
     if (!p->flat)
@@ -450,34 +452,35 @@ static enum pen_candidate_verdict plane_only_candidate(const struct pen_shadow_p
     if (fabs(h) <= delta)
         return scalar_fallback(candidate);
     candidate->plane_only = true;
-    return add_line(candidate, plane_line(packet, p->facet.n, h, delta)) ? PEN_CANDIDATE_SOME
-                                                                         : PEN_CANDIDATE_NEVER;
+    return add_line(candidate, plane_line(packet, p->facet.n, h, delta)) ? PEN_DISK_CANDIDATE_SOME
+                                                                         : PEN_DISK_CANDIDATE_NEVER;
 }
 
-static enum pen_candidate_verdict polygon_candidate(const struct pen_shadow_packet *packet,
-                                                    const struct pen_polygon *p,
-                                                    struct pen_candidate *candidate)
+static enum pen_disk_candidate_verdict polygon_candidate(const struct pen_disk_packet *packet,
+                                                         const struct pen_polygon *p,
+                                                         struct pen_disk_candidate *candidate)
 {
     const struct flat flat = {p->v, p->count, p->facet.n};
-    if (p->flat && p->convex && p->count < PEN_PACKET_LINES)
+    if (p->flat && p->convex && p->count < PEN_DISK_LINES)
         return convex_candidate(packet, &flat, candidate);
     double delta = packet->delta + margin_of(farthest(packet, &flat));
     if (ball_is_outside(packet, pen_sub(p->v[0], packet->o), 2 * p->extent, delta))
-        return PEN_CANDIDATE_NEVER;
-    if (p->flat && 2 * p->count - 2 <= PEN_PACKET_LINES)
+        return PEN_DISK_CANDIDATE_NEVER;
+    if (p->flat && 2 * p->count - 2 <= PEN_DISK_LINES)
         return outline_candidate(packet, &flat, delta, candidate);
     return plane_only_candidate(packet, p, delta, candidate);
 }
 
-enum pen_candidate_verdict pen_candidate_make(const struct pen_shadow_packet *packet,
-                                              const struct pen_prims *prims, uint32_t prim,
-                                              bool generic, struct pen_candidate *candidate)
+enum pen_disk_candidate_verdict pen_disk_candidate_make(const struct pen_disk_packet *packet,
+                                                        const struct pen_prims *prims,
+                                                        uint32_t prim, bool generic,
+                                                        struct pen_disk_candidate *candidate)
 {
     const struct pen_prim_ref ref = prims->ref[prim];
     if (prim == packet->origin->prim && pen_prim_flat(ref.kind) && !generic)
-        return PEN_CANDIDATE_NEVER;
+        return PEN_DISK_CANDIDATE_NEVER;
     candidate->prim = prim;
-    candidate->kind = PEN_CANDIDATE_LINES;
+    candidate->kind = PEN_DISK_CANDIDATE_LINES;
     candidate->lines = 0;
     candidate->plane_only = false;
     candidate->is_origin = candidate->by_reference = prim == packet->origin->prim;

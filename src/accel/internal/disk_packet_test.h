@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Tests the rays of a packet against its candidates, LANES rays at a time, and traces those that
- * need the scalar fallback. */
-#ifndef PEN_ACCEL_INTERNAL_PACKET_TEST_H
-#define PEN_ACCEL_INTERNAL_PACKET_TEST_H
+/* Tests the rays of a disk packet against its candidates, LANES rays at a time, and traces those
+ * that need the scalar fallback. */
+#ifndef PEN_ACCEL_INTERNAL_DISK_PACKET_TEST_H
+#define PEN_ACCEL_INTERNAL_DISK_PACKET_TEST_H
 
-#include "accel/internal/packet_traverse.h"
+#include "accel/internal/disk_packet_traverse.h"
 #include "accel/internal/traverse_query.h"
 #include "math/lanes.h"
 
@@ -20,13 +20,13 @@ struct disk_points {
     lanes a, b;
 };
 
-static inline lanes line_at(const struct pen_packet_line *line, struct disk_points p)
+static inline lanes line_at(const struct pen_disk_line *line, struct disk_points p)
 {
     return line->e + p.a * line->u + p.b * line->v;
 }
 
 /* The squared length of the direction to a point of the disk, which u and v span: d.d. */
-static inline lanes length_at(const struct pen_packet_line *line, struct disk_points p)
+static inline lanes length_at(const struct pen_disk_line *line, struct disk_points p)
 {
     return line->e + p.a * p.a * line->u + p.b * p.b * line->v;
 }
@@ -41,13 +41,13 @@ static inline lane_mask lanes_below(lanes x, double bound)
     return lanes_less(x, lanes_splat(bound));
 }
 
-static inline struct verdict classify_lines(const struct pen_candidate *candidate,
+static inline struct verdict classify_lines(const struct pen_disk_candidate *candidate,
                                             struct disk_points p)
 {
     const lane_mask none = lane_mask_of(0);
     struct verdict out = {lane_mask_of(LANES_ALL), none, none, none};
     for (int i = 0; i < candidate->lines; i++) {
-        const struct pen_packet_line *line = &candidate->line[i];
+        const struct pen_disk_line *line = &candidate->line[i];
         const lanes e = line_at(line, p);
         out.hit &= lanes_above(e, line->band);
         out.miss |= lanes_below(e, -line->band);
@@ -63,14 +63,14 @@ struct sides {
     lane_mask above, below;
 };
 
-static inline struct sides line_sides(const struct pen_packet_line *line, struct disk_points p)
+static inline struct sides line_sides(const struct pen_disk_line *line, struct disk_points p)
 {
     const lanes e = line_at(line, p);
     return (struct sides){lanes_above(e, line->band), lanes_below(e, -line->band)};
 }
 
 /* See outline_candidate. */
-static inline struct verdict classify_outline(const struct pen_candidate *candidate,
+static inline struct verdict classify_outline(const struct pen_disk_candidate *candidate,
                                               struct disk_points p)
 {
     const struct sides plane = line_sides(&candidate->line[0], p);
@@ -90,10 +90,10 @@ static inline struct verdict classify_outline(const struct pen_candidate *candid
                             .twice = lane_mask_of(0)};
 }
 
-static inline struct verdict classify_sphere_ahead(const struct pen_candidate *candidate,
+static inline struct verdict classify_sphere_ahead(const struct pen_disk_candidate *candidate,
                                                    struct disk_points at)
 {
-    const struct pen_packet_line *k = &candidate->line[1];
+    const struct pen_disk_line *k = &candidate->line[1];
     const lanes p = line_at(&candidate->line[0], at), dd = length_at(&candidate->line[2], at);
     const lanes f = p * p - k->e * dd;
     const lane_mask hit = lanes_above(f, k->band) & lanes_above(p, 0);
@@ -111,7 +111,7 @@ struct ends {
 
 /* An intersection before the ray begins or after it ends does not count. If the ray starts on the
  * primitive, neither does the intersection at its origin, which is lo if hi is surely ahead. */
-static inline struct ends ends_of(const struct pen_candidate *candidate, lanes lo, lanes hi,
+static inline struct ends ends_of(const struct pen_disk_candidate *candidate, lanes lo, lanes hi,
                                   double end)
 {
     const lanes lo_band = 0x1p-20 * (1 + lanes_abs(lo)), hi_band = 0x1p-20 * (1 + lanes_abs(hi));
@@ -137,23 +137,23 @@ static inline struct verdict verdict_of_ends(const struct ends *e, lane_mask sur
                             .twice = sure & e->lo & e->hi};
 }
 
-static inline struct verdict classify_sphere(const struct pen_candidate *candidate,
+static inline struct verdict classify_sphere(const struct pen_disk_candidate *candidate,
                                              struct disk_points at)
 {
-    const struct pen_packet_line *k = &candidate->line[1], *d = &candidate->line[2];
+    const struct pen_disk_line *k = &candidate->line[1], *d = &candidate->line[2];
     const lanes p = line_at(&candidate->line[0], at), dd = length_at(d, at);
     const lanes f = p * p - k->e * dd, root = lanes_sqrt(f), inv = 1 / dd;
     const struct ends e = ends_of(candidate, (p - root) * inv, (p + root) * inv, d->band);
     return verdict_of_ends(&e, lanes_above(f, k->band), lanes_below(f, -k->band));
 }
 
-/* The lines are those of cylinder_lines, in packet_candidate.c. Without caps, an end of the overlap
+/* The lines are those of cylinder_lines, in disk_candidate.c. Without caps, an end of the overlap
  * that belongs to the slab is no intersection. One at a cap that the ray runs along is not sure. */
-static inline struct verdict classify_cylinder(const struct pen_candidate *candidate,
+static inline struct verdict classify_cylinder(const struct pen_disk_candidate *candidate,
                                                struct disk_points p)
 {
-    const struct pen_packet_line *d = &candidate->line[2];
-    const struct pen_packet_line *side = &candidate->line[3], *slab = &candidate->line[4];
+    const struct pen_disk_line *d = &candidate->line[2];
+    const struct pen_disk_line *side = &candidate->line[3], *slab = &candidate->line[4];
     const lanes da = line_at(&candidate->line[0], p), fd = line_at(&candidate->line[1], p);
     const lanes dd = length_at(d, p), mm = dd - da * da;
     const lanes disc = fd * fd - mm * side->e, size = fd * fd + mm * side->u;
@@ -183,20 +183,21 @@ static inline struct verdict classify_cylinder(const struct pen_candidate *candi
     return verdict_of_ends(&e, meets & lanes_less(band, hi - lo), beside);
 }
 
-static inline struct verdict classify(const struct pen_candidate *candidate, struct disk_points p)
+static inline struct verdict classify(const struct pen_disk_candidate *candidate,
+                                      struct disk_points p)
 {
-    switch ((enum pen_candidate_kind)candidate->kind) {
-    case PEN_CANDIDATE_LINES:
+    switch ((enum pen_disk_candidate_kind)candidate->kind) {
+    case PEN_DISK_CANDIDATE_LINES:
         return classify_lines(candidate, p);
-    case PEN_CANDIDATE_OUTLINE:
+    case PEN_DISK_CANDIDATE_OUTLINE:
         return classify_outline(candidate, p);
-    case PEN_CANDIDATE_SPHERE_AHEAD:
+    case PEN_DISK_CANDIDATE_SPHERE_AHEAD:
         return classify_sphere_ahead(candidate, p);
-    case PEN_CANDIDATE_SPHERE:
+    case PEN_DISK_CANDIDATE_SPHERE:
         return classify_sphere(candidate, p);
-    case PEN_CANDIDATE_CYLINDER:
+    case PEN_DISK_CANDIDATE_CYLINDER:
         return classify_cylinder(candidate, p);
-    case PEN_CANDIDATE_FALLBACK:
+    case PEN_DISK_CANDIDATE_FALLBACK:
         break;
     }
     const lane_mask none = lane_mask_of(0);
@@ -209,7 +210,7 @@ struct verdicts {
 };
 
 /* Classifies rays 0 ... n - 1, without groups of LANES that are all in `done`. */
-static inline void classify_rays(const struct pen_candidate *candidate, const double *a,
+static inline void classify_rays(const struct pen_disk_candidate *candidate, const double *a,
                                  const double *b, int n, uint64_t done, struct verdicts *v)
 {
     *v = (struct verdicts){0, 0, 0, 0};
@@ -228,15 +229,15 @@ static inline void classify_rays(const struct pen_candidate *candidate, const do
 }
 
 /* Tests opaque candidates: returns the rays that are blocked. */
-static inline uint64_t test_opaque(struct pen_shadow_packet *packet, const double *a,
-                                   const double *b, int n, uint64_t all)
+static inline uint64_t test_opaque(struct pen_disk_packet *packet, const double *a, const double *b,
+                                   int n, uint64_t all)
 {
     uint64_t blocked = 0;
     for (int i = 0; i < packet->candidate_count && blocked != all; i++) {
-        struct pen_candidate *candidate = &packet->candidate[i];
+        struct pen_disk_candidate *candidate = &packet->candidate[i];
         struct verdicts v;
         candidate->fallback = all;
-        if (!candidate->opaque || candidate->kind == PEN_CANDIDATE_FALLBACK)
+        if (!candidate->opaque || candidate->kind == PEN_DISK_CANDIDATE_FALLBACK)
             continue;
         classify_rays(candidate, a, b, n, blocked | ~all, &v);
         blocked |= v.hit & all;
@@ -250,14 +251,14 @@ static inline uint64_t test_opaque(struct pen_shadow_packet *packet, const doubl
 /* Tests candidates that let light pass, for the rays in `open`, and returns those that need the
  * scalar fallback: not decided, or intersecting more than twice in all, where the order of the
  * products matters. one, two, more: a counter of two bits per ray, and its overflow. */
-static inline uint64_t test_transmissive(struct pen_shadow_packet *packet, const double *a,
+static inline uint64_t test_transmissive(struct pen_disk_packet *packet, const double *a,
                                          const double *b, int n, uint64_t open)
 {
     uint64_t one = 0, two = 0, more = 0, fallback = 0;
     for (int i = 0; i < packet->transmissive_count; i++) {
-        struct pen_candidate *candidate = &packet->candidate[packet->transmissive[i]];
+        struct pen_disk_candidate *candidate = &packet->candidate[packet->transmissive[i]];
         struct verdicts v = {0, 0, 0, 0};
-        if (candidate->kind != PEN_CANDIDATE_FALLBACK)
+        if (candidate->kind != PEN_DISK_CANDIDATE_FALLBACK)
             classify_rays(candidate, a, b, n, ~open, &v);
         candidate->once = v.once & open;
         candidate->twice = v.twice & open;
@@ -271,8 +272,8 @@ static inline uint64_t test_transmissive(struct pen_shadow_packet *packet, const
     return fallback | more | (one & two);
 }
 
-static uint64_t packet_test(struct pen_shadow_packet *packet, const double a[PEN_PACKET_RAYS],
-                            const double b[PEN_PACKET_RAYS], int n, uint64_t *fallback)
+static uint64_t disk_test(struct pen_disk_packet *packet, const double a[PEN_DISK_RAYS],
+                          const double b[PEN_DISK_RAYS], int n, uint64_t *fallback)
 {
     uint64_t all = n < 64 ? (UINT64_C(1) << n) - 1 : UINT64_MAX;
     uint64_t blocked = test_opaque(packet, a, b, n, all);
@@ -281,22 +282,22 @@ static uint64_t packet_test(struct pen_shadow_packet *packet, const double a[PEN
         return blocked;
     *fallback = test_transmissive(packet, a, b, n, all & ~blocked);
     for (int i = 0; i < packet->candidate_count; i++)
-        if (packet->candidate[i].opaque || packet->candidate[i].kind == PEN_CANDIDATE_FALLBACK)
+        if (packet->candidate[i].opaque || packet->candidate[i].kind == PEN_DISK_CANDIDATE_FALLBACK)
             *fallback |= packet->candidate[i].fallback;
     *fallback &= ~blocked;
     for (int i = 0; *fallback && i < packet->transmissive_count; i++) {
-        struct pen_candidate *candidate = &packet->candidate[packet->transmissive[i]];
+        struct pen_disk_candidate *candidate = &packet->candidate[packet->transmissive[i]];
         candidate->fallback |= *fallback & (candidate->once | candidate->twice);
     }
     return blocked;
 }
 
-static bool packet_ray(const struct pen_accel *accel, const struct pen_shadow_packet *packet,
-                       const struct pen_ray *ray, int i, struct pen_shadow *query)
+static bool disk_ray(const struct pen_accel *accel, const struct pen_disk_packet *packet,
+                     const struct pen_ray *ray, int i, struct pen_shadow *query)
 {
     struct trace trace = trace_begin_shadow(accel, ray, packet->origin, query);
     for (int k = 0; k < packet->candidate_count; k++) {
-        const struct pen_candidate *candidate = &packet->candidate[k];
+        const struct pen_disk_candidate *candidate = &packet->candidate[k];
         if (!(candidate->fallback >> i & 1))
             continue;
         if (candidate->by_reference ? test_reference(&trace, candidate->prim, true)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Shadow-ray packets: the shadow rays from one point to the points of a disk, tested together.
+/* Disk packets: the shadow rays from one point to the points of a disk, tested together.
  *
  * The tree is traversed once for all rays. It gives candidates: primitives that some ray may meet.
  * A few multiplications per ray and candidate then classify most rays as surely blocked by it or
@@ -13,8 +13,8 @@
  * whether the ray reaches the primitive's plane before the light, and (sphere's centre - o).d.
  * Each is compared with a band that is much wider than its own rounding and that of the test that
  * it replaces. */
-#ifndef PEN_ACCEL_SHADOW_PACKET_H
-#define PEN_ACCEL_SHADOW_PACKET_H
+#ifndef PEN_ACCEL_DISK_PACKET_H
+#define PEN_ACCEL_DISK_PACKET_H
 
 #include "geom/prims.h"
 
@@ -22,42 +22,42 @@ struct pen_accel;
 struct pen_shadow;
 
 enum {
-    PEN_PACKET_RAYS = 64,
-    PEN_PACKET_CANDIDATES = 48,
-    PEN_PACKET_LINES = 32,
-    PEN_PACKET_TRANSMISSIVE = 16
+    PEN_DISK_RAYS = 64,
+    PEN_DISK_CANDIDATES = 48,
+    PEN_DISK_LINES = 32,
+    PEN_DISK_TRANSMISSIVE = 16
 };
 
 /* The line e + a u + b v = 0 in the disk. Where the value is above band it is surely positive,
  * below -band surely negative. */
-struct pen_packet_line {
+struct pen_disk_line {
     double e, u, v, band;
 };
 
-enum pen_candidate_kind {
-    PEN_CANDIDATE_LINES,        /* hit where all lines are positive, missed where one is negative */
-    PEN_CANDIDATE_OUTLINE,      /* a flat primitive with any outline; see outline_candidate */
-    PEN_CANDIDATE_SPHERE_AHEAD, /* the origin is outside, all of it lies before the disk */
-    PEN_CANDIDATE_SPHERE,       /* a sphere anywhere */
-    PEN_CANDIDATE_CYLINDER,     /* a cylinder anywhere */
-    PEN_CANDIDATE_FALLBACK      /* every ray is tested by itself */
+enum pen_disk_candidate_kind {
+    PEN_DISK_CANDIDATE_LINES,   /* hit where all lines are positive, missed where one is negative */
+    PEN_DISK_CANDIDATE_OUTLINE, /* a flat primitive with any outline; see outline_candidate */
+    PEN_DISK_CANDIDATE_SPHERE_AHEAD, /* the origin is outside, all of it lies before the disk */
+    PEN_DISK_CANDIDATE_SPHERE,       /* a sphere anywhere */
+    PEN_DISK_CANDIDATE_CYLINDER,     /* a cylinder anywhere */
+    PEN_DISK_CANDIDATE_FALLBACK      /* every ray is tested by itself */
 };
 
 /* A primitive that some ray of the packet may meet. */
-struct pen_candidate {
+struct pen_disk_candidate {
     uint32_t prim;
     uint8_t kind, lines;
     bool opaque;
     bool by_reference; /* the origin may be on it: fallback rays are tested by pen_prim_intersect */
     bool plane_only;   /* the lines prove misses only: where all are positive nothing is sure */
     bool is_origin;    /* the rays start on it, which is no intersection */
-    struct pen_packet_line line[PEN_PACKET_LINES];
-    /* Of the rays of the last pen_trace_ops.packet_test: those that must be tested alone, and if
+    struct pen_disk_line line[PEN_DISK_LINES];
+    /* Of the rays of the last pen_trace_ops.disk_test: those that must be tested alone, and if
      * the primitive lets light pass, those that intersect it once, and twice. */
     uint64_t fallback, once, twice;
 };
 
-struct pen_shadow_packet {
+struct pen_disk_packet {
     /* In: rays from o along d = (c + a u) + b v with a^2 + b^2 <= 1. u and v are perpendicular to c
      * and to each other, and of equal length. All rays start on one surface and go to its viewer's
      * side. */
@@ -66,29 +66,28 @@ struct pen_shadow_packet {
     bool to_point;              /* as in struct pen_shadow, with tmax 1; else tmax is infinite */
     const uint8_t *see_through; /* as in struct pen_shadow */
     uint32_t last_occluder;     /* in and out: tried first */
-    /* Made by packet_begin. */
+    /* Made by disk_begin. */
     double depth;              /* |c| */
     double cone_cos, cone_sin; /* of the half-angle of the cone that the rays fill */
     struct pen_vec3 axis;      /* c / |c| */
-    double reach, delta,
-        grow; /* >= |d|; bounds of what lengths are off by: see packet_candidate.c */
+    double reach, delta, grow; /* >= |d|; bounds of what lengths are off by: see disk_candidate.c */
     int candidate_count, transmissive_count;
-    uint8_t transmissive[PEN_PACKET_TRANSMISSIVE]; /* numbers of candidates that let light pass */
-    struct pen_candidate candidate[PEN_PACKET_CANDIDATES];
+    uint8_t transmissive[PEN_DISK_TRANSMISSIVE]; /* numbers of candidates that let light pass */
+    struct pen_disk_candidate candidate[PEN_DISK_CANDIDATES];
 };
 
 /* What all rays of a packet have in common. */
-enum pen_packet_visibility {
-    PEN_PACKET_ALL_VISIBLE,  /* no primitive is in their way */
-    PEN_PACKET_ALL_OCCLUDED, /* one opaque primitive blocks them all */
-    PEN_PACKET_MIXED,        /* packet_test tells for each ray */
-    PEN_PACKET_NOT_POSSIBLE  /* trace them one by one: too many candidates, or no wide tree */
+enum pen_disk_visibility {
+    PEN_DISK_ALL_VISIBLE,  /* no primitive is in their way */
+    PEN_DISK_ALL_OCCLUDED, /* one opaque primitive blocks them all */
+    PEN_DISK_MIXED,        /* disk_test tells for each ray */
+    PEN_DISK_NOT_POSSIBLE  /* trace them one by one: too many candidates, or no wide tree */
 };
 
 /* The direction of the ray to (a, b). Every caller uses this function, so that the operations and
  * their order, and hence the bits, are the same. */
-static inline struct pen_vec3 pen_packet_direction(const struct pen_shadow_packet *packet, double a,
-                                                   double b)
+static inline struct pen_vec3 pen_disk_packet_direction(const struct pen_disk_packet *packet,
+                                                        double a, double b)
 {
     return pen_along(pen_along(packet->c, packet->u, a), packet->v, b);
 }

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* Candidates of a disk packet: what one primitive is to all rays of the packet.
+ * disk_packet_traverse.h finds the primitives in the tree, disk_packet_test.h tests rays against
+ * candidates. */
+#ifndef PEN_ACCEL_INTERNAL_DISK_CANDIDATE_H
+#define PEN_ACCEL_INTERNAL_DISK_CANDIDATE_H
+
+#include "accel/disk_packet.h"
+
+/* How many of a packet's rays a primitive blocks. */
+enum pen_disk_candidate_verdict {
+    PEN_DISK_CANDIDATE_NEVER,  /* no ray intersects it */
+    PEN_DISK_CANDIDATE_ALWAYS, /* every ray intersects it, and it is opaque */
+    PEN_DISK_CANDIDATE_SOME    /* the candidate tells for each ray */
+};
+
+/* Computes the packet's derived members. False if its lengths are out of the range in which the
+ * margins hold. */
+bool pen_disk_packet_prepare(struct pen_disk_packet *packet, double scale);
+
+/* Makes the candidate of a primitive. With `generic` every ray is tested by the reference, whatever
+ * the primitive's kind. */
+enum pen_disk_candidate_verdict pen_disk_candidate_make(const struct pen_disk_packet *packet,
+                                                        const struct pen_prims *prims,
+                                                        uint32_t prim, bool generic,
+                                                        struct pen_disk_candidate *candidate);
+
+#endif
