@@ -11,26 +11,68 @@
 #define PEN_ACCEL_RAY_PACKET_H
 
 #include "geom/prims.h"
+#include "geom/ray_array.h"
 
 struct pen_shadow;
 
-enum { PEN_RAY_PACKET_MAX = 64 };
+enum { PEN_RAY_PACKET_MAX = PEN_RAY_ARRAY_MAX };
 
+/* Rays that start on one primitive. */
+struct pen_ray_starts {
+    uint32_t prim;
+    uint64_t rays;
+};
+
+/* Arrays and bits are by ray. */
 struct pen_ray_packet {
-    /* In. Borrowed. */
-    int count;
-    const struct pen_ray *ray[PEN_RAY_PACKET_MAX];
-    const struct pen_origin_surface *origin[PEN_RAY_PACKET_MAX];
-    /* nearest_packet: in and out by ray, as the interval and the hit of `nearest`, with tmax
-     * INFINITY. */
+    /* In. */
+    uint64_t live; /* which rays there are */
+    struct pen_ray_array rays;
+    /* Where they start: pen_ray_packet_start and _start_ray. Packets of rays from the same points
+     * share it. */
+    const struct pen_origin_surface *origin[PEN_RAY_PACKET_MAX]; /* borrowed */
+    double bound[PEN_RAY_PACKET_MAX];                            /* of *origin; -1 in free space */
+    bool from_surface;                                           /* some ray starts on a surface */
+    int starts_count;
+    struct pen_ray_starts starts[PEN_RAY_PACKET_MAX];
+    /* nearest_packet: in and out, as the interval and the hit of `nearest`, with tmax INFINITY. */
     struct pen_hit after[PEN_RAY_PACKET_MAX];
     struct pen_hit hit[PEN_RAY_PACKET_MAX];
-    /* shadow_packet: queries as `shadow` takes them, all to one light. `light` is its position if
-     * the queries are to_point. last_occluder is in and out, and that of the queries is not used.
-     */
-    struct pen_shadow *query[PEN_RAY_PACKET_MAX];
+    /* shadow_packet: all rays go to one light, whose position `light` is if they are to_point;
+     * see_through is as in struct pen_shadow. last_occluder is in and out. Of rays that are not
+     * blocked, those of `recorded` meet what lets light pass: their queries[] hold the results that
+     * `shadow` gives. The array is borrowed. */
     struct pen_vec3 light;
+    bool to_point;
+    const uint8_t *see_through;
     uint32_t last_occluder;
+    uint64_t recorded;
+    struct pen_shadow *queries;
 };
+
+/* Begins to say where the rays start. */
+static inline void pen_ray_packet_start(struct pen_ray_packet *packet)
+{
+    packet->from_surface = false;
+    packet->starts_count = 0;
+}
+
+/* Says where ray i starts. Neighbours often start on the same primitive. */
+static inline void pen_ray_packet_start_ray(struct pen_ray_packet *packet, int i,
+                                            const struct pen_origin_surface *origin)
+{
+    const bool from_surface = origin->prim != PEN_NO_PRIM;
+    packet->origin[i] = origin;
+    packet->bound[i] = from_surface ? origin->bound : -1;
+    packet->from_surface |= from_surface;
+    int k = packet->starts_count;
+    while (k > 0 && packet->starts[k - 1].prim != origin->prim)
+        k--;
+    if (k == 0) {
+        k = ++packet->starts_count;
+        packet->starts[k - 1] = (struct pen_ray_starts){origin->prim, 0};
+    }
+    packet->starts[k - 1].rays |= UINT64_C(1) << i;
+}
 
 #endif

@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-#include "geom/ray.h"
+#include "geom/ray_array.h"
 #include "math/lanes.h"
 
 static inline lanes lanes_without_less(lanes x, lanes least)
@@ -72,36 +72,15 @@ static inline void lanes_ray_write(struct pen_ray *const *ray, int first, lanes 
     lanes_store_rows(to, a, b, c, d);
 }
 
-/* The axes, and `near`: a ray whose sx or sy is below 1 in size is not tied. Quotients of unequal
- * doubles do not round to 1. */
-static inline void lanes_ray_write_axes(struct pen_ray *const *ray, struct lanes_axes kz,
-                                        lane_mask below_1)
-{
-    static const struct {
-        int kx, ky, kz;
-    } order[] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}}; /* kz is neither of lanes_axes, y, x */
-    const unsigned x = lane_mask_bits(kz.x), y = lane_mask_bits(kz.y);
-    double near[LANES];
-    lanes_store(near, lanes_select(below_1, lanes_splat(PEN_NEAR), lanes_splat(INFINITY)));
-    for (int i = 0; i < LANES; i++) {
-        const unsigned k = 2 * (x >> i & 1) + (y >> i & 1);
-        ray[i]->near = near[i];
-        ray[i]->kx = order[k].kx;
-        ray[i]->ky = order[k].ky;
-        ray[i]->kz = order[k].kz;
-    }
-}
+/* Rays in lanes: the numbers of struct pen_ray. */
+struct lanes_ray {
+    struct lanes3 o, d, permuted_o, permuted_d;
+    lanes inv_dd, sx, sy, sz, near;
+    struct lanes_axes kz;
+};
 
-_Static_assert(offsetof(struct pen_ray, d) == 3 * sizeof(double) &&
-                   offsetof(struct pen_ray, inv_dd) == 6 * sizeof(double) &&
-                   offsetof(struct pen_ray, sz) == 9 * sizeof(double) &&
-                   offsetof(struct pen_ray, permuted_o) == 10 * sizeof(double) &&
-                   offsetof(struct pen_ray, permuted_d) == 13 * sizeof(double),
-               "lanes_ray_make writes the numbers of a ray in this order");
-
-/* pen_ray_make of each lane, into *ray[lane]. Returns the lanes in which it succeeds; the rays of
- * the others are undefined. Every ray[lane] is a place to write to. */
-static inline lane_mask lanes_ray_make(struct pen_ray *const *ray, struct lanes3 o, struct lanes3 d)
+/* pen_ray_make. Returns the lanes in which it succeeds; the rays of the others are undefined. */
+static inline lane_mask lanes_ray_of(struct lanes_ray *ray, struct lanes3 o, struct lanes3 d)
 {
     const lanes ax = lanes_abs(d.x), ay = lanes_abs(d.y), az = lanes_abs(d.z);
     /* Of two equal components, the first in the order z, x, y. */
@@ -114,13 +93,73 @@ static inline lane_mask lanes_ray_make(struct pen_ray *const *ray, struct lanes3
     o = lanes3_without_less(o, lanes_splat(PEN_LEAST));
     struct lanes3 po = o, pd = d;
     lanes_ray_permute(kz, &po, &pd);
-    const lanes inv_dd = 1.0 / lanes3_dot(pd, pd);
-    const lanes sx = pd.x / pd.z, sy = pd.y / pd.z, sz = 1.0 / pd.z;
-    lanes_ray_write(ray, 0, o.x, o.y, o.z, d.x);
-    lanes_ray_write(ray, 4, d.y, d.z, inv_dd, sx);
-    lanes_ray_write(ray, 8, sy, sz, po.x, po.y);
-    lanes_ray_write(ray, 12, po.z, pd.x, pd.y, pd.z);
-    lanes_ray_write_axes(ray, kz, lanes_less(lanes_abs(sx * sy), lanes_splat(1)));
+    const lanes sx = pd.x / pd.z, sy = pd.y / pd.z;
+    /* Quotients of unequal doubles do not round to 1, so a ray with one below 1 is not tied. */
+    const lane_mask untied = lanes_less(lanes_abs(sx * sy), lanes_splat(1));
+    *ray = (struct lanes_ray){
+        .o = o,
+        .d = d,
+        .permuted_o = po,
+        .permuted_d = pd,
+        .inv_dd = 1.0 / lanes3_dot(pd, pd),
+        .sx = sx,
+        .sy = sy,
+        .sz = 1.0 / pd.z,
+        .near = lanes_select(untied, lanes_splat(PEN_NEAR), lanes_splat(INFINITY)),
+        .kz = kz,
+    };
+    return made;
+}
+
+_Static_assert(offsetof(struct pen_ray, d) == 3 * sizeof(double) &&
+                   offsetof(struct pen_ray, inv_dd) == 6 * sizeof(double) &&
+                   offsetof(struct pen_ray, sz) == 9 * sizeof(double) &&
+                   offsetof(struct pen_ray, permuted_o) == 10 * sizeof(double) &&
+                   offsetof(struct pen_ray, permuted_d) == 13 * sizeof(double),
+               "lanes_ray_make writes the numbers of a ray in this order");
+
+/* As lanes_ray_of, into *to[lane]. Every to[lane] is a place to write to. */
+static inline lane_mask lanes_ray_make(struct pen_ray *const *to, struct lanes3 o, struct lanes3 d)
+{
+    struct lanes_ray r;
+    const lane_mask made = lanes_ray_of(&r, o, d);
+    const unsigned x = lane_mask_bits(r.kz.x), y = lane_mask_bits(r.kz.y);
+    double near[LANES];
+    lanes_ray_write(to, 0, r.o.x, r.o.y, r.o.z, r.d.x);
+    lanes_ray_write(to, 4, r.d.y, r.d.z, r.inv_dd, r.sx);
+    lanes_ray_write(to, 8, r.sy, r.sz, r.permuted_o.x, r.permuted_o.y);
+    lanes_ray_write(to, 12, r.permuted_o.z, r.permuted_d.x, r.permuted_d.y, r.permuted_d.z);
+    lanes_store(near, r.near);
+    for (int i = 0; i < LANES; i++) {
+        int axis[3];
+        pen_ray_axes(x >> i & 1 ? 0 : y >> i & 1 ? 1 : 2, axis);
+        to[i]->near = near[i];
+        to[i]->kx = axis[0];
+        to[i]->ky = axis[1];
+        to[i]->kz = axis[2];
+    }
+    return made;
+}
+
+/* As lanes_ray_of, into the rays from i on, as pen_ray_array_set. */
+static inline lane_mask lanes_ray_array_make(struct pen_ray_array *to, int i, struct lanes3 o,
+                                             struct lanes3 d)
+{
+    struct lanes_ray r;
+    const lane_mask made = lanes_ray_of(&r, o, d);
+    lanes_store(to->o[0] + i, r.permuted_o.x);
+    lanes_store(to->o[1] + i, r.permuted_o.y);
+    lanes_store(to->o[2] + i, r.permuted_o.z);
+    lanes_store(to->d[0] + i, r.permuted_d.x);
+    lanes_store(to->d[1] + i, r.permuted_d.y);
+    lanes_store(to->d[2] + i, r.permuted_d.z);
+    lanes_store(to->sx + i, r.sx);
+    lanes_store(to->sy + i, r.sy);
+    lanes_store(to->inv_dd + i, r.inv_dd);
+    lanes_store(to->near + i, r.near);
+    to->along_x |= (uint64_t)lane_mask_bits(r.kz.x) << i;
+    to->along_y |= (uint64_t)lane_mask_bits(r.kz.y) << i;
+    to->forward |= (uint64_t)lane_mask_bits(lanes_less(lanes_splat(0), r.permuted_d.z)) << i;
     return made;
 }
 

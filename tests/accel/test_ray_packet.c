@@ -31,10 +31,13 @@ static void add(struct rays *rays, struct pen_vec3 o, struct pen_vec3 d,
 
 static void begin(const struct rays *rays, struct pen_ray_packet *packet)
 {
-    packet->count = rays->count;
+    packet->live = 0;
+    pen_ray_array_begin(&packet->rays);
+    pen_ray_packet_start(packet);
     for (int i = 0; i < rays->count; i++) {
-        packet->ray[i] = &rays->ray[i];
-        packet->origin[i] = &rays->origin[i];
+        packet->live |= UINT64_C(1) << i;
+        pen_ray_array_set(&packet->rays, i, &rays->ray[i]);
+        pen_ray_packet_start_ray(packet, i, &rays->origin[i]);
         packet->after[i] = rays->after[i];
     }
 }
@@ -79,12 +82,11 @@ static void shadow(const struct pen_accel *accel, const struct pen_trace_ops *op
                                      .last_occluder = PEN_NO_PRIM};
     begin(rays, &packet);
     packet.last_occluder = last;
+    packet.to_point = light != NULL;
+    packet.see_through = transmit;
+    packet.queries = query;
     if (light)
         packet.light = *light;
-    for (int i = 0; i < rays->count; i++) {
-        query[i] = fresh;
-        packet.query[i] = &query[i];
-    }
     const uint64_t blocked = ops->shadow_packet(accel, &packet);
     for (int i = 0; i < rays->count; i++) {
         alone = fresh;
@@ -93,6 +95,10 @@ static void shadow(const struct pen_accel *accel, const struct pen_trace_ops *op
                       (int)(blocked >> i & 1), b);
         if (b)
             continue;
+        if (!(packet.recorded >> i & 1)) {
+            ck_assert(!alone.overflow && alone.count == 0);
+            continue;
+        }
         ck_assert(query[i].overflow == alone.overflow);
         if (alone.overflow)
             continue;

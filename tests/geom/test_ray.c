@@ -76,6 +76,10 @@ START_TEST(test_ray__lanes_are_single_rays)
                 d[i] = vector(&r, random_below(&r, 4) < hard);
             }
             const unsigned bits = test->rays(o, d, got);
+            const int first = test->lanes * (int)random_below(&r, 64 / (uint32_t)test->lanes);
+            static struct pen_ray_array array, copy;
+            pen_ray_array_begin(&array);
+            ck_assert_uint_eq(test->ray_array(o, d, first, &array), bits);
             for (int i = 0; i < test->lanes; i++) {
                 const bool can = pen_ray_make(&want, o[i], d[i]);
                 ck_assert_msg((bits >> i & 1) == can && (!can || same(&got[i], &want)),
@@ -83,6 +87,16 @@ START_TEST(test_ray__lanes_are_single_rays)
                               o[i].y, o[i].z, d[i].x, d[i].y, d[i].z);
                 made += can;
                 refused += !can;
+                if (!can)
+                    continue;
+                pen_ray_array_get(&array, first + i, &got[i]);
+                ck_assert_msg(same(&got[i], &want), "in an array, number %d", first + i);
+                ck_assert_int_eq(array.forward >> (first + i) & 1, want.permuted_d.z > 0);
+                pen_ray_array_begin(&copy);
+                pen_ray_array_set(&copy, i, &want);
+                pen_ray_array_get(&copy, i, &got[i]);
+                ck_assert(same(&got[i], &want));
+                ck_assert_int_eq(copy.forward >> i & 1, want.permuted_d.z > 0);
             }
         }
         ck_assert(!test || (made > 1000 && refused > 1000));

@@ -391,7 +391,7 @@ edit src/shade/internal/soft_shadow.h 1 's/^    if \(!\(lane_mask_bits\(side\.ab
 judge
 
 mutant tied_rays h079_permuted_tied 20000 "rays whose components are equal in size are not refined"
-edit src/geom/ray_lanes.h 1 's/^        ray\[i\]->near = .*;$/        ray[i]->near = PEN_NEAR;/'
+edit src/geom/ray_lanes.h 1 's/^        \.near = lanes_select\(untied, .*$/        .near = lanes_splat(PEN_NEAR),/'
 judge
 
 mutant not_cut bent_rooms 1000 "how far vertices are off the plane counts as rounding, however far"

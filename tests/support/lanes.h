@@ -37,6 +37,9 @@ struct lanes_test {
                     struct pen_point2 disk[LANES_TEST_MAX]);
     /* lanes_ray_make, with a bit for each lane that has a ray. */
     unsigned (*rays)(const struct pen_vec3 *o, const struct pen_vec3 *d, struct pen_ray *out);
+    /* lanes_ray_array_make of the rays from `first` on. */
+    unsigned (*ray_array)(const struct pen_vec3 *o, const struct pen_vec3 *d, int first,
+                          struct pen_ray_array *out);
     /* lanes_prim_surface. */
     bool (*surface)(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 *p,
                     struct pen_vec3 *n);

@@ -48,6 +48,12 @@ static unsigned rays(const struct pen_vec3 *o, const struct pen_vec3 *d, struct 
     return lane_mask_bits(lanes_ray_make(ray, lanes3_load(o), lanes3_load(d)));
 }
 
+static unsigned ray_array(const struct pen_vec3 *o, const struct pen_vec3 *d, int first,
+                          struct pen_ray_array *out)
+{
+    return lane_mask_bits(lanes_ray_array_make(out, first, lanes3_load(o), lanes3_load(d)));
+}
+
 static bool surface(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 *p,
                     struct pen_vec3 *n)
 {
@@ -108,9 +114,12 @@ static void light(const struct pen_light *source, const struct lanes_point *poin
 #define NAME_OF_ISA(isa) NAME_OF_TOKEN(isa)
 #define NAME_OF_TOKEN(token) lanes_test_##token
 extern const struct lanes_test NAME_OF_ISA(PEN_ISA);
-const struct lanes_test NAME_OF_ISA(PEN_ISA) = {.lanes = LANES,
-                                                .functions = functions,
-                                                .samples = samples,
-                                                .rays = rays,
-                                                .surface = surface,
-                                                .light = light};
+const struct lanes_test NAME_OF_ISA(PEN_ISA) = {
+    .lanes = LANES,
+    .functions = functions,
+    .samples = samples,
+    .rays = rays,
+    .ray_array = ray_array,
+    .surface = surface,
+    .light = light,
+};

@@ -11,38 +11,34 @@
 #include "math/scale.h"
 
 /* A group has parts of so many rays, each with a beam of its own. */
-enum { GROUP_PART = 8, GROUP_PARTS = PEN_RAY_PACKET_MAX / GROUP_PART };
+enum {
+    GROUP_PART = 8,
+    GROUP_PARTS = PEN_RAY_PACKET_MAX / GROUP_PART,
+    GROUP_PART_BITS = (1 << GROUP_PART) - 1
+};
 _Static_assert((int)GROUP_PARTS == (int)BEAMS, "as many parts as beams are tested at once");
 
 /* The four corners of a range of slopes, again and again where there are more lanes. */
 enum { GROUP_CORNERS = LANES > 4 ? LANES : 4 };
 
-/* Rays that start on one primitive. */
-struct group_own {
-    uint32_t prim;
-    uint64_t rays;
-};
-
-/* Arrays are by ray; rays beyond `count` up to a whole part repeat the first one. Axes of
+/* Arrays and bits are by ray of the packet; rays that are not the group's have any numbers. Axes of
  * vectors are in the rays' own order, pen_permuted. */
 struct ray_group {
-    int count;
-    uint64_t live; /* rays that are not decided */
-    uint64_t blocked;
-    bool any;          /* shadow rays; else nearest intersections */
-    bool from_surface; /* some ray starts on a surface */
-    bool to_point;
+    struct pen_ray_packet *packet;
+    const struct pen_ray_array *rays; /* the packet's */
     const struct pen_accel *accel;
-    const struct pen_ray *ray[PEN_RAY_PACKET_MAX];
-    const struct pen_origin_surface *origin[PEN_RAY_PACKET_MAX];
-    struct pen_shadow *query[PEN_RAY_PACKET_MAX];
-    struct pen_hit after[PEN_RAY_PACKET_MAX], best[PEN_RAY_PACKET_MAX];
-    int own_count;
-    struct group_own own[PEN_RAY_PACKET_MAX]; /* by the primitives that rays start on */
-    struct pen_vec3 light;                    /* where rays to a point end */
-    double extent;      /* no coordinate of origins, the light and finite boxes is larger */
-    double light_bound; /* what is farther from the light does not contain it */
-    double grow;        /* the self-intersection rule reaches no farther than this */
+    uint64_t all;  /* the group's rays */
+    uint64_t live; /* those that are not decided */
+    uint64_t blocked;
+    int ray_count, end; /* how many rays there are; one more than the last one's number */
+    int axis[3];        /* kx, ky, kz */
+    bool any;           /* shadow rays; else nearest intersections */
+    bool from_surface;  /* some ray starts on a surface */
+    bool to_point;
+    struct pen_vec3 light; /* where rays to a point end */
+    double extent;         /* no coordinate of origins, the light and finite boxes is larger */
+    double light_bound;    /* what is farther from the light does not contain it */
+    double grow;           /* the self-intersection rule reaches no farther than this */
     struct pen_box origins;
     /* For tests of outlines, see ray_group_outline.h: the point C, r x S, whether that vanishes,
      * and the corners of the range of slopes. edge_distance is 0 if numbers may underflow. */
@@ -53,10 +49,8 @@ struct ray_group {
     double moment[3][PEN_RAY_PACKET_MAX];
     struct beam beam;
     struct beams parts;
-    unsigned part_bits; /* the parts that there are */
-    double o[3][PEN_RAY_PACKET_MAX], d[3][PEN_RAY_PACKET_MAX];
-    double sx[PEN_RAY_PACKET_MAX], sy[PEN_RAY_PACKET_MAX], inv_dd[PEN_RAY_PACKET_MAX];
-    double near[PEN_RAY_PACKET_MAX];
+    unsigned part_bits;                             /* the parts that have rays */
+    lane_mask in_group[PEN_RAY_PACKET_MAX / LANES]; /* `all` */
     double after_t[PEN_RAY_PACKET_MAX], tmax[PEN_RAY_PACKET_MAX];
     /* Of the ray's origin surface: pen_origin_surface.bound, struct trace's slack and near_sq; 0
      * and -1 for rays that start in free space. */
@@ -65,20 +59,29 @@ struct ray_group {
 
 static inline struct lanes3 group_origin(const struct ray_group *g, int i)
 {
-    return (struct lanes3){lanes_load(g->o[0] + i), lanes_load(g->o[1] + i),
-                           lanes_load(g->o[2] + i)};
+    const struct pen_ray_array *r = g->rays;
+    return (struct lanes3){lanes_load(r->o[0] + i), lanes_load(r->o[1] + i),
+                           lanes_load(r->o[2] + i)};
 }
 
 static inline struct lanes3 group_direction(const struct ray_group *g, int i)
 {
-    return (struct lanes3){lanes_load(g->d[0] + i), lanes_load(g->d[1] + i),
-                           lanes_load(g->d[2] + i)};
+    const struct pen_ray_array *r = g->rays;
+    return (struct lanes3){lanes_load(r->d[0] + i), lanes_load(r->d[1] + i),
+                           lanes_load(r->d[2] + i)};
 }
 
-/* A vector of space in the rays' order of axes, in all lanes. */
+/* A vector of space in the rays' order of axes. */
+static inline struct pen_vec3 group_permuted(const struct ray_group *g, const struct pen_vec3 *v)
+{
+    const double *c = (const double *)v;
+    return pen_vec3(c[g->axis[0]], c[g->axis[1]], c[g->axis[2]]);
+}
+
+/* The same in all lanes. */
 static inline struct lanes3 group_splat(const struct ray_group *g, struct pen_vec3 v)
 {
-    return lanes3_splat(pen_permuted(g->ray[0], &v));
+    return lanes3_splat(group_permuted(g, &v));
 }
 
 /* Of the rays from i on, a bit for each that is live. */
@@ -87,26 +90,13 @@ static inline unsigned group_live(const struct ray_group *g, int i)
     return (unsigned)(g->live >> i) & LANES_ALL;
 }
 
-/* Notes that ray i starts on a primitive. Neighbours often start on the same. */
-static inline void group_add_own(struct ray_group *g, int i, uint32_t prim)
-{
-    int k = g->own_count;
-    while (k > 0 && g->own[k - 1].prim != prim)
-        k--;
-    if (k == 0) {
-        k = ++g->own_count;
-        g->own[k - 1].prim = prim;
-        g->own[k - 1].rays = 0;
-    }
-    g->own[k - 1].rays |= UINT64_C(1) << i;
-}
-
 /* The rays that start on the primitive. */
 static inline uint64_t group_own(const struct ray_group *g, uint32_t prim)
 {
-    for (int k = 0; k < g->own_count; k++)
-        if (g->own[k].prim == prim)
-            return g->own[k].rays;
+    const struct pen_ray_packet *packet = g->packet;
+    for (int k = 0; k < packet->starts_count; k++)
+        if (packet->starts[k].prim == prim)
+            return packet->starts[k].rays;
     return 0;
 }
 
@@ -129,7 +119,7 @@ static inline unsigned group_starts_on(int i, const struct group_prim *q)
 /* Of the rays from i on, whether some may still meet what lies at this depth or beyond. */
 static inline bool group_reaches(const struct ray_group *g, int i, double depth)
 {
-    const lanes most = lanes_load(g->tmax + i) * lanes_abs(lanes_load(g->d[2] + i));
+    const lanes most = lanes_load(g->tmax + i) * lanes_abs(lanes_load(g->rays->d[2] + i));
     return lane_mask_bits(lanes_at_most(lanes_splat(depth), lanes_splat(1.0000001) * most));
 }
 
@@ -140,28 +130,49 @@ static inline unsigned group_waits(const struct ray_group *g, int i, const struc
     return live && q->depth > 0 && !group_reaches(g, i, (double)q->depth) ? 0 : live;
 }
 
+/* The query of a shadow ray, begun if it is its first use. */
+static inline struct pen_shadow *group_query(struct ray_group *g, int i)
+{
+    struct pen_ray_packet *packet = g->packet;
+    struct pen_shadow *query = &packet->queries[i];
+    if (!(packet->recorded >> i & 1)) {
+        query->tmax = packet->to_point ? 1 : INFINITY;
+        query->to_point = packet->to_point;
+        query->see_through = packet->see_through;
+        query->last_occluder = PEN_NO_PRIM;
+        query->overflow = false;
+        query->count = 0;
+        packet->recorded |= UINT64_C(1) << i;
+    }
+    return query;
+}
+
 /* The scalar test of one ray. `near`: its origin may be on the primitive's border. */
 static __attribute__((noinline)) void group_ask(struct ray_group *g, int i, uint32_t prim,
                                                 bool near)
 {
-    struct trace trace = trace_begin(g->accel, g->ray[i], g->origin[i]);
+    struct pen_ray_packet *packet = g->packet;
     const struct pen_prims *prims = g->accel->prims;
     const bool generic =
         pen_block_of(prims->ref[prim].kind) == PEN_BLOCK_GENERIC || pen_prim_cut(prims, prim);
+    struct pen_ray ray;
+    pen_ray_array_get(g->rays, i, &ray);
+    struct trace trace = trace_begin(g->accel, &ray, packet->origin[i]);
     trace.reaches_origin = trace.from_surface && near;
-    trace.after = g->after[i];
-    trace.best = g->best[i];
     if (g->any) {
-        trace.shadow = g->query[i];
+        trace.shadow = group_query(g, i);
         if (g->to_point) {
-            trace.light_bound = pen_ray_end_bound(g->ray[i]->o, g->ray[i]->d);
-            trace.light = pen_along(g->ray[i]->o, g->ray[i]->d, g->query[i]->tmax);
+            trace.light_bound = pen_ray_end_bound(ray.o, ray.d);
+            trace.light = pen_along(ray.o, ray.d, trace.shadow->tmax);
         }
+    } else {
+        trace.after = packet->after[i];
+        trace.best = packet->hit[i];
     }
     if (generic ? test_reference(&trace, prim, g->any) : test_one(&trace, prim, g->any))
         g->blocked |= UINT64_C(1) << i;
     if (!g->any) {
-        g->best[i] = trace.best;
+        packet->hit[i] = trace.best;
         g->tmax[i] = trace.best.t;
     }
 }
@@ -177,6 +188,7 @@ static inline void group_ask_all(struct ray_group *g, int i, unsigned lanes_aske
 static __attribute__((noinline)) void group_record(struct ray_group *g, int i, unsigned at, lanes t,
                                                    uint32_t prim, unsigned base, unsigned top)
 {
+    struct pen_ray_packet *packet = g->packet;
     double each[LANES];
     lanes_store(each, t);
     for (; at; at &= at - 1) {
@@ -186,10 +198,10 @@ static __attribute__((noinline)) void group_record(struct ray_group *g, int i, u
                                     : top >> lane & 1 ? PEN_PART_TOP
                                                       : PEN_PART_SIDE};
         if (g->any) {
-            if (hit.t > 0 && hit.t < g->query[k]->tmax)
-                keep_intersection(g->query[k], hit);
-        } else if (pen_hit_before(g->after[k], hit) && pen_hit_before(hit, g->best[k])) {
-            g->best[k] = hit;
+            if (hit.t > 0 && hit.t < g->tmax[k])
+                keep_intersection(group_query(g, k), hit);
+        } else if (pen_hit_before(packet->after[k], hit) && pen_hit_before(hit, packet->hit[k])) {
+            packet->hit[k] = hit;
             g->tmax[k] = hit.t;
         }
     }

@@ -6,78 +6,54 @@
 
 #include "accel/internal/ray_group.h"
 
-static inline bool ray_is_forward(const struct pen_ray *ray)
+/* The group of those rays of a packet, whose directions have the same largest axis and sign. */
+static inline void group_init(struct ray_group *g, const struct pen_accel *accel,
+                              struct pen_ray_packet *packet, uint64_t rays)
 {
-    return ray->permuted_d.z > 0;
-}
-
-static inline void group_init(struct ray_group *g, const struct pen_accel *accel)
-{
-    g->count = g->own_count = 0;
-    g->any = g->from_surface = g->to_point = false;
+    const int first = __builtin_ctzll(rays);
+    g->packet = packet;
+    g->rays = &packet->rays;
     g->accel = accel;
-    g->light = pen_vec3(0, 0, 0);
-}
-
-static inline void group_add(struct ray_group *g, const struct pen_ray_packet *packet, int ray)
-{
-    const int i = g->count++;
-    const struct pen_ray *r = packet->ray[ray];
-    const struct pen_origin_surface *origin = packet->origin[ray];
-    const bool from_surface = origin->prim != PEN_NO_PRIM;
-    g->ray[i] = r;
-    g->origin[i] = origin;
-    g->o[0][i] = r->permuted_o.x;
-    g->o[1][i] = r->permuted_o.y;
-    g->o[2][i] = r->permuted_o.z;
-    g->d[0][i] = r->permuted_d.x;
-    g->d[1][i] = r->permuted_d.y;
-    g->d[2][i] = r->permuted_d.z;
-    g->sx[i] = r->sx;
-    g->sy[i] = r->sy;
-    g->inv_dd[i] = r->inv_dd;
-    g->near[i] = r->near;
-    g->bound[i] = from_surface ? origin->bound : -1;
-    g->from_surface |= from_surface;
-    group_add_own(g, i, origin->prim);
-}
-
-static inline void group_add_shadow(struct ray_group *g, const struct pen_ray_packet *packet,
-                                    int ray)
-{
-    const int i = g->count;
-    group_add(g, packet, ray);
-    struct pen_shadow *query = packet->query[ray];
-    query->count = 0;
-    query->overflow = false;
-    g->query[i] = query;
-    g->tmax[i] = query->tmax;
-    g->after_t[i] = 0;
-}
-
-static inline void group_add_nearest(struct ray_group *g, const struct pen_ray_packet *packet,
-                                     int ray)
-{
-    const int i = g->count;
-    group_add(g, packet, ray);
-    g->after[i] = packet->after[ray];
-    g->best[i] = (struct pen_hit){INFINITY, PEN_NO_PRIM, UINT8_MAX};
-    g->after_t[i] = packet->after[ray].t;
-    g->tmax[i] = INFINITY;
-}
-
-/* Fills the arrays beyond the last ray, up to a whole part, with copies of the first. */
-static inline void group_pad(struct ray_group *g)
-{
-    double *const all[] = {g->o[0], g->o[1],   g->o[2], g->d[0],    g->d[1], g->d[2], g->sx,
-                           g->sy,   g->inv_dd, g->near, g->after_t, g->tmax, g->bound};
-    const int whole = (g->count + GROUP_PART - 1) / GROUP_PART * GROUP_PART;
-    for (size_t k = 0; g->count < whole && k < sizeof all / sizeof *all; k++)
-        for (int i = g->count; i < whole; i++)
-            all[k][i] = all[k][0];
-    g->live = g->count < 64 ? (UINT64_C(1) << g->count) - 1 : UINT64_MAX;
+    g->all = g->live = rays;
     g->blocked = 0;
-    g->part_bits = (1u << whole / GROUP_PART) - 1;
+    g->ray_count = __builtin_popcountll(rays);
+    g->end = 64 - __builtin_clzll(rays);
+    pen_ray_axes(packet->rays.along_x >> first & 1   ? 0
+                 : packet->rays.along_y >> first & 1 ? 1
+                                                     : 2,
+                 g->axis);
+    g->from_surface = packet->from_surface;
+    g->part_bits = 0;
+    for (int k = 0; k < GROUP_PARTS; k++)
+        g->part_bits |= (unsigned)((rays >> k * GROUP_PART & GROUP_PART_BITS) != 0) << k;
+    for (int i = 0; i < PEN_RAY_PACKET_MAX; i += LANES)
+        g->in_group[i / LANES] = lane_mask_of((unsigned)(rays >> i) & LANES_ALL);
+}
+
+static inline void group_init_shadow(struct ray_group *g)
+{
+    const lanes end = lanes_splat(g->packet->to_point ? 1 : INFINITY);
+    g->any = true;
+    g->to_point = g->packet->to_point;
+    g->light = g->packet->light;
+    for (int i = 0; i < g->end; i += LANES) {
+        lanes_store(g->tmax + i, end);
+        lanes_store(g->after_t + i, lanes_splat(0));
+    }
+}
+
+static inline void group_init_nearest(struct ray_group *g)
+{
+    struct pen_ray_packet *packet = g->packet;
+    g->any = g->to_point = false;
+    g->light = pen_vec3(0, 0, 0);
+    for (int i = 0; i < g->end; i += LANES)
+        lanes_store(g->tmax + i, lanes_splat(INFINITY));
+    for (uint64_t left = g->all; left; left &= left - 1) {
+        const int i = __builtin_ctzll(left);
+        packet->hit[i] = (struct pen_hit){INFINITY, PEN_NO_PRIM, UINT8_MAX};
+        g->after_t[i] = packet->after[i].t;
+    }
 }
 
 /* Of rays that start on a surface, how far the self-intersection rule reaches: as trace_begin.
@@ -87,12 +63,13 @@ static inline void group_begin_slack(struct ray_group *g)
     const lanes own = lanes_splat(8 * PEN_U * g->accel->scale), zero = lanes_splat(0);
     lanes most = zero;
     g->grow = g->most_slack = 0;
-    for (int i = 0; i < g->count; i += LANES) {
-        const lanes bound = lanes_load(g->bound + i);
+    for (int i = 0; i < g->end; i += LANES) {
+        const lanes bound = lanes_load(g->packet->bound + i);
         const lane_mask free = lanes_less(bound, zero);
         const lanes slack = bound + own, grow = lanes_splat(2 * PEN_NEARBY) * slack;
-        const lanes near_sq = grow * grow * lanes_load(g->inv_dd + i);
-        most = lanes_max(most, lanes_select(free, zero, slack));
+        const lanes near_sq = grow * grow * lanes_load(g->rays->inv_dd + i);
+        most = lanes_max(most,
+                         lanes_select(g->in_group[i / LANES] & lane_mask_not(free), slack, zero));
         lanes_store(g->near_sq + i, lanes_select(free, lanes_splat(-1), near_sq));
         lanes_store(g->slack + i, lanes_select(free, zero, slack));
         lanes_store(g->bound + i, lanes_select(free, zero, bound));
@@ -101,7 +78,8 @@ static inline void group_begin_slack(struct ray_group *g)
     g->grow = 2 * PEN_NEARBY * g->most_slack;
 }
 
-/* The least and the largest of the numbers of each part. */
+/* The least and the largest of the numbers of each part; INFINITY and -INFINITY of one without
+ * rays. */
 struct group_range {
     double lo[GROUP_PARTS], hi[GROUP_PARTS];
 };
@@ -109,12 +87,17 @@ struct group_range {
 static inline struct group_range group_range_of(const struct ray_group *g, const double *x)
 {
     struct group_range range;
+    const lanes inf = lanes_splat(INFINITY);
     for (int k = 0; k < GROUP_PARTS; k++) {
-        const int i = k * GROUP_PART < g->count ? k * GROUP_PART : 0;
-        lanes least = lanes_load(x + i), most = least;
-        for (int n = LANES; n < GROUP_PART; n += LANES) {
-            least = lanes_min(lanes_load(x + i + n), least);
-            most = lanes_max(lanes_load(x + i + n), most);
+        const int first = k * GROUP_PART;
+        const uint64_t rays = g->all >> first & GROUP_PART_BITS;
+        lanes least = inf, most = -inf;
+        for (int i = first; i < first + GROUP_PART && rays; i += LANES) {
+            const lanes at = lanes_load(x + i);
+            const lane_mask in = g->in_group[i / LANES];
+            const bool whole = rays == GROUP_PART_BITS;
+            least = lanes_min(whole ? at : lanes_select(in, at, inf), least);
+            most = lanes_max(whole ? at : lanes_select(in, at, -inf), most);
         }
         range.lo[k] = lanes_smallest(least);
         range.hi[k] = lanes_largest(most);
@@ -147,12 +130,12 @@ struct group_ranges {
 static inline void group_ranges_of(const struct ray_group *g, struct group_ranges *r)
 {
     for (int k = 0; k < 3; k++) {
-        r->o[k] = group_range_of(g, g->o[k]);
+        r->o[k] = group_range_of(g, g->rays->o[k]);
         r->o_lo[k] = smallest_of(r->o[k].lo);
         r->o_hi[k] = largest_of(r->o[k].hi);
     }
     for (int k = 0; k < 2; k++) {
-        r->s[k] = group_range_of(g, k ? g->sy : g->sx);
+        r->s[k] = group_range_of(g, k ? g->rays->sy : g->rays->sx);
         r->s_lo[k] = smallest_of(r->s[k].lo);
         r->s_hi[k] = largest_of(r->s[k].hi);
     }
@@ -173,11 +156,11 @@ static inline double group_extent(const struct ray_group *g, const struct group_
 /* Makes the beam of all rays. */
 static inline void group_beam(struct ray_group *g, const struct group_ranges *r, double margin)
 {
-    const struct pen_ray *first = g->ray[0];
-    const struct pen_vec3 light = pen_permuted(first, &g->light);
+    const bool forward = g->rays->forward >> __builtin_ctzll(g->all) & 1;
+    const struct pen_vec3 light = group_permuted(g, &g->light);
     struct beam *beam = &g->beam;
-    *beam = (struct beam){.axis = {first->kx, first->ky, first->kz},
-                          .forward = ray_is_forward(first) != g->to_point,
+    *beam = (struct beam){.axis = {g->axis[0], g->axis[1], g->axis[2]},
+                          .forward = forward != g->to_point,
                           .margin = pen_float_up(margin),
                           .bounded = g->to_point};
     for (int k = 0; k < 2; k++) {
@@ -222,19 +205,22 @@ static inline void group_beams(struct ray_group *g, const struct group_ranges *r
 /* Prepares tests of outlines; x is the largest size of a coordinate. */
 static inline void group_begin_edges(struct ray_group *g, const struct group_ranges *r, double x)
 {
-    const struct pen_vec3 c = g->to_point ? pen_permuted(g->ray[0], &g->light)
-                                          : pen_vec3(g->o[0][0], g->o[1][0], g->o[2][0]);
+    const struct pen_ray_array *rays = g->rays;
+    const int first = __builtin_ctzll(g->all);
+    const struct pen_vec3 c =
+        g->to_point ? group_permuted(g, &g->light)
+                    : pen_vec3(rays->o[0][first], rays->o[1][first], rays->o[2][first]);
     const struct lanes3 middle = lanes3_splat(c);
     lanes most = lanes_splat(0);
-    for (int i = 0; i < g->count; i += LANES) {
+    for (int i = 0; i < g->end; i += LANES) {
         const struct lanes3 o = lanes3_sub(group_origin(g, i), middle);
-        const lanes sx = lanes_load(g->sx + i), sy = lanes_load(g->sy + i);
+        const lanes sx = lanes_load(rays->sx + i), sy = lanes_load(rays->sy + i);
         const struct lanes3 m = {o.y - o.z * sy, o.z * sx - o.x, o.x * sy - o.y * sx};
         lanes_store(g->moment[0] + i, m.x);
         lanes_store(g->moment[1] + i, m.y);
         lanes_store(g->moment[2] + i, m.z);
-        most =
-            lanes_max(most, lanes_max(lanes_abs(m.x), lanes_max(lanes_abs(m.y), lanes_abs(m.z))));
+        const lanes size = lanes_max(lanes_abs(m.x), lanes_max(lanes_abs(m.y), lanes_abs(m.z)));
+        most = lanes_max(most, lanes_select(g->in_group[i / LANES], size, lanes_splat(0)));
     }
     const double moved = lanes_largest(most);
     g->middle = c;
@@ -249,7 +235,6 @@ static inline void group_begin_edges(struct ray_group *g, const struct group_ran
 static inline bool group_begin(struct ray_group *g)
 {
     struct group_ranges r;
-    group_pad(g);
     group_begin_slack(g);
     group_ranges_of(g, &r);
     const double most = group_extent(g, &r), margin = 0x1p-18 * most + g->grow;

@@ -66,7 +66,7 @@ static inline struct group_edge group_edge_of(const struct ray_group *g,
                                               const struct pen_vec3 *from,
                                               const struct pen_vec3 *to, double distance)
 {
-    const struct pen_vec3 p = pen_permuted(g->ray[0], from), q = pen_permuted(g->ray[0], to);
+    const struct pen_vec3 p = group_permuted(g, from), q = group_permuted(g, to);
     const struct pen_vec3 a = pen_sub(p, g->middle), u = pen_sub(q, p);
     return (struct group_edge){
         .w = {a.y * u.z - a.z * u.y, a.z * u.x - a.x * u.z, a.x * u.y - a.y * u.x},
@@ -138,7 +138,7 @@ static inline bool group_edges_of(const struct ray_group *g, const struct group_
 static inline void group_sides(const struct ray_group *g, int i, const struct group_edges *edges,
                                unsigned *inside, unsigned *outside)
 {
-    const lanes sx = lanes_load(g->sx + i), sy = lanes_load(g->sy + i);
+    const lanes sx = lanes_load(g->rays->sx + i), sy = lanes_load(g->rays->sy + i);
     unsigned all_positive = edges->negative ? 0 : LANES_ALL,
              some_negative = LANES_ALL & ~all_positive;
     unsigned all_negative = edges->positive ? 0 : LANES_ALL,
@@ -164,8 +164,8 @@ static inline void group_sides(const struct ray_group *g, int i, const struct gr
 static inline struct lanes3 group_shear(const struct ray_group *g, int i, struct pen_vec3 v)
 {
     struct lanes3 f = lanes3_sub(group_splat(g, v), group_origin(g, i));
-    f.x = f.x - lanes_load(g->sx + i) * f.z;
-    f.y = f.y - lanes_load(g->sy + i) * f.z;
+    f.x = f.x - lanes_load(g->rays->sx + i) * f.z;
+    f.y = f.y - lanes_load(g->rays->sy + i) * f.z;
     return f;
 }
 
@@ -286,7 +286,7 @@ static inline void group_test_outline(struct ray_group *g, const struct group_ou
     struct group_edges edges;
     if (!group_edges_of(g, outline, q->near, &edges))
         return;
-    for (int i = 0; i < g->count; i += LANES) {
+    for (int i = 0; i < g->end; i += LANES) {
         const unsigned live = group_waits(g, i, q) & ~group_starts_on(i, q);
         const unsigned inside = live ? group_inside(g, i, outline, &edges, live, q) : 0;
         if (inside)

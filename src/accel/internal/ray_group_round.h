@@ -45,7 +45,7 @@ static inline unsigned lanes_outward(lanes outward, struct lanes3 f, struct lane
 static inline unsigned lanes_refined(const struct ray_group *g, int i, lanes tp, lanes h,
                                      lanes disc, lanes rr)
 {
-    const lanes near = lanes_load(g->near + i);
+    const lanes near = lanes_load(g->rays->near + i);
     return lane_mask_bits(lanes_less(lanes_abs(lanes_abs(tp) - h), near * h) |
                           lanes_less(lanes_abs(disc), lanes_splat(PEN_GRAZING) * rr));
 }
@@ -127,7 +127,7 @@ static inline void group_test_sphere_at(struct ray_group *g, int i, const struct
 {
     const struct lanes3 o = group_origin(g, i), d = group_direction(g, i), f = lanes3_sub(o, s->c),
                         low = lanes3_difference_error(o, s->c, f);
-    const lanes inv_dd = lanes_load(g->inv_dd + i), tp = -lanes3_dot(f, d) * inv_dd;
+    const lanes inv_dd = lanes_load(g->rays->inv_dd + i), tp = -lanes3_dot(f, d) * inv_dd;
     const struct lanes3 l = lanes3_add(lanes3_along_once(f, d, tp), low);
     const lanes disc = (s->rr - lanes3_dot(l, l)) + s->rr_low;
     live &= lane_mask_bits(lanes_less(lanes_splat(-PEN_GRAZING) * s->rr, disc));
@@ -152,7 +152,7 @@ static inline void group_test_sphere(struct ray_group *g, const struct pen_spher
 {
     const struct group_sphere all = {group_splat(g, s->c), lanes_splat(s->rr),
                                      lanes_splat(s->rr_low), lanes_splat(s->r)};
-    for (int i = 0; i < g->count; i += LANES) {
+    for (int i = 0; i < g->end; i += LANES) {
         const unsigned live = group_waits(g, i, q);
         if (live)
             group_test_sphere_at(g, i, &all, live, q);
@@ -239,10 +239,10 @@ static inline void group_cylinder_slab(const struct ray_group *g, int i,
     out->hi = lanes_select(up, top, base);
     out->special |= lane_mask_bits(lanes_equal(da, lanes_splat(0))) |
                     (LANES_ALL & ~lane_mask_bits(lanes_at_most(d_size, lanes_splat(8) * steep)));
-    out->loses =
-        lane_mask_bits(lanes_less(four * least, f_size) | lanes_less(four * rest, c->top) |
-                       lanes_less(four * steep, d_size)) |
-        (LANES_ALL & ~lane_mask_bits(lanes_less(lanes_load(g->near + i), lanes_splat(INFINITY))));
+    out->loses = lane_mask_bits(lanes_less(four * least, f_size) | lanes_less(four * rest, c->top) |
+                                lanes_less(four * steep, d_size)) |
+                 (LANES_ALL & ~lane_mask_bits(lanes_less(lanes_load(g->rays->near + i),
+                                                         lanes_splat(INFINITY))));
     out->pad = lanes_splat(0x1p-40) * (f_size + c->top) * lanes_abs(inv);
 }
 
@@ -276,7 +276,7 @@ static inline unsigned group_leaves_cylinder(const struct ray_group *g, int i,
     unsigned on[3] = {0, 0, 0};
     for (unsigned m = own; m; m &= m - 1) {
         const int lane = __builtin_ctz(m);
-        on[g->origin[i + lane]->part] |= 1u << lane;
+        on[g->packet->origin[i + lane]->part] |= 1u << lane;
     }
     unsigned out = on[PEN_PART_BASE] & lane_mask_bits(lanes_less(da, -least));
     out |= on[PEN_PART_TOP] & lane_mask_bits(lanes_less(least, da));
@@ -379,7 +379,7 @@ static inline void group_test_cylinder(struct ray_group *g, const struct pen_cyl
         .beyond = lanes_splat(1.0625 * c->round.r * c->round.r),
         .rounding = lanes_splat(0x1p-42 * g->extent),
     };
-    for (int i = 0; i < g->count; i += LANES) {
+    for (int i = 0; i < g->end; i += LANES) {
         unsigned live = group_waits(g, i, q);
         if (!live)
             continue;

@@ -20,7 +20,7 @@ static inline void group_test_plane_at(struct ray_group *g, int i, const struct 
     const lanes gd = lanes3_dot(n, d), t = lanes3_dot(n, f) / gd;
     unsigned sure =
         lane_mask_bits(lanes_at_most(lanes3_dot_size(n, d), lanes_splat(8) * lanes_abs(gd)) &
-                       lanes_less(lanes_load(g->near + i), lanes_splat(INFINITY)) &
+                       lanes_less(lanes_load(g->rays->near + i), lanes_splat(INFINITY)) &
                        lane_mask_not(lanes_equal(gd, lanes_splat(0))));
     if (g->from_surface) {
         /* A superset of the lanes that the ray's origin touches; |g| < 2. */
@@ -35,7 +35,7 @@ static inline void group_test_plane_at(struct ray_group *g, int i, const struct 
 static inline void group_test_plane(struct ray_group *g, const struct pen_plane *p,
                                     const struct group_prim *q)
 {
-    for (int i = 0; i < g->count; i += LANES) {
+    for (int i = 0; i < g->end; i += LANES) {
         const unsigned live = group_waits(g, i, q) & ~group_starts_on(i, q);
         if (live)
             group_test_plane_at(g, i, p, live, q);
@@ -45,7 +45,7 @@ static inline void group_test_plane(struct ray_group *g, const struct pen_plane 
 /* Asks the scalar test for all live rays. */
 static inline void group_test_one_by_one(struct ray_group *g, const struct group_prim *q)
 {
-    for (int i = 0; i < g->count; i += LANES)
+    for (int i = 0; i < g->end; i += LANES)
         group_ask_all(g, i, group_waits(g, i, q), q->prim, true);
 }
 

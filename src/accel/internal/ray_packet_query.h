@@ -115,7 +115,7 @@ static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first,
                 continue;
             if (group_misses(g, c.prim))
                 continue;
-            if (*count == g->count || (boxes && !group_has_test(g, c.prim)))
+            if (*count == g->ray_count || (boxes && !group_has_test(g, c.prim)))
                 return false;
             out[(*count)++] = c;
         }
@@ -178,8 +178,10 @@ static inline void sort_candidates(struct group_candidate *c, int count)
 static inline double group_depth(const struct ray_group *g)
 {
     lanes most = lanes_splat(0);
-    for (int i = 0; i < g->count; i += LANES)
-        most = lanes_max(most, lanes_load(g->tmax + i) * lanes_abs(lanes_load(g->d[2] + i)));
+    for (int i = 0; i < g->end; i += LANES) {
+        const lanes depth = lanes_load(g->tmax + i) * lanes_abs(lanes_load(g->rays->d[2] + i));
+        most = lanes_max(most, lanes_select(g->in_group[i / LANES], depth, lanes_splat(0)));
+    }
     return lanes_largest(most);
 }
 
@@ -253,16 +255,17 @@ static inline void group_test_shadow(struct ray_group *g, uint32_t prim, uint64_
         group_test(g, &q);
         return;
     }
-    for (int i = 0; i < g->count; i += LANES)
+    for (int i = 0; i < g->end; i += LANES)
         group_ask_all(g, i, group_live(g, i), prim, true);
     g->live &= ~g->blocked;
 }
 
 /* The group's blocked rays. The last occluder is tried first, then what is opaque. */
-static inline bool group_shadow(struct ray_group *g, struct pen_ray_packet *packet,
-                                const uint8_t *see_through)
+static inline bool group_shadow(struct ray_group *g)
 {
     struct group_candidate c[PEN_RAY_PACKET_MAX];
+    struct pen_ray_packet *packet = g->packet;
+    const uint8_t *see_through = packet->see_through;
     int count;
     uint32_t last = packet->last_occluder;
     if (!group_begin(g))
@@ -292,10 +295,12 @@ static inline bool group_shadow(struct ray_group *g, struct pen_ray_packet *pack
 /* Divides the rays of a packet by the largest axis of their directions and its sign. */
 static inline void divide_rays(const struct pen_ray_packet *packet, uint64_t rays[6])
 {
-    for (int side = 0; side < 6; side++)
-        rays[side] = 0;
-    for (int i = 0; i < packet->count; i++)
-        rays[2 * packet->ray[i]->kz + ray_is_forward(packet->ray[i])] |= UINT64_C(1) << i;
+    const uint64_t x = packet->rays.along_x, y = packet->rays.along_y;
+    const uint64_t along[3] = {x, y, ~(x | y)};
+    for (int k = 0; k < 3; k++) {
+        rays[2 * k] = packet->live & along[k] & ~packet->rays.forward;
+        rays[2 * k + 1] = packet->live & along[k] & packet->rays.forward;
+    }
 }
 
 static inline bool group_is_worth(const struct pen_accel *accel, uint64_t rays)
@@ -303,18 +308,17 @@ static inline bool group_is_worth(const struct pen_accel *accel, uint64_t rays)
     return accel->packets && __builtin_popcountll(rays) >= GROUP_RAYS_MIN;
 }
 
-static inline uint64_t nearest_one_by_one(const struct pen_accel *accel,
-                                          struct pen_ray_packet *packet, uint64_t rays)
+static inline void nearest_one_by_one(const struct pen_accel *accel, struct pen_ray_packet *packet,
+                                      uint64_t rays)
 {
-    uint64_t met = 0;
     for (; rays; rays &= rays - 1) {
         const int i = __builtin_ctzll(rays);
         const struct pen_t_interval interval = {packet->after[i], INFINITY};
-        met |=
-            (uint64_t)nearest(accel, packet->ray[i], packet->origin[i], &interval, &packet->hit[i])
-            << i;
+        struct pen_ray ray;
+        pen_ray_array_get(&packet->rays, i, &ray);
+        packet->hit[i].prim = PEN_NO_PRIM;
+        nearest(accel, &ray, packet->origin[i], &interval, &packet->hit[i]);
     }
-    return met;
 }
 
 static uint64_t nearest_packet(const struct pen_accel *accel, struct pen_ray_packet *packet)
@@ -323,26 +327,21 @@ static uint64_t nearest_packet(const struct pen_accel *accel, struct pen_ray_pac
     divide_rays(packet, divided);
     for (int side = 0; side < 6; side++) {
         const uint64_t rays = divided[side];
-        struct ray_group g;
         if (!rays)
             continue;
-        if (!group_is_worth(accel, rays)) {
-            met |= nearest_one_by_one(accel, packet, rays);
-            continue;
+        bool done = false;
+        if (group_is_worth(accel, rays)) {
+            struct ray_group g;
+            group_init(&g, accel, packet, rays);
+            group_init_nearest(&g);
+            done = group_nearest(&g);
         }
-        group_init(&g, accel);
-        for (uint64_t left = rays; left; left &= left - 1)
-            group_add_nearest(&g, packet, __builtin_ctzll(left));
-        if (!group_nearest(&g)) {
-            met |= nearest_one_by_one(accel, packet, rays);
-            continue;
-        }
-        int k = 0;
-        for (uint64_t left = rays; left; left &= left - 1, k++) {
-            const int i = __builtin_ctzll(left);
-            packet->hit[i] = g.best[k];
-            met |= (uint64_t)(g.best[k].prim != PEN_NO_PRIM) << i;
-        }
+        if (!done)
+            nearest_one_by_one(accel, packet, rays);
+    }
+    for (uint64_t left = packet->live; left; left &= left - 1) {
+        const int i = __builtin_ctzll(left);
+        met |= (uint64_t)(packet->hit[i].prim != PEN_NO_PRIM) << i;
     }
     return met;
 }
@@ -351,12 +350,18 @@ static inline uint64_t shadow_one_by_one(const struct pen_accel *accel,
                                          struct pen_ray_packet *packet, uint64_t rays)
 {
     uint64_t blocked = 0;
+    packet->recorded |= rays;
     for (; rays; rays &= rays - 1) {
         const int i = __builtin_ctzll(rays);
-        packet->query[i]->last_occluder = packet->last_occluder;
-        blocked |= (uint64_t)shadow(accel, packet->ray[i], packet->origin[i], packet->query[i])
-                   << i;
-        packet->last_occluder = packet->query[i]->last_occluder;
+        struct pen_shadow *query = &packet->queries[i];
+        struct pen_ray ray;
+        pen_ray_array_get(&packet->rays, i, &ray);
+        query->tmax = packet->to_point ? 1 : INFINITY;
+        query->to_point = packet->to_point;
+        query->see_through = packet->see_through;
+        query->last_occluder = packet->last_occluder;
+        blocked |= (uint64_t)shadow(accel, &ray, packet->origin[i], query) << i;
+        packet->last_occluder = query->last_occluder;
     }
     return blocked;
 }
@@ -365,29 +370,21 @@ static uint64_t shadow_packet(const struct pen_accel *accel, struct pen_ray_pack
 {
     uint64_t blocked = 0, divided[6];
     divide_rays(packet, divided);
+    packet->recorded = 0;
     for (int side = 0; side < 6; side++) {
         const uint64_t rays = divided[side];
         if (!rays)
             continue;
-        if (!group_is_worth(accel, rays)) {
-            blocked |= shadow_one_by_one(accel, packet, rays);
-            continue;
+        if (group_is_worth(accel, rays)) {
+            struct ray_group g;
+            group_init(&g, accel, packet, rays);
+            group_init_shadow(&g);
+            if (group_shadow(&g)) {
+                blocked |= g.blocked & rays;
+                continue;
+            }
         }
-        const struct pen_shadow *first = packet->query[__builtin_ctzll(rays)];
-        struct ray_group g;
-        group_init(&g, accel);
-        g.any = true;
-        g.to_point = first->to_point;
-        g.light = packet->light;
-        for (uint64_t left = rays; left; left &= left - 1)
-            group_add_shadow(&g, packet, __builtin_ctzll(left));
-        if (!group_shadow(&g, packet, first->see_through)) {
-            blocked |= shadow_one_by_one(accel, packet, rays);
-            continue;
-        }
-        int k = 0;
-        for (uint64_t left = rays; left; left &= left - 1, k++)
-            blocked |= (g.blocked >> k & 1) << __builtin_ctzll(left);
+        blocked |= shadow_one_by_one(accel, packet, rays);
     }
     return blocked;
 }

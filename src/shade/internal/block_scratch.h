@@ -56,16 +56,16 @@ struct pen_block_scratch {
     /* By groups of LANES points of the wave. */
     struct surface surface[WAVE_GROUPS];
     struct arriving_light arriving[WAVE_GROUPS];
-    lane_mask lit[WAVE_GROUPS]; /* points to which lights contribute */
+    lane_mask lit[WAVE_GROUPS];   /* points to which lights contribute */
+    lanes hard_rays[WAVE_GROUPS]; /* shadow rays cast to hard lights, from each point */
     struct lanes3 radiance[WAVE_GROUPS];
     /* By paths of the wave; after it has been traced, only those that meet a surface. */
     int count;
     struct block_path *wave[PEN_RAY_PACKET_MAX];
     double transmittance[3][PEN_RAY_PACKET_MAX];
-    struct pen_ray shadow_ray[PEN_RAY_PACKET_MAX];
-    struct pen_shadow query[PEN_RAY_PACKET_MAX];
+    uint64_t passes, filtered; /* points that the light reaches; where transmittance[] is set */
     struct pen_ray_packet packet;
-    int of_packet[PEN_RAY_PACKET_MAX]; /* the points of its shadow rays */
+    struct pen_shadow query[PEN_RAY_PACKET_MAX];
     /* By pixel. */
     int x[BLOCK_PIXELS], y[BLOCK_PIXELS];
     uint64_t deferred; /* bits of pixels that are left to the pixel kernel */

@@ -25,11 +25,13 @@ static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
 {
     const struct pen_scene *scene = input->scene;
     struct pen_ray_packet *packet = &b->packet;
-    packet->count = b->count;
+    packet->live = b->count < 64 ? (UINT64_C(1) << b->count) - 1 : UINT64_MAX;
+    pen_ray_array_begin(&packet->rays);
+    pen_ray_packet_start(packet);
     for (int i = 0; i < b->count; i++) {
         const struct path *path = &b->wave[i]->path;
-        packet->ray[i] = &path->ray;
-        packet->origin[i] = &path->origin;
+        pen_ray_array_set(&packet->rays, i, &path->ray);
+        pen_ray_packet_start_ray(packet, i, &path->origin);
         packet->after[i] = path->after;
     }
     const uint64_t met = input->trace->nearest_packet(scene->accel, packet);
@@ -74,65 +76,60 @@ static ALWAYS_INLINE void block_set_transmittance(struct pen_block_scratch *b, i
     b->transmittance[2][point] = t.z;
 }
 
-/* Adds the shadow rays from a group of points to the packet. */
-static ALWAYS_INLINE void block_add_shadow_rays(const struct pen_kernel_input *input,
-                                                struct pen_block_scratch *b, int g, unsigned points,
-                                                const unsigned fx)
+/* The transmittance of a shadow ray of the packet whose query has results. */
+static ALWAYS_INLINE struct pen_vec3 block_shadow_colour(const struct pen_kernel_input *input,
+                                                         struct pen_block_scratch *b, int i,
+                                                         const unsigned fx)
 {
-    struct pen_ray_packet *packet = &b->packet;
-    const struct arriving_light *arriving = &b->arriving[g];
-    const struct surface *s = &b->surface[g];
-    const int first = g * LANES;
-    struct pen_ray *ray[LANES];
-    for (int i = 0; i < LANES; i++)
-        ray[i] = &b->shadow_ray[first + i];
-    const unsigned made = lane_mask_bits(lanes_ray_make(ray, s->p, arriving->to_light));
-    for (; points; points &= points - 1) {
-        const int i = __builtin_ctz(points), k = packet->count;
-        b->counts[b->wave[first + i]->pixel].shadow++;
-        if (!(made >> i & 1)) {
-            block_set_transmittance(b, first + i, no_sample());
-            continue;
-        }
-        shadow_query(input, &b->query[first + i], arriving->to_point, fx);
-        packet->ray[k] = ray[i];
-        packet->origin[k] = &s->origin[i];
-        packet->query[k] = &b->query[first + i];
-        b->of_packet[packet->count++] = first + i;
-    }
+    const struct pen_vec3 white = {1, 1, 1};
+    struct pen_ray ray;
+    if (b->query[i].overflow)
+        pen_ray_array_get(&b->packet.rays, i, &ray);
+    return shadow_colour(input, &ray, b->packet.origin[i], &b->query[i], white, fx);
 }
 
-/* Transmittances of the shadow rays from points of the wave to one hard light. */
+/* Casts shadow rays from points of the wave to one hard light. */
 static ALWAYS_INLINE void block_hard_shadows(const struct pen_kernel_input *input,
                                              struct pen_kernel_scratch *scratch,
                                              struct pen_block_scratch *b, uint32_t light,
                                              uint64_t points, const unsigned fx)
 {
     struct pen_ray_packet *packet = &b->packet;
-    packet->count = 0;
+    uint64_t made = 0;
     packet->light = input->scene->lights[light].position;
+    packet->to_point = input->scene->lights[light].positional;
+    packet->see_through = fx & PEN_FX_SHADOW_TRANSMITTANCE ? input->scene->see_through : NULL;
     packet->last_occluder = scratch->last_occluder[light];
-    for (int g = 0; g < block_groups(b); g++)
-        if (group_bits(points, g))
-            block_add_shadow_rays(input, b, g, group_bits(points, g), fx);
+    packet->queries = b->query;
+    pen_ray_array_begin(&packet->rays);
+    for (int g = 0; g < block_groups(b); g++) {
+        if (!group_bits(points, g))
+            continue;
+        const lane_mask can = lanes_ray_array_make(&packet->rays, g * LANES, b->surface[g].p,
+                                                   b->arriving[g].to_light);
+        made |= (uint64_t)lane_mask_bits(can) << g * LANES;
+        b->hard_rays[g] =
+            lanes_select(b->arriving[g].arrives, b->hard_rays[g] + 1, b->hard_rays[g]);
+    }
+    packet->live = points & made;
     const uint64_t blocked = input->trace->shadow_packet(input->scene->accel, packet);
     scratch->last_occluder[light] = packet->last_occluder;
-    for (int k = 0; k < packet->count; k++) {
-        const struct pen_vec3 white = {1, 1, 1};
-        struct pen_vec3 t = {0, 0, 0};
-        if (!(blocked >> k & 1))
-            t = shadow_colour(input, packet->ray[k], packet->origin[k], packet->query[k], white,
-                              fx);
-        block_set_transmittance(b, b->of_packet[k], t);
+    b->passes = packet->live & ~blocked;
+    b->filtered = (b->passes & packet->recorded) | (points & ~made);
+    for (uint64_t left = b->filtered; left; left &= left - 1) {
+        const int i = __builtin_ctzll(left);
+        const bool traced = made >> i & 1; /* else the light is farther than rays go */
+        block_set_transmittance(b, i, traced ? block_shadow_colour(input, b, i, fx) : no_sample());
     }
 }
 
-/* The same for a light with a radius, point by point. */
+/* The same to a light with a radius, point by point. */
 static ALWAYS_INLINE void block_soft_shadows(const struct pen_kernel_input *input,
                                              struct pen_kernel_scratch *scratch,
                                              struct pen_block_scratch *b, uint64_t points,
                                              const unsigned fx)
 {
+    b->filtered = points;
     for (; points; points &= points - 1) {
         const int i = __builtin_ctzll(points), pixel = b->wave[i]->pixel, g = i / LANES;
         scratch->key.x = (uint32_t)b->x[pixel];
@@ -144,13 +141,23 @@ static ALWAYS_INLINE void block_soft_shadows(const struct pen_kernel_input *inpu
     }
 }
 
-/* Multiplies what arrives at a group of points by its transmittance. */
+/* Multiplies what arrives at a group of points by its transmittance: where that is not set, 1 if
+ * the light reaches the point, else 0. */
 static ALWAYS_INLINE void block_filter(struct pen_block_scratch *b, int g)
 {
     struct arriving_light *arriving = &b->arriving[g];
-    const struct lanes3 t = {lanes_load(b->transmittance[0] + g * LANES),
-                             lanes_load(b->transmittance[1] + g * LANES),
-                             lanes_load(b->transmittance[2] + g * LANES)};
+    const unsigned filtered = group_bits(b->filtered, g);
+    if (!filtered) {
+        arriving->arrives &= lane_mask_of(group_bits(b->passes, g));
+        return;
+    }
+    const lane_mask set = lane_mask_of(filtered);
+    const lanes passes =
+        lanes_select(lane_mask_of(group_bits(b->passes, g)), lanes_splat(1), lanes_splat(0));
+    const struct lanes3 t = {
+        lanes_select(set, lanes_load(b->transmittance[0] + g * LANES), passes),
+        lanes_select(set, lanes_load(b->transmittance[1] + g * LANES), passes),
+        lanes_select(set, lanes_load(b->transmittance[2] + g * LANES), passes)};
     arriving->arrives &= lane_mask_not(lanes_black(t));
     arriving->term = lanes3_mul(arriving->term, t);
 }
@@ -196,7 +203,13 @@ static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
         const bool primary = b->wave[g * LANES]->path.depth == 0; /* as all of the wave */
         b->radiance[g] = light_emitted(input->scene, &b->surface[g], primary, fx);
         b->lit[g] = surface_lit(&b->surface[g]);
+        b->hard_rays[g] = lanes_splat(0);
         any |= lane_mask_bits(b->lit[g]) != 0;
+    }
+    if ((fx & PEN_FX_HARD_SHADOWS) && any) {
+        pen_ray_packet_start(&b->packet);
+        for (int i = 0; i < b->count; i++)
+            pen_ray_packet_start_ray(&b->packet, i, &b->surface[i / LANES].origin[i % LANES]);
     }
     for (uint32_t light = 0; light < input->scene->light_count && any; light++)
         block_light(input, scratch, b, light, fx);
@@ -259,6 +272,7 @@ static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
     for (int i = 0; i < count; i++) {
         const struct block_path *at = b->wave[first + i];
         b->record[at->record].radiance = pen_mul(path[i]->weight, radiance[i]);
+        b->counts[at->pixel].shadow += (uint64_t)lanes_at(b->hard_rays[g], i);
         deeper |= (unsigned)(path[i]->depth + 1 < input->settings->max_depth &&
                              !(b->deferred >> at->pixel & 1))
                   << i;
