@@ -229,19 +229,31 @@ static double reach_nearby(const struct contact *c, struct pen_vec3 up, double r
     return most;
 }
 
-/* Whether Q extends beyond P's tangent plane, on the side to which the ray goes; a flat Q, near p:
- * no ray is so low that it meets Q where it rises only farther away (PEN_HORIZON_SINE). Without
- * that a corner which the rounding of the document has lifted over P would count. */
-static bool rises(const struct contact *c, struct pen_vec3 d)
+/* The unit normal of P on the side to which the ray goes; false if no side tells. */
+static bool side_up(const struct contact *c, struct pen_vec3 d, struct pen_vec3 *up)
 {
     const struct contact own = contact_of_origin(c);
     double side = side_of_departure(&own, d);
-    struct pen_vec3 up = side > 0 ? own.n : pen_neg(own.n);
-    if (side == 0)
+    *up = side > 0 ? own.n : pen_neg(own.n);
+    return side != 0;
+}
+
+/* Whether Q extends beyond P's tangent plane, on the side to which the ray goes. */
+static bool rises(const struct contact *c, struct pen_vec3 d)
+{
+    struct pen_vec3 up;
+    return !side_up(c, d, &up) || c->surface.fn->reach(c->surface.self, up, c->p) > c->slack;
+}
+
+/* Whether a flat Q, whose border the ray passes near p, does so near p: no ray is so low that it
+ * meets Q there if Q rises only farther away (PEN_HORIZON_SINE). Without that a corner which the
+ * rounding of the document has lifted over P would count. */
+static bool rises_nearby(const struct contact *c, struct pen_vec3 d)
+{
+    struct pen_vec3 up;
+    if (!side_up(c, d, &up))
         return true;
-    if (!(c->surface.fn->reach(c->surface.self, up, c->p) > c->slack))
-        return false;
-    return outline_of(c->surface).count == 0 ||
+    return c->surface.fn->reach(c->surface.self, up, c->p) > c->slack &&
            reach_nearby(c, up, PEN_NEARBY * c->slack) > c->slack;
 }
 
@@ -375,14 +387,14 @@ static bool passes_border(struct surface s, struct pen_vec3 n, const struct pen_
     return false;
 }
 
-/* A primitive whose border the ray passes is met, in its plane, if it rises over P; and if p is in
- * that plane within rounding, only if the ray does not go back. */
+/* A primitive whose border the ray passes is met, in its plane, if it rises over P near p; and if p
+ * is in that plane within rounding, if it rises over P and the ray does not go back. */
 static void intersect_border(const struct pen_prims *prims, struct pen_hit q, struct surface s,
                              const struct pen_ray *ray, const struct pen_origin_surface *origin,
                              double far, struct pen_intersections *out)
 {
     const struct contact c = contact_at(prims, q, s, ray, origin);
-    bool met = fabs(far) <= 2 * c.slack ? origin_counts(&c, ray->d) : rises(&c, ray->d);
+    bool met = fabs(far) <= 2 * c.slack ? origin_counts(&c, ray->d) : rises_nearby(&c, ray->d);
     if (!met)
         out->count = 0;
     else if (out->count == 0)

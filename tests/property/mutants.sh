@@ -425,7 +425,7 @@ edit src/geom/cone.c 1 's/^    if \(c->hull\.caps && passes_cap_rim.*$/    if (f
 judge
 
 mutant far_corner convex_lit 200 "a face that rises only far away, by rounding, is met at its border"
-edit src/geom/self_intersection.c 1 's/^    return outline_of\(c->surface\)\.count == 0 \|\|$/    return true ||/'
+edit src/geom/self_intersection.c 1 's/ : rises_nearby\(&c, ray->d\);$/ : rises(\&c, ray->d);/'
 judge
 
 mutant joint convex_lit 200 "at the joint of a column, a ray meets the next cylinder within the rim of its cap"
