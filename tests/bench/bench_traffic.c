@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "bench/median.h"
 #include "jobs/jobs.h"
 #include "jobs/worker.h"
 
@@ -150,22 +151,14 @@ static struct run run_job(struct pen_jobs *jobs, const char *body)
     return run;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 struct range {
     double median, least, most;
 };
 
 static struct range range_of(double *values, int count)
 {
-    qsort(values, (size_t)count, sizeof *values, by_value);
-    return (struct range){.median = (values[(count - 1) / 2] + values[count / 2]) / 2,
-                          .least = values[0],
-                          .most = values[count - 1]};
+    const double median = bench_median(values, count); /* which sorts them */
+    return (struct range){.median = median, .least = values[0], .most = values[count - 1]};
 }
 
 /* The time that rendering waits: all calls of the worker's own thread. */

@@ -10,21 +10,10 @@
 
 #include "accel/internal/test_doors.h"
 #include "bench/load_scene.h"
+#include "bench/median.h"
 #include "render/render.h"
 
 enum { RUNS_MAX = 100 };
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *times, int runs)
-{
-    qsort(times, (size_t)runs, sizeof *times, by_value);
-    return (times[(runs - 1) / 2] + times[runs / 2]) / 2;
-}
 
 struct bench {
     const struct pen_settings *settings;
@@ -61,7 +50,7 @@ static void print(struct bench *b, int runs)
     for (int i = 0; i < PEN_AUTO_COUNT; i++)
         printf("%s\"%s\": {\"expected\": %.3f, \"ns\": %.1f}", i ? ", " : "",
                pen_auto_choice_name((enum pen_auto_choice)i), stats->expected[i],
-               median(ns[i], runs));
+               bench_median(ns[i], runs));
     printf("}\n");
 }
 

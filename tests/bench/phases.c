@@ -9,6 +9,7 @@
 
 #include "base/clock.h"
 #include "bench/load_scene.h"
+#include "bench/median.h"
 #include "render/render.h"
 
 enum { RUNS_MAX = 100, PHASES = 5 };
@@ -18,18 +19,6 @@ static const char *const phase_names[PHASES] = {"parse", "freeze", "build", "ren
 static double ms_since(int64_t start)
 {
     return (double)(pen_clock_ns() - start) / 1e6;
-}
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *times, int runs)
-{
-    qsort(times, (size_t)runs, sizeof *times, by_value);
-    return (times[(runs - 1) / 2] + times[runs / 2]) / 2;
 }
 
 struct frame {
@@ -103,7 +92,7 @@ int main(int argc, char **argv)
     printf("{\"primitives\": %llu, \"rays\": %llu", (unsigned long long)frame.primitives,
            (unsigned long long)frame.rays);
     for (int p = 0; p < PHASES; p++)
-        printf(", \"%s_ms\": %.3f", phase_names[p], median(ms[p], runs));
+        printf(", \"%s_ms\": %.3f", phase_names[p], bench_median(ms[p], runs));
     printf("}\n");
     free(text);
     return 0;

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "bench/median.h"
 
 enum { COMMANDS_MAX = 1000, RUNS_MAX = 100 };
 
@@ -48,18 +49,11 @@ static void run(struct command *c, int number)
     c->cpu[number] = ms_of(used.ru_utime) + ms_of(used.ru_stime);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median(const double *times, int runs)
 {
     double sorted[RUNS_MAX];
     memcpy(sorted, times, (size_t)runs * sizeof *times);
-    qsort(sorted, (size_t)runs, sizeof *sorted, by_value);
-    return (sorted[(runs - 1) / 2] + sorted[runs / 2]) / 2;
+    return bench_median(sorted, runs);
 }
 
 static void put_times(const char *key, const double *times, int runs)
