@@ -20,7 +20,8 @@ enum {
     DIMENSIONS = 7,
     FEW = 16,    /* so many surfaces are compared one by one */
     MANY = 2048, /* more that no halving separates are taken to coincide */
-    SOME = 15,   /* of which a median is taken */
+    SOME = 15,   /* of which a median is taken; of a sixteenth in long lists, up to */
+    SOME_MOST = 127,
     DEPTH = 48,
     PLACES = 16 /* of one primitive that are kept apart */
 };
@@ -240,8 +241,11 @@ static double middle(const struct surface *s, int axis)
 /* The median of the middles of some of the list. */
 static double median_of(const struct finder *f, const uint32_t *list, uint32_t count, int axis)
 {
-    double some[SOME];
-    uint32_t n = count < SOME ? count : SOME;
+    double some[SOME_MOST];
+    uint32_t n = count < SOME             ? count
+                 : count / 16 < SOME      ? SOME
+                 : count / 16 < SOME_MOST ? count / 16
+                                          : SOME_MOST;
     for (uint32_t i = 0; i < n; i++) {
         double m = middle(&f->surface[list[(uint64_t)i * count / n]], axis);
         uint32_t at = i;

@@ -508,6 +508,45 @@ START_TEST(test_freeze__h037_intersections_of_a_small_view_plane)
 }
 END_TEST
 
+enum { LATTICE = 13 };
+
+/* The balls of a lattice are of one size, and many are cut by any plane of the lattice. */
+static void make_lattice(struct pen_object_desc ball[LATTICE * LATTICE * LATTICE])
+{
+    kit_init(&kit);
+    const struct pen_object_desc first = *kit_sphere(&kit, pen_vec3(0, 0, 0), .25, -1);
+    for (int i = 0; i < LATTICE * LATTICE * LATTICE; i++) {
+        ball[i] = first;
+        ball[i].u.sphere.center =
+            pen_vec3(i % LATTICE, i / LATTICE % LATTICE, i / (LATTICE * LATTICE));
+    }
+    kit.desc.objects = ball;
+    kit.desc.object_count = LATTICE * LATTICE * LATTICE;
+    kit.desc.primitive_count = kit.desc.object_count;
+}
+
+/* Places where primitives may coincide are only where some do. */
+START_TEST(test_freeze__layers_of_a_lattice)
+{
+    static struct pen_object_desc ball[LATTICE * LATTICE * LATTICE];
+    make_lattice(ball);
+    struct pen_scene *scene = kit_freeze(&kit);
+    ck_assert_uint_eq(scene->prims.count, LATTICE * LATTICE * LATTICE);
+    ck_assert_ptr_null(scene->layer_first);
+    pen_scene_free(scene);
+
+    make_lattice(ball);
+    ball[7].u.sphere.center = ball[1000].u.sphere.center;
+    scene = kit_freeze(&kit);
+    const uint32_t *first = scene->layer_first;
+    ck_assert_ptr_nonnull(first);
+    ck_assert_uint_eq(first[scene->prims.count], 2);
+    ck_assert_uint_eq(scene->layer_place[first[7]].partner, 1000);
+    ck_assert_uint_eq(scene->layer_place[first[1000]].partner, 7);
+    pen_scene_free(scene);
+}
+END_TEST
+
 PEN_SUITE("freeze", test_freeze__primitives_are_numbered_depth_first,
           test_freeze__quadrics_under_similarities, test_freeze__mirrors_keep_the_outside,
           test_freeze__refuses_stretched_quadrics,
@@ -518,4 +557,4 @@ PEN_SUITE("freeze", test_freeze__primitives_are_numbered_depth_first,
           test_freeze__scenes_without_finite_primitives, test_freeze__memory_cap_is_an_error,
           test_freeze__every_allocation_may_fail, test_freeze__groups_are_the_structure_of_manual,
           test_freeze__manual_without_groups_is_cbr, test_freeze__groups_side_by_side,
-          test_freeze__h037_intersections_of_a_small_view_plane)
+          test_freeze__h037_intersections_of_a_small_view_plane, test_freeze__layers_of_a_lattice)
