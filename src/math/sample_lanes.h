@@ -1,16 +1,29 @@
 /* SPDX-License-Identifier: MIT */
-/* The functions of math/sample.h in lanes: points of LANES indices in a row. */
+/* The functions of math/sample.h in lanes: points of LANES indices in a row. sample.c is their
+ * instance with one lane.
+ *
+ * A hash of 64 bits gives the seeds of three Owen scramblings: of the order of the points, and of
+ * both coordinates. Shuffling the order matters as soon as one path uses several sets: unshuffled,
+ * point i of one and point i of another would lie in the same cells of their first coordinates.
+ *
+ * Owen scrambling flips each bit of a coordinate depending on the bits above it. Read backwards,
+ * that is a function in which information flows only upwards, as it does in adding and in
+ * multiplying by an odd number, and so a hash of such steps does it (Laine and Karras, EGSR 2011;
+ * Burley, JCGT 9(4), 2020). The sequence of steps and constants used here: Vegdahl, "Building a
+ * better LK hash", psychopath.io, 2021. */
 #ifndef PEN_MATH_SAMPLE_LANES_H
 #define PEN_MATH_SAMPLE_LANES_H
 
 #include "math/lanes.h"
 #include "math/sample.h"
 
+#define LANES_GOLDEN UINT64_C(0x9E3779B97F4A7C15) /* 2^64 over the golden ratio */
+
 struct lanes_point2 {
     lanes x, y;
 };
 
-/* The finalizer of SplitMix64. */
+/* The finalizer of SplitMix64: Steele, Lea, Flood, OOPSLA 2014. */
 static inline lane_words lanes_mix(lane_words z)
 {
     z = (z ^ z >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
@@ -18,7 +31,7 @@ static inline lane_words lanes_mix(lane_words z)
     return z ^ z >> 31;
 }
 
-/* The middles of 2^32 cells of [0, 1). */
+/* The middles of 2^32 cells of [0, 1): never 0, never 1. */
 static inline lanes lanes_unit_interval(lane_words cell)
 {
     return (lanes_of_small(cell) + 0.5) * 0x1p-32;
@@ -28,7 +41,7 @@ static inline lanes lanes_unit_interval(lane_words cell)
 static inline struct lanes_point2 lanes_random2(uint64_t hash, uint32_t index)
 {
     const lane_words number = index + lane_words_count() + 1;
-    const lane_words bits = lanes_mix(hash + number * UINT64_C(0x9E3779B97F4A7C15));
+    const lane_words bits = lanes_mix(hash + number * LANES_GOLDEN);
     return (struct lanes_point2){lanes_unit_interval(bits & UINT32_MAX),
                                  lanes_unit_interval(bits >> 32)};
 }
@@ -42,6 +55,7 @@ static inline lane_halves lanes_reverse_bits(lane_halves x)
     return (x >> 1 & 0x55555555) | (x & 0x55555555) << 1;
 }
 
+/* Owen's scrambling of numbers given and returned with their bits reversed. */
 static inline lane_halves lanes_scramble_reversed(lane_halves x, uint32_t seed)
 {
     x ^= x * 0x3D20ADEAu;
@@ -51,6 +65,10 @@ static inline lane_halves lanes_scramble_reversed(lane_halves x, uint32_t seed)
     return x ^ x * 0x53A22864u;
 }
 
+/* The bits of Sobol's second coordinate, reversed. His direction numbers are v_1 = 1/2,
+ * v_(j+1) = v_j xor v_j / 2; reversed and read as polynomials over GF(2) they are the powers of
+ * 1 + z. So the coordinate of an index read as P(z) is P(1 + z), and since
+ * (1 + z)^16 = 1 + z^16 and so on, that takes five steps. */
 static inline lane_halves lanes_second_reversed(lane_halves x)
 {
     x ^= x >> 16;
@@ -63,7 +81,7 @@ static inline lane_halves lanes_second_reversed(lane_halves x)
 /* pen_sobol2 of index, index + 1 and so on. */
 static inline struct lanes_point2 lanes_sobol2(uint64_t hash, uint32_t index)
 {
-    const uint32_t order_seed = (uint32_t)(hash * UINT64_C(0x9E3779B97F4A7C15) >> 32);
+    const uint32_t order_seed = (uint32_t)(hash * LANES_GOLDEN >> 32);
     lane_halves s = lanes_reverse_bits(index + lane_halves_count());
     s = lanes_reverse_bits(lanes_scramble_reversed(s, order_seed));
     const lane_halves x = lanes_scramble_reversed(s, (uint32_t)hash);
@@ -74,8 +92,9 @@ static inline struct lanes_point2 lanes_sobol2(uint64_t hash, uint32_t index)
     };
 }
 
-/* pen_disk_of_square, without its case for the square's middle lines: lanes_unit_interval gives no
- * such point. */
+/* pen_disk_of_square, without its case for the square's centre: lanes_unit_interval gives no such
+ * point. Sine and cosine of at most an eighth of a turn are Taylor's series: within 3 ulp, and
+ * without a reduction of the angle, since this is done for every point on a light or a lens. */
 static inline struct lanes_point2 lanes_disk_of_square(struct lanes_point2 p)
 {
     const lanes a = 2 * p.x - 1, b = 2 * p.y - 1;
