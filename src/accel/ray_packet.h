@@ -5,8 +5,8 @@
  * The tree is traversed once for all rays whose directions have the same largest axis. It gives the
  * primitives that some ray may meet, each of which is tested against the rays, LANES at a time. The
  * answers are those of pen_trace_ops.nearest and .shadow, ray by ray and bit for bit: whatever the
- * test in lanes does not decide for sure is asked of the scalar test. src/accel/README.md describes
- * the steps. */
+ * test in lanes does not decide for sure falls back to the scalar test. src/accel/README.md
+ * describes the steps. */
 #ifndef PEN_ACCEL_RAY_PACKET_H
 #define PEN_ACCEL_RAY_PACKET_H
 
@@ -57,22 +57,29 @@ static inline void pen_ray_packet_start(struct pen_ray_packet *packet)
     packet->starts_count = 0;
 }
 
-/* Says where ray i starts. Neighbours often start on the same primitive. */
-static inline void pen_ray_packet_start_ray(struct pen_ray_packet *packet, int i,
-                                            const struct pen_origin_surface *origin)
+/* Says which primitive some rays start on, a bit each; PEN_NO_PRIM: none. Neighbours often start on
+ * the same one. */
+static inline void pen_ray_packet_start_on(struct pen_ray_packet *packet, uint32_t prim,
+                                           uint64_t rays)
 {
-    const bool from_surface = origin->prim != PEN_NO_PRIM;
-    packet->origin[i] = origin;
-    packet->bound[i] = from_surface ? origin->bound : -1;
-    packet->from_surface |= from_surface;
     int k = packet->starts_count;
-    while (k > 0 && packet->starts[k - 1].prim != origin->prim)
+    packet->from_surface |= prim != PEN_NO_PRIM;
+    while (k > 0 && packet->starts[k - 1].prim != prim)
         k--;
     if (k == 0) {
         k = ++packet->starts_count;
-        packet->starts[k - 1] = (struct pen_ray_starts){origin->prim, 0};
+        packet->starts[k - 1] = (struct pen_ray_starts){prim, 0};
     }
-    packet->starts[k - 1].rays |= UINT64_C(1) << i;
+    packet->starts[k - 1].rays |= rays;
+}
+
+/* Says where ray i starts. */
+static inline void pen_ray_packet_start_ray(struct pen_ray_packet *packet, int i,
+                                            const struct pen_origin_surface *origin)
+{
+    packet->origin[i] = origin;
+    packet->bound[i] = origin->prim != PEN_NO_PRIM ? origin->bound : -1;
+    pen_ray_packet_start_on(packet, origin->prim, UINT64_C(1) << i);
 }
 
 #endif

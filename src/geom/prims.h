@@ -190,7 +190,9 @@ double pen_prim_layers_end(const struct pen_prims *prims, const struct pen_ray *
 bool pen_prim_may_coincide(const struct pen_prims *prims, struct pen_hit a, struct pen_hit b);
 
 /* Whether an intersection is the ray's point at t_end, up to `bound` and the intersection's own
- * rounding. A ray that ends in a light does not count the surface that contains the light. */
+ * rounding. A ray that ends in a light does not count the surface that contains the light. What
+ * counts at the ray's origin does not end it: a ray from a wall's foot along the floor is stopped
+ * there, also if the light is on the floor. */
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
                        double t_end, double bound);
 

@@ -48,11 +48,16 @@ static inline void pen_ray_array_set(struct pen_ray_array *to, int i, const stru
     to->forward |= (uint64_t)(ray->permuted_d.z > 0) << i;
 }
 
+static inline int pen_ray_array_kz(const struct pen_ray_array *rays, int i)
+{
+    return rays->along_x >> i & 1 ? 0 : rays->along_y >> i & 1 ? 1 : 2;
+}
+
 /* The ray as pen_ray_make made it, to the bit. */
 static inline void pen_ray_array_get(const struct pen_ray_array *from, int i, struct pen_ray *ray)
 {
     int axis[3];
-    pen_ray_axes(from->along_x >> i & 1 ? 0 : from->along_y >> i & 1 ? 1 : 2, axis);
+    pen_ray_axes(pen_ray_array_kz(from, i), axis);
     for (int k = 0; k < 3; k++) {
         ((double *)&ray->o)[axis[k]] = ((double *)&ray->permuted_o)[k] = from->o[k][i];
         ((double *)&ray->d)[axis[k]] = ((double *)&ray->permuted_d)[k] = from->d[k][i];

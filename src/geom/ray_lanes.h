@@ -116,13 +116,12 @@ _Static_assert(offsetof(struct pen_ray, d) == 3 * sizeof(double) &&
                    offsetof(struct pen_ray, sz) == 9 * sizeof(double) &&
                    offsetof(struct pen_ray, permuted_o) == 10 * sizeof(double) &&
                    offsetof(struct pen_ray, permuted_d) == 13 * sizeof(double),
-               "lanes_ray_make writes the numbers of a ray in this order");
+               "lanes_ray_put writes the numbers of a ray in this order");
 
-/* As lanes_ray_of, into *to[lane]. Every to[lane] is a place to write to. */
-static inline lane_mask lanes_ray_make(struct pen_ray *const *to, struct lanes3 o, struct lanes3 d)
+/* Writes rays to *to[lane]. Every to[lane] is a place to write to. */
+static inline void lanes_ray_put(const struct lanes_ray *rays, struct pen_ray *const *to)
 {
-    struct lanes_ray r;
-    const lane_mask made = lanes_ray_of(&r, o, d);
+    const struct lanes_ray r = *rays;
     const unsigned x = lane_mask_bits(r.kz.x), y = lane_mask_bits(r.kz.y);
     double near[LANES];
     lanes_ray_write(to, 0, r.o.x, r.o.y, r.o.z, r.d.x);
@@ -138,15 +137,22 @@ static inline lane_mask lanes_ray_make(struct pen_ray *const *to, struct lanes3 
         to[i]->ky = axis[1];
         to[i]->kz = axis[2];
     }
-    return made;
 }
 
-/* As lanes_ray_of, into the rays from i on, as pen_ray_array_set. */
-static inline lane_mask lanes_ray_array_make(struct pen_ray_array *to, int i, struct lanes3 o,
-                                             struct lanes3 d)
+/* As lanes_ray_of, into *to[lane]. */
+static inline lane_mask lanes_ray_make(struct pen_ray *const *to, struct lanes3 o, struct lanes3 d)
 {
     struct lanes_ray r;
     const lane_mask made = lanes_ray_of(&r, o, d);
+    lanes_ray_put(&r, to);
+    return made;
+}
+
+/* Sets the rays from i on, as pen_ray_array_set. */
+static inline void lanes_ray_array_put(const struct lanes_ray *rays, struct pen_ray_array *to,
+                                       int i)
+{
+    const struct lanes_ray r = *rays;
     lanes_store(to->o[0] + i, r.permuted_o.x);
     lanes_store(to->o[1] + i, r.permuted_o.y);
     lanes_store(to->o[2] + i, r.permuted_o.z);
@@ -160,6 +166,15 @@ static inline lane_mask lanes_ray_array_make(struct pen_ray_array *to, int i, st
     to->along_x |= (uint64_t)lane_mask_bits(r.kz.x) << i;
     to->along_y |= (uint64_t)lane_mask_bits(r.kz.y) << i;
     to->forward |= (uint64_t)lane_mask_bits(lanes_less(lanes_splat(0), r.permuted_d.z)) << i;
+}
+
+/* As lanes_ray_of, into the rays from i on. */
+static inline lane_mask lanes_ray_array_make(struct pen_ray_array *to, int i, struct lanes3 o,
+                                             struct lanes3 d)
+{
+    struct lanes_ray r;
+    const lane_mask made = lanes_ray_of(&r, o, d);
+    lanes_ray_array_put(&r, to, i);
     return made;
 }
 

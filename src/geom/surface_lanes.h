@@ -69,10 +69,10 @@ static inline struct lanes3 lanes_cylinder_side_normal(const struct pen_cylinder
     return lanes_unit_of(lanes3_cross(lanes3_splat(s->a), across), usual);
 }
 
-/* Projects *p as pen_cylinder_side_project, and sets *n to the normal there. False if a lane needs
- * the scalar functions. */
-static inline bool lanes_cylinder_side_surface(const struct pen_cylinder_side *s, struct lanes3 *p,
-                                               struct lanes3 *n)
+/* Projects *p as pen_cylinder_side_project, and sets *n to the normal there. False if one of the
+ * lanes that are wanted needs the scalar functions. */
+static inline bool lanes_cylinder_side_surface(const struct pen_cylinder_side *s, unsigned wanted,
+                                               struct lanes3 *p, struct lanes3 *n)
 {
     lane_mask usual, still_usual;
     const struct lanes3 across = lanes_cylinder_side_across(s, *p);
@@ -80,13 +80,26 @@ static inline bool lanes_cylinder_side_surface(const struct pen_cylinder_side *s
     *n = lanes_cylinder_side_normal(s, across, &usual);
     *p = lanes3_along(*p, *n, s->r - distance);
     *n = lanes_cylinder_side_normal(s, lanes_cylinder_side_across(s, *p), &still_usual);
-    return lane_mask_bits(usual & still_usual) == LANES_ALL;
+    return (wanted & ~lane_mask_bits(usual & still_usual)) == 0;
+}
+
+/* pen_cylinder_project and pen_cylinder_normal on a cap */
+static inline void lanes_cylinder_cap_surface(const struct pen_cylinder *c, uint8_t part,
+                                              struct lanes3 *p, struct lanes3 *n)
+{
+    const lanes zero = lanes_splat(0);
+    const struct lanes3 axis = lanes3_splat(pen_cylinder_normal(c, PEN_PART_TOP, c->round.q));
+    const struct lanes3 f = lanes3_sub(*p, lanes3_splat(c->round.q));
+    const lanes height = lanes3_dot2_plus(zero, axis, f, zero);
+    *p = lanes3_along(*p, axis, (part == PEN_PART_TOP ? c->h : 0) - height);
+    *n = part == PEN_PART_TOP ? axis : lanes3_neg(axis);
 }
 
 /* Projects *p, where rays meet a part of a primitive, as pen_prim_point, and sets *n to
- * pen_prim_normal there. False, and both undefined, if that needs the scalar functions. */
+ * pen_prim_normal there, in the lanes that are wanted, a bit each. False, and both undefined, if
+ * one of them needs the scalar functions. */
 static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t prim, uint8_t part,
-                                      struct lanes3 *p, struct lanes3 *n)
+                                      unsigned wanted, struct lanes3 *p, struct lanes3 *n)
 {
     const struct pen_prim_ref ref = prims->ref[prim];
     const struct pen_facet *facet = NULL;
@@ -108,10 +121,13 @@ static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t pr
         facet = &prims->polygon[ref.index].facet;
         break;
     case PEN_PRIM_INFINITE_CYLINDER:
-        return lanes_cylinder_side_surface(&prims->infinite_cylinder[ref.index].round, p, n);
+        return lanes_cylinder_side_surface(&prims->infinite_cylinder[ref.index].round, wanted, p,
+                                           n);
     case PEN_PRIM_CYLINDER:
-        return part == PEN_PART_SIDE &&
-               lanes_cylinder_side_surface(&prims->cylinder[ref.index].round, p, n);
+        if (part == PEN_PART_SIDE)
+            return lanes_cylinder_side_surface(&prims->cylinder[ref.index].round, wanted, p, n);
+        lanes_cylinder_cap_surface(&prims->cylinder[ref.index], part, p, n);
+        return true;
     case PEN_PRIM_CONE:
     case PEN_PRIM_KIND_COUNT:
         return false;

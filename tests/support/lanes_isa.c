@@ -58,7 +58,7 @@ static bool surface(const struct pen_prims *prims, struct pen_hit hit, struct pe
                     struct pen_vec3 *n)
 {
     struct lanes3 at = lanes3_load(p), normal;
-    if (!lanes_prim_surface(prims, hit.prim, hit.part, &at, &normal))
+    if (!lanes_prim_surface(prims, hit.prim, hit.part, LANES_ALL, &at, &normal))
         return false;
     lanes3_store(p, at);
     lanes3_store(n, normal);

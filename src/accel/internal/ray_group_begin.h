@@ -18,10 +18,7 @@ static inline void group_init(struct ray_group *g, const struct pen_accel *accel
     g->blocked = 0;
     g->ray_count = __builtin_popcountll(rays);
     g->end = 64 - __builtin_clzll(rays);
-    pen_ray_axes(packet->rays.along_x >> first & 1   ? 0
-                 : packet->rays.along_y >> first & 1 ? 1
-                                                     : 2,
-                 g->axis);
+    pen_ray_axes(pen_ray_array_kz(&packet->rays, first), g->axis);
     g->from_surface = packet->from_surface;
     g->part_bits = 0;
     for (int k = 0; k < GROUP_PARTS; k++)

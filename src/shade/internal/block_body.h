@@ -26,6 +26,23 @@ static ALWAYS_INLINE void block_begin_path(struct pen_block_scratch *b, struct b
     b->wave[b->count++] = wave;
 }
 
+/* Begins the packet of the camera rays, which are in its arrays. */
+static ALWAYS_INLINE void block_begin_packet(struct pen_block_scratch *b)
+{
+    struct pen_ray_packet *packet = &b->packet;
+    packet->live = b->count < 64 ? (UINT64_C(1) << b->count) - 1 : UINT64_MAX;
+    packet->rays.along_x &= packet->live;
+    packet->rays.along_y &= packet->live;
+    packet->rays.forward &= packet->live;
+    pen_ray_packet_start(packet);
+    pen_ray_packet_start_on(packet, PEN_NO_PRIM, packet->live);
+    for (int i = 0; i < b->count; i++) {
+        packet->origin[i] = &pen_origin_none;
+        packet->bound[i] = -1;
+        packet->after[i] = pen_after_start;
+    }
+}
+
 /* The camera rays through points of the block's pixels. The first paths of the pool are theirs, in
  * whole groups of LANES. */
 static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input,
@@ -35,12 +52,16 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
     b->count = b->record_count = 0;
     b->transmitted.count = b->reflected.count = b->unused.count = 0;
     b->used = BLOCK_PIXELS;
+    pen_ray_array_begin(&b->packet.rays);
     for (int first = 0; first < pixels; first += LANES) {
         struct pen_ray *ray[LANES];
+        struct lanes_ray rays;
         for (int i = 0; i < LANES; i++)
             ray[i] = &b->pool[first + i].path.ray;
         const unsigned made = lane_mask_bits(camera_rays(&input->pinhole, lanes_load(at->x + first),
-                                                         lanes_load(at->y + first), ray));
+                                                         lanes_load(at->y + first), &rays));
+        lanes_ray_put(&rays, ray);
+        lanes_ray_array_put(&rays, &b->packet.rays, first);
         for (int i = first; i < first + LANES && i < pixels; i++) {
             const int32_t record = block_record_new(b, i); /* number i */
             if (made >> (i - first) & 1)
@@ -49,6 +70,10 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
                 b->deferred |= UINT64_C(1) << i;
         }
     }
+    if (b->count < pixels)
+        block_set_packet(b); /* without those that there are not */
+    else
+        block_begin_packet(b);
 }
 
 /* One sample of every pixel: its radiance in c. Those that are deferred are rendered by `alone`. */
@@ -69,6 +94,7 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
     block_wave(input, scratch, b, fx);
     while (b->transmitted.count > 0 || b->reflected.count > 0) {
         block_take(b, b->transmitted.count > 0 ? &b->transmitted : &b->reflected);
+        block_set_packet(b);
         block_wave(input, scratch, b, fx);
     }
     for (int i = 0; i < pixels; i++) {
@@ -84,14 +110,29 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
     }
 }
 
-/* Numbers the pixels along a Z-order curve (Morton, 1966), so that 4 or 16 in sequence are near one
- * another, and so are their rays. */
+/* The pixels of a block along a Z-order curve (Morton, 1966), so that 4 or 16 in sequence are near
+ * one another, and so are their rays. */
+#define PIXELS_4(x, y)                                                                             \
+    {x, y}, {x + 1, y}, {x, y + 1},                                                                \
+    {                                                                                              \
+        x + 1, y + 1                                                                               \
+    }
+#define PIXELS_16(x, y)                                                                            \
+    PIXELS_4(x, y), PIXELS_4(x + 2, y), PIXELS_4(x, y + 2), PIXELS_4(x + 2, y + 2)
+static const struct {
+    uint8_t x, y;
+} block_z_order[BLOCK_PIXELS] = {PIXELS_16(0, 0), PIXELS_16(4, 0), PIXELS_16(0, 4),
+                                 PIXELS_16(4, 4)};
+#undef PIXELS_4
+#undef PIXELS_16
+_Static_assert(PEN_BLOCK_SIDE == 8, "the pixels are those of a block");
+
+/* Numbers the pixels of a block that are in the rectangle. Returns how many they are. */
 static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rect rect)
 {
     int pixels = 0;
     for (int i = 0; i < BLOCK_PIXELS; i++) {
-        const int x = (i & 1) | (i >> 1 & 2) | (i >> 2 & 4);
-        const int y = (i >> 1 & 1) | (i >> 2 & 2) | (i >> 3 & 4);
+        const int x = block_z_order[i].x, y = block_z_order[i].y;
         if (x >= rect.width || y >= rect.height)
             continue;
         b->x[pixels] = rect.x + x;

@@ -39,6 +39,13 @@ struct block_path {
     uint8_t pixel;
 };
 
+/* The paths of a wave, a bit each, that meet the same part of a primitive. */
+struct block_part {
+    uint64_t paths;
+    uint32_t prim;
+    uint8_t part;
+};
+
 /* A stack of paths, by their place in the pool. */
 struct block_stack {
     int count;
@@ -62,6 +69,8 @@ struct pen_block_scratch {
     /* By paths of the wave; after it has been traced, only those that meet a surface. */
     int count;
     struct block_path *wave[PEN_RAY_PACKET_MAX];
+    int parts_met;
+    struct block_part part[PEN_RAY_PACKET_MAX];
     double transmittance[3][PEN_RAY_PACKET_MAX];
     uint64_t passes, filtered; /* points that the light reaches; where transmittance[] is set */
     struct pen_ray_packet packet;

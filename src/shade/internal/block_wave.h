@@ -19,11 +19,40 @@ static ALWAYS_INLINE bool is_layered(const struct pen_kernel_input *input, const
            pen_layers_met(input, path, hit);
 }
 
-/* Traces the wave. The paths that meet a surface remain in it. */
-static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
-                                      struct pen_block_scratch *b)
+/* Adds a path of the wave to those that meet the same part of a primitive. */
+static ALWAYS_INLINE void block_add_point(struct pen_block_scratch *b, int i, struct pen_hit hit)
 {
-    const struct pen_scene *scene = input->scene;
+    int k = b->parts_met;
+    while (k > 0 && !(b->part[k - 1].prim == hit.prim && b->part[k - 1].part == hit.part))
+        k--;
+    if (k == 0) {
+        k = ++b->parts_met;
+        b->part[k - 1] = (struct block_part){.prim = hit.prim, .part = hit.part};
+    }
+    b->part[k - 1].paths |= UINT64_C(1) << i;
+}
+
+/* Leaves only the paths that meet a surface in the wave, those that meet the same part of a
+ * primitive in sequence: surfaces of one part are computed in lanes. */
+static ALWAYS_INLINE void block_order_points(struct pen_block_scratch *b)
+{
+    struct block_path *wave[PEN_RAY_PACKET_MAX];
+    int points = 0;
+    for (int k = 0; k < b->parts_met; k++) {
+        for (uint64_t left = b->part[k].paths; left; left &= left - 1) {
+            const int i = __builtin_ctzll(left);
+            b->surface[points / LANES].hit[points % LANES] = b->packet.hit[i];
+            wave[points++] = b->wave[i];
+        }
+    }
+    for (int i = 0; i < points; i++)
+        b->wave[i] = wave[i];
+    b->count = points;
+}
+
+/* Makes the packet of the wave's paths. */
+static ALWAYS_INLINE void block_set_packet(struct pen_block_scratch *b)
+{
     struct pen_ray_packet *packet = &b->packet;
     packet->live = b->count < 64 ? (UINT64_C(1) << b->count) - 1 : UINT64_MAX;
     pen_ray_array_begin(&packet->rays);
@@ -34,23 +63,29 @@ static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
         pen_ray_packet_start_ray(packet, i, &path->origin);
         packet->after[i] = path->after;
     }
+}
+
+/* Traces the wave, whose packet is made. The paths that meet a surface remain in it. */
+static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
+                                      struct pen_block_scratch *b)
+{
+    const struct pen_scene *scene = input->scene;
+    struct pen_ray_packet *packet = &b->packet;
     const uint64_t met = input->trace->nearest_packet(scene->accel, packet);
-    int points = 0;
+    b->parts_met = 0;
     for (int i = 0; i < b->count; i++) {
         struct block_path *at = b->wave[i];
-        const struct pen_hit hit = packet->hit[i];
         if (!(met >> i & 1)) {
             b->record[at->record].radiance = pen_mul(at->path.weight, scene->background);
             stack_push(&b->unused, b, at);
-        } else if (is_layered(input, &at->path, hit)) {
+        } else if (is_layered(input, &at->path, packet->hit[i])) {
             block_defer(b, at);
             stack_push(&b->unused, b, at);
         } else {
-            b->surface[points / LANES].hit[points % LANES] = hit;
-            b->wave[points++] = at;
+            block_add_point(b, i, packet->hit[i]);
         }
     }
-    b->count = points;
+    block_order_points(b);
 }
 
 /* Computes the surfaces of the wave. */
@@ -193,6 +228,23 @@ static ALWAYS_INLINE void block_light(const struct pen_kernel_input *input,
     }
 }
 
+/* Says where shadow rays start: at the wave's points, which are ordered by primitive and part. */
+static ALWAYS_INLINE void block_start_at_points(struct pen_block_scratch *b)
+{
+    struct pen_ray_packet *packet = &b->packet;
+    int first = 0;
+    pen_ray_packet_start(packet);
+    for (int i = 0; i < b->count; i++)
+        packet->origin[i] = &b->surface[i / LANES].origin[i % LANES];
+    for (int g = 0; g < block_groups(b); g++)
+        lanes_store(packet->bound + g * LANES, b->surface[g].bound);
+    for (int k = 0; k < b->parts_met; k++) {
+        const int count = __builtin_popcountll(b->part[k].paths);
+        pen_ray_packet_start_on(packet, b->part[k].prim, UINT64_MAX >> (64 - count) << first);
+        first += count;
+    }
+}
+
 /* The radiance of the wave's points, as shade_surface of the pixel kernel. */
 static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
                                       struct pen_kernel_scratch *scratch,
@@ -207,9 +259,7 @@ static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
         any |= lane_mask_bits(b->lit[g]) != 0;
     }
     if ((fx & PEN_FX_HARD_SHADOWS) && any) {
-        pen_ray_packet_start(&b->packet);
-        for (int i = 0; i < b->count; i++)
-            pen_ray_packet_start_ray(&b->packet, i, &b->surface[i / LANES].origin[i % LANES]);
+        block_start_at_points(b);
     }
     for (uint32_t light = 0; light < input->scene->light_count && any; light++)
         block_light(input, scratch, b, light, fx);
@@ -250,8 +300,7 @@ static ALWAYS_INLINE void block_transmit(const struct pen_kernel_input *input,
                                          const struct surface *s, int lane, bool deeper,
                                          const unsigned fx)
 {
-    if ((fx & PEN_FX_TRANSMISSION) && deeper && !(b->deferred >> at->pixel & 1) &&
-        path_transmit(input, &at->path, s, lane, fx)) {
+    if (deeper && !(b->deferred >> at->pixel & 1) && path_transmit(input, &at->path, s, lane, fx)) {
         b->counts[at->pixel].transmission++;
         block_push(b, &b->transmitted, at, &b->record[at->record].transmitted);
     } else {
@@ -266,13 +315,15 @@ static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
     const struct surface *s = &b->surface[g];
     const struct path *path[LANES];
     struct pen_vec3 radiance[LANES];
+    double hard_rays[LANES];
     const int first = g * LANES, count = block_group_paths(b, g, path);
     unsigned deeper = 0;
     lanes3_store(radiance, b->radiance[g]);
+    lanes_store(hard_rays, b->hard_rays[g]);
     for (int i = 0; i < count; i++) {
         const struct block_path *at = b->wave[first + i];
         b->record[at->record].radiance = pen_mul(path[i]->weight, radiance[i]);
-        b->counts[at->pixel].shadow += (uint64_t)lanes_at(b->hard_rays[g], i);
+        b->counts[at->pixel].shadow += (uint64_t)hard_rays[i];
         deeper |= (unsigned)(path[i]->depth + 1 < input->settings->max_depth &&
                              !(b->deferred >> at->pixel & 1))
                   << i;
@@ -282,11 +333,17 @@ static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
         if (points)
             block_reflect(input, b, g, points, path, fx);
     }
+    if (fx & PEN_FX_TRANSMISSION) {
+        const struct lanes3 kt = surface_colours(s, &input->scene->materials->kt);
+        deeper &= ~lane_mask_bits(lanes_black(kt));
+    } else {
+        deeper = 0;
+    }
     for (int i = 0; i < count; i++)
         block_transmit(input, b, b->wave[first + i], s, i, deeper >> i & 1, fx);
 }
 
-/* Renders the wave. */
+/* Renders the wave, whose packet is made. */
 static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
                                      struct pen_kernel_scratch *scratch,
                                      struct pen_block_scratch *b, const unsigned fx)

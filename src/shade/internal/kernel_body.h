@@ -95,8 +95,10 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     struct pen_vec3 sum = {0, 0, 0};
     struct path path;
     struct pen_ray *const ray = &path.ray;
-    if (!lane_mask_bits(camera_rays(&input->pinhole, at.x, at.y, &ray)))
+    struct lanes_ray rays;
+    if (!lane_mask_bits(camera_rays(&input->pinhole, at.x, at.y, &rays)))
         return no_sample();
+    lanes_ray_put(&rays, &ray);
     path.origin = pen_origin_none;
     path.after = pen_after_start;
     path.weight = pen_vec3(1, 1, 1);

@@ -29,13 +29,18 @@ static ALWAYS_INLINE unsigned paths_reflected(const struct pen_kernel_input *inp
                                               const struct surface *s,
                                               const struct path *const *path, int count)
 {
-    unsigned lanes_left = lane_mask_bits(surface_mirrors(s));
-    for (int i = 0; i < count; i++) {
-        const struct pen_material *m = &input->scene->materials[s->material[i]];
-        if (!path_contributes(input, pen_mul(path[i]->weight, m->kr)))
-            lanes_left &= ~(1u << i);
+    const struct pen_material *first = input->scene->materials;
+    const lane_mask mirrors = lane_mask_not(lanes_black(surface_colours(s, &first->kr)));
+    unsigned reflected = 0;
+    if (!lane_mask_bits(mirrors))
+        return 0;
+    unsigned left = lane_mask_bits(mirrors & surface_mirrors(s)) & LANES_ALL >> (LANES - count);
+    for (; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        if (path_contributes(input, pen_mul(path[i]->weight, first[s->material[i]].kr)))
+            reflected |= 1u << i;
     }
-    return lanes_left;
+    return reflected;
 }
 
 /* Makes the reflected paths of the points that reflect theirs, into *reflected[lane]. Returns those

@@ -79,13 +79,14 @@ static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_
     s->shininess = lanes_rows(&first->shininess, MATERIAL_DOUBLES, s->material);
 }
 
-/* Whether all points are on the same part of one primitive. */
-static ALWAYS_INLINE bool surface_is_of_one_part(const struct surface *s, int count)
+/* Of the points that are left, a bit each, those on the same part of a primitive as the first. */
+static ALWAYS_INLINE unsigned surface_points_of_part(const struct surface *s, unsigned left)
 {
-    bool one = true;
-    for (int i = 1; i < count; i++)
-        one &= s->hit[i].prim == s->hit[0].prim && s->hit[i].part == s->hit[0].part;
-    return one;
+    const struct pen_hit *first = &s->hit[__builtin_ctz(left)];
+    unsigned same = 0;
+    for (int i = 0; i < LANES; i++)
+        same |= (unsigned)(s->hit[i].prim == first->prim && s->hit[i].part == first->part) << i;
+    return same & left;
 }
 
 /* Points that a line seen to pass just inside an outline meets beside it are moved to its border.
@@ -107,13 +108,30 @@ static ALWAYS_INLINE void surface_keep_in_outlines(struct surface *s, const stru
     s->p = lanes3_load(p);
 }
 
-/* The points and the outward normals, in lanes where all are on one part of a primitive. */
+/* The points and the outward normals of some points, one by one. */
+static ALWAYS_INLINE void surface_points_singly(struct surface *s, const struct pen_prims *prims,
+                                                const struct path *const *path, unsigned points)
+{
+    struct pen_vec3 p[LANES], n[LANES];
+    lanes3_store(p, s->p);
+    lanes3_store(n, s->n);
+    for (; points; points &= points - 1) {
+        const int i = __builtin_ctz(points);
+        p[i] = pen_prim_point(prims, s->hit[i], &path[i]->ray);
+        n[i] = pen_prim_normal(prims, s->hit[i], p[i]);
+    }
+    s->p = lanes3_load(p);
+    s->n = lanes3_load(n);
+}
+
+/* The points and the outward normals: in lanes, one part of a primitive after the other. */
 static ALWAYS_INLINE void surface_points(struct surface *s, const struct pen_scene *scene,
                                          const struct path *const *path, int count)
 {
     const struct pen_prims *prims = &scene->prims;
     struct pen_vec3 o[LANES], d[LANES];
     double t[LANES];
+    unsigned left = LANES_ALL >> (LANES - count), singly = 0;
     for (int i = 0; i < LANES; i++) {
         const int from = i < count ? i : 0;
         o[i] = path[from]->ray.o;
@@ -121,16 +139,22 @@ static ALWAYS_INLINE void surface_points(struct surface *s, const struct pen_sce
         t[i] = s->hit[from].t;
     }
     const struct lanes3 direction = lanes3_load(d);
-    s->p = lanes3_along(lanes3_load(o), direction, lanes_load(t));
-    if (!surface_is_of_one_part(s, count) ||
-        !lanes_prim_surface(prims, s->hit[0].prim, s->hit[0].part, &s->p, &s->n)) {
-        for (int i = 0; i < count; i++) {
-            o[i] = pen_prim_point(prims, s->hit[i], &path[i]->ray);
-            d[i] = pen_prim_normal(prims, s->hit[i], o[i]);
+    const struct lanes3 met = lanes3_along(lanes3_load(o), direction, lanes_load(t));
+    s->p = s->n = met;
+    while (left) {
+        const struct pen_hit *first = &s->hit[__builtin_ctz(left)];
+        const unsigned same = surface_points_of_part(s, left);
+        struct lanes3 p = met, n = met;
+        if (lanes_prim_surface(prims, first->prim, first->part, same, &p, &n)) {
+            s->p = lanes3_select(lane_mask_of(same), p, s->p);
+            s->n = lanes3_select(lane_mask_of(same), n, s->n);
+        } else {
+            singly |= same;
         }
-        s->p = lanes3_load(o);
-        s->n = lanes3_load(d);
+        left &= ~same;
     }
+    if (singly)
+        surface_points_singly(s, prims, path, singly);
     s->v = lanes3_normalize(direction);
     s->nv = lanes3_dot(s->n, s->v);
     surface_keep_in_outlines(s, prims, path, count);
@@ -144,14 +168,15 @@ static ALWAYS_INLINE lanes surface_origins(struct surface *s, const struct pen_s
 {
     const struct pen_prims *prims = &scene->prims;
     double bound[LANES] = {0}, curvature[LANES] = {0};
+    struct pen_vec3 p[LANES];
     *corner = 0;
+    lanes3_store(p, s->p);
     for (int i = 0; i < count; i++) {
         const struct pen_ray *ray = &path[i]->ray;
         const struct pen_origin_surface *left = &path[i]->origin;
-        const struct pen_vec3 p = lanes3_at(s->p, i);
-        s->origin[i] = pen_origin_at(prims, ray, left, s->hit[i], p);
+        s->origin[i] = pen_origin_at(prims, ray, left, s->hit[i], p[i]);
         bound[i] = s->origin[i].bound;
-        curvature[i] = pen_prim_curvature(prims, s->hit[i], p);
+        curvature[i] = pen_prim_curvature(prims, s->hit[i], p[i]);
         if (left->prim != PEN_NO_PRIM && surface_hardly_left(ray, s->hit[i].t, bound[i]))
             *corner |= 1u << i;
     }
