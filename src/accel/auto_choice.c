@@ -13,7 +13,7 @@
  *            q: how probable it is that a packet meets a finite primitive without a test in lanes,
  *               so that its rays are traced one by one after all
  *
- * Of infinite primitives a packet leaves out none, and those without a test in lanes it asks of the
+ * Of infinite primitives a packet leaves out none, and those without a test in lanes go to the
  * scalar test, ray by ray, which costs more than in a list. So some four infinite cylinders are
  * enough to make packets slower.
  *
@@ -35,7 +35,7 @@ static const double ray_in_packet = 0.9; /* a ray's share of beginning and endin
 static const double share = 0.5;    /* a ray's part of the nodes, and of the tests, in a packet */
 static const double given_up = 1.2; /* what a packet has cost that is traced one by one */
 static const double plane_in_packet = 0.4; /* one plane */
-static const double asked = 1.2;           /* the scalar test, asked for by a packet */
+static const double fallback = 1.2;        /* the scalar test of a ray of a packet */
 static const double reach = 3; /* primitives that a packet meets, for each that a ray does */
 
 const char *pen_auto_choice_name(enum pen_auto_choice choice)
@@ -66,7 +66,7 @@ static void cost_of_infinite(const struct pen_tree_layout *layout, double *alone
         else
             *alone += (double)pen_kinds[layout->prims->ref[ref->prim].kind].cost;
     }
-    *packet = asked * *alone + plane_in_packet * planes;
+    *packet = fallback * *alone + plane_in_packet * planes;
     *alone += plane * ceil((double)planes / PEN_LANES);
 }
 

@@ -130,10 +130,9 @@ static inline unsigned group_waits(const struct ray_group *g, int i, const struc
     return live && q->depth > 0 && !group_reaches(g, i, (double)q->depth) ? 0 : live;
 }
 
-/* The query of a shadow ray, begun if it is its first use. */
-static inline struct pen_shadow *group_query(struct ray_group *g, int i)
+/* The query of shadow ray i of a packet, begun if it is its first use. */
+static inline struct pen_shadow *packet_query(struct pen_ray_packet *packet, int i)
 {
-    struct pen_ray_packet *packet = g->packet;
     struct pen_shadow *query = &packet->queries[i];
     if (!(packet->recorded >> i & 1)) {
         query->tmax = packet->to_point ? 1 : INFINITY;
@@ -148,8 +147,8 @@ static inline struct pen_shadow *group_query(struct ray_group *g, int i)
 }
 
 /* The scalar test of one ray. `near`: its origin may be on the primitive's border. */
-static __attribute__((noinline)) void group_ask(struct ray_group *g, int i, uint32_t prim,
-                                                bool near)
+static __attribute__((noinline)) void group_fall_back(struct ray_group *g, int i, uint32_t prim,
+                                                      bool near)
 {
     struct pen_ray_packet *packet = g->packet;
     const struct pen_prims *prims = g->accel->prims;
@@ -160,7 +159,7 @@ static __attribute__((noinline)) void group_ask(struct ray_group *g, int i, uint
     struct trace trace = trace_begin(g->accel, &ray, packet->origin[i]);
     trace.reaches_origin = trace.from_surface && near;
     if (g->any) {
-        trace.shadow = group_query(g, i);
+        trace.shadow = packet_query(packet, i);
         if (g->to_point) {
             trace.light_bound = pen_ray_end_bound(ray.o, ray.d);
             trace.light = pen_along(ray.o, ray.d, trace.shadow->tmax);
@@ -177,11 +176,12 @@ static __attribute__((noinline)) void group_ask(struct ray_group *g, int i, uint
     }
 }
 
-static inline void group_ask_all(struct ray_group *g, int i, unsigned lanes_asked, uint32_t prim,
-                                 bool near)
+/* The scalar tests of a group's lanes, a bit each. */
+static inline void group_fall_back_all(struct ray_group *g, int i, unsigned fallback, uint32_t prim,
+                                       bool near)
 {
-    for (; lanes_asked; lanes_asked &= lanes_asked - 1)
-        group_ask(g, i + __builtin_ctz(lanes_asked), prim, near);
+    for (; fallback; fallback &= fallback - 1)
+        group_fall_back(g, i + __builtin_ctz(fallback), prim, near);
 }
 
 /* Records an intersection of each lane, if it is in the query's interval and before the best. */
@@ -199,7 +199,7 @@ static __attribute__((noinline)) void group_record(struct ray_group *g, int i, u
                                                       : PEN_PART_SIDE};
         if (g->any) {
             if (hit.t > 0 && hit.t < g->tmax[k])
-                keep_intersection(group_query(g, k), hit);
+                keep_intersection(packet_query(packet, k), hit);
         } else if (pen_hit_before(packet->after[k], hit) && pen_hit_before(hit, packet->hit[k])) {
             packet->hit[k] = hit;
             g->tmax[k] = hit.t;

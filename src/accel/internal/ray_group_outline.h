@@ -248,7 +248,7 @@ static inline void group_offer_facet(struct ray_group *g, int i, unsigned inside
     if (g->from_surface)
         sure &= lane_mask_bits(lanes_less(slack, lanes_abs(t * dn)) &
                                lanes_less(more * near_sq, t * t));
-    const unsigned ask = inside & ~sure;
+    const unsigned fallback = inside & ~sure;
     unsigned ahead = inside & sure &
                      lane_mask_bits(lanes_less(lanes_splat(0), t) & lanes_at_most(t, more * tmax));
     if (g->any && !q->see_through) {
@@ -258,10 +258,10 @@ static inline void group_offer_facet(struct ray_group *g, int i, unsigned inside
     }
     if (ahead)
         group_offer(g, i, ahead, group_facet_root(g, i, facet), q);
-    group_ask_all(g, i, ask, q->prim, q->near);
+    group_fall_back_all(g, i, fallback, q->prim, q->near);
 }
 
-/* Of the rays from i on, those that pass inside. Those are asked of the scalar test for which the
+/* Of the rays from i on, those that pass inside. Those fall back to the scalar test for which the
  * winding does not tell. */
 static inline unsigned group_inside(struct ray_group *g, int i, const struct group_outline *outline,
                                     const struct group_edges *edges, unsigned live,
@@ -274,9 +274,9 @@ static inline unsigned group_inside(struct ray_group *g, int i, const struct gro
     if (!unsure)
         return live & inside;
     const struct lanes_winding w = group_winding(g, i, outline->v, outline->count, q->near);
-    const unsigned ask = unsure & (w.ties | w.border);
-    group_ask_all(g, i, ask, q->prim, q->near);
-    return live & (inside | (unsure & w.inside)) & ~ask;
+    const unsigned fallback = unsure & (w.ties | w.border);
+    group_fall_back_all(g, i, fallback, q->prim, q->near);
+    return live & (inside | (unsure & w.inside)) & ~fallback;
 }
 
 /* Tests a triangle or a polygon against all live rays. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Tests of spheres and cylinders against the rays of a group.
  *
- * Most lanes in which the scalar test refines its roots need not be asked, because their answer is
+ * Most lanes in which the scalar test refines its roots need no fallback, because their answer is
  * the same wherever the refined roots are within the rounding of those at hand: the ray surely
  * misses, meets the surface only behind its origin or beyond what it has met, or is surely blocked.
  * Let n be the vector from the centre to the ray's origin, or for cylinders that across the axis,
@@ -135,16 +135,16 @@ static inline void group_test_sphere_at(struct ray_group *g, int i, const struct
         return;
     const lanes rest = -lanes3_dot(l, d) * inv_dd, h = lanes_sqrt(disc * inv_dd);
     struct lanes_roots x = {.t0 = tp + (rest - h), .t1 = tp + (rest + h)};
-    unsigned ask = q->near ? group_at_sphere(g, i, s, f, &live, q) : 0;
-    x.refined = live & ~ask & lanes_refined(g, i, tp, h, disc, s->rr);
-    live &= ~ask & ~x.refined & lane_mask_bits(lanes_less(x.t0, x.t1));
+    unsigned fallback = q->near ? group_at_sphere(g, i, s, f, &live, q) : 0;
+    x.refined = live & ~fallback & lanes_refined(g, i, tp, h, disc, s->rr);
+    live &= ~fallback & ~x.refined & lane_mask_bits(lanes_less(x.t0, x.t1));
     if (x.refined) {
         lanes_bound_roots(&x, tp, h, (lanes3_dot(f, f) + s->rr) * inv_dd);
-        ask |= group_decide_sphere(g, i, x.refined, &x, q);
+        fallback |= group_decide_sphere(g, i, x.refined, &x, q);
     }
     const struct group_ends ends = {.at = {live, live}, .t = {x.t0, x.t1}};
     group_offer_ends(g, i, &ends, q);
-    group_ask_all(g, i, ask, q->prim, true);
+    group_fall_back_all(g, i, fallback, q->prim, true);
 }
 
 static inline void group_test_sphere(struct ray_group *g, const struct pen_sphere *s,
@@ -353,16 +353,17 @@ static inline void group_test_cylinder_at(struct ray_group *g, int i,
     group_cylinder_slab(g, i, c, f, &x);
     const lanes t0 = lanes_max(x.side.t0, x.lo), t1 = lanes_min(x.side.t1, x.hi);
     const unsigned met = lane_mask_bits(lanes_less(x.side.t0, x.side.t1) & lanes_less(t0, t1));
-    unsigned ask = live & x.special;
+    unsigned fallback = live & x.special;
     if (q->near) {
         const unsigned ahead = met & lane_mask_bits(lanes_less(lanes_splat(0), t1));
-        ask |= live & (group_at_cylinder(g, i, c->c, &x) | (ahead & ~group_leaves_far(g, i, t1)));
+        fallback |=
+            live & (group_at_cylinder(g, i, c->c, &x) | (ahead & ~group_leaves_far(g, i, t1)));
     }
-    const unsigned refined = live & ~ask & (x.side.refined | (x.loses & met));
+    const unsigned refined = live & ~fallback & (x.side.refined | (x.loses & met));
     if (refined)
-        ask |= group_decide_cylinder(g, i, refined, c, &x, q);
-    group_offer_inside(g, i, live & met & ~(ask | refined), c, &x, q);
-    group_ask_all(g, i, ask, q->prim, true);
+        fallback |= group_decide_cylinder(g, i, refined, c, &x, q);
+    group_offer_inside(g, i, live & met & ~(fallback | refined), c, &x, q);
+    group_fall_back_all(g, i, fallback, q->prim, true);
 }
 
 static inline void group_test_cylinder(struct ray_group *g, const struct pen_cylinder *c,
@@ -385,7 +386,7 @@ static inline void group_test_cylinder(struct ray_group *g, const struct pen_cyl
             continue;
         const unsigned own = live & group_starts_on(i, q);
         if (own)
-            group_ask_all(g, i, own & ~group_leaves_cylinder(g, i, c, own), q->prim, true);
+            group_fall_back_all(g, i, own & ~group_leaves_cylinder(g, i, c, own), q->prim, true);
         const struct lanes3 f = lanes3_sub(group_origin(g, i), all.q);
         live &= ~(own | group_passes(g, i, &all, f));
         if (live)

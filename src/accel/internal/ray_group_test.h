@@ -3,8 +3,8 @@
  * the operations of the primitive's header in geom in the same order, so t has the same bits; the
  * comment of a small function names the scalar function that it computes. A lane in which the
  * quick operations may not be those that the scalar test ends with (it refines, the
- * self-intersection rule decides, the light may be on the primitive, two products tie) is *asked*
- * of the scalar test instead. Asking one lane too many costs time and changes nothing. */
+ * self-intersection rule decides, the light may be on the primitive, two products tie) is left to
+ * the scalar test instead, its *fallback*. One lane too many costs time and changes nothing. */
 #ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_TEST_H
 #define PEN_ACCEL_INTERNAL_RAY_GROUP_TEST_H
 
@@ -29,7 +29,7 @@ static inline void group_test_plane_at(struct ray_group *g, int i, const struct 
                                lanes_less(lanes_load(g->near_sq + i), t * t));
     }
     group_offer(g, i, live & sure, t, q);
-    group_ask_all(g, i, live & ~sure, q->prim, q->near);
+    group_fall_back_all(g, i, live & ~sure, q->prim, q->near);
 }
 
 static inline void group_test_plane(struct ray_group *g, const struct pen_plane *p,
@@ -42,11 +42,11 @@ static inline void group_test_plane(struct ray_group *g, const struct pen_plane 
     }
 }
 
-/* Asks the scalar test for all live rays. */
+/* The scalar test of all live rays. */
 static inline void group_test_one_by_one(struct ray_group *g, const struct group_prim *q)
 {
     for (int i = 0; i < g->end; i += LANES)
-        group_ask_all(g, i, group_waits(g, i, q), q->prim, true);
+        group_fall_back_all(g, i, group_waits(g, i, q), q->prim, true);
 }
 
 /* Tests a primitive against all live rays. */

@@ -76,7 +76,7 @@ static inline uint64_t group_rays_at(const struct ray_group *g, uint32_t prim)
     return infinite ? UINT64_MAX : group_rays_in(g, &g->accel->prim_box[prim]);
 }
 
-/* Whether a primitive is tested in lanes. What has no such test is asked of the scalar test for
+/* Whether a primitive is tested in lanes. What has no such test is left to the scalar test for
  * every ray of a part, of which most miss its box: groups that meet it are faster ray by ray. */
 static inline bool group_has_test(const struct ray_group *g, uint32_t prim)
 {
@@ -256,7 +256,7 @@ static inline void group_test_shadow(struct ray_group *g, uint32_t prim, uint64_
         return;
     }
     for (int i = 0; i < g->end; i += LANES)
-        group_ask_all(g, i, group_live(g, i), prim, true);
+        group_fall_back_all(g, i, group_live(g, i), prim, true);
     g->live &= ~g->blocked;
 }
 
@@ -350,15 +350,11 @@ static inline uint64_t shadow_one_by_one(const struct pen_accel *accel,
                                          struct pen_ray_packet *packet, uint64_t rays)
 {
     uint64_t blocked = 0;
-    packet->recorded |= rays;
     for (; rays; rays &= rays - 1) {
         const int i = __builtin_ctzll(rays);
-        struct pen_shadow *query = &packet->queries[i];
+        struct pen_shadow *query = packet_query(packet, i);
         struct pen_ray ray;
         pen_ray_array_get(&packet->rays, i, &ray);
-        query->tmax = packet->to_point ? 1 : INFINITY;
-        query->to_point = packet->to_point;
-        query->see_through = packet->see_through;
         query->last_occluder = packet->last_occluder;
         blocked |= (uint64_t)shadow(accel, &ray, packet->origin[i], query) << i;
         packet->last_occluder = query->last_occluder;
