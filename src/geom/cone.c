@@ -57,25 +57,35 @@ struct equation {
     double grows; /* the sign of w's growth along the ray */
 };
 
-static struct equation equation_of(const struct pen_cone *cone, const struct pen_ray *ray)
+/* The equation of a line in direction d through a point that is f from the base's middle. */
+static struct equation equation_from(const struct pen_cone *cone, struct dd3 f, struct pen_vec3 d)
 {
     struct dd slope = {cone->slope, cone->slope_low}, width = {cone->width, cone->width_low};
-    struct dd3 a = dd_of3(cone->hull.round.a), d = dd_of3(ray->d);
-    struct dd3 f = dd_sub3(ray->o, cone->hull.round.q);
-    struct dd3 m = dd_cross(d, a), n = dd_cross(f, a);
-    struct dd k = dd_mul(slope, dd_dot(d, a)), w = dd_add(width, dd_mul(slope, dd_dot(f, a)));
+    struct dd3 a = dd_of3(cone->hull.round.a), m = dd_cross(dd_of3(d), a), n = dd_cross(f, a);
+    struct dd k = dd_mul(slope, dd_dot(dd_of3(d), a)),
+              w = dd_add(width, dd_mul(slope, dd_dot(f, a)));
     return (struct equation){.a = dd_add(dd_dot(m, m), dd_neg(dd_mul(k, k))),
                              .b = dd_add(dd_dot(m, n), dd_neg(dd_mul(k, w))),
                              .c = dd_add(dd_dot(n, n), dd_neg(dd_mul(w, w))),
                              .grows = k.hi};
 }
 
+static struct equation equation_of(const struct pen_cone *cone, const struct pen_ray *ray)
+{
+    return equation_from(cone, dd_sub3(ray->o, cone->hull.round.q), ray->d);
+}
+
+/* B^2 - A C */
+static double discriminant(const struct equation *e)
+{
+    return dd_add(dd_mul(e->b, e->b), dd_neg(dd_mul(e->a, e->c))).hi;
+}
+
 /* What is inside the side on a line that is as steep as the side, or steeper: beyond the root on
  * the side where w grows. Without growth the line is parallel to the side of what has no slope. */
 static bool steep_side(const struct equation *e, double side[2])
 {
-    double square = dd_add(dd_mul(e->b, e->b), dd_neg(dd_mul(e->a, e->c))).hi;
-    double root = square > 0 ? sqrt(square) : 0;
+    double square = discriminant(e), root = square > 0 ? sqrt(square) : 0;
     double q = e->b.hi < 0 ? root - e->b.hi : -root - e->b.hi;
     double first = q / e->a.hi, second = q == 0 ? 0 : e->c.hi / q;
     side[0] = -INFINITY;
@@ -91,14 +101,32 @@ static bool steep_side(const struct equation *e, double side[2])
     return side[0] < side[1];
 }
 
-/* The interval of the ray's line inside the side, in twice the precision. */
+static bool side_of(const struct equation *e, double side[2])
+{
+    if (e->a.hi <= 0)
+        return steep_side(e, side);
+    dd_roots(e->a, e->b, e->c, side);
+    return side[0] < side[1];
+}
+
+/* The interval of the ray's line inside the side, in twice the precision. Where the roots are close
+ * to each other, compared with their distance from the origin, they are taken about the point
+ * between them: a line that is nearly as steep as the side and passes near the apex loses digits in
+ * A, B and C, and again in B^2 - A C, more than twice the precision has. */
 static bool side_refined(const struct pen_cone *c, const struct pen_ray *ray, double side[2])
 {
     struct equation e = equation_of(c, ray);
-    if (e.a.hi <= 0)
-        return steep_side(&e, side);
-    dd_roots(e.a, e.b, e.c, side);
-    return side[0] < side[1];
+    double middle = -e.b.hi / e.a.hi;
+    if (!(4 * discriminant(&e) < e.b.hi * e.b.hi) || isinf(middle))
+        return side_of(&e, side);
+    struct dd3 f = dd_sub3(ray->o, c->hull.round.q);
+    struct dd3 moved = {two_prod(ray->d.x, middle), two_prod(ray->d.y, middle),
+                        two_prod(ray->d.z, middle)};
+    e = equation_from(c, dd_add3(f, moved), ray->d);
+    bool inside = side_of(&e, side);
+    side[0] += middle;
+    side[1] += middle;
+    return inside && side[0] < side[1];
 }
 
 /* The interval of the ray's line inside the side; false if there is none: a tangent is a miss. The

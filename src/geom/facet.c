@@ -66,5 +66,5 @@ double pen_outline_grazed(const struct pen_vec3 *v, uint32_t count, const struct
     int first = left > right;
     double least = first ? right : left, most = first ? left : right;
     double kept = z < least - at[first].error ? least : z > most + at[!first].error ? most : z;
-    return kept != z && (kept > 0) == (z > 0) ? kept * ray->sz : t;
+    return kept != z && (z > 0 || kept < 0) ? kept * ray->sz : t;
 }

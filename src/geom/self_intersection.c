@@ -257,14 +257,20 @@ static bool rises_nearby(const struct contact *c, struct pen_vec3 d)
            reach_nearby(c, up, PEN_NEARBY * c->slack) > c->slack;
 }
 
+/* Whether d is so low over a surface with unit normal n that a ray along it has not risen above the
+ * bounds before it leaves the range in which borders are looked at. */
+static bool grazes(struct pen_vec3 n, struct pen_vec3 d)
+{
+    double dn = pen_dot(d, n);
+    return dn * dn <= PEN_HORIZON_SINE * PEN_HORIZON_SINE * pen_dot(d, d);
+}
+
 /* Whether an intersection of Q at the ray's origin counts: the ray does not go back to the side
- * from which it comes, and Q rises over P. A ray that grazes Q does not go back: it has not risen
- * above the bounds before it leaves the range in which borders are looked at (PEN_HORIZON_SINE). */
+ * from which it comes, and Q rises over P. A ray that grazes Q does not go back. */
 static bool origin_counts(const struct contact *c, struct pen_vec3 d)
 {
     double side = side_of_arrival(c), dn = pen_dot(d, c->n);
-    bool grazes = dn * dn <= PEN_HORIZON_SINE * PEN_HORIZON_SINE * pen_dot(d, d);
-    if (side == 0 || (!grazes && (side > 0) == (dn > 0)))
+    if (side == 0 || (!grazes(c->n, d) && (side > 0) == (dn > 0)))
         return false;
     return rises(c, d);
 }
@@ -420,7 +426,8 @@ static void intersect_flat(const struct pen_prims *prims, uint32_t prim, struct 
         return;
     }
     out->count = 0;
-    if (hit.t <= 0 || pen_flat_near(ray, hit.t, b))
+    if (hit.t <= 0 || pen_flat_near(ray, hit.t, b) ||
+        (grazes(n, ray->d) && contains_point(s, n, ray->o, b)))
         hit.t = PEN_FIRST_T;
     add_at_origin(prims, hit, s, ray, origin, out);
 }
@@ -584,6 +591,8 @@ double pen_prim_viewer_side(const struct pen_prims *prims, struct pen_hit hit, s
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
                        double t_end, double bound)
 {
+    if (hit.t <= PEN_LAST_LAYER_T)
+        return false;
     struct pen_vec3 x = pen_along(ray->o, ray->d, hit.t), p = pen_along(ray->o, ray->d, t_end);
     struct pen_vec3 n = pen_prim_normal(prims, hit, x);
     double b = bound + own_rounding(prims, hit.prim, p);

@@ -288,6 +288,14 @@ mutant rim_no_border h066_round_lid 500 "passing a rim within rounding is decide
 edit src/geom/self_intersection.c 1 's/^    if \(!fn->passes_rim \|\| !fn/    if (PEN_U > 0 || !fn->passes_rim || !fn/'
 judge
 
+mutant ends_at_origin floor_rooms 50 "a light on the floor is seen through it from the foot of a wall"
+edit src/geom/self_intersection.c 1 's/^    if \(hit\.t <= PEN_LAST_LAYER_T\)$/    if (hit.t < 0)/'
+judge
+
+mutant along_caps rooms_round 30 "a disk packet knows where rays along a cap pass its plane"
+edit src/accel/internal/disk_packet_test.h 1 's/ = oblique & slanting & / = oblique \& /'
+judge
+
 mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point state they inherit"
 edit src/base/thread_pool.c 1 's/^        fesetenv\(FE_DFL_ENV\);$//'
 judge
@@ -296,6 +304,10 @@ mutant cone_digits o1_cone 20000 "a cone's side is never found in twice the prec
 edit src/geom/cone.c 1 's/^    if \(!\(4 \* \(k \* k\) < mm\)\)$/    if (!(k * k < mm))/'
 edit src/geom/cone.c 1 's/^    if \(8 \* fabs\(wp\) < widest \|\| .*$/    if (0 * widest > 0 ||/'
 edit src/geom/cone.c 1 's/^        fabs\(fabs\(tp\) - h\) < ray->near \* h\)$/        fabs(fabs(tp) - h) < 0)/'
+judge
+
+mutant cone_middle o1_cone 20000 "roots of a cone are found from the origin where they are close together"
+edit src/geom/cone.c 1 's/^    if \(!\(4 \* discriminant.*$/    if (true)/'
 judge
 
 mutant cone_nappe o1_cone 20000 "a steep ray meets the nappe of a cone on which the radius is negative"
@@ -371,7 +383,7 @@ edit src/shade/internal/secondary_rays.h 1 's/lanes_less\(lanes_splat\(PEN_HORIZ
 judge
 
 mutant goes_back_grazing rooms_thin 100 "a ray goes back however low over a wall it is"
-edit src/geom/self_intersection.c 1 's/^    bool grazes = /    bool grazes = 0 * /'
+edit src/geom/self_intersection.c 1 's/ \(!grazes\(c->n, d\) && / (/'
 judge
 
 mutant border_in_plane rooms_thin 100 "borders in a plane that contains the start of the ray are not looked at"
@@ -437,7 +449,7 @@ edit src/accel/internal/ray_group_begin.h 1 's/ margin = 0x1p-18 \* most \+ / ma
 judge
 
 mutant packet_border rooms_same 20000 "in a packet, the line decides whether a ray passes a border near its start"
-edit src/accel/internal/ray_group_outline.h 1 's/^    const unsigned ask = unsure & \(w\.ties \| w\.border\);$/    const unsigned ask = unsure \& w.ties;/'
+edit src/accel/internal/ray_group_outline.h 1 's/^    const unsigned fallback = unsure & \(w\.ties \| w\.border\);$/    const unsigned fallback = unsure \& w.ties;/'
 judge
 
 mutant packet_light rooms_same 20000 "a packet counts the surface that contains the light"

@@ -115,7 +115,22 @@ static void draw_cone(struct row_draw *draw, struct row_case *c)
     row_arg3(c, d);
 }
 
-/* 16 ulp of t, or 4u (|f| + size) towards the part: a quarter of that counts as an ulp. */
+/* By how much t misses the truth, in the units of the row: ulps, or u(|f| + size)/4 towards the
+ * part that is said. */
+static double cone_error(const struct oracle_cone *b, const struct pen_cone *cone,
+                         struct oracle_ray line, double t, struct truth truth, uint8_t part)
+{
+    vec3 n = cone_normal(cone, part, pen_along(line.o, line.d, t));
+    double size = pen_length(pen_sub(line.o, b->q)) + size_of(b);
+    double share = 4 * truth_error(t, truth) * fabs(pen_dot(n, line.d)) / (PEN_U * size);
+    double ulps = truth_ulps(t, truth);
+    return share < ulps ? share : ulps;
+}
+
+/* 16 ulp of t, or 4u (|f| + size) towards the part: a quarter of that counts as an ulp. The inside
+ * begins where the last of the parts' insides begins, so an end that comes too early is an error of
+ * the part where it truly is, and one that comes too late of the part that is said; where the
+ * inside ends it is the other way round. */
 static void judge_cone(const struct row_case *c, struct row_verdict *v)
 {
     int at = 0;
@@ -139,13 +154,11 @@ static void judge_cone(const struct row_case *c, struct row_verdict *v)
     if (!hit || truth.count != 2)
         return;
     for (int i = 0; i < 2; i++) {
-        double t = i ? in.hi : in.lo, f = pen_length(pen_sub(line.o, b.q));
-        uint8_t said = i ? in.hi_part : in.lo_part;
-        uint8_t part = said == PEN_PART_SIDE ? (uint8_t)truth.part[i] : said;
-        vec3 n = cone_normal(&cone, part, pen_along(line.o, line.d, t));
-        double off = truth_error(t, truth.t[i]) * fabs(pen_dot(n, line.d));
-        double share = 4 * off / (PEN_U * (f + size_of(&b))), ulps = truth_ulps(t, truth.t[i]);
-        row_measure(v, "cone, t [ulp, or u(|f|+size)/4]", share < ulps ? share : ulps, 16);
+        double t = i ? in.hi : in.lo;
+        uint8_t said = i ? in.hi_part : in.lo_part, part = (uint8_t)truth.part[i];
+        bool nearer = i ? t < truth.t[i].hi : t > truth.t[i].hi;
+        row_measure(v, "cone, t [ulp, or u(|f|+size)/4]",
+                    cone_error(&b, &cone, line, t, truth.t[i], nearer ? said : part), 16);
     }
 }
 

@@ -148,7 +148,8 @@ static inline struct verdict classify_sphere(const struct pen_disk_candidate *ca
 }
 
 /* The lines are those of cylinder_lines, in disk_candidate.c. Without caps, an end of the overlap
- * that belongs to the slab is no intersection. One at a cap that the ray runs along is not sure. */
+ * that belongs to the slab is no intersection. Where a ray runs along the caps, at a sine below
+ * 2^-20, rounding decides where it passes their planes, and no hit is sure. */
 static inline struct verdict classify_cylinder(const struct pen_disk_candidate *candidate,
                                                struct disk_points p)
 {
@@ -165,15 +166,15 @@ static inline struct verdict classify_cylinder(const struct pen_disk_candidate *
     const lanes s0 = lanes_min(sa, sb), s1 = lanes_max(sb, sa);
     const lanes lo = lanes_max(t0, s0), hi = lanes_min(t1, s1);
     const lanes band = 0x1p-20 * (1 + lanes_abs(lo) + lanes_abs(hi));
-    const lane_mask meets = oblique & lanes_less(0x1p-20 * size, disc);
+    const lane_mask meets = oblique & slanting & lanes_less(0x1p-20 * size, disc);
     const lane_mask beside =
         (oblique & lanes_less(disc, -0x1p-20 * size)) | (meets & lanes_less(hi - lo, -band));
     const lane_mask lo_side = lanes_less(band, t0 - s0), lo_cap = lanes_less(t0 - s0, -band);
     const lane_mask hi_side = lanes_less(band, s1 - t1), hi_cap = lanes_less(s1 - t1, -band);
     struct ends e = ends_of(candidate, lo, hi, d->band);
     if (slab->v > 0) {
-        e.lo &= lo_side | (lo_cap & slanting);
-        e.hi &= hi_side | (hi_cap & slanting);
+        e.lo &= lo_side | lo_cap;
+        e.hi &= hi_side | hi_cap;
     } else {
         e.lo &= lo_side;
         e.hi &= hi_side;

@@ -220,6 +220,17 @@ static inline bool test_cylinder(struct trace *trace, uint32_t prim, const struc
            ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(trace, prim, in.hi, in.hi_part, any));
 }
 
+/* Whether the ray's origin may be on a plane. Of a ray along the plane, t times d.n may not tell.
+ */
+static inline bool starts_on_plane(const struct trace *trace, struct pen_prim_ref ref)
+{
+    if (ref.kind != PEN_PRIM_PLANE)
+        return false;
+    const struct pen_plane *plane = &trace->accel->prims->plane[ref.index];
+    const struct pen_vec3 f = pen_sub(trace->ray->o, plane->q);
+    return fabs(pen_dot(plane->n, f)) <= 2 * trace->origin->bound + 16 * PEN_U * pen_norm1(f);
+}
+
 /* Offers the intersection of the ray's line with a flat primitive at t, if the self-intersection
  * rule does not decide otherwise. */
 static inline bool offer_flat(struct trace *trace, uint32_t prim, double t, bool any)
@@ -229,11 +240,11 @@ static inline bool offer_flat(struct trace *trace, uint32_t prim, double t, bool
         return t > 0 && !late && offer(trace, prim, t, PEN_PART_SIDE, any);
     if (prim == trace->origin->prim)
         return false;
-    if (t * t <= trace->near_sq)
+    const struct pen_prim_ref ref = trace->accel->prims->ref[prim];
+    if (t * t <= trace->near_sq || starts_on_plane(trace, ref))
         return test_reference(trace, prim, any);
     if (late && !trace->reaches_origin)
         return false;
-    const struct pen_prim_ref ref = trace->accel->prims->ref[prim];
     struct pen_vec3 n = *flat_normal(trace->accel->prims, ref);
     if (fabs(t * pen_dot(trace->ray->d, n)) <=
             trace->origin->bound + 8 * PEN_U * flat_scale(trace, ref, trace->ray->o) &&
