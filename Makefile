@@ -237,7 +237,7 @@ stability: $(STABILITY) $(if $(ROWS),,matrix)
 # Determinism across builds and processes; MATRIX="ROW…": only these rows.
 MATRIX ?=
 .PHONY: matrix
-matrix:
+matrix: $(BUILD)/libpenumbra.a
 	@-nice -n 10 sh tests/property/matrix.sh $(BUILD) $(MATRIX)
 
 # Builds the renderer with one deliberate mistake at a time, each of which its row must find: some

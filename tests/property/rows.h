@@ -141,6 +141,9 @@ void rows_rooms_mixed(struct pen_row_run *run);
 void rows_rooms_thin(struct pen_row_run *run);
 void rows_rooms_same(struct pen_row_run *run);
 
+/* rows_scenes.c */
+void rows_scenes_same(struct pen_row_run *run);
+
 /* rows_horizon.c, rows_convex.c */
 void rows_horizon_walls(struct pen_row_run *run);
 void rows_horizon_disk(struct pen_row_run *run);

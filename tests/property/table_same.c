@@ -59,6 +59,17 @@ const struct row row_table_same[] = {
         .check = 60,
     },
     {
+        .id = "H096 H100 H101 H102",
+        .name = "scenes_same",
+        .what = "random scenes of primitives of every kind, many of which touch or coincide: the "
+                "same film and numbers of rays with every accelerator and instruction set, in "
+                "blocks and pixel by pixel, with 1 and 3 threads, in tiles of 5, 16 and 64",
+        .oracle = "base instructions, pixel by pixel, bit for bit",
+        .run = rows_scenes_same,
+        .full = 3000,
+        .check = 24,
+    },
+    {
         .id = "H105",
         .name = "h105_mxcsr",
         .what = "every golden film made by a thread that flushes subnormals, treats them as 0, or "
