@@ -37,9 +37,13 @@ exits "--replace replaces an existing file" 0 "$build/penumbrad" backup c.db --s
 : >enough
 wait $load
 expect "no temporary file of a backup remains" "$(find . -name '*.part-*' | wc -l | tr -d ' ')" 0
-daemon_stop KILL
 
-# Restores the copy over the store of a killed daemon
+# Restores the copy over the store of a killed daemon. Its children end by themselves, and until then they
+# may write to the store.
+children="$(child api) $(child work)"
+daemon_stop KILL
+# shellcheck disable=SC2086
+within 10 gone $children || not_ok "the children of the killed daemon end" "$(ps -o pid,stat,comm -p "$children")"
 cp b.db "$store"
 rm -f "$store-wal" "$store-shm"
 daemon_start

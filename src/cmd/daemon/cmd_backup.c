@@ -40,9 +40,10 @@ static const struct pen_command command = {
     .arguments = "FILE",
     .summary = "Copies the store into one file while the daemon runs and takes jobs.",
     .details = "The copy is the state of the store at one moment. It is checked and flushed to "
-               "disk before it gets its name. To restore it: stop the daemon, replace the store "
-               "by the copy, remove the store's -wal and -shm files if there are any, start the "
-               "daemon. Unfinished jobs are then continued.",
+               "disk before it gets its name. To restore it: stop the daemon, wait until none of "
+               "its processes is left, replace the store by the copy, remove the store's -wal and "
+               "-shm files if there are any, start the daemon. Unfinished jobs are then "
+               "continued.",
     .options = options,
     .min_args = 1,
     .max_args = 1,
