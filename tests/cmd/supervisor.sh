@@ -144,9 +144,13 @@ daemon=
 start
 id=$("$penumbra" submit scene.json "$@")
 within 20 running "$id"
+# All are stopped first, so that none sees another one die. A lease is released once the worker's lock is,
+# which the kernel does when it has taken the process apart.
 children="$(child api) $(child work)"
-kill -KILL $children "$daemon"
+kill -STOP "$daemon" $children
+kill -KILL "$daemon" $children
 wait "$daemon" 2>/dev/null
+check "the whole daemon is killed" within 10 all_gone
 daemon=
 start
 check "the leases of a daemon killed as a whole are released at once" \
