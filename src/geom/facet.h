@@ -81,8 +81,8 @@ static inline double pen_facet_root_roughly(const struct pen_facet *facet,
 
 /* The t at which a grazing line that passes inside the outline meets its facet: `t`, kept within
  * the depths of the edges before and behind the line as it is seen, up to their rounding, unless
- * that would move it from behind the origin to before it; and where
- * the line runs along the facet, their mean at the line. */
+ * that would move it from behind the origin to before it; where the line runs along the facet, the
+ * mean of those depths. */
 double pen_outline_grazed(const struct pen_vec3 *v, uint32_t count, const struct pen_ray *ray,
                           double t);
 

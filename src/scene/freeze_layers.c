@@ -18,10 +18,10 @@ enum {
     NORMAL = 3, /* the first dimension of the normal */
     SIZE = 6,
     DIMENSIONS = 7,
-    FEW = 16,    /* so many surfaces are compared one by one */
-    MANY = 2048, /* more that no halving separates are taken to coincide */
-    SOME = 15,   /* of which a median is taken; of a sixteenth in long lists, up to */
-    SOME_MOST = 127,
+    FEW = 16,        /* so many surfaces are compared one by one */
+    MANY = 2048,     /* more that no halving separates are taken to coincide */
+    SOME = 15,       /* a list is halved at the median of so many of it, */
+    SOME_MOST = 127, /* and a long list at that of a sixteenth of it, but at most these */
     DEPTH = 48,
     PLACES = 16 /* of one primitive that are kept apart */
 };

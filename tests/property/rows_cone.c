@@ -115,12 +115,11 @@ static void draw_cone(struct row_draw *draw, struct row_case *c)
     row_arg3(c, d);
 }
 
-/* By how much t misses the truth, in the units of the row: ulps, or u(|f| + size)/4 towards the
- * part that is said. */
-static double cone_error(const struct oracle_cone *b, const struct pen_cone *cone,
-                         struct oracle_ray line, double t, struct truth truth, uint8_t part)
+/* By how much t misses the truth, in the units of the rows: ulps, or u(|f| + size)/4 along the
+ * normal n there. */
+static double cone_error(const struct oracle_cone *b, struct oracle_ray line, double t,
+                         struct truth truth, vec3 n)
 {
-    vec3 n = cone_normal(cone, part, pen_along(line.o, line.d, t));
     double size = pen_length(pen_sub(line.o, b->q)) + size_of(b);
     double share = 4 * truth_error(t, truth) * fabs(pen_dot(n, line.d)) / (PEN_U * size);
     double ulps = truth_ulps(t, truth);
@@ -157,8 +156,9 @@ static void judge_cone(const struct row_case *c, struct row_verdict *v)
         double t = i ? in.hi : in.lo;
         uint8_t said = i ? in.hi_part : in.lo_part, part = (uint8_t)truth.part[i];
         bool nearer = i ? t < truth.t[i].hi : t > truth.t[i].hi;
-        row_measure(v, "cone, t [ulp, or u(|f|+size)/4]",
-                    cone_error(&b, &cone, line, t, truth.t[i], nearer ? said : part), 16);
+        vec3 n = cone_normal(&cone, nearer ? said : part, pen_along(line.o, line.d, t));
+        row_measure(v, "cone, t [ulp, or u(|f|+size)/4]", cone_error(&b, line, t, truth.t[i], n),
+                    16);
     }
 }
 
@@ -189,19 +189,8 @@ static struct oracle_ray map_cone(const struct shape_map *m, struct oracle_cone 
     return (struct oracle_ray){shape_map_point(m, line.o), shape_map_way(m, line.d)};
 }
 
-/* Two values that judge_cone allows are up to twice its bound apart. */
-static void measure_permuted(struct row_verdict *v, const struct oracle_cone *b,
-                             struct oracle_ray line, double t, double u, vec3 n)
-{
-    double size = pen_length(pen_sub(line.o, b->q)) + size_of(b);
-    double share = 4 * fabs((t - u) * pen_dot(n, line.d)) / (PEN_U * size);
-    double ulps = truth_ulps(u, (struct truth){t, 0});
-    row_measure(v, "cone with axes permuted, t [ulp, or u(|f|+size)/4]",
-                share < ulps ? share : ulps, 32);
-}
-
 /* With the axes in their order t has the same bits. With others the sums of the precise method run
- * in another order. */
+ * in another order: two values that judge_cone allows are up to twice its bound apart. */
 static void judge_mapped(const struct row_case *c, struct row_verdict *v)
 {
     int at = 0, bits = (int)row_next(c, &at) & 7;
@@ -236,8 +225,10 @@ static void judge_mapped(const struct row_case *c, struct row_verdict *v)
         if (m.turn == 0)
             row_require(v, t == u, "t changed");
         else
-            measure_permuted(v, &b, line, t, u,
-                             cone_normal(&image, part, pen_along(line.o, line.d, u)));
+            row_measure(v, "cone with axes permuted, t [ulp, or u(|f|+size)/4]",
+                        cone_error(&b, line, u, (struct truth){t, 0},
+                                   cone_normal(&image, part, pen_along(line.o, line.d, u))),
+                        32);
     }
 }
 

@@ -30,7 +30,7 @@ static ALWAYS_INLINE void block_begin_path(struct pen_block_scratch *b, struct b
 static ALWAYS_INLINE void block_begin_packet(struct pen_block_scratch *b)
 {
     struct pen_ray_packet *packet = &b->packet;
-    packet->live = b->count < 64 ? (UINT64_C(1) << b->count) - 1 : UINT64_MAX;
+    packet->live = block_all_paths(b);
     packet->rays.along_x &= packet->live;
     packet->rays.along_y &= packet->live;
     packet->rays.forward &= packet->live;
@@ -112,27 +112,20 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
 
 /* The pixels of a block along a Z-order curve (Morton, 1966), so that 4 or 16 in sequence are near
  * one another, and so are their rays. */
-#define PIXELS_4(x, y)                                                                             \
-    {x, y}, {x + 1, y}, {x, y + 1},                                                                \
-    {                                                                                              \
-        x + 1, y + 1                                                                               \
-    }
-#define PIXELS_16(x, y)                                                                            \
-    PIXELS_4(x, y), PIXELS_4(x + 2, y), PIXELS_4(x, y + 2), PIXELS_4(x + 2, y + 2)
-static const struct {
-    uint8_t x, y;
-} block_z_order[BLOCK_PIXELS] = {PIXELS_16(0, 0), PIXELS_16(4, 0), PIXELS_16(0, 4),
-                                 PIXELS_16(4, 4)};
+#define PIXELS_4(n) (n), (n) + 1, (n) + 8, (n) + 9
+#define PIXELS_16(n) PIXELS_4(n), PIXELS_4(n + 2), PIXELS_4(n + 16), PIXELS_4(n + 18)
+static const uint8_t block_z_order[BLOCK_PIXELS] = {PIXELS_16(0), PIXELS_16(4), PIXELS_16(32),
+                                                    PIXELS_16(36)};
 #undef PIXELS_4
 #undef PIXELS_16
-_Static_assert(PEN_BLOCK_SIDE == 8, "the pixels are those of a block");
+_Static_assert(PEN_BLOCK_SIDE == 8, "pixel n is in row n / 8 and column n % 8");
 
 /* Numbers the pixels of a block that are in the rectangle. Returns how many they are. */
 static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rect rect)
 {
     int pixels = 0;
     for (int i = 0; i < BLOCK_PIXELS; i++) {
-        const int x = block_z_order[i].x, y = block_z_order[i].y;
+        const int x = block_z_order[i] % 8, y = block_z_order[i] / 8;
         if (x >= rect.width || y >= rect.height)
             continue;
         b->x[pixels] = rect.x + x;

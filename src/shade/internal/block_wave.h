@@ -50,11 +50,17 @@ static ALWAYS_INLINE void block_order_points(struct pen_block_scratch *b)
     b->count = points;
 }
 
+/* The paths of the wave, a bit each. */
+static ALWAYS_INLINE uint64_t block_all_paths(const struct pen_block_scratch *b)
+{
+    return b->count < 64 ? (UINT64_C(1) << b->count) - 1 : UINT64_MAX;
+}
+
 /* Makes the packet of the wave's paths. */
 static ALWAYS_INLINE void block_set_packet(struct pen_block_scratch *b)
 {
     struct pen_ray_packet *packet = &b->packet;
-    packet->live = b->count < 64 ? (UINT64_C(1) << b->count) - 1 : UINT64_MAX;
+    packet->live = block_all_paths(b);
     pen_ray_array_begin(&packet->rays);
     pen_ray_packet_start(packet);
     for (int i = 0; i < b->count; i++) {
