@@ -137,8 +137,9 @@ struct pen_trace_ops {
      *  2. If that is PEN_DISK_MIXED, disk_test tests n <= PEN_DISK_RAYS rays, given by (a, b). It
      *     returns a bit for each ray that is blocked. *fallback gets a bit for each ray that is
      *     not decided: whether it is blocked, or how often it intersects which primitives. The
-     *     others intersect the candidates in `transmissive` that name them in once and twice, at
-     *     most two times in all, so that the order does not matter.
+     *     others intersect the candidates in `transmissive` that name them in once and twice.
+     *     Those that do so more than two times in all are in in_sequence, and `sequence` has the
+     *     order; that of two does not matter for a product.
      *  3. disk_ray does for ray i of *fallback what `shadow` does, without last_occluder. */
     enum pen_disk_visibility (*disk_begin)(const struct pen_accel *accel,
                                            struct pen_disk_packet *packet);

@@ -89,13 +89,15 @@ static enum pen_disk_candidate_verdict verdict_of_lines(const struct pen_disk_ca
                                                       : PEN_DISK_CANDIDATE_SOME;
 }
 
-/* The line that is positive where a ray intersects a plane before the ray ends. n is the plane's
- * unit normal, h the plane's signed distance from the origin along n. */
+/* The line that is positive where a ray intersects the candidate's plane before the ray ends. n is
+ * the plane's unit normal, h the plane's signed distance from the origin along n. */
 static struct pen_disk_line plane_line(const struct pen_disk_packet *packet, struct pen_vec3 n,
-                                       double h, double delta)
+                                       double h, double delta, struct pen_disk_candidate *candidate)
 {
     struct pen_vec3 towards = h < 0 ? pen_neg(n) : n;
     struct pen_disk_line line = line_of(packet, towards, delta);
+    candidate->facing = line;
+    candidate->height = fabs(h);
     if (packet->to_point)
         line.e -= fabs(h);
     else
@@ -111,7 +113,7 @@ static enum pen_disk_candidate_verdict plane_candidate(const struct pen_disk_pac
     double h = pen_dot(plane->n, f), delta = packet->delta + margin_of(pen_norm1(f));
     if (fabs(h) <= delta)
         return scalar_fallback(candidate);
-    if (!add_line(candidate, plane_line(packet, plane->n, h, delta)))
+    if (!add_line(candidate, plane_line(packet, plane->n, h, delta, candidate)))
         return PEN_DISK_CANDIDATE_NEVER;
     return verdict_of_lines(candidate);
 }
@@ -181,7 +183,7 @@ static enum pen_disk_candidate_verdict convex_candidate(const struct pen_disk_pa
     double h = pen_dot(flat->n, pen_sub(flat->v[0], packet->o));
     if (fabs(h) <= delta)
         return coplanar_candidate(packet, flat, delta, candidate);
-    if (!add_line(candidate, plane_line(packet, flat->n, h, delta)))
+    if (!add_line(candidate, plane_line(packet, flat->n, h, delta, candidate)))
         return PEN_DISK_CANDIDATE_NEVER;
     for (uint32_t i = 0; i < flat->count; i++) {
         struct pen_disk_line line = edge_line(packet, flat, i, delta);
@@ -420,7 +422,7 @@ static enum pen_disk_candidate_verdict outline_candidate(const struct pen_disk_p
     if (fabs(h) <= delta)
         return scalar_fallback(candidate);
     candidate->kind = PEN_DISK_CANDIDATE_OUTLINE;
-    candidate->line[0] = plane_line(packet, flat->n, h, delta);
+    candidate->line[0] = plane_line(packet, flat->n, h, delta, candidate);
     enum line_sign before = line_sign(&candidate->line[0]);
     if (before == LINE_NEGATIVE)
         return PEN_DISK_CANDIDATE_NEVER;
@@ -452,8 +454,9 @@ static enum pen_disk_candidate_verdict plane_only_candidate(const struct pen_dis
     if (fabs(h) <= delta)
         return scalar_fallback(candidate);
     candidate->plane_only = true;
-    return add_line(candidate, plane_line(packet, p->facet.n, h, delta)) ? PEN_DISK_CANDIDATE_SOME
-                                                                         : PEN_DISK_CANDIDATE_NEVER;
+    return add_line(candidate, plane_line(packet, p->facet.n, h, delta, candidate))
+               ? PEN_DISK_CANDIDATE_SOME
+               : PEN_DISK_CANDIDATE_NEVER;
 }
 
 static enum pen_disk_candidate_verdict polygon_candidate(const struct pen_disk_packet *packet,

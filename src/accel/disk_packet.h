@@ -25,7 +25,8 @@ enum {
     PEN_DISK_RAYS = 64,
     PEN_DISK_CANDIDATES = 48,
     PEN_DISK_LINES = 32,
-    PEN_DISK_TRANSMISSIVE = 16
+    PEN_DISK_TRANSMISSIVE = 16,
+    PEN_DISK_SEQUENCE = 8
 };
 
 /* The line e + a u + b v = 0 in the disk. Where the value is above band it is surely positive,
@@ -52,6 +53,10 @@ struct pen_disk_candidate {
     bool plane_only;   /* the lines prove misses only: where all are positive nothing is sure */
     bool is_origin;    /* the rays start on it, which is no intersection */
     struct pen_disk_line line[PEN_DISK_LINES];
+    /* A flat primitive's plane is at t = height / d.n; `facing` gives d.n, its band is that of a
+     * length along n. */
+    struct pen_disk_line facing;
+    double height;
     /* Of the rays of the last pen_trace_ops.disk_test: those that must be tested alone, and if
      * the primitive lets light pass, those that intersect it once, and twice. */
     uint64_t fallback, once, twice;
@@ -74,6 +79,10 @@ struct pen_disk_packet {
     int candidate_count, transmissive_count;
     uint8_t transmissive[PEN_DISK_TRANSMISSIVE]; /* numbers of candidates that let light pass */
     struct pen_disk_candidate candidate[PEN_DISK_CANDIDATES];
+    /* Made by disk_test: the rays with more than two transmissive intersections, and the numbers of
+     * the candidates that these intersect, in order. */
+    uint64_t in_sequence;
+    uint8_t sequence[PEN_DISK_RAYS][PEN_DISK_SEQUENCE], sequence_count[PEN_DISK_RAYS];
 };
 
 /* What all rays of a packet have in common. */

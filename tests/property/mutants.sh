@@ -293,7 +293,11 @@ edit src/geom/self_intersection.c 1 's/^    if \(hit\.t <= PEN_LAST_LAYER_T\)$/ 
 judge
 
 mutant along_caps rooms_round 30 "a disk packet knows where rays along a cap pass its plane"
-edit src/accel/internal/disk_packet_test.h 1 's/ = oblique & slanting & / = oblique \& /'
+edit src/accel/internal/disk_packet_classify.h 1 's/ = oblique & slanting & / = oblique \& /'
+judge
+
+mutant glass_order scenes_same 100 "a disk packet multiplies what glass lets pass in the reverse order"
+edit src/accel/internal/disk_packet_order.h 1 's/sequence\[i\]\[k\] = /sequence[i][list->count - 1 - k] = /'
 judge
 
 mutant strange_arithmetic h105_mxcsr 60 "render threads keep the floating-point state they inherit"

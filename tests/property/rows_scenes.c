@@ -36,10 +36,12 @@ static double one_of(struct random *r, double a, double b, double c)
     return of[random_below(r, 3)];
 }
 
-static struct pen_material draw_material(struct random *r)
+static struct pen_material draw_material(struct random *r, bool glass)
 {
     struct pen_material m = kit_matte(one_of(r, .3, .8, 1));
     double ks = one_of(r, 0, 0, .5), kr = one_of(r, 0, 0, .6), kt = one_of(r, 0, 0, .7);
+    if (glass)
+        kt = random_in(r, .5, 1);
     m.ks = pen_vec3(ks, ks, .5 * ks);
     m.kr = pen_vec3(kr, .9 * kr, kr);
     m.kt = pen_vec3(kt, kt, .8 * kt);
@@ -136,15 +138,16 @@ static void add_light(struct random *r)
         light = kit_spot(&kit, at, random_direction(r), pen_vec3(1, 1, 1));
         light->beam_exponent = 2;
     }
-    light->radius = random_below(r, 3) ? 0 : .25;
+    light->radius = one_of(r, 0, .25, 1);
 }
 
 static void make_scene(struct random *r)
 {
     int material[MATERIALS], things = 2 + (int)random_below(r, 23);
+    bool glass = random_below(r, 4) == 0; /* shadow rays pass many surfaces */
     kit_init(&kit);
     for (int i = 0; i < MATERIALS; i++)
-        material[i] = kit_material(&kit, draw_material(r));
+        material[i] = kit_material(&kit, draw_material(r, glass));
     for (int i = 0; i < things; i++) {
         struct random before = *r;
         add_object(r, material[random_below(r, MATERIALS)]);
@@ -164,7 +167,7 @@ static void make_scene(struct random *r)
     kit.settings.width = 1 + (int)random_below(r, SIDE_MOST);
     kit.settings.height = 1 + (int)random_below(r, SIDE_MOST);
     kit.settings.samples_per_pixel = random_below(r, 4) ? 1 : 2;
-    kit.settings.light_samples = 3;
+    kit.settings.light_samples = random_below(r, 6) ? 3 : 40;
     kit.settings.max_depth = 1 + (int)random_below(r, 5);
 }
 
@@ -198,6 +201,24 @@ static bool render(const struct pen_scene *scene, const struct means *by, float 
     return ok;
 }
 
+/* Renders the binary64 values that a film is rounded from, pixel by pixel; false if that fails. */
+static bool render_unrounded(const struct pen_scene *scene, int isa, double *film)
+{
+    struct pen_ray_counts rays;
+    struct pen_status st;
+    bool ok = true;
+    memset(film, 0, VALUES_MOST * sizeof *film);
+    isa_force(isa);
+    for (int y = 0; y < kit.settings.height; y++) {
+        for (int x = 0; x < kit.settings.width; x++)
+            ok = pen_render_pixel(scene, 0, &kit.settings, x, y,
+                                  film + 3 * (y * kit.settings.width + x), &rays, &st) &&
+                 ok;
+    }
+    isa_release();
+    return ok;
+}
+
 static int values_that_differ(const float *a, const float *b)
 {
     int count = 0;
@@ -215,9 +236,10 @@ static void judge_scene(const struct row_case *c, struct row_verdict *v)
 {
     static const int tile[] = {5, 16, 64};
     static float truth[VALUES_MOST], film[VALUES_MOST];
+    static double unrounded_truth[VALUES_MOST], unrounded[VALUES_MOST];
     struct random r = {(uint64_t)c->arg[0] * 0x9e3779b97f4a7c15u + 11, 0};
     struct pen_ray_counts rays = {0, 0, 0, 0, 0, 0};
-    int values = 0, counts = 0, lit = 0, renders = 0;
+    int values = 0, counts = 0, unrounded_values = 0, lit = 0, renders = 0;
     bool ok = true;
     make_scene(&r);
     for (int accelerator = 0; accelerator < PEN_ACCEL_COUNT; accelerator++) {
@@ -234,12 +256,22 @@ static void judge_scene(const struct row_case *c, struct row_verdict *v)
                 values += values_that_differ(film, truth);
             counts += memcmp(&got, &rays, sizeof got) != 0;
         }
+        for (int isa = 0; isa < isa_count(); isa++) {
+            bool first = accelerator == 0 && isa == 0;
+            if (!first && accelerator != PEN_ACCEL_AUTO) /* packets are only there */
+                break;
+            double *into = first ? unrounded_truth : unrounded;
+            ok = render_unrounded(scene, isa, into) && ok;
+            for (int i = 0; i < VALUES_MOST; i++)
+                unrounded_values += memcmp(&into[i], &unrounded_truth[i], sizeof *into) != 0;
+        }
         pen_scene_free(scene);
     }
     for (int i = 0; i < VALUES_MOST; i++)
         lit += truth[i] != 0;
     row_require(v, ok, "a render fails");
     row_measure(v, "values that differ", values, 0);
+    row_measure(v, "values that differ before they are rounded", unrounded_values, 0);
     row_measure(v, "numbers of rays that differ", counts, 0);
     row_measure(v, "ways to render the scene", renders, -1);
     row_measure(v, "values above 0", lit, -1);

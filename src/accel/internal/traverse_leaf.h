@@ -7,10 +7,10 @@
 #include "accel/internal/prim_test.h"
 
 /* Counts the boxes of a node: all at once, as they are tested. */
-static inline void count_boxes(const struct trace *trace, const uint32_t *child, int lanes)
+static inline void count_boxes(const struct trace *trace, const uint32_t *child, int count)
 {
-    for (int lane = 0; lane < lanes; lane++)
-        trace->accel->counts->boxes += child[lane] != PEN_CHILD_LEAF;
+    for (int i = 0; i < count; i++)
+        trace->accel->counts->boxes += child[i] != PEN_CHILD_LEAF;
 }
 
 /* Counts the primitives of an item: all of a block, whichever of them ends the query. */

@@ -122,13 +122,18 @@ static ALWAYS_INLINE struct pen_vec3 soft_trace_ray(const struct pen_kernel_inpu
     return shadow_colour(input, &ray, &soft->origin, query, clear, fx);
 }
 
-/* The transmittance of ray i, which has at most two transmissive intersections: a product of two
- * factors has the same bits in either order. */
+/* The transmittance of ray i: the product over its intersections in their order. Without a sequence
+ * they are at most two, and a product of two factors has the same bits in either order. */
 static ALWAYS_INLINE struct pen_vec3 soft_ray_transmittance(const struct pen_kernel_input *input,
                                                             const struct pen_disk_packet *packet,
                                                             int i)
 {
     struct pen_vec3 t = {1, 1, 1};
+    if (packet->in_sequence >> i & 1) {
+        for (int k = 0; k < packet->sequence_count[i]; k++)
+            t = shadow_filter(input->scene, packet->candidate[packet->sequence[i][k]].prim, t);
+        return t;
+    }
     for (int k = 0; k < packet->transmissive_count; k++) {
         const struct pen_disk_candidate *candidate = &packet->candidate[packet->transmissive[k]];
         if ((candidate->once | candidate->twice) >> i & 1)
@@ -182,7 +187,7 @@ static ALWAYS_INLINE void soft_add_rays(const struct pen_kernel_input *input,
         all & ~input->trace->disk_test(packet, list->a, list->b, list->count, &fallback);
     if (!unblocked)
         return;
-    if (fallback || !soft_uniform(packet, unblocked)) {
+    if (fallback || packet->in_sequence || !soft_uniform(packet, unblocked)) {
         soft->whole = false;
         soft_add_each(input, scratch, soft, list, unblocked, fallback, fx);
         return;
