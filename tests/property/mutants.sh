@@ -239,7 +239,7 @@ mutant no_origin_surface h059_leave_round 20000 "a ray does not know its origin 
 edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim\) \{$/    origin = \&pen_origin_none;\n&/'
 judge
 
-mutant one_way_back h073_crossing_walls 4000 "after a second mirror the side that the path came from is forgotten"
+mutant one_way_back rooms_mixed 3000 "after a second mirror the side that the path came from is forgotten"
 edit src/geom/prims.h 1 's/^            origin\.before = pen_add\(left->toward, back\);$/            origin.before = back;/'
 judge
 
@@ -284,7 +284,7 @@ mutant rim_of_local h073_round_rooms 1000 "rims reach out by the rounding of loc
 edit src/scene/freeze_prims.c 1 's/^    from\.rounding = rounding_of\(.*$/    from.rounding = 0 * rounding_of(\&f->frame, from.point);/'
 judge
 
-mutant rim_no_border h066_round_lid 500 "passing a rim within rounding is decided by the line"
+mutant rim_no_border h073_round_rooms 500 "passing a rim within rounding is decided by the line"
 edit src/geom/self_intersection.c 1 's/^    if \(!fn->passes_rim \|\| !fn/    if (PEN_U > 0 || !fn->passes_rim || !fn/'
 judge
 
@@ -370,8 +370,8 @@ edit src/geom/self_intersection.c 1 \
     's/pen_prim_may_coincide\(c->prims, pair\.a, pair\.b\)/true/'
 judge
 
-mutant start_exact rooms_flat 100 "a ray is taken to have started exactly where it says"
-edit src/geom/prims.h 1 's/^        origin\.toward_bound = left->bound;$/        origin.toward_bound = 0;/'
+mutant start_exact h112_tree_ways 1000 "a path is taken to have begun exactly where it says"
+edit src/geom/self_intersection.c 1 's/ rounding = 2 \* \(bound \+ c->own\);$/ rounding = 0;/'
 judge
 
 mutant round_corner rooms_flat 100 "a path that comes round a corner is taken for one behind the wall"

@@ -7,10 +7,11 @@
 
 #include "accel/internal/disk_packet_classify.h"
 
-/* The intersections of LANES rays with a candidate that lets light pass: whether each counts, its
- * t, and by how much that may be off. */
+/* The intersections of LANES rays with a candidate that lets light pass, and by how much their t
+ * may be off. A ray that by the verdict intersects it twice does so at lo and hi, one that does
+ * once at lo or else, where `at_hi`, at hi. */
 struct lane_intersections {
-    lane_mask lo_counts, hi_counts;
+    lane_mask at_hi;
     lanes lo, hi, error;
 };
 
@@ -18,14 +19,12 @@ static inline struct lane_intersections
 flat_intersections(const struct pen_disk_candidate *candidate, struct disk_points p)
 {
     const lanes facing = line_at(&candidate->facing, p), t = candidate->height / facing;
-    return (struct lane_intersections){.lo_counts = lane_mask_of(LANES_ALL),
-                                       .hi_counts = lane_mask_of(0),
+    return (struct lane_intersections){.at_hi = lane_mask_of(0),
                                        .lo = t,
                                        .hi = t,
                                        .error = candidate->facing.band * (1 + t) / facing};
 }
 
-/* Those of rays that by the candidate's verdict intersect it once or twice. */
 static inline struct lane_intersections
 candidate_intersections(const struct pen_disk_candidate *candidate, struct disk_points p)
 {
@@ -34,8 +33,7 @@ candidate_intersections(const struct pen_disk_candidate *candidate, struct disk_
     if (!sphere && candidate->kind != PEN_DISK_CANDIDATE_CYLINDER)
         return flat_intersections(candidate, p);
     const struct chord c = sphere ? sphere_chord(candidate, p) : cylinder_chord(candidate, p);
-    return (struct lane_intersections){.lo_counts = c.ends.lo,
-                                       .hi_counts = c.ends.hi,
+    return (struct lane_intersections){.at_hi = c.ends.hi,
                                        .lo = c.lo,
                                        .hi = c.hi,
                                        .error = 0x1p-20 * (1 + lanes_abs(c.lo) + lanes_abs(c.hi))};
@@ -65,18 +63,21 @@ static inline void add_intersection(struct intersection_list *list, struct inter
 }
 
 /* Adds those with candidate `number` of the rays from i on that are in `rays`, a bit each. */
-static inline void add_intersections(const struct pen_disk_packet *packet, uint8_t number,
+static inline void add_intersections(const struct pen_disk_packet *packet, uint8_t number, int i,
                                      struct disk_points p, unsigned rays,
                                      struct intersection_list list[LANES])
 {
-    const struct lane_intersections x = candidate_intersections(&packet->candidate[number], p);
+    const struct pen_disk_candidate *candidate = &packet->candidate[number];
+    const struct lane_intersections x = candidate_intersections(candidate, p);
     for (; rays; rays &= rays - 1) {
         const int lane = __builtin_ctz(rays);
+        const bool twice = candidate->twice >> (i + lane) & 1;
+        const bool at_hi = lane_mask_bits(x.at_hi) >> lane & 1;
         const double error = lanes_at(x.error, lane);
-        if (lane_mask_bits(x.lo_counts) >> lane & 1)
+        if (twice || !at_hi)
             add_intersection(&list[lane],
                              (struct intersection){lanes_at(x.lo, lane), error, number});
-        if (lane_mask_bits(x.hi_counts) >> lane & 1)
+        if (twice || at_hi)
             add_intersection(&list[lane],
                              (struct intersection){lanes_at(x.hi, lane), error, number});
     }
@@ -115,7 +116,7 @@ static inline uint64_t order_intersections(struct pen_disk_packet *packet, const
             const struct pen_disk_candidate *c = &packet->candidate[packet->transmissive[k]];
             const unsigned met = (unsigned)((c->once | c->twice) >> i) & group;
             if (met)
-                add_intersections(packet, packet->transmissive[k],
+                add_intersections(packet, packet->transmissive[k], i,
                                   (struct disk_points){lanes_load(a + i), lanes_load(b + i)}, met,
                                   list);
         }
