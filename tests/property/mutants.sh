@@ -370,8 +370,8 @@ edit src/geom/self_intersection.c 1 \
     's/pen_prim_may_coincide\(c->prims, pair\.a, pair\.b\)/true/'
 judge
 
-mutant start_exact h112_tree_ways 1000 "a path is taken to have begun exactly where it says"
-edit src/geom/self_intersection.c 1 's/ rounding = 2 \* \(bound \+ c->own\);$/ rounding = 0;/'
+mutant start_exact rooms_thin 200 "a path is taken to have begun exactly where it says"
+edit src/geom/self_intersection.c 1 's/^    return fabs\(wn\) <= rounding \? 0 : wn;$/    return rounding < 0 ? 0 : wn;/'
 judge
 
 mutant round_corner rooms_flat 100 "a path that comes round a corner is taken for one behind the wall"
