@@ -77,15 +77,19 @@ START_TEST(test_json_parse__one_byte_over_the_limit_is_too_large)
 }
 END_TEST
 
-/* An array that repeats an element, which ends with a comma, up to `bytes`. */
+/* An array that repeats an element, which ends with a comma, up to `bytes`. The digits 1, 2 and 3
+ * in it become different numbers in each, because equal ones would be one value. */
 static char *repeated(const char *element, size_t bytes, size_t *length)
 {
-    size_t n = strlen(element);
+    enum { ROOM = 64 };
     char *text = malloc(bytes + 1);
+    int number = 0;
     ck_assert_ptr_nonnull(text);
     text[0] = '[';
-    for (*length = 1; *length + n + 1 < bytes; *length += n)
-        memcpy(text + *length, element, n);
+    for (*length = 1; *length + ROOM < bytes;)
+        for (const char *c = element; *c; c++)
+            *length += (size_t)sprintf(text + *length, *c >= '1' && *c <= '3' ? "%d" : "%c",
+                                       *c >= '1' && *c <= '3' ? number++ : *c);
     text[*length - 1] = ']'; /* instead of the last comma */
     return text;
 }

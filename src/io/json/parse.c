@@ -5,10 +5,6 @@
  *  - reports an error where the token ends, not where it begins;
  *  - reads either all integers as reals or none, so not only those that exceed 64 bits.
  * This parser makes one pass and recurses once per level of nesting. */
-#include <errno.h>
-#include <locale.h>
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/buf.h"
@@ -16,6 +12,7 @@
 #include "io/error/place.h"
 #include "io/error/text.h"
 #include "io/json/memory.h"
+#include "io/json/number.h"
 #include "io/json/syntax_error.h"
 #include "io/json/token.h"
 #include "io/scene_json.h"
@@ -29,7 +26,8 @@ struct parser {
     int depth, nesting;
     size_t bytes_left;      /* memory that further values may take */
     size_t limit;           /* memory that all values together may take */
-    struct pen_buf scratch; /* the string or number being read */
+    struct pen_buf scratch; /* the string being read */
+    struct pen_json_numbers numbers;
     struct pen_status *st;
 };
 
@@ -195,14 +193,14 @@ static bool read_string(struct parser *p)
     return !p->scratch.failed;
 }
 
-static json_t *parse_number(struct parser *p, size_t end, bool integer)
+static json_t *parse_number(struct parser *p, size_t end, const struct pen_json_decimal *decimal)
 {
     size_t start = p->at;
     json_t *number;
     p->at = end;
     if (!reserve(p, PEN_JSON_NUMBER_BYTES))
         return NULL;
-    if (pen_json_number(p->json.text + start, end - start, integer, &p->scratch, &number))
+    if (pen_json_number(&p->numbers, p->json.text + start, end - start, decimal, &number))
         return check_memory(p, number);
     pen_json_error_token(&p->json, start, p->st,
                          "is too large for a number: they reach to about 1.8e308");
@@ -212,10 +210,12 @@ static json_t *parse_number(struct parser *p, size_t end, bool integer)
 static json_t *parse_word(struct parser *p)
 {
     const char *word = p->json.text + p->at;
-    size_t end = pen_json_word_end(&p->json, p->at), bytes = end - p->at;
-    bool integer;
-    if (pen_json_is_number(&p->json, p->at, end, &integer))
-        return parse_number(p, end, integer);
+    struct pen_json_decimal decimal;
+    size_t end = pen_json_scan_number(p->json.text, p->at, p->json.bytes, &decimal);
+    if (end > p->at && (end == p->json.bytes || pen_json_is_delimiter(p->json.text[end])))
+        return parse_number(p, end, &decimal);
+    end = pen_json_word_end(&p->json, p->at);
+    size_t bytes = end - p->at;
     json_t *literal = bytes == 4 && memcmp(word, "true", 4) == 0    ? json_true()
                       : bytes == 5 && memcmp(word, "false", 5) == 0 ? json_false()
                       : bytes == 4 && memcmp(word, "null", 4) == 0  ? json_null()
@@ -413,5 +413,6 @@ json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *
     if (!document && st->code == PEN_SYNTAX && is_too_deep(&p))
         pen_fail(st, PEN_INVALID, "nested deeper than the %d levels allowed", nesting);
     pen_buf_release(&p.scratch);
+    pen_json_numbers_release(&p.numbers);
     return document;
 }

@@ -7,6 +7,7 @@
 
 #include "base/utf8.h"
 #include "io/error/text.h"
+#include "io/json/number.h"
 
 bool pen_json_error(const struct pen_json_text *json, size_t offset, struct pen_status *st,
                     const char *format, ...)
@@ -69,8 +70,8 @@ static const char *foreign_word(const struct pen_json_text *json, size_t offset)
     static const char *const literals[] = {"true", "false", "null", NULL};
     const char *word = json->text + offset;
     size_t end = pen_json_word_end(json, offset), bytes = end - offset;
-    bool integer;
-    if (bytes == 0 || pen_json_is_number(json, offset, end, &integer))
+    struct pen_json_decimal decimal;
+    if (bytes == 0 || pen_json_scan_number(json->text, offset, end, &decimal) == end)
         return NULL;
     size_t sign = *word == '-' || *word == '+';
     if (is_one_of(word + sign, bytes - sign, not_finite))

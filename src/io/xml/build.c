@@ -86,7 +86,7 @@ static json_t *read_value(struct pen_xml_builder *b, const struct pen_xml_frame 
                           const struct pen_xml_row *row, const char *text)
 {
     struct pen_xml_value_error error;
-    json_t *value = pen_xml_value(row->shape, text, &b->scratch, &b->bytes_left, &error);
+    json_t *value = pen_xml_value(row->shape, text, &b->numbers, &b->bytes_left, &error);
     if (error.over_limit && !pen_xml_reserve(b, SIZE_MAX))
         return NULL;
     if (value || error.no_memory)

@@ -6,7 +6,7 @@
 
 #include <expat.h>
 
-#include "base/buf.h"
+#include "io/json/number.h"
 #include "io/xml/parse.h"
 
 /* An open element. */
@@ -30,7 +30,7 @@ struct pen_xml_builder {
     struct pen_xml_open open; /* the tags of both */
     uint64_t elements;
     json_t *image; /* the value of <camera image="…">; NULL: none */
-    struct pen_buf scratch;
+    struct pen_json_numbers numbers;
     size_t bytes_left; /* memory that further values may take */
     bool stopped;      /* parsing has ended with the error in *st */
 };

@@ -205,7 +205,7 @@ json_t *pen_xml_parse(const char *text, size_t bytes, const struct pen_limits *l
     if (!b.stopped)
         pen_xml_document_end(&b);
     XML_ParserFree(b.parser);
-    pen_buf_release(&b.scratch);
+    pen_json_numbers_release(&b.numbers);
     json_decref(b.image);
     if (b.stopped) {
         json_decref(b.document);

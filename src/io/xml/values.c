@@ -6,13 +6,12 @@
 #include <string.h>
 
 #include "io/json/memory.h"
-#include "io/json/token.h"
 
 /* The text of an attribute while it is read. */
 struct text {
     const char *s;
     size_t at, bytes;
-    struct pen_buf *scratch;
+    struct pen_json_numbers *numbers;
     size_t *bytes_left;
     struct pen_xml_value_error *error;
 };
@@ -68,19 +67,18 @@ static json_t *fail(struct text *t, size_t offset, const char *format, ...)
 /* Reads the token up to white space or a semicolon: a number, or a string if it is not a number. */
 static json_t *next_token(struct text *t)
 {
-    const struct pen_json_text json = {t->s, t->bytes};
     size_t start = t->at;
-    bool integer;
+    struct pen_json_decimal decimal;
     while (t->at < t->bytes && !pen_xml_is_space(t->s[t->at]) && t->s[t->at] != ';')
         t->at++;
     json_t *value = NULL;
-    bool number = pen_json_is_number(&json, start, t->at, &integer);
+    bool number = pen_json_scan_number(t->s, start, t->at, &decimal) == t->at;
     size_t cost = number ? PEN_JSON_NUMBER_BYTES : PEN_JSON_STRING_BYTES + (t->at - start);
     if (!reserve(t, cost + PEN_JSON_ELEMENT_BYTES))
         return NULL;
     if (!number)
         value = json_stringn(t->s + start, t->at - start);
-    else if (!pen_json_number(t->s + start, t->at - start, integer, t->scratch, &value))
+    else if (!pen_json_number(t->numbers, t->s + start, t->at - start, &decimal, &value))
         return fail(t, start, "%.*s is too large for a number: they reach to about 1.8e308",
                     t->at - start > 60 ? 60 : (int)(t->at - start), t->s + start);
     return value ? value : no_memory(t);
@@ -275,12 +273,12 @@ static json_t *read_shape(struct text *t, enum pen_xml_shape shape)
     return NULL;
 }
 
-json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
+json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_json_numbers *numbers,
                       size_t *bytes_left, struct pen_xml_value_error *error)
 {
     struct text t = {.s = text,
                      .bytes = strlen(text),
-                     .scratch = scratch,
+                     .numbers = numbers,
                      .bytes_left = bytes_left,
                      .error = error};
     size_t before = *bytes_left;

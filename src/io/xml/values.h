@@ -3,7 +3,7 @@
 #ifndef PEN_IO_XML_VALUES_H
 #define PEN_IO_XML_VALUES_H
 
-#include "base/buf.h"
+#include "io/json/number.h"
 #include "io/xml/elements.h"
 
 /* Why an attribute has no value: no_memory, or over_limit, or else msg. */
@@ -16,9 +16,9 @@ struct pen_xml_value_error {
 
 /* Converts a text. A token that is not a number where one is expected becomes a string, which the
  * scene reader refuses; a wrong count of numbers is refused here. *bytes_left is the memory that
- * values may still take, and is reduced by the value's. `scratch` is a buffer to work in, kept
- * between calls. Owns: the caller json_decref()s. Fails: NULL, after filling *error. */
-json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_buf *scratch,
+ * values may still take, and is reduced by the value's. `numbers` are those of the
+ * whole document. Owns: the caller json_decref()s. Fails: NULL, after filling *error. */
+json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_json_numbers *numbers,
                       size_t *bytes_left, struct pen_xml_value_error *error);
 
 /* White space of XML. */

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/* The numbers of JSON text. Those in XML attributes are written the same way. */
+#ifndef PEN_IO_JSON_NUMBER_H
+#define PEN_IO_JSON_NUMBER_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+
+/* A number as it is written: digits * 10^exponent. */
+struct pen_json_decimal {
+    bool negative;
+    bool integer;    /* without fraction and exponent */
+    bool cut;        /* `exponent` cannot hold its exponent or the number of its places */
+    uint64_t digits; /* wrapped around if there are more than 19 */
+    size_t length;   /* of the digits, without zeros in front */
+    int exponent;
+};
+
+/* Reads the number by RFC 8259, section 6, that begins at `offset`, up to `end` at most. Returns
+ * where it ends; `offset` if there is none. */
+size_t pen_json_scan_number(const char *text, size_t offset, size_t end,
+                            struct pen_json_decimal *out);
+
+/* Makes values of numbers. Scenes repeat their numbers: the corners of a mesh belong to several
+ * faces, and 0 and 1 are everywhere. A number that has been made lately is not made again but
+ * counted once more, which saves its memory. So the values of numbers must not be changed. */
+struct pen_json_numbers {
+    struct {
+        uint64_t bits; /* of the integer or double */
+        json_t *value; /* NULL: none yet */
+    } recent[1024];
+    struct pen_buf scratch;
+};
+
+/* The value of a number of `bytes` bytes, in the locale "C": an integer if it is one of 64 bits,
+ * otherwise a double. Owns: the caller json_decref()s *out. Fails: returns false if the number
+ * overflows a double; *out is NULL when out of memory. */
+bool pen_json_number(struct pen_json_numbers *numbers, const char *text, size_t bytes,
+                     const struct pen_json_decimal *decimal, json_t **out);
+
+void pen_json_numbers_release(struct pen_json_numbers *numbers);
+
+#endif
