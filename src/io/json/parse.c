@@ -280,11 +280,15 @@ static void *parse_key(struct parser *p, json_t *object)
         pen_json_error_expected(&p->json, p->at, p->st, "a key in double quotes must stand here");
         return NULL;
     }
-    size_t start = p->at;
+    size_t start = p->at, members = json_object_size(object);
     if (!read_string(p) || !reserve(p, PEN_JSON_MEMBER_BYTES + p->scratch.bytes))
         return NULL;
     const char *key = (const char *)p->scratch.data;
-    if (json_object_get(object, key)) {
+    if (json_object_set_new_nocheck(object, key, json_null()) != 0) {
+        no_memory(p);
+        return NULL;
+    }
+    if (json_object_size(object) == members) {
         pen_json_error(&p->json, start, p->st, "duplicate key %s: this object has it already",
                        pen_text_quote(key).text);
         return NULL;
@@ -294,8 +298,6 @@ static void *parse_key(struct parser *p, json_t *object)
         return NULL;
     }
     p->at++;
-    if (json_object_set_new_nocheck(object, key, json_null()) != 0)
-        no_memory(p);
     return json_object_iter_at(object, key);
 }
 
