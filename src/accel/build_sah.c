@@ -7,14 +7,20 @@
  * Below a depth of PEN_MAX_DEPTH / 2, and where all centroids are equal, ranges are split in half
  * by number, so no input makes a tree deeper than PEN_MAX_DEPTH. */
 #include <float.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "accel/internal/tree_layout.h"
 
 enum { BINS = 16, CLASSES = PEN_COST_CLASS_COUNT, BLOCKS_MAX = 4 };
 
+/* Three coordinates as a vector in the compiler's own type, which works on any processor. Its last
+ * lane means nothing. */
+typedef float float4 __attribute__((vector_size(16), aligned(4), may_alias));
+typedef int32_t mask4 __attribute__((vector_size(16)));
+
 struct bounds {
-    float lo[3], hi[3];
+    float4 lo, hi;
 };
 
 /* A range of ref[], not yet a node or a leaf. */
@@ -31,6 +37,13 @@ struct bin {
     uint32_t lanes[CLASSES];
 };
 
+/* The bins along one axis. Most ranges are small, and leave most bins empty: those are not even
+ * cleared. */
+struct bins {
+    uint32_t filled; /* bit i: bin i holds a primitive */
+    struct bin bin[BINS];
+};
+
 /* A way to split a range in two. */
 struct split {
     int axis, bin; /* the first bin on the right; axis -1: none found */
@@ -39,33 +52,45 @@ struct split {
 
 static struct bounds empty(void)
 {
-    return (struct bounds){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    const float4 inf = {INFINITY, INFINITY, INFINITY, INFINITY};
+    return (struct bounds){inf, -inf};
 }
 
-static void add_point(struct bounds *b, const float lo[3], const float hi[3])
+/* a where the mask is set, b elsewhere. */
+static float4 choose(mask4 mask, float4 a, float4 b)
 {
-    for (int a = 0; a < 3; a++) {
-        b->lo[a] = lo[a] < b->lo[a] ? lo[a] : b->lo[a];
-        b->hi[a] = hi[a] > b->hi[a] ? hi[a] : b->hi[a];
-    }
+    return (float4)(((mask4)a & mask) | ((mask4)b & ~mask));
 }
 
-static void add_bounds(struct bounds *b, const struct bounds *c)
+static void add_bounds(struct bounds *b, struct bounds c)
 {
-    add_point(b, c->lo, c->hi);
+    b->lo = choose(c.lo < b->lo, c.lo, b->lo);
+    b->hi = choose(c.hi > b->hi, c.hi, b->hi);
+}
+
+_Static_assert(offsetof(struct pen_ref, lo) == 0 &&
+                   offsetof(struct pen_ref, hi) == sizeof(float4) &&
+                   sizeof(struct pen_ref) == sizeof(struct bounds),
+               "the bounds of a primitive are read as two vectors");
+
+static struct bounds ref_bounds(const struct pen_ref *ref)
+{
+    const float4 *v = (const float4 *)ref;
+    return (struct bounds){v[0], v[1]};
 }
 
 static float half_area(const struct bounds *b)
 {
-    float x = b->hi[0] - b->lo[0], y = b->hi[1] - b->lo[1], z = b->hi[2] - b->lo[2];
-    return x >= 0 ? x * y + y * z + z * x : 0;
+    float4 d = b->hi - b->lo;
+    return d[0] >= 0 ? d[0] * d[1] + d[1] * d[2] + d[2] * d[0] : 0;
 }
 
 static void add_ref(struct range *r, const struct pen_ref *ref)
 {
-    float c[3] = {ref->lo[0] + ref->hi[0], ref->lo[1] + ref->hi[1], ref->lo[2] + ref->hi[2]};
-    add_point(&r->box, ref->lo, ref->hi);
-    add_point(&r->centroid, c, c);
+    struct bounds box = ref_bounds(ref);
+    float4 c = box.lo + box.hi;
+    add_bounds(&r->box, box);
+    add_bounds(&r->centroid, (struct bounds){c, c});
     r->lanes[ref->cost_class] += ref->lanes;
 }
 
@@ -93,18 +118,18 @@ static float bin_scale(const struct range *r, int axis)
 }
 
 static void fill_bins(const struct pen_ref *ref, const struct range *r, const float scale[3],
-                      struct bin bins[3][BINS])
+                      struct bins bins[3])
 {
-    for (int axis = 0; axis < 3; axis++) {
-        for (int i = 0; i < BINS; i++)
-            bins[axis][i] = (struct bin){empty(), {0}};
-    }
     for (uint32_t i = r->begin; i < r->end; i++) {
         for (int axis = 0; axis < 3; axis++) {
             if (scale[axis] == 0)
                 continue;
-            struct bin *bin = &bins[axis][bin_of(&ref[i], axis, r->centroid.lo[axis], scale[axis])];
-            add_point(&bin->box, ref[i].lo, ref[i].hi);
+            int number = bin_of(&ref[i], axis, r->centroid.lo[axis], scale[axis]);
+            struct bin *bin = &bins[axis].bin[number];
+            if (!(bins[axis].filled >> number & 1))
+                *bin = (struct bin){empty(), {0}};
+            bins[axis].filled |= 1u << number;
+            add_bounds(&bin->box, ref_bounds(&ref[i]));
             bin->lanes[ref[i].cost_class] += ref[i].lanes;
         }
     }
@@ -112,38 +137,43 @@ static void fill_bins(const struct pen_ref *ref, const struct range *r, const fl
 
 static void add_bin(struct bin *sum, const struct bin *b)
 {
-    add_bounds(&sum->box, &b->box);
+    add_bounds(&sum->box, b->box);
     for (int k = 0; k < CLASSES; k++)
         sum->lanes[k] += b->lanes[k];
 }
 
-/* Finds the cheapest split between one axis's bins, if it is cheaper than *best. */
-static void sweep(const struct bin bins[BINS], int axis, struct split *best)
+/* Finds the cheapest split between one axis's bins, if it is cheaper than *best. The first bin, of
+ * the lowest centroid, is never empty. */
+static void sweep(const struct bins *bins, int axis, struct split *best)
 {
     float right[BINS];
     struct bin sum = {empty(), {0}};
-    for (int i = BINS - 1; i > 0; i--) {
-        add_bin(&sum, &bins[i]);
+    for (uint32_t rest = bins->filled & ~1u; rest; rest ^= 1u << 31 >> __builtin_clz(rest)) {
+        int i = 31 - __builtin_clz(rest);
+        add_bin(&sum, &bins->bin[i]);
         right[i] = half_area(&sum.box) * pen_leaf_cost(sum.lanes);
     }
-    sum = (struct bin){empty(), {0}};
-    for (int i = 1; i < BINS; i++) {
-        add_bin(&sum, &bins[i - 1]);
+    sum = bins->bin[0];
+    for (uint32_t rest = bins->filled & ~1u; rest; rest &= rest - 1) {
+        int i = __builtin_ctz(rest);
         float cost = half_area(&sum.box) * pen_leaf_cost(sum.lanes) + right[i];
         if (cost < best->cost)
             *best = (struct split){axis, i, cost};
+        add_bin(&sum, &bins->bin[i]);
     }
 }
 
 static struct split find_split(const struct pen_ref *ref, const struct range *r,
                                const float scale[3])
 {
-    struct bin bins[3][BINS];
+    struct bins bins[3];
     struct split best = {-1, 0, INFINITY};
+    for (int axis = 0; axis < 3; axis++)
+        bins[axis].filled = 0;
     fill_bins(ref, r, scale, bins);
     for (int axis = 0; axis < 3; axis++) {
         if (scale[axis] > 0)
-            sweep(bins[axis], axis, &best);
+            sweep(&bins[axis], axis, &best);
     }
     return best;
 }
