@@ -53,5 +53,7 @@ int pen_orient2d(struct pen_point2 a, struct pen_point2 b, struct pen_point2 c)
     double bound = (3.0 + 0x1p-49) * 0x1p-53 * (fabs(left) + fabs(right));
     if (fabs(det) > bound)
         return sign(det);
+    if ((a.x == c.x && a.y == c.y) || (b.x == c.x && b.y == c.y))
+        return 0; /* as where edges of a polygon share an end */
     return orient_exact(a, b, c);
 }

@@ -162,7 +162,8 @@ static void shift_axis(double *first, uint32_t count)
         first[i * stride] = pen_scale2(first[i * stride], -exponent);
 }
 
-/* Projects the points to the plane: drops the coordinate in which the normal is longest. */
+/* Projects the points to the plane: drops the coordinate in which the normal is longest. The
+ * projected points are in loop->flat. */
 static void flatten(struct loop *loop, struct pen_vec3 normal)
 {
     double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
@@ -173,13 +174,46 @@ static void flatten(struct loop *loop, struct pen_vec3 normal)
     }
     shift_axis(&loop->flat[0].x, loop->count);
     shift_axis(&loop->flat[0].y, loop->count);
-    for (uint32_t i = 0; i < loop->count; i++)
-        loop->sorted[i] = (struct keyed){{loop->flat[i].x, loop->flat[i].y, 0}, i};
+}
+
+/* Whether the projected loop turns to the same side at every vertex and, all turns together, goes
+ * around once: its edges then reverse their direction along the x axis twice. */
+static bool is_convex(const struct loop *loop)
+{
+    const struct pen_point2 *p = loop->flat;
+    uint32_t n = loop->count, reversals = 0;
+    struct pen_point2 a = p[n - 2], b = p[n - 1];
+    int side = pen_orient2d(a, b, p[0]);
+    for (uint32_t i = 0; i < n; i++) {
+        int turn = pen_orient2d(a, b, p[i]);
+        if (turn == 0 || turn != side)
+            return false;
+        reversals += (pen_point2_compare(a, b) < 0) != (pen_point2_compare(b, p[i]) < 0);
+        a = b;
+        b = p[i];
+    }
+    return reversals == 2;
+}
+
+/* Whether a loop follows all four rules because it is flat and convex, as most are. Vertices of a
+ * convex loop are distinct, and its edges do not meet, so nothing need be sorted. */
+static bool is_surely_valid(struct loop *loop, struct pen_vec3 normal)
+{
+    double off;
+    if (!(vec_max_abs(normal) > 0))
+        return false;
+    farthest(loop, vec_normalize(normal), &off);
+    if (!(off <= PLANARITY * loop->extent))
+        return false;
+    flatten(loop, vec_normalize(normal));
+    return is_convex(loop);
 }
 
 static bool check_simple(struct loop *loop, struct pen_vec3 normal, struct pen_status *st)
 {
     flatten(loop, normal);
+    for (uint32_t i = 0; i < loop->count; i++)
+        loop->sorted[i] = (struct keyed){{loop->flat[i].x, loop->flat[i].y, 0}, i};
     if (!check_distinct(loop, st))
         return false;
     for (uint32_t i = 0; i < loop->count; i++)
@@ -216,9 +250,11 @@ static void copy_vertices(struct loop *loop, const struct pen_vec3 *vertices)
 static bool check_loop(struct loop *loop, const struct pen_vec3 *vertices, struct pen_status *st)
 {
     copy_vertices(loop, vertices);
+    struct pen_vec3 normal = largest_normal(loop);
+    if (is_surely_valid(loop, normal))
+        return true;
     if (!check_distinct(loop, st))
         return false;
-    struct pen_vec3 normal = largest_normal(loop);
     if (!(vec_max_abs(normal) > 0))
         return pen_fail_at(st, PEN_INVALID, "/vertices", "are all on one line: the area is zero");
     normal = vec_normalize(normal);

@@ -112,6 +112,22 @@ START_TEST(test_polygon_check__h053_refuses_crossings_and_touches)
 }
 END_TEST
 
+/* Stars turn to the same side at every vertex, as convex outlines do. */
+START_TEST(test_polygon_check__refuses_stars)
+{
+    struct pen_status st;
+    for (int points = 3; points <= 11; points += 2)
+        for (int step = 1; step <= points / 2; step++) {
+            vec3 v[11];
+            for (int i = 0; i < points; i++) {
+                double turn = 2 * acos(-1) * (i * step % points) / points + 0.25;
+                v[i] = pen_vec3(3, cos(turn), sin(turn));
+            }
+            ck_assert_int_eq(accepted(v, (uint32_t)points, &st), step == 1);
+        }
+}
+END_TEST
+
 /* A vertex off an edge by one unit in the last place either touches or does not; the sides of the
  * rounded numbers decide, at any place in space. */
 START_TEST(test_polygon_check__one_ulp_decides)
@@ -262,7 +278,7 @@ END_TEST
 PEN_SUITE("polygon_check", test_polygon_check__accepts_simple_outlines,
           test_polygon_check__refuses_too_few_and_repeated, test_polygon_check__refuses_no_area,
           test_polygon_check__accepts_needles, test_polygon_check__h054_planar_within_a_millionth,
-          test_polygon_check__h053_refuses_crossings_and_touches,
+          test_polygon_check__h053_refuses_crossings_and_touches, test_polygon_check__refuses_stars,
           test_polygon_check__one_ulp_decides, test_polygon_check__sides_are_exact,
           test_polygon_check__tiny_far_from_the_origin, test_polygon_check__agrees_with_all_pairs,
           test_polygon_check__ten_thousand_vertices, test_polygon_check__long_teeth_in_no_order)
