@@ -3,11 +3,11 @@
  * pair too many costs time, and changes no picture.
  *
  * A surface (a part of a primitive) is a box of seven dimensions: its bounds, those of the sizes of
- * its normal's components, and those of a size that coincident surfaces share, the distance of a
- * flat one from the origin or the radius of a round one. Only surfaces of one class whose boxes
- * overlap can coincide. Sorted by size, most surfaces have no neighbour, or few. In larger runs
- * pairs are found by halving: what is left and what is right of a value, and in both halves what it
- * cuts. */
+ * the components of a direction that coincident surfaces share, and those of a size that they
+ * share. Flat ones share the normal and the distance from the origin, cylinders the axis and the
+ * radius. Only surfaces of one class whose boxes overlap can coincide. Sorted by size, most
+ * surfaces have no neighbour, or few. In larger runs pairs are found by halving: what is left and
+ * what is right of a value, and in both halves what it cuts. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@
 #include "scene/internal/freeze.h"
 
 enum {
-    NORMAL = 3, /* the first dimension of the normal */
+    DIRECTION = 3, /* the first dimension of the normal or axis */
     SIZE = 6,
     DIMENSIONS = 7,
     FEW = 16,        /* so many surfaces are compared one by one */
@@ -63,29 +63,46 @@ static double component(struct pen_vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* The sizes of the normal's components, as well as its primitive's own size tells them. A part that
- * lies across an axis is thin along it. The distance from the origin is as uncertain as that of a
- * point of the box by which the plane is turned. */
+/* The sizes of a unit vector's components. */
+static void bound_direction(struct surface *s, struct pen_vec3 n, double off)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        s->lo[DIRECTION + axis] = fabs(component(n, axis)) - off;
+        s->hi[DIRECTION + axis] = fabs(component(n, axis)) + off;
+    }
+}
+
+/* The normal, as well as its primitive's own size tells it. A part that lies across an axis is thin
+ * along it. The distance from the origin is as uncertain as that of a point of the box by which the
+ * plane is turned. */
 static void bound_flat(struct surface *s, struct pen_vec3 n, struct pen_vec3 q, double off,
                        double reach)
 {
     for (int axis = 0; axis < 3; axis++) {
-        double size = fabs(component(n, axis));
         double across = component(n, (axis + 1) % 3), other = component(n, (axis + 2) % 3);
         if (fabs(across) + fabs(other) < 0x1p-50 && s->hi[axis] < INFINITY)
             s->lo[axis] = s->hi[axis] = component(q, axis);
-        s->lo[NORMAL + axis] = size - off;
-        s->hi[NORMAL + axis] = size + off;
     }
+    bound_direction(s, n, off);
     double distance = fabs(pen_dot(n, q));
     s->lo[SIZE] = distance - 2 * off * reach;
     s->hi[SIZE] = distance + 2 * off * reach;
 }
 
-/* The side of a round primitive has any normals; that of a cone has any radii, and is nearly a
- * cylinder if it is steep. */
-static void bound_round(struct surface *s, const struct pen_prims *prims, struct pen_vec3 p)
+static const struct pen_cylinder_side *cylinder_side(const struct pen_prims *prims, uint32_t prim)
 {
+    const struct pen_prim_ref ref = prims->ref[prim];
+    return ref.kind == PEN_PRIM_CYLINDER            ? &prims->cylinder[ref.index].round
+           : ref.kind == PEN_PRIM_INFINITE_CYLINDER ? &prims->infinite_cylinder[ref.index].round
+                                                    : NULL;
+}
+
+/* The radius, and the axis of a cylinder. The side of a cone has any radii, and may coincide with a
+ * cylinder if it is steep. */
+static void bound_round(struct surface *s, const struct pen_prims *prims, struct pen_vec3 p,
+                        double off)
+{
+    const struct pen_cylinder_side *side = cylinder_side(prims, s->part.prim);
     uint32_t kind = prims->ref[s->part.prim].kind;
     s->class = kind == PEN_PRIM_SPHERE ? SPHERE : ROUND;
     s->lo[SIZE] = -INFINITY;
@@ -95,6 +112,8 @@ static void bound_round(struct surface *s, const struct pen_prims *prims, struct
     double radius = 1 / pen_prim_curvature(prims, s->part, p);
     s->lo[SIZE] = radius * (1 - 0x1p-16);
     s->hi[SIZE] = radius * (1 + 0x1p-16);
+    if (side)
+        bound_direction(s, pen_scale(side->a, 1 / side->length), off);
 }
 
 /* Bounds with a margin far above rounding, also that of rays from afar. */
@@ -120,7 +139,7 @@ static void add_surface(struct finder *f, uint32_t prim, uint8_t part)
                    0x1p-16 + rounding / pen_norm1(pen_sub(b.hi, b.lo)),
                    pen_norm1(q) + pen_norm1(half) + 0x1p-40);
     } else
-        bound_round(s, f->prims, p);
+        bound_round(s, f->prims, p, 0x1p-16 + margin / pen_norm1(half));
     for (int axis = 0; axis < DIMENSIONS; axis++) {
         s->lo[axis] -= margin;
         s->hi[axis] += margin;
