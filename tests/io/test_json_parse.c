@@ -78,7 +78,7 @@ START_TEST(test_json_parse__one_byte_over_the_limit_is_too_large)
 END_TEST
 
 /* An array that repeats an element, which ends with a comma, up to `bytes`. The digits 1, 2 and 3
- * in it become different numbers in each, because equal ones would be one value. */
+ * in it become different numbers in each, because equal values would be made but once. */
 static char *repeated(const char *element, size_t bytes, size_t *length)
 {
     enum { ROOM = 64 };
@@ -103,7 +103,7 @@ static size_t in_use(void)
 
 START_TEST(test_json_parse__values_that_take_too_much_memory_are_too_large)
 {
-    static const char *const elements[] = {"{},", "[],", "1,", "\"\",", "{\"a\":1},", "[1,2,3],"};
+    static const char *const elements[] = {"{},", "[],", "1,", "\"1\",", "{\"a\":1},", "[1,2,3],"};
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     limits.parsed_bytes = 8000000;

@@ -20,6 +20,8 @@
 /* The most levels whatever the limits say: each takes part of the thread's stack. */
 enum { NESTING_MAX = 1000 };
 
+enum { STRINGS = 64 };
+
 struct parser {
     struct pen_json_text json;
     size_t at;
@@ -28,6 +30,7 @@ struct parser {
     size_t limit;           /* memory that all values together may take */
     struct pen_buf scratch; /* the string being read */
     struct pen_json_numbers numbers;
+    json_t *strings[STRINGS]; /* of the values lately made, by a hash; NULL: none yet */
     struct pen_status *st;
 };
 
@@ -348,6 +351,26 @@ static json_t *parse_container(struct parser *p, const struct pen_place *place, 
     return NULL;
 }
 
+/* The value of the string that has been read. As with numbers, one that repeats is one value: of
+ * thousands of objects, few differ in type and material. */
+static json_t *make_string(struct parser *p)
+{
+    const char *text = (const char *)p->scratch.data;
+    size_t bytes = p->scratch.bytes, hash = bytes;
+    for (size_t i = 0; i < bytes; i++)
+        hash = hash * 31 + (unsigned char)text[i];
+    json_t **recent = &p->strings[hash % STRINGS];
+    if (*recent && json_string_length(*recent) == bytes &&
+        memcmp(json_string_value(*recent), text, bytes) == 0)
+        return json_incref(*recent);
+    json_t *made = check_memory(p, json_stringn_nocheck(text, bytes));
+    if (made) {
+        json_decref(*recent);
+        *recent = json_incref(made);
+    }
+    return made;
+}
+
 static json_t *parse_value(struct parser *p, const struct pen_place *place)
 {
     char c = skip_space(p);
@@ -357,7 +380,7 @@ static json_t *parse_value(struct parser *p, const struct pen_place *place)
         return parse_word(p);
     if (!read_string(p) || !reserve(p, PEN_JSON_STRING_BYTES + p->scratch.bytes))
         return NULL;
-    return check_memory(p, json_stringn_nocheck((const char *)p->scratch.data, p->scratch.bytes));
+    return make_string(p);
 }
 
 static json_t *parse_document(struct parser *p)
@@ -416,5 +439,7 @@ json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *
         pen_fail(st, PEN_INVALID, "nested deeper than the %d levels allowed", nesting);
     pen_buf_release(&p.scratch);
     pen_json_numbers_release(&p.numbers);
+    for (size_t i = 0; i < STRINGS; i++)
+        json_decref(p.strings[i]);
     return document;
 }
