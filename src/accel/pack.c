@@ -26,6 +26,7 @@ struct packer {
 /* The primitives that go into one block: up to four of one kind. */
 struct lanes {
     uint32_t prim[PEN_LANES], index[PEN_LANES];
+    const struct pen_ref *ref[PEN_LANES];
     int count;
 };
 
@@ -34,6 +35,19 @@ static void put(double to[3][PEN_LANES], int lane, struct pen_vec3 v)
     to[0][lane] = v.x;
     to[1][lane] = v.y;
     to[2][lane] = v.z;
+}
+
+/* Empty lanes have a box that no ray enters. */
+static void pack_boxes(struct pen_boxes4 *boxes, const struct lanes *in)
+{
+    for (int lane = 0; lane < PEN_LANES; lane++) {
+        const struct pen_child_box box =
+            lane < in->count ? pen_ref_box(in->ref[lane]) : pen_child_box_empty;
+        for (int axis = 0; axis < 3; axis++) {
+            boxes->plane[axis][lane] = box.lo[axis];
+            boxes->plane[axis + 3][lane] = box.hi[axis];
+        }
+    }
 }
 
 /* Empty lanes are all zero: a triangle of one point, which no ray intersects. */
@@ -61,6 +75,7 @@ static void pack_polygons(struct packer *p, const struct lanes *in, uint32_t blo
 {
     struct pen_polygons4 *b = &p->polygons[block];
     memcpy(b->prim, in->prim, sizeof b->prim);
+    pack_boxes(&b->boxes, in);
     b->first = p->corner_count;
     b->count = most_corners(p->prims, in);
     p->corner_count += b->count;
@@ -90,6 +105,7 @@ static void pack_cylinders(struct packer *p, const struct lanes *in, uint32_t bl
 {
     struct pen_cylinders4 *b = &p->cylinders[block];
     memcpy(b->prim, in->prim, sizeof b->prim);
+    pack_boxes(&b->boxes, in);
     for (int lane = 0; lane < PEN_LANES; lane++)
         b->rr[lane] = -1; /* an empty lane */
     for (int lane = 0; lane < in->count; lane++) {
@@ -169,12 +185,13 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
 {
     uint32_t first = p->item_count;
     for (uint32_t kind = 0; kind < PEN_BLOCK_NOTHING; kind++) {
-        struct lanes in = {{PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM}, {0}, 0};
+        struct lanes in = {{PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM}, {0}, {0}, 0};
         const struct lanes none = in;
         for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++) {
             if (p->ref[i].kind != kind)
                 continue;
             in.prim[in.count] = p->ref[i].prim;
+            in.ref[in.count] = &p->ref[i];
             in.index[in.count++] = p->prims->ref[p->ref[i].prim].index;
             if (in.count == PEN_LANES) {
                 pack_block(p, &in, (enum pen_block_kind)kind);

@@ -214,7 +214,7 @@ edit src/accel/tree_layout.c 2 's/pen_float_(down|up)\(/pen_float_near(/g'
 judge
 
 mutant strict_culling h097_copies 40 "a box is entered where its distance is < the best t, not <="
-edit src/accel/internal/boxes_avx2.h 2 's/_CMP_LE_OQ/_CMP_LT_OQ/'
+edit src/accel/internal/boxes_avx2.h 3 's/_CMP_LE_OQ/_CMP_LT_OQ/'
 edit src/accel/internal/boxes_base.h 1 's/return t0 <= t1;/return t0 < t1;/'
 edit src/accel/internal/traverse_wide.h 1 's/near > limit/near >= limit/'
 judge

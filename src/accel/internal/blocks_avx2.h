@@ -6,19 +6,12 @@
 #ifndef PEN_ACCEL_INTERNAL_BLOCKS_AVX2_H
 #define PEN_ACCEL_INTERNAL_BLOCKS_AVX2_H
 
-#include <immintrin.h>
-
-#include "accel/internal/prim_test.h"
+#include "accel/internal/boxes_avx2.h"
 
 /* Four vectors, one per lane. */
 struct vec4 {
     __m256d x, y, z;
 };
-
-static inline __m256d splat4(double x)
-{
-    return _mm256_set1_pd(x);
-}
 
 static inline struct vec4 splat_vec4(struct pen_vec3 v)
 {
@@ -288,25 +281,57 @@ static inline bool test_triangles4(struct trace *trace, const struct pen_triangl
            offer_triangles(trace, block->prim, lanes & ~origin_lanes(trace, block->prim), any);
 }
 
+/* The lanes of a block whose boxes the ray enters: the others it surely misses. Those that may
+ * contain its origin are in *inside. */
+static inline unsigned lanes_entered(const struct trace *trace, const struct pen_boxes4 *boxes,
+                                     bool any, unsigned *inside)
+{
+    const struct box_ray *box = trace->box;
+    *inside = 15;
+    if (!box)
+        return 15;
+    const double tmax = any ? trace->shadow->tmax : trace->best.t;
+    return enter_boxes(boxes, box, pen_float_up(tmax * box->scale), inside);
+}
+
+/* The largest number of corners in some lanes of a block. Lanes without a polygon have none. */
+static inline uint32_t most_corners(const struct trace *trace, const struct pen_polygons4 *block,
+                                    unsigned lanes)
+{
+    const struct pen_prims *prims = trace->accel->prims;
+    uint32_t most = 1;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t prim = block->prim[__builtin_ctz(lanes)];
+        const uint32_t count =
+            prim != PEN_NO_PRIM ? prims->polygon[prims->ref[prim].index].count : 0;
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
 /* Whether polygons wind around the ray, by the winding rule of geom/triangle.h. */
 struct entered4 {
     unsigned lanes; /* those that do; right except in `ties` */
     unsigned ties;  /* two products round to the same number: their order is not known */
 };
 
-/* Two products that round to different numbers are in that order too before rounding. If `border`
- * is not NULL, it gets a superset of the polygons with the ray's origin on their border. */
+/* Right for `lanes` only, so that polygons of four corners do not wait for one of a hundred in
+ * their block that the ray misses. Two products that round to different numbers are in that order
+ * too before rounding. If `border` is not NULL, it gets a superset of the polygons with the ray's
+ * origin on their border. */
 static inline struct entered4 polygons_entered4(const struct trace *trace,
-                                                const struct pen_polygons4 *block, unsigned *border)
+                                                const struct pen_polygons4 *block, unsigned lanes,
+                                                unsigned *border)
 {
     const __m256d zero = splat4(0);
     const __m256i one = _mm256_set1_epi64x(1);
     const struct pen_corner4 *corner = &trace->accel->corners[block->first];
+    const uint32_t count = most_corners(trace, block, lanes);
     __m256i winding = _mm256_setzero_si256();
     __m256d ties = zero, near = zero;
-    struct vec4 a = shear4(trace, corner[block->count - 1].v);
+    struct vec4 a = shear4(trace, corner[count - 1].v);
     __m256d a_low = LESS_EQUAL(a.y, zero);
-    for (uint32_t i = 0; i < block->count; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         struct vec4 b = shear4(trace, corner[i].v);
         __m256d b_low = LESS_EQUAL(b.y, zero), passes = _mm256_xor_pd(a_low, b_low);
         __m256d p = _mm256_mul_pd(a.x, b.y), q = _mm256_mul_pd(a.y, b.x);
@@ -332,7 +357,6 @@ static inline bool offer_polygons(struct trace *trace, const struct pen_polygons
                                   struct entered4 in, unsigned lanes, bool any)
 {
     const struct pen_prims *prims = trace->accel->prims;
-    lanes &= ~origin_lanes(trace, block->prim);
     for (unsigned sure = in.lanes & lanes; sure; sure &= sure - 1) {
         uint32_t number = block->prim[__builtin_ctz(sure)];
         const struct pen_polygon *p = &prims->polygon[prims->ref[number].index];
@@ -342,22 +366,30 @@ static inline bool offer_polygons(struct trace *trace, const struct pen_polygons
     return in.ties & lanes && test_lanes(trace, block->prim, in.ties & lanes, any);
 }
 
-static __attribute__((noinline)) bool
-test_polygons_at_origin(struct trace *trace, const struct pen_polygons4 *block, bool any)
+/* Tests `lanes`, none of which is the ray's origin surface. */
+static __attribute__((noinline)) bool test_polygons_at_origin(struct trace *trace,
+                                                              const struct pen_polygons4 *block,
+                                                              unsigned lanes, bool any)
 {
-    unsigned border, others = ~origin_lanes(trace, block->prim);
-    struct entered4 in = polygons_entered4(trace, block, &border);
-    if (border & others && test_at_border(trace, block->prim, border & others, any))
+    unsigned border;
+    struct entered4 in = polygons_entered4(trace, block, lanes, &border);
+    if (border & lanes && test_at_border(trace, block->prim, border & lanes, any))
         return true;
-    return (in.lanes | in.ties) & ~border && offer_polygons(trace, block, in, ~border, any);
+    return (in.lanes | in.ties) & lanes & ~border &&
+           offer_polygons(trace, block, in, lanes & ~border, any);
 }
 
 static inline bool test_polygons4(struct trace *trace, const struct pen_polygons4 *block, bool any)
 {
-    if (trace->reaches_origin)
-        return test_polygons_at_origin(trace, block, any);
-    struct entered4 in = polygons_entered4(trace, block, NULL);
-    return (in.lanes | in.ties) && offer_polygons(trace, block, in, 15, any);
+    unsigned inside;
+    const unsigned lanes =
+        lanes_entered(trace, &block->boxes, any, &inside) & ~origin_lanes(trace, block->prim);
+    if (!lanes)
+        return false;
+    if (trace->reaches_origin && inside & lanes)
+        return test_polygons_at_origin(trace, block, lanes, any);
+    struct entered4 in = polygons_entered4(trace, block, lanes, NULL);
+    return (in.lanes | in.ties) & lanes && offer_polygons(trace, block, in, lanes, any);
 }
 
 /* a + b, and the rounding error of that sum in *lost (Knuth), as in pen_dot2. */
@@ -444,14 +476,17 @@ static inline bool test_planes4(struct trace *trace, const struct pen_planes4 *b
 
 /* The intersections of a ray with four cylinders, continued without end. */
 struct side4 {
-    __m256d t0, t1; /* as pen_cylinder_side_roots */
     __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
-    unsigned near;  /* lanes that the scalar function refines; t is within [least, most] there */
+    __m256d inv, tp, lm, disc, rr; /* of pen_cylinder_side_roots; lm is l.m */
+    __m256d t0, t1;                /* as pen_cylinder_side_roots */
+    unsigned near; /* lanes that the scalar function refines; t is within [least, most] there */
     __m256d least, most;
 };
 
-static inline struct side4 side_roots4(const struct trace *trace, const struct pen_cylinders4 *b,
-                                       struct vec4 f, struct vec4 a)
+/* The first half of pen_cylinder_side_roots: how far the ray's line passes from the axis. Returns
+ * the lanes that it surely misses, by more than the refinement may change, and not in parallel. */
+static inline unsigned side_distance4(const struct trace *trace, const struct pen_cylinders4 *b,
+                                      struct vec4 f, struct vec4 a, struct side4 *out)
 {
     struct vec4 o = splat_vec4(trace->ray->permuted_o), q = permuted4(trace->ray, b->q);
     struct vec4 low = {difference_error4(o.x, q.x, f.x), difference_error4(o.y, q.y, f.y),
@@ -460,23 +495,31 @@ static inline struct side4 side_roots4(const struct trace *trace, const struct p
                          _mm256_sub_pd(_mm256_mul_pd(low.z, a.x), _mm256_mul_pd(low.x, a.z)),
                          _mm256_sub_pd(_mm256_mul_pd(low.x, a.y), _mm256_mul_pd(low.y, a.x))};
     struct vec4 m = cross4(splat_vec4(trace->ray->permuted_d), a), n = add3(cross4(f, a), rest3);
-    struct side4 out = {.mm = dot4(m, m), .nn = dot4(n, n)};
-    __m256d inv = _mm256_div_pd(splat4(1), out.mm);
-    __m256d tp = _mm256_mul_pd(neg4(dot4(m, n)), inv);
-    struct vec4 l = along4(n, m, tp);
-    __m256d rest = _mm256_mul_pd(neg4(dot4(l, m)), inv);
-    __m256d rr = _mm256_loadu_pd(b->rr);
-    __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
-    __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv));
-    out.t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
-    out.t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
-    out.near = refined_lanes(trace, tp, h, disc, rr);
-    if (out.near) { /* the half chord is at most r / |m| */
-        __m256d reach = _mm256_sqrt_pd(_mm256_mul_pd(_mm256_mul_pd(splat4(2), rr), inv));
-        out.least = _mm256_sub_pd(tp, reach);
-        out.most = _mm256_add_pd(tp, reach);
+    out->mm = dot4(m, m);
+    out->nn = dot4(n, n);
+    out->inv = _mm256_div_pd(splat4(1), out->mm);
+    out->tp = _mm256_mul_pd(neg4(dot4(m, n)), out->inv);
+    struct vec4 l = along4(n, m, out->tp);
+    out->lm = dot4(l, m);
+    out->rr = _mm256_loadu_pd(b->rr);
+    out->disc = _mm256_add_pd(_mm256_sub_pd(out->rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
+    return bits(_mm256_and_pd(LESS(splat4(0), out->mm),
+                              LESS(out->disc, _mm256_mul_pd(splat4(-PEN_GRAZING), out->rr))));
+}
+
+/* The second half. */
+static inline void side_roots4(const struct trace *trace, struct side4 *out)
+{
+    __m256d rest = _mm256_mul_pd(neg4(out->lm), out->inv), tp = out->tp;
+    __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(out->disc, out->inv));
+    out->t0 = _mm256_add_pd(tp, _mm256_sub_pd(rest, h));
+    out->t1 = _mm256_add_pd(tp, _mm256_add_pd(rest, h));
+    out->near = refined_lanes(trace, tp, h, out->disc, out->rr);
+    if (out->near) { /* the half chord is at most r / |m| */
+        __m256d reach = _mm256_sqrt_pd(_mm256_mul_pd(_mm256_mul_pd(splat4(2), out->rr), out->inv));
+        out->least = _mm256_sub_pd(tp, reach);
+        out->most = _mm256_add_pd(tp, reach);
     }
-    return out;
 }
 
 /* The sum of the sizes of the products of a dot product. */
@@ -525,6 +568,35 @@ static inline bool offer_inside(struct trace *trace, const struct pen_cylinders4
             offer(trace, b->prim[lane], in->hi, in->hi_part, any));
 }
 
+/* The t-intervals in the slabs; `up`: lanes in which the ray goes from the base to the top. */
+struct slab4 {
+    __m256d lo, hi;
+    unsigned up;
+};
+
+/* Clips the slab's intervals to the side's, and offers their ends. */
+static inline bool offer_sides(struct trace *trace, const struct pen_cylinders4 *b, unsigned lanes,
+                               const struct slab4 *slab, const struct side4 *side, bool any)
+{
+    double s0[PEN_LANES], s1[PEN_LANES], l[PEN_LANES], h[PEN_LANES];
+    _mm256_storeu_pd(s0, side->t0);
+    _mm256_storeu_pd(s1, side->t1);
+    _mm256_storeu_pd(l, slab->lo);
+    _mm256_storeu_pd(h, slab->hi);
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        const double s[2] = {s0[lane], s1[lane]};
+        struct pen_interval in = {l[lane], h[lane], PEN_PART_BASE, PEN_PART_TOP};
+        if (!(slab->up >> lane & 1)) {
+            in.lo_part = PEN_PART_TOP;
+            in.hi_part = PEN_PART_BASE;
+        }
+        if (pen_interval_clip(&in, s) && offer_inside(trace, b, lane, &in, any))
+            return true;
+    }
+    return false;
+}
+
 /* Lanes with t0 or t1 near the ray's origin: see may_pass_rim. */
 static inline unsigned near4(const struct trace *trace, __m256d t0, __m256d t1)
 {
@@ -532,61 +604,94 @@ static inline unsigned near4(const struct trace *trace, __m256d t0, __m256d t1)
     return bits(LESS_EQUAL(least, splat4(trace->near_sq)));
 }
 
+/* Lanes whose ends are surely on the side, at side.t0 and side.t1, wherever within `pad` the
+ * refined slab begins and ends. `first`: only the first end matters, if it is ahead. */
+static inline unsigned ends_on_side4(const struct trace *trace, const struct side4 *side,
+                                     const struct slab4 *slab, __m256d pad, bool first)
+{
+    const __m256d hi = _mm256_sub_pd(slab->hi, pad), after = splat4(trace->after.t);
+    __m256d last = LESS(side->t1, hi);
+    if (first)
+        last = _mm256_or_pd(last, _mm256_and_pd(LESS(side->t0, hi), LESS(after, side->t0)));
+    return bits(_mm256_and_pd(LESS(_mm256_add_pd(slab->lo, pad), side->t0), last));
+}
+
 static inline bool test_cylinders4(struct trace *trace, const struct pen_cylinders4 *b, bool any)
 {
+    unsigned inside;
+    const unsigned entered = lanes_entered(trace, &b->boxes, any, &inside);
+    if (!entered)
+        return false;
     const __m256d zero = splat4(0);
     struct vec4 a = permuted4(trace->ray, b->a), o = splat_vec4(trace->ray->permuted_o);
     struct vec4 f = sub3(o, permuted4(trace->ray, b->q));
+    struct side4 side;
+    const unsigned missed = side_distance4(trace, b, f, a, &side);
+    unsigned plain = entered & origin_lanes(trace, b->prim);
+    const bool at_origin = trace->reaches_origin && inside & entered & ~plain;
+    if (!at_origin && !(entered & ~missed) && !plain)
+        return false;
+    side_roots4(trace, &side);
     __m256d da = dot_guarded4(splat_vec4(trace->ray->permuted_d), a), fa = dot4(f, a);
     __m256d inv = _mm256_div_pd(splat4(1), da);
     __m256d base = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->base), fa), inv);
     __m256d top = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(b->top), fa), inv);
     __m256d forward = LESS(zero, da);
-    __m256d lo = _mm256_blendv_pd(top, base, forward), hi = _mm256_blendv_pd(base, top, forward);
-    struct side4 side = side_roots4(trace, b, f, a);
-    unsigned plain = origin_lanes(trace, b->prim) | bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
-                     bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ));
-    __m256d t0 = _mm256_max_pd(side.t0, lo), t1 = _mm256_min_pd(side.t1, hi);
+    const struct slab4 slab = {_mm256_blendv_pd(top, base, forward),
+                               _mm256_blendv_pd(base, top, forward), bits(forward)};
+    plain |= entered & (bits(_mm256_cmp_pd(da, zero, _CMP_EQ_OQ)) |
+                        bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ)));
+    __m256d t0 = _mm256_max_pd(side.t0, slab.lo), t1 = _mm256_min_pd(side.t1, slab.hi);
     __m256d met = _mm256_and_pd(LESS(side.t0, side.t1), LESS(t0, t1));
-    unsigned lanes = bits(met);
+    unsigned lanes = bits(met) & entered;
+    side.near &= entered;
     if (side.near | (lanes & ~plain)) {
         /* More than the rounding of lo and hi. */
         __m256d size = _mm256_add_pd(size4(f, a), _mm256_loadu_pd(b->top));
         __m256d pad = _mm256_mul_pd(_mm256_mul_pd(splat4(0x1p-40), size), abs4(inv));
         if (side.near)
-            plain |= side.near & overlaps4(trace, _mm256_max_pd(side.least, _mm256_sub_pd(lo, pad)),
-                                           _mm256_min_pd(side.most, _mm256_add_pd(hi, pad)), any);
+            plain |=
+                side.near & overlaps4(trace, _mm256_max_pd(side.least, _mm256_sub_pd(slab.lo, pad)),
+                                      _mm256_min_pd(side.most, _mm256_add_pd(slab.hi, pad)), any);
         lanes &= ~side.near;
         if (lanes & ~plain)
             plain |= lanes & slab_loses4(trace, b, f, a) &
+                     ~ends_on_side4(trace, &side, &slab, pad, !any && !at_origin) &
                      overlaps4(trace, _mm256_sub_pd(t0, pad), _mm256_add_pd(t1, pad), any);
     }
     lanes &= useful_pairs(trace, t0, t1, any);
-    if (trace->reaches_origin)
-        plain |= bits(cylinder_touches4(trace, b, side.nn, fa)) |
-                 (b->open ? b->open & near4(trace, side.t0, side.t1) : 0) |
-                 (bits(met) & near4(trace, t0, t1));
+    if (at_origin)
+        plain |= entered & (bits(cylinder_touches4(trace, b, side.nn, fa)) |
+                            (b->open ? b->open & near4(trace, side.t0, side.t1) : 0) |
+                            (bits(met) & near4(trace, t0, t1)));
     lanes &= ~plain;
-    if (lanes) {
-        double s0[PEN_LANES], s1[PEN_LANES], l[PEN_LANES], h[PEN_LANES];
-        unsigned up = bits(forward);
-        _mm256_storeu_pd(s0, side.t0);
-        _mm256_storeu_pd(s1, side.t1);
-        _mm256_storeu_pd(l, lo);
-        _mm256_storeu_pd(h, hi);
-        for (; lanes; lanes &= lanes - 1) {
-            int lane = __builtin_ctz(lanes);
-            const double s[2] = {s0[lane], s1[lane]};
-            struct pen_interval in = {l[lane], h[lane], PEN_PART_BASE, PEN_PART_TOP};
-            if (!(up >> lane & 1)) {
-                in.lo_part = PEN_PART_TOP;
-                in.hi_part = PEN_PART_BASE;
-            }
-            if (pen_interval_clip(&in, s) && offer_inside(trace, b, lane, &in, any))
-                return true;
-        }
-    }
+    if (lanes && offer_sides(trace, b, lanes, &slab, &side, any))
+        return true;
     return plain && test_lanes(trace, b->prim, plain, any);
+}
+
+static inline bool test_item(struct trace *trace, uint32_t item, bool any)
+{
+    uint32_t index = PEN_ITEM_INDEX(item);
+    switch (PEN_ITEM_KIND(item)) {
+    case PEN_BLOCK_TRIANGLES:
+        return test_triangles4(trace, &trace->accel->triangles[index], any);
+    case PEN_BLOCK_POLYGONS:
+        return test_polygons4(trace, &trace->accel->polygons[index], any);
+    case PEN_BLOCK_SPHERES:
+        return test_spheres4(trace, &trace->accel->spheres[index], any);
+    case PEN_BLOCK_CYLINDERS:
+        return test_cylinders4(trace, &trace->accel->cylinders[index], any);
+    case PEN_BLOCK_PLANES:
+        return test_planes4(trace, &trace->accel->planes[index], any);
+    case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_INFINITE_CYLINDERS:
+    case PEN_BLOCK_NOTHING:
+    case PEN_BLOCK_SINGLE:
+    case PEN_BLOCK_KIND_COUNT:
+        break;
+    }
+    return test_each(trace, item, any);
 }
 
 #endif

@@ -1,9 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Tests of boxes with AVX2 and FMA, the eight of a node at once; see prim_test.h. */
+/* Tests of boxes with AVX2 and FMA, the eight of a node or the four of a block at once; see
+ * prim_test.h. */
 #ifndef PEN_ACCEL_INTERNAL_BOXES_AVX2_H
 #define PEN_ACCEL_INTERNAL_BOXES_AVX2_H
 
-#include "accel/internal/blocks_avx2.h"
+#include <immintrin.h>
+
+#include "accel/internal/prim_test.h"
+
+static inline __m256d splat4(double x)
+{
+    return _mm256_set1_pd(x);
+}
 
 /* The near or far planes of an axis: their row in a node, and the ray's origin and reciprocal that
  * they are compared with. */
@@ -106,28 +114,27 @@ static inline unsigned enter_pair(const struct pen_pair *pair, const struct box_
     return (unsigned)_mm_movemask_ps(_mm_cmp_ps(t0, t1, _CMP_LE_OQ)) & 3;
 }
 
-static inline bool test_item(struct trace *trace, uint32_t item, bool any)
+static inline __m128 boxes_t(const struct pen_boxes4 *boxes, const struct box_side *side)
 {
-    uint32_t index = PEN_ITEM_INDEX(item);
-    switch (PEN_ITEM_KIND(item)) {
-    case PEN_BLOCK_TRIANGLES:
-        return test_triangles4(trace, &trace->accel->triangles[index], any);
-    case PEN_BLOCK_POLYGONS:
-        return test_polygons4(trace, &trace->accel->polygons[index], any);
-    case PEN_BLOCK_SPHERES:
-        return test_spheres4(trace, &trace->accel->spheres[index], any);
-    case PEN_BLOCK_CYLINDERS:
-        return test_cylinders4(trace, &trace->accel->cylinders[index], any);
-    case PEN_BLOCK_PLANES:
-        return test_planes4(trace, &trace->accel->planes[index], any);
-    case PEN_BLOCK_GENERIC:
-    case PEN_BLOCK_INFINITE_CYLINDERS:
-    case PEN_BLOCK_NOTHING:
-    case PEN_BLOCK_SINGLE:
-    case PEN_BLOCK_KIND_COUNT:
-        break;
-    }
-    return test_each(trace, item, any);
+    return _mm_mul_ps(
+        _mm_sub_ps(_mm_loadu_ps(boxes->plane[side->row]), _mm256_castps256_ps128(side->o)),
+        _mm256_castps256_ps128(side->inv));
+}
+
+/* The boxes of a block; in *inside those of them that the ray enters no later than the query
+ * begins. */
+static inline unsigned enter_boxes(const struct pen_boxes4 *boxes, const struct box_ray *box,
+                                   float limit, unsigned *inside)
+{
+    const __m128 tmin = _mm_set1_ps(box->tmin);
+    __m128 t0 = _mm_max_ps(boxes_t(boxes, &box->near[0]), tmin);
+    __m128 t1 = _mm_min_ps(boxes_t(boxes, &box->far[0]), _mm_set1_ps(limit));
+    t0 = _mm_max_ps(boxes_t(boxes, &box->near[1]), t0);
+    t1 = _mm_min_ps(boxes_t(boxes, &box->far[1]), t1);
+    t0 = _mm_max_ps(boxes_t(boxes, &box->near[2]), t0);
+    t1 = _mm_min_ps(boxes_t(boxes, &box->far[2]), t1);
+    *inside = (unsigned)_mm_movemask_ps(_mm_cmp_ps(t0, tmin, _CMP_EQ_OQ));
+    return (unsigned)_mm_movemask_ps(_mm_cmp_ps(t0, t1, _CMP_LE_OQ));
 }
 
 #endif

@@ -5,7 +5,7 @@
 #define PEN_ACCEL_INTERNAL_ISA_AVX2_H
 
 #ifdef __AVX2__
-#include "accel/internal/boxes_avx2.h"
+#include "accel/internal/blocks_avx2.h"
 #else
 #include "accel/internal/isa_base.h"
 #endif

@@ -30,6 +30,8 @@
 #include "accel/internal/rounding.h"
 #include "accel/internal/structure.h"
 
+struct box_ray; /* of the instruction set */
+
 /* One query in progress. */
 struct trace {
     const struct pen_accel *accel;
@@ -40,6 +42,7 @@ struct trace {
     double slack;               /* a primitive that touches the origin misses it by at most this */
     double grow;                /* the self-intersection rule reaches no farther than this */
     double near_sq;             /* square of the t at distance grow */
+    const struct box_ray *box;  /* the ray as boxes see it; NULL before that is made */
     struct pen_hit after, best; /* nearest: the intersection sought is between these */
     struct pen_shadow *shadow;
     double light_bound;    /* shadow: how far the light may be off a surface that contains it */

@@ -341,6 +341,18 @@ static inline unsigned group_decide_cylinder(struct ray_group *g, int i, unsigne
     return rays & ~blocked;
 }
 
+/* Lanes whose ends are surely on the side, wherever within x->pad the refined slab begins and ends.
+ * `first`: only the first end matters, if it is ahead. */
+static inline unsigned group_ends_on_side(const struct ray_group *g, int i,
+                                          const struct lanes_cylinder *x, bool first)
+{
+    const lanes before = x->hi - x->pad;
+    lane_mask last = lanes_less(x->side.t1, before);
+    if (first)
+        last |= lanes_less(x->side.t0, before) & lanes_less(lanes_load(g->after_t + i), x->side.t0);
+    return lane_mask_bits(lanes_less(x->lo + x->pad, x->side.t0) & last);
+}
+
 /* The rays from i on that may meet the cylinder and do not start on it. */
 static inline void group_test_cylinder_at(struct ray_group *g, int i,
                                           const struct group_cylinder *c, struct lanes3 f,
@@ -359,7 +371,9 @@ static inline void group_test_cylinder_at(struct ray_group *g, int i,
         fallback |=
             live & (group_at_cylinder(g, i, c->c, &x) | (ahead & ~group_leaves_far(g, i, t1)));
     }
-    const unsigned refined = live & ~fallback & (x.side.refined | (x.loses & met));
+    unsigned refined = live & ~fallback & (x.side.refined | (x.loses & met));
+    if (refined & ~x.side.refined)
+        refined &= x.side.refined | ~group_ends_on_side(g, i, &x, !g->any && !q->near);
     if (refined)
         fallback |= group_decide_cylinder(g, i, refined, c, &x, q);
     group_offer_inside(g, i, live & met & ~(fallback | refined), c, &x, q);

@@ -96,6 +96,11 @@ struct pen_pair {
 
 enum pen_shape { PEN_SHAPE_NONE, PEN_SHAPE_WIDE, PEN_SHAPE_PAIRS, PEN_SHAPE_LISTS };
 
+/* The boxes of a block's primitives, as in struct pen_node. */
+struct pen_boxes4 {
+    float plane[6][PEN_LANES];
+};
+
 /* Blocks. A lane without a primitive has prim = PEN_NO_PRIM and data that no ray intersects. */
 struct pen_triangles4 {
     double v[3][3][PEN_LANES]; /* vertex, axis, lane */
@@ -103,6 +108,7 @@ struct pen_triangles4 {
 };
 
 struct pen_polygons4 {
+    struct pen_boxes4 boxes;
     uint32_t first, count; /* in `corners`; polygons with fewer vertices repeat their last one */
     uint32_t prim[PEN_LANES];
 };
@@ -128,6 +134,7 @@ struct pen_generic4 {
 };
 
 struct pen_cylinders4 {
+    struct pen_boxes4 boxes;
     double q[3][PEN_LANES], a[3][PEN_LANES];
     double rr[PEN_LANES], rr_low[PEN_LANES];
     double base[PEN_LANES], top[PEN_LANES]; /* slab_base, slab_top */

@@ -28,6 +28,7 @@ static inline bool search(struct trace *trace, double tmin, bool any)
         return false;
     struct box_ray box;
     box_ray_make(&box, trace->ray, tmin, trace->grow);
+    trace->box = &box;
     if (accel->shape != PEN_SHAPE_WIDE)
         return traverse_other(trace, &box, any);
     if (any)
