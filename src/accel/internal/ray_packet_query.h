@@ -124,14 +124,14 @@ static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first,
     }
 }
 
-/* All candidates. False if there are too many. */
-static inline bool group_collect(const struct ray_group *g, struct group_candidate *out, int *count)
+/* The leaves that the beam enters, as numbers of their first items. False if there are more than
+ * three to four rays: in nine of ten such groups their primitives would make too many candidates,
+ * which is dearer to find out. */
+static inline bool group_leaves(const struct ray_group *g, uint32_t *leaves, int *count)
 {
     uint32_t stack[STACK];
     int top = 0;
     *count = 0;
-    if (!group_collect_leaf(g, g->accel->infinite, false, out, count))
-        return false;
     stack[top++] = 0;
     while (top > 0) {
         const struct pen_node *node = &g->accel->nodes[stack[--top]];
@@ -139,10 +139,27 @@ static inline bool group_collect(const struct ray_group *g, struct group_candida
             const uint32_t child = node->child[__builtin_ctz(in)];
             if (!(child & PEN_CHILD_LEAF))
                 stack[top++] = child;
-            else if (!group_collect_leaf(g, child & ~PEN_CHILD_LEAF, true, out, count))
+            else if (*count == g->ray_count * 3 / 4)
                 return false;
+            else
+                leaves[(*count)++] = child & ~PEN_CHILD_LEAF;
         }
     }
+    return true;
+}
+
+/* All candidates. False if there are too many. */
+static inline bool group_collect(const struct ray_group *g, struct group_candidate *out, int *count)
+{
+    uint32_t leaves[PEN_RAY_PACKET_MAX];
+    int leaf_count;
+    *count = 0;
+    if (!group_leaves(g, leaves, &leaf_count) ||
+        !group_collect_leaf(g, g->accel->infinite, false, out, count))
+        return false;
+    for (int k = 0; k < leaf_count; k++)
+        if (!group_collect_leaf(g, leaves[k], true, out, count))
+            return false;
     return true;
 }
 
