@@ -385,17 +385,16 @@ static uint64_t shadow_packet(const struct pen_accel *accel, struct pen_ray_pack
     divide_rays(packet, divided);
     packet->recorded = 0;
     for (int side = 0; side < 6; side++) {
-        const uint64_t rays = divided[side];
+        uint64_t rays = divided[side];
         if (!rays)
             continue;
         if (group_is_worth(accel, rays)) {
             struct ray_group g;
             group_init(&g, accel, packet, rays);
             group_init_shadow(&g);
-            if (group_shadow(&g)) {
-                blocked |= g.blocked & rays;
-                continue;
-            }
+            const bool done = group_shadow(&g);
+            blocked |= g.blocked & rays;
+            rays &= done ? 0 : ~g.blocked;
         }
         blocked |= shadow_one_by_one(accel, packet, rays);
     }
