@@ -217,6 +217,23 @@ static inline struct vec4 shear4(const struct trace *trace, const double v[3][PE
     return f;
 }
 
+/* Its y alone, and its x alone. */
+static inline __m256d shear_y4(const struct trace *trace, const double v[3][PEN_LANES])
+{
+    const struct pen_ray *ray = trace->ray;
+    __m256d z = _mm256_sub_pd(_mm256_loadu_pd(v[ray->kz]), splat4(ray->permuted_o.z));
+    __m256d y = _mm256_sub_pd(_mm256_loadu_pd(v[ray->ky]), splat4(ray->permuted_o.y));
+    return _mm256_sub_pd(y, _mm256_mul_pd(splat4(ray->sy), z));
+}
+
+static inline __m256d shear_x4(const struct trace *trace, const double v[3][PEN_LANES])
+{
+    const struct pen_ray *ray = trace->ray;
+    __m256d z = _mm256_sub_pd(_mm256_loadu_pd(v[ray->kz]), splat4(ray->permuted_o.z));
+    __m256d x = _mm256_sub_pd(_mm256_loadu_pd(v[ray->kx]), splat4(ray->permuted_o.x));
+    return _mm256_sub_pd(x, _mm256_mul_pd(splat4(ray->sx), z));
+}
+
 /* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
  * space the shear at most doubles distances across the ray. An edge that is a single point there
  * has a neighbour that is not, and that passes as near. */
@@ -315,40 +332,58 @@ struct entered4 {
     unsigned ties;  /* two products round to the same number: their order is not known */
 };
 
+/* The edges of four polygons, summed up. */
+struct winding4 {
+    __m256i turns;
+    __m256d ties, near; /* masks: of entered4, and of those with the ray's origin on their border */
+};
+
+/* Adds the edge from a to b in the lanes in which it `passes` y = 0; a_low: a is not above. Two
+ * products that round to different numbers are in that order too before rounding. */
+static inline void add_edge4(struct winding4 *w, struct vec4 a, struct vec4 b, __m256d a_low,
+                             __m256d passes)
+{
+    const __m256i one = _mm256_set1_epi64x(1);
+    __m256d p = _mm256_mul_pd(a.x, b.y), q = _mm256_mul_pd(a.y, b.x);
+    w->ties = _mm256_or_pd(w->ties, _mm256_and_pd(passes, _mm256_cmp_pd(p, q, _CMP_EQ_OQ)));
+    /* On the right: p > q for an upward edge, p < q for a downward one. */
+    __m256d right = _mm256_andnot_pd(_mm256_xor_pd(LESS(q, p), a_low), passes);
+    __m256i turn = _mm256_or_si256(_mm256_castpd_si256(a_low), one); /* up: -1, down: 1 */
+    w->turns = _mm256_add_epi64(w->turns, _mm256_and_si256(_mm256_castpd_si256(right), turn));
+}
+
 /* Right for `lanes` only, so that polygons of four corners do not wait for one of a hundred in
- * their block that the ray misses. Two products that round to different numbers are in that order
- * too before rounding. If `border` is not NULL, it gets a superset of the polygons with the ray's
- * origin on their border. */
+ * their block that the ray misses. x is computed of the ends of edges that pass y = 0, the fewest.
+ * If `border` is not NULL, it gets a superset of the polygons with the ray's origin on their
+ * border. */
 static inline struct entered4 polygons_entered4(const struct trace *trace,
                                                 const struct pen_polygons4 *block, unsigned lanes,
                                                 unsigned *border)
 {
     const __m256d zero = splat4(0);
-    const __m256i one = _mm256_set1_epi64x(1);
     const struct pen_corner4 *corner = &trace->accel->corners[block->first];
     const uint32_t count = most_corners(trace, block, lanes);
-    __m256i winding = _mm256_setzero_si256();
-    __m256d ties = zero, near = zero;
-    struct vec4 a = shear4(trace, corner[count - 1].v);
+    const struct pen_corner4 *from = &corner[count - 1];
+    struct winding4 w = {_mm256_setzero_si256(), zero, zero};
+    struct vec4 a = {zero, shear_y4(trace, from->v), zero}, b = {zero, zero, zero};
     __m256d a_low = LESS_EQUAL(a.y, zero);
-    for (uint32_t i = 0; i < count; i++) {
-        struct vec4 b = shear4(trace, corner[i].v);
+    for (uint32_t i = 0; i < count; from = &corner[i++]) {
+        b.y = shear_y4(trace, corner[i].v);
         __m256d b_low = LESS_EQUAL(b.y, zero), passes = _mm256_xor_pd(a_low, b_low);
-        __m256d p = _mm256_mul_pd(a.x, b.y), q = _mm256_mul_pd(a.y, b.x);
-        ties = _mm256_or_pd(ties, _mm256_and_pd(passes, _mm256_cmp_pd(p, q, _CMP_EQ_OQ)));
-        /* On the right: p > q for an upward edge, p < q for a downward one. */
-        __m256d right = _mm256_andnot_pd(_mm256_xor_pd(LESS(q, p), a_low), passes);
-        __m256i turn = _mm256_or_si256(_mm256_castpd_si256(a_low), one); /* up: -1, down: 1 */
-        winding = _mm256_add_epi64(winding, _mm256_and_si256(_mm256_castpd_si256(right), turn));
-        if (border)
-            near = _mm256_or_pd(near, edge_passes_origin4(trace, a, b));
-        a = b;
+        if (border || bits(passes)) {
+            a.x = shear_x4(trace, from->v);
+            b.x = shear_x4(trace, corner[i].v);
+            add_edge4(&w, a, b, a_low, passes);
+            if (border)
+                w.near = _mm256_or_pd(w.near, edge_passes_origin4(trace, a, b));
+        }
+        a.y = b.y;
         a_low = b_low;
     }
     if (border)
-        *border = bits(near);
-    __m256i none = _mm256_cmpeq_epi64(winding, _mm256_setzero_si256());
-    unsigned tied = bits(ties);
+        *border = bits(w.near);
+    __m256i none = _mm256_cmpeq_epi64(w.turns, _mm256_setzero_si256());
+    unsigned tied = bits(w.ties);
     return (struct entered4){15 & ~bits(_mm256_castsi256_pd(none)) & ~tied, tied};
 }
 

@@ -160,13 +160,14 @@ static inline void group_sides(const struct ray_group *g, int i, const struct gr
     *outside = edges->convex ? some_positive & some_negative : 0;
 }
 
-/* pen_shear */
-static inline struct lanes3 group_shear(const struct ray_group *g, int i, struct pen_vec3 v)
+/* pen_shear: its x, k = 0, or its y, k = 1. */
+static inline lanes group_shear(const struct ray_group *g, int i, const struct pen_vec3 *v, int k)
 {
-    struct lanes3 f = lanes3_sub(group_splat(g, v), group_origin(g, i));
-    f.x = f.x - lanes_load(g->rays->sx + i) * f.z;
-    f.y = f.y - lanes_load(g->rays->sy + i) * f.z;
-    return f;
+    const struct pen_ray_array *r = g->rays;
+    const double *at = (const double *)v;
+    const lanes z = lanes_splat(at[g->axis[2]]) - lanes_load(r->o[2] + i);
+    return (lanes_splat(at[g->axis[k]]) - lanes_load(r->o[k] + i)) -
+           lanes_load((k ? r->sy : r->sx) + i) * z;
 }
 
 /* What a line is to an outline. */
@@ -179,29 +180,36 @@ struct lanes_winding {
 /* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
  * space the shear at most doubles distances across the ray. An edge that is a single point there
  * has a neighbour that is not, and that passes as near. */
-static inline unsigned edge_passes_origins(const struct ray_group *g, int i, struct lanes3 a,
-                                           struct lanes3 b)
+static inline unsigned edge_passes_origins(const struct ray_group *g, int i, const lanes a[2],
+                                           const lanes b[2])
 {
-    const lanes size = lanes_abs(b.x - a.x) + lanes_abs(b.y - a.y);
+    const lanes size = lanes_abs(b[0] - a[0]) + lanes_abs(b[1] - a[1]);
     const lanes slack = lanes_splat(16) * lanes_load(g->slack + i);
-    return lane_mask_bits(lanes_less(lanes_abs(a.x * b.y - a.y * b.x), slack * size));
+    return lane_mask_bits(lanes_less(lanes_abs(a[0] * b[1] - a[1] * b[0]), slack * size));
 }
 
 /* pen_polygon_entered, pen_triangle_entered. Two products that round to different numbers are in
- * that order too before rounding. */
+ * that order too before rounding. x is computed of the ends of edges that pass y = 0, the fewest.
+ */
 static inline struct lanes_winding
 group_winding(const struct ray_group *g, int i, const struct pen_vec3 *v, uint32_t count, bool near)
 {
     const lanes zero = lanes_splat(0), one = lanes_splat(1);
     struct lanes_winding w = {0, 0, 0};
     lanes winding = zero;
-    struct lanes3 a = group_shear(g, i, v[count - 1]);
-    lane_mask a_low = lanes_at_most(a.y, zero);
-    for (uint32_t k = 0; k < count; k++) {
-        const struct lanes3 b = group_shear(g, i, v[k]);
-        const lane_mask b_low = lanes_at_most(b.y, zero), passes = a_low ^ b_low;
-        if (lane_mask_bits(passes)) {
-            const lanes x = a.x * b.y, y = a.y * b.x;
+    const struct pen_vec3 *from = &v[count - 1];
+    lanes a[2] = {zero, group_shear(g, i, from, 1)}, b[2] = {zero, zero};
+    lane_mask a_low = lanes_at_most(a[1], zero);
+    for (uint32_t k = 0; k < count; from = &v[k++]) {
+        b[1] = group_shear(g, i, &v[k], 1);
+        const lane_mask b_low = lanes_at_most(b[1], zero), passes = a_low ^ b_low;
+        const unsigned any = lane_mask_bits(passes);
+        if (any || near) {
+            a[0] = group_shear(g, i, from, 0);
+            b[0] = group_shear(g, i, &v[k], 0);
+        }
+        if (any) {
+            const lanes x = a[0] * b[1], y = a[1] * b[0];
             /* On the right: x > y for an upward edge, x < y for a downward one. */
             const lane_mask right = passes & lane_mask_not(lanes_less(y, x) ^ a_low);
             w.ties |= lane_mask_bits(passes & lanes_equal(x, y));
@@ -209,7 +217,7 @@ group_winding(const struct ray_group *g, int i, const struct pen_vec3 *v, uint32
         }
         if (near)
             w.border |= edge_passes_origins(g, i, a, b);
-        a = b;
+        a[1] = b[1];
         a_low = b_low;
     }
     w.inside = LANES_ALL & ~lane_mask_bits(lanes_equal(winding, zero));
