@@ -66,5 +66,6 @@ double pen_outline_grazed(const struct pen_vec3 *v, uint32_t count, const struct
     int first = left > right;
     double least = first ? right : left, most = first ? left : right;
     double kept = z < least - at[first].error ? least : z > most + at[!first].error ? most : z;
-    return kept != z && (z > 0 || kept < 0) ? kept * ray->sz : t;
+    double t_kept = kept * ray->sz; /* sz may be negative */
+    return kept != z && (t > 0 || t_kept < 0) ? t_kept : t;
 }
