@@ -382,7 +382,7 @@ mutant point_beside rooms_thin 100 "a hit point may lie beside its outline"
 edit src/shade/internal/surface.h 1 's/^(    const lane_mask slanting = ).*$/\1lane_mask_of(0);/'
 judge
 
-mutant mirror_grazing rooms_thin 100 "a ray that grazes a mirror is reflected"
+mutant mirror_grazing rooms_crossing 3000 "a ray that grazes a mirror is reflected"
 edit src/shade/internal/secondary_rays.h 1 's/lanes_less\(lanes_splat\(PEN_HORIZON_SINE\), -s->nv\)/lane_mask_of(LANES_ALL)/'
 judge
 
