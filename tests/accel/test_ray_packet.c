@@ -320,14 +320,14 @@ START_TEST(test_accel__ray_packets_in_rooms)
 }
 END_TEST
 
-/* Rays through points of one edge of a primitive, within rounding, from the eye or from near it. */
-static void look_along_edge(struct random *r, struct pen_vec3 eye, struct rays *out)
+/* Rays through points near one edge of a primitive, from the eye or from near it. */
+static void look_along_edge(struct random *r, struct pen_vec3 eye, double width, struct rays *out)
 {
     const struct pen_outline line =
         pen_prim_outline(&world.prims, random_below(r, world.prims.count));
     const uint32_t k = random_below(r, line.count);
     const struct pen_vec3 a = line.v[k], e = pen_sub(line.v[k + 1 < line.count ? k + 1 : 0], a);
-    const double width = exp2(random_in(r, -56, -46)), apart = random_below(r, 2) ? .01 : 0;
+    const double apart = random_below(r, 2) ? .01 : 0;
     out->count = 0;
     for (int i = 0; i < PEN_RAY_PACKET_MAX; i++) {
         const struct pen_vec3 o = pen_along(eye, random_vec(r, 1), apart);
@@ -336,8 +336,28 @@ static void look_along_edge(struct random *r, struct pen_vec3 eye, struct rays *
     }
 }
 
-/* Edges that triangles share, and on which they stand on a floor: full packets through them, and
- * from there on. */
+/* Full packets of rays that pass four edges at distances of 2^width[0] to 2^width[1], and from there
+ * on. */
+static void each_isa_along_edges(struct random *r, struct pen_vec3 eye, const double width[2])
+{
+    struct pen_status st;
+    struct pen_arena *arena = pen_arena_new(0);
+    const struct pen_accel *accel =
+        pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
+    ck_assert(accel);
+    for (int k = 0; k < 4; k++) {
+        struct rays rays;
+        look_along_edge(r, eye, exp2(random_in(r, width[0], width[1])), &rays);
+        for (int isa = 0; isa < isa_count(); isa++) {
+            struct random same = *r;
+            follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, 1);
+        }
+        random_bits(r);
+    }
+    pen_arena_free(arena);
+}
+
+/* Edges that triangles share, and on which they stand on a floor, within rounding. */
 START_TEST(test_accel__ray_packets_along_edges)
 {
     struct random r = random_begin(306);
@@ -353,23 +373,9 @@ START_TEST(test_accel__ray_packets_along_edges)
             world_triangle(&world, v[k], v[(k + 1) % 4], top);
         world_polygon(&world, floor, 4);
         memset(see_through, i & 1, sizeof see_through);
-        struct pen_status st;
-        struct pen_arena *arena = pen_arena_new(0);
-        const struct pen_accel *accel =
-            pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
-        ck_assert(accel);
         struct pen_vec3 eye = random_vec(&r, 3);
         eye.z = fabs(eye.z) + .5;
-        for (int k = 0; k < 4; k++) {
-            struct rays rays;
-            look_along_edge(&r, eye, &rays);
-            for (int isa = 0; isa < isa_count(); isa++) {
-                struct random same = r;
-                follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, 1);
-            }
-            random_bits(&r);
-        }
-        pen_arena_free(arena);
+        each_isa_along_edges(&r, eye, (const double[2]){-56, -46});
     }
 }
 END_TEST
@@ -388,6 +394,8 @@ START_TEST(test_accel__ray_packets_at_nearly_convex_outlines)
         see_through[0] = i & 2;
         each_isa(&r, pen_vec3(random_in(&r, -2, 2), random_in(&r, -2, 2), random_in(&r, -9, 9)),
                  pen_vec3(0, -1, z));
+        each_isa_along_edges(&r, pen_along(v[0], random_vec(&r, 1), .1),
+                             (const double[2]){-43, -38});
     }
 }
 END_TEST

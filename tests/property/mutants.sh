@@ -456,9 +456,9 @@ mutant packet_border rooms_same 20000 "in a packet, the line decides whether a r
 edit src/accel/internal/ray_group_outline.h 1 's/^    const unsigned fallback = unsure & \(w\.ties \| w\.border\);$/    const unsigned fallback = unsure \& w.ties;/'
 judge
 
-mutant packet_light rooms_same 20000 "a packet counts the surface that contains the light"
+mutant packet_light accel/test_ray_packet 0 "a packet counts the surface that contains the light"
 edit src/accel/internal/ray_packet_query.h 1 's/^    if \(!g->to_point \|\| !group_light_on\(g, prim\)\) \{$/    if (true) {/'
-judge
+judge_test
 
 mutant outline_distance accel/test_ray_packet 0 "the sides of edges that rays pass are computed exactly"
 edit src/accel/internal/ray_group_begin.h 1 's/0x1p-44 \* x \+/0x1p-80 * x +/'
