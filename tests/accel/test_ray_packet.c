@@ -336,8 +336,8 @@ static void look_along_edge(struct random *r, struct pen_vec3 eye, double width,
     }
 }
 
-/* Full packets of rays that pass four edges at distances of 2^width[0] to 2^width[1], and from there
- * on. */
+/* Full packets of rays that pass four edges at distances of 2^width[0] to 2^width[1], and from
+ * there on. */
 static void each_isa_along_edges(struct random *r, struct pen_vec3 eye, const double width[2])
 {
     struct pen_status st;

@@ -346,7 +346,7 @@ judge
 
 mutant light_beside horizon_walls 1000 "a floor contains a light in its plane that is beside it"
 edit src/geom/self_intersection.c 1 \
-    's/^    return contains_point\(s, s\.fn->normal\(s\.self, hit\.part, p\), p, b\);$/    return true;/'
+    's/^    return pen_surface_contains\(s, s\.fn->normal\(s\.self, hit\.part, p\), p, b\);$/    return true;/'
 judge
 
 mutant plane_behind rooms_same 6000 "in vectors, a polygon that contains the origin is dropped if met behind it"
@@ -354,28 +354,28 @@ edit src/accel/internal/prim_test.h 1 's/ && !trace->reaches_origin\)\)\)$/)))/'
 judge
 
 mutant layers_swapped layers_gap 500 "a ray that stays on its side of a layer meets the later ones"
-edit src/geom/self_intersection.c 1 's/^    if \(earlier != \(q < p\)\)$/    if (earlier == (q < p))/'
+edit src/geom/contact.c 1 's/^    if \(earlier != \(q < p\)\)$/    if (earlier == (q < p))/'
 judge
 
 mutant layers_ascending layers_gap 2000 "layers at a ray's start are met in document order whichever way it goes"
-edit src/geom/self_intersection.c 1 's/^    return PEN_FIRST_T \* \(1\.0 \+ .*$/    return PEN_FIRST_T * (1.0 + q);/'
+edit src/geom/contact.c 1 's/^    return PEN_FIRST_T \* \(1\.0 \+ .*$/    return PEN_FIRST_T * (1.0 + q);/'
 judge
 
 mutant layers_of_seams layers_paid 2000 "neighbours in one plane are layers of one another at their seam"
-edit src/geom/self_intersection.c 1 's/^           pen_covers\(&pair\);$/           true;/'
+edit src/geom/contact.c 1 's/^           pen_covers\(&pair\);$/           true;/'
 judge
 
 mutant layers_at_p rooms_thin 100 "whether two surfaces coincide is decided anew at each point"
-edit src/geom/self_intersection.c 1 \
+edit src/geom/contact.c 1 \
     's/pen_prim_may_coincide\(c->prims, pair\.a, pair\.b\)/true/'
 judge
 
 mutant start_exact rooms_thin 200 "a path is taken to have begun exactly where it says"
-edit src/geom/self_intersection.c 1 's/^    return fabs\(wn\) <= rounding \? 0 : wn;$/    return rounding < 0 ? 0 : wn;/'
+edit src/geom/contact.c 1 's/^    return fabs\(wn\) <= rounding \? 0 : wn;$/    return rounding < 0 ? 0 : wn;/'
 judge
 
 mutant round_corner rooms_flat 100 "a path that comes round a corner is taken for one behind the wall"
-edit src/geom/self_intersection.c 1 's/^    bool round_corner = /    bool round_corner = 0 * /'
+edit src/geom/contact.c 1 's/^    bool round_corner = /    bool round_corner = 0 * /'
 judge
 
 mutant point_beside rooms_thin 100 "a hit point may lie beside its outline"
@@ -387,7 +387,7 @@ edit src/shade/internal/secondary_rays.h 1 's/lanes_less\(lanes_splat\(PEN_HORIZ
 judge
 
 mutant goes_back_grazing rooms_thin 100 "a ray goes back however low over a wall it is"
-edit src/geom/self_intersection.c 1 's/ \(!grazes\(c->n, d\) && / (/'
+edit src/geom/contact.c 1 's/ \(!pen_grazes\(c->n, d\) && / (/'
 judge
 
 mutant border_in_plane rooms_thin 100 "borders in a plane that contains the start of the ray are not looked at"
@@ -423,12 +423,12 @@ edit src/shade/internal/surface.h 1 's/^        if \(left->prim != PEN_NO_PRIM &
 judge
 
 mutant height_of_vertex floor_foot 20000 "heights over a plane are taken from a vertex, however far that is"
-edit src/geom/self_intersection.c 1 \
-    's/^    return pen_dot\(n, pen_sub\(p, s\.fn->project\(.*$/    return pen_dot(n, pen_sub(p, outline_of(s).count ? outline_of(s).v[0] : s.fn->project(s.self, PEN_PART_SIDE, p)));/'
+edit src/geom/internal/contact.h 1 \
+    's/^    return pen_dot\(n, pen_sub\(p, s\.fn->project\(.*$/    return pen_dot(n, pen_sub(p, pen_surface_outline(s).count ? pen_surface_outline(s).v[0] : s.fn->project(s.self, PEN_PART_SIDE, p)));/'
 judge
 
 mutant seen_at_seam floor_foot 20000 "a ray that starts in a facet's plane is met where it is seen to enter"
-edit src/geom/self_intersection.c 1 's/^ *\(hit\.t > 0 && fabs\(height_above.*$/false);/'
+edit src/geom/self_intersection.c 1 's/^ *\(hit\.t > 0 && fabs\(pen_height_above.*$/false);/'
 edit src/accel/internal/prim_test.h 1 's/^    if \(!off && trace->from_surface && t > 0\)$/    if (false)/'
 judge
 
@@ -441,11 +441,11 @@ edit src/geom/cone.c 1 's/^    if \(c->hull\.caps && passes_cap_rim.*$/    if (f
 judge
 
 mutant far_corner convex_lit 200 "a face that rises only far away, by rounding, is met at its border"
-edit src/geom/self_intersection.c 1 's/ : rises_nearby\(&c, ray->d\);$/ : rises(\&c, ray->d);/'
+edit src/geom/self_intersection.c 1 's/ : pen_contact_rises_nearby\(&c, ray->d\);$/ : pen_contact_rises(\&c, ray->d);/'
 judge
 
 mutant joint convex_lit 200 "at the joint of a column, a ray meets the next cylinder within the rim of its cap"
-edit src/geom/self_intersection.c 1 's/^    return !rises\(&c, ray->d\);$/    return false \&\& !rises(\&c, ray->d);/'
+edit src/geom/self_intersection.c 1 's/^    return !pen_contact_rises\(&c, ray->d\);$/    return false \&\& !pen_contact_rises(\&c, ray->d);/'
 judge
 
 mutant beam_margin rooms_same 20000 "rays of a packet are enclosed without a margin"
