@@ -95,23 +95,37 @@ static inline void lanes_cylinder_cap_surface(const struct pen_cylinder *c, uint
     *n = part == PEN_PART_TOP ? axis : lanes3_neg(axis);
 }
 
-/* Projects *p, where rays meet a part of a primitive, as pen_prim_point, and sets *n to
- * pen_prim_normal there, in the lanes that are wanted, a bit each. False, and both undefined, if
- * one of them needs the scalar functions. */
+/* Points of one part of a primitive. */
+struct lanes_prim_point {
+    struct lanes3 p, n;
+    lanes scale, curvature; /* pen_prim_scale, pen_prim_curvature */
+};
+
+/* Projects at->p, where rays meet a part of a primitive, as pen_prim_point, and sets the rest: n to
+ * pen_prim_normal there; in the lanes that are wanted, a bit each. False, and all undefined, if one
+ * of them needs the scalar functions. */
 static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t prim, uint8_t part,
-                                      unsigned wanted, struct lanes3 *p, struct lanes3 *n)
+                                      unsigned wanted, struct lanes_prim_point *at)
 {
     const struct pen_prim_ref ref = prims->ref[prim];
     const struct pen_facet *facet = NULL;
+    at->scale = at->curvature = lanes_splat(0);
     switch ((enum pen_prim_kind)ref.kind) {
-    case PEN_PRIM_SPHERE:
-        *p = lanes_sphere_project(&prims->sphere[ref.index], *p);
-        *n = lanes_sphere_normal(&prims->sphere[ref.index], *p);
+    case PEN_PRIM_SPHERE: {
+        const struct pen_sphere *s = &prims->sphere[ref.index];
+        at->p = lanes_sphere_project(s, at->p);
+        at->n = lanes_sphere_normal(s, at->p);
+        at->scale = lanes_splat(s->r);
+        at->curvature = lanes_splat(1 / s->r);
         return true;
-    case PEN_PRIM_PLANE:
-        *p = lanes_plane_project(&prims->plane[ref.index], *p);
-        *n = lanes3_splat(prims->plane[ref.index].n);
+    }
+    case PEN_PRIM_PLANE: {
+        const struct pen_plane *plane = &prims->plane[ref.index];
+        at->p = lanes_plane_project(plane, at->p);
+        at->n = lanes3_splat(plane->n);
+        at->scale = lanes3_norm1(lanes3_sub(at->p, lanes3_splat(plane->q)));
         return true;
+    }
     case PEN_PRIM_TRIANGLE:
         facet = &prims->triangle[ref.index].facet;
         break;
@@ -119,22 +133,63 @@ static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t pr
         if (prims->polygon[ref.index].piece)
             return false;
         facet = &prims->polygon[ref.index].facet;
+        at->scale = lanes_splat(prims->polygon[ref.index].scale);
         break;
-    case PEN_PRIM_INFINITE_CYLINDER:
-        return lanes_cylinder_side_surface(&prims->infinite_cylinder[ref.index].round, wanted, p,
-                                           n);
-    case PEN_PRIM_CYLINDER:
-        if (part == PEN_PART_SIDE)
-            return lanes_cylinder_side_surface(&prims->cylinder[ref.index].round, wanted, p, n);
-        lanes_cylinder_cap_surface(&prims->cylinder[ref.index], part, p, n);
+    case PEN_PRIM_INFINITE_CYLINDER: {
+        const struct pen_infinite_cylinder *c = &prims->infinite_cylinder[ref.index];
+        at->scale = lanes_splat(c->round.r + pen_norm1(c->near));
+        at->curvature = lanes_splat(1 / c->round.r);
+        return lanes_cylinder_side_surface(&c->round, wanted, &at->p, &at->n);
+    }
+    case PEN_PRIM_CYLINDER: {
+        const struct pen_cylinder *c = &prims->cylinder[ref.index];
+        at->scale = lanes_splat(c->round.r + c->h);
+        if (part == PEN_PART_SIDE) {
+            at->curvature = lanes_splat(1 / c->round.r);
+            return lanes_cylinder_side_surface(&c->round, wanted, &at->p, &at->n);
+        }
+        lanes_cylinder_cap_surface(c, part, &at->p, &at->n);
         return true;
+    }
     case PEN_PRIM_CONE:
     case PEN_PRIM_KIND_COUNT:
         return false;
     }
-    *p = lanes_facet_project(facet, *p);
-    *n = lanes3_splat(facet->n);
+    at->p = lanes_facet_project(facet, at->p);
+    at->n = lanes3_splat(facet->n);
     return true;
+}
+
+/* Rays that have met surfaces, and of what they started on, what struct pen_origin_surface says. */
+struct lanes_origin {
+    struct lanes3 toward, before;
+    lanes bound, toward_bound, before_bound;
+};
+struct lanes_arrived {
+    struct lanes3 o;
+    lanes t, inv_dd;
+    struct lanes_origin left;
+};
+
+/* pen_origin_at: p are the points that the rays have met, at surfaces of this scale. */
+static inline struct lanes_origin lanes_origin_at(const struct lanes_arrived *ray, struct lanes3 p,
+                                                  lanes scale)
+{
+    const struct lanes_origin *left = &ray->left;
+    const lanes nearby = PEN_NEARBY * left->bound, toward = lanes3_norm1(left->toward);
+    const lane_mask hardly_moved = lanes_at_most(ray->t * ray->t, nearby * nearby * ray->inv_dd);
+    const lane_mask moved = lanes_less(lanes_splat(PEN_LAST_LAYER_T), ray->t);
+    const lane_mask tells =
+        moved & (lanes_less(nearby, toward) | lanes_less(lanes3_norm1(left->before), toward));
+    const struct lanes3 back = lanes3_sub(ray->o, p);
+    const struct lanes3 toward_back = lanes3_add(left->toward, back);
+    const lanes bound = 16 * PEN_U * (lanes3_norm1(p) + scale) + 16 * PEN_U * lanes3_norm1(ray->o);
+    return (struct lanes_origin){
+        .toward = lanes3_select(moved, back, toward_back),
+        .before = lanes3_select(tells, toward_back, lanes3_add(left->before, back)),
+        .bound = lanes_select(hardly_moved, bound + left->bound, bound),
+        .toward_bound = lanes_select(moved, left->bound, left->toward_bound),
+        .before_bound = lanes_select(tells, left->toward_bound, left->before_bound)};
 }
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Hit points and normals in lanes, for every instruction set of this processor: each lane is what
- * the functions of the primitive's kind give for it alone. */
+/* Hit points, normals and origin surfaces in lanes, for every instruction set of this processor:
+ * each lane is what the scalar functions give for it alone. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -71,16 +71,20 @@ static bool compare(const struct lanes_test *test, struct random *r)
     const void *self = pen_prim_self(&world.prims, prim);
     const bool capped = world.ref[prim].kind == PEN_PRIM_CYLINDER;
     const uint8_t part = (uint8_t)(capped ? random_below(r, 3) : PEN_PART_SIDE);
-    vec3 from[MAX], p[MAX], n[MAX];
+    struct lanes_hits at;
+    vec3 from[MAX];
     for (int i = 0; i < MAX; i++)
-        p[i] = from[i] = some_point(r, fn, self, part);
+        at.p[i] = from[i] = some_point(r, fn, self, part);
     if (world.ref[prim].kind == PEN_PRIM_CYLINDER && random_below(r, 16) == 0)
-        p[0] = from[0] = world.cylinder[0].round.q; /* on the axis, where there is no normal */
-    if (!test->surface(&world.prims, (struct pen_hit){1, prim, part}, p, n))
+        at.p[0] = from[0] = world.cylinder[0].round.q; /* on the axis, where there is no normal */
+    if (!test->surface(&world.prims, (struct pen_hit){1, prim, part}, &at))
         return false;
     for (int i = 0; i < test->lanes; i++) {
         const vec3 want = fn->project(self, part, from[i]);
-        ck_assert_msg(same(p[i], want) && same(n[i], fn->normal(self, part, want)),
+        const struct pen_hit hit = {1, prim, part};
+        ck_assert_msg(same(at.p[i], want) && same(at.n[i], fn->normal(self, part, want)) &&
+                          at.scale[i] == pen_prim_scale(&world.prims, prim, want) &&
+                          at.curvature[i] == pen_prim_curvature(&world.prims, hit, want),
                       "kind %u, lane %d of %d: point %a %a %a", world.ref[prim].kind, i,
                       test->lanes, from[i].x, from[i].y, from[i].z);
     }
@@ -104,4 +108,80 @@ START_TEST(test_surface_lanes__are_single_points)
 }
 END_TEST
 
-PEN_SUITE("surface_lanes", test_surface_lanes__are_single_points)
+/* Zero, or any size down to what rounding leaves. */
+static double some_length(struct random *r)
+{
+    return random_below(r, 3) ? exp2(random_in(r, -60, 2)) : 0;
+}
+
+/* What a ray started on; often one that has hardly moved. */
+static struct pen_origin_surface some_origin(struct random *r)
+{
+    struct pen_origin_surface left = pen_origin_none;
+    if (random_below(r, 4) == 0)
+        return left;
+    left.prim = 0;
+    left.toward = pen_scale(random_direction(r), some_length(r));
+    left.before = pen_scale(random_direction(r), some_length(r));
+    left.bound = some_length(r);
+    left.toward_bound = some_length(r);
+    left.before_bound = some_length(r);
+    return left;
+}
+
+/* t of a hit: in front, a layer, at the ray's start, or about as far as rounding reaches. */
+static double some_t(struct random *r, const struct pen_ray *ray, double bound)
+{
+    static const double at[] = {PEN_FIRST_T, PEN_LAST_LAYER_T, 2 * PEN_LAST_LAYER_T, 0};
+    switch (random_below(r, 3)) {
+    case 0:
+        return random_in(r, 0, 2);
+    case 1:
+        return at[random_below(r, 4)];
+    default:
+        return random_in(r, 0.5, 2) * PEN_NEARBY * bound * sqrt(ray->inv_dd);
+    }
+}
+
+static void compare_origins(const struct lanes_test *test, struct random *r)
+{
+    const uint32_t prim = some_primitive(r);
+    struct pen_ray ray[MAX];
+    struct pen_origin_surface left[MAX], out[MAX];
+    double t[MAX], scale[MAX];
+    vec3 p[MAX];
+    for (int i = 0; i < MAX; i++) {
+        ray[i] = world_ray(random_vec(r, 1), pen_scale(random_direction(r), random_in(r, 0.1, 10)));
+        left[i] = some_origin(r);
+        t[i] = some_t(r, &ray[i], left[i].bound);
+        p[i] = pen_along(ray[i].o, ray[i].d, t[i]);
+        scale[i] = pen_prim_scale(&world.prims, prim, p[i]);
+    }
+    test->origins(ray, t, left, p, scale, out);
+    for (int i = 0; i < test->lanes; i++) {
+        const struct pen_hit hit = {t[i], prim, PEN_PART_SIDE};
+        const struct pen_origin_surface want =
+            pen_origin_at(&world.prims, &ray[i], &left[i], hit, p[i]);
+        ck_assert_msg(out[i].prim == want.prim && out[i].part == want.part && !out[i].through &&
+                          same(out[i].toward, want.toward) && same(out[i].before, want.before) &&
+                          out[i].bound == want.bound && out[i].toward_bound == want.toward_bound &&
+                          out[i].before_bound == want.before_bound,
+                      "lane %d of %d: t %a bound %a, alone %a", i, test->lanes, t[i], out[i].bound,
+                      want.bound);
+    }
+}
+
+START_TEST(test_surface_lanes__give_the_origins_of_single_points)
+{
+    for (int isa = 0; isa < PEN_ISA_COUNT; isa++) {
+        const struct lanes_test *test = lanes_test_of((enum pen_isa)isa);
+        const int cases = random_cases(test ? 20000 : 0);
+        struct random r = random_begin(6);
+        for (int n = 0; n < cases; n++)
+            compare_origins(test, &r);
+    }
+}
+END_TEST
+
+PEN_SUITE("surface_lanes", test_surface_lanes__are_single_points,
+          test_surface_lanes__give_the_origins_of_single_points)

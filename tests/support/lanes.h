@@ -24,6 +24,12 @@ struct lanes_arriving {
     struct pen_vec3 term, to_light;
 };
 
+/* Hit points, and what lanes_prim_surface tells of them. */
+struct lanes_hits {
+    struct pen_vec3 p[LANES_TEST_MAX], n[LANES_TEST_MAX];
+    double scale[LANES_TEST_MAX], curvature[LANES_TEST_MAX];
+};
+
 /* Arrays are by lane. */
 struct lanes_test {
     int lanes;
@@ -41,8 +47,11 @@ struct lanes_test {
     unsigned (*ray_array)(const struct pen_vec3 *o, const struct pen_vec3 *d, int first,
                           struct pen_ray_array *out);
     /* lanes_prim_surface. */
-    bool (*surface)(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 *p,
-                    struct pen_vec3 *n);
+    bool (*surface)(const struct pen_prims *prims, struct pen_hit hit, struct lanes_hits *hits);
+    /* lanes_origin_at, of rays that meet surfaces of these scales at t, in p. */
+    void (*origins)(const struct pen_ray *ray, const double *t,
+                    const struct pen_origin_surface *left, const struct pen_vec3 *p,
+                    const double *scale, struct pen_origin_surface *out);
     /* light_unshadowed, with and without specular light. */
     void (*light)(const struct pen_light *light, const struct lanes_point *point, bool specular,
                   struct lanes_arriving *out);

@@ -54,15 +54,47 @@ static unsigned ray_array(const struct pen_vec3 *o, const struct pen_vec3 *d, in
     return lane_mask_bits(lanes_ray_array_make(out, first, lanes3_load(o), lanes3_load(d)));
 }
 
-static bool surface(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 *p,
-                    struct pen_vec3 *n)
+static bool surface(const struct pen_prims *prims, struct pen_hit hit, struct lanes_hits *hits)
 {
-    struct lanes3 at = lanes3_load(p), normal;
-    if (!lanes_prim_surface(prims, hit.prim, hit.part, LANES_ALL, &at, &normal))
+    struct lanes_prim_point at = {.p = lanes3_load(hits->p)};
+    if (!lanes_prim_surface(prims, hit.prim, hit.part, LANES_ALL, &at))
         return false;
-    lanes3_store(p, at);
-    lanes3_store(n, normal);
+    lanes3_store(hits->p, at.p);
+    lanes3_store(hits->n, at.n);
+    lanes_store(hits->scale, at.scale);
+    lanes_store(hits->curvature, at.curvature);
     return true;
+}
+
+static lanes member(const double *first, size_t stride)
+{
+    return lanes_strided(first, stride / sizeof(double));
+}
+
+static struct lanes3 vector(const struct pen_vec3 *first, size_t stride)
+{
+    return (struct lanes3){member(&first->x, stride), member(&first->y, stride),
+                           member(&first->z, stride)};
+}
+
+static void origins(const struct pen_ray *ray, const double *t,
+                    const struct pen_origin_surface *left, const struct pen_vec3 *p,
+                    const double *scale, struct pen_origin_surface *out)
+{
+    const struct lanes_arrived arrived = {
+        .o = vector(&ray->o, sizeof *ray),
+        .t = lanes_load(t),
+        .inv_dd = member(&ray->inv_dd, sizeof *ray),
+        .left = {vector(&left->toward, sizeof *left), vector(&left->before, sizeof *left),
+                 member(&left->bound, sizeof *left), member(&left->toward_bound, sizeof *left),
+                 member(&left->before_bound, sizeof *left)}};
+    const struct lanes_origin origin = lanes_origin_at(&arrived, lanes3_load(p), lanes_load(scale));
+    struct surface s;
+    for (int i = 0; i < LANES; i++)
+        s.hit[i] = (struct pen_hit){t[i], 0, PEN_PART_SIDE};
+    surface_set_origins(&s, &origin);
+    for (int i = 0; i < LANES; i++)
+        out[i] = s.origin[i];
 }
 
 static struct surface surface_of(const struct lanes_point *point)
@@ -121,5 +153,6 @@ const struct lanes_test NAME_OF_ISA(PEN_ISA) = {
     .rays = rays,
     .ray_array = ray_array,
     .surface = surface,
+    .origins = origins,
     .light = light,
 };

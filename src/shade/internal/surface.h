@@ -53,10 +53,11 @@ static ALWAYS_INLINE lanes surface_unsure(lanes turn, lane_mask outside)
 /* Whether a ray that starts on a surface meets another one where it starts, or within 16 bounds of
  * there: at a seam or in a corner. The point is then on the border of both within rounding, and on
  * which side of others around the corner, it does not tell. Layers are told by the document. */
-static ALWAYS_INLINE bool surface_hardly_left(const struct pen_ray *ray, double t, double bound)
+static ALWAYS_INLINE lane_mask surface_hardly_left(const struct lanes_arrived *ray, lanes bound)
 {
-    return t * t <= 0x1p8 * (bound * bound) * ray->inv_dd &&
-           (t > PEN_LAST_LAYER_T || t <= PEN_FIRST_T);
+    return lanes_at_most(ray->t * ray->t, 0x1p8 * (bound * bound) * ray->inv_dd) &
+           (lanes_less(lanes_splat(PEN_LAST_LAYER_T), ray->t) |
+            lanes_at_most(ray->t, lanes_splat(PEN_FIRST_T)));
 }
 
 enum { MATERIAL_DOUBLES = sizeof(struct pen_material) / sizeof(double) };
@@ -108,80 +109,127 @@ static ALWAYS_INLINE void surface_keep_in_outlines(struct surface *s, const stru
     s->p = lanes3_load(p);
 }
 
-/* The points and the outward normals of some points, one by one. */
+/* Some points, one by one, as lanes_prim_surface. */
 static ALWAYS_INLINE void surface_points_singly(struct surface *s, const struct pen_prims *prims,
-                                                const struct path *const *path, unsigned points)
+                                                const struct path *const *path, unsigned points,
+                                                struct lanes_prim_point *at)
 {
     struct pen_vec3 p[LANES], n[LANES];
-    lanes3_store(p, s->p);
-    lanes3_store(n, s->n);
+    double scale[LANES], curvature[LANES];
+    lanes3_store(p, at->p);
+    lanes3_store(n, at->n);
+    lanes_store(scale, at->scale);
+    lanes_store(curvature, at->curvature);
     for (; points; points &= points - 1) {
         const int i = __builtin_ctz(points);
         p[i] = pen_prim_point(prims, s->hit[i], &path[i]->ray);
         n[i] = pen_prim_normal(prims, s->hit[i], p[i]);
+        scale[i] = pen_prim_scale(prims, s->hit[i].prim, p[i]);
+        curvature[i] = pen_prim_curvature(prims, s->hit[i], p[i]);
     }
-    s->p = lanes3_load(p);
-    s->n = lanes3_load(n);
+    *at = (struct lanes_prim_point){lanes3_load(p), lanes3_load(n), lanes_load(scale),
+                                    lanes_load(curvature)};
 }
 
-/* The points and the outward normals: in lanes, one part of a primitive after the other. */
-static ALWAYS_INLINE void surface_points(struct surface *s, const struct pen_scene *scene,
-                                         const struct path *const *path, int count)
+/* The points that rays have met, and the outward normals: in lanes, one part of a primitive after
+ * the other. */
+static ALWAYS_INLINE struct lanes_prim_point surface_points(struct surface *s,
+                                                            const struct pen_scene *scene,
+                                                            const struct path *const *path,
+                                                            int count, struct lanes3 met)
 {
     const struct pen_prims *prims = &scene->prims;
-    struct pen_vec3 o[LANES], d[LANES];
-    double t[LANES];
     unsigned left = LANES_ALL >> (LANES - count), singly = 0;
-    for (int i = 0; i < LANES; i++) {
-        const int from = i < count ? i : 0;
-        o[i] = path[from]->ray.o;
-        d[i] = path[from]->ray.d;
-        t[i] = s->hit[from].t;
-    }
-    const struct lanes3 direction = lanes3_load(d);
-    const struct lanes3 met = lanes3_along(lanes3_load(o), direction, lanes_load(t));
-    s->p = s->n = met;
+    const lanes zero = lanes_splat(0);
+    struct lanes_prim_point all = {met, met, zero, zero};
     while (left) {
         const struct pen_hit *first = &s->hit[__builtin_ctz(left)];
         const unsigned same = surface_points_of_part(s, left);
-        struct lanes3 p = met, n = met;
-        if (lanes_prim_surface(prims, first->prim, first->part, same, &p, &n)) {
-            s->p = lanes3_select(lane_mask_of(same), p, s->p);
-            s->n = lanes3_select(lane_mask_of(same), n, s->n);
+        const lane_mask here = lane_mask_of(same);
+        struct lanes_prim_point at = {.p = met};
+        if (lanes_prim_surface(prims, first->prim, first->part, same, &at)) {
+            all.p = lanes3_select(here, at.p, all.p);
+            all.n = lanes3_select(here, at.n, all.n);
+            all.scale = lanes_select(here, at.scale, all.scale);
+            all.curvature = lanes_select(here, at.curvature, all.curvature);
         } else {
             singly |= same;
         }
         left &= ~same;
     }
     if (singly)
-        surface_points_singly(s, prims, path, singly);
-    s->v = lanes3_normalize(direction);
-    s->nv = lanes3_dot(s->n, s->v);
-    surface_keep_in_outlines(s, prims, path, count);
+        surface_points_singly(s, prims, path, singly, &all);
+    return all;
 }
 
-/* The origin surfaces of rays from the points. Returns by how much moving a point by its bound
- * turns the normal, and in *corner a bit for each point that surface_hardly_left. */
-static ALWAYS_INLINE lanes surface_origins(struct surface *s, const struct pen_scene *scene,
-                                           const struct path *const *path, int count,
-                                           unsigned *corner)
+/* What the rays of some paths started on. */
+static ALWAYS_INLINE struct lanes_origin surface_left(const struct path *const *path, int count)
 {
-    const struct pen_prims *prims = &scene->prims;
-    double bound[LANES] = {0}, curvature[LANES] = {0};
-    struct pen_vec3 p[LANES];
-    *corner = 0;
-    lanes3_store(p, s->p);
-    for (int i = 0; i < count; i++) {
-        const struct pen_ray *ray = &path[i]->ray;
-        const struct pen_origin_surface *left = &path[i]->origin;
-        s->origin[i] = pen_origin_at(prims, ray, left, s->hit[i], p[i]);
-        bound[i] = s->origin[i].bound;
-        curvature[i] = pen_prim_curvature(prims, s->hit[i], p[i]);
-        if (left->prim != PEN_NO_PRIM && surface_hardly_left(ray, s->hit[i].t, bound[i]))
-            *corner |= 1u << i;
+    struct pen_vec3 toward[LANES], before[LANES];
+    double bound[LANES], toward_bound[LANES], before_bound[LANES];
+    for (int i = 0; i < LANES; i++) {
+        const struct pen_origin_surface *left = &path[i < count ? i : 0]->origin;
+        toward[i] = left->toward;
+        before[i] = left->before;
+        bound[i] = left->bound;
+        toward_bound[i] = left->toward_bound;
+        before_bound[i] = left->before_bound;
     }
-    s->bound = lanes_load(bound);
-    return s->bound * lanes_load(curvature);
+    return (struct lanes_origin){lanes3_load(toward), lanes3_load(before), lanes_load(bound),
+                                 lanes_load(toward_bound), lanes_load(before_bound)};
+}
+
+/* The rays of some paths, which are all camera rays or none of them. Sets d to their directions. */
+static ALWAYS_INLINE struct lanes_arrived
+surface_rays(const struct surface *s, const struct path *const *path, int count, struct lanes3 *d)
+{
+    struct pen_vec3 origin[LANES], direction[LANES];
+    double t[LANES], inv_dd[LANES];
+    struct lanes_arrived ray;
+    for (int i = 0; i < LANES; i++) {
+        const int from = i < count ? i : 0;
+        origin[i] = path[from]->ray.o;
+        direction[i] = path[from]->ray.d;
+        inv_dd[i] = path[from]->ray.inv_dd;
+        t[i] = s->hit[from].t;
+    }
+    *d = lanes3_load(direction);
+    ray.o = lanes3_load(origin);
+    ray.t = lanes_load(t);
+    ray.inv_dd = lanes_load(inv_dd);
+    if (path[0]->depth == 0) { /* pen_origin_none */
+        const lanes zero = lanes_splat(0);
+        const struct lanes3 none = {zero, zero, zero};
+        ray.left = (struct lanes_origin){none, none, zero, zero, zero};
+    } else {
+        ray.left = surface_left(path, count);
+    }
+    return ray;
+}
+
+enum { ORIGIN_DOUBLES = sizeof(struct pen_origin_surface) / sizeof(double) };
+
+static ALWAYS_INLINE void surface_store3(struct pen_vec3 *first, struct lanes3 v)
+{
+    lanes_store_strided(&first->x, ORIGIN_DOUBLES, v.x);
+    lanes_store_strided(&first->y, ORIGIN_DOUBLES, v.y);
+    lanes_store_strided(&first->z, ORIGIN_DOUBLES, v.z);
+}
+
+/* Sets the origin surfaces of rays from the points. */
+static ALWAYS_INLINE void surface_set_origins(struct surface *s, const struct lanes_origin *origin)
+{
+    struct pen_origin_surface *first = s->origin;
+    for (int i = 0; i < LANES; i++) {
+        first[i].prim = s->hit[i].prim;
+        first[i].part = s->hit[i].part;
+        first[i].through = false;
+    }
+    surface_store3(&first->toward, origin->toward);
+    surface_store3(&first->before, origin->before);
+    lanes_store_strided(&first->bound, ORIGIN_DOUBLES, origin->bound);
+    lanes_store_strided(&first->toward_bound, ORIGIN_DOUBLES, origin->toward_bound);
+    lanes_store_strided(&first->before_bound, ORIGIN_DOUBLES, origin->before_bound);
 }
 
 /* Whether the viewer is on the side of the outward normal. */
@@ -204,22 +252,36 @@ static ALWAYS_INLINE lane_mask surface_seen_from_outside(const struct surface *s
     return lane_mask_of(bits);
 }
 
-/* Fills in *s, with the points of up to LANES paths. The caller has set s->hit. */
+/* Fills in *s, with the points of up to LANES paths, which are all camera rays or none of them. The
+ * caller has set s->hit. */
 static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *scene,
                                      const struct path *const *path, int count)
 {
-    unsigned corner;
+    struct lanes3 d;
     surface_materials(s, scene, count);
-    surface_points(s, scene, path, count);
-    const lanes turn = surface_origins(s, scene, path, count, &corner);
+    const struct lanes_arrived ray = surface_rays(s, path, count, &d);
+    const struct lanes_prim_point at =
+        surface_points(s, scene, path, count, lanes3_along(ray.o, d, ray.t));
+    s->p = at.p;
+    s->n = at.n;
+    s->v = lanes3_normalize(d);
+    s->nv = lanes3_dot(s->n, s->v);
+    surface_keep_in_outlines(s, &scene->prims, path, count);
+    const struct lanes_origin origin = lanes_origin_at(&ray, s->p, at.scale);
+    s->bound = origin.bound;
+    surface_set_origins(s, &origin);
     const lane_mask outside = surface_seen_from_outside(s, scene, path, count);
     s->n = lanes3_select(outside, s->n, lanes3_neg(s->n));
     s->nv = lanes_select(outside, s->nv, -s->nv);
     /* By rounding, a ray may leave the surface that it has met. */
     s->nv = lanes_select(lanes_less(lanes_splat(0), s->nv), lanes_splat(0), s->nv);
+    /* By how much moving a point by its bound turns the normal. */
+    const lanes turn = s->bound * at.curvature;
     s->grazing_sine = surface_grazing_sine(turn, outside);
     s->unsure = surface_unsure(turn, outside);
-    s->unsure = lanes_select(lane_mask_of(corner), lanes_splat(INFINITY), s->unsure);
+    if (path[0]->depth > 0)
+        s->unsure =
+            lanes_select(surface_hardly_left(&ray, s->bound), lanes_splat(INFINITY), s->unsure);
     /* The bound is computed from the point, so it is not finite where the point is not. */
     s->finite = lane_mask_of((1u << count) - 1) &
                 lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));
