@@ -52,6 +52,7 @@ struct ray_group {
     unsigned part_bits;                             /* the parts that have rays */
     lane_mask in_group[PEN_RAY_PACKET_MAX / LANES]; /* `all` */
     double after_t[PEN_RAY_PACKET_MAX], tmax[PEN_RAY_PACKET_MAX];
+    double met[PEN_RAY_PACKET_MAX]; /* nearest: what is met at tmax, as group_part_number */
     /* Of the ray's origin surface: pen_origin_surface.bound, struct trace's slack and near_sq; 0
      * and -1 for rays that start in free space. */
     double bound[PEN_RAY_PACKET_MAX], slack[PEN_RAY_PACKET_MAX], near_sq[PEN_RAY_PACKET_MAX];
@@ -130,6 +131,25 @@ static inline unsigned group_waits(const struct ray_group *g, int i, const struc
     return live && q->depth > 0 && !group_reaches(g, i, (double)q->depth) ? 0 : live;
 }
 
+/* A part of a primitive as one number, which a lane can hold. */
+static inline double group_part_number(uint32_t prim, uint8_t part)
+{
+    return prim + 0x1p32 * part;
+}
+
+/* The nearest intersection of ray i so far. */
+static inline struct pen_hit group_hit(const struct ray_group *g, int i)
+{
+    const uint64_t met = (uint64_t)g->met[i];
+    return (struct pen_hit){g->tmax[i], (uint32_t)met, (uint8_t)(met >> 32)};
+}
+
+static inline void group_set_hit(struct ray_group *g, int i, struct pen_hit hit)
+{
+    g->tmax[i] = hit.t;
+    g->met[i] = group_part_number(hit.prim, hit.part);
+}
+
 /* The query of shadow ray i of a packet, begun if it is its first use. */
 static inline struct pen_shadow *packet_query(struct pen_ray_packet *packet, int i)
 {
@@ -166,14 +186,12 @@ static __attribute__((noinline)) void group_fall_back(struct ray_group *g, int i
         }
     } else {
         trace.after = packet->after[i];
-        trace.best = packet->hit[i];
+        trace.best = group_hit(g, i);
     }
     if (generic ? test_reference(&trace, prim, g->any) : test_one(&trace, prim, g->any))
         g->blocked |= UINT64_C(1) << i;
-    if (!g->any) {
-        packet->hit[i] = trace.best;
-        g->tmax[i] = trace.best.t;
-    }
+    if (!g->any)
+        group_set_hit(g, i, trace.best);
 }
 
 /* The scalar tests of a group's lanes, a bit each. */
@@ -184,27 +202,64 @@ static inline void group_fall_back_all(struct ray_group *g, int i, unsigned fall
         group_fall_back(g, i + __builtin_ctz(fallback), prim, near);
 }
 
-/* Records an intersection of each lane, if it is in the query's interval and before the best. */
-static __attribute__((noinline)) void group_record(struct ray_group *g, int i, unsigned at, lanes t,
-                                                   uint32_t prim, unsigned base, unsigned top)
+/* An intersection in each of some lanes. */
+struct group_met {
+    unsigned at, base, top; /* the lanes, and those of them on a cap */
+    lanes t;
+    uint32_t prim;
+};
+
+static inline struct pen_hit group_met_hit(const struct group_met *met, int lane)
 {
-    struct pen_ray_packet *packet = g->packet;
-    double each[LANES];
-    lanes_store(each, t);
-    for (; at; at &= at - 1) {
+    return (struct pen_hit){lanes_at(met->t, lane), met->prim,
+                            met->base >> lane & 1  ? PEN_PART_BASE
+                            : met->top >> lane & 1 ? PEN_PART_TOP
+                                                   : PEN_PART_SIDE};
+}
+
+/* Records what shadow rays pass through. */
+static __attribute__((noinline)) void group_record_shadow(struct ray_group *g, int i,
+                                                          const struct group_met *met)
+{
+    for (unsigned at = met->at; at; at &= at - 1) {
         const int lane = __builtin_ctz(at), k = i + lane;
-        const struct pen_hit hit = {each[lane], prim,
-                                    base >> lane & 1  ? PEN_PART_BASE
-                                    : top >> lane & 1 ? PEN_PART_TOP
-                                                      : PEN_PART_SIDE};
-        if (g->any) {
-            if (hit.t > 0 && hit.t < g->tmax[k])
-                keep_intersection(packet_query(packet, k), hit);
-        } else if (pen_hit_before(packet->after[k], hit) && pen_hit_before(hit, packet->hit[k])) {
-            packet->hit[k] = hit;
-            g->tmax[k] = hit.t;
-        }
+        const struct pen_hit hit = group_met_hit(met, lane);
+        if (hit.t > 0 && hit.t < g->tmax[k])
+            keep_intersection(packet_query(g->packet, k), hit);
     }
+}
+
+/* Records intersections at the t of others, whose order the primitive and the part decide. */
+static __attribute__((noinline)) void group_record_ties(struct ray_group *g, int i,
+                                                        const struct group_met *met)
+{
+    for (unsigned at = met->at; at; at &= at - 1) {
+        const int lane = __builtin_ctz(at), k = i + lane;
+        const struct pen_hit hit = group_met_hit(met, lane);
+        if (pen_hit_before(g->packet->after[k], hit) && pen_hit_before(hit, group_hit(g, k)))
+            group_set_hit(g, k, hit);
+    }
+}
+
+/* Records intersections of the query's intervals, where they are before the best. */
+static inline void group_record_nearest(struct ray_group *g, int i, struct group_met *met)
+{
+    const lanes best = lanes_load(g->tmax + i), after = lanes_load(g->after_t + i);
+    const unsigned ties =
+        met->at & lane_mask_bits(lanes_equal(met->t, best) | lanes_equal(met->t, after));
+    const lane_mask quick = lane_mask_of(met->at & ~ties);
+    lanes part = lanes_splat(group_part_number(met->prim, PEN_PART_SIDE));
+    if (met->base)
+        part = lanes_select(lane_mask_of(met->base),
+                            lanes_splat(group_part_number(met->prim, PEN_PART_BASE)), part);
+    if (met->top)
+        part = lanes_select(lane_mask_of(met->top & ~met->base),
+                            lanes_splat(group_part_number(met->prim, PEN_PART_TOP)), part);
+    lanes_store(g->tmax + i, lanes_select(quick, met->t, best));
+    lanes_store(g->met + i, lanes_select(quick, part, lanes_load(g->met + i)));
+    met->at = ties;
+    if (ties)
+        group_record_ties(g, i, met);
 }
 
 /* The lanes in which a shadow ray passes t. */
@@ -220,6 +275,16 @@ static inline unsigned group_sought(const struct ray_group *g, int i, lanes t)
                           lanes_at_most(lanes_load(g->after_t + i), t));
 }
 
+/* Records intersections, of those lanes in which t may be in the query's interval. */
+static inline void group_record(struct ray_group *g, int i, struct group_met *met)
+{
+    met->at &= group_sought(g, i, met->t);
+    if (met->at && g->any)
+        group_record_shadow(g, i, met);
+    else if (met->at)
+        group_record_nearest(g, i, met);
+}
+
 /* Records intersections at t with the side, in lanes where the scalar test would offer them. */
 static inline void group_offer(struct ray_group *g, int i, unsigned at, lanes t,
                                const struct group_prim *q)
@@ -228,9 +293,8 @@ static inline void group_offer(struct ray_group *g, int i, unsigned at, lanes t,
         g->blocked |= (uint64_t)(at & group_stops(g, i, t)) << i;
         return;
     }
-    at &= group_sought(g, i, t);
-    if (at)
-        group_record(g, i, at, t, q->prim, 0, 0);
+    struct group_met met = {at, 0, 0, t, q->prim};
+    group_record(g, i, &met);
 }
 
 /* Where lines enter and leave a solid: lanes with such an end, t, and the lanes in which it is on a
@@ -251,9 +315,8 @@ static inline void group_offer_ends(struct ray_group *g, int i, const struct gro
         return;
     }
     for (int k = 0; k < 2; k++) {
-        const unsigned at = e->at[k] & group_sought(g, i, e->t[k]);
-        if (at)
-            group_record(g, i, at, e->t[k], q->prim, e->base[k], e->top[k]);
+        struct group_met met = {e->at[k], e->base[k], e->top[k], e->t[k], q->prim};
+        group_record(g, i, &met);
     }
 }
 

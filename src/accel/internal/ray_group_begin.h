@@ -41,14 +41,15 @@ static inline void group_init_shadow(struct ray_group *g)
 
 static inline void group_init_nearest(struct ray_group *g)
 {
-    struct pen_ray_packet *packet = g->packet;
+    const struct pen_ray_packet *packet = g->packet;
     g->any = g->to_point = false;
     g->light = pen_vec3(0, 0, 0);
-    for (int i = 0; i < g->end; i += LANES)
+    for (int i = 0; i < g->end; i += LANES) {
         lanes_store(g->tmax + i, lanes_splat(INFINITY));
+        lanes_store(g->met + i, lanes_splat(group_part_number(PEN_NO_PRIM, UINT8_MAX)));
+    }
     for (uint64_t left = g->all; left; left &= left - 1) {
         const int i = __builtin_ctzll(left);
-        packet->hit[i] = (struct pen_hit){INFINITY, PEN_NO_PRIM, UINT8_MAX};
         g->after_t[i] = packet->after[i].t;
     }
 }

@@ -216,6 +216,10 @@ static inline bool group_nearest(struct ray_group *g)
         q.depth = c[k].near;
         group_test(g, &q);
     }
+    for (uint64_t left = g->all; left; left &= left - 1) {
+        const int i = __builtin_ctzll(left);
+        g->packet->hit[i] = group_hit(g, i);
+    }
     return true;
 }
 
