@@ -67,6 +67,7 @@ static inline void lanes_ray_write(struct pen_ray *const *ray, int first, lanes 
                                    lanes d)
 {
     double *to[LANES];
+#pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
         to[i] = (double *)ray[i] + first;
     lanes_store_rows(to, a, b, c, d);
@@ -79,8 +80,10 @@ struct lanes_ray {
     struct lanes_axes kz;
 };
 
-/* pen_ray_make. Returns the lanes in which it succeeds; the rays of the others are undefined. */
-static inline lane_mask lanes_ray_of(struct lanes_ray *ray, struct lanes3 o, struct lanes3 d)
+/* pen_ray_make. Returns the lanes in which it succeeds; the rays of the others are undefined.
+ * Inline always: callers do not need all numbers, and would move them all through memory. */
+static inline __attribute__((always_inline)) lane_mask
+lanes_ray_of(struct lanes_ray *ray, struct lanes3 o, struct lanes3 d)
 {
     const lanes ax = lanes_abs(d.x), ay = lanes_abs(d.y), az = lanes_abs(d.z);
     /* Of two equal components, the first in the order z, x, y. */
@@ -129,6 +132,7 @@ static inline void lanes_ray_put(const struct lanes_ray *rays, struct pen_ray *c
     lanes_ray_write(to, 8, r.sy, r.sz, r.permuted_o.x, r.permuted_o.y);
     lanes_ray_write(to, 12, r.permuted_o.z, r.permuted_d.x, r.permuted_d.y, r.permuted_d.z);
     lanes_store(near, r.near);
+#pragma GCC unroll 8
     for (int i = 0; i < LANES; i++) {
         int axis[3];
         pen_ray_axes(x >> i & 1 ? 0 : y >> i & 1 ? 1 : 2, axis);
@@ -169,8 +173,8 @@ static inline void lanes_ray_array_put(const struct lanes_ray *rays, struct pen_
 }
 
 /* As lanes_ray_of, into the rays from i on. */
-static inline lane_mask lanes_ray_array_make(struct pen_ray_array *to, int i, struct lanes3 o,
-                                             struct lanes3 d)
+static inline __attribute__((always_inline)) lane_mask
+lanes_ray_array_make(struct pen_ray_array *to, int i, struct lanes3 o, struct lanes3 d)
 {
     struct lanes_ray r;
     const lane_mask made = lanes_ray_of(&r, o, d);

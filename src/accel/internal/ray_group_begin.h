@@ -87,15 +87,14 @@ static inline struct group_range group_range_of(const struct ray_group *g, const
     struct group_range range;
     const lanes inf = lanes_splat(INFINITY);
     for (int k = 0; k < GROUP_PARTS; k++) {
-        const int first = k * GROUP_PART;
-        const uint64_t rays = g->all >> first & GROUP_PART_BITS;
+        const double *part = x + k * GROUP_PART;
+        const lane_mask *in = &g->in_group[k * GROUP_PART / LANES];
         lanes least = inf, most = -inf;
-        for (int i = first; i < first + GROUP_PART && rays; i += LANES) {
-            const lanes at = lanes_load(x + i);
-            const lane_mask in = g->in_group[i / LANES];
-            const bool whole = rays == GROUP_PART_BITS;
-            least = lanes_min(whole ? at : lanes_select(in, at, inf), least);
-            most = lanes_max(whole ? at : lanes_select(in, at, -inf), most);
+#pragma GCC unroll 8
+        for (int i = 0; i < GROUP_PART / LANES; i++) {
+            const lanes at = lanes_load(part + i * LANES);
+            least = lanes_min(lanes_select(in[i], at, inf), least);
+            most = lanes_max(lanes_select(in[i], at, -inf), most);
         }
         range.lo[k] = lanes_smallest(least);
         range.hi[k] = lanes_largest(most);
@@ -178,23 +177,31 @@ static inline void group_beam(struct ray_group *g, const struct group_ranges *r,
 static inline void group_beams(struct ray_group *g, const struct group_ranges *r, double margin)
 {
     const struct beam *beam = &g->beam;
+    const double sign = beam->forward ? 1 : -1;
     struct beams *b = &g->parts;
     for (int k = 0; k < 2; k++) {
-        for (int i = 0; i < GROUP_PARTS; i++) {
-            b->least[k][i] = (float)(beam->forward ? r->s[k].lo[i] : -r->s[k].hi[i]);
-            b->most[k][i] = (float)(beam->forward ? r->s[k].hi[i] : -r->s[k].lo[i]);
-        }
+        const double *lo = beam->forward ? r->s[k].lo : r->s[k].hi;
+        const double *hi = beam->forward ? r->s[k].hi : r->s[k].lo;
+        for (int i = 0; i < GROUP_PARTS; i++)
+            b->least[k][i] = (float)(sign * lo[i]);
+        for (int i = 0; i < GROUP_PARTS; i++)
+            b->most[k][i] = (float)(sign * hi[i]);
     }
     for (int k = 0; k < 3; k++) {
-        const float lo = beam->lo[k], hi = beam->hi[k];
-        for (int i = 0; i < GROUP_PARTS; i++) {
-            b->lo[k][i] = g->to_point ? lo : (float)r->o[k].lo[i];
-            b->hi[k][i] = g->to_point ? hi : (float)r->o[k].hi[i];
+        const double *lo = r->o[k].lo, *hi = r->o[k].hi;
+        if (!g->to_point) {
+            for (int i = 0; i < GROUP_PARTS; i++)
+                b->lo[k][i] = (float)lo[i];
+            for (int i = 0; i < GROUP_PARTS; i++)
+                b->hi[k][i] = (float)hi[i];
+            continue;
         }
-        for (int i = 0; g->to_point && i < GROUP_PARTS; i++) {
-            const float least = (float)(r->o[k].lo[i] - margin), at = beam->lo[k] - beam->margin;
-            const float most = (float)(r->o[k].hi[i] + margin), to = beam->hi[k] + beam->margin;
-            b->box_lo[k][i] = least < at ? least : at;
+        const float from = beam->lo[k] - beam->margin, to = beam->hi[k] + beam->margin;
+        for (int i = 0; i < GROUP_PARTS; i++) {
+            const float least = (float)(lo[i] - margin), most = (float)(hi[i] + margin);
+            b->lo[k][i] = beam->lo[k];
+            b->hi[k][i] = beam->hi[k];
+            b->box_lo[k][i] = least < from ? least : from;
             b->box_hi[k][i] = most > to ? most : to;
         }
     }

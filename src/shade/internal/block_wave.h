@@ -240,10 +240,13 @@ static ALWAYS_INLINE void block_start_at_points(struct pen_block_scratch *b)
     struct pen_ray_packet *packet = &b->packet;
     int first = 0;
     pen_ray_packet_start(packet);
-    for (int i = 0; i < b->count; i++)
-        packet->origin[i] = &b->surface[i / LANES].origin[i % LANES];
-    for (int g = 0; g < block_groups(b); g++)
+    for (int g = 0; g < block_groups(b); g++) {
+        const struct pen_origin_surface **origin = &packet->origin[g * LANES];
+#pragma GCC unroll 8
+        for (int i = 0; i < LANES; i++)
+            origin[i] = &b->surface[g].origin[i];
         lanes_store(packet->bound + g * LANES, b->surface[g].bound);
+    }
     for (int k = 0; k < b->parts_met; k++) {
         const int count = __builtin_popcountll(b->part[k].paths);
         pen_ray_packet_start_on(packet, b->part[k].prim, UINT64_MAX >> (64 - count) << first);

@@ -73,6 +73,7 @@ static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_
                                             int count)
 {
     const struct pen_material *first = scene->materials;
+#pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
         s->material[i] = i < count ? scene->prim_material[s->hit[i].prim] : 0;
     s->kd = surface_colours(s, &first->kd);
@@ -85,6 +86,7 @@ static ALWAYS_INLINE unsigned surface_points_of_part(const struct surface *s, un
 {
     const struct pen_hit *first = &s->hit[__builtin_ctz(left)];
     unsigned same = 0;
+#pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
         same |= (unsigned)(s->hit[i].prim == first->prim && s->hit[i].part == first->part) << i;
     return same & left;
@@ -167,6 +169,7 @@ static ALWAYS_INLINE struct lanes_origin surface_left(const struct path *const *
 {
     struct pen_vec3 toward[LANES], before[LANES];
     double bound[LANES], toward_bound[LANES], before_bound[LANES];
+#pragma GCC unroll 8
     for (int i = 0; i < LANES; i++) {
         const struct pen_origin_surface *left = &path[i < count ? i : 0]->origin;
         toward[i] = left->toward;
@@ -186,6 +189,7 @@ surface_rays(const struct surface *s, const struct path *const *path, int count,
     struct pen_vec3 origin[LANES], direction[LANES];
     double t[LANES], inv_dd[LANES];
     struct lanes_arrived ray;
+#pragma GCC unroll 8
     for (int i = 0; i < LANES; i++) {
         const int from = i < count ? i : 0;
         origin[i] = path[from]->ray.o;
@@ -220,6 +224,7 @@ static ALWAYS_INLINE void surface_store3(struct pen_vec3 *first, struct lanes3 v
 static ALWAYS_INLINE void surface_set_origins(struct surface *s, const struct lanes_origin *origin)
 {
     struct pen_origin_surface *first = s->origin;
+#pragma GCC unroll 8
     for (int i = 0; i < LANES; i++) {
         first[i].prim = s->hit[i].prim;
         first[i].part = s->hit[i].part;
