@@ -336,6 +336,20 @@ static void look_along_edge(struct random *r, struct pen_vec3 eye, double width,
     }
 }
 
+/* Rays from the eye through points near the circle in which a cylinder's side meets its top: base,
+ * axis of length 1, radius; height 1. */
+static void look_along_rim(struct random *r, struct pen_vec3 eye, const struct pen_vec3 cylinder[2],
+                           double radius, double width, struct rays *out)
+{
+    const struct pen_vec3 middle = pen_add(cylinder[0], cylinder[1]);
+    out->count = 0;
+    for (int i = 0; i < PEN_RAY_PACKET_MAX; i++) {
+        const struct pen_vec3 u = pen_normalize(pen_cross(cylinder[1], random_direction(r)));
+        const struct pen_vec3 at = pen_along(middle, u, radius);
+        add(out, eye, pen_sub(pen_along(at, random_vec(r, 1), width), eye), &pen_origin_none);
+    }
+}
+
 /* Full packets of rays that pass four edges at distances of 2^width[0] to 2^width[1], and from
  * there on. */
 static void each_isa_along_edges(struct random *r, struct pen_vec3 eye, const double width[2])
@@ -450,7 +464,37 @@ START_TEST(test_accel__ray_packets_at_round_borders)
 }
 END_TEST
 
-PEN_SUITE("ray_packet", test_accel__ray_packets_along_edges,
+/* Rays that pass where a cylinder's side meets its top, within rounding. */
+START_TEST(test_accel__ray_packets_along_rims)
+{
+    struct random r = random_begin(307);
+    for (int i = 0; i < random_cases(60); i++) {
+        const struct pen_vec3 cylinder[2] = {random_vec(&r, 1), random_direction(&r)};
+        const double radius = exp2(random_in(&r, -6, 1));
+        world_clear(&world);
+        world_cylinder(&world, cylinder[0], cylinder[1], radius, 1, i & 1);
+        see_through[0] = i & 2;
+        struct pen_status st;
+        struct pen_arena *arena = pen_arena_new(0);
+        const struct pen_accel *accel =
+            pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
+        ck_assert(accel);
+        for (int k = 0; k < 4; k++) {
+            struct rays rays;
+            look_along_rim(&r, random_vec(&r, 4), cylinder, radius, exp2(random_in(&r, -58, -46)),
+                           &rays);
+            for (int isa = 0; isa < isa_count(); isa++) {
+                struct random same = r;
+                follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, 1);
+            }
+            random_bits(&r);
+        }
+        pen_arena_free(arena);
+    }
+}
+END_TEST
+
+PEN_SUITE("ray_packet", test_accel__ray_packets_along_edges, test_accel__ray_packets_along_rims,
           test_accel__ray_packets_at_round_borders, test_accel__ray_packets_in_random_scenes,
           test_accel__ray_packets_on_a_lattice, test_accel__ray_packets_in_rooms,
           test_accel__ray_packets_at_nearly_convex_outlines)

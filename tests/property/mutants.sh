@@ -419,7 +419,7 @@ edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim && origin-
 judge
 
 mutant hardly_left rooms_flat 100 "a point in a corner brings light although no rule tells where it is"
-edit src/shade/internal/surface.h 1 's/^        if \(left->prim != PEN_NO_PRIM && surface_hardly_left.*$/        if (false)/'
+edit src/shade/internal/surface.h 1 's/^    if \(path\[0\]->depth > 0\)$/    if (false)/'
 judge
 
 mutant height_of_vertex floor_foot 20000 "heights over a plane are taken from a vertex, however far that is"
@@ -498,6 +498,15 @@ judge_test
 
 mutant cylinder_slab accel/test_ray_packet 0 "the ends of a slab at hand are those that the scalar test refines to"
 edit src/accel/internal/ray_group_round.h 1 's/lanes_splat\(0x1p-40\) \* \(f_size/lanes_splat(0) * (f_size/'
+judge_test
+
+mutant rim_packets accel/test_ray_packet 0 "a packet knows where rays along a rim pass the plane of its cap"
+edit src/accel/internal/ray_group_round.h 1 's/^    const lanes before = x->hi - x->pad;$/    const lanes before = x->hi;/'
+edit src/accel/internal/ray_group_round.h 1 's/lanes_less\(x->lo \+ x->pad, x->side\.t0\) & last/lanes_less(x->lo, x->side.t0) \& last/'
+judge_test
+
+mutant rim_blocks accel/test_ray_packet 0 "in vectors, a ray along a rim knows where it passes the plane of the cap"
+edit src/accel/internal/blocks_avx2.h 1 's/~ends_on_side4\(trace, &side, &slab, pad, /~ends_on_side4(trace, \&side, \&slab, zero, /'
 judge_test
 
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"
