@@ -143,9 +143,19 @@ struct pen_view_desc {
     struct pen_camera_desc camera;
 };
 
+/* A background that changes with the elevation of a ray: linear in its sine from the horizon to the
+ * zenith, and to the nadir below it. */
+struct pen_sky {
+    struct pen_vec3 zenith, nadir;
+    struct pen_vec3 up; /* any length */
+};
+
 struct pen_scene_desc {
-    const char *name; /* "" if it has none */
-    struct pen_vec3 background, ambient;
+    const char *name;           /* "" if it has none */
+    struct pen_vec3 background; /* with a sky: its horizon */
+    bool has_sky;
+    struct pen_sky sky;
+    struct pen_vec3 ambient;
     uint32_t view_count; /* at least 1; without "views" the one view is "main" */
     struct pen_view_desc *views;
     uint32_t material_count;

@@ -6,7 +6,7 @@
 
 #include "scene/internal/vec.h"
 
-_Static_assert(PEN_FX_SPECULAR == 1 << (PEN_FX_COUNT - 1), "the last effect has the last bit");
+_Static_assert(PEN_FX_SKY == 1 << (PEN_FX_COUNT - 1), "the last effect has the last bit");
 
 const char *pen_effect_name(int bit)
 {
@@ -29,6 +29,8 @@ const char *pen_effect_name(int bit)
         return "anti_aliasing";
     case PEN_FX_SPECULAR:
         return "specular";
+    case PEN_FX_SKY:
+        return "sky";
     }
     return "unknown";
 }
@@ -41,6 +43,13 @@ struct survey {
     bool forks;                 /* a primitive has kt > 0 and kr > 0 */
     unsigned effects;
 };
+
+/* A sky of one colour is a plain background. */
+static unsigned effect_of_sky(const struct pen_sky *sky, struct pen_vec3 horizon)
+{
+    bool plain = vec_equal(sky->zenith, horizon) && vec_equal(sky->nadir, horizon);
+    return plain ? 0u : PEN_FX_SKY;
+}
 
 static unsigned shadow_kind(bool shadows, bool soft)
 {
@@ -74,7 +83,8 @@ static unsigned survey_end(const struct survey *survey)
 unsigned pen_effects_of_scene(const struct pen_scene *scene)
 {
     struct survey survey = {.ambient_light = color_is_lit(scene->ambient),
-                            .lights = scene->light_count > 0};
+                            .lights = scene->light_count > 0,
+                            .effects = effect_of_sky(&scene->sky, scene->background)};
     for (uint32_t i = 0; i < scene->light_count; i++)
         survey.shadows |= shadow_kind(scene->lights[i].shadows, scene->lights[i].soft);
     for (uint32_t i = 0; i < scene->prims.count; i++)
@@ -107,6 +117,8 @@ static unsigned with_settings(unsigned effects, const struct pen_settings *setti
 unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings)
 {
     struct survey survey = {.ambient_light = color_is_lit(desc->ambient)};
+    if (desc->has_sky)
+        survey.effects = effect_of_sky(&desc->sky, desc->background);
     for (uint32_t i = 0; i < desc->light_count; i++) {
         const struct pen_light_desc *light = &desc->lights[i];
         if (!color_is_lit(light->intensity))

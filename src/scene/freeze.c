@@ -147,9 +147,20 @@ static bool freeze_lights(struct pen_freezer *f)
     return true;
 }
 
+static void freeze_background(struct pen_freezer *f)
+{
+    const struct pen_vec3 horizon = f->desc->background;
+    struct pen_sky *sky = &f->scene->sky;
+    *sky = (struct pen_sky){.zenith = horizon, .nadir = horizon, .up = {0, 1, 0}};
+    if (f->desc->has_sky)
+        *sky = (struct pen_sky){f->desc->sky.zenith, f->desc->sky.nadir,
+                                vec_normalize(f->desc->sky.up)};
+    f->scene->background = horizon;
+}
+
 static bool freeze_all(struct pen_freezer *f)
 {
-    f->scene->background = f->desc->background;
+    freeze_background(f);
     f->scene->ambient = f->desc->ambient;
     if (!freeze_views(f) || !freeze_frame(f) || !freeze_materials(f) || !freeze_lights(f) ||
         !pen_freeze_prims(f) || !pen_freeze_layers(f))

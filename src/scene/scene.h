@@ -27,9 +27,10 @@ enum pen_effect {
     PEN_FX_MIRROR = 1 << 4,
     PEN_FX_TRANSMISSION = 1 << 5,
     PEN_FX_ANTI_ALIASING = 1 << 6,
-    PEN_FX_SPECULAR = 1 << 7
+    PEN_FX_SPECULAR = 1 << 7,
+    PEN_FX_SKY = 1 << 8
 };
-enum { PEN_FX_COUNT = 8 };
+enum { PEN_FX_COUNT = 9 };
 
 /* The effect's name in the API ("hard_shadows") by bit number. */
 const char *pen_effect_name(int bit);
@@ -72,7 +73,9 @@ struct pen_scene {
     struct pen_arena *arena;
     struct pen_vec3 center; /* origin of the local frame, scene units */
     int exponent;
-    struct pen_vec3 background, ambient;
+    struct pen_vec3 background; /* with a sky: its horizon */
+    struct pen_sky sky;         /* up is unit; without one, zenith and nadir are the background */
+    struct pen_vec3 ambient;
     struct pen_prims prims;
     const uint32_t *prim_material; /* by primitive number, index into materials */
     const uint8_t *see_through;    /* by primitive number: kt > 0 in some channel */

@@ -28,6 +28,9 @@ static void any_scene(struct random *random)
 {
     kit_init(&kit);
     kit.desc.ambient = sometimes(random);
+    kit.desc.background = sometimes(random);
+    kit.desc.has_sky = random_below(random, 2);
+    kit.desc.sky = (struct pen_sky){sometimes(random), sometimes(random), {0, 2, 0}};
     kit.settings.samples_per_pixel = 1 + (int)random_below(random, 2);
     kit.settings.max_depth = 1 + (int)random_below(random, 2);
     uint32_t primitives = random_below(random, 4), lights = random_below(random, 3);

@@ -89,7 +89,8 @@ struct oracle_light {
 };
 
 struct oracle_scene {
-    struct point background, ambient;
+    struct point background, ambient;     /* with a sky: its horizon */
+    struct point zenith, nadir, sky_up;   /* without one, background; sky_up: unit */
     struct point eye, forward, right, up; /* unit frame */
     real distance, plane_width, plane_height;
     bool square_pixels; /* the plane's width follows the image's shape */

@@ -293,6 +293,22 @@ static json_t *camera_of_view(const json_t *document, const char *view)
     return camera;
 }
 
+static void background_read(struct oracle_scene *s, const json_t *document)
+{
+    const json_t *sky = json_object_get(json_object_get(document, "background"), "sky");
+    if (!sky) {
+        s->zenith = s->nadir = s->background = triple_or(document, "background", 0);
+        s->sky_up = (struct point){0, 1, 0};
+        return;
+    }
+    s->zenith = triple_or(sky, "zenith", 0);
+    s->background = triple_or(sky, "horizon", 0);
+    s->nadir = json_object_get(sky, "nadir") ? triple_or(sky, "nadir", 0) : s->background;
+    s->sky_up = (struct point){0, 1, 0};
+    if (json_object_get(sky, "up"))
+        s->sky_up = point_unit(triple_or(sky, "up", 0));
+}
+
 struct oracle_scene *oracle_load(const char *path, const char *view)
 {
     json_t *document = json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
@@ -300,7 +316,7 @@ struct oracle_scene *oracle_load(const char *path, const char *view)
     if (document && s) {
         const json_t *render = json_object_get(document, "render");
         json_t *camera = camera_of_view(document, view);
-        s->background = triple_or(document, "background", 0);
+        background_read(s, document);
         s->ambient = triple_or(document, "ambient", 0);
         s->max_depth = (int)number_or(render, "max_depth", 10);
         s->min_contribution = number_or(render, "min_contribution", 0.001L);

@@ -304,11 +304,19 @@ static struct point secondary(const struct oracle_scene *s, struct ray ray, stru
     return point_product(factor, seen(s, ray, path));
 }
 
+static struct point sky_seen(const struct oracle_scene *s, struct point direction)
+{
+    real sine = point_dot(point_unit(direction), s->sky_up);
+    struct point pole = sine > 0 ? s->zenith : s->nadir;
+    real high = sine > 0 ? sine : -sine;
+    return point_sum(point_times(s->background, 1 - high), point_times(pole, high));
+}
+
 static struct point seen(const struct oracle_scene *s, struct ray ray, struct progress path)
 {
     struct place hit;
     if (!next_hit(s, ray, path.after, &hit))
-        return s->background;
+        return sky_seen(s, ray.direction);
     const struct oracle_primitive *b = &s->primitives[hit.prim];
     const struct oracle_material *m = &b->material;
     struct point p = ray_at(ray, hit.t), n = normal_at(b, p, s->tie), sum = m->emission;

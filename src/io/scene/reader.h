@@ -203,6 +203,8 @@ bool pen_scene_read_from(const json_t *document, const struct pen_source_map *so
                          struct pen_scene_desc *desc, struct pen_errors *errors);
 
 /* The readers of a scene's parts. */
+bool pen_background_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                         struct pen_scene_desc *desc);
 bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                      struct pen_camera_desc *camera);
 /* Replaces the keys that a view overrides in *camera; `check`: the result must be a valid frame. */

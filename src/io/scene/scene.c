@@ -14,7 +14,7 @@ static const struct pen_word formats[] = {{"penumbra-scene/1", FORMAT_1, NULL}, 
 struct target {
     struct pen_scene_desc *desc;
     const char *name;
-    struct pen_vec3 background, ambient;
+    struct pen_vec3 ambient;
     int format;
 };
 
@@ -22,7 +22,7 @@ const struct pen_field pen_scene_fields[] = {
     {"format", PEN_FIELD_WORD, .required = true, .offset = offsetof(struct target, format),
      .words = formats},
     {"name", PEN_FIELD_STRING, .offset = offsetof(struct target, name)},
-    {"background", PEN_FIELD_COLOUR, .offset = offsetof(struct target, background)},
+    {"background", .type = PEN_FIELD_OTHER},
     {"ambient", PEN_FIELD_COLOUR, .offset = offsetof(struct target, ambient)},
     {"camera", PEN_FIELD_OTHER, .required = true},
     {"views", .type = PEN_FIELD_OTHER},
@@ -113,12 +113,16 @@ static void refuse_definitions(struct pen_reader *r, const json_t *json)
 static void read_parts(struct pen_reader *r, const json_t *document, struct pen_scene_desc *desc)
 {
     const struct pen_place root = {0};
+    struct pen_place background_at = pen_place_key(&root, "background");
     struct pen_place camera_at = pen_place_key(&root, "camera");
     struct pen_place materials_at = pen_place_key(&root, "materials");
     struct pen_place lights_at = pen_place_key(&root, "lights");
     struct pen_place objects_at = pen_place_key(&root, "objects");
     struct pen_place render_at = pen_place_key(&root, "render");
-    const json_t *json = json_object_get(document, "camera");
+    const json_t *json = json_object_get(document, "background");
+    if (json)
+        pen_background_read(r, &background_at, json, desc);
+    json = json_object_get(document, "camera");
     struct pen_camera_desc camera = {0};
     bool camera_ok = json && pen_camera_read(r, &camera_at, json, &camera);
     read_views(r, json_object_get(document, "views"), camera_ok, &camera, desc);
@@ -150,7 +154,6 @@ bool pen_scene_read_from(const json_t *document, const struct pen_source_map *so
     if (!json_is_object(document))
         return false;
     desc->name = target.name;
-    desc->background = target.background;
     desc->ambient = target.ambient;
     read_parts(&r, document, desc);
     return errors->total == before;

@@ -8,6 +8,7 @@
 #include "io/scene/reader.h"
 
 extern const struct pen_field pen_scene_fields[], pen_view_fields[], pen_settings_fields[];
+extern const struct pen_field pen_sky_fields[];
 extern const struct pen_field pen_camera_fields[];
 extern const struct pen_field pen_camera_rotate_fields[], pen_camera_orbit_fields[];
 extern const struct pen_field pen_material_fields[];

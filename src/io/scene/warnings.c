@@ -61,7 +61,8 @@ static void warn_dark_lights(struct pen_reader *r, const struct pen_scene_desc *
 static void warn_empty_or_black(struct pen_reader *r, const struct pen_scene_desc *desc)
 {
     const struct pen_place root = {0};
-    bool lit = !is_black(desc->ambient) || !is_black(desc->background);
+    bool lit = !is_black(desc->ambient) || !is_black(desc->background) ||
+               !is_black(desc->sky.zenith) || !is_black(desc->sky.nadir);
     for (uint32_t i = 0; i < desc->light_count; i++)
         lit |= !is_black(desc->lights[i].intensity);
     for (uint32_t i = 0; i < desc->material_count; i++)

@@ -245,15 +245,28 @@ void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
     }
 }
 
-/* Adds a member and takes ownership of the value. Reports a second element with the same key.
- * Returns the value, or NULL. */
+/* Reports that the object has a member with the element's key: from another such element, or from
+ * the attribute of the object's own element. */
+static void refuse_member(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                          const json_t *old)
+{
+    if (frame->element->build == PEN_XML_MEMBER_OBJECT && !json_is_object(old))
+        pen_xml_error(b, frame->tag, PEN_INVALID,
+                      "<%s> excludes the attribute \"%s-color\", found both", frame->element->name,
+                      frame->element->key);
+    else
+        pen_xml_error(b, frame->tag, PEN_INVALID, "duplicate element <%s>: there is one already",
+                      frame->element->name);
+}
+
+/* Adds a member and takes ownership of the value. Reports a second one with the same key. Returns
+ * the value, or NULL. */
 static json_t *add_member(struct pen_xml_builder *b, json_t *object, const char *key, json_t *value,
                           const struct pen_xml_frame *frame)
 {
     if (value && json_object_get(object, key)) {
         json_decref(value);
-        pen_xml_error(b, frame->tag, PEN_INVALID, "duplicate element <%s>: there is one already",
-                      frame->element->name);
+        refuse_member(b, frame, json_object_get(object, key));
         return NULL;
     }
     if (value && !pen_xml_reserve(b, member_bytes(key))) {

@@ -10,6 +10,11 @@
 
 static const struct pen_xml_attribute scene_own[] = {
     {"background-color", PEN_XML_COLOUR, "background"}, {"", PEN_XML_HIDDEN, "ambient"}, {0}};
+static const struct pen_xml_attribute sky_own[] = {{"zenith", PEN_XML_COLOUR, "sky/zenith"},
+                                                   {"horizon", PEN_XML_COLOUR, "sky/horizon"},
+                                                   {"nadir", PEN_XML_COLOUR, "sky/nadir"},
+                                                   {"up", PEN_XML_TRIPLE, "sky/up"},
+                                                   {0}};
 static const struct pen_xml_attribute color_own[] = {{"color", PEN_XML_COLOUR, ""}, {0}};
 static const struct pen_xml_attribute by_own[] = {{"by", PEN_XML_TRIPLE, ""}, {0}};
 static const struct pen_xml_attribute axis_own[] = {{"axis", PEN_XML_AXIS, "axis"}, {0}};
@@ -137,6 +142,8 @@ static const struct pen_xml_element group = {"group",
 /* Parts of a scene. */
 static const struct pen_xml_element ambient_light = {"ambient-light", PEN_XML_MEMBER_VALUE,
                                                      "ambient", .own = color_own};
+static const struct pen_xml_element sky = {"sky", PEN_XML_MEMBER_OBJECT, "background",
+                                           .own = sky_own};
 static const struct pen_xml_element camera = {
     "camera",          PEN_XML_MEMBER_OBJECT,       "camera",
     .own = camera_own, .fields = pen_camera_fields, .children = camera_children};
@@ -154,7 +161,8 @@ static const struct pen_xml_element definitions = {.name = "definitions",
 static const struct pen_xml_element render = {"render", PEN_XML_MEMBER_OBJECT, "render",
                                               .fields = pen_settings_fields};
 static const struct pen_xml_element *const scene_children[] = {
-    &ambient_light, &camera, &views, &materials, &lights, &geometries, &render, &definitions, NULL};
+    &ambient_light, &sky,        &camera, &views,       &materials,
+    &lights,        &geometries, &render, &definitions, NULL};
 const struct pen_xml_element pen_xml_scene = {"scene",
                                               PEN_XML_ROOT,
                                               NULL,

@@ -33,6 +33,11 @@ static inline struct pen_vec3 vec_normalize(struct pen_vec3 a)
     return pen_vec3(a.x / length, a.y / length, a.z / length);
 }
 
+static inline bool vec_equal(struct pen_vec3 a, struct pen_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
 /* Whether a colour is above 0 in some channel. */
 static inline bool color_is_lit(struct pen_vec3 c)
 {

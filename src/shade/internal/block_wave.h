@@ -6,6 +6,7 @@
 #ifndef PEN_SHADE_INTERNAL_BLOCK_WAVE_H
 #define PEN_SHADE_INTERNAL_BLOCK_WAVE_H
 
+#include "shade/internal/background.h"
 #include "shade/internal/block_scratch.h"
 #include "shade/internal/secondary_rays.h"
 #include "shade/internal/soft_shadow.h"
@@ -73,7 +74,7 @@ static ALWAYS_INLINE void block_set_packet(struct pen_block_scratch *b)
 
 /* Traces the wave, whose packet is made. The paths that meet a surface remain in it. */
 static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
-                                      struct pen_block_scratch *b)
+                                      struct pen_block_scratch *b, const unsigned fx)
 {
     const struct pen_scene *scene = input->scene;
     struct pen_ray_packet *packet = &b->packet;
@@ -82,7 +83,8 @@ static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
     for (int i = 0; i < b->count; i++) {
         struct block_path *at = b->wave[i];
         if (!(met >> i & 1)) {
-            b->record[at->record].radiance = pen_mul(at->path.weight, scene->background);
+            b->record[at->record].radiance =
+                pen_mul(at->path.weight, background_seen(scene, &at->path.ray, fx));
             stack_push(&b->unused, b, at);
         } else if (is_layered(input, &at->path, packet->hit[i])) {
             block_defer(b, at);
@@ -357,7 +359,7 @@ static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
                                      struct pen_kernel_scratch *scratch,
                                      struct pen_block_scratch *b, const unsigned fx)
 {
-    block_trace(input, b);
+    block_trace(input, b, fx);
     block_surfaces(input, b);
     block_shade(input, scratch, b, fx);
     for (int g = 0; g < block_groups(b); g++)

@@ -17,6 +17,7 @@
 #ifndef PEN_SHADE_INTERNAL_KERNEL_BODY_H
 #define PEN_SHADE_INTERNAL_KERNEL_BODY_H
 
+#include "shade/internal/background.h"
 #include "shade/internal/pixel_sample.h"
 #include "shade/internal/secondary_rays.h"
 #include "shade/internal/soft_shadow.h"
@@ -112,7 +113,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
         struct pen_hit hit;
         bool continues = false;
         if (!path_nearest(input, scratch, &path, &hit)) {
-            sum = pen_add(sum, pen_mul(path.weight, scene->background));
+            sum = pen_add(sum, pen_mul(path.weight, background_seen(scene, &path.ray, fx)));
         } else {
             const struct path *const at_hit = &path;
             struct surface s;

@@ -23,7 +23,7 @@ enum {
     FX_GLASS = PEN_FX_SHADOW_TRANSMITTANCE | PEN_FX_TRANSMISSION,
     FX_MIRROR = PEN_FX_MIRROR,
     FX_SMOOTH = PEN_FX_ANTI_ALIASING,
-    FX_ALL = FX_SOFT | FX_GLASS | FX_MIRROR | FX_SMOOTH
+    FX_ALL = FX_SOFT | FX_GLASS | FX_MIRROR | FX_SMOOTH | PEN_FX_SKY
 };
 _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the last kernel");
 
