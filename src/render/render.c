@@ -63,9 +63,10 @@ static struct pen_kernel_input kernel_input(const struct pen_scene *scene, int v
         .scene = scene,
         .settings = settings,
         .pinhole = pen_scene_pinhole(scene, view, settings->width, settings->height),
-        .effects = pen_scene_effects(scene, settings),
+        .effects = pen_scene_effects(scene, view, settings),
         .trace = pen_trace_ops_get(pen_cpu_isa()),
     };
+    input.lens = pen_scene_lens(scene, view, &input.pinhole);
     fesetenv(&caller);
     return input;
 }

@@ -116,3 +116,17 @@ struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, in
         .half_height = 0.5 * height,
     };
 }
+
+struct pen_lens pen_scene_lens(const struct pen_scene *scene, int view,
+                               const struct pen_pinhole *pinhole)
+{
+    const struct pen_scene_view *v = &scene->views[view];
+    const double radius = pen_scale2(v->camera.aperture_radius, -scene->exponent);
+    const double focus = pen_scale2(v->camera.focus_distance, -scene->exponent);
+    return (struct pen_lens){
+        .open = v->camera.aperture_radius > 0,
+        .right = pen_scale(v->frame.right, radius),
+        .up = pen_scale(v->frame.up, radius),
+        .focus = focus / pen_length(pinhole->middle),
+    };
+}

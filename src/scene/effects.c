@@ -6,7 +6,8 @@
 
 #include "scene/internal/vec.h"
 
-_Static_assert(PEN_FX_SKY == 1 << (PEN_FX_COUNT - 1), "the last effect has the last bit");
+_Static_assert(PEN_FX_DEPTH_OF_FIELD == 1 << (PEN_FX_COUNT - 1),
+               "the last effect has the last bit");
 
 const char *pen_effect_name(int bit)
 {
@@ -31,6 +32,8 @@ const char *pen_effect_name(int bit)
         return "specular";
     case PEN_FX_SKY:
         return "sky";
+    case PEN_FX_DEPTH_OF_FIELD:
+        return "depth_of_field";
     }
     return "unknown";
 }
@@ -105,11 +108,24 @@ static void survey_objects(struct survey *survey, const struct pen_scene_desc *d
     }
 }
 
-static unsigned with_settings(unsigned effects, const struct pen_settings *settings)
+int pen_camera_samples(bool lens, const struct pen_settings *settings)
+{
+    const int pixel = settings->samples_per_pixel;
+    return lens && settings->lens_samples > pixel ? settings->lens_samples : pixel;
+}
+
+static bool has_lens(const struct pen_camera_desc *camera)
+{
+    return camera->aperture_radius > 0;
+}
+
+static unsigned with_settings(unsigned effects, bool lens, const struct pen_settings *settings)
 {
     if (settings->max_depth <= 1)
         effects &= ~(unsigned)(PEN_FX_MIRROR | PEN_FX_TRANSMISSION);
-    if (settings->samples_per_pixel > 1)
+    if (lens)
+        effects |= PEN_FX_DEPTH_OF_FIELD;
+    if (pen_camera_samples(lens, settings) > 1)
         effects |= PEN_FX_ANTI_ALIASING;
     return effects;
 }
@@ -127,7 +143,10 @@ unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_se
         survey.shadows |= shadow_kind(light->shadows, pen_light_desc_soft(light));
     }
     survey_objects(&survey, desc, desc->objects, desc->object_count);
-    return with_settings(survey_end(&survey), settings);
+    bool lens = false;
+    for (uint32_t i = 0; i < desc->view_count; i++)
+        lens |= has_lens(&desc->views[i].camera);
+    return with_settings(survey_end(&survey), lens, settings);
 }
 
 bool pen_desc_forks(const struct pen_scene_desc *desc)
@@ -137,7 +156,8 @@ bool pen_desc_forks(const struct pen_scene_desc *desc)
     return survey.forks;
 }
 
-unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_settings *settings)
+unsigned pen_scene_effects(const struct pen_scene *scene, int view,
+                           const struct pen_settings *settings)
 {
-    return with_settings(scene->effects, settings);
+    return with_settings(scene->effects, has_lens(&scene->views[view].camera), settings);
 }

@@ -54,6 +54,20 @@ static bool freeze_views(struct pen_freezer *f)
     return true;
 }
 
+/* Whether the eye and the lens of a view have numbers in the local frame. */
+static bool freeze_view_in_range(struct pen_freezer *f, uint32_t i)
+{
+    const struct pen_camera_desc *camera = &f->desc->views[i].camera;
+    const char *what = NULL;
+    if (!pen_freeze_in_range(pen_local_point(&f->frame, f->cameras[i].eye)))
+        what = "the eye is too far from the scene";
+    else if (!(pen_local_length(&f->frame, camera->aperture_radius) <= FREEZE_LOCAL_MAX))
+        what = "the aperture is too large for the scene";
+    else if (!(pen_local_length(&f->frame, camera->focus_distance) <= FREEZE_LOCAL_MAX))
+        what = "the plane in focus is too far from the scene";
+    return !what || pen_fail(f->st, PEN_INVALID, "view \"%s\": %s", f->desc->views[i].name, what);
+}
+
 static bool freeze_frame(struct pen_freezer *f)
 {
     f->summary = pen_prim_summary_empty();
@@ -64,9 +78,8 @@ static bool freeze_frame(struct pen_freezer *f)
     f->scene->center = f->frame.center;
     f->scene->exponent = f->frame.exponent;
     for (uint32_t i = 0; i < f->desc->view_count; i++)
-        if (!pen_freeze_in_range(pen_local_point(&f->frame, f->cameras[i].eye)))
-            return pen_fail(f->st, PEN_INVALID, "view \"%s\": the eye is too far from the scene",
-                            f->desc->views[i].name);
+        if (!freeze_view_in_range(f, i))
+            return false;
     return true;
 }
 

@@ -28,9 +28,10 @@ enum pen_effect {
     PEN_FX_TRANSMISSION = 1 << 5,
     PEN_FX_ANTI_ALIASING = 1 << 6,
     PEN_FX_SPECULAR = 1 << 7,
-    PEN_FX_SKY = 1 << 8
+    PEN_FX_SKY = 1 << 8,
+    PEN_FX_DEPTH_OF_FIELD = 1 << 9
 };
-enum { PEN_FX_COUNT = 9 };
+enum { PEN_FX_COUNT = 10 };
 
 /* The effect's name in the API ("hard_shadows") by bit number. */
 const char *pen_effect_name(int bit);
@@ -55,6 +56,15 @@ struct pen_pinhole {
     struct pen_vec3 eye; /* local frame */
     struct pen_vec3 middle, dx, dy;
     double half_width, half_height;
+};
+
+/* A thin lens around a pinhole: a ray starts at eye + a right + b up, with (a, b) on the unit disk,
+ * and goes in direction focus * d - (a right + b up), d being the pinhole's ray: all rays to one
+ * point of the image meet in the plane in focus. */
+struct pen_lens {
+    bool open;                 /* the aperture's radius is above 0; else there is no lens */
+    struct pen_vec3 right, up; /* as long as the radius; local frame */
+    double focus;
 };
 
 struct pen_scene_view {
@@ -114,10 +124,18 @@ int pen_scene_find_view(const struct pen_scene *scene, const char *name);
 struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, int width,
                                      int height);
 
-/* The effects that a render with these settings simulates. */
-unsigned pen_scene_effects(const struct pen_scene *scene, const struct pen_settings *settings);
+/* The lens around that pinhole. */
+struct pen_lens pen_scene_lens(const struct pen_scene *scene, int view,
+                               const struct pen_pinhole *pinhole);
 
-/* The same for a description: equal to pen_scene_effects of the scene frozen from it. */
+/* The camera rays of a pixel. */
+int pen_camera_samples(bool lens, const struct pen_settings *settings);
+
+/* The effects that a render of one view with these settings simulates. */
+unsigned pen_scene_effects(const struct pen_scene *scene, int view,
+                           const struct pen_settings *settings);
+
+/* The effects of all views together. */
 unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings);
 
 /* Whether paths fork: some primitive's material both reflects and transmits. */

@@ -37,6 +37,7 @@ struct pen_kernel_input {
     const struct pen_scene *scene;
     const struct pen_settings *settings;
     struct pen_pinhole pinhole;
+    struct pen_lens lens;
     unsigned effects;
     const struct pen_trace_ops *trace;
 };
@@ -52,11 +53,18 @@ void pen_kernel_scratch_free(struct pen_kernel_scratch *scratch);
 typedef void pen_kernel_fn(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
                            int x, int y, double rgb[3], struct pen_ray_counts *counts);
 
-/* One sample of a pixel, at a point of the image: its radiance. The pixel is that of the scratch
- * memory's sampling key. */
+/* Where a camera ray passes the image, in pixels from the top left corner, and the lens, in
+ * coordinates on the unit disk. */
+struct pen_camera_point {
+    double x, y;
+    struct pen_point2 lens; /* 0 for a pinhole */
+};
+
+/* One sample of a pixel: its radiance. The pixel is that of the scratch memory's sampling key. */
 typedef struct pen_vec3 pen_kernel_sample_fn(const struct pen_kernel_input *input,
                                              struct pen_kernel_scratch *scratch,
-                                             struct pen_point2 at, struct pen_ray_counts *counts);
+                                             struct pen_camera_point at,
+                                             struct pen_ray_counts *counts);
 
 /* A block of pixels, rect.width and rect.height at most PEN_BLOCK_SIDE, row by row: the same. */
 enum { PEN_BLOCK_SIDE = 8 };

@@ -10,9 +10,9 @@
     {                                                                                              \
         kernel_pixel(input, scratch, x, y, rgb, counts, pen_sample_##identifier, mask);            \
     }                                                                                              \
-    struct pen_vec3 pen_sample_##identifier(const struct pen_kernel_input *input,                  \
-                                            struct pen_kernel_scratch *scratch,                    \
-                                            struct pen_point2 at, struct pen_ray_counts *counts)   \
+    struct pen_vec3 pen_sample_##identifier(                                                       \
+        const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,                  \
+        struct pen_camera_point at, struct pen_ray_counts *counts)                                 \
     {                                                                                              \
         return trace_paths(input, scratch, at, counts, mask);                                      \
     }

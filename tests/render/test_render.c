@@ -211,7 +211,7 @@ START_TEST(test_render__statistics)
         ck_assert_double_le(sum, stats.render_ms * stats.threads * 1.0001);
         ck_assert_double_gt(stats.cpu_ms, 0);
         ck_assert_str_eq(stats.kernel, pen_kernel_select(stats.effects, pen_cpu_isa())->name);
-        ck_assert_uint_eq(stats.effects, pen_scene_effects(scene, &kit.settings));
+        ck_assert_uint_eq(stats.effects, pen_scene_effects(scene, 0, &kit.settings));
         free(stats.tile_ms);
     }
     kit.settings.tile = 1000;

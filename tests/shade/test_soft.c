@@ -313,7 +313,7 @@ START_TEST(test_soft__h124_radius_zero_is_a_hard_shadow)
     for (uint32_t i = 0; i < kit.desc.light_count; i++)
         kit.lights[i].radius = kit.lights[i].angular_radius = 0;
     struct pen_scene *scene = kit_freeze(&kit);
-    ck_assert_uint_eq(pen_scene_effects(scene, &kit.settings) & PEN_FX_SOFT_SHADOWS, 0);
+    ck_assert_uint_eq(pen_scene_effects(scene, 0, &kit.settings) & PEN_FX_SOFT_SHADOWS, 0);
     int pixels = kit.settings.width * kit.settings.height;
     float *hard = kit_film(scene, &kit.settings, 1);
     pen_scene_free(scene);

@@ -248,8 +248,6 @@ void kit_medley(struct kit *kit)
     kit->settings.width = 40;
     kit->settings.height = 30;
     kit->desc.background = pen_vec3(0.05, 0.1, 0.25);
-    kit->desc.has_sky = true;
-    kit->desc.sky = (struct pen_sky){{0.1, 0.2, 0.6}, {0.05, 0.04, 0.03}, {0.125, 1, 0}};
     kit->desc.ambient = pen_vec3(0.05, 0.04, 0.03);
     kit->view.camera.position = pen_vec3(0.5, 2.25, 9);
     kit->view.camera.direction = pen_vec3(0, -0.25, -1);

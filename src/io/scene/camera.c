@@ -19,8 +19,7 @@ const struct pen_field pen_camera_fields[] = {
     {"fov_degrees", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_camera_desc, fov_degrees),
      .range = &fov_range},
     {"aperture_radius", PEN_FIELD_NUMBER,
-     .offset = offsetof(struct pen_camera_desc, aperture_radius), .range = &pen_range_not_negative,
-     .unsupported = "a lens, that is, an aperture radius above 0"},
+     .offset = offsetof(struct pen_camera_desc, aperture_radius), .range = &pen_range_not_negative},
     {"focus_distance", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_camera_desc, focus_distance),
      .range = &pen_range_positive},
     {"transforms", .type = PEN_FIELD_OTHER},
@@ -135,6 +134,16 @@ static bool refuse_both(struct pen_reader *r, const struct pen_place *at, const 
                            pen_reader_name(r, at, first).text, pen_reader_name(r, at, second).text);
 }
 
+static bool check_lens(struct pen_reader *r, const struct pen_place *at,
+                       const struct pen_camera_desc *camera)
+{
+    if (camera->aperture_radius <= 0 || camera->focus_distance > 0)
+        return true;
+    return pen_reader_fail(r, at, PEN_INVALID, "missing %s, which a camera with %s above 0 needs",
+                           pen_reader_name(r, at, "focus_distance").text,
+                           pen_reader_name(r, at, "aperture_radius").text);
+}
+
 /* Reports a camera that has no valid frame, at the wrong key if this object has it; a view may lack
  * it, because it overrides only some keys. */
 static bool check_frame(struct pen_reader *r, const struct pen_place *at, const json_t *json,
@@ -182,7 +191,7 @@ bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const jso
     if (json_is_object(json) && !json_object_get(json, "look_at") &&
         !json_object_get(json, "direction"))
         ok = pen_reader_missing(r, at, "look_at", "direction");
-    return ok && check_frame(r, at, json, camera);
+    return ok && check_lens(r, at, camera) && check_frame(r, at, json, camera);
 }
 
 bool pen_camera_override(struct pen_reader *r, const struct pen_place *at, const json_t *json,
@@ -190,5 +199,5 @@ bool pen_camera_override(struct pen_reader *r, const struct pen_place *at, const
 {
     bool ok = pen_fields_read(r, at, json, pen_camera_fields, camera);
     ok &= read_others(r, at, json, camera);
-    return ok && (!check || check_frame(r, at, json, camera));
+    return ok && (!check || (check_lens(r, at, camera) && check_frame(r, at, json, camera)));
 }

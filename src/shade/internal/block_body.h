@@ -9,6 +9,8 @@
 #ifndef PEN_SHADE_INTERNAL_BLOCK_BODY_H
 #define PEN_SHADE_INTERNAL_BLOCK_BODY_H
 
+#include <string.h>
+
 #include "shade/internal/block_wave.h"
 #include "shade/internal/pixel_sample.h"
 
@@ -43,11 +45,26 @@ static ALWAYS_INLINE void block_begin_packet(struct pen_block_scratch *b)
     }
 }
 
+/* The camera rays of the LANES pixels from the first one on. */
+static ALWAYS_INLINE lane_mask block_rays_of(const struct pen_kernel_input *input,
+                                             const struct block_points *at, int first,
+                                             struct lanes_ray *rays, const unsigned fx)
+{
+    struct lanes_camera_point point = {.x = lanes_load(at->x + first),
+                                       .y = lanes_load(at->y + first)};
+    if (has_lens(input, fx)) {
+        point.lens_x = lanes_load(at->lens_x + first);
+        point.lens_y = lanes_load(at->lens_y + first);
+    }
+    return camera_rays(input, &point, rays, fx);
+}
+
 /* The camera rays through points of the block's pixels. The first paths of the pool are theirs, in
  * whole groups of LANES. */
 static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input,
                                             struct pen_block_scratch *b,
-                                            const struct block_points *at, int pixels)
+                                            const struct block_points *at, int pixels,
+                                            const unsigned fx)
 {
     b->count = b->record_count = 0;
     b->transmitted.count = b->reflected.count = b->unused.count = 0;
@@ -58,8 +75,7 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
         struct lanes_ray rays;
         for (int i = 0; i < LANES; i++)
             ray[i] = &b->pool[first + i].path.ray;
-        const unsigned made = lane_mask_bits(camera_rays(&input->pinhole, lanes_load(at->x + first),
-                                                         lanes_load(at->y + first), &rays));
+        const unsigned made = lane_mask_bits(block_rays_of(input, at, first, &rays, fx));
         lanes_ray_put(&rays, ray);
         lanes_ray_array_put(&rays, &b->packet.rays, first);
         for (int i = first; i < first + LANES && i < pixels; i++) {
@@ -90,7 +106,7 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
         b->counts[i] = none;
         b->surfaces[i] = 0;
     }
-    block_camera_rays(input, b, at, pixels);
+    block_camera_rays(input, b, at, pixels, fx);
     block_wave(input, scratch, b, fx);
     while (b->transmitted.count > 0 || b->reflected.count > 0) {
         block_take(b, b->transmitted.count > 0 ? &b->transmitted : &b->reflected);
@@ -101,7 +117,10 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
         if (b->deferred >> i & 1) {
             scratch->key.x = (uint32_t)b->x[i];
             scratch->key.y = (uint32_t)b->y[i];
-            c[i] = alone(input, scratch, (struct pen_point2){at->x[i], at->y[i]}, counts);
+            struct pen_camera_point point = {.x = at->x[i], .y = at->y[i]};
+            if (has_lens(input, fx))
+                point.lens = (struct pen_point2){at->lens_x[i], at->lens_y[i]};
+            c[i] = alone(input, scratch, point, counts);
             continue;
         }
         const struct pen_vec3 zero = {0, 0, 0};
@@ -134,36 +153,57 @@ static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rec
     return pixels;
 }
 
+/* Sets all points, also those beyond the last pixel, since whole groups of LANES are computed. */
+static ALWAYS_INLINE void block_no_points(const struct pen_kernel_input *input,
+                                          struct block_points *at, const unsigned fx)
+{
+    memset(at->x, 0, sizeof at->x);
+    memset(at->y, 0, sizeof at->y);
+    if (has_lens(input, fx)) {
+        memset(at->lens_x, 0, sizeof at->lens_x);
+        memset(at->lens_y, 0, sizeof at->lens_y);
+    }
+}
+
+static ALWAYS_INLINE void block_set_point(struct block_points *at, int i,
+                                          struct pen_camera_point point, bool lens)
+{
+    at->x[i] = point.x;
+    at->y[i] = point.y;
+    if (lens) {
+        at->lens_x[i] = point.lens.x;
+        at->lens_y[i] = point.lens.y;
+    }
+}
+
 /* The pixels of a block, as kernel_pixel; `alone` is the pixel kernel of the same effects. */
 static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, struct pen_rect rect,
                                        double (*rgb)[3], struct pen_ray_counts *counts,
                                        pen_kernel_sample_fn *alone, const unsigned fx)
 {
-    const int samples = fx & PEN_FX_ANTI_ALIASING ? input->settings->samples_per_pixel : 1;
     struct pen_block_scratch *b = scratch->block;
     const int pixels = block_order(b, rect);
     struct pen_vec3 sum[BLOCK_PIXELS], c[BLOCK_PIXELS];
-    struct block_points at = {{0}, {0}};
+    struct block_points at;
     int kept[BLOCK_PIXELS];
-    uint64_t hash[BLOCK_PIXELS];
-    struct pen_sample_key key = {.seed = input->settings->seed, .purpose = PEN_PURPOSE_PIXEL};
+    struct pixel_scrambling scrambling[BLOCK_PIXELS];
+    const int samples = pixel_samples(input, fx);
+    block_no_points(input, &at, fx);
     for (int i = 0; i < pixels; i++) {
-        key.x = (uint32_t)b->x[i];
-        key.y = (uint32_t)b->y[i];
-        hash[i] = samples > 1 ? pen_sample_hash(&key) : 0;
+        scrambling[i] = pixel_scrambling(input, samples, b->x[i], b->y[i], fx);
         sum[i] = pen_vec3(0, 0, 0);
         kept[i] = 0;
     }
-    if (fx & PEN_FX_SOFT_SHADOWS) {
-        scratch->key = key;
-        scratch->key.purpose = PEN_PURPOSE_LIGHT;
-    }
+    if (fx & PEN_FX_SOFT_SHADOWS)
+        scratch->key =
+            (struct pen_sample_key){.seed = input->settings->seed, .purpose = PEN_PURPOSE_LIGHT};
     for (int k = 0; k < samples; k++) {
         for (int i = 0; i < pixels; i++) {
-            const struct pen_point2 point = pixel_point(hash[i], k, samples);
-            at.x[i] = point.x + b->x[i];
-            at.y[i] = point.y + b->y[i];
+            struct pen_camera_point point = camera_point(input, &scrambling[i], samples, k, fx);
+            point.x += b->x[i];
+            point.y += b->y[i];
+            block_set_point(&at, i, point, has_lens(input, fx));
         }
         counts->primary += (uint64_t)pixels;
         if (fx & PEN_FX_SOFT_SHADOWS)

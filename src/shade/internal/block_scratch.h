@@ -52,9 +52,10 @@ struct block_stack {
     uint16_t path[BLOCK_PATHS];
 };
 
-/* Points of the image, one for each pixel of a block. */
+/* Points of the image and the lens, one for each pixel of a block. */
 struct block_points {
     double x[BLOCK_PIXELS], y[BLOCK_PIXELS];
+    double lens_x[BLOCK_PIXELS], lens_y[BLOCK_PIXELS]; /* set where there is a lens */
 };
 
 /* The working memory of a block: pen_kernel_scratch owns one. Its size is that of the instruction

@@ -89,7 +89,7 @@ static ALWAYS_INLINE bool path_nearest(const struct pen_kernel_input *input,
 /* The radiance that arrives along the camera ray through a point of the image. */
 static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
-                                                 struct pen_point2 at,
+                                                 struct pen_camera_point at,
                                                  struct pen_ray_counts *counts, const unsigned fx)
 {
     const struct pen_scene *scene = input->scene;
@@ -97,7 +97,8 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     struct path path;
     struct pen_ray *const ray = &path.ray;
     struct lanes_ray rays;
-    if (!lane_mask_bits(camera_rays(&input->pinhole, at.x, at.y, &rays)))
+    const struct lanes_camera_point point = {at.x, at.y, at.lens.x, at.lens.y};
+    if (!lane_mask_bits(camera_rays(input, &point, &rays, fx)))
         return no_sample();
     lanes_ray_put(&rays, &ray);
     path.origin = pen_origin_none;
@@ -157,20 +158,17 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
                                        double rgb[3], struct pen_ray_counts *counts,
                                        pen_kernel_sample_fn *sample, const unsigned fx)
 {
-    int samples = fx & PEN_FX_ANTI_ALIASING ? input->settings->samples_per_pixel : 1;
-    const struct pen_sample_key key = {.seed = input->settings->seed,
-                                       .x = (uint32_t)x,
-                                       .y = (uint32_t)y,
-                                       .purpose = PEN_PURPOSE_PIXEL};
-    uint64_t hash = samples > 1 ? pen_sample_hash(&key) : 0;
-    if (fx & PEN_FX_SOFT_SHADOWS) {
-        scratch->key = key;
-        scratch->key.purpose = PEN_PURPOSE_LIGHT;
-    }
+    const int samples = pixel_samples(input, fx);
+    const struct pixel_scrambling scrambling = pixel_scrambling(input, samples, x, y, fx);
+    if (fx & PEN_FX_SOFT_SHADOWS)
+        scratch->key = (struct pen_sample_key){.seed = input->settings->seed,
+                                               .x = (uint32_t)x,
+                                               .y = (uint32_t)y,
+                                               .purpose = PEN_PURPOSE_LIGHT};
     struct pen_vec3 sum = {0, 0, 0};
     int kept = 0;
     for (int i = 0; i < samples; i++) {
-        struct pen_point2 at = pixel_point(hash, i, samples);
+        struct pen_camera_point at = camera_point(input, &scrambling, samples, i, fx);
         at.x += x;
         at.y += y;
         counts->primary++;

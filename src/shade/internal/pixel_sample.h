@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The samples of a pixel: where they are, their camera rays, and which values the film holds. */
+/* The samples of a pixel: where they are on the image and on the lens, their camera rays, and which
+ * values the film holds. */
 #ifndef PEN_SHADE_INTERNAL_PIXEL_SAMPLE_H
 #define PEN_SHADE_INTERNAL_PIXEL_SAMPLE_H
 
@@ -8,21 +9,74 @@
 #include "geom/ray_lanes.h"
 #include "shade/internal/surface.h"
 
-/* Point i of a pixel's samples: the centre if it has one sample only. */
-static ALWAYS_INLINE struct pen_point2 pixel_point(uint64_t hash, int i, int samples)
+/* The scramblings of a pixel's sampled points. */
+struct pixel_scrambling {
+    uint64_t image, lens;
+};
+
+/* Whether camera rays start on a lens. A kernel that has lenses takes a pinhole as one. */
+static ALWAYS_INLINE bool has_lens(const struct pen_kernel_input *input, const unsigned fx)
 {
-    return samples > 1 ? pen_sobol2(hash, (uint32_t)i) : (struct pen_point2){0.5, 0.5};
+    return (fx & PEN_FX_DEPTH_OF_FIELD) && input->lens.open;
 }
 
-/* The camera rays through points of the image. Returns the lanes that have one. */
-static ALWAYS_INLINE lane_mask camera_rays(const struct pen_pinhole *pinhole, lanes x, lanes y,
-                                           struct lanes_ray *rays)
+/* The camera rays of each pixel. */
+static ALWAYS_INLINE int pixel_samples(const struct pen_kernel_input *input, const unsigned fx)
 {
-    const struct lanes3 middle = lanes3_splat(pinhole->middle);
-    const struct lanes3 d =
-        lanes3_along(middle, lanes3_splat(pinhole->dx), x - pinhole->half_width);
-    return lanes_ray_of(rays, lanes3_splat(pinhole->eye),
-                        lanes3_along(d, lanes3_splat(pinhole->dy), y - pinhole->half_height));
+    return fx & PEN_FX_ANTI_ALIASING ? pen_camera_samples(has_lens(input, fx), input->settings) : 1;
+}
+
+static ALWAYS_INLINE struct pixel_scrambling
+pixel_scrambling(const struct pen_kernel_input *input, int samples, int x, int y, const unsigned fx)
+{
+    struct pen_sample_key key = {.seed = input->settings->seed,
+                                 .x = (uint32_t)x,
+                                 .y = (uint32_t)y,
+                                 .purpose = PEN_PURPOSE_PIXEL};
+    struct pixel_scrambling s = {0, 0};
+    if (samples > 1)
+        s.image = pen_sample_hash(&key);
+    key.purpose = PEN_PURPOSE_LENS;
+    if (has_lens(input, fx))
+        s.lens = pen_sample_hash(&key);
+    return s;
+}
+
+/* Point i of a pixel's samples, from its top left corner: the pixel's centre if it has one sample
+ * only. */
+static ALWAYS_INLINE struct pen_camera_point camera_point(const struct pen_kernel_input *input,
+                                                          const struct pixel_scrambling *s,
+                                                          int samples, int i, const unsigned fx)
+{
+    const struct pen_point2 centre = {0.5, 0.5};
+    const struct pen_point2 at = samples > 1 ? pen_sobol2(s->image, (uint32_t)i) : centre;
+    struct pen_camera_point point = {.x = at.x, .y = at.y};
+    if (has_lens(input, fx))
+        point.lens = pen_disk_of_square(pen_sobol2(s->lens, (uint32_t)i));
+    return point;
+}
+
+/* Points of the image and the lens, LANES at a time. */
+struct lanes_camera_point {
+    lanes x, y, lens_x, lens_y;
+};
+
+/* The camera rays through points. Returns the lanes that have one. */
+static ALWAYS_INLINE lane_mask camera_rays(const struct pen_kernel_input *input,
+                                           const struct lanes_camera_point *at,
+                                           struct lanes_ray *rays, const unsigned fx)
+{
+    const struct pen_pinhole *pinhole = &input->pinhole;
+    const struct lanes3 eye = lanes3_splat(pinhole->eye);
+    struct lanes3 d = lanes3_along(lanes3_splat(pinhole->middle), lanes3_splat(pinhole->dx),
+                                   at->x - pinhole->half_width);
+    d = lanes3_along(d, lanes3_splat(pinhole->dy), at->y - pinhole->half_height);
+    if (!has_lens(input, fx))
+        return lanes_ray_of(rays, eye, d);
+    const struct lanes3 right = lanes3_scale(lanes3_splat(input->lens.right), at->lens_x);
+    const struct lanes3 aside = lanes3_along(right, lanes3_splat(input->lens.up), at->lens_y);
+    d = lanes3_sub(lanes3_scale(d, lanes_splat(input->lens.focus)), aside);
+    return lanes_ray_of(rays, lanes3_add(eye, aside), d);
 }
 
 static ALWAYS_INLINE bool fits_film(struct pen_vec3 c)
