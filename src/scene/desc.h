@@ -6,6 +6,7 @@
 #define PEN_SCENE_DESC_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/arena.h"
@@ -14,11 +15,37 @@
 #include "math/transform.h"
 #include "scene/settings.h"
 
+/* A colour that depends on the place, in the object's own coordinates: those of the document before
+ * the transforms of the groups around it. */
+struct pen_pattern {
+    bool checker; /* cells of edge `size` in turn a and b; else a gradient from a to b */
+    struct pen_vec3 a, b;
+    double size;
+    struct pen_vec3 from, to;
+};
+
+/* The colours of a material, in the order of its members. */
+enum { PEN_MATERIAL_COLOURS = 6 };
+
+/* The patterns of a material's colours; NULL where a colour has none. */
+struct pen_patterns {
+    const struct pen_pattern *of[PEN_MATERIAL_COLOURS];
+};
+
 struct pen_material {
-    struct pen_vec3 emission, ka, kd, ks, kt, kr; /* RGB */
+    struct pen_vec3 emission, ka, kd, ks, kt, kr; /* RGB; of a pattern, the mean of its two */
     double shininess, ior;
     double reflection_blur, transmission_blur; /* degrees */
+    const struct pen_patterns *patterns;       /* NULL: none */
 };
+_Static_assert(offsetof(struct pen_material, kr) == 5 * sizeof(struct pen_vec3),
+               "the colours are an array of PEN_MATERIAL_COLOURS");
+
+/* A colour of a material by its number. */
+static inline struct pen_vec3 *pen_material_colour(struct pen_material *m, int colour)
+{
+    return (struct pen_vec3 *)((char *)m + (size_t)colour * sizeof(struct pen_vec3));
+}
 
 /* emission 0, ka 1, kd ks kt kr 0, shininess 1, ior 1, no blur: black without ambient light. */
 struct pen_material pen_material_default(void);

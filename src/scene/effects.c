@@ -6,8 +6,7 @@
 
 #include "scene/internal/vec.h"
 
-_Static_assert(PEN_FX_DEPTH_OF_FIELD == 1 << (PEN_FX_COUNT - 1),
-               "the last effect has the last bit");
+_Static_assert(PEN_FX_PATTERNS == 1 << (PEN_FX_COUNT - 1), "the last effect has the last bit");
 
 const char *pen_effect_name(int bit)
 {
@@ -34,6 +33,8 @@ const char *pen_effect_name(int bit)
         return "sky";
     case PEN_FX_DEPTH_OF_FIELD:
         return "depth_of_field";
+    case PEN_FX_PATTERNS:
+        return "patterns";
     }
     return "unknown";
 }
@@ -72,6 +73,8 @@ static void add_material(struct survey *survey, const struct pen_material *m)
         survey->effects |= PEN_FX_SPECULAR;
     if (color_is_lit(m->kd) || color_is_lit(m->ks))
         survey->effects |= survey->shadows;
+    if (m->patterns)
+        survey->effects |= PEN_FX_PATTERNS;
     survey->see_through = survey->see_through || color_is_lit(m->kt);
     survey->forks = survey->forks || (color_is_lit(m->kt) && color_is_lit(m->kr));
 }

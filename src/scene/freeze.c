@@ -83,6 +83,25 @@ static bool freeze_frame(struct pen_freezer *f)
     return true;
 }
 
+/* Copies the patterns of a material into the scene's arena. */
+static bool keep_patterns(struct pen_freezer *f, struct pen_material *material)
+{
+    struct pen_patterns *kept = pen_arena_alloc(f->scene->arena, 1, sizeof *kept);
+    if (!kept)
+        return false;
+    for (int i = 0; i < PEN_MATERIAL_COLOURS; i++) {
+        const struct pen_pattern *from = material->patterns->of[i];
+        struct pen_pattern *to = from ? pen_arena_alloc(f->scene->arena, 1, sizeof *to) : NULL;
+        if (from && !to)
+            return false;
+        if (from)
+            *to = *from;
+        kept->of[i] = to;
+    }
+    material->patterns = kept;
+    return true;
+}
+
 /* Copies the materials and appends the default one, for primitives without a material. */
 static bool freeze_materials(struct pen_freezer *f)
 {
@@ -94,6 +113,9 @@ static bool freeze_materials(struct pen_freezer *f)
     if (count > 0)
         memcpy(materials, f->desc->materials, count * sizeof *materials);
     materials[count] = pen_material_default();
+    for (uint32_t i = 0; i < count; i++)
+        if (materials[i].patterns && !keep_patterns(f, &materials[i]))
+            return pen_freeze_no_memory(f);
     f->scene->materials = materials;
     f->scene->material_count = count + 1;
     return true;
@@ -176,7 +198,7 @@ static bool freeze_all(struct pen_freezer *f)
     freeze_background(f);
     f->scene->ambient = f->desc->ambient;
     if (!freeze_views(f) || !freeze_frame(f) || !freeze_materials(f) || !freeze_lights(f) ||
-        !pen_freeze_prims(f) || !pen_freeze_layers(f))
+        !pen_freeze_prims(f) || !pen_freeze_own_spaces(f) || !pen_freeze_layers(f))
         return false;
     f->scene->effects = pen_effects_of_scene(f->scene);
     return true;

@@ -29,9 +29,10 @@ enum pen_effect {
     PEN_FX_ANTI_ALIASING = 1 << 6,
     PEN_FX_SPECULAR = 1 << 7,
     PEN_FX_SKY = 1 << 8,
-    PEN_FX_DEPTH_OF_FIELD = 1 << 9
+    PEN_FX_DEPTH_OF_FIELD = 1 << 9,
+    PEN_FX_PATTERNS = 1 << 10
 };
-enum { PEN_FX_COUNT = 10 };
+enum { PEN_FX_COUNT = 11 };
 
 /* The effect's name in the API ("hard_shadows") by bit number. */
 const char *pen_effect_name(int bit);
@@ -79,6 +80,13 @@ struct pen_layer_place {
     uint32_t partner;
 };
 
+/* The map from the local frame to an object's own coordinates. Coordinate i of a point that is
+ * known to `bound` is known to reach[i] * bound + rounding[i]. */
+struct pen_own_space {
+    struct pen_transform from_local;
+    double reach[3], rounding[3];
+};
+
 struct pen_scene {
     struct pen_arena *arena;
     struct pen_vec3 center; /* origin of the local frame, scene units */
@@ -96,6 +104,9 @@ struct pen_scene {
     const struct pen_layer_place *layer_place;
     const struct pen_material *materials;
     uint32_t material_count;
+    const uint32_t *prim_space; /* by primitive number, index into own_spaces; NULL: no patterns */
+    const struct pen_own_space *own_spaces;
+    bool patterned_glass;           /* the kt of some primitive is a pattern */
     const struct pen_light *lights; /* those with intensity > 0 in some channel, in order */
     const uint32_t *light_index;    /* their indices in the document, part of the sampling key */
     uint32_t light_count;

@@ -87,6 +87,7 @@ bool pen_scene_prim_make(const struct pen_desc_iter_item *item, struct pen_vec3 
     struct pen_prim_source *from = &scene_prim->from;
     *scene_prim = (struct pen_scene_prim){.kind = (enum pen_prim_kind)object->kind,
                                           .material = object->material,
+                                          .moved_by = item->moved ? item->transform : NULL,
                                           .from = source_of(object)};
     if (!item->moved)
         return true;

@@ -17,7 +17,7 @@ struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const stru
         interval.after = hit;
         if (query->to_point && pen_prim_ends_ray(&scene->prims, hit, ray, query->tmax, light))
             continue;
-        t = shadow_filter(scene, hit.prim, t);
+        t = shadow_filter_at(scene, ray, origin, hit, t, PEN_FX_PATTERNS);
     }
     return t;
 }

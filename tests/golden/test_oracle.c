@@ -110,9 +110,9 @@ static int differences(const char *name, const char *view, int width)
 
 START_TEST(test_oracle__agrees_on_primitives)
 {
-    static const char *const names[] = {"primitives", "transforms", "polygons-concave",
-                                        "crowd",      "infinite",   "far-from-origin",
-                                        "empty",      "cones",      "inside-cone"};
+    static const char *const names[] = {
+        "primitives", "transforms", "polygons-concave", "crowd", "infinite", "far-from-origin",
+        "empty",      "cones",      "inside-cone",      "sky"};
     int different = 0;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char name[128];

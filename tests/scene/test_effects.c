@@ -13,6 +13,9 @@ static struct pen_vec3 sometimes(struct random *random)
     return pen_vec3(random_below(random, 2) ? value : 0, value, 0);
 }
 
+/* A material with patterns, whichever colours they are of. */
+static const struct pen_patterns no_colour;
+
 static struct pen_material any_material(struct random *random)
 {
     struct pen_material m = pen_material_default();
@@ -21,6 +24,7 @@ static struct pen_material any_material(struct random *random)
     m.ks = sometimes(random);
     m.kt = sometimes(random);
     m.kr = sometimes(random);
+    m.patterns = random_below(random, 4) ? NULL : &no_colour;
     return m;
 }
 

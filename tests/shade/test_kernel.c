@@ -37,6 +37,11 @@ static struct pen_kernel_input input_of(const struct pen_scene *scene, enum pen_
     return input;
 }
 
+static const struct pen_pattern tiles = {true, {1, 0.5, 0.25}, {0, 0.25, 0.5},
+                                         0.75, {0, 0, 0},      {0, 0, 0}};
+static const struct pen_patterns tiled = {.of = {[2] = &tiles, [5] = &tiles}}; /* kd, kr */
+static const struct pen_patterns blind = {.of = {[4] = &tiles}};               /* kt */
+
 /* The medley with every effect but anti-aliasing. */
 static void medley(void)
 {
@@ -46,6 +51,8 @@ static void medley(void)
     kit.view.camera.aperture_radius = 0.125;
     kit.view.camera.focus_distance = 8;
     kit.settings.lens_samples = 1;
+    kit.materials[0].patterns = kit.materials[3].patterns = &tiled;
+    kit.materials[2].patterns = &blind;
 }
 
 /* The whole image by one kernel: 3 doubles per pixel. */
@@ -109,6 +116,9 @@ static void leave_out(unsigned effects)
             kit.lights[i].radius = kit.lights[i].angular_radius = 0;
         }
     for (uint32_t i = 0; i < kit.desc.material_count; i++) {
+        if (effects & (PEN_FX_PATTERNS |
+                       (kit.materials[i].patterns == &tiled ? PEN_FX_MIRROR : PEN_FX_TRANSMISSION)))
+            kit.materials[i].patterns = NULL;
         if (effects & PEN_FX_MIRROR)
             kit.materials[i].kr = pen_vec3(0, 0, 0);
         if (effects & PEN_FX_TRANSMISSION)
@@ -228,6 +238,7 @@ START_TEST(test_kernel__effects_follow_the_scene)
     ck_assert_uint_eq(effects_of_medley(PEN_FX_SKY), all & ~(unsigned)PEN_FX_SKY);
     ck_assert_uint_eq(effects_of_medley(PEN_FX_DEPTH_OF_FIELD),
                       all & ~(unsigned)PEN_FX_DEPTH_OF_FIELD);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_PATTERNS), all & ~(unsigned)PEN_FX_PATTERNS);
     ck_assert_uint_eq(effects_of_medley(PEN_FX_TRANSMISSION),
                       all & ~(unsigned)(PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE));
     ck_assert_uint_eq(effects_of_medley(PEN_FX_HARD_SHADOWS), all & ~(unsigned)PEN_FX_HARD_SHADOWS);

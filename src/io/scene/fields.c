@@ -46,8 +46,16 @@ static bool read_field(struct pen_reader *r, const struct pen_place *at, const j
         return pen_read_word(r, at, value, field->words, out);
     case PEN_FIELD_STRING:
         return pen_read_string(r, at, value, out);
+    case PEN_FIELD_COLOUR_OR_PATTERN:
+        if (json_is_object(value))
+            return true;
+        return pen_read_vec3(r, at, value, &pen_range_not_negative, out);
     case PEN_FIELD_COLOUR:
         return pen_read_vec3(r, at, value, &pen_range_not_negative, out);
+    case PEN_FIELD_FACTOR_OR_PATTERN:
+        if (json_is_object(value))
+            return true;
+        return pen_read_factor(r, at, value, out);
     case PEN_FIELD_FACTOR:
         return pen_read_factor(r, at, value, out);
     case PEN_FIELD_POINT:

@@ -9,14 +9,14 @@
 static const struct pen_range blur_range = {0, 90, false, true};
 
 const struct pen_field pen_material_fields[] = {
-    {"emission", PEN_FIELD_COLOUR, .offset = offsetof(struct pen_material, emission)},
-    {"ka", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, ka)},
-    {"kd", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kd)},
-    {"ks", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, ks)},
+    {"emission", PEN_FIELD_COLOUR_OR_PATTERN, .offset = offsetof(struct pen_material, emission)},
+    {"ka", PEN_FIELD_FACTOR_OR_PATTERN, .offset = offsetof(struct pen_material, ka)},
+    {"kd", PEN_FIELD_FACTOR_OR_PATTERN, .offset = offsetof(struct pen_material, kd)},
+    {"ks", PEN_FIELD_FACTOR_OR_PATTERN, .offset = offsetof(struct pen_material, ks)},
     {"shininess", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, shininess),
      .range = &pen_range_not_negative},
-    {"kt", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kt)},
-    {"kr", PEN_FIELD_FACTOR, .offset = offsetof(struct pen_material, kr)},
+    {"kt", PEN_FIELD_FACTOR_OR_PATTERN, .offset = offsetof(struct pen_material, kt)},
+    {"kr", PEN_FIELD_FACTOR_OR_PATTERN, .offset = offsetof(struct pen_material, kr)},
     {"ior", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, ior),
      .range = &pen_range_positive, .unsupported = "refraction, that is, an index other than 1",
      .off = 1},
@@ -31,7 +31,8 @@ static bool read_material(struct pen_reader *r, const struct pen_place *at, cons
                           struct pen_material *material)
 {
     *material = pen_material_default();
-    return pen_fields_read(r, at, json, pen_material_fields, material);
+    return pen_fields_read(r, at, json, pen_material_fields, material) &
+           pen_patterns_read(r, at, json, material);
 }
 
 static int compare_names(const void *a, const void *b)

@@ -113,13 +113,15 @@ extern const struct pen_range pen_range_count;        /* 1 to INT_MAX */
 enum pen_field_type {
     PEN_FIELD_OTHER, /* a known key that code reads, not the table */
     PEN_FIELD_NUMBER,
-    PEN_FIELD_INTEGER,     /* int */
-    PEN_FIELD_SEED,        /* uint64_t */
-    PEN_FIELD_BOOL,        /* bool */
-    PEN_FIELD_WORD,        /* int, one of `words` */
-    PEN_FIELD_STRING,      /* const char *, copied into the arena */
-    PEN_FIELD_COLOUR,      /* struct pen_vec3, each >= 0 */
-    PEN_FIELD_FACTOR,      /* struct pen_vec3 from a number or a triple, each in 0 to 1 */
+    PEN_FIELD_INTEGER,           /* int */
+    PEN_FIELD_SEED,              /* uint64_t */
+    PEN_FIELD_BOOL,              /* bool */
+    PEN_FIELD_WORD,              /* int, one of `words` */
+    PEN_FIELD_STRING,            /* const char *, copied into the arena */
+    PEN_FIELD_COLOUR,            /* struct pen_vec3, each >= 0 */
+    PEN_FIELD_FACTOR,            /* struct pen_vec3 from a number or a triple, each in 0 to 1 */
+    PEN_FIELD_COLOUR_OR_PATTERN, /* the same, unless it is an object, which code reads */
+    PEN_FIELD_FACTOR_OR_PATTERN,
     PEN_FIELD_POINT,       /* struct pen_vec3 */
     PEN_FIELD_DIRECTION,   /* struct pen_vec3, not zero */
     PEN_FIELD_COEFFICIENTS /* double[3], each >= 0, not all 0 */
@@ -210,6 +212,9 @@ bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const jso
 /* Replaces the keys that a view overrides in *camera; `check`: the result must be a valid frame. */
 bool pen_camera_override(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                          bool check, struct pen_camera_desc *camera);
+/* Reads the patterns of a material's colours, those that are objects. */
+bool pen_patterns_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                       struct pen_material *material);
 bool pen_materials_read(struct pen_reader *r, const struct pen_place *at, const json_t *json);
 /* Reads an object's `material`: a name, or an inline material, which is added to the materials. */
 bool pen_material_ref_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,

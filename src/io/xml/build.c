@@ -245,28 +245,15 @@ void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
     }
 }
 
-/* Reports that the object has a member with the element's key: from another such element, or from
- * the attribute of the object's own element. */
-static void refuse_member(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
-                          const json_t *old)
-{
-    if (frame->element->build == PEN_XML_MEMBER_OBJECT && !json_is_object(old))
-        pen_xml_error(b, frame->tag, PEN_INVALID,
-                      "<%s> excludes the attribute \"%s-color\", found both", frame->element->name,
-                      frame->element->key);
-    else
-        pen_xml_error(b, frame->tag, PEN_INVALID, "duplicate element <%s>: there is one already",
-                      frame->element->name);
-}
-
-/* Adds a member and takes ownership of the value. Reports a second one with the same key. Returns
- * the value, or NULL. */
+/* Adds a member and takes ownership of the value. Reports a second element with the same key.
+ * Returns the value, or NULL. */
 static json_t *add_member(struct pen_xml_builder *b, json_t *object, const char *key, json_t *value,
                           const struct pen_xml_frame *frame)
 {
     if (value && json_object_get(object, key)) {
         json_decref(value);
-        refuse_member(b, frame, json_object_get(object, key));
+        pen_xml_error(b, frame->tag, PEN_INVALID, "duplicate element <%s>: there is one already",
+                      frame->element->name);
         return NULL;
     }
     if (value && !pen_xml_reserve(b, member_bytes(key))) {
@@ -276,6 +263,40 @@ static json_t *add_member(struct pen_xml_builder *b, json_t *object, const char 
     bool done = value && json_object_set_new(object, key, value) == 0;
     pen_xml_require(b, done);
     return done ? value : NULL;
+}
+
+static json_t *new_object(struct pen_xml_builder *b)
+{
+    return pen_xml_reserve(b, OBJECT) ? json_object() : NULL;
+}
+
+/* The attribute of the parent's element whose value is where the element's object would be. */
+static const char *attribute_in_place(const struct pen_xml_frame *up,
+                                      const struct pen_xml_frame *frame,
+                                      struct pen_xml_row rows[PEN_XML_NAMES_MAX])
+{
+    size_t count = pen_xml_rows(up->element, rows);
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(rows[i].path, frame->element->key) == 0)
+            return rows[i].name;
+    return "material";
+}
+
+/* Adds an object at the path that is the element's key. Reports an attribute that has the same
+ * place, or one on the way, which is `material`. Returns the object, or NULL. */
+static json_t *add_object(struct pen_xml_builder *b, const struct pen_xml_frame *up,
+                          const struct pen_xml_frame *frame)
+{
+    struct pen_xml_row rows[PEN_XML_NAMES_MAX];
+    const char *step = frame->element->key;
+    json_t *at = descend(b, up->object, &step), *old = at ? json_object_get(at, step) : NULL;
+    if (b->stopped)
+        return NULL;
+    if (at && (!old || json_is_object(old)))
+        return add_member(b, at, step, new_object(b), frame);
+    pen_xml_error(b, frame->tag, PEN_INVALID, "<%s> excludes the attribute \"%s\", found both",
+                  frame->element->name, at ? attribute_in_place(up, frame, rows) : "material");
+    return NULL;
 }
 
 /* Adds an element to a list and takes ownership of the value. Returns the value, or NULL. */
@@ -301,11 +322,6 @@ static json_t *own_value(struct pen_xml_builder *b, const struct pen_xml_frame *
         return read_value(b, frame, &row, text);
     pen_xml_missing_attribute(b, frame, name);
     return json_null();
-}
-
-static json_t *new_object(struct pen_xml_builder *b)
-{
-    return pen_xml_reserve(b, OBJECT) ? json_object() : NULL;
 }
 
 static json_t *new_list(struct pen_xml_builder *b)
@@ -358,7 +374,7 @@ json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
     case PEN_XML_ROOT:
         return frame->object = b->document;
     case PEN_XML_MEMBER_OBJECT:
-        return frame->object = add_member(b, up->object, e->key, new_object(b), frame);
+        return frame->object = add_object(b, up, frame);
     case PEN_XML_MEMBER_LIST:
         return frame->list = add_member(b, up->object, e->key, new_list(b), frame);
     case PEN_XML_MEMBER_VALUE:

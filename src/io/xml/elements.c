@@ -76,8 +76,31 @@ static const struct pen_xml_element view = {"view", PEN_XML_ITEM, NULL, .fields 
                                             .children = view_children};
 static const struct pen_xml_element *const views_children[] = {&view, NULL};
 
-static const struct pen_xml_element material = {"material", PEN_XML_NAMED, NULL, .own = name_own,
-                                                .fields = pen_material_fields};
+/* Patterns in the place of a colour: of a material, and of a primitive's own material. */
+#define PATTERN(key, table)                                                                        \
+    static const struct pen_xml_element key##_pattern = {#key, PEN_XML_MEMBER_OBJECT, #key,        \
+                                                         .fields = table};                         \
+    static const struct pen_xml_element own_##key##_pattern = {#key, PEN_XML_MEMBER_OBJECT,        \
+                                                               "material/" #key, .fields = table};
+PATTERN(emission, pen_colour_pattern_fields)
+PATTERN(ka, pen_factor_pattern_fields)
+PATTERN(kd, pen_factor_pattern_fields)
+PATTERN(ks, pen_factor_pattern_fields)
+PATTERN(kt, pen_factor_pattern_fields)
+PATTERN(kr, pen_factor_pattern_fields)
+static const struct pen_xml_element *const patterns[] = {
+    &emission_pattern, &ka_pattern, &kd_pattern, &ks_pattern, &kt_pattern, &kr_pattern, NULL};
+static const struct pen_xml_element *const own_patterns[] = {&own_emission_pattern,
+                                                             &own_ka_pattern,
+                                                             &own_kd_pattern,
+                                                             &own_ks_pattern,
+                                                             &own_kt_pattern,
+                                                             &own_kr_pattern,
+                                                             NULL};
+
+static const struct pen_xml_element material = {
+    "material",          PEN_XML_NAMED, NULL, .own = name_own, .fields = pen_material_fields,
+    .children = patterns};
 static const struct pen_xml_element *const materials_children[] = {&material, NULL};
 
 static const struct pen_xml_element directional = {
@@ -98,7 +121,7 @@ static const struct pen_xml_element transform = {
 #define OBJECT_ELEMENT(kind, own_rows, own_fields)                                                 \
     {                                                                                              \
 #kind, PEN_XML_ITEM, #kind, .own = own_rows, .fields = own_fields,                         \
-                                    .material = pen_material_fields                                \
+                                    .material = pen_material_fields, .children = own_patterns      \
     }
 static const struct pen_xml_element sphere = OBJECT_ELEMENT(sphere, sphere_own, pen_sphere_fields);
 static const struct pen_xml_element polygon =
@@ -114,6 +137,7 @@ static const struct pen_xml_element triangle = {"triangle",
                                                 .own = triangle_own,
                                                 .fields = pen_polygon_fields,
                                                 .material = pen_material_fields,
+                                                .children = own_patterns,
                                                 .finish = PEN_XML_TRIANGLE};
 static const struct pen_xml_element plane = {"plane",
                                              PEN_XML_ITEM,
@@ -121,6 +145,7 @@ static const struct pen_xml_element plane = {"plane",
                                              .own = plane_own,
                                              .fields = pen_plane_fields,
                                              .material = pen_material_fields,
+                                             .children = own_patterns,
                                              .finish = PEN_XML_PLANE};
 static const struct pen_xml_element mesh = {
     .name = "mesh", .build = PEN_XML_UNSUPPORTED, .key = "the object type \"mesh\""};
@@ -185,8 +210,10 @@ static enum pen_xml_shape shape_of(enum pen_field_type type)
     case PEN_FIELD_STRING:
         return PEN_XML_TEXT;
     case PEN_FIELD_COLOUR:
+    case PEN_FIELD_COLOUR_OR_PATTERN:
         return PEN_XML_COLOUR;
     case PEN_FIELD_FACTOR:
+    case PEN_FIELD_FACTOR_OR_PATTERN:
         return PEN_XML_FACTOR;
     case PEN_FIELD_POINT:
     case PEN_FIELD_DIRECTION:

@@ -38,8 +38,8 @@ struct pen_xml_attribute {
 /* What an element becomes in JSON. */
 enum pen_xml_build {
     PEN_XML_ROOT,
-    PEN_XML_MEMBER_OBJECT, /* the member `key` of the parent's object, once */
-    PEN_XML_MEMBER_LIST,   /* the same, as a list */
+    PEN_XML_MEMBER_OBJECT, /* an object at the path `key` from the parent's object, once */
+    PEN_XML_MEMBER_LIST,   /* a list, the member `key` of the parent's object, once */
     PEN_XML_MEMBER_VALUE,  /* the same, as the value of its only attribute */
     PEN_XML_ITEM,          /* an object in the parent's list; `key` is its `type`, NULL: none */
     PEN_XML_ITEM_MEMBER,   /* an object in the parent's list that has one member, an object */

@@ -43,6 +43,9 @@ bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user
 /* Fills the typed arrays of the primitives; needs f->summary and f->frame. */
 bool pen_freeze_prims(struct pen_freezer *f);
 
+/* Makes the own coordinates of patterned primitives, in document order. */
+bool pen_freeze_own_spaces(struct pen_freezer *f);
+
 /* Finds where primitives may coincide: scene->layer_box; needs the typed arrays. */
 bool pen_freeze_layers(struct pen_freezer *f);
 

@@ -8,7 +8,8 @@
 
 struct pen_scene_prim {
     enum pen_prim_kind kind;
-    int material;                /* index, -1: default */
+    int material;                         /* index, -1: default */
+    const struct pen_transform *moved_by; /* to scene units; NULL: not moved */
     struct pen_prim_source from; /* its vertices are in the caller's buffer or in the description */
 };
 

@@ -98,12 +98,12 @@ static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
 
 /* Computes the surfaces of the wave. */
 static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
-                                         struct pen_block_scratch *b)
+                                         struct pen_block_scratch *b, const unsigned fx)
 {
     for (int g = 0; g < block_groups(b); g++) {
         const struct path *path[LANES];
         const int first = g * LANES, count = block_group_paths(b, g, path);
-        surface_at(&b->surface[g], input->scene, path, count);
+        surface_at(&b->surface[g], input->scene, path, count, fx);
         const unsigned finite = lane_mask_bits(b->surface[g].finite);
         for (int i = 0; i < count; i++)
             if (!(finite >> i & 1))
@@ -126,7 +126,7 @@ static ALWAYS_INLINE struct pen_vec3 block_shadow_colour(const struct pen_kernel
 {
     const struct pen_vec3 white = {1, 1, 1};
     struct pen_ray ray;
-    if (b->query[i].overflow)
+    if ((fx & PEN_FX_PATTERNS) || b->query[i].overflow)
         pen_ray_array_get(&b->packet.rays, i, &ray);
     return shadow_colour(input, &ray, b->packet.origin[i], &b->query[i], white, fx);
 }
@@ -340,12 +340,13 @@ static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
                   << i;
     }
     if (fx & PEN_FX_MIRROR) {
-        const unsigned points = deeper & paths_reflected(input, s, path, count);
+        const unsigned points = deeper & paths_reflected(input, s, path, count, fx);
         if (points)
             block_reflect(input, b, g, points, path, fx);
     }
     if (fx & PEN_FX_TRANSMISSION) {
-        const struct lanes3 kt = surface_colours(s, &input->scene->materials->kt);
+        const struct lanes3 kt =
+            surface_colours(s, input->scene, offsetof(struct pen_material, kt), fx);
         deeper &= ~lane_mask_bits(lanes_black(kt));
     } else {
         deeper = 0;
@@ -360,7 +361,7 @@ static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
                                      struct pen_block_scratch *b, const unsigned fx)
 {
     block_trace(input, b, fx);
-    block_surfaces(input, b);
+    block_surfaces(input, b, fx);
     block_shade(input, scratch, b, fx);
     for (int g = 0; g < block_groups(b); g++)
         block_continue(input, b, g, fx);

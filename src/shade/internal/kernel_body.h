@@ -119,7 +119,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             const struct path *const at_hit = &path;
             struct surface s;
             s.hit[0] = hit;
-            surface_at(&s, scene, &at_hit, 1);
+            surface_at(&s, scene, &at_hit, 1, fx);
             if (!lane_mask_bits(s.finite))
                 return no_sample();
             if (fx & PEN_FX_SOFT_SHADOWS)
@@ -129,7 +129,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             bool deeper = path.depth + 1 < input->settings->max_depth;
             if ((fx & PEN_FX_MIRROR) && deeper) {
                 struct path *reflected = &scratch->waiting[waiting];
-                unsigned made = paths_reflected(input, &s, &at_hit, 1);
+                unsigned made = paths_reflected(input, &s, &at_hit, 1, fx);
                 if (made)
                     made = paths_reflect(input, &s, made, &at_hit, &reflected, fx);
                 counts->reflection += made;

@@ -27,17 +27,20 @@ static ALWAYS_INLINE lane_mask surface_mirrors(const struct surface *s)
  * to the other side. */
 static ALWAYS_INLINE unsigned paths_reflected(const struct pen_kernel_input *input,
                                               const struct surface *s,
-                                              const struct path *const *path, int count)
+                                              const struct path *const *path, int count,
+                                              const unsigned fx)
 {
-    const struct pen_material *first = input->scene->materials;
-    const lane_mask mirrors = lane_mask_not(lanes_black(surface_colours(s, &first->kr)));
+    const struct pen_scene *scene = input->scene;
+    const lane_mask mirrors = lane_mask_not(
+        lanes_black(surface_colours(s, scene, offsetof(struct pen_material, kr), fx)));
     unsigned reflected = 0;
     if (!lane_mask_bits(mirrors))
         return 0;
     unsigned left = lane_mask_bits(mirrors & surface_mirrors(s)) & LANES_ALL >> (LANES - count);
     for (; left; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        if (path_contributes(input, pen_mul(path[i]->weight, first[s->material[i]].kr)))
+        if (path_contributes(input,
+                             pen_mul(path[i]->weight, surface_material(s, scene, i, fx)->kr)))
             reflected |= 1u << i;
     }
     return reflected;
@@ -58,7 +61,8 @@ static ALWAYS_INLINE unsigned paths_reflect(const struct pen_kernel_input *input
             continue;
         reflected[i]->origin = surface_origin(s, i, false);
         reflected[i]->after = pen_after_start;
-        reflected[i]->weight = pen_mul(path[i]->weight, input->scene->materials[s->material[i]].kr);
+        reflected[i]->weight =
+            pen_mul(path[i]->weight, surface_material(s, input->scene, i, fx)->kr);
         reflected[i]->depth = path[i]->depth + 1;
         if (fx & PEN_FX_SOFT_SHADOWS)
             reflected[i]->node = pen_sample_node(path[i]->node, true);
@@ -72,7 +76,7 @@ static ALWAYS_INLINE unsigned paths_reflect(const struct pen_kernel_input *input
 static ALWAYS_INLINE bool path_transmit(const struct pen_kernel_input *input, struct path *path,
                                         const struct surface *s, int lane, const unsigned fx)
 {
-    struct pen_vec3 weight = pen_mul(path->weight, input->scene->materials[s->material[lane]].kt);
+    struct pen_vec3 weight = pen_mul(path->weight, surface_material(s, input->scene, lane, fx)->kt);
     if (!path_contributes(input, weight))
         return false;
     path->after = s->hit[lane];

@@ -22,6 +22,18 @@ static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene
     return pen_mul(t, scene->materials[scene->prim_material[prim]].kt);
 }
 
+/* The same where a ray meets the primitive, whose kt may be a pattern. */
+static ALWAYS_INLINE struct pen_vec3 shadow_filter_at(const struct pen_scene *scene,
+                                                      const struct pen_ray *ray,
+                                                      const struct pen_origin_surface *origin,
+                                                      struct pen_hit hit, struct pen_vec3 t,
+                                                      const unsigned fx)
+{
+    if (fx & PEN_FX_PATTERNS)
+        return pen_mul(t, pen_filter_at(scene, ray, origin, hit));
+    return shadow_filter(scene, hit.prim, t);
+}
+
 /* The transmittance of a ray with more transmissive intersections than a query returns, by tracing
  * from one intersection to the next. */
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
@@ -50,7 +62,7 @@ static ALWAYS_INLINE struct pen_vec3 shadow_colour(const struct pen_kernel_input
     if (query->overflow)
         return pen_shadow_walk(input, ray, origin, query, in);
     for (int i = 0; i < query->count && !is_black(in); i++)
-        in = shadow_filter(input->scene, query->hit[i].prim, in);
+        in = shadow_filter_at(input->scene, ray, origin, query->hit[i], in, fx);
     return in;
 }
 

@@ -50,7 +50,8 @@ static ALWAYS_INLINE void soft_add(const struct pen_kernel_input *input,
     const struct horizon_sides side =
         horizon_sides(lanes3_dot(s->n, d), horizon_band(s, lanes3_length(d), shadow.to_point));
     shadow.through = lane_mask_bits(side.below) >> lane & 1;
-    shadow.in = shadow.through ? input->scene->materials[s->material[lane]].kt : pen_vec3(1, 1, 1);
+    shadow.in =
+        shadow.through ? surface_material(s, input->scene, lane, fx)->kt : pen_vec3(1, 1, 1);
     if (!(lane_mask_bits(side.above | side.below) >> lane & 1))
         return; /* it grazes */
     if (shadow.through && (!(fx & PEN_FX_SHADOW_TRANSMITTANCE) || is_black(shadow.in)))
@@ -93,6 +94,9 @@ soft_begin_packet(const struct pen_kernel_input *input, struct pen_kernel_scratc
 {
     struct pen_disk_packet *packet = &scratch->packet;
     uint32_t *last = &scratch->last_occluder[soft->arriving->light];
+    /* Packets know one kt for each primitive. */
+    if ((fx & PEN_FX_PATTERNS) && input->scene->patterned_glass)
+        return PEN_DISK_NOT_POSSIBLE;
     if (!input->trace->disk_begin || !soft_disk_is_above_horizon(packet, soft))
         return PEN_DISK_NOT_POSSIBLE;
     packet->o = lanes3_at(soft->s->p, soft->lane);

@@ -7,6 +7,7 @@
 
 #include "geom/surface_lanes.h"
 #include "math/lanes.h"
+#include "shade/internal/patterns.h"
 #include "shade/internal/scratch.h"
 
 #define ALWAYS_INLINE inline __attribute__((always_inline))
@@ -15,7 +16,8 @@
 struct surface {
     struct pen_hit hit[LANES];
     uint32_t material[LANES];
-    struct lanes3 kd, ks; /* of the materials */
+    struct pen_material own[LANES]; /* with patterns: the materials at the points */
+    struct lanes3 kd, ks;           /* of the materials */
     lanes shininess;
     struct lanes3 p;    /* on the surface */
     struct lanes3 n;    /* unit, turned towards the viewer */
@@ -62,11 +64,26 @@ static ALWAYS_INLINE lane_mask surface_hardly_left(const struct lanes_arrived *r
 
 enum { MATERIAL_DOUBLES = sizeof(struct pen_material) / sizeof(double) };
 
-/* The points' colours of one sort, a member of the first material. */
+/* The points' colours of one sort, which is the offset of a member of struct pen_material. */
 static ALWAYS_INLINE struct lanes3 surface_colours(const struct surface *s,
-                                                   const struct pen_vec3 *sort)
+                                                   const struct pen_scene *scene, size_t sort,
+                                                   const unsigned fx)
 {
-    return lanes3_rows(sort, MATERIAL_DOUBLES, s->material);
+    const struct pen_material *first = fx & PEN_FX_PATTERNS ? s->own : scene->materials;
+    uint32_t own[LANES];
+#pragma GCC unroll 8
+    for (int i = 0; i < LANES; i++)
+        own[i] = (uint32_t)i;
+    return lanes3_rows((const struct pen_vec3 *)((const char *)first + sort), MATERIAL_DOUBLES,
+                       fx & PEN_FX_PATTERNS ? own : s->material);
+}
+
+/* The material at one point. */
+static ALWAYS_INLINE const struct pen_material *surface_material(const struct surface *s,
+                                                                 const struct pen_scene *scene,
+                                                                 int lane, const unsigned fx)
+{
+    return fx & PEN_FX_PATTERNS ? &s->own[lane] : &scene->materials[s->material[lane]];
 }
 
 static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_scene *scene,
@@ -76,9 +93,21 @@ static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_
 #pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
         s->material[i] = i < count ? scene->prim_material[s->hit[i].prim] : 0;
-    s->kd = surface_colours(s, &first->kd);
-    s->ks = surface_colours(s, &first->ks);
+    s->kd = surface_colours(s, scene, offsetof(struct pen_material, kd), 0);
+    s->ks = surface_colours(s, scene, offsetof(struct pen_material, ks), 0);
     s->shininess = lanes_rows(&first->shininess, MATERIAL_DOUBLES, s->material);
+}
+
+/* Evaluates the patterns at the points, which are set. */
+static ALWAYS_INLINE void surface_patterns(struct surface *s, const struct pen_scene *scene,
+                                           int count, const unsigned fx)
+{
+    for (int i = 0; i < LANES; i++)
+        s->own[i] = i < count ? pen_material_at(scene, s->hit[i].prim, lanes3_at(s->p, i),
+                                                lanes_at(s->bound, i))
+                              : scene->materials[0];
+    s->kd = surface_colours(s, scene, offsetof(struct pen_material, kd), fx);
+    s->ks = surface_colours(s, scene, offsetof(struct pen_material, ks), fx);
 }
 
 /* Of the points that are left, a bit each, those on the same part of a primitive as the first. */
@@ -260,7 +289,7 @@ static ALWAYS_INLINE lane_mask surface_seen_from_outside(const struct surface *s
 /* Fills in *s, with the points of up to LANES paths, which are all camera rays or none of them. The
  * caller has set s->hit. */
 static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *scene,
-                                     const struct path *const *path, int count)
+                                     const struct path *const *path, int count, const unsigned fx)
 {
     struct lanes3 d;
     surface_materials(s, scene, count);
@@ -290,6 +319,8 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     /* The bound is computed from the point, so it is not finite where the point is not. */
     s->finite = lane_mask_of((1u << count) - 1) &
                 lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));
+    if (fx & PEN_FX_PATTERNS)
+        surface_patterns(s, scene, count, fx);
 }
 
 /* Whether rounding decides on which side of the surface the viewer is, or of one beside it. */

@@ -13,10 +13,11 @@ static ALWAYS_INLINE struct lanes3 light_emitted(const struct pen_scene *scene,
                                                  const struct surface *s, bool primary,
                                                  const unsigned fx)
 {
-    const struct lanes3 emission = surface_colours(s, &scene->materials->emission);
+    const struct lanes3 emission =
+        surface_colours(s, scene, offsetof(struct pen_material, emission), fx);
     if (!(fx & PEN_FX_AMBIENT) || !primary)
         return emission;
-    const struct lanes3 ka = surface_colours(s, &scene->materials->ka);
+    const struct lanes3 ka = surface_colours(s, scene, offsetof(struct pen_material, ka), fx);
     return lanes3_add(emission, lanes3_mul(lanes3_splat(scene->ambient), ka));
 }
 

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* Colours that depend on the place: checkers and gradients, in the object's own coordinates. */
+#ifndef PEN_SHADE_INTERNAL_PATTERNS_H
+#define PEN_SHADE_INTERNAL_PATTERNS_H
+
+#include "scene/scene.h"
+
+/* The material of a primitive at p, a point of it in the local frame that is known to `bound`. */
+struct pen_material pen_material_at(const struct pen_scene *scene, uint32_t prim, struct pen_vec3 p,
+                                    double bound);
+
+/* Its kt where a ray meets it. */
+struct pen_vec3 pen_filter_at(const struct pen_scene *scene, const struct pen_ray *ray,
+                              const struct pen_origin_surface *origin, struct pen_hit hit);
+
+#endif
