@@ -292,8 +292,10 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              "test_soft__h124_a_radius_beyond_numbers_is_refused",
              ROW_TESTED, NULL},
     [125] = {"a coloured shadow", "test_soft__h125_coloured_shadow", ROW_TESTED, NULL},
-    [126] = {"a quad in the plane of focus", "", ROW_PENDING, "lenses are not supported yet"},
-    [127] = {"a lens without an aperture", "", ROW_PENDING, "lenses are not supported yet"},
+    [126] = {"a quad in the plane of focus", "test_lens__h126_in_focus_as_sharp_as_a_pinhole",
+             ROW_TESTED, NULL},
+    [127] = {"a lens without an aperture", "test_lens__h127_no_aperture_is_a_pinhole", ROW_TESTED,
+             NULL},
     [128] = {"glossy reflection without blur", "", ROW_PENDING,
              "blurred reflection is not supported yet"},
     [129] = {"a light within rounding of a wall's plane, along it, far away in it or behind the "

@@ -39,6 +39,8 @@ static inline void golden_shrink(struct pen_settings *s)
     enum { LONGEST_EDGE = 96 };
     if (s->light_samples > 32)
         s->light_samples = 8;
+    if (s->lens_samples > 32)
+        s->lens_samples = 8;
     int longest = s->width > s->height ? s->width : s->height;
     if (longest <= LONGEST_EDGE)
         return;

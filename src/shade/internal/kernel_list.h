@@ -37,6 +37,10 @@ _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the l
     X(hard_glass_mirror, "hard+glass+mirror", FX_HARD | FX_GLASS | FX_MIRROR)                      \
     X(hard_smooth, "hard+smooth", FX_HARD | FX_SMOOTH)                                             \
     X(hard_all, "hard+all", FX_HARD | FX_GLASS | FX_MIRROR | FX_SMOOTH)                            \
+    X(hard_glass_mirror_patterns, "hard+glass+mirror+patterns+sky",                                \
+      FX_HARD | FX_GLASS | FX_MIRROR | PEN_FX_PATTERNS | PEN_FX_SKY)                               \
+    X(hard_mirror_lens, "hard+mirror+lens+sky",                                                    \
+      FX_HARD | FX_MIRROR | FX_SMOOTH | PEN_FX_DEPTH_OF_FIELD | PEN_FX_SKY)                        \
     X(soft, "soft", FX_SOFT)                                                                       \
     X(soft_mirror, "soft+mirror", FX_SOFT | FX_MIRROR)                                             \
     X(soft_glass, "soft+glass", FX_SOFT | FX_GLASS)                                                \
