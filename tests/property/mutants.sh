@@ -32,7 +32,7 @@ cp -a Makefile src "$dir/control"
 [ -n "$edits" ] || {
     cp -a include scenes api deploy "$dir/control"
     mkdir "$dir/control/tests"
-    cp -a tests/property tests/support tests/golden tests/accel "$dir/control/tests"
+    cp -a tests/property tests/support tests/golden tests/accel tests/shade "$dir/control/tests"
     (cd "$dir/control" && $make -s -j"${JOBS:-$(nproc)}" $stability $films) >"$dir/control.log" 2>&1 || {
         tail -n 20 "$dir/control.log"
         echo "mutants: the source as it is does not build" >&2
@@ -507,6 +507,14 @@ judge_test
 
 mutant rim_blocks accel/test_ray_packet 0 "in vectors, a ray along a rim knows where it passes the plane of the cap"
 edit src/accel/internal/blocks_avx2.h 1 's/~ends_on_side4\(trace, &side, &slab, pad, /~ends_on_side4(trace, \&side, \&slab, zero, /'
+judge_test
+
+mutant lens_wide golden/test_blur 0 "a lens is 3 % wider"
+edit src/scene/camera.c 1 's/^    const double radius = (pen_scale2\(v->camera\.aperture_radius.*);$/    const double radius = 1.03 * \1;/'
+judge_test
+
+mutant pattern_lower shade/test_patterns 0 "the cell of a point is decided by rounding"
+edit src/shade/patterns.c 1 's/p->at\[i\] \+ p->off\[i\]/p->at[i]/'
 judge_test
 
 mutant libm_pow h104_libm 0 "highlights are glibc's pow"

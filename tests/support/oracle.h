@@ -3,8 +3,8 @@
  * every ray against every primitive, no tree, scenes read directly from JSON. A picture on which
  * the two agree is unlikely to be wrong in both. It shares no code with Penumbra.
  *
- * It has one sample per pixel and straight transmission, samples soft lights at many points of its
- * own, and does not check its input. */
+ * It has straight transmission, and a lens where the caller chooses its points, samples soft lights
+ * at many points of its own, and does not check its input. */
 #ifndef TESTS_SUPPORT_ORACLE_H
 #define TESTS_SUPPORT_ORACLE_H
 
@@ -18,5 +18,15 @@ void oracle_free(struct oracle_scene *scene);
 /* The colour through the middle of pixel (x, y) of an image of this size. */
 void oracle_pixel(const struct oracle_scene *scene, int width, int height, int x, int y,
                   double rgb[3]);
+
+/* Where a camera ray passes: the image, in pixels from its top left corner, and the lens, in
+ * coordinates on the unit disk. */
+struct oracle_camera_point {
+    double x, y, lens_x, lens_y;
+};
+
+/* The colour along one camera ray. */
+void oracle_sample(const struct oracle_scene *scene, int width, int height,
+                   const struct oracle_camera_point *at, double rgb[3]);
 
 #endif

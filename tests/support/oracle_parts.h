@@ -93,7 +93,8 @@ struct oracle_scene {
     struct point zenith, nadir, sky_up;   /* without one, background; sky_up: unit */
     struct point eye, forward, right, up; /* unit frame */
     real distance, plane_width, plane_height;
-    bool square_pixels; /* the plane's width follows the image's shape */
+    real aperture, focus; /* aperture 0: a pinhole */
+    bool square_pixels;   /* the plane's width follows the image's shape */
     int max_depth;
     real min_contribution;
     real tie; /* distances that differ by less count as the same place */

@@ -266,6 +266,8 @@ static void camera_read(struct oracle_scene *s, const json_t *c)
     s->plane_width = number_or(plane, "width", 0);
     real half = number_or(c, "fov_degrees", 50) * 3.14159265358979323846264338327950288L / 360;
     s->plane_height = plane ? number_or(plane, "height", 0) : 2 * tanl(half);
+    s->aperture = number_or(c, "aperture_radius", 0);
+    s->focus = number_or(c, "focus_distance", 1);
     size_t i;
     const json_t *move;
     json_array_foreach(json_object_get(c, "transforms"), i, move) camera_move(s, move);

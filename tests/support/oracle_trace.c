@@ -334,17 +334,31 @@ static struct point seen(const struct oracle_scene *s, struct ray ray, struct pr
     return point_sum(sum, secondary(s, (struct ray){p, point_unit(back)}, away, m->kr));
 }
 
-void oracle_pixel(const struct oracle_scene *s, int width, int height, int x, int y, double rgb[3])
+/* A lens bends all rays from one point of the image to where the ray through its middle meets the
+ * plane in focus. */
+void oracle_sample(const struct oracle_scene *s, int width, int height,
+                   const struct oracle_camera_point *at, double rgb[3])
 {
     real w = s->square_pixels ? s->plane_height * width / height : s->plane_width;
-    real right = w * ((x + 0.5L) / width - 0.5L);
-    real up = s->plane_height * (0.5L - (y + 0.5L) / height);
-    struct point direction =
+    real right = w * (at->x / (real)width - 0.5L);
+    real up = s->plane_height * (0.5L - at->y / (real)height);
+    struct point straight =
         point_sum(point_times(s->forward, s->distance),
                   point_sum(point_times(s->right, right), point_times(s->up, up)));
-    struct progress start = {{0, -1}, 0, {1, 1, 1}};
-    struct point c = seen(s, (struct ray){s->eye, point_unit(direction)}, start);
+    struct point aside = point_sum(point_times(s->right, s->aperture * at->lens_x),
+                                   point_times(s->up, s->aperture * at->lens_y));
+    struct point start = point_sum(s->eye, aside);
+    struct point focus = point_sum(s->eye, point_times(straight, s->focus / s->distance));
+    struct point direction = s->aperture > 0 ? point_difference(focus, start) : straight;
+    struct progress begin = {{0, -1}, 0, {1, 1, 1}};
+    struct point c = seen(s, (struct ray){start, point_unit(direction)}, begin);
     rgb[0] = (double)c.x;
     rgb[1] = (double)c.y;
     rgb[2] = (double)c.z;
+}
+
+void oracle_pixel(const struct oracle_scene *s, int width, int height, int x, int y, double rgb[3])
+{
+    const struct oracle_camera_point middle = {x + 0.5, y + 0.5, 0, 0};
+    oracle_sample(s, width, height, &middle, rgb);
 }

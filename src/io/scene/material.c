@@ -31,8 +31,9 @@ static bool read_material(struct pen_reader *r, const struct pen_place *at, cons
                           struct pen_material *material)
 {
     *material = pen_material_default();
-    return pen_fields_read(r, at, json, pen_material_fields, material) &
-           pen_patterns_read(r, at, json, material);
+    bool ok = pen_fields_read(r, at, json, pen_material_fields, material);
+    ok &= pen_patterns_read(r, at, json, material);
+    return ok;
 }
 
 static int compare_names(const void *a, const void *b)
