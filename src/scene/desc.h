@@ -25,7 +25,15 @@ struct pen_pattern {
 };
 
 /* The colours of a material, in the order of its members. */
-enum { PEN_MATERIAL_COLOURS = 6 };
+enum pen_material_colours {
+    PEN_COLOUR_EMISSION,
+    PEN_COLOUR_KA,
+    PEN_COLOUR_KD,
+    PEN_COLOUR_KS,
+    PEN_COLOUR_KT,
+    PEN_COLOUR_KR,
+    PEN_MATERIAL_COLOURS
+};
 
 /* The patterns of a material's colours; NULL where a colour has none. */
 struct pen_patterns {
@@ -38,7 +46,7 @@ struct pen_material {
     double reflection_blur, transmission_blur; /* degrees */
     const struct pen_patterns *patterns;       /* NULL: none */
 };
-_Static_assert(offsetof(struct pen_material, kr) == 5 * sizeof(struct pen_vec3),
+_Static_assert(offsetof(struct pen_material, kr) == PEN_COLOUR_KR * sizeof(struct pen_vec3),
                "the colours are an array of PEN_MATERIAL_COLOURS");
 
 /* A colour of a material by its number. */

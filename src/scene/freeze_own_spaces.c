@@ -8,8 +8,8 @@
 
 struct spaces {
     uint32_t *of_prim;
-    struct pen_own_space *space;
-    struct pen_transform last; /* the transform of the last space */
+    struct pen_own_space *space; /* NULL while they are counted */
+    struct pen_transform last;   /* the transform of the last space */
     uint32_t prim, count;
 };
 
@@ -58,15 +58,17 @@ static bool add_primitive(struct pen_freezer *f, const struct pen_scene_prim *sc
     const uint32_t prim = a->prim++;
     const struct pen_patterns *patterns =
         f->scene->materials[f->scene->prim_material[prim]].patterns;
-    a->of_prim[prim] = 0;
     if (!patterns)
         return true;
-    f->scene->patterned_glass = f->scene->patterned_glass || patterns->of[4];
+    f->scene->patterned_glass = f->scene->patterned_glass || patterns->of[PEN_COLOUR_KT];
     if (a->count == 0 || memcmp(moved, &a->last, sizeof *moved) != 0) {
         a->last = *moved;
-        a->space[a->count++] = space_of(f, moved);
+        a->count++;
+        if (a->space)
+            a->space[a->count - 1] = space_of(f, moved);
     }
-    a->of_prim[prim] = a->count - 1;
+    if (a->space)
+        a->of_prim[prim] = a->count - 1;
     return true;
 }
 
@@ -81,11 +83,13 @@ static bool has_patterns(const struct pen_scene *scene)
 bool pen_freeze_own_spaces(struct pen_freezer *f)
 {
     struct pen_scene *scene = f->scene;
-    struct spaces a = {0};
+    struct spaces counted = {0}, a = {0};
     if (!has_patterns(scene))
         return true;
+    if (!pen_freeze_each(f, add_primitive, &counted))
+        return false;
     a.of_prim = pen_arena_alloc(scene->arena, scene->prims.count, sizeof *a.of_prim);
-    a.space = pen_arena_alloc(scene->arena, scene->prims.count, sizeof *a.space);
+    a.space = pen_arena_alloc(scene->arena, counted.count, sizeof *a.space);
     if (!a.of_prim || !a.space)
         return pen_freeze_no_memory(f);
     if (!pen_freeze_each(f, add_primitive, &a))

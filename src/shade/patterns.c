@@ -67,7 +67,7 @@ struct pen_vec3 pen_filter_at(const struct pen_scene *scene, const struct pen_ra
                               const struct pen_origin_surface *origin, struct pen_hit hit)
 {
     const struct pen_material *m = &scene->materials[scene->prim_material[hit.prim]];
-    if (!m->patterns || !m->patterns->of[4])
+    if (!m->patterns || !m->patterns->of[PEN_COLOUR_KT])
         return m->kt;
     const struct pen_vec3 p = pen_prim_point(&scene->prims, hit, ray);
     const double bound = pen_origin_at(&scene->prims, ray, origin, hit, p).bound;

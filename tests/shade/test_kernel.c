@@ -39,8 +39,9 @@ static struct pen_kernel_input input_of(const struct pen_scene *scene, enum pen_
 
 static const struct pen_pattern tiles = {true, {1, 0.5, 0.25}, {0, 0.25, 0.5},
                                          0.75, {0, 0, 0},      {0, 0, 0}};
-static const struct pen_patterns tiled = {.of = {[2] = &tiles, [5] = &tiles}}; /* kd, kr */
-static const struct pen_patterns blind = {.of = {[4] = &tiles}};               /* kt */
+static const struct pen_patterns tiled = {
+    .of = {[PEN_COLOUR_KD] = &tiles, [PEN_COLOUR_KR] = &tiles}};
+static const struct pen_patterns blind = {.of = {[PEN_COLOUR_KT] = &tiles}};
 
 /* The medley with every effect but anti-aliasing. */
 static void medley(void)

@@ -173,8 +173,9 @@ START_TEST(test_patterns__panes_and_mirrors)
         pattern = (struct pen_pattern){.checker = true, .a = clear, .b = black, .size = 1};
         struct pen_material m = kit_glow(0, 0, 0);
         patterns = (struct pen_patterns){0};
-        patterns.of[i % 3 == 2 ? 5 : 4] = &pattern;
-        *pen_material_colour(&m, i % 3 == 2 ? 5 : 4) = pen_scale(clear, 0.5);
+        patterns.of[i % 3 == 2 ? PEN_COLOUR_KR : PEN_COLOUR_KT] = &pattern;
+        *pen_material_colour(&m, i % 3 == 2 ? PEN_COLOUR_KR : PEN_COLOUR_KT) =
+            pen_scale(clear, 0.5);
         m.patterns = &patterns;
         kit_sheet(&kit, 0, 100, kit_material(&kit, m));
         const vec3 at = pen_vec3(in_cell(&r), in_cell(&r), 0);

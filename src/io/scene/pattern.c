@@ -98,7 +98,8 @@ bool pen_patterns_read(struct pen_reader *r, const struct pen_place *at, const j
         if (!pattern)
             return false;
         if (!read_pattern(r, &place, value,
-                          i == 0 ? pen_colour_pattern_fields : pen_factor_pattern_fields,
+                          i == PEN_COLOUR_EMISSION ? pen_colour_pattern_fields
+                                                   : pen_factor_pattern_fields,
                           pattern)) {
             ok = false;
             continue;
