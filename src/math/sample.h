@@ -24,7 +24,7 @@ enum pen_purpose {
  *  - PEN_PURPOSE_PIXEL: point i is where camera ray i crosses the pixel; pixel_sample, node and
  *    light are 0.
  *  - PEN_PURPOSE_LENS: point i, by pen_sobol2 and pen_disk_of_square, is where camera ray i starts
- * on the lens, along the camera's right and up; pixel_sample, node and light are 0.
+ *    on the lens, along the camera's right and up; pixel_sample, node and light are 0.
  *  - PEN_PURPOSE_LIGHT: the points on the disk of one light as seen from one shaded point: those of
  *    pen_sobol2 or pen_random2 from 0 on, mapped to the disk by pen_disk_of_square; or the cells
  *    of pen_grid2, row by row, those whose point is in the circle, of the first drawing of the
@@ -35,12 +35,11 @@ enum pen_purpose {
  */
 struct pen_sample_key {
     uint64_t seed;
-    uint32_t x, y; /* pixel, from the top left of the view */
-    uint32_t
-        pixel_sample; /* index of the camera ray within its pixel; 0 for those of PIXEL and LENS */
-    uint32_t node;    /* of the path tree: pen_sample_node; 0 for PIXEL and LENS */
-    uint32_t purpose; /* enum pen_purpose */
-    uint32_t light;   /* place of the light in the document, else 0 */
+    uint32_t x, y;         /* pixel, from the top left of the view */
+    uint32_t pixel_sample; /* index of the camera ray within its pixel; 0 for PIXEL and LENS */
+    uint32_t node;         /* of the path tree: pen_sample_node; 0 for PIXEL and LENS */
+    uint32_t purpose;      /* enum pen_purpose */
+    uint32_t light;        /* place of the light in the document, else 0 */
 };
 
 /* The nodes of the path tree: the camera ray's hit is 1, the hit of a transmitted ray from node k

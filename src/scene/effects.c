@@ -122,6 +122,14 @@ static bool has_lens(const struct pen_camera_desc *camera)
     return camera->aperture_radius > 0;
 }
 
+bool pen_desc_has_lens(const struct pen_scene_desc *desc)
+{
+    bool lens = false;
+    for (uint32_t i = 0; i < desc->view_count; i++)
+        lens |= has_lens(&desc->views[i].camera);
+    return lens;
+}
+
 static unsigned with_settings(unsigned effects, bool lens, const struct pen_settings *settings)
 {
     if (settings->max_depth <= 1)
@@ -146,10 +154,7 @@ unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_se
         survey.shadows |= shadow_kind(light->shadows, pen_light_desc_soft(light));
     }
     survey_objects(&survey, desc, desc->objects, desc->object_count);
-    bool lens = false;
-    for (uint32_t i = 0; i < desc->view_count; i++)
-        lens |= has_lens(&desc->views[i].camera);
-    return with_settings(survey_end(&survey), lens, settings);
+    return with_settings(survey_end(&survey), pen_desc_has_lens(desc), settings);
 }
 
 bool pen_desc_forks(const struct pen_scene_desc *desc)

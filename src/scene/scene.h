@@ -139,6 +139,9 @@ struct pen_pinhole pen_scene_pinhole(const struct pen_scene *scene, int view, in
 struct pen_lens pen_scene_lens(const struct pen_scene *scene, int view,
                                const struct pen_pinhole *pinhole);
 
+/* Whether some view has a lens. */
+bool pen_desc_has_lens(const struct pen_scene_desc *desc);
+
 /* The camera rays of a pixel. */
 int pen_camera_samples(bool lens, const struct pen_settings *settings);
 

@@ -320,6 +320,26 @@ START_TEST(test_accel__ray_packets_in_rooms)
 }
 END_TEST
 
+static const struct pen_accel *build_for_packets(struct pen_arena *arena)
+{
+    struct pen_status st;
+    const struct pen_accel *accel =
+        pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
+    ck_assert(accel);
+    return accel;
+}
+
+/* Follows the same rays with every instruction set. */
+static void each_isa_follows(struct random *r, const struct pen_accel *accel,
+                             const struct rays *rays)
+{
+    for (int isa = 0; isa < isa_count(); isa++) {
+        struct random same = *r;
+        follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), rays, 1);
+    }
+    random_bits(r);
+}
+
 /* Rays through points near one edge of a primitive, from the eye or from near it. */
 static void look_along_edge(struct random *r, struct pen_vec3 eye, double width, struct rays *out)
 {
@@ -354,19 +374,12 @@ static void look_along_rim(struct random *r, struct pen_vec3 eye, const struct p
  * there on. */
 static void each_isa_along_edges(struct random *r, struct pen_vec3 eye, const double width[2])
 {
-    struct pen_status st;
     struct pen_arena *arena = pen_arena_new(0);
-    const struct pen_accel *accel =
-        pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
-    ck_assert(accel);
+    const struct pen_accel *accel = build_for_packets(arena);
     for (int k = 0; k < 4; k++) {
         struct rays rays;
         look_along_edge(r, eye, exp2(random_in(r, width[0], width[1])), &rays);
-        for (int isa = 0; isa < isa_count(); isa++) {
-            struct random same = *r;
-            follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, 1);
-        }
-        random_bits(r);
+        each_isa_follows(r, accel, &rays);
     }
     pen_arena_free(arena);
 }
@@ -419,11 +432,8 @@ END_TEST
 static void each_isa_along(struct random *r, struct pen_vec3 p, struct pen_vec3 n,
                            struct pen_vec3 u, const double from_to[2])
 {
-    struct pen_status st;
     struct pen_arena *arena = pen_arena_new(0);
-    const struct pen_accel *accel =
-        pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
-    ck_assert(accel);
+    const struct pen_accel *accel = build_for_packets(arena);
     struct rays rays = {.count = 0};
     struct pen_hit hit[PEN_RAY_PACKET_MAX];
     for (int i = 0; i < PEN_RAY_PACKET_MAX; i++) {
@@ -474,20 +484,13 @@ START_TEST(test_accel__ray_packets_along_rims)
         world_clear(&world);
         world_cylinder(&world, cylinder[0], cylinder[1], radius, 1, i & 1);
         see_through[0] = i & 2;
-        struct pen_status st;
         struct pen_arena *arena = pen_arena_new(0);
-        const struct pen_accel *accel =
-            pen_accel_build_choice(&world.prims, PEN_AUTO_PACKETS, arena, &st);
-        ck_assert(accel);
+        const struct pen_accel *accel = build_for_packets(arena);
         for (int k = 0; k < 4; k++) {
             struct rays rays;
             look_along_rim(&r, random_vec(&r, 4), cylinder, radius, exp2(random_in(&r, -58, -46)),
                            &rays);
-            for (int isa = 0; isa < isa_count(); isa++) {
-                struct random same = r;
-                follow(&same, accel, pen_trace_ops_get((enum pen_isa)isa), &rays, 1);
-            }
-            random_bits(&r);
+            each_isa_follows(&r, accel, &rays);
         }
         pen_arena_free(arena);
     }

@@ -31,12 +31,7 @@ static double shadow_rays(const struct pen_light_desc *light, const struct pen_s
 
 double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_settings *settings)
 {
-    double samples = settings->samples_per_pixel, shadows = 0;
-    bool lens = false;
-    for (uint32_t i = 0; i < desc->view_count; i++)
-        lens |= desc->views[i].camera.aperture_radius > 0;
-    if (lens && settings->lens_samples > samples)
-        samples = settings->lens_samples;
+    double samples = pen_camera_samples(pen_desc_has_lens(desc), settings), shadows = 0;
     if (settings->target_error > 0 && settings->max_samples > samples)
         samples = settings->max_samples;
     for (uint32_t i = 0; i < desc->light_count; i++)

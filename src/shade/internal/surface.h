@@ -86,15 +86,23 @@ static ALWAYS_INLINE const struct pen_material *surface_material(const struct su
     return fx & PEN_FX_PATTERNS ? &s->own[lane] : &scene->materials[s->material[lane]];
 }
 
+static ALWAYS_INLINE void surface_set_colours(struct surface *s, const struct pen_scene *scene,
+                                              const unsigned fx)
+{
+    s->kd = surface_colours(s, scene, offsetof(struct pen_material, kd), fx);
+    s->ks = surface_colours(s, scene, offsetof(struct pen_material, ks), fx);
+}
+
+/* Patterns are evaluated later, where the points are known. */
 static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_scene *scene,
-                                            int count)
+                                            int count, const unsigned fx)
 {
     const struct pen_material *first = scene->materials;
 #pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
         s->material[i] = i < count ? scene->prim_material[s->hit[i].prim] : 0;
-    s->kd = surface_colours(s, scene, offsetof(struct pen_material, kd), 0);
-    s->ks = surface_colours(s, scene, offsetof(struct pen_material, ks), 0);
+    if (!(fx & PEN_FX_PATTERNS))
+        surface_set_colours(s, scene, fx);
     s->shininess = lanes_rows(&first->shininess, MATERIAL_DOUBLES, s->material);
 }
 
@@ -106,8 +114,7 @@ static ALWAYS_INLINE void surface_patterns(struct surface *s, const struct pen_s
         s->own[i] = i < count ? pen_material_at(scene, s->hit[i].prim, lanes3_at(s->p, i),
                                                 lanes_at(s->bound, i))
                               : scene->materials[0];
-    s->kd = surface_colours(s, scene, offsetof(struct pen_material, kd), fx);
-    s->ks = surface_colours(s, scene, offsetof(struct pen_material, ks), fx);
+    surface_set_colours(s, scene, fx);
 }
 
 /* Of the points that are left, a bit each, those on the same part of a primitive as the first. */
@@ -292,7 +299,7 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
                                      const struct path *const *path, int count, const unsigned fx)
 {
     struct lanes3 d;
-    surface_materials(s, scene, count);
+    surface_materials(s, scene, count, fx);
     const struct lanes_arrived ray = surface_rays(s, path, count, &d);
     const struct lanes_prim_point at =
         surface_points(s, scene, path, count, lanes3_along(ray.o, d, ray.t));
