@@ -92,9 +92,10 @@ librender: $(BUILD)/librender.a
 CRASH_TEST := $(BUILD)/tests/crash/crash
 STABILITY := $(BUILD)/tests/property/stability
 FILMS := $(BUILD)/tests/property/films
+INSTRUCTIONS := $(BUILD)/tests/effects/instructions
 FAULTS := $(BUILD)/tests/faults/preload.so
 BENCHES := $(patsubst %.c,$(BUILD)/%,$(sort $(wildcard tests/bench/*.c)))
-tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(STABILITY) $(FILMS) $(BENCHES)
+tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(STABILITY) $(FILMS) $(INSTRUCTIONS) $(BENCHES)
 
 have-deps:
 	@pkg-config --exists $(PKGS) || { \
@@ -194,6 +195,21 @@ $(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice
 	$(Q)$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
 	    $(TEST_FIRST) $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/librender.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
+
+# Proofs that a scene pays for its own effects alone (src/shade/README.md). The kernels that are
+# stripped by hand are compiled as those of kernel_isa.c for AVX2.
+STRIPPED_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/effects/stripped/*.c)))
+$(STRIPPED_OBJ): HARDEN := $(if $(SAN),-fno-omit-frame-pointer,-fomit-frame-pointer)
+$(STRIPPED_OBJ): LIB_FLAGS := -fPIC -fvisibility=hidden
+$(STRIPPED_OBJ): ROOM_OPT := $(PIXEL_OPT)
+$(STRIPPED_OBJ): EXTRA := $(ISA_FLAGS_avx2) -DPEN_ISA=avx2 -Itests
+$(INSTRUCTIONS).o: EXTRA := $(CHECK_CFLAGS) -Itests
+$(INSTRUCTIONS): $(INSTRUCTIONS).o $(STRIPPED_OBJ) $(TEST_SUPPORT_LIB) $(BUILD)/librender.a
+	$(call say,LD ,$@)
+	$(Q)$(LINK) -o $@ $^ $(CHECK_LIBS) $(PKG_LIBS)
+.PHONY: effects-proof
+effects-proof: $(INSTRUCTIONS) $(filter $(BUILD)/tests/effects/% $(BUILD)/tests/scene/test_effects,$(TEST_BIN))
+	@nice -n 10 sh tests/effects/proof.sh $(BUILD) "$(ISAS)"
 
 # The stability suite: rows of properties, their oracles, the program that runs them in parallel and
 # writes the report. The oracles need 128-bit floats, so gcc compiles them in a build with clang.
@@ -392,5 +408,6 @@ clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan $(BUILD)-fuzz
 
 -include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) $(BENCH_SCENES:.o=.d) \
-    $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d) $(BUILD)/tests/property/main_films.d
+    $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d) $(BUILD)/tests/property/main_films.d \
+    $(STRIPPED_OBJ:.o=.d) $(INSTRUCTIONS).d
 -include $(CLIENT_OBJ:.o=.d) $(DAEMON_OBJ:.o=.d)

@@ -41,3 +41,10 @@ void pen_clock_format(int64_t wall_ms, char out[25])
              t.tm_mon + 1, t.tm_mday, t.tm_hour, t.tm_min, t.tm_sec, (int)rest);
     snprintf(out, 25, "%.24s", text);
 }
+
+int64_t pen_clock_thread_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}

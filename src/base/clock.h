@@ -18,4 +18,7 @@ int64_t pen_clock_wall_ms(void);
  * Years before 0 and after 9999 are clamped. */
 void pen_clock_format(int64_t wall_ms, char out[25]);
 
+/* Processor time of the calling thread. */
+int64_t pen_clock_thread_ns(void);
+
 #endif

@@ -37,6 +37,7 @@ struct pen_png_options {
     /* width * height values, 0 where a pixel is not rendered yet. With a mask the file has an alpha
      * channel: these pixels are transparent black, all others opaque. NULL: no alpha channel. */
     const unsigned char *mask;
+    const char *description; /* ASCII, for a text chunk of that name; NULL: none */
 };
 
 /* A PNG file whose rows are written as they are finished, from the top. Its bytes do not depend on

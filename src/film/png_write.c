@@ -92,6 +92,13 @@ static void write_header(struct pen_png_writer *w)
         png_set_sRGB_gAMA_and_cHRM(w->png, w->info, PNG_sRGB_INTENT_PERCEPTUAL);
     else
         png_set_gAMA_fixed(w->png, w->info, PNG_GAMMA_LINEAR);
+    if (w->options.description) {
+        char key[] = "Description";
+        png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE,
+                         .key = key,
+                         .text = (png_charp)(uintptr_t)w->options.description};
+        png_set_text(w->png, w->info, &text, 1);
+    }
     png_set_filter(w->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_PAETH);
     png_set_compression_strategy(w->png, Z_RLE);
     png_write_info(w->png, w->info);

@@ -8,6 +8,7 @@
 #include "http/internal/handlers.h"
 #include "http/server.h"
 #include "io/scene_json.h"
+#include "render/layers.h"
 
 static const char *const states[PEN_JOB_STATE_COUNT + 1] = {
     [PEN_JOB_QUEUED] = "queued",       [PEN_JOB_RUNNING] = "running",
@@ -23,7 +24,7 @@ static const struct param_rule list_params[] = {{.name = "state", .allowed = sta
                                                 {0}};
 static const struct param_rule job_params[] = {{.name = "wait", .low = 0, .high = 60}, {0}};
 static const struct param_rule image_params[] = {{.name = "view", .longest = 200},
-                                                 {.name = "layer", .allowed = pen_job_layers},
+                                                 {.name = "layer", .allowed = pen_layer_names},
                                                  {.name = "format", .allowed = pen_image_formats},
                                                  {0}};
 static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};

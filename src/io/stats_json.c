@@ -43,13 +43,14 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
     if (!pen_percentiles_of(r->tile_ms, r->tile_ms ? r->tile_count : 0, &tiles))
         return NULL;
     json_t *json = json_pack(
-        "{s:o, s:o, s:o, s:i, s:o, s:o, s:s, s:o, s:{s:I}, s:I, s:I, s:i, s:o}", "timing",
+        "{s:o, s:o, s:o, s:i, s:o, s:o, s:s, s:o, s:{s:I}, s:I, s:I, s:I, s:i, s:o}", "timing",
         timing_json(in), "rays", pen_figure_rays(&r->rays), "mrays_per_second",
         pen_figure_rate(&r->rays, r->render_ms), "threads", r->threads, "tiles",
         pen_stats_tiles(r->tile_count, &tiles), "accelerator", pen_figure_accelerator(in->accel, r),
         "kernel", r->kernel ? r->kernel : "", "effects", pen_figure_effects(r->effects), "memory",
         "peak_bytes", (json_int_t)pen_memory_peak_bytes(), "dropped_samples",
         (json_int_t)r->rays.dropped_samples, "truncated_paths", (json_int_t)r->rays.truncated_paths,
-        "float_resets", r->float_resets, "host", pen_figure_host());
+        "unmatched_exits", (json_int_t)r->rays.unmatched_exits, "float_resets", r->float_resets,
+        "host", pen_figure_host());
     return in->precision ? pen_json_with(json, "precision", precision_json(in->precision)) : json;
 }

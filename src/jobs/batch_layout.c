@@ -28,7 +28,8 @@ static int batches_of_view(const struct pen_request *request, int tiles)
     return wanted < most ? (int)wanted : most;
 }
 
-static struct pen_batch_new benchmark_batch(const struct pen_request *request)
+/* The only batch of a study. Its progress is counted in runs. */
+static struct pen_batch_new study_batch(const struct pen_request *request)
 {
     struct pen_bench bench = pen_bench_of_spec(&request->spec);
     return (struct pen_batch_new){.kind = PEN_BATCH_STUDY, .pixels = pen_bench_runs(&bench)};
@@ -40,13 +41,14 @@ bool pen_batch_layout(const struct pen_request *request, struct pen_batch_new **
     const struct pen_settings *s = &request->settings;
     int tiles = pen_tile_count(s->width, s->height, s->tile);
     int each = batches_of_view(request, tiles);
-    *count = request->benchmark ? 1 : each * request->view_count;
+    const bool study = pen_job_kind_has_report(request->kind);
+    *count = study ? 1 : each * request->view_count;
     *batches = malloc((size_t)*count * sizeof **batches);
     if (!*batches)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %d batches", *count);
-    if (request->benchmark)
-        **batches = benchmark_batch(request);
-    for (int i = 0; i < *count && !request->benchmark; i++) {
+    if (study)
+        **batches = study_batch(request);
+    for (int i = 0; i < *count && !study; i++) {
         int first = (int)((int64_t)tiles * (i % each) / each);
         int end = (int)((int64_t)tiles * (i % each + 1) / each);
         (*batches)[i] = (struct pen_batch_new){.view = i / each,

@@ -187,6 +187,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
                                  .accel = pen_accel_get_stats(scene->accel)};
     if (find_precision(context, claim, scene, &precision))
         in.precision = &precision;
+    if (ok && claim->view_batches <= 1)
+        ok = pen_batch_layers(context, claim, st);
     if (ok)
         ok = take_compressed(context, output, st);
     else
@@ -226,6 +228,9 @@ bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_clai
     if (!ok || !pen_view_encode(&film, s, "png", &output->artefact, st))
         return false;
     set_picture(output);
-    json_t *stats = json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(ms_since(begin_ns)));
+    const double encode_ms = ms_since(begin_ns);
+    if (!pen_batch_layers(context, claim, st))
+        return false;
+    json_t *stats = json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms));
     return pen_batch_write_stats(context, stats, output, st);
 }

@@ -41,7 +41,8 @@ static json_t *progress_json(const struct pen_job_record *job)
 static json_t *links_json(const struct pen_job_record *job)
 {
     const char *id = job->id, *at = "/v1/jobs/";
-    if (strcmp(job->kind, "benchmark") == 0)
+    enum pen_job_kind kind;
+    if (pen_job_kind_of_name(job->kind, &kind) && pen_job_kind_has_report(kind))
         return json_pack("{s:s+, s:s++, s:s++, s:s++, s:s++}", "self", at, id, "events", at, id,
                          "/events", "report", at, id, "/report", "stats", at, id, "/stats", "scene",
                          at, id, "/scene");

@@ -23,7 +23,6 @@ struct pen_jobs;
 /* The names that the API knows, those that are not supported yet included. Each list ends with NULL
  * and begins with the default. */
 extern const char *const pen_job_kinds[];     /* of jobs */
-extern const char *const pen_job_layers[];    /* of pictures */
 extern const char *const pen_image_formats[]; /* of pictures */
 
 /* Opens a handle. Owns: close it with pen_jobs_close. Fails: as pen_store_open. */

@@ -5,12 +5,14 @@
 
 #include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
+#include "jobs/internal/kind.h"
 #include "study/report.h"
 
 /* Fails unless the job is of a kind that has a report, and has succeeded. */
 static bool check_job(const struct pen_job_record *job, struct pen_status *st)
 {
-    if (strcmp(job->kind, "benchmark") != 0)
+    enum pen_job_kind kind;
+    if (!pen_job_kind_of_name(job->kind, &kind) || !pen_job_kind_has_report(kind))
         return pen_fail(st, PEN_NOT_FOUND, "job %s is of kind \"%s\", which has no report", job->id,
                         job->kind);
     if (job->state == PEN_JOB_SUCCEEDED)

@@ -155,10 +155,11 @@ static void check_limits(struct pen_request *request, const struct pen_limits *l
     char at[16];
     struct pen_status st;
     limits_place(request, at, sizeof at);
-    bool ok = request->benchmark ? pen_bench_spec_check(&request->spec, limits, &request->desc,
-                                                        request->view_count, &st)
-                                 : pen_limits_check(limits, &request->desc, &request->settings,
-                                                    (uint32_t)request->view_count, at, &st);
+    bool ok =
+        request->kind == PEN_KIND_BENCHMARK
+            ? pen_bench_spec_check(&request->spec, limits, &request->desc, request->view_count, &st)
+            : pen_limits_check(limits, &request->desc, &request->settings,
+                               (uint32_t)request->view_count, at, &st);
     if (ok)
         return;
     pen_document_locate(&request->document, &st);
@@ -176,7 +177,7 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
     request->settings = ok ? request->desc.settings : pen_settings_default();
     if (render)
         pen_settings_read(render, "/render", &request->settings, errors);
-    if (request->benchmark)
+    if (request->kind == PEN_KIND_BENCHMARK)
         pen_bench_spec_read(request->body, &request->settings, &request->spec, errors);
     if (ok && choose_views(request, errors) && errors->count == 0)
         check_limits(request, limits, errors);
@@ -187,7 +188,8 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
 {
     struct pen_status st;
     int timeout_s = limits->timeout_seconds;
-    *out = (struct pen_request){.kind = "render", .max_attempts = 3, .timeout_max_s = timeout_s};
+    *out = (struct pen_request){
+        .kind = PEN_KIND_RENDER, .max_attempts = 3, .timeout_max_s = timeout_s};
     out->timeout_ms = (int64_t)1000 * (timeout_s < TIMEOUT_S ? timeout_s : TIMEOUT_S);
     bool parsed = pen_document_parse(in->body, in->bytes, in->xml, limits, &out->document, &st);
     out->body = parsed ? out->document.json : NULL;

@@ -1,18 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of a job's keys: the function that reads each key, and the kind of job to which the key
- * belongs. Keys of kinds that are not supported yet are refused, and the error names the kind. */
+/* The table of a job's keys: the function that reads each key, and the kinds of jobs to which the
+ * key belongs. Keys of kinds that are not supported yet are refused, and the error names the kind.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "jobs/internal/request.h"
 #include "jobs/internal/request_errors.h"
+#include "render/layers.h"
 
-static const char benchmark[] = "benchmark";
-
-const char *const pen_job_kinds[] = {"render", benchmark, "accuracy", "effects", NULL};
-const char *const pen_job_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
-enum { LAYER_COUNT = (int)(sizeof pen_job_layers / sizeof pen_job_layers[0]) - 1 };
+/* Sets of kinds, one bit each. */
+enum {
+    RENDER = 1 << PEN_KIND_RENDER,
+    BENCHMARK = 1 << PEN_KIND_BENCHMARK,
+    ACCURACY = 1 << PEN_KIND_ACCURACY,
+    SUPPORTED = RENDER | BENCHMARK
+};
 
 enum { POSITION_BYTES = 24 };
 
@@ -54,17 +58,27 @@ static const char *read_word(const json_t *value, const char *up, const char *ke
     return NULL;
 }
 
+/* The kinds of a set in words: "benchmark" or "effects". */
+static void name_kinds(unsigned kinds, char *out, size_t bytes)
+{
+    size_t used = 0;
+    for (int i = 0; i < PEN_KIND_COUNT && used < bytes; i++)
+        if (kinds >> i & 1)
+            used += (size_t)snprintf(out + used, bytes - used, "%s\"%s\"", used ? " or " : "",
+                                     pen_job_kinds[i]);
+}
+
 static void read_kind(struct pen_request *request, const json_t *value, struct pen_errors *errors)
 {
+    char kinds[80];
     const char *kind = read_word(value, "", "kind", pen_job_kinds, errors);
-    if (kind && strcmp(kind, "render") != 0 && strcmp(kind, benchmark) != 0)
-        pen_request_fail(errors, PEN_UNSUPPORTED, "", "kind",
-                         "jobs of kind \"%s\" are known, not supported yet; \"render\" and "
-                         "\"benchmark\" are",
-                         kind);
-    else if (kind)
-        request->kind = kind;
-    request->benchmark = kind && strcmp(kind, benchmark) == 0;
+    if (!kind || !pen_job_kind_of_name(kind, &request->kind))
+        return;
+    if (SUPPORTED >> request->kind & 1)
+        return;
+    name_kinds(SUPPORTED, kinds, sizeof kinds);
+    pen_request_fail(errors, PEN_UNSUPPORTED, "", "kind",
+                     "jobs of kind \"%s\" are known, not supported yet; take %s", kind, kinds);
 }
 
 static void read_name(struct pen_request *request, const json_t *value, struct pen_errors *errors)
@@ -119,10 +133,7 @@ static void read_layer(const json_t *list, size_t i, struct pen_errors *errors)
     char position[POSITION_BYTES];
     snprintf(position, sizeof position, "%zu", i);
     const char *layer =
-        read_word(json_array_get(list, i), "/layers", position, pen_job_layers, errors);
-    if (layer && strcmp(layer, pen_job_layers[0]) != 0)
-        pen_request_fail(errors, PEN_UNSUPPORTED, "/layers", position,
-                         "the layer \"%s\" is known, not supported yet; only \"beauty\" is", layer);
+        read_word(json_array_get(list, i), "/layers", position, pen_layer_names, errors);
     for (size_t k = 0; layer && k < i; k++) {
         if (json_equal(json_array_get(list, k), json_array_get(list, i)))
             pen_request_fail(errors, PEN_INVALID, "/layers", position, "%s is there twice",
@@ -132,14 +143,19 @@ static void read_layer(const json_t *list, size_t i, struct pen_errors *errors)
 
 static void read_layers(struct pen_request *request, const json_t *value, struct pen_errors *errors)
 {
-    (void)request;
     size_t count = json_array_size(value);
-    if (count < 1 || count > LAYER_COUNT)
+    if (count < 1 || count > PEN_LAYER_COUNT)
         pen_request_fail(errors, PEN_INVALID, "", "layers",
-                         "must be an array of 1 to %d names of layers, found %s", (int)LAYER_COUNT,
-                         pen_found(value).text);
-    for (size_t i = 0; i < count && count <= LAYER_COUNT; i++)
+                         "must be an array of 1 to %d names of layers, found %s",
+                         (int)PEN_LAYER_COUNT, pen_found(value).text);
+    for (size_t i = 0; i < count && count <= PEN_LAYER_COUNT; i++)
         read_layer(value, i, errors);
+    request->layers = errors->count == 0 ? value : NULL;
+}
+
+static void read_cost(struct pen_request *request, const json_t *value, struct pen_errors *errors)
+{
+    request->cost = read_word(value, "", "cost", pen_cost_names, errors);
 }
 
 static void read_priority(struct pen_request *request, const json_t *value,
@@ -168,9 +184,8 @@ static void read_timeout(struct pen_request *request, const json_t *value,
 
 static const struct {
     const char *key;
-    key_fn *read;                 /* NULL: request.c or bench_spec.c reads the key */
-    const char *kind;             /* the only kind of job that may have the key; NULL: all kinds */
-    const char *unsupported_kind; /* the kind of job, not supported yet, that will have the key */
+    key_fn *read;   /* NULL: request.c or bench_spec.c reads the key */
+    unsigned kinds; /* the kinds of jobs that may have the key; 0: all */
 } keys[] = {
     {.key = "scene"},
     {.key = "kind", .read = read_kind},
@@ -180,26 +195,32 @@ static const struct {
     {.key = "name", .read = read_name},
     {.key = "labels", .read = read_labels},
     {.key = "layers", .read = read_layers},
+    {.key = "cost", .read = read_cost, .kinds = RENDER},
     {.key = "max_attempts", .read = read_max_attempts},
     {.key = "timeout_seconds", .read = read_timeout},
-    {.key = "matrix", .kind = benchmark},
-    {.key = "repeats", .kind = benchmark},
-    {.key = "warmup", .kind = benchmark},
-    {.key = "baseline", .kind = benchmark},
-    {.key = "ladder", .unsupported_kind = "accuracy"},
-    {.key = "reference", .unsupported_kind = "accuracy"},
-    {.key = "target", .unsupported_kind = "accuracy"},
-    {.key = "seeds", .unsupported_kind = "accuracy"},
-    {.key = "budget_seconds", .unsupported_kind = "accuracy"},
+    {.key = "matrix", .kinds = BENCHMARK},
+    {.key = "repeats", .kinds = BENCHMARK},
+    {.key = "warmup", .kinds = BENCHMARK},
+    {.key = "baseline", .kinds = BENCHMARK},
+    {.key = "ladder", .kinds = ACCURACY},
+    {.key = "reference", .kinds = ACCURACY},
+    {.key = "target", .kinds = ACCURACY},
+    {.key = "seeds", .kinds = ACCURACY},
+    {.key = "budget_seconds", .kinds = ACCURACY},
 };
 enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
+
+static bool is_supported(int i)
+{
+    return keys[i].kinds == 0 || (keys[i].kinds & SUPPORTED);
+}
 
 static void refuse_unknown_key(const char *key, struct pen_errors *errors)
 {
     const char *names[KEY_COUNT + 1] = {NULL};
     int count = 0;
     for (int i = 0; i < KEY_COUNT; i++) {
-        if (!keys[i].unsupported_kind)
+        if (is_supported(i))
             names[count++] = keys[i].key;
     }
     const char *near = pen_nearest_name(key, names);
@@ -207,15 +228,26 @@ static void refuse_unknown_key(const char *key, struct pen_errors *errors)
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
 }
 
+static void refuse_unsupported(int i, struct pen_errors *errors)
+{
+    char kinds[80];
+    name_kinds(keys[i].kinds, kinds, sizeof kinds);
+    pen_request_fail(errors, PEN_UNSUPPORTED, "", keys[i].key,
+                     "jobs of kind %s are known, not supported yet", kinds);
+}
+
 /* Refuses the keys that only another kind of job may have. */
 static void refuse_keys_of_other_kinds(const struct pen_request *request, struct pen_errors *errors)
 {
     for (int i = 0; i < KEY_COUNT; i++) {
-        if (keys[i].kind && strcmp(keys[i].kind, request->kind) != 0 &&
-            json_object_get(request->body, keys[i].key))
-            pen_request_fail(errors, PEN_INVALID, "", keys[i].key,
-                             "belongs to jobs of kind \"%s\"; this one is of kind \"%s\"",
-                             keys[i].kind, request->kind);
+        char kinds[80];
+        if (!is_supported(i) || !keys[i].kinds || keys[i].kinds >> request->kind & 1 ||
+            !json_object_get(request->body, keys[i].key))
+            continue;
+        name_kinds(keys[i].kinds & SUPPORTED, kinds, sizeof kinds);
+        pen_request_fail(errors, PEN_INVALID, "", keys[i].key,
+                         "belongs to jobs of kind %s; this one is of kind \"%s\"", kinds,
+                         pen_job_kinds[request->kind]);
     }
 }
 
@@ -230,10 +262,8 @@ void pen_request_keys_read(struct pen_request *request, struct pen_errors *error
             i++;
         if (i == KEY_COUNT)
             refuse_unknown_key(key, errors);
-        else if (keys[i].unsupported_kind)
-            pen_request_fail(errors, PEN_UNSUPPORTED, "", key,
-                             "jobs of kind \"%s\" are known, not supported yet",
-                             keys[i].unsupported_kind);
+        else if (!is_supported(i))
+            refuse_unsupported(i, errors);
         else if (keys[i].read)
             keys[i].read(request, value, errors);
     }

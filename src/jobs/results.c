@@ -7,15 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "film/picture.h"
 #include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/stats.h"
 #include "jobs/internal/stored_request.h"
 #include "jobs/internal/view_pixels.h"
+#include "render/layer_file.h"
 
 enum { ALL_VIEWS = -1, SHEET_PIXELS_MAX = 16 * 1024 * 1024 };
-
-static const char beauty[] = "beauty";
 
 enum { FORMAT_PNG, FORMAT_PNG16, FORMAT_PFM, FORMAT_COUNT };
 const char *const pen_image_formats[FORMAT_COUNT + 1] = {
@@ -28,7 +28,8 @@ static const char *const media_types[FORMAT_COUNT] = {[FORMAT_PNG] = "image/png"
 struct wanted {
     const char *id;
     struct pen_stored_request request;
-    int view;   /* index in the job; ALL_VIEWS: the contact sheet */
+    int view; /* index in the job; ALL_VIEWS: the contact sheet */
+    enum pen_layer layer;
     int format; /* FORMAT_… */
 };
 
@@ -41,10 +42,12 @@ static bool read_job(struct pen_jobs *jobs, const char *id, struct pen_stored_re
     *state = job.state;
     bool ok = pen_stored_request_read(job.request, request, st);
     pen_job_record_release(&job);
-    if (!ok || !request->benchmark)
+    if (!ok || !pen_job_kind_has_report(request->kind))
         return ok;
+    const char *kind = pen_job_kinds[request->kind];
     pen_stored_request_release(request);
-    return pen_fail(st, PEN_NOT_FOUND, "job %s is a benchmark: it has a report and no picture", id);
+    return pen_fail(st, PEN_NOT_FOUND, "job %s is of kind \"%s\": it has a report and no picture",
+                    id, kind);
 }
 
 static bool resolve_view(struct wanted *want, const char *name, bool sheet, struct pen_status *st)
@@ -61,17 +64,16 @@ static bool resolve_view(struct wanted *want, const char *name, bool sheet, stru
                     want->id, name, pen_stored_request_view(&want->request, 0));
 }
 
-static bool resolve_layer(const char *layer, struct pen_status *st)
+static bool resolve_layer(struct wanted *want, const char *name, struct pen_status *st)
 {
-    if (!layer || strcmp(layer, beauty) == 0)
-        return true;
-    for (int i = 0; pen_job_layers[i]; i++) {
-        if (strcmp(layer, pen_job_layers[i]) == 0)
-            return pen_fail(st, PEN_NOT_FOUND, "the layer \"%s\" was not requested", layer);
-    }
-    return pen_fail(st, PEN_USAGE,
-                    "layer must be one of beauty, cost, samples, depth, normal; found \"%.60s\"",
-                    layer);
+    want->layer = name ? pen_layer_find(name) : PEN_LAYER_BEAUTY;
+    if (want->layer == PEN_LAYER_COUNT)
+        return pen_fail(st, PEN_USAGE,
+                        "layer must be one of beauty, cost, samples, depth, normal, albedo; found "
+                        "\"%.60s\"",
+                        name);
+    return pen_stored_request_layer(&want->request, want->layer) ||
+           pen_fail(st, PEN_NOT_FOUND, "the layer \"%s\" was not requested", name);
 }
 
 static bool resolve_format(struct wanted *want, const char *format, struct pen_status *st)
@@ -84,10 +86,38 @@ static bool resolve_format(struct wanted *want, const char *format, struct pen_s
                     format);
 }
 
+/* Reads a stored layer. */
+static bool load_layer(struct pen_jobs *jobs, const struct wanted *want, int view,
+                       struct pen_film *film, struct pen_status *st)
+{
+    struct pen_buf file = {0};
+    struct pen_picture *picture = NULL;
+    double *row = malloc(3 * (size_t)film->width * sizeof *row);
+    bool ok = row || pen_fail(st, PEN_NO_MEMORY, "no memory for a layer");
+    ok = ok && pen_store_artefact(jobs->store, want->id, view, pen_layer_name(want->layer), "pfm",
+                                  &file, st);
+    ok = ok && (picture = pen_picture_read(file.data, file.bytes, st)) != NULL;
+    if (ok &&
+        (pen_picture_width(picture) != film->width || pen_picture_height(picture) != film->height))
+        ok = pen_fail(st, PEN_STORAGE, "a layer of job %s has another size", want->id);
+    for (int y = 0; ok && y < film->height; y++) {
+        float *to = film->rgb + 3 * (size_t)y * (size_t)film->width;
+        pen_picture_linear_row(picture, y, row);
+        for (int i = 0; i < 3 * film->width; i++)
+            to[i] = (float)row[i];
+    }
+    pen_picture_free(picture);
+    pen_buf_release(&file);
+    free(row);
+    return ok;
+}
+
 static bool load_view(struct pen_jobs *jobs, const struct wanted *want, int view,
                       struct pen_film *film, struct pen_status *st)
 {
     int64_t filled = 0;
+    if (want->layer != PEN_LAYER_BEAUTY)
+        return load_layer(jobs, want, view, film, st);
     if (!pen_view_pixels_load(jobs->store, want->id, view, &want->request.settings, film, NULL,
                               &filled, st))
         return false;
@@ -174,13 +204,24 @@ static struct pen_film *make_view(struct pen_jobs *jobs, const struct wanted *wa
     return NULL;
 }
 
+static bool encode(const struct wanted *want, const struct pen_film *film, struct pen_buf *out,
+                   struct pen_status *st)
+{
+    const struct pen_settings *s = &want->request.settings;
+    const char *format = pen_image_formats[want->format];
+    const struct pen_layer_task task = {
+        .settings = s, .layer = want->layer, .cost = pen_stored_request_cost(&want->request)};
+    double white;
+    return want->layer == PEN_LAYER_BEAUTY ? pen_view_encode(film, s, format, out, st)
+                                           : pen_layer_encode(&task, film, format, out, &white, st);
+}
+
 static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                          struct pen_status *st)
 {
     struct pen_film *film =
         want->view == ALL_VIEWS ? make_sheet(jobs, want, st) : make_view(jobs, want, st);
-    bool ok = film && pen_view_encode(film, &want->request.settings,
-                                      pen_image_formats[want->format], out, st);
+    bool ok = film && encode(want, film, out, st);
     pen_film_free(film);
     return ok;
 }
@@ -191,12 +232,12 @@ static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct
                         struct pen_status *st)
 {
     struct pen_status ignored;
-    const char *format = pen_image_formats[want->format];
-    if (pen_store_artefact(jobs->store, want->id, want->view, beauty, format, out, st))
+    const char *format = pen_image_formats[want->format], *layer = pen_layer_name(want->layer);
+    if (pen_store_artefact(jobs->store, want->id, want->view, layer, format, out, st))
         return true;
     if (st->code != PEN_NOT_FOUND || !make_picture(jobs, want, out, st))
         return false;
-    pen_store_artefact_put(jobs->store, want->id, want->view, beauty, format, out->data, out->bytes,
+    pen_store_artefact_put(jobs->store, want->id, want->view, layer, format, out->data, out->bytes,
                            &ignored);
     return true;
 }
@@ -226,8 +267,9 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
     *out = (struct pen_image){0};
     if (!resolve_format(&want, query->format, st) || !read_job(jobs, id, &want.request, &state, st))
         return false;
-    bool ok = resolve_layer(query->layer, st) && resolve_view(&want, query->view, true, st) &&
-              check_succeeded(id, state, st) && get_picture(jobs, &want, &out->bytes, st) &&
+    bool ok = resolve_layer(&want, query->layer, st) &&
+              resolve_view(&want, query->view, true, st) && check_succeeded(id, state, st) &&
+              get_picture(jobs, &want, &out->bytes, st) &&
               fill_image(out, media_types[want.format]);
     pen_stored_request_release(&want.request);
     if (!ok)

@@ -52,6 +52,7 @@ static void add_rays(struct sum *sum, const json_t *stats)
     sum->rays.transmission += count_of(rays, "transmission");
     sum->rays.dropped_samples += count_of(stats, "dropped_samples");
     sum->rays.truncated_paths += count_of(stats, "truncated_paths");
+    sum->rays.unmatched_exits += count_of(stats, "unmatched_exits");
     sum->float_resets += count_of(stats, "float_resets");
 }
 
@@ -159,13 +160,14 @@ static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
 {
     struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);
     return json_pack(
-        "{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:O?, s:O*}", "timing",
-        timing_json(sum, job), "rays", pen_figure_rays(&sum->rays), "mrays_per_second",
+        "{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:I, s:O?, s:O*}",
+        "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays), "mrays_per_second",
         pen_figure_rate(&sum->rays, sum->render_ms), "threads", sum->threads, "tiles",
         pen_stats_tiles(sum->tile_count, &tiles), "accelerator", sum->accelerator, "kernel",
         sum->kernel, "effects", sum->effects, "memory", "peak_bytes", (json_int_t)sum->peak_bytes,
         "dropped_samples", (json_int_t)sum->rays.dropped_samples, "truncated_paths",
-        (json_int_t)sum->rays.truncated_paths, "float_resets", (json_int_t)sum->float_resets,
+        (json_int_t)sum->rays.truncated_paths, "unmatched_exits",
+        (json_int_t)sum->rays.unmatched_exits, "float_resets", (json_int_t)sum->float_resets,
         "host", sum->host, "precision", sum->precision);
 }
 

@@ -25,15 +25,15 @@ bool pen_stored_request_read(const char *text, struct pen_stored_request *reques
     if (!request->json)
         return false;
     const char *kind = json_string_value(json_object_get(request->json, "kind"));
-    request->benchmark = kind && strcmp(kind, "benchmark") == 0;
+    const bool known = pen_job_kind_of_name(kind, &request->kind);
     request->view_count = (int)json_array_size(json_object_get(request->json, "views"));
     json_t *render = json_object_get(request->json, "render");
-    if (request->view_count > 0 && render &&
+    if (known && request->view_count > 0 && render &&
         pen_settings_read(render, "/render", &request->settings, &errors))
         return true;
     pen_stored_request_release(request);
     return pen_fail(st, PEN_STORAGE, "a stored job is damaged: %s",
-                    errors.count ? errors.item[0].msg : "no views or settings");
+                    errors.count ? errors.item[0].msg : "no kind, views or settings");
 }
 
 void pen_stored_request_release(struct pen_stored_request *request)
@@ -45,6 +45,23 @@ void pen_stored_request_release(struct pen_stored_request *request)
 const char *pen_stored_request_view(const struct pen_stored_request *request, int view)
 {
     return json_string_value(json_array_get(json_object_get(request->json, "views"), (size_t)view));
+}
+
+bool pen_stored_request_layer(const struct pen_stored_request *request, enum pen_layer layer)
+{
+    const json_t *list = json_object_get(request->json, "layers");
+    for (size_t i = 0; i < json_array_size(list); i++)
+        if (strcmp(json_string_value(json_array_get(list, i)), pen_layer_name(layer)) == 0)
+            return true;
+    return layer == PEN_LAYER_BEAUTY;
+}
+
+/* Jobs of earlier versions have none. */
+enum pen_cost pen_stored_request_cost(const struct pen_stored_request *request)
+{
+    const char *cost = json_string_value(json_object_get(request->json, "cost"));
+    const bool tests = cost && strcmp(cost, pen_cost_names[PEN_COST_TESTS]) == 0;
+    return tests ? PEN_COST_TESTS : PEN_COST_TIME;
 }
 
 int pen_stored_request_find_view(const struct pen_stored_request *request, const char *name)

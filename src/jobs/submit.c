@@ -16,6 +16,7 @@
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/problems.h"
 #include "jobs/internal/request.h"
+#include "render/layers.h"
 #include "scene/scene.h"
 
 enum { KEY_BYTES_MAX = 255 };
@@ -28,16 +29,34 @@ static json_t *views_json(const struct pen_request *request)
     return pen_json_all(list, (size_t)request->view_count);
 }
 
+static json_t *layers_json(const struct pen_request *request)
+{
+    return request->layers ? json_deep_copy((json_t *)(uintptr_t)request->layers)
+                           : json_pack("[s]", pen_layer_name(PEN_LAYER_BEAUTY));
+}
+
+/* What the layer `cost` is; NULL if the job has none. */
+static const char *cost_of(const struct pen_request *request)
+{
+    const char *time = pen_cost_names[PEN_COST_TIME];
+    for (size_t i = 0; i < json_array_size(request->layers); i++)
+        if (strcmp(json_string_value(json_array_get(request->layers, i)),
+                   pen_layer_name(PEN_LAYER_COST)) == 0)
+            return request->cost ? request->cost : time;
+    return NULL;
+}
+
 /* The job as accepted: the client's keys with all defaults filled in, without the scene. */
 static json_t *common_json(const struct pen_request *request)
 {
     json_t *name = request->name ? json_copy((json_t *)(uintptr_t)request->name) : json_null();
     json_t *labels =
         request->labels ? json_deep_copy((json_t *)(uintptr_t)request->labels) : json_object();
-    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:[s], s:o, s:o}", "kind", request->kind,
-                     "name", name, "labels", labels, "priority", request->priority, "max_attempts",
-                     request->max_attempts, "timeout_seconds", (double)request->timeout_ms / 1000,
-                     "views", views_json(request), "layers", "beauty", "render",
+    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:o, s:s*, s:o, s:o}", "kind",
+                     pen_job_kinds[request->kind], "name", name, "labels", labels, "priority",
+                     request->priority, "max_attempts", request->max_attempts, "timeout_seconds",
+                     (double)request->timeout_ms / 1000, "views", views_json(request), "layers",
+                     layers_json(request), "cost", cost_of(request), "render",
                      pen_settings_json(&request->settings), "effects",
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
@@ -52,8 +71,9 @@ static json_t *bench_spec_json(const struct pen_bench_spec *spec)
 static json_t *request_json(const struct pen_request *request)
 {
     json_t *json = common_json(request);
-    json_t *spec = json && request->benchmark ? bench_spec_json(&request->spec) : NULL;
-    if (json && request->benchmark && (!spec || json_object_update(json, spec) != 0)) {
+    const bool benchmark = request->kind == PEN_KIND_BENCHMARK;
+    json_t *spec = json && benchmark ? bench_spec_json(&request->spec) : NULL;
+    if (json && benchmark && (!spec || json_object_update(json, spec) != 0)) {
         json_decref(json);
         json = NULL;
     }
@@ -120,7 +140,7 @@ static bool prepare_views(struct prepared *job, const struct pen_request *reques
                                               .width = request->settings.width,
                                               .height = request->settings.height};
     job->new.views = job->views;
-    job->new.view_count = request->benchmark ? 1 : request->view_count;
+    job->new.view_count = pen_job_kind_has_report(request->kind) ? 1 : request->view_count;
     if (!pen_batch_layout(request, &job->batches, &job->new.batch_count, st))
         return false;
     job->new.batches = job->batches;
@@ -149,7 +169,7 @@ static bool prepare(struct pen_store *store, struct prepared *job, const struct 
     job->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
     job->new = (struct pen_job_new){.id = job->id,
                                     .created_ms = now_ms,
-                                    .kind = request->kind,
+                                    .kind = pen_job_kinds[request->kind],
                                     .request = job->request,
                                     .priority = request->priority,
                                     .max_attempts = request->max_attempts,

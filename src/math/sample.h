@@ -31,6 +31,10 @@ enum pen_purpose {
  *    grid that has any. pixel_sample is the index of the
  *    camera ray that the path began with, node the shaded point's node, light the light's place in
  *    the document, from 0 on.
+ *  - PEN_PURPOSE_REFLECTION, PEN_PURPOSE_TRANSMISSION: point i, by pen_sobol2 and
+ *    pen_disk_of_square, is where blurred ray i from a surface crosses the cone (shade/blur.c); if
+ *    that is beyond the horizon, the first of points 64 i to 64 i + 63 of pen_random2 that is not.
+ *    pixel_sample is that of the camera ray, node the surface's.
  * Nothing else may enter a key: not the tile, the thread, the accelerator, the number of samples.
  */
 struct pen_sample_key {
@@ -48,6 +52,13 @@ struct pen_sample_key {
 static inline uint32_t pen_sample_node(uint32_t from, bool reflected)
 {
     return (from << 1 | reflected) ^ (from >> 31 ? UINT32_C(0x04C11DB7) : 0);
+}
+
+/* The node that blurred ray `sample` from a node reaches. Number 0 is the node of the ray that is
+ * not blurred. */
+static inline uint32_t pen_sample_blurred_node(uint32_t from, bool reflected, uint32_t sample)
+{
+    return pen_sample_node(from, reflected) ^ sample * UINT32_C(0x9E3779B9);
 }
 
 struct pen_point2 {

@@ -9,11 +9,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/clock.h"
 #include "base/thread_pool.h"
 #include "render/internal/counter.h"
+#include "render/internal/kernel_input.h"
 #include "render/internal/row_order.h"
 #include "render/internal/tile_queue.h"
 
@@ -40,20 +40,12 @@ struct run {
     pthread_mutex_t done_lock; /* one call of tile_done at a time */
 };
 
-static int64_t thread_cpu_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
-
 static bool cancelled(const struct pen_render_task *task)
 {
     return task->cancel && atomic_load_explicit(task->cancel, memory_order_relaxed);
 }
 
-/* The kernel's input, computed in default arithmetic whatever the calling thread's state. */
-static struct pen_kernel_input kernel_input(const struct pen_scene *scene, int view,
+struct pen_kernel_input pen_kernel_input_of(const struct pen_scene *scene, int view,
                                             const struct pen_settings *settings)
 {
     fenv_t caller;
@@ -61,6 +53,7 @@ static struct pen_kernel_input kernel_input(const struct pen_scene *scene, int v
     fesetenv(FE_DFL_ENV);
     struct pen_kernel_input input = {
         .scene = scene,
+        .view = &scene->views[view],
         .settings = settings,
         .pinhole = pen_scene_pinhole(scene, view, settings->width, settings->height),
         .effects = pen_scene_effects(scene, view, settings),
@@ -118,7 +111,7 @@ static void render_blocks(void *user, int index)
     struct run *run = user;
     struct thread_work *work = &run->work[index];
     struct pen_tile_block block;
-    int64_t cpu = thread_cpu_ns(), tile_ns;
+    int64_t cpu = pen_clock_thread_ns(), tile_ns;
     work->begun_ns = work->done_ns = pen_clock_ns();
     while (!cancelled(run->task) && pen_tile_queue_take(run->queue, index, &block)) {
         int64_t begun = pen_clock_ns();
@@ -131,7 +124,7 @@ static void render_blocks(void *user, int index)
         if (run->rows)
             pen_row_order_block_done(run->rows, block.rect);
     }
-    work->cpu_ns = thread_cpu_ns() - cpu;
+    work->cpu_ns = pen_clock_thread_ns() - cpu;
 }
 
 /* Adds up the threads' work. Returns the number of tiles done. */
@@ -245,7 +238,7 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
                         first + count - 1, total);
     struct run run = {
         .task = task,
-        .input = kernel_input(task->scene, task->view, settings),
+        .input = pen_kernel_input_of(task->scene, task->view, settings),
         .end_tile = first + count,
         .threads = threads_for(pool, settings, first, first + count),
         .done_lock = PTHREAD_MUTEX_INITIALIZER,
@@ -263,7 +256,7 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
                       int x, int y, double rgb[3], struct pen_ray_counts *rays,
                       struct pen_status *st)
 {
-    struct pen_kernel_input input = kernel_input(scene, view, settings);
+    struct pen_kernel_input input = pen_kernel_input_of(scene, view, settings);
     struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(&input);
     if (!scratch)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a pixel");

@@ -197,6 +197,7 @@ struct pen_scene_desc {
     struct pen_material *materials; /* named ones first, then inline ones */
     uint32_t light_count;
     struct pen_light_desc *lights;
+    bool opaque_shadows;   /* no light passes what is seen through; no document says so */
     uint32_t object_count; /* top level */
     struct pen_object_desc *objects;
     uint64_t primitive_count;     /* all primitives, also those in groups; groups do not count */

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Which effects a scene needs: those that some primitive, light or setting can make visible. The
  * kernel is chosen by this set, so a bit must be set whenever leaving the effect out could change
- * one bit of the picture. The values in the document alone decide, never a threshold. */
+ * one bit of the picture. The values in the document decide, never a threshold; except for
+ * min_contribution, below which no secondary ray is traced: what can only send such rays is left
+ * out. */
 #include "scene/internal/effects.h"
 
 #include "scene/internal/vec.h"
 
-_Static_assert(PEN_FX_PATTERNS == 1 << (PEN_FX_COUNT - 1), "the last effect has the last bit");
+_Static_assert(PEN_FX_FROSTED == 1 << (PEN_FX_COUNT - 1), "the last effect has the last bit");
 
 const char *pen_effect_name(int bit)
 {
@@ -35,16 +37,25 @@ const char *pen_effect_name(int bit)
         return "depth_of_field";
     case PEN_FX_PATTERNS:
         return "patterns";
+    case PEN_FX_REFRACTION:
+        return "refraction";
+    case PEN_FX_GLOSSY:
+        return "glossy";
+    case PEN_FX_FROSTED:
+        return "frosted";
     }
     return "unknown";
 }
 
 /* What has been found in a scene while its primitives are visited. */
 struct survey {
+    struct pen_secondary_factors factors;
     bool ambient_light, lights; /* lights: one with intensity > 0 */
     unsigned shadows;           /* the kinds of shadows that such lights cast */
-    bool see_through;           /* a primitive has kt > 0 */
-    bool forks;                 /* a primitive has kt > 0 and kr > 0 */
+    bool see_through;           /* a primitive has kt > 0, */
+    bool opaque_shadows;        /* which lets no light pass */
+    bool forks;                 /* a primitive has kt > 0, and kr > 0 or refracts */
+    bool weights_grow;          /* some factor of a weight is above 1 */
     unsigned effects;
 };
 
@@ -60,15 +71,72 @@ static unsigned shadow_kind(bool shadows, bool soft)
     return !shadows ? 0u : soft ? PEN_FX_SOFT_SHADOWS : PEN_FX_HARD_SHADOWS;
 }
 
+static double largest_channel(struct pen_vec3 c)
+{
+    return pen_larger(c.x, pen_larger(c.y, c.z));
+}
+
+/* A bound of a material's colour, in each channel. That of a gradient is a + share (b - a), which
+ * rounding may carry beyond b. */
+static struct pen_vec3 colour_bound(const struct pen_material *m, enum pen_material_colours colour,
+                                    struct pen_vec3 plain)
+{
+    const struct pen_pattern *pattern = m->patterns ? m->patterns->of[colour] : NULL;
+    if (!pattern)
+        return plain;
+    const struct pen_vec3 a = pattern->a, b = pattern->b;
+    const struct pen_vec3 end = pen_add(a, pen_sub(b, a));
+    return pen_vec3(pen_larger(a.x, pen_larger(b.x, end.x)),
+                    pen_larger(a.y, pen_larger(b.y, end.y)),
+                    pen_larger(a.z, pen_larger(b.z, end.z)));
+}
+
+/* Takes note of secondary rays that have this factor at most. */
+static void add_factor(struct survey *survey, double *largest, double factor)
+{
+    *largest = pen_larger(*largest, factor);
+    survey->weights_grow = survey->weights_grow || factor > 1;
+}
+
+/* Adds the effects of the secondary rays of a material. Where it refracts, Fresnel's share of kt is
+ * reflected with kr. */
+static void add_secondary(struct survey *survey, const struct pen_material *m)
+{
+    struct pen_secondary_factors *largest = &survey->factors;
+    const bool mirrors = color_is_lit(m->kr), transmits = color_is_lit(m->kt);
+    const bool refracts = transmits && m->ior != 1;
+    const struct pen_vec3 kr = colour_bound(m, PEN_COLOUR_KR, m->kr);
+    const struct pen_vec3 kt = colour_bound(m, PEN_COLOUR_KT, m->kt);
+    const double reflected = largest_channel(refracts ? pen_add(kr, kt) : kr);
+    const double transmitted = largest_channel(kt);
+    if (mirrors) {
+        survey->effects |= PEN_FX_MIRROR;
+        add_factor(survey, &largest->mirror, reflected);
+    }
+    if (transmits) {
+        survey->effects |= PEN_FX_TRANSMISSION;
+        add_factor(survey, &largest->transmission, transmitted);
+    }
+    if (refracts) {
+        survey->effects |= PEN_FX_REFRACTION;
+        add_factor(survey, &largest->refraction, reflected);
+    }
+    if ((mirrors || refracts) && m->reflection_blur > 0) {
+        survey->effects |= PEN_FX_GLOSSY;
+        add_factor(survey, &largest->glossy, reflected);
+    }
+    if (transmits && m->transmission_blur > 0) {
+        survey->effects |= PEN_FX_FROSTED;
+        add_factor(survey, &largest->frosted, transmitted);
+    }
+}
+
 /* Adds the effects of one primitive's material. Materials that no primitive has do not count. */
 static void add_material(struct survey *survey, const struct pen_material *m)
 {
     if (survey->ambient_light && color_is_lit(m->ka))
         survey->effects |= PEN_FX_AMBIENT;
-    if (color_is_lit(m->kr))
-        survey->effects |= PEN_FX_MIRROR;
-    if (color_is_lit(m->kt))
-        survey->effects |= PEN_FX_TRANSMISSION;
+    add_secondary(survey, m);
     if (survey->lights && color_is_lit(m->ks))
         survey->effects |= PEN_FX_SPECULAR;
     if (color_is_lit(m->kd) || color_is_lit(m->ks))
@@ -76,26 +144,37 @@ static void add_material(struct survey *survey, const struct pen_material *m)
     if (m->patterns)
         survey->effects |= PEN_FX_PATTERNS;
     survey->see_through = survey->see_through || color_is_lit(m->kt);
-    survey->forks = survey->forks || (color_is_lit(m->kt) && color_is_lit(m->kr));
+    survey->forks = survey->forks || (color_is_lit(m->kt) && (color_is_lit(m->kr) || m->ior != 1));
+}
+
+/* Where a weight may grow on its way, no factor alone tells how large it becomes. */
+static struct pen_secondary_factors survey_factors(const struct survey *survey)
+{
+    if (survey->weights_grow)
+        return (struct pen_secondary_factors){INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
+    return survey->factors;
 }
 
 /* All effects found. Light through see-through primitives matters only where there are shadows. */
 static unsigned survey_end(const struct survey *survey)
 {
-    bool colours = (survey->effects & survey->shadows) && survey->see_through;
+    bool colours =
+        (survey->effects & survey->shadows) && survey->see_through && !survey->opaque_shadows;
     return survey->effects | (colours ? PEN_FX_SHADOW_TRANSMITTANCE : 0u);
 }
 
-unsigned pen_effects_of_scene(const struct pen_scene *scene)
+void pen_effects_find(struct pen_scene *scene)
 {
     struct survey survey = {.ambient_light = color_is_lit(scene->ambient),
                             .lights = scene->light_count > 0,
+                            .opaque_shadows = !scene->any_see_through,
                             .effects = effect_of_sky(&scene->sky, scene->background)};
     for (uint32_t i = 0; i < scene->light_count; i++)
         survey.shadows |= shadow_kind(scene->lights[i].shadows, scene->lights[i].soft);
     for (uint32_t i = 0; i < scene->prims.count; i++)
         add_material(&survey, &scene->materials[scene->prim_material[i]]);
-    return survey_end(&survey);
+    scene->effects = survey_end(&survey);
+    scene->factors = survey_factors(&survey);
 }
 
 static void survey_objects(struct survey *survey, const struct pen_scene_desc *desc,
@@ -130,10 +209,29 @@ bool pen_desc_has_lens(const struct pen_scene_desc *desc)
     return lens;
 }
 
-static unsigned with_settings(unsigned effects, bool lens, const struct pen_settings *settings)
+/* The effects of secondary rays of which no ray can be traced, since no weight reaches
+ * min_contribution: a weight begins with 1 and does not grow, so it is at most its last factor.
+ * Where paths fork, blur remains, since it says how large their trees may be. */
+static unsigned too_weak(unsigned effects, const struct pen_secondary_factors *factors,
+                         double least)
 {
+    const unsigned rays = (factors->mirror < least ? PEN_FX_MIRROR : 0u) |
+                          (factors->transmission < least ? PEN_FX_TRANSMISSION : 0u) |
+                          (factors->refraction < least ? PEN_FX_REFRACTION : 0u);
+    const unsigned blur = (factors->glossy < least ? PEN_FX_GLOSSY : 0u) |
+                          (factors->frosted < least ? PEN_FX_FROSTED : 0u);
+    const unsigned both = PEN_FX_MIRROR | PEN_FX_TRANSMISSION, left = effects & ~rays;
+    const bool forks = (left & both) == both || (left & PEN_FX_REFRACTION);
+    return forks ? rays : rays | blur;
+}
+
+static unsigned with_settings(unsigned effects, const struct pen_secondary_factors *factors,
+                              bool lens, const struct pen_settings *settings)
+{
+    effects &= ~too_weak(effects, factors, settings->min_contribution);
     if (settings->max_depth <= 1)
-        effects &= ~(unsigned)(PEN_FX_MIRROR | PEN_FX_TRANSMISSION);
+        effects &= ~(unsigned)(PEN_FX_MIRROR | PEN_FX_TRANSMISSION | PEN_FX_REFRACTION |
+                               PEN_FX_GLOSSY | PEN_FX_FROSTED);
     if (lens)
         effects |= PEN_FX_DEPTH_OF_FIELD;
     if (pen_camera_samples(lens, settings) > 1)
@@ -143,7 +241,8 @@ static unsigned with_settings(unsigned effects, bool lens, const struct pen_sett
 
 unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_settings *settings)
 {
-    struct survey survey = {.ambient_light = color_is_lit(desc->ambient)};
+    struct survey survey = {.ambient_light = color_is_lit(desc->ambient),
+                            .opaque_shadows = desc->opaque_shadows};
     if (desc->has_sky)
         survey.effects = effect_of_sky(&desc->sky, desc->background);
     for (uint32_t i = 0; i < desc->light_count; i++) {
@@ -154,7 +253,8 @@ unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_se
         survey.shadows |= shadow_kind(light->shadows, pen_light_desc_soft(light));
     }
     survey_objects(&survey, desc, desc->objects, desc->object_count);
-    return with_settings(survey_end(&survey), pen_desc_has_lens(desc), settings);
+    const struct pen_secondary_factors factors = survey_factors(&survey);
+    return with_settings(survey_end(&survey), &factors, pen_desc_has_lens(desc), settings);
 }
 
 bool pen_desc_forks(const struct pen_scene_desc *desc)
@@ -167,5 +267,6 @@ bool pen_desc_forks(const struct pen_scene_desc *desc)
 unsigned pen_scene_effects(const struct pen_scene *scene, int view,
                            const struct pen_settings *settings)
 {
-    return with_settings(scene->effects, has_lens(&scene->views[view].camera), settings);
+    return with_settings(scene->effects, &scene->factors, has_lens(&scene->views[view].camera),
+                         settings);
 }

@@ -49,7 +49,7 @@ static bool freeze_views(struct pen_freezer *f)
         views[i].camera.move_count = 0;
         f->cameras[i] = views[i].frame;
     }
-    f->scene->views = views;
+    f->scene->views = f->views = views;
     f->scene->view_count = count;
     return true;
 }
@@ -102,6 +102,28 @@ static bool keep_patterns(struct pen_freezer *f, struct pen_material *material)
     return true;
 }
 
+/* The cone of blurred rays: 1 - cos a = 2 sin^2(a / 2). */
+static double cone_of(double degrees)
+{
+    double sine, cosine;
+    pen_sincos_deg(0.5 * degrees, &sine, &cosine);
+    return 2 * sine * sine;
+}
+
+static bool freeze_blurs(struct pen_freezer *f)
+{
+    struct pen_scene *scene = f->scene;
+    struct pen_blur *blurs = pen_arena_alloc(scene->arena, scene->material_count, sizeof *blurs);
+    if (!blurs)
+        return pen_freeze_no_memory(f);
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        blurs[i].reflection = cone_of(scene->materials[i].reflection_blur);
+        blurs[i].transmission = cone_of(scene->materials[i].transmission_blur);
+    }
+    scene->blurs = blurs;
+    return true;
+}
+
 /* Copies the materials and appends the default one, for primitives without a material. */
 static bool freeze_materials(struct pen_freezer *f)
 {
@@ -118,7 +140,7 @@ static bool freeze_materials(struct pen_freezer *f)
             return pen_freeze_no_memory(f);
     f->scene->materials = materials;
     f->scene->material_count = count + 1;
-    return true;
+    return freeze_blurs(f);
 }
 
 /* A light in the local frame, where distances are multiplied by 2^-exponent. */
@@ -200,8 +222,8 @@ static bool freeze_all(struct pen_freezer *f)
     if (!freeze_views(f) || !freeze_frame(f) || !freeze_materials(f) || !freeze_lights(f) ||
         !pen_freeze_prims(f) || !pen_freeze_own_spaces(f) || !pen_freeze_layers(f))
         return false;
-    f->scene->effects = pen_effects_of_scene(f->scene);
-    return true;
+    pen_effects_find(f->scene);
+    return pen_freeze_solids(f);
 }
 
 struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,

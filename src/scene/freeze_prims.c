@@ -112,7 +112,8 @@ static bool fill_primitive(struct pen_freezer *f, const struct pen_scene_prim *s
         (struct pen_prim_ref){.kind = scene_prim->kind & 0xF, .index = index & 0xFFFFFFF};
     a->material[prim] =
         scene_prim->material >= 0 ? (uint32_t)scene_prim->material : f->desc->material_count;
-    a->see_through[prim] = color_is_lit(f->scene->materials[a->material[prim]].kt);
+    a->see_through[prim] =
+        !f->desc->opaque_shadows && color_is_lit(f->scene->materials[a->material[prim]].kt);
     f->scene->any_see_through = f->scene->any_see_through || a->see_through[prim];
     if (!fill_shape(f, a, scene_prim, index))
         return pen_fail(f->st, PEN_INVALID,

@@ -16,6 +16,7 @@
 
 #include "accel/accel.h"
 #include "scene/desc.h"
+#include "scene/solid.h"
 
 /* Effects that a kernel may simulate. A bit is set if the scene, rendered with given settings,
  * needs the effect. pen_effect_name has the names that statistics use. */
@@ -30,9 +31,12 @@ enum pen_effect {
     PEN_FX_SPECULAR = 1 << 7,
     PEN_FX_SKY = 1 << 8,
     PEN_FX_DEPTH_OF_FIELD = 1 << 9,
-    PEN_FX_PATTERNS = 1 << 10
+    PEN_FX_PATTERNS = 1 << 10,
+    PEN_FX_REFRACTION = 1 << 11,
+    PEN_FX_GLOSSY = 1 << 12,
+    PEN_FX_FROSTED = 1 << 13
 };
-enum { PEN_FX_COUNT = 11 };
+enum { PEN_FX_COUNT = 14 };
 
 /* The effect's name in the API ("hard_shadows") by bit number. */
 const char *pen_effect_name(int bit);
@@ -68,10 +72,18 @@ struct pen_lens {
     double focus;
 };
 
+/* Solids (scene/solid.h), by their numbers. */
+struct pen_solid_list {
+    uint32_t count;
+    const uint32_t *solid; /* ascending */
+};
+
 struct pen_scene_view {
     const char *name;
     struct pen_camera_frame frame; /* scene units */
     struct pen_camera_desc camera;
+    struct pen_solid_list inside; /* the solids that the eye, and all of the lens, is in */
+    struct pen_solid_list maybe;  /* those that some points of the lens may be in */
 };
 
 /* A box in which a primitive may coincide with `partner`; PEN_NO_PRIM: with any of many others. */
@@ -85,6 +97,17 @@ struct pen_layer_place {
 struct pen_own_space {
     struct pen_transform from_local;
     double reach[3], rounding[3];
+};
+
+/* The cones of a material's blurred rays: 1 - cos of their half-angles; 0: not blurred. */
+struct pen_blur {
+    double reflection, transmission;
+};
+
+/* By effect of secondary rays, the largest factor in any channel by which a primitive multiplies
+ * the weight of such a ray; INFINITY where weights may also grow. */
+struct pen_secondary_factors {
+    double mirror, transmission, refraction, glossy, frosted;
 };
 
 struct pen_scene {
@@ -104,16 +127,19 @@ struct pen_scene {
     const struct pen_layer_place *layer_place;
     const struct pen_material *materials;
     uint32_t material_count;
+    const struct pen_blur *blurs; /* by material */
     const uint32_t *prim_space; /* by primitive number, index into own_spaces; NULL: no patterns */
     const struct pen_own_space *own_spaces;
     bool patterned_glass;           /* the kt of some primitive is a pattern */
+    struct pen_solids solids;       /* those that refract */
     const struct pen_light *lights; /* those with intensity > 0 in some channel, in order */
     const uint32_t *light_index;    /* their indices in the document, part of the sampling key */
     uint32_t light_count;
     const struct pen_scene_view *views;
     uint32_t view_count;
     const struct pen_accel *accel;
-    unsigned effects; /* PEN_FX_* that the scene needs with any settings */
+    unsigned effects; /* PEN_FX_* that the scene needs with some settings */
+    struct pen_secondary_factors factors;
     double freeze_ms; /* without building the acceleration structure */
 };
 
@@ -154,5 +180,11 @@ unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_se
 
 /* Whether paths fork: some primitive's material both reflects and transmits. */
 bool pen_desc_forks(const struct pen_scene_desc *desc);
+
+/* Whether effects blur rays: glossy reflection or frosted transmission. */
+static inline bool pen_effects_blur(unsigned effects)
+{
+    return effects & (PEN_FX_GLOSSY | PEN_FX_FROSTED);
+}
 
 #endif

@@ -4,6 +4,8 @@
 #ifndef PEN_SCENE_SETTINGS_H
 #define PEN_SCENE_SETTINGS_H
 
+#include <limits.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "accel/accel.h"
@@ -32,12 +34,16 @@ struct pen_settings {
 /* The most surfaces that a pixel sample shades. Where a material both reflects and transmits, paths
  * fork at every surface, and a tree of them may have 2^max_depth - 1 surfaces. What lies beyond the
  * 2048th, in depth-first order, is cut off; a tree of max_depth 11 is whole. A path that does not
- * fork is never cut, so the bound is max_depth where that is larger. */
+ * fork is never cut, so the bound is max_depth where that is larger. Where rays are blurred, each
+ * of the first ones may begin such a tree. */
 enum { PEN_TREE_SURFACES = 2048 };
 
-static inline int pen_tree_surfaces_max(const struct pen_settings *settings)
+static inline int pen_tree_surfaces_max(const struct pen_settings *settings, bool blurred)
 {
-    return settings->max_depth > PEN_TREE_SURFACES ? settings->max_depth : PEN_TREE_SURFACES;
+    const int most =
+        settings->max_depth > PEN_TREE_SURFACES ? settings->max_depth : PEN_TREE_SURFACES;
+    const int rays = blurred ? settings->blur_samples : 1;
+    return rays <= INT_MAX / most ? most * rays : INT_MAX;
 }
 
 /* The defaults of api/scene-format.md. */

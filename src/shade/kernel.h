@@ -17,6 +17,8 @@
 struct pen_ray_counts {
     uint64_t primary, shadow, reflection, transmission;
     uint64_t dropped_samples; /* not finite or beyond the film; left out of the mean; expected 0 */
+    uint64_t unmatched_exits; /* paths that left a solid which they had not entered: one that does
+                               * not close; expected 0 with closed solids */
     uint64_t truncated_paths; /* secondary rays that were not traced, because their pixel sample had
                                * shaded as many surfaces as it may: pen_tree_surfaces_max */
 };
@@ -29,12 +31,14 @@ static inline void pen_ray_counts_add(struct pen_ray_counts *sum, const struct p
     sum->reflection += more->reflection;
     sum->transmission += more->transmission;
     sum->dropped_samples += more->dropped_samples;
+    sum->unmatched_exits += more->unmatched_exits;
     sum->truncated_paths += more->truncated_paths;
 }
 
 /* What a kernel reads. Threads: shared, immutable. */
 struct pen_kernel_input {
     const struct pen_scene *scene;
+    const struct pen_scene_view *view;
     const struct pen_settings *settings;
     struct pen_pinhole pinhole;
     struct pen_lens lens;

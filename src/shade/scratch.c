@@ -4,6 +4,14 @@
 
 #include <stdlib.h>
 
+#include "shade/internal/block_scratch.h"
+#include "shade/internal/media.h"
+
+/* A surface puts its reflected path on the stack, and where it blurs the transmitted one as well.
+ * An entry that stands for several rays stays there while the first of them is traced. Only the
+ * first surface that blurs has such entries, two at most. */
+enum { BLURRED_ENTRIES = 2 };
+
 /* Vectors of the widest instruction set are aligned to their size. */
 enum { BLOCK_ALIGN = 64 };
 
@@ -30,11 +38,37 @@ static bool block_new(struct pen_kernel_scratch *scratch)
     return true;
 }
 
-static bool fill(struct pen_kernel_scratch *scratch, size_t lights, size_t depth)
+/* A path is in the solids that its camera ray starts in, and in those that it has met. It meets as
+ * many surfaces as it shades, and where surfaces coincide a few at each. */
+static size_t most_solids(const struct pen_kernel_input *input, size_t depth)
 {
+    const struct pen_scene *scene = input->scene;
+    const size_t each = scene->layer_first ? LAYERS_MAX + 1 : 1;
+    const size_t most = input->view->inside.count + input->view->maybe.count + each * depth;
+    return most < scene->solids.count ? most : scene->solids.count;
+}
+
+static bool media_new(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch)
+{
+    if (input->scene->solids.count == 0)
+        return true;
+    scratch->media_stride = 1 + most_solids(input, scratch->depth);
+    scratch->media = calloc(media_of_pool(scratch) + BLOCK_PATHS,
+                            scratch->media_stride * sizeof *scratch->media);
+    return scratch->media != NULL;
+}
+
+static bool fill(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch)
+{
+    const size_t lights = input->scene->light_count;
     scratch->last_occluder = calloc(lights + 1, sizeof *scratch->last_occluder);
-    scratch->waiting = calloc(depth, sizeof *scratch->waiting);
-    if (!scratch->last_occluder || !scratch->waiting || !block_new(scratch))
+    scratch->waiting = calloc(scratch->depth, sizeof *scratch->waiting);
+    if (pen_effects_blur(input->effects))
+        scratch->blurred = calloc(scratch->depth, sizeof *scratch->blurred);
+    if (pen_effects_blur(input->effects) && !scratch->blurred)
+        return false;
+    if (!scratch->last_occluder || !scratch->waiting || !block_new(scratch) ||
+        !media_new(input, scratch))
         return false;
     for (size_t i = 0; i < lights; i++)
         scratch->last_occluder[i] = PEN_NO_PRIM;
@@ -43,12 +77,15 @@ static bool fill(struct pen_kernel_scratch *scratch, size_t lights, size_t depth
 
 struct pen_kernel_scratch *pen_kernel_scratch_new(const struct pen_kernel_input *input)
 {
-    int depth = input->settings->max_depth;
+    const int depth = input->settings->max_depth;
     struct pen_kernel_scratch *scratch = calloc(1, sizeof *scratch);
-    if (scratch && fill(scratch, input->scene->light_count, depth > 0 ? (size_t)depth : 1)) {
-        scratch->surfaces_max = pen_tree_surfaces_max(input->settings);
+    if (!scratch)
+        return NULL;
+    const bool blurs = pen_effects_blur(input->effects);
+    scratch->depth = (depth > 0 ? (size_t)depth : 1) + (blurs ? BLURRED_ENTRIES : 0);
+    scratch->surfaces_max = pen_tree_surfaces_max(input->settings, blurs);
+    if (fill(input, scratch))
         return scratch;
-    }
     pen_kernel_scratch_free(scratch);
     return NULL;
 }
@@ -59,6 +96,8 @@ void pen_kernel_scratch_free(struct pen_kernel_scratch *scratch)
         return;
     free(scratch->last_occluder);
     free(scratch->waiting);
+    free(scratch->blurred);
+    free(scratch->media);
     free(scratch->block_memory);
     free(scratch);
 }

@@ -74,13 +74,14 @@ static json_t *row_json(const struct pen_bench *bench, int row,
                   runs_json(out, bench->repeats), "build_ms", pen_figure(out->build_ms),
                   "render_ms", pen_figure(out->render_ms), "cpu_ms", pen_figure(out->cpu_ms));
     json_t *rest = json_pack(
-        "{s:o, s:o, s:o, s:s, s:o, s:I, s:I, s:i, s:i, s:b, s:f, s:f}", "rays",
+        "{s:o, s:o, s:o, s:s, s:o, s:I, s:I, s:I, s:i, s:i, s:b, s:f, s:f}", "rays",
         pen_figure_rays(&s->rays), "mrays_per_second", pen_figure_rate(&s->rays, out->render_ms),
         "accelerator", pen_figure_accelerator(&out->accel, s), "kernel", s->kernel, "effects",
         pen_figure_effects(s->effects), "dropped_samples", (json_int_t)s->rays.dropped_samples,
-        "truncated_paths", (json_int_t)s->rays.truncated_paths, "same_as", out->same_as,
-        "compared_with", out->compared_with, "identical", out->identical, "max_difference",
-        out->max_difference, "rmse", out->rmse);
+        "truncated_paths", (json_int_t)s->rays.truncated_paths, "unmatched_exits",
+        (json_int_t)s->rays.unmatched_exits, "same_as", out->same_as, "compared_with",
+        out->compared_with, "identical", out->identical, "max_difference", out->max_difference,
+        "rmse", out->rmse);
     if (times && rest && json_object_update(times, rest) == 0) {
         json_decref(rest);
         return times;

@@ -30,4 +30,4 @@ def gain($scene; $n): over(time($scene; $n; "povray"); time($scene; $n; "penumbr
 (.rays[] | select(.scene | IN(haines[])) | .rays as $r | published[.scene] as $p |
     "| `\(.scene)` | \($r.primary) | \($r.reflection) | \(if $p then percent($r.reflection; $p[1]) else "" end) | \($r.transmission) | \(if $p then percent($r.transmission; $p[2]) else "" end) | \($r.shadow) | \(if $p then percent($r.shadow; $p[3]) else "" end) |"),
 "",
-"Light goes straight through glass here, and is refracted there: `gears` and `mount` therefore have other numbers of rays. For `lattice` he published none."
+"His refracted rays in `gears` are as many as if none were totally reflected: his reflected rays without his refracted ones are those of the ground. For `lattice` he published none."

@@ -9,7 +9,8 @@
  *
  * Approximated: kl > 0 (matched at the light's distance from the middle of the scene); coloured kt
  * (POV-Ray's filter also colours the diffuse term); coloured ks (its brightness is used); ambient
- * light, which POV-Ray shows in mirrors too; lights with a radius (a circular area light that faces
+ * light, which POV-Ray shows in mirrors too; refraction, where POV-Ray has Fresnel's reflection or
+ * that by kr, not both; lights with a radius (a circular area light that faces
  * the point, with the same number of samples, none left out).
  *
  * usage: to_pov < SCENE > SCENE.pov      the first line states width and height */
@@ -73,8 +74,19 @@ static void put_texture(const struct pen_material *m, uint32_t number, struct pe
     if (most(m->kr) > 0) {
         put(" reflection { rgb ", m->kr);
         printf(" }");
+    } else if (m->ior != 1) {
+        printf(" reflection { 0, 1 fresnel on } conserve_energy");
     }
     printf(" } }\n");
+}
+
+/* The material of an object, and what it is made of. */
+static void put_material(const struct pen_material *materials, int number)
+{
+    printf("texture { Texture%d }", number);
+    if (materials[number].ior != 1)
+        printf(" interior { ior %.17g }", materials[number].ior);
+    printf(" }\n");
 }
 
 static void put_flat(const struct pen_object_desc *o, const struct pen_transform *t)
@@ -149,20 +161,20 @@ static void put_primitive(const struct pen_object_desc *o, const struct pen_tran
 }
 
 static void put_objects(const struct pen_object_desc *objects, uint32_t count,
-                        const struct pen_transform *t)
+                        const struct pen_material *materials, const struct pen_transform *t)
 {
     for (uint32_t i = 0; i < count; i++) {
         const struct pen_object_desc *o = &objects[i];
         if (o->kind == PEN_OBJECT_GROUP) {
             struct pen_transform inner =
                 o->u.group.has_transform ? pen_transform_compose(t, &o->u.group.transform) : *t;
-            put_objects(o->u.group.objects, o->u.group.count, &inner);
+            put_objects(o->u.group.objects, o->u.group.count, materials, &inner);
         } else {
             put_primitive(o, t);
             if (o->material < 0)
                 printf("texture { pigment { color rgb 0 } } }\n");
             else
-                printf("texture { Texture%d } }\n", o->material);
+                put_material(materials, o->material);
         }
     }
 }
@@ -243,7 +255,7 @@ static void put_scene(const struct pen_scene_desc *desc)
         put_light(&desc->lights[i], c.middle, set->light_samples);
     for (uint32_t i = 0; i < desc->material_count; i++)
         put_texture(&desc->materials[i], i, desc->ambient);
-    put_objects(desc->objects, desc->object_count, &identity);
+    put_objects(desc->objects, desc->object_count, desc->materials, &identity);
 }
 
 int main(void)

@@ -23,7 +23,7 @@ prints "penumbrad --help shows environment variables" stdout "[PENUMBRA_LISTEN]"
 expect "penumbrad --help does not show internal options" "$(grep -c internal "$work/stdout")" 0
 exits "penumbrad --version" 0 "$build/penumbrad" --version
 
-for word in plan accuracy effects; do
+for word in accuracy audit; do
     exits "the command $word of a later version" 3 "$penumbra" "$word" x
     prints "is known, not supported yet" stderr "\"$word\" is known, not supported yet"
 done
@@ -51,7 +51,10 @@ prints "the error lists the endings" stderr ".png or .pfm"
 exits "render without any output" 2 "$penumbra" render builtin:spheres
 exits "a wrong pixel" 2 "$penumbra" render builtin:spheres --pixel 1
 exits "a pixel outside" 2 "$penumbra" render builtin:spheres --pixel 100000,0
-exits "a layer of a later version" 3 "$penumbra" render builtin:spheres --layer depth -o "$work/x.png"
+exits "a statistics file of a layer" 2 "$penumbra" render builtin:spheres --layer depth -o "$work/x.png" --stats "$work/x.json"
+prints "the error says why" stderr "has no --stats"
+exits "a cost without its layer" 2 "$penumbra" render builtin:spheres --cost tests -o "$work/x.png"
+exits "a setting of a later version" 3 "$penumbra" render builtin:spheres --set target_error=0.1 -o "$work/x.png"
 prints "is known, not supported yet" stderr "known, not supported yet"
 exits "a wrong server" 2 "$penumbra" list --server ftp://x
 exits "a wrong server in the environment" 2 env PENUMBRA_URL=nonsense:// "$penumbra" list

@@ -84,6 +84,32 @@ expect_problem unknown-view 404
 call "$job/image?layer=depth"
 expect_problem layer-not-requested 404
 
+# Layers: the bytes are those of the command line.
+picture=$job
+submit '{"scene": "builtin:glass", "render": {"width": 64, "height": 48},
+    "layers": ["depth", "cost", "albedo", "samples"], "cost": "tests"}'
+expect layers-accepted "$status $(jq -c '[.layers, .cost]' "$work/body")" \
+    '202 [["depth","cost","albedo","samples"],"tests"]'
+call "$job?wait=60"
+for layer in depth cost albedo samples; do
+    tests=
+    [ $layer != cost ] || tests='--cost tests'
+    # shellcheck disable=SC2086
+    "$build/penumbra" render builtin:glass --set width=64 --set height=48 --layer $layer $tests -q \
+        -o "$work/$layer.pfm"
+    call "$job/image?layer=$layer&format=pfm"
+    expect "layer-$layer" "$status $(cmp "$work/body" "$work/$layer.pfm" && echo same)" "200 same"
+    call "$job/image?layer=$layer"
+    expect "layer-$layer-png" "$status $(header content-type)" "200 image/png"
+    call "$job/image?layer=$layer&view=all&format=png16"
+    expect "layer-$layer-sheet" "$status" 200
+done
+call "$job/image?layer=normal"
+expect_problem layer-of-none 404
+call "$job/image"
+expect layers-and-beauty "$status $(header content-type)" "200 image/png"
+job=$picture
+
 # Preview, statistics, scene.
 call "$job/preview"
 expect preview "$status $(header content-type)" "200 image/png"
@@ -165,7 +191,7 @@ while [ -n "$next" ]; do
     next=$(header link | sed -n 's/^<\(.*\)>.*/\1/p')
 done
 total=$(printf '%s\n' $seen | wc -l | tr -d ' ')
-expect pages-hold-every-job-once "$total $(printf '%s\n' $seen | sort -u | wc -l | tr -d ' ')" "6 6"
+expect pages-hold-every-job-once "$total $(printf '%s\n' $seen | sort -u | wc -l | tr -d ' ')" "7 7"
 call "/v1/jobs?state=cancelled"
 expect list-by-state "$(body '[.jobs[].state] | unique | join(" ")')" cancelled
 call "/v1/jobs?kind=benchmark"

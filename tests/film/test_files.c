@@ -59,8 +59,8 @@ START_TEST(test_files__png_holds_the_codes_of_the_formula)
 {
     struct pen_film film = make_film();
     for (int i = 0; i < 4; i++) {
-        struct pen_png_options options = {i & 1 ? 16 : 8,
-                                          i & 2 ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB, NULL};
+        struct pen_png_options options = {
+            .bits = i & 1 ? 16 : 8, .transfer = i & 2 ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB};
         double max = i & 1 ? 65535 : 255;
         struct pen_buf out = write_png(&film, options);
         struct pen_picture *picture = read_back(&out);
@@ -90,9 +90,9 @@ END_TEST
 START_TEST(test_files__png_states_its_transfer)
 {
     struct pen_film film = make_film();
-    struct pen_buf srgb = write_png(&film, (struct pen_png_options){8, PEN_TRANSFER_SRGB, NULL});
+    struct pen_buf srgb = write_png(&film, (struct pen_png_options){.bits = 8});
     struct pen_buf linear =
-        write_png(&film, (struct pen_png_options){16, PEN_TRANSFER_LINEAR, NULL});
+        write_png(&film, (struct pen_png_options){.bits = 16, .transfer = PEN_TRANSFER_LINEAR});
     ck_assert(chunk(&srgb, "sRGB") && chunk(&srgb, "gAMA") && chunk(&srgb, "cHRM"));
     ck_assert(!chunk(&linear, "sRGB") && chunk(&linear, "gAMA"));
     ck_assert_mem_eq(chunk(&srgb, "gAMA"), "\x00\x00\xB1\x8F", 4);
@@ -100,7 +100,7 @@ START_TEST(test_files__png_states_its_transfer)
     ck_assert_mem_eq(chunk(&srgb, "IHDR"), "\0\0\0\x0D\0\0\0\x09\x08\x02\0\0\0", 13);
     ck_assert_mem_eq(chunk(&linear, "IHDR"), "\0\0\0\x0D\0\0\0\x09\x10\x02\0\0\0", 13);
     ck_assert(!chunk(&srgb, "tIME") && !chunk(&srgb, "tEXt"));
-    struct pen_buf again = write_png(&film, (struct pen_png_options){8, PEN_TRANSFER_SRGB, NULL});
+    struct pen_buf again = write_png(&film, (struct pen_png_options){.bits = 8});
     ck_assert(again.bytes == srgb.bytes && memcmp(again.data, srgb.data, srgb.bytes) == 0);
     pen_buf_release(&again);
     pen_buf_release(&srgb);
@@ -115,8 +115,7 @@ START_TEST(test_files__pixels_not_rendered_yet_are_transparent)
     for (int i = 0; i < W * H; i++)
         mask[i] = i % 3 == 0;
     for (int bits = 8; bits <= 16; bits += 8) {
-        struct pen_buf out =
-            write_png(&film, (struct pen_png_options){bits, PEN_TRANSFER_SRGB, mask});
+        struct pen_buf out = write_png(&film, (struct pen_png_options){.bits = bits, .mask = mask});
         png_image image = {.version = PNG_IMAGE_VERSION};
         unsigned char rgba[W * H * 4], plain[3];
         ck_assert(png_image_begin_read_from_memory(&image, out.data, out.bytes));
@@ -447,7 +446,7 @@ END_TEST
 START_TEST(test_files__every_failed_allocation_is_an_error)
 {
     struct pen_film film = make_film();
-    struct pen_png_options options = {16, PEN_TRANSFER_SRGB, NULL};
+    struct pen_png_options options = {.bits = 16};
     struct pen_buf png = write_png(&film, options), pfm = {0};
     struct pen_status st;
     ck_assert(pen_pfm_write(&film, &pfm, &st));

@@ -89,7 +89,7 @@ START_TEST(test_metrics__tolerance_allows_for_rounding)
         shifted[i] = (float)pen_decode_srgb((i / 3 + 2) / 255.0);
     }
     struct pen_film film = {256, 1, rgb}, other = {256, 1, shifted};
-    struct pen_png_options options = {8, PEN_TRANSFER_SRGB, NULL};
+    struct pen_png_options options = {.bits = 8};
     struct pen_buf a = {0}, b = {0};
     ck_assert(pen_png_write(&film, &options, &a, &st) && pen_png_write(&other, &options, &b, &st));
     struct pen_picture *pa = pen_picture_read(a.data, a.bytes, &st);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* What is sampled converges to the oracle's mean over points of its own (tests/support/oracle.h):
- * depth of field. Penumbra's pictures with 16 seeds and 16 of the oracle's are compared by Welch's
- * t-test (Welch, Biometrika 34, 1947), pixel by pixel, and the means of blocks of 8 x 8 pixels. The
- * probability that any of these tests fails by chance is 1e-4 for a picture (Bonferroni). A lens
- * that is 3 % wider fails: tests/property/mutants.sh. */
+ * depth of field, glossy reflection, frosted transmission. Penumbra's pictures with 16 seeds and 16
+ * of the oracle's are compared by Welch's t-test (Welch, Biometrika 34, 1947), pixel by pixel, and
+ * the means of blocks of 8 x 8 pixels. The probability that any of these tests fails by chance is
+ * 1e-4 for a picture (Bonferroni). A lens that is 3 % wider fails, and so does a cone:
+ * tests/property/mutants.sh. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +16,7 @@
 #include "support/random.h"
 #include "support/suite.h"
 
-enum { WIDTH = 32, HEIGHT = 24, SIDE = 8, SEEDS = 16, OURS = 64, THEIRS = 256 };
+enum { WIDTH = 32, HEIGHT = 24, SIDE = 8, SEEDS = 16, OURS = 64, BLURRED = 4, THEIRS = 256 };
 enum { PIXELS = WIDTH * HEIGHT, BLOCKS = PIXELS / (SIDE * SIDE) };
 
 /* A picture for each seed, or for each part of the oracle's samples. */
@@ -55,7 +56,8 @@ static void render(const char *path)
         settings.width = WIDTH;
         settings.height = HEIGHT;
         settings.seed = (uint64_t)seed;
-        settings.lens_samples = OURS;
+        settings.samples_per_pixel = OURS;
+        settings.blur_samples = BLURRED;
         struct pen_render_task task = {
             .scene = scene, .settings = &settings, .tile_count = -1, .rgb = rgb};
         struct pen_render_stats stats;
@@ -69,9 +71,15 @@ static void render(const char *path)
 }
 
 /* Independent points, uniform in the pixel and on the lens. */
+static double uniform(void *user)
+{
+    return random_unit(user);
+}
+
 static struct oracle_camera_point any_point(struct random *r, int x, int y)
 {
-    struct oracle_camera_point at = {x + random_unit(r), y + random_unit(r), 0, 0};
+    struct oracle_camera_point at = {
+        .x = x + random_unit(r), .y = y + random_unit(r), .uniform = uniform, .user = r};
     do {
         at.lens_x = random_in(r, -1, 1);
         at.lens_y = random_in(r, -1, 1);
@@ -84,15 +92,16 @@ static void sample_oracle(const char *path)
     struct random r = random_begin(501);
     struct oracle_scene *oracle = oracle_load(path, NULL);
     ck_assert(oracle != NULL);
+    const int samples = random_cases(THEIRS);
     for (int i = 0; i < SEEDS * PIXELS; i++) {
         double *mean = theirs.value[i / PIXELS][i % PIXELS], rgb[3];
         mean[0] = mean[1] = mean[2] = 0;
-        for (int k = 0; k < THEIRS; k++) {
+        for (int k = 0; k < samples; k++) {
             const struct oracle_camera_point at =
                 any_point(&r, i % PIXELS % WIDTH, i % PIXELS / WIDTH);
             oracle_sample(oracle, WIDTH, HEIGHT, &at, rgb);
             for (int c = 0; c < 3; c++)
-                mean[c] += rgb[c] / THEIRS;
+                mean[c] += rgb[c] / samples;
         }
     }
     oracle_free(oracle);
@@ -211,4 +220,21 @@ START_TEST(test_blur__lens)
 }
 END_TEST
 
-PEN_SUITE("blur", test_blur__students_distribution, test_blur__lens)
+START_TEST(test_blur__glossy)
+{
+    compare("gloss-floor");
+    compare("gloss-grazing");
+    compare("gloss-glass");
+}
+END_TEST
+
+START_TEST(test_blur__frosted)
+{
+    compare("frosted-pane");
+    compare("frosted-glass");
+    compare("frosted-grazing");
+}
+END_TEST
+
+PEN_SUITE("blur", test_blur__students_distribution, test_blur__lens, test_blur__glossy,
+          test_blur__frosted)

@@ -6,11 +6,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "io/scene_json.h"
 #include "render/render.h"
 #include "scene/scene.h"
 #include "support/oracle.h"
+#include "support/random.h"
 #include "support/suite.h"
 
 struct picture {
@@ -158,6 +160,119 @@ START_TEST(test_oracle__agrees_on_every_view)
 }
 END_TEST
 
+START_TEST(test_oracle__agrees_on_refraction)
+{
+    static const char *const views[] = {"front", "inside", "drink"};
+    int different = differences("tests/golden/scenes/refraction-touching", NULL, 96);
+    for (int i = 0; i < 3; i++)
+        different += differences("tests/golden/scenes/refraction", views[i], 96);
+    ck_assert_int_eq(different, 0);
+}
+END_TEST
+
+/* Writes a material of glass, or of something that is not. */
+static void write_material(FILE *out, struct random *r)
+{
+    static const double ior[] = {1, 1.33, 1.5, 2.4, 0.75};
+    fprintf(out, "{\"kd\": %.3f, \"kt\": %.3f, \"kr\": %.3f, \"ior\": %.3f, \"shininess\": %u,",
+            random_in(r, 0, 0.4), random_below(r, 4) ? random_in(r, 0.5, 1) : 0,
+            random_below(r, 3) ? 0 : random_in(r, 0, 0.3), ior[random_below(r, 5)],
+            (unsigned)random_below(r, 1000));
+    fprintf(out, " \"emission\": [%.3f, %.3f, 0.05]}", random_in(r, 0, 0.2), random_in(r, 0, 0.2));
+}
+
+/* A turned box, as six polygons whose vertices run in any order. */
+static void write_box(FILE *out, struct random *r, const char *material)
+{
+    static const int face[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                                   {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+    const double half[3] = {random_in(r, 0.2, 1), random_in(r, 0.2, 1), random_in(r, 0.2, 1)};
+    fprintf(out,
+            "{\"type\": \"group\", \"transform\": {\"rotate\": {\"axis\": [%.3f, 1, %.3f], "
+            "\"degrees\": %.3f}, \"translate\": [%.3f, %.3f, %.3f]}, \"objects\": [",
+            random_in(r, -1, 1), random_in(r, -1, 1), random_in(r, 0, 180), random_in(r, -2, 2),
+            random_in(r, -1.5, 1.5), random_in(r, -2, 2));
+    for (int i = 0; i < 6; i++) {
+        const bool back = random_below(r, 2);
+        fprintf(out, "%s{\"type\": \"polygon\", \"material\": \"%s\", \"vertices\": [",
+                i ? ", " : "", material);
+        for (int k = 0; k < 4; k++) {
+            const int corner = face[i][back ? 3 - k : k];
+            fprintf(out, "%s[%.3f, %.3f, %.3f]", k ? ", " : "", corner & 4 ? half[0] : -half[0],
+                    corner & 2 ? half[1] : -half[1], corner & 1 ? half[2] : -half[2]);
+        }
+        fputs("]}", out);
+    }
+    fputs("]}", out);
+}
+
+static void write_object(FILE *out, struct random *r, const char *material)
+{
+    static const char *const kinds[] = {"sphere", "cylinder", "cone", "box"};
+    const char *kind = kinds[random_below(r, 4)];
+    if (strcmp(kind, "box") == 0) {
+        write_box(out, r, material);
+        return;
+    }
+    fprintf(out,
+            "{\"type\": \"%s\", \"material\": \"%s\", \"radius\": %.3f, \"%s\": [%.3f, %.3f, %.3f]",
+            kind, material, random_in(r, 0.3, 1.5), strcmp(kind, "sphere") ? "base" : "center",
+            random_in(r, -2, 2), random_in(r, -1.5, 1.5), random_in(r, -2, 2));
+    if (strcmp(kind, "sphere") != 0)
+        fprintf(out, ", \"axis\": [%.3f, 1, %.3f], \"height\": %.3f", random_in(r, -1, 1),
+                random_in(r, -1, 1), random_in(r, 0.3, 2));
+    fputs("}", out);
+}
+
+/* Solids of any kind that overlap and contain one another, and the eye now and then. */
+static void write_scene(FILE *out, struct random *r)
+{
+    const int objects = 1 + (int)random_below(r, 6);
+    const double z = random_below(r, 3) ? 7 : random_in(r, -1, 1);
+    fprintf(
+        out,
+        "{\"format\": \"penumbra-scene/1\", \"ambient\": [0.1, 0.1, 0.1], \"background\": "
+        "{\"sky\": {\"zenith\": [0.2, 0.4, 0.9], \"horizon\": [0.9, 0.9, 0.8], \"nadir\": [0.3, "
+        "0.2, 0.1]}}, \"camera\": {\"position\": [%.3f, %.3f, %.3f], \"direction\": [%.3f, %.3f, "
+        "-1]}, \"lights\": [{\"type\": \"directional\", \"intensity\": [0.7, 0.7, 0.6], "
+        "\"direction\": [-1, -2, -1.5]}], \"materials\": {",
+        random_in(r, -1, 1), random_in(r, -1, 1), z, random_in(r, -0.3, 0.3),
+        random_in(r, -0.3, 0.3));
+    for (int i = 0; i < objects; i++) {
+        fprintf(out, "%s\"m%d\": ", i ? ", " : "", i);
+        write_material(out, r);
+    }
+    fputs("}, \"objects\": [", out);
+    for (int i = 0; i < objects; i++) {
+        char material[16];
+        snprintf(material, sizeof material, "m%d", i);
+        fputs(i ? ", " : "", out);
+        write_object(out, r, material);
+    }
+    fprintf(out, "], \"render\": {\"width\": 32, \"height\": 24, \"max_depth\": %u}}\n",
+            2 + (unsigned)random_below(r, 6));
+}
+
+START_TEST(test_oracle__agrees_on_random_solids)
+{
+    struct random r = random_begin(780);
+    char folder[] = "/tmp/oracle-XXXXXX", name[64], path[80];
+    ck_assert_ptr_nonnull(mkdtemp(folder));
+    snprintf(name, sizeof name, "%s/scene", folder);
+    snprintf(path, sizeof path, "%s.json", name);
+    int different = 0;
+    for (int i = 0; i < random_cases(60); i++) {
+        FILE *out = fopen(path, "w");
+        ck_assert_ptr_nonnull(out);
+        write_scene(out, &r);
+        ck_assert_int_eq(fclose(out), 0);
+        different += differences(name, NULL, 32);
+    }
+    ck_assert(unlink(path) == 0 && rmdir(folder) == 0);
+    ck_assert_int_eq(different, 0);
+}
+END_TEST
+
 START_TEST(test_oracle__agrees_on_the_built_in_scenes)
 {
     int different = differences("scenes/spheres", NULL, 160);
@@ -212,4 +327,5 @@ END_TEST
 PEN_SUITE("oracle", test_oracle__agrees_on_primitives,
           test_oracle__agrees_on_ties_except_in_overlapping_sheets, test_oracle__agrees_on_light,
           test_oracle__agrees_on_soft_shadows, test_oracle__agrees_on_every_view,
+          test_oracle__agrees_on_refraction, test_oracle__agrees_on_random_solids,
           test_oracle__agrees_on_the_built_in_scenes)

@@ -30,6 +30,7 @@ BLIND = (
     "takes only similarities",
     "beyond 1e100",
     "must be unique",
+    "must have the index of refraction (ior) 1",
     "must be another point",
     "which a camera with",  # a view has some of the keys, the camera others
 )

@@ -118,14 +118,54 @@ START_TEST(test_limits__work_counts_the_surfaces_of_paths_that_fork)
     ck_assert(!check_forks(0.5, 0.5, 10001, 1, &st));
     ck_assert_str_eq(st.msg,
                      "the views take up to 1e+13 rays, at most 1e+13 are allowed: a material has "
-                     "both kr and kt, so that paths fork, and 1e+09 primary and shadow rays become "
-                     "10001 times as many with max_depth 10001; lower it to 10000, or take fewer "
+                     "both kr and kt, or refracts, so that paths fork, and 1e+09 primary and "
+                     "shadow rays become 10001 times as many with max_depth 10001; lower it to "
+                     "10000, or take fewer "
                      "pixels or samples");
     ck_assert(!check_forks(0.5, 0.5, 60, 5, &st));
     ck_assert_int_eq(st.code, PEN_TOO_LARGE);
     ck_assert_str_eq(st.at, "/render");
     ck_assert_ptr_nonnull(strstr(st.msg, "2048 times as many with max_depth 60; lower it to 10,"));
     ck_assert(check_forks(0.5, 0.5, 10, 5, &st));
+}
+END_TEST
+
+/* A picture of 10^9 pixels and shadow rays, all of whose rays are blurred, with kt and without. */
+static bool check_blur(double kt, int blur_samples, struct pen_status *st)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_material m = pen_material_default();
+    struct pen_object_desc ball = {.kind = PEN_OBJECT_SPHERE, .material = 0};
+    struct pen_view_desc view;
+    struct pen_scene_desc desc = scene_with(NULL, 0, &view);
+    struct pen_settings settings = pen_settings_default();
+    m.kr.x = 0.5;
+    m.kt.x = kt;
+    m.reflection_blur = 5;
+    desc.materials = &m;
+    desc.material_count = 1;
+    desc.objects = &ball;
+    desc.object_count = 1;
+    settings.width = settings.height = 1000;
+    settings.samples_per_pixel = 1000;
+    settings.max_depth = 3;
+    settings.blur_samples = blur_samples;
+    return pen_limits_check(&limits, &desc, &settings, 1, "/render", st);
+}
+
+START_TEST(test_limits__work_counts_blurred_rays)
+{
+    struct pen_status st;
+    ck_assert(check_blur(0, 10000, &st));
+    ck_assert(!check_blur(0, 10001, &st));
+    ck_assert_int_eq(st.code, PEN_TOO_LARGE);
+    ck_assert_str_eq(st.msg,
+                     "the views take up to 1e+13 rays, at most 1e+13 are allowed: a material "
+                     "blurs, so that 1e+09 primary and shadow rays become 1e+04 times as "
+                     "many with blur_samples 10001 and max_depth 3; lower these, or take "
+                     "fewer pixels or samples");
+    ck_assert(check_blur(0.5, 1428, &st));
+    ck_assert(!check_blur(0.5, 1429, &st));
 }
 END_TEST
 
@@ -234,7 +274,8 @@ END_TEST
 PEN_SUITE("io/limits", test_limits__work_counts_shadow_rays_of_every_light,
           test_limits__work_takes_the_largest_sample_count_in_use,
           test_limits__pixels_and_work_are_refused_just_above_their_limits,
-          test_limits__work_counts_the_surfaces_of_paths_that_fork, test_limits__builtin_scenes_fit,
+          test_limits__work_counts_the_surfaces_of_paths_that_fork,
+          test_limits__work_counts_blurred_rays, test_limits__builtin_scenes_fit,
           test_limits__objects_are_counted_with_their_groups,
           test_limits__a_million_objects_are_read,
           test_limits__the_defaults_are_those_of_the_format)

@@ -245,22 +245,39 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              ROW_TESTED, NULL},
     [106] = {"samples in several parts", "", ROW_INAPPLICABLE,
              "the samples of a pixel are never divided: a job is divided by pixels"},
-    [107] = {"the critical angle", "", ROW_PENDING, "refraction is not supported yet"},
-    [108] = {"parallel plates", "", ROW_PENDING, "refraction is not supported yet"},
-    [109] = {"a path through glass and back", "", ROW_PENDING, "refraction is not supported yet"},
-    [110] = {"glass that neither refracts nor dims", "test_paths__h110_glass_keeps_the_ray",
-             ROW_TESTED, "with ior 1; the limit of ior towards 1 comes with refraction"},
-    [111] = {"a ball lens", "", ROW_PENDING, "refraction is not supported yet"},
+    [107] = {"the critical angle", "test_snell__h107_at_the_critical_angle", ROW_TESTED, NULL},
+    [108] = {"parallel plates", "test_refraction__h108_direction_behind_1000_plates", ROW_TESTED,
+             NULL},
+    [109] = {"a path through glass and back",
+             "test_refraction__h109_a_path_through_a_ball_and_back", ROW_TESTED, NULL},
+    [110] = {"glass that neither refracts nor dims, and the limit of the index towards 1",
+             "test_paths__h110_glass_keeps_the_ray "
+             "test_refraction__h110_index_1_is_no_refraction "
+             "test_refraction__h110_as_the_index_goes_to_1",
+             ROW_TESTED, NULL},
+    [111] = {"a ball lens", "test_refraction__h111_a_ball_lens", ROW_TESTED, NULL},
     [112] = {"two mirrors that face each other", "test_paths__h112_mirror_pair", ROW_TESTED, NULL},
     [113] = {"primitives that lose no light, in light that is everywhere the same",
-             "test_paths__h113_furnace", ROW_TESTED,
-             "with ior 1; refracted light comes with refraction"},
-    [114] = {"surfaces of glass at one distance are one event, in document order",
+             "test_paths__h113_furnace "
+             "test_furnace__h113_ball "
+             "test_furnace__h113_flat_faces "
+             "test_furnace__h113_deeper_paths_lack_less "
+             "test_furnace__h113_no_seams "
+             "test_furnace__h113_rays_at_edges",
+             ROW_TESTED, NULL},
+    [114] = {"surfaces of glass at one distance are one event; solids that are nested or touch",
              "test_paths__h114_coincident_glass_in_document_order "
-             "test_shadow__h114_coincident_sheets_in_document_order",
-             ROW_TESTED, "with ior 1; nested primitives that refract come with refraction"},
-    [115] = {"a camera inside glass", "test_paths__h115_camera_in_glass", ROW_TESTED,
-             "with ior 1; which side is inside matters with refraction"},
+             "test_shadow__h114_coincident_sheets_in_document_order "
+             "test_media__h114_balls_in_balls "
+             "test_media__h114_any_glasses "
+             "test_media__h114_common_faces "
+             "test_media__h114_overlaps_and_double_walls",
+             ROW_TESTED, NULL},
+    [115] = {"a camera inside glass",
+             "test_paths__h115_camera_in_glass "
+             "test_media__h115_eye_in_balls "
+             "test_media__h115_lens_partly_inside",
+             ROW_TESTED, NULL},
     [116] = {"the edge of a spot",
              "test_light__h116_nothing_behind_a_spot "
              "test_light__h116_edge_of_a_spot",
@@ -296,8 +313,8 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              ROW_TESTED, NULL},
     [127] = {"a lens without an aperture", "test_lens__h127_no_aperture_is_a_pinhole", ROW_TESTED,
              NULL},
-    [128] = {"glossy reflection without blur", "", ROW_PENDING,
-             "blurred reflection is not supported yet"},
+    [128] = {"glossy reflection without blur", "test_gloss__h128_no_blur_is_a_mirror", ROW_TESTED,
+             NULL},
     [129] = {"a light within rounding of a wall's plane, along it, far away in it or behind the "
              "next wall",
              "test_horizon__flat test_horizon__near_light", ROW_TESTED, NULL},

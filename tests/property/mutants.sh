@@ -336,12 +336,12 @@ judge
 
 mutant tree_order h112_path_tree 300 "the path that has waited longest continues first"
 edit src/shade/internal/kernel_body.h 1 \
-    's/^(        )path = scratch->waiting\[--waiting\];$/\1path = scratch->waiting[0]; scratch->waiting[0] = scratch->waiting[--waiting];/'
-edit src/shade/scratch.c 1 's/calloc\(depth, /calloc(depth + 8192, /'
+    's/^(        )\*path = scratch->waiting\[--\*waiting\];$/\1*path = scratch->waiting[0], scratch->waiting[0] = scratch->waiting[--*waiting];/'
+edit src/shade/scratch.c 1 's/waiting = calloc\(scratch->depth, /waiting = calloc(scratch->depth + 8192, /'
 judge
 
 mutant tree_uncounted h112_path_tree 300 "of the paths cut off only the transmitted one is counted"
-edit src/shade/internal/kernel_body.h 1 's/\(uint64_t\)waiting \+ continues;/continues;/'
+edit src/shade/internal/kernel_body.h 1 's/uint64_t reflected = \(uint64_t\)waiting, /uint64_t reflected = 0, /'
 judge
 
 mutant light_beside horizon_walls 1000 "a floor contains a light in its plane that is beside it"
@@ -511,6 +511,22 @@ judge_test
 
 mutant lens_wide golden/test_blur 0 "a lens is 3 % wider"
 edit src/scene/camera.c 1 's/^    const double radius = (pen_scale2\(v->camera\.aperture_radius.*);$/    const double radius = 1.03 * \1;/'
+judge_test
+
+mutant cone_wide golden/test_blur 0 "the cone of blurred rays is 3 % wider"
+edit src/scene/freeze.c 1 's/pen_sincos_deg\(0\.5 \* degrees/pen_sincos_deg(0.515 * degrees/'
+judge_test
+
+mutant snell_sine shade/test_snell 0 "the refracted cosine comes from the sine alone"
+edit src/shade/internal/snell.h 1 's/= c \* c - difference \* \(s \* s\);/= (one - e * s) * (one + e * s);/'
+judge_test
+
+mutant media_stays shade/test_media 0 "a path stays in the solids that it has left"
+edit src/shade/internal/media.h 1 's/^(    m->count = )kept;$/\1m->count + 0 * kept;/'
+judge_test
+
+mutant faces_unturned scene/test_solids 0 "the faces of a solid that is inside out are not turned"
+edit src/scene/solid_faces.c 1 's/volume\[face\[i\]\.solid\] < 0/volume[face[i].solid] < -1e300/'
 judge_test
 
 mutant pattern_lower shade/test_patterns 0 "the cell of a point is decided by rounding"

@@ -36,7 +36,7 @@ static double one_of(struct random *r, double a, double b, double c)
     return of[random_below(r, 3)];
 }
 
-static struct pen_material draw_material(struct random *r, bool glass)
+static struct pen_material draw_material(struct random *r, bool glass, bool refracting)
 {
     struct pen_material m = kit_matte(one_of(r, .3, .8, 1));
     double ks = one_of(r, 0, 0, .5), kr = one_of(r, 0, 0, .6), kt = one_of(r, 0, 0, .7);
@@ -46,6 +46,9 @@ static struct pen_material draw_material(struct random *r, bool glass)
     m.kr = pen_vec3(kr, .9 * kr, kr);
     m.kt = pen_vec3(kt, kt, .8 * kt);
     m.shininess = one_of(r, 1, 10, 77.7);
+    m.ior = refracting ? one_of(r, 1, 1.5, 1.25) : 1;
+    m.reflection_blur = refracting ? one_of(r, 0, 0, 20) : 0;
+    m.transmission_blur = refracting ? one_of(r, 0, 0, 80) : 0;
     return m;
 }
 
@@ -145,9 +148,10 @@ static void make_scene(struct random *r)
 {
     int material[MATERIALS], things = 2 + (int)random_below(r, 23);
     bool glass = random_below(r, 4) == 0; /* shadow rays pass many surfaces */
+    bool refracting = random_below(r, 3) == 0;
     kit_init(&kit);
     for (int i = 0; i < MATERIALS; i++)
-        material[i] = kit_material(&kit, draw_material(r, glass));
+        material[i] = kit_material(&kit, draw_material(r, glass, refracting));
     for (int i = 0; i < things; i++) {
         struct random before = *r;
         add_object(r, material[random_below(r, MATERIALS)]);
@@ -168,6 +172,7 @@ static void make_scene(struct random *r)
     kit.settings.height = 1 + (int)random_below(r, SIDE_MOST);
     kit.settings.samples_per_pixel = random_below(r, 4) ? 1 : 2;
     kit.settings.light_samples = random_below(r, 6) ? 3 : 40;
+    kit.settings.blur_samples = 3;
     kit.settings.max_depth = 1 + (int)random_below(r, 5);
 }
 
@@ -256,7 +261,7 @@ static void judge_scene(const struct row_case *c, struct row_verdict *v)
     static const int tile[] = {5, 16, 64};
     static float truth[VALUES_MOST], film[VALUES_MOST];
     struct random r = {(uint64_t)c->arg[0] * 0x9e3779b97f4a7c15u + 11, 0};
-    struct pen_ray_counts rays = {0, 0, 0, 0, 0, 0};
+    struct pen_ray_counts rays = {.primary = 0};
     int values = 0, unrounded = 0, counts = 0, lit = 0, renders = 0;
     bool ok = true;
     make_scene(&r);

@@ -58,7 +58,7 @@ static void compare(const char *what)
         compare_counts(&rays, &rays_singly, what);
     }
     isa_release();
-    struct pen_ray_counts sum = {0, 0, 0, 0, 0, 0};
+    struct pen_ray_counts sum = {.primary = 0};
     for (int y = 0; y < settings->height; y++) {
         for (int x = 0; x < settings->width; x++) {
             const float *got = &film[3 * ((size_t)y * (size_t)settings->width + (size_t)x)];

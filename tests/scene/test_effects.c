@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A description and the scene frozen from it need the same effects. */
+#include <math.h>
+
 #include "support/kit.h"
 #include "support/random.h"
 #include "support/suite.h"
@@ -16,14 +18,25 @@ static struct pen_vec3 sometimes(struct random *random)
 /* A material with patterns, whichever colours they are of. */
 static const struct pen_patterns no_colour;
 
+/* Factors below, at and above the min_contribution of any_scene. */
+static struct pen_vec3 sometimes_weak(struct random *random)
+{
+    static const double weak[] = {1e-9, 0.0009, 0.001, 0.002};
+    const struct pen_vec3 c = sometimes(random);
+    return random_below(random, 2) ? c : pen_scale(c, 2 * weak[random_below(random, 4)]);
+}
+
 static struct pen_material any_material(struct random *random)
 {
     struct pen_material m = pen_material_default();
     m.ka = sometimes(random);
     m.kd = sometimes(random);
     m.ks = sometimes(random);
-    m.kt = sometimes(random);
-    m.kr = sometimes(random);
+    m.kt = sometimes_weak(random);
+    m.kr = sometimes_weak(random);
+    m.ior = random_below(random, 2) ? 1 : 1.5;
+    m.reflection_blur = random_below(random, 2) ? 0 : 5;
+    m.transmission_blur = random_below(random, 2) ? 0 : 5;
     m.patterns = random_below(random, 4) ? NULL : &no_colour;
     return m;
 }
@@ -40,6 +53,7 @@ static void any_scene(struct random *random)
     kit.view.camera.aperture_radius = 0.5 * random_below(random, 2);
     kit.view.camera.focus_distance = 3;
     kit.settings.max_depth = 1 + (int)random_below(random, 2);
+    kit.settings.min_contribution = random_below(random, 2) ? 0 : 0.001;
     uint32_t primitives = random_below(random, 4), lights = random_below(random, 3);
     for (uint32_t i = 0; i < primitives; i++) {
         int material = kit_material(&kit, any_material(random));
@@ -79,4 +93,104 @@ START_TEST(test_effects__are_the_same_before_and_after_freezing)
 }
 END_TEST
 
-PEN_SUITE("effects", test_effects__are_the_same_before_and_after_freezing)
+/* The effects of secondary rays that a sphere of the material calls for. */
+static unsigned effects_of(struct pen_material m, double min_contribution)
+{
+    kit_init(&kit);
+    kit.settings.min_contribution = min_contribution;
+    m.ka = pen_vec3(0, 0, 0);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, kit_material(&kit, m));
+    struct pen_scene *scene = kit_freeze(&kit);
+    const unsigned effects = pen_scene_effects(scene, 0, &kit.settings);
+    ck_assert_uint_eq(effects, pen_desc_effects(&kit.desc, &kit.settings));
+    pen_scene_free(scene);
+    return effects & ~(unsigned)PEN_FX_PATTERNS;
+}
+
+/* One channel that reaches min_contribution is enough, and what is equal to it reaches it. */
+START_TEST(test_effects__rays_that_are_never_traced_call_for_nothing)
+{
+    const double least = pen_settings_default().min_contribution;
+    struct pen_material m = pen_material_default();
+    ck_assert(least == 0.001);
+    m.kr = pen_vec3(0, 1e-9, 0);
+    m.reflection_blur = 5;
+    ck_assert_uint_eq(effects_of(m, least), 0);
+    ck_assert_uint_eq(effects_of(m, 1e-9), PEN_FX_MIRROR | PEN_FX_GLOSSY);
+    ck_assert_uint_eq(effects_of(m, 0), PEN_FX_MIRROR | PEN_FX_GLOSSY);
+    m.kr = pen_vec3(0, 0, nextafter(least, 0));
+    ck_assert_uint_eq(effects_of(m, least), 0);
+    m.kr = pen_vec3(0, 0, least);
+    ck_assert_uint_eq(effects_of(m, least), PEN_FX_MIRROR | PEN_FX_GLOSSY);
+    m = pen_material_default();
+    m.kt = pen_vec3(1e-9, 0, 0);
+    m.transmission_blur = 5;
+    ck_assert_uint_eq(effects_of(m, least), 0);
+    ck_assert_uint_eq(effects_of(m, 0), PEN_FX_TRANSMISSION | PEN_FX_FROSTED);
+    m.ior = 1.5;
+    ck_assert_uint_eq(effects_of(m, least), 0);
+    ck_assert_uint_eq(effects_of(m, 0), PEN_FX_TRANSMISSION | PEN_FX_FROSTED | PEN_FX_REFRACTION);
+}
+END_TEST
+
+/* Fresnel's share of kt adds to kr; and blur remains where paths fork, since it says where their
+ * trees are cut. */
+START_TEST(test_effects__a_refracting_surface_reflects_kr_and_kt)
+{
+    struct pen_material m = pen_material_default();
+    m.ior = 1.5;
+    m.kr = m.kt = pen_vec3(0, 0.0006, 0);
+    m.transmission_blur = 5;
+    ck_assert_uint_eq(effects_of(m, 0.001), PEN_FX_MIRROR | PEN_FX_REFRACTION | PEN_FX_FROSTED);
+    m.ior = 1;
+    ck_assert_uint_eq(effects_of(m, 0.001), 0);
+    m.kr = pen_vec3(0.0006, 0, 0); /* in another channel */
+    m.ior = 1.5;
+    ck_assert_uint_eq(effects_of(m, 0.001), 0);
+}
+END_TEST
+
+/* Of a pattern both colours count, not their mean, and what rounding adds to a gradient. */
+START_TEST(test_effects__the_larger_colour_of_a_pattern_counts)
+{
+    struct pen_pattern pattern = {.checker = true, .b = {0.0015, 0, 0}, .size = 1, .to = {1, 0, 0}};
+    const struct pen_patterns patterns = {.of = {[PEN_COLOUR_KR] = &pattern}};
+    struct pen_material m = pen_material_default();
+    m.patterns = &patterns;
+    for (int checker = 0; checker < 2; checker++) {
+        pattern.checker = checker;
+        m.kr = pen_vec3(0.00075, 0, 0);
+        ck_assert_uint_eq(effects_of(m, 0.001), PEN_FX_MIRROR);
+        ck_assert_uint_eq(effects_of(m, 0.0015), PEN_FX_MIRROR);
+        ck_assert_uint_eq(effects_of(m, 0.0016), 0);
+    }
+    /* a + (b - a) is above b. */
+    pattern.checker = false;
+    pattern.a.x = 0x1p-54;
+    pattern.b.x = 1 - 0x1p-53;
+    for (; pattern.a.x + (pattern.b.x - pattern.a.x) <= pattern.b.x; pattern.a.x *= 1.0625)
+        ck_assert(pattern.a.x < 1);
+    ck_assert_uint_eq(effects_of(m, pattern.a.x + (pattern.b.x - pattern.a.x)), PEN_FX_MIRROR);
+}
+END_TEST
+
+/* Weights grow where kr + kt is above 1 in a channel: then a factor below min_contribution may be
+ * enough. */
+START_TEST(test_effects__weights_that_grow_call_for_all)
+{
+    struct pen_material m = pen_material_default();
+    m.ior = 1.5;
+    m.kt = pen_vec3(0, 0, 0.0009);
+    m.kr = pen_vec3(0, 0, 0.999);
+    ck_assert_uint_eq(effects_of(m, 0.001), PEN_FX_MIRROR | PEN_FX_REFRACTION);
+    m.kr = pen_vec3(0, 0, 1);
+    ck_assert_uint_eq(effects_of(m, 0.001),
+                      PEN_FX_MIRROR | PEN_FX_REFRACTION | PEN_FX_TRANSMISSION);
+}
+END_TEST
+
+PEN_SUITE("effects", test_effects__are_the_same_before_and_after_freezing,
+          test_effects__rays_that_are_never_traced_call_for_nothing,
+          test_effects__a_refracting_surface_reflects_kr_and_kt,
+          test_effects__the_larger_colour_of_a_pattern_counts,
+          test_effects__weights_that_grow_call_for_all)

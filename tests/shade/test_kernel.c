@@ -28,6 +28,7 @@ static struct pen_kernel_input input_of(const struct pen_scene *scene, enum pen_
     const struct pen_settings *s = &kit.settings;
     struct pen_kernel_input input = {
         .scene = scene,
+        .view = &scene->views[0],
         .settings = s,
         .pinhole = pen_scene_pinhole(scene, 0, s->width, s->height),
         .effects = pen_scene_effects(scene, 0, s),
@@ -43,10 +44,30 @@ static const struct pen_patterns tiled = {
     .of = {[PEN_COLOUR_KD] = &tiles, [PEN_COLOUR_KR] = &tiles}};
 static const struct pen_patterns blind = {.of = {[PEN_COLOUR_KT] = &tiles}};
 
+/* A sphere of glass around one of water, and a pyramid of glass that the first sphere enters. */
+static void solids(void)
+{
+    static const struct pen_vec3 v[4] = {{-2, 1, 2}, {-1, 1, 2.5}, {-1.5, 2, 2}, {-1.5, 1.5, 1}};
+    struct pen_material m = kit_matte(0.1);
+    m.kt = pen_vec3(0.9, 0.8, 0.9);
+    m.ks = pen_vec3(0.5, 0.5, 0.5);
+    m.ior = 1.5;
+    const int glass = kit_material(&kit, m);
+    m.ior = 1.33;
+    m.reflection_blur = 10;
+    m.transmission_blur = 5;
+    kit.settings.blur_samples = 3;
+    kit_sphere(&kit, pen_vec3(-1, 2, 1), 0.75, glass);
+    kit_sphere(&kit, pen_vec3(-1, 2, 1), 0.5, kit_material(&kit, m));
+    for (int i = 0; i < 4; i++)
+        kit_triangle(&kit, v[i], v[(i + 1) % 4], v[(i + 2) % 4], glass);
+}
+
 /* The medley with every effect but anti-aliasing. */
 static void medley(void)
 {
     kit_medley(&kit);
+    solids();
     kit.desc.has_sky = true;
     kit.desc.sky = (struct pen_sky){{0.1, 0.2, 0.6}, {0.05, 0.04, 0.03}, {0.125, 1, 0}};
     kit.view.camera.aperture_radius = 0.125;
@@ -126,6 +147,12 @@ static void leave_out(unsigned effects)
             kit.materials[i].kt = pen_vec3(0, 0, 0);
         if (effects & PEN_FX_SPECULAR)
             kit.materials[i].ks = pen_vec3(0, 0, 0);
+        if (effects & PEN_FX_REFRACTION)
+            kit.materials[i].ior = 1;
+        if (effects & PEN_FX_GLOSSY)
+            kit.materials[i].reflection_blur = 0;
+        if (effects & PEN_FX_FROSTED)
+            kit.materials[i].transmission_blur = 0;
     }
 }
 
@@ -212,7 +239,9 @@ START_TEST(test_kernel__names_stay_as_statistics_show_them)
                                        "hard+smooth",
                                        "hard+all",
                                        "hard+glass+mirror+patterns+sky",
+                                       "hard+refraction",
                                        "hard+mirror+lens+sky",
+                                       "hard+refraction+blur",
                                        "soft",
                                        "soft+mirror",
                                        "soft+glass",
@@ -251,8 +280,13 @@ START_TEST(test_kernel__effects_follow_the_scene)
     ck_assert_uint_eq(effects_of_medley(PEN_FX_DEPTH_OF_FIELD),
                       all & ~(unsigned)PEN_FX_DEPTH_OF_FIELD);
     ck_assert_uint_eq(effects_of_medley(PEN_FX_PATTERNS), all & ~(unsigned)PEN_FX_PATTERNS);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_REFRACTION),
+                      all & ~(unsigned)(PEN_FX_REFRACTION | PEN_FX_GLOSSY));
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_GLOSSY), all & ~(unsigned)PEN_FX_GLOSSY);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_FROSTED), all & ~(unsigned)PEN_FX_FROSTED);
     ck_assert_uint_eq(effects_of_medley(PEN_FX_TRANSMISSION),
-                      all & ~(unsigned)(PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE));
+                      all & ~(unsigned)(PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE |
+                                        PEN_FX_REFRACTION | PEN_FX_GLOSSY | PEN_FX_FROSTED));
     ck_assert_uint_eq(effects_of_medley(PEN_FX_HARD_SHADOWS), all & ~(unsigned)PEN_FX_HARD_SHADOWS);
     ck_assert_uint_eq(effects_of_medley(PEN_FX_SOFT_SHADOWS), all & ~(unsigned)PEN_FX_SOFT_SHADOWS);
     ck_assert_uint_eq(
@@ -274,6 +308,8 @@ START_TEST(test_kernel__effects_need_a_primitive_that_shows_them)
     pen_scene_free(scene);
     kit.objects[0].material = 0;
     scene = kit_freeze(&kit);
+    ck_assert_uint_eq(pen_scene_effects(scene, 0, &kit.settings), PEN_FX_HARD_SHADOWS);
+    kit.settings.min_contribution = 0;
     ck_assert_uint_eq(pen_scene_effects(scene, 0, &kit.settings),
                       PEN_FX_MIRROR | PEN_FX_HARD_SHADOWS);
     kit.settings.max_depth = 1;
@@ -281,6 +317,84 @@ START_TEST(test_kernel__effects_need_a_primitive_that_shows_them)
     ck_assert_uint_eq(pen_scene_effects(scene, 0, &kit.settings),
                       PEN_FX_ANTI_ALIASING | PEN_FX_HARD_SHADOWS);
     pen_scene_free(scene);
+}
+END_TEST
+
+/* The name of the kernel that renders a grey matte sphere that reflects kr. */
+static const char *kernel_of_kr(double kr, double min_contribution)
+{
+    kit_init(&kit);
+    struct pen_material m = kit_matte(0.5);
+    m.kr = pen_vec3(kr, kr, kr);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 1, kit_material(&kit, m));
+    kit_point(&kit, pen_vec3(0, 5, 5), pen_vec3(1, 1, 1));
+    kit.settings.min_contribution = min_contribution;
+    struct pen_scene *scene = kit_freeze(&kit);
+    const unsigned effects = pen_scene_effects(scene, 0, &kit.settings);
+    pen_scene_free(scene);
+    return pen_kernel_select(effects, PEN_ISA_BASE)->name;
+}
+
+START_TEST(test_kernel__a_weak_mirror_is_none_unless_its_rays_are_traced)
+{
+    const double least = pen_settings_default().min_contribution;
+    ck_assert_str_eq(kernel_of_kr(0, 0), "hard/base");
+    ck_assert_str_eq(kernel_of_kr(1e-9, 0), "hard+mirror/base");
+    ck_assert_str_eq(kernel_of_kr(1e-9, least), "hard/base");
+    ck_assert_str_eq(kernel_of_kr(least, least), "hard+mirror/base");
+}
+END_TEST
+
+/* The medley with factors of secondary rays about `least`. */
+static void weak_medley(struct random *random, double least)
+{
+    medley();
+    if (random_below(random, 2))
+        leave_out(1u << random_below(random, PEN_FX_COUNT));
+    for (uint32_t i = 0; i < kit.desc.material_count; i++) {
+        struct pen_material *m = &kit.materials[i];
+        if (m->patterns && random_below(random, 4))
+            m->patterns = NULL;
+        if (random_below(random, 8))
+            m->kr = pen_scale(m->kr, 0.5 * least * (1 + random_below(random, 4)));
+        if (random_below(random, 8))
+            m->kt = pen_scale(m->kt, 0.5 * least * (1 + random_below(random, 4)));
+    }
+    kit.settings.width = 20;
+    kit.settings.height = 10;
+    kit.settings.min_contribution = least;
+}
+
+/* The scene's picture is that with all effects that its materials have, however weak. */
+static bool same_with_weak_effects(void)
+{
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_kernel_input input = input_of(scene, PEN_ISA_BASE);
+    const unsigned called_for = input.effects;
+    struct pen_settings all = kit.settings;
+    struct pen_ray_counts rays;
+    all.min_contribution = 0;
+    double *got = image_by(pen_kernel_select(called_for, PEN_ISA_BASE), &input, &rays);
+    input.effects = pen_scene_effects(scene, 0, &all);
+    double *want = image_by(pen_kernel_select(input.effects, PEN_ISA_BASE), &input, &rays);
+    const size_t bytes = (size_t)(3 * kit.settings.width * kit.settings.height) * sizeof *want;
+    ck_assert_msg(memcmp(got, want, bytes) == 0, "%x instead of %x", called_for, input.effects);
+    free(got);
+    free(want);
+    pen_scene_free(scene);
+    return called_for != input.effects;
+}
+
+START_TEST(test_kernel__leaving_out_weak_effects_changes_no_bit)
+{
+    static const double least[] = {0.001, 0.1, 0.5};
+    struct random random = random_begin(33);
+    int fewer = 0;
+    for (int i = 0; i < random_cases(120); i++) {
+        weak_medley(&random, least[i % 3]);
+        fewer += same_with_weak_effects();
+    }
+    ck_assert_int_gt(fewer, random_cases(120) / 10);
 }
 END_TEST
 
@@ -507,6 +621,8 @@ PEN_SUITE("kernel", test_kernel__every_kernel_gives_the_same_bits,
           test_kernel__every_kernel_cuts_the_same_paths, test_kernel__select_takes_the_smallest,
           test_kernel__names_stay_as_statistics_show_them, test_kernel__effects_follow_the_scene,
           test_kernel__effects_need_a_primitive_that_shows_them,
+          test_kernel__a_weak_mirror_is_none_unless_its_rays_are_traced,
+          test_kernel__leaving_out_weak_effects_changes_no_bit,
           test_kernel__samples_are_the_sets_of_the_pixel, test_kernel__one_sample_is_the_centre,
           test_kernel__samples_beyond_the_film_are_left_out,
           test_kernel__h088_rays_that_are_none_are_refused_and_counted,

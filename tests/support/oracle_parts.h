@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The types and vector functions that the two files of the oracle share. */
+/* The types and functions that the files of the oracle share. */
 #ifndef TESTS_SUPPORT_ORACLE_PARTS_H
 #define TESTS_SUPPORT_ORACLE_PARTS_H
 
@@ -45,14 +45,25 @@ static inline struct point point_unit(struct point a)
 {
     return point_times(a, 1 / point_length(a));
 }
+/* A unit vector perpendicular to a unit vector. */
+static inline struct point point_across(struct point n)
+{
+    struct point other = fabsl(n.x) < 0.5L ? (struct point){1, 0, 0} : (struct point){0, 1, 0};
+    return point_unit(point_cross(n, other));
+}
 static inline real point_largest(struct point a)
 {
     return fmaxl(a.x, fmaxl(a.y, a.z));
 }
 
+struct ray {
+    struct point from, direction; /* direction: unit */
+};
+
 struct oracle_material {
     struct point emission, ka, kd, ks, kt, kr;
-    real shininess;
+    real shininess, ior;
+    real reflection_blur, transmission_blur; /* half-angles of cones in degrees */
 };
 
 enum oracle_kind {
@@ -76,6 +87,10 @@ struct oracle_primitive {
     bool caps;
     int count; /* corners of a triangle or polygon */
     struct point *corners;
+    const struct json_t *written; /* the material in the document: a name or an object */
+    int solid;                    /* the first primitive of the solid it belongs to; -1: none */
+    int solid_end;                /* of that first one: after the solid's last primitive */
+    real solid_volume;            /* of that first one: of the box around the solid */
 };
 
 enum oracle_light_kind { ORACLE_DIRECTIONAL, ORACLE_POINT, ORACLE_SPOT };
@@ -97,10 +112,42 @@ struct oracle_scene {
     bool square_pixels;   /* the plane's width follows the image's shape */
     int max_depth;
     real min_contribution;
-    real tie; /* distances that differ by less count as the same place */
+    real tie;  /* distances that differ by less count as the same place */
+    real step; /* from a surface to the points whose index counts as that of its sides */
+    struct json_t *document;
     int body_count, body_capacity, light_count;
     struct oracle_primitive *primitives;
     struct oracle_light *lights;
 };
+
+/* The distances along a ray, also behind its start, at which it meets a primitive; how many. */
+int oracle_body_roots(const struct oracle_primitive *b, struct ray ray, real t[4]);
+
+/* Finds the solids: sets `solid` of every primitive, and `step`. */
+void oracle_solids_find(struct oracle_scene *s);
+
+/* The index of refraction at a point. */
+real oracle_index_at(const struct oracle_scene *s, struct point p);
+
+/* What a boundary between two indices does with a ray. */
+struct oracle_bend {
+    bool bent;               /* the indices differ */
+    real reflected;          /* Fresnel's reflectance: 1 at total internal reflection */
+    struct point away, into; /* unit: mirrored, and refracted if `reflected` is below 1 */
+};
+
+/* `n`: the unit normal on the side the ray comes from. */
+struct oracle_bend oracle_bend(struct point direction, struct point n, real before, real behind);
+
+/* Random numbers in [0, 1). */
+struct oracle_chance {
+    double (*uniform)(void *user);
+    void *user;
+};
+
+/* A random unit vector less than `degrees` from `middle` and on the same side of the plane across
+ * n, uniform in solid angle. 0 degrees: the middle itself. */
+struct point oracle_blurred(struct oracle_chance chance, struct point middle, struct point n,
+                            real degrees);
 
 #endif

@@ -98,7 +98,10 @@ static struct oracle_material material_read(const json_t *named, const json_t *m
                                     .ks = triple_or(m, "ks", 0),
                                     .kt = triple_or(m, "kt", 0),
                                     .kr = triple_or(m, "kr", 0),
-                                    .shininess = number_or(m, "shininess", 1)};
+                                    .shininess = number_or(m, "shininess", 1),
+                                    .ior = number_or(m, "ior", 1),
+                                    .reflection_blur = number_or(m, "reflection_blur", 0),
+                                    .transmission_blur = number_or(m, "transmission_blur", 0)};
 }
 
 static struct oracle_primitive *body_add(struct oracle_scene *s)
@@ -185,7 +188,8 @@ static bool objects_read(struct oracle_scene *s, const json_t *named, const json
         struct oracle_primitive *b = body_add(s);
         if (!b || !body_read(o, outer, b))
             return false;
-        b->material = material_read(named, json_object_get(o, "material"));
+        b->written = json_object_get(o, "material");
+        b->material = material_read(named, b->written);
     }
     return true;
 }
@@ -311,28 +315,32 @@ static void background_read(struct oracle_scene *s, const json_t *document)
         s->sky_up = point_unit(triple_or(sky, "up", 0));
 }
 
+static bool scene_read(struct oracle_scene *s, const char *view)
+{
+    const json_t *render = json_object_get(s->document, "render");
+    json_t *camera = camera_of_view(s->document, view);
+    background_read(s, s->document);
+    s->ambient = triple_or(s->document, "ambient", 0);
+    s->max_depth = (int)number_or(render, "max_depth", 10);
+    s->min_contribution = number_or(render, "min_contribution", 0.001L);
+    s->tie = 1e-9L;
+    camera_read(s, camera);
+    json_decref(camera);
+    return lights_read(s, json_object_get(s->document, "lights")) &&
+           objects_read(s, json_object_get(s->document, "materials"),
+                        json_object_get(s->document, "objects"), &stay);
+}
+
 struct oracle_scene *oracle_load(const char *path, const char *view)
 {
-    json_t *document = json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
     struct oracle_scene *s = calloc(1, sizeof *s);
-    if (document && s) {
-        const json_t *render = json_object_get(document, "render");
-        json_t *camera = camera_of_view(document, view);
-        background_read(s, document);
-        s->ambient = triple_or(document, "ambient", 0);
-        s->max_depth = (int)number_or(render, "max_depth", 10);
-        s->min_contribution = number_or(render, "min_contribution", 0.001L);
-        s->tie = 1e-9L;
-        camera_read(s, camera);
-        json_decref(camera);
-        if (lights_read(s, json_object_get(document, "lights")) &&
-            objects_read(s, json_object_get(document, "materials"),
-                         json_object_get(document, "objects"), &stay)) {
-            json_decref(document);
-            return s;
-        }
+    if (!s)
+        return NULL;
+    s->document = json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
+    if (s->document && scene_read(s, view)) {
+        oracle_solids_find(s);
+        return s;
     }
-    json_decref(document);
     oracle_free(s);
     return NULL;
 }
@@ -345,5 +353,6 @@ void oracle_free(struct oracle_scene *s)
         free(s->primitives[i].corners);
     free(s->primitives);
     free(s->lights);
+    json_decref(s->document);
     free(s);
 }

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The oracle's optics: the shading model of src/shade/README.md in long double; every ray is tested
  * against every primitive. */
+#include <stdint.h>
+
 #include "support/oracle.h"
 #include "support/oracle_parts.h"
-
-struct ray {
-    struct point from, direction; /* direction: unit */
-};
 
 /* A place on a ray, ordered by distance and then by the document. */
 struct place {
@@ -133,7 +131,7 @@ static int cone_roots(const struct oracle_primitive *b, struct ray ray, real t[4
     return n;
 }
 
-static int roots(const struct oracle_primitive *b, struct ray ray, real t[4])
+int oracle_body_roots(const struct oracle_primitive *b, struct ray ray, real t[4])
 {
     switch (b->kind) {
     case ORACLE_SPHERE:
@@ -166,7 +164,7 @@ static bool next_hit(const struct oracle_scene *s, struct ray ray, struct place 
     hit->prim = -1;
     for (int i = 0; i < s->body_count; i++) {
         real t[4];
-        int n = roots(&s->primitives[i], ray, t);
+        int n = oracle_body_roots(&s->primitives[i], ray, t);
         for (int k = 0; k < n; k++)
             if (comes_after(t[k], i, after, s->tie) && (hit->prim < 0 || t[k] < hit->t - s->tie)) {
                 hit->t = t[k];
@@ -207,19 +205,12 @@ static struct point transmittance(const struct oracle_scene *s, struct point p,
     struct ray ray = {p, direction};
     for (int i = 0; i < s->body_count; i++) {
         real t[4];
-        int n = roots(&s->primitives[i], ray, t);
+        int n = oracle_body_roots(&s->primitives[i], ray, t);
         for (int k = 0; k < n; k++)
             if (t[k] > s->tie && t[k] < reach - s->tie)
                 clear = point_product(clear, s->primitives[i].material.kt);
     }
     return clear;
-}
-
-/* A unit vector perpendicular to a unit vector. */
-static struct point across(struct point n)
-{
-    struct point other = fabsl(n.x) < 0.5L ? (struct point){1, 0, 0} : (struct point){0, 1, 0};
-    return point_unit(point_cross(n, other));
 }
 
 /* T(p) of a light with a disk, from points in a sunflower pattern, which has equal areas per point
@@ -233,7 +224,7 @@ static struct point disk_transmittance(const struct oracle_scene *s,
     enum { POINTS = 640 };
     const real golden_turn = 2.39996322972865332223155550663361385L;
     bool far = light->kind == ORACLE_DIRECTIONAL;
-    struct point u = across(direction), v = point_cross(direction, u), sum = {0, 0, 0};
+    struct point u = point_across(direction), v = point_cross(direction, u), sum = {0, 0, 0};
     for (int i = 0; i < POINTS; i++) {
         real r = light->radius * sqrtl((i + 0.5L) / POINTS), turn = i * golden_turn;
         struct point to = point_times(direction, far ? 1 : reach);
@@ -287,6 +278,7 @@ struct progress {
     struct place after;
     int depth; /* surfaces shaded before */
     struct point weight;
+    struct oracle_chance chance;
 };
 
 static struct point seen(const struct oracle_scene *s, struct ray ray, struct progress path);
@@ -312,6 +304,56 @@ static struct point sky_seen(const struct oracle_scene *s, struct point directio
     return point_sum(point_times(s->background, 1 - high), point_times(pole, high));
 }
 
+/* All that is at one place of a ray. Surfaces of solids there are one boundary: the first in the
+ * document shades, and every kt multiplies. Other surfaces are met one after another. */
+struct boundary {
+    int last; /* primitive */
+    struct point kt;
+};
+
+static struct boundary boundary_at(const struct oracle_scene *s, struct ray ray, struct place hit)
+{
+    struct boundary found = {hit.prim, s->primitives[hit.prim].material.kt};
+    for (int i = hit.prim + 1; i < s->body_count && s->primitives[hit.prim].solid >= 0; i++) {
+        real t[4];
+        int n = oracle_body_roots(&s->primitives[i], ray, t);
+        bool here = false;
+        for (int k = 0; k < n; k++)
+            here = here || fabsl(t[k] - hit.t) <= s->tie;
+        if (here && s->primitives[i].solid >= 0) {
+            found.last = i;
+            found.kt = point_product(found.kt, s->primitives[i].material.kt);
+        }
+    }
+    return found;
+}
+
+/* How a surface bends the ray that meets it at p: only one of a solid does. */
+static struct oracle_bend bend_at(const struct oracle_scene *s, const struct oracle_primitive *b,
+                                  struct ray ray, struct point p, struct point n)
+{
+    if (b->solid < 0)
+        return oracle_bend(ray.direction, n, 1, 1);
+    struct point step = point_times(n, s->step);
+    real before = oracle_index_at(s, point_sum(p, step));
+    real behind = oracle_index_at(s, point_difference(p, step));
+    return oracle_bend(ray.direction, n, before, behind);
+}
+
+/* What a surface itself sends along the ray. */
+static struct point own_light(const struct oracle_scene *s, const struct oracle_material *m,
+                              struct point p, struct point n, struct point direction, bool primary)
+{
+    struct point sum = m->emission;
+    if (primary)
+        sum = point_sum(sum, point_product(s->ambient, m->ka));
+    for (int i = 0; i < s->light_count; i++)
+        sum = point_sum(sum, light_at(s, &s->lights[i], m, p, n, direction));
+    return sum;
+}
+
+/* A ray that keeps its direction is still the same ray, so that it meets what is at the same place
+ * later in the document. One with a new direction starts at p, and does too. */
 static struct point seen(const struct oracle_scene *s, struct ray ray, struct progress path)
 {
     struct place hit;
@@ -319,19 +361,35 @@ static struct point seen(const struct oracle_scene *s, struct ray ray, struct pr
         return sky_seen(s, ray.direction);
     const struct oracle_primitive *b = &s->primitives[hit.prim];
     const struct oracle_material *m = &b->material;
-    struct point p = ray_at(ray, hit.t), n = normal_at(b, p, s->tie), sum = m->emission;
+    struct point p = ray_at(ray, hit.t), n = normal_at(b, p, s->tie);
     if (point_dot(n, ray.direction) > 0)
         n = point_times(n, -1);
-    if (path.depth == 0)
-        sum = point_sum(sum, point_product(s->ambient, m->ka));
-    for (int i = 0; i < s->light_count; i++)
-        sum = point_sum(sum, light_at(s, &s->lights[i], m, p, n, ray.direction));
-    struct progress through = {hit, path.depth, path.weight};
-    sum = point_sum(sum, secondary(s, ray, through, m->kt));
-    struct point back =
-        point_difference(ray.direction, point_times(n, 2 * point_dot(n, ray.direction)));
-    struct progress away = {{0, -1}, path.depth, path.weight};
-    return point_sum(sum, secondary(s, (struct ray){p, point_unit(back)}, away, m->kr));
+    struct point sum = own_light(s, m, p, n, ray.direction, path.depth == 0);
+
+    const struct boundary all = boundary_at(s, ray, hit);
+    const struct oracle_bend bend = bend_at(s, b, ray, p, n);
+    struct progress through = path, away = path;
+    through.after = (struct place){hit.t, all.last};
+    if (bend.bent || m->transmission_blur > 0) {
+        ray.from = p;
+        ray.direction = oracle_blurred(path.chance, bend.into, n, m->transmission_blur);
+        through.after.t = 0;
+    }
+    struct point into = point_times(all.kt, 1 - bend.reflected);
+    sum = point_sum(sum, secondary(s, ray, through, into));
+    away.after = (struct place){0, -1};
+    ray.from = p;
+    ray.direction = oracle_blurred(path.chance, bend.away, n, m->reflection_blur);
+    struct point back = point_sum(m->kr, point_times(all.kt, bend.reflected));
+    return point_sum(sum, secondary(s, ray, away, back));
+}
+
+/* Random numbers for callers that have none: a linear congruential generator (Knuth, MMIX). */
+static double own_uniform(void *user)
+{
+    uint64_t *state = user;
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) * 0x1p-53;
 }
 
 /* A lens bends all rays from one point of the image to where the ray through its middle meets the
@@ -350,7 +408,11 @@ void oracle_sample(const struct oracle_scene *s, int width, int height,
     struct point start = point_sum(s->eye, aside);
     struct point focus = point_sum(s->eye, point_times(straight, s->focus / s->distance));
     struct point direction = s->aperture > 0 ? point_difference(focus, start) : straight;
-    struct progress begin = {{0, -1}, 0, {1, 1, 1}};
+    uint64_t state = (uint64_t)llrint(at->x * 4096) * 2654435761u + (uint64_t)llrint(at->y * 4096);
+    struct oracle_chance chance = {at->uniform, at->user};
+    if (!at->uniform)
+        chance = (struct oracle_chance){own_uniform, &state};
+    struct progress begin = {{0, -1}, 0, {1, 1, 1}, chance};
     struct point c = seen(s, (struct ray){start, point_unit(direction)}, begin);
     rgb[0] = (double)c.x;
     rgb[1] = (double)c.y;
@@ -359,6 +421,6 @@ void oracle_sample(const struct oracle_scene *s, int width, int height,
 
 void oracle_pixel(const struct oracle_scene *s, int width, int height, int x, int y, double rgb[3])
 {
-    const struct oracle_camera_point middle = {x + 0.5, y + 0.5, 0, 0};
+    const struct oracle_camera_point middle = {.x = x + 0.5, .y = y + 0.5};
     oracle_sample(s, width, height, &middle, rgb);
 }

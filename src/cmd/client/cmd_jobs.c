@@ -9,6 +9,7 @@
 #include "cmd/client/remote_job.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
+#include "render/layers.h"
 
 struct values {
     struct pen_remote remote;
@@ -149,7 +150,7 @@ static const struct pen_option fetch_options[] = {
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, layer),
      .value = "NAME",
-     .choices = pen_output_layers,
+     .choices = pen_layer_names,
      .help = "which layer of the job, beauty by default"},
     PEN_JSON_OPTION(struct values, "print errors as a problem document too"),
     PEN_REMOTE_OPTIONS(struct values),

@@ -16,12 +16,14 @@
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
 #include "film/film.h"
+#include "io/figures.h"
 #include "io/stats_json.h"
+#include "render/layer_file.h"
 #include "render/render.h"
 #include "scene/scene.h"
 
 struct values {
-    const char *output, *format, *view, *layer, *stats, *pixel;
+    const char *output, *format, *view, *layer, *cost, *stats, *pixel;
     struct pen_option_list set;
     int threads;
     bool quiet, json;
@@ -41,8 +43,16 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, layer),
      .value = "NAME",
-     .choices = pen_output_layers,
-     .help = "beauty, the only one so far"},
+     .choices = pen_layer_names,
+     .help =
+         "what to write: the picture (beauty), what each pixel cost, its number of samples, "
+         "or depth, normal or albedo of what it shows; numbers as PFM, a picture of them as PNG"},
+    {.name = "cost",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, cost),
+     .value = "time|tests",
+     .choices = pen_cost_names,
+     .help = "what --layer cost is: nanoseconds, the default, or box and primitive tests"},
     {.name = "threads",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct values, threads),
@@ -68,6 +78,7 @@ static const struct pen_option options[] = {
 struct render {
     const struct values *values;
     const char *format; /* of the output */
+    enum pen_layer layer;
     int pixel_x, pixel_y;
     struct pen_scene_input input;
     int view; /* its index in the scene */
@@ -89,6 +100,22 @@ static double ms_since(int64_t start_ns)
     return (double)(pen_clock_ns() - start_ns) * 1e-6;
 }
 
+static bool check_layer(struct render *r, struct pen_status *st)
+{
+    const struct values *v = r->values;
+    r->layer = v->layer ? pen_layer_find(v->layer) : PEN_LAYER_BEAUTY;
+    if (v->cost && r->layer != PEN_LAYER_COST)
+        return pen_fail(st, PEN_USAGE, "--cost: needs --layer cost");
+    if (r->layer == PEN_LAYER_BEAUTY)
+        return true;
+    if (!v->output)
+        return pen_fail(st, PEN_USAGE, "--layer %s: needs -o OUT", v->layer);
+    if (v->stats || v->pixel)
+        return pen_fail(st, PEN_USAGE, "--layer %s: has no %s, which is of the beauty", v->layer,
+                        v->stats ? "--stats" : "--pixel");
+    return true;
+}
+
 static bool check_values(struct render *r, struct pen_status *st)
 {
     const struct values *v = r->values;
@@ -104,7 +131,7 @@ static bool check_values(struct render *r, struct pen_status *st)
         return pen_fail(st, PEN_USAGE, "--stats: is the same as -o, \"%s\"", v->stats);
     if (v->pixel && !pen_pixel_parse(v->pixel, &r->pixel_x, &r->pixel_y, st))
         return false;
-    return pen_output_layer_check(v->layer, st);
+    return check_layer(r, st);
 }
 
 /* Checks before the work that its results can be written. */
@@ -202,7 +229,57 @@ static void warn_truncated(const struct render *r)
                 " paths are cut off, because their pixel samples have %d surfaces; lower max_depth "
                 "or raise min_contribution\n",
                 r->input.source.label, r->scene->views[r->view].name, r->stats.rays.truncated_paths,
-                pen_tree_surfaces_max(&r->input.desc.settings));
+                pen_tree_surfaces_max(&r->input.desc.settings, pen_effects_blur(r->stats.effects)));
+}
+
+/* Says that some surfaces of solids are missing, or that the eye is on one. */
+static void warn_unmatched(const struct render *r)
+{
+    if (r->stats.rays.unmatched_exits)
+        fprintf(stderr,
+                "penumbra: %s: view \"%s\": warning: %" PRIu64
+                " paths leave a solid that they have not entered; penumbra validate tells which "
+                "solids do not close\n",
+                r->input.source.label, r->scene->views[r->view].name,
+                r->stats.rays.unmatched_exits);
+}
+
+/* Says what white stands for in a layer of numbers; the file says it in words. */
+static void print_layer(const struct render *r, double white)
+{
+    const char *name = pen_layer_name(r->layer);
+    if (r->values->json)
+        pen_report_line(json_pack("{s:s?, s:s?, s:s, s:s, s:o}", "output", r->values->output,
+                                  "format", r->format, "view", r->scene->views[r->view].name,
+                                  "layer", name, "white", pen_figure(white)));
+    else if (white > 0 && !r->values->quiet)
+        fprintf(stderr, "penumbra: %s: %s: white is %.6g%s\n", r->input.source.label, name, white,
+                r->layer != PEN_LAYER_COST ? ""
+                : r->values->cost && strcmp(r->values->cost, "tests") == 0
+                    ? " tests per pixel"
+                    : " nanoseconds per pixel");
+}
+
+static bool write_layer(struct render *r, struct pen_status *st)
+{
+    const struct pen_settings *s = &r->input.desc.settings;
+    double white = 0;
+    if (!(r->film = pen_film_new(s->width, s->height, st)) ||
+        !(r->pool = pen_thread_pool_new(r->values->threads, st)))
+        return false;
+    const bool tests = r->values->cost && strcmp(r->values->cost, "tests") == 0;
+    const struct pen_layer_task task = {.scene = r->scene,
+                                        .view = r->view,
+                                        .settings = s,
+                                        .layer = r->layer,
+                                        .cost = tests ? PEN_COST_TESTS : PEN_COST_TIME,
+                                        .rgb = r->film->rgb};
+    if (!pen_layer_render(r->pool, &task, st) ||
+        !pen_layer_encode(&task, r->film, r->format, &r->encoded, &white, st) ||
+        !pen_file_write(r->values->output, r->encoded.data, r->encoded.bytes, st))
+        return false;
+    print_layer(r, white);
+    return true;
 }
 
 static bool write_picture(struct render *r, struct pen_status *st)
@@ -267,6 +344,8 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
 {
     const struct values *v = r->values;
     check_precision(r);
+    if (r->layer != PEN_LAYER_BEAUTY)
+        return write_layer(r, st);
     if (v->pixel && !show_pixel(r, st))
         return false;
     if (!v->output && !v->stats)
@@ -278,6 +357,7 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
         return false;
     r->total_ms = ms_since(start_ns);
     warn_truncated(r);
+    warn_unmatched(r);
     if (v->stats && !write_stats(r, st))
         return false;
     if (v->json)

@@ -11,6 +11,8 @@ extern const struct pen_command pen_command_validate;
 extern const struct pen_command pen_command_compare;
 extern const struct pen_command pen_command_scenes;
 extern const struct pen_command pen_command_bench;
+extern const struct pen_command pen_command_effects;
+extern const struct pen_command pen_command_explain;
 extern const struct pen_command pen_command_convert;
 extern const struct pen_command pen_command_submit;
 extern const struct pen_command pen_command_wait;

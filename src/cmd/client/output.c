@@ -11,7 +11,6 @@
 const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
 const char *const pen_output_all_formats[] = {"png", "png16", "pfm",  "json",
                                               "csv", "md",    "html", NULL};
-const char *const pen_output_layers[] = {"beauty", "cost", "samples", "depth", "normal", NULL};
 
 /* The name in names[] that equals `format`, or if that is NULL the one that `path` ends in. Returns
  * NULL if there is none. */
@@ -52,13 +51,6 @@ const char *pen_output_report_format(const char *path, const char *format, struc
             "any name with --format json, csv, md or html",
             path);
     return found;
-}
-
-bool pen_output_layer_check(const char *layer, struct pen_status *st)
-{
-    if (!layer || strcmp(layer, "beauty") == 0)
-        return true;
-    return pen_fail(st, PEN_UNSUPPORTED, "--layer %s: known, not supported yet", layer);
 }
 
 static enum pen_transfer transfer_of(const struct pen_settings *settings)

@@ -12,10 +12,9 @@
 #include "film/film.h"
 #include "scene/settings.h"
 
-/* The choices of --format and --layer; NULL ends each. */
+/* The choices of --format; NULL ends each. */
 extern const char *const pen_output_formats[];     /* of pictures */
 extern const char *const pen_output_all_formats[]; /* of pictures and reports */
-extern const char *const pen_output_layers[];
 
 /* The format of a picture: `format`, or if that is NULL the one that `path` ends in. Returns "png",
  * "png16" or "pfm". Fails: NULL and PEN_USAGE, also for the format of a report. */
@@ -24,9 +23,6 @@ const char *pen_output_format(const char *path, const char *format, struct pen_s
 /* The same for a report: "json", "csv", "md" or "html". Fails: NULL and PEN_USAGE, also for the
  * format of a picture. */
 const char *pen_output_report_format(const char *path, const char *format, struct pen_status *st);
-
-/* Refuses every layer that is not supported yet. Fails: PEN_UNSUPPORTED. */
-bool pen_output_layer_check(const char *layer, struct pen_status *st);
 
 /* A picture file whose rows are encoded as they are finished. The bytes are appended to `out`,
  * which stays with the film until pen_output_release. */

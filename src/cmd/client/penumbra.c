@@ -9,9 +9,9 @@
 
 static const struct pen_command *const commands[] = {
     &pen_command_render,  &pen_command_validate, &pen_command_compare, &pen_command_scenes,
-    &pen_command_convert, &pen_command_bench,    &pen_command_submit,  &pen_command_wait,
-    &pen_command_fetch,   &pen_command_list,     &pen_command_top,     &pen_command_stats,
-    &pen_command_cancel,  &pen_command_delete,
+    &pen_command_convert, &pen_command_bench,    &pen_command_effects, &pen_command_explain,
+    &pen_command_submit,  &pen_command_wait,     &pen_command_fetch,   &pen_command_list,
+    &pen_command_top,     &pen_command_stats,    &pen_command_cancel,  &pen_command_delete,
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
@@ -53,7 +53,7 @@ static int later_command(const char *word)
 
 static int unknown_command(const char *word)
 {
-    static const char *const later[] = {"plan", "accuracy", "effects"};
+    static const char *const later[] = {"accuracy", "audit"};
     for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
         if (strcmp(word, later[i]) == 0)
             return later_command(word);

@@ -51,6 +51,9 @@ void pen_pixel_print(const struct pen_pixel *pixel, const struct pen_settings *s
            rays->primary, rays->shadow, rays->reflection, rays->transmission);
     if (rays->truncated_paths)
         printf("        %" PRIu64 " paths cut off\n", rays->truncated_paths);
+    if (rays->unmatched_exits)
+        printf("        %" PRIu64 " paths leave a solid that they have not entered\n",
+               rays->unmatched_exits);
 }
 
 static json_t *reals(const double v[3])
@@ -72,12 +75,13 @@ json_t *pen_pixel_json(const struct pen_pixel *pixel, const struct pen_settings 
     struct outputs out = outputs_of(pixel, settings);
     double film[3] = {(double)out.film[0], (double)out.film[1], (double)out.film[2]};
     return json_pack("{s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:[i, i, i], s:[i, i, i], "
-                     "s:{s:I, s:I, s:I, s:I}, s:I}",
+                     "s:{s:I, s:I, s:I, s:I}, s:I, s:I}",
                      "x", pixel->x, "y", pixel->y, "view", pixel->view, "linear", reals(pixel->rgb),
                      "linear_hex", hex(pixel->rgb), "film", reals(film), "film_hex", hex(film),
                      "png", out.png8[0], out.png8[1], out.png8[2], "png16", out.png16[0],
                      out.png16[1], out.png16[2], "rays", "primary", (json_int_t)rays->primary,
                      "shadow", (json_int_t)rays->shadow, "reflection", (json_int_t)rays->reflection,
                      "transmission", (json_int_t)rays->transmission, "truncated_paths",
-                     (json_int_t)rays->truncated_paths);
+                     (json_int_t)rays->truncated_paths, "unmatched_exits",
+                     (json_int_t)rays->unmatched_exits);
 }

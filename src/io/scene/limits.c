@@ -39,10 +39,10 @@ double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_se
     return samples * (1 + shadows);
 }
 
-/* The most surfaces that a pixel sample shades where paths fork. */
+/* The most surfaces that a path's tree has where paths fork. */
 static double tree_surfaces(const struct pen_settings *settings)
 {
-    int most = pen_tree_surfaces_max(settings), tree = 1;
+    int most = pen_tree_surfaces_max(settings, false), tree = 1;
     for (int depth = 1; depth < settings->max_depth && tree < most; depth++)
         tree = 2 * tree + 1;
     return tree < most ? tree : most;
@@ -59,6 +59,19 @@ static int depth_for(double surfaces)
     return depth;
 }
 
+/* Fails because rays are blurred. `rays` are those without blur, which are not too many. */
+static bool fail_blur(const struct pen_limits *limits, const struct pen_settings *settings,
+                      double rays, double surfaces, const char *at, struct pen_status *st)
+{
+    return pen_fail_at(
+        st, PEN_TOO_LARGE, at,
+        "the views take up to %.3g rays, at most %.3g are allowed: a material blurs, "
+        "so that %.3g primary and shadow rays become %.3g times as many with "
+        "blur_samples %d and max_depth %d; lower these, or take fewer pixels or "
+        "samples",
+        rays * surfaces, limits->work, rays, surfaces, settings->blur_samples, settings->max_depth);
+}
+
 /* Fails because paths fork. `rays` are those without forks, which are not too many. */
 static bool fail_forks(const struct pen_limits *limits, const struct pen_settings *settings,
                        double rays, const char *at, struct pen_status *st)
@@ -67,7 +80,7 @@ static bool fail_forks(const struct pen_limits *limits, const struct pen_setting
     return pen_fail_at(
         st, PEN_TOO_LARGE, at,
         "the views take up to %.3g rays, at most %.3g are allowed: a material has both kr and "
-        "kt, so that paths fork, and %.3g primary and shadow rays become %.0f times "
+        "kt, or refracts, so that paths fork, and %.3g primary and shadow rays become %.0f times "
         "as many with max_depth %d; lower it to %d, or take fewer pixels or samples",
         rays * surfaces, limits->work, rays, surfaces, settings->max_depth,
         depth_for(limits->work / rays));
@@ -90,7 +103,14 @@ bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_de
                            views, views == 1 ? "" : "s", settings->width, settings->height, rays,
                            limits->work);
     /* Only then are the objects looked at, of which there may be a million. */
-    if (rays * tree_surfaces(settings) > limits->work && pen_desc_forks(desc))
+    const double tree = tree_surfaces(settings), blurred = settings->blur_samples;
+    if (rays * tree > limits->work && pen_desc_forks(desc))
         return fail_forks(limits, settings, rays, at, st);
+    if (rays * tree * blurred > limits->work &&
+        pen_effects_blur(pen_desc_effects(desc, settings))) {
+        const double surfaces = (pen_desc_forks(desc) ? tree : 1) * blurred;
+        if (rays * surfaces > limits->work)
+            return fail_blur(limits, settings, rays, surfaces, at, st);
+    }
     return true;
 }

@@ -18,13 +18,11 @@ const struct pen_field pen_material_fields[] = {
     {"kt", PEN_FIELD_FACTOR_OR_PATTERN, .offset = offsetof(struct pen_material, kt)},
     {"kr", PEN_FIELD_FACTOR_OR_PATTERN, .offset = offsetof(struct pen_material, kr)},
     {"ior", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, ior),
-     .range = &pen_range_positive, .unsupported = "refraction, that is, an index other than 1",
-     .off = 1},
+     .range = &pen_range_positive},
     {"reflection_blur", PEN_FIELD_NUMBER, .offset = offsetof(struct pen_material, reflection_blur),
-     .range = &blur_range, .unsupported = "glossy reflection, that is, a blur above 0"},
+     .range = &blur_range},
     {"transmission_blur", PEN_FIELD_NUMBER,
-     .offset = offsetof(struct pen_material, transmission_blur), .range = &blur_range,
-     .unsupported = "frosted glass, that is, a blur above 0"},
+     .offset = offsetof(struct pen_material, transmission_blur), .range = &blur_range},
     {0}};
 
 static bool read_material(struct pen_reader *r, const struct pen_place *at, const json_t *json,

@@ -192,6 +192,44 @@ static bool check_cone(struct pen_reader *r, const struct pen_place *up,
                            found.text);
 }
 
+/* What a primitive that has no inside is called; NULL if it has one, or may be the side of one. */
+static const char *without_inside(const struct pen_object_desc *object)
+{
+    switch (object->kind) {
+    case PEN_OBJECT_PLANE:
+        return "a plane";
+    case PEN_OBJECT_INFINITE_CYLINDER:
+        return "a tube";
+    case PEN_OBJECT_CYLINDER:
+        return object->u.cylinder.caps ? NULL : "a cylinder without caps";
+    case PEN_OBJECT_CONE:
+        return object->u.cone.caps ? NULL : "a cone without caps";
+    case PEN_OBJECT_SPHERE:
+    case PEN_OBJECT_TRIANGLE:
+    case PEN_OBJECT_POLYGON:
+    case PEN_OBJECT_GROUP:
+        break;
+    }
+    return NULL;
+}
+
+/* An index other than 1 needs an inside. */
+static bool check_inside(struct pen_reader *r, const struct pen_place *up, const json_t *material,
+                         const struct pen_object_desc *object)
+{
+    const char *what = without_inside(object);
+    const double ior = r->materials[object->material].ior;
+    if (ior == 1 || !what)
+        return true;
+    const struct pen_place at = pen_place_key(up, "material"), inner = pen_place_key(&at, "ior");
+    const struct pen_text found = pen_text_number(ior);
+    return pen_reader_fail(r, json_is_object(material) ? &inner : &at, PEN_INVALID,
+                           "must have the index of refraction (ior) 1, found %.30s: %s has no "
+                           "inside; spheres, cylinders and cones with caps, and closed surfaces of "
+                           "triangles and polygons have one",
+                           found.text, what);
+}
+
 struct list {
     uint32_t count;
     struct pen_object_desc *objects;
@@ -249,7 +287,8 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
     const json_t *vertices = json_object_get(json, "vertices");
     struct pen_place material_at = pen_place_key(at, "material");
     if (material)
-        ok &= pen_material_ref_read(r, &material_at, material, &object->material);
+        ok &= pen_material_ref_read(r, &material_at, material, &object->material) &&
+              check_inside(r, at, material, object);
     if (vertices && fields == pen_polygon_fields)
         ok &= read_vertices(r, at, vertices, kind == PEN_OBJECT_TRIANGLE, object);
     if (ok && !pen_prim_flat((uint32_t)kind) && !chain->invalid)

@@ -119,18 +119,16 @@ static void warn_thin(struct pen_reader *r, const struct pen_scene_desc *desc,
 }
 
 /* Warns of the first view for which double precision is too coarse, and of the narrowest primitive.
- * A scene that cannot be frozen gets no warning here; rendering refuses it. */
+ */
 static void warn_precision(struct pen_reader *r, const json_t *document,
-                           const struct pen_scene_desc *desc)
+                           const struct pen_scene_desc *desc, const struct pen_scene *scene)
 {
-    struct pen_status st;
     struct pen_scene_precision precision;
     char text[PEN_MSG_BYTES];
     bool warned = false, measured = false;
-    struct pen_scene *scene = pen_scene_freeze(desc, PEN_ACCEL_NONE, 0, &st);
     struct pen_place up[2] = {{0}};
     up[1] = pen_place_key(&up[0], "views");
-    for (int i = 0; scene && i < (int)scene->view_count && !warned; i++) {
+    for (int i = 0; i < (int)scene->view_count && !warned; i++) {
         const struct pen_settings *s = &desc->settings;
         struct pen_place at = view_place(up, document, i);
         measured = pen_scene_precision(scene, i, s->width, s->height, &precision);
@@ -140,6 +138,50 @@ static void warn_precision(struct pen_reader *r, const json_t *document,
     }
     if (measured)
         warn_thin(r, desc, &precision);
+}
+
+/* Warns of flat primitives that refract and do not close. */
+static void warn_open_solids(struct pen_reader *r, const struct pen_scene_desc *desc,
+                             const struct pen_scene *scene)
+{
+    const struct pen_place root = {0};
+    char object[PEN_AT_BYTES], pointer[3 * PEN_AT_BYTES];
+    const struct pen_solids *solids = &scene->solids;
+    for (uint32_t i = 0; solids->count > 0 && i < scene->prims.count; i++) {
+        const uint32_t number = solids->of_prim[i];
+        const struct pen_solid *solid = &solids->at[number == PEN_NO_SOLID ? 0 : number];
+        struct pen_status st = {.code = PEN_OK};
+        uint32_t left = i;
+        if (number == PEN_NO_SOLID || solid->closed || solids->prim[solid->first] != i)
+            continue;
+        if (pen_reader_wants_message(r) &&
+            find_object(desc->objects, desc->object_count, false, &root, &left, object)) {
+            snprintf(pointer, sizeof pointer, "%.255s%s", r->prefix, object);
+            pen_fail_at(
+                &st, PEN_OK, pointer,
+                "refracts (ior %g), and %s: not every edge is shared, bit for bit, by two "
+                "of one material. Rays enter where they come from the side from which the "
+                "vertices run counter-clockwise, and leave from the other",
+                solid->ior,
+                solid->count == 1
+                    ? "is no closed surface"
+                    : "is not part of a closed surface with the others that it is joined to");
+        }
+        pen_errors_add(r->errors, &st);
+    }
+}
+
+/* Warnings about the frozen scene. One that cannot be frozen gets none here; rendering refuses it.
+ */
+static void warn_frozen(struct pen_reader *r, const json_t *document,
+                        const struct pen_scene_desc *desc)
+{
+    struct pen_status st;
+    struct pen_scene *scene = pen_scene_freeze(desc, PEN_ACCEL_NONE, 0, &st);
+    if (!scene)
+        return;
+    warn_precision(r, document, desc, scene);
+    warn_open_solids(r, desc, scene);
     pen_scene_free(scene);
 }
 
@@ -177,6 +219,6 @@ void pen_scene_warnings(const json_t *document, const char *at, const struct pen
     warn_empty_or_black(&r, desc);
     warn_unused_materials(&r, document, desc);
     warn_dark_lights(&r, desc);
-    warn_precision(&r, document, desc);
+    warn_frozen(&r, document, desc);
     pen_tjunctions_find(desc, warn_tjunction, &(struct tjunction_warnings){&r, desc});
 }

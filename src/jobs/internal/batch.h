@@ -22,6 +22,11 @@ pen_batch_run_fn pen_batch_render;
 /* batch_render.c: encodes the picture of a view from its committed pixels. */
 pen_batch_run_fn pen_batch_assemble;
 
+/* batch_layers.c: renders and stores the layers that the job asks for, of the claim's view. Fails:
+ * as pen_batch_run. */
+bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim *claim,
+                      struct pen_status *st);
+
 /* batch_benchmark.c: runs a whole benchmark; the artefact is the report as JSON. */
 pen_batch_run_fn pen_batch_benchmark;
 

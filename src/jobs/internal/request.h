@@ -6,6 +6,7 @@
 
 #include "io/document.h"
 #include "jobs/bench_spec.h"
+#include "jobs/internal/kind.h"
 #include "jobs/jobs.h"
 #include "scene/desc.h"
 
@@ -28,8 +29,9 @@ struct pen_request {
     int64_t timeout_ms;
     const json_t *name;   /* NULL: none */
     const json_t *labels; /* NULL: none */
-    const char *kind;
-    bool benchmark;
+    const json_t *layers; /* NULL: the beauty alone */
+    const char *cost;     /* what the layer of that name is; NULL: time */
+    enum pen_job_kind kind;
     struct pen_bench_spec spec; /* of a benchmark */
     int view_count;
     int *views; /* indices into desc.views; in arena */

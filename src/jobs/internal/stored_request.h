@@ -7,13 +7,15 @@
 #include <jansson.h>
 
 #include "base/status.h"
+#include "jobs/internal/kind.h"
+#include "render/layers.h"
 #include "scene/settings.h"
 
 struct pen_stored_request {
     json_t *json; /* the whole request; owns the names of views */
     struct pen_settings settings;
     int view_count;
-    bool benchmark;
+    enum pen_job_kind kind;
 };
 
 /* Reads a request from its text. Owns: release *request after success. Fails: PEN_STORAGE. */
@@ -23,6 +25,10 @@ void pen_stored_request_release(struct pen_stored_request *request);
 
 /* The name of the view with index `view`; NULL if there is no such view. */
 const char *pen_stored_request_view(const struct pen_stored_request *request, int view);
+
+/* Whether the job has a layer beside the beauty, which every render has; and what its cost is. */
+bool pen_stored_request_layer(const struct pen_stored_request *request, enum pen_layer layer);
+enum pen_cost pen_stored_request_cost(const struct pen_stored_request *request);
 
 /* The index of the view with that name, or -1. */
 int pen_stored_request_find_view(const struct pen_stored_request *request, const char *name);

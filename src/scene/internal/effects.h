@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The effects that a frozen scene needs with any settings. */
+/* The effects of a frozen scene. */
 #ifndef PEN_SCENE_INTERNAL_EFFECTS_H
 #define PEN_SCENE_INTERNAL_EFFECTS_H
 
 #include "scene/scene.h"
 
-unsigned pen_effects_of_scene(const struct pen_scene *scene);
+/* Sets scene->effects and scene->factors. */
+void pen_effects_find(struct pen_scene *scene);
 
 #endif

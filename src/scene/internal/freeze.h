@@ -19,6 +19,7 @@ struct pen_freezer {
     struct pen_prim_summary summary;
     struct pen_local_frame frame;
     struct pen_camera_frame *cameras; /* by view, scene units */
+    struct pen_scene_view *views;     /* those of the scene */
     struct pen_vec3 *buffer; /* malloced: the transformed vertices of the current primitive */
     uint32_t buffer_capacity;
 };
@@ -48,6 +49,9 @@ bool pen_freeze_own_spaces(struct pen_freezer *f);
 
 /* Finds where primitives may coincide: scene->layer_box; needs the typed arrays. */
 bool pen_freeze_layers(struct pen_freezer *f);
+
+/* Finds the solids of a scene whose effects have refraction; needs the typed arrays. */
+bool pen_freeze_solids(struct pen_freezer *f);
 
 /* Builds the accelerator `manual`; needs the typed arrays. Fails: as pen_accel_build. */
 struct pen_accel *pen_freeze_manual(struct pen_freezer *f);

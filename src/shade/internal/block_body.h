@@ -62,6 +62,7 @@ static ALWAYS_INLINE lane_mask block_rays_of(const struct pen_kernel_input *inpu
 /* The camera rays through points of the block's pixels. The first paths of the pool are theirs, in
  * whole groups of LANES. */
 static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input,
+                                            const struct pen_kernel_scratch *scratch,
                                             struct pen_block_scratch *b,
                                             const struct block_points *at, int pixels,
                                             const unsigned fx)
@@ -86,6 +87,8 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
                 b->deferred |= UINT64_C(1) << i;
         }
     }
+    for (int i = 0; refracts(input->scene, fx) && i < b->count; i++)
+        media_of_camera_ray(input, block_media(scratch, b->wave[i]), b->wave[i]->path.ray.o);
     if (b->count < pixels)
         block_set_packet(b); /* without those that there are not */
     else
@@ -100,15 +103,15 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
                                         pen_kernel_sample_fn *alone, const unsigned fx)
 {
     struct pen_block_scratch *b = scratch->block;
-    const struct pen_ray_counts none = {0, 0, 0, 0, 0, 0};
+    const struct pen_ray_counts none = {.primary = 0};
     b->deferred = 0;
     for (int i = 0; i < pixels; i++) {
         b->counts[i] = none;
         b->surfaces[i] = 0;
     }
-    block_camera_rays(input, b, at, pixels, fx);
+    block_camera_rays(input, scratch, b, at, pixels, fx);
     block_wave(input, scratch, b, fx);
-    while (b->transmitted.count > 0 || b->reflected.count > 0) {
+    while ((fx & FX_SECONDARY) && (b->transmitted.count > 0 || b->reflected.count > 0)) {
         block_take(b, b->transmitted.count > 0 ? &b->transmitted : &b->reflected);
         block_set_packet(b);
         block_wave(input, scratch, b, fx);
@@ -176,7 +179,18 @@ static ALWAYS_INLINE void block_set_point(struct block_points *at, int i,
     }
 }
 
-/* The pixels of a block, as kernel_pixel; `alone` is the pixel kernel of the same effects. */
+/* Writes a pixel of the block. */
+static ALWAYS_INLINE void block_put(const struct pen_block_scratch *b, struct pen_rect rect,
+                                    double (*rgb)[3], int i, struct pen_vec3 c)
+{
+    double *out = rgb[(b->y[i] - rect.y) * rect.width + b->x[i] - rect.x];
+    out[0] = c.x;
+    out[1] = c.y;
+    out[2] = c.z;
+}
+
+/* The pixels of a block, as kernel_pixel; `alone` is the pixel kernel of the same effects. The mean
+ * of one sample is the sample: it is a sum that began with 0, so adding it to 0 changes no bit. */
 static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, struct pen_rect rect,
                                        double (*rgb)[3], struct pen_ray_counts *counts,
@@ -184,18 +198,20 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
 {
     struct pen_block_scratch *b = scratch->block;
     const int pixels = block_order(b, rect);
+    const struct pen_vec3 zero = {0, 0, 0};
     struct pen_vec3 sum[BLOCK_PIXELS], c[BLOCK_PIXELS];
     struct block_points at;
     int kept[BLOCK_PIXELS];
     struct pixel_scrambling scrambling[BLOCK_PIXELS];
     const int samples = pixel_samples(input, fx);
     block_no_points(input, &at, fx);
-    for (int i = 0; i < pixels; i++) {
+    for (int i = 0; i < pixels; i++)
         scrambling[i] = pixel_scrambling(input, samples, b->x[i], b->y[i], fx);
-        sum[i] = pen_vec3(0, 0, 0);
+    for (int i = 0; (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
+        sum[i] = zero;
         kept[i] = 0;
     }
-    if (fx & PEN_FX_SOFT_SHADOWS)
+    if (fx & FX_SAMPLED)
         scratch->key =
             (struct pen_sample_key){.seed = input->settings->seed, .purpose = PEN_PURPOSE_LIGHT};
     for (int k = 0; k < samples; k++) {
@@ -206,23 +222,24 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
             block_set_point(&at, i, point, has_lens(input, fx));
         }
         counts->primary += (uint64_t)pixels;
-        if (fx & PEN_FX_SOFT_SHADOWS)
+        if (fx & FX_SAMPLED)
             scratch->key.pixel_sample = (uint32_t)k;
         block_samples(input, scratch, &at, pixels, c, counts, alone, fx);
         for (int i = 0; i < pixels; i++) {
-            if (!fits_film(c[i])) {
-                counts->dropped_samples++;
-                continue;
+            const bool fits = fits_film(c[i]);
+            counts->dropped_samples += !fits;
+            if (!(fx & PEN_FX_ANTI_ALIASING)) {
+                block_put(b, rect, rgb, i, fits ? c[i] : zero);
+            } else if (fits) {
+                sum[i] = pen_add(sum[i], c[i]);
+                kept[i]++;
             }
-            sum[i] = pen_add(sum[i], c[i]);
-            kept[i]++;
         }
     }
-    for (int i = 0; i < pixels; i++) {
-        double *out = rgb[(b->y[i] - rect.y) * rect.width + b->x[i] - rect.x];
-        out[0] = kept[i] ? sum[i].x / kept[i] : 0;
-        out[1] = kept[i] ? sum[i].y / kept[i] : 0;
-        out[2] = kept[i] ? sum[i].z / kept[i] : 0;
+    for (int i = 0; (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
+        const double n = kept[i];
+        block_put(b, rect, rgb, i,
+                  kept[i] ? pen_vec3(sum[i].x / n, sum[i].y / n, sum[i].z / n) : zero);
     }
 }
 

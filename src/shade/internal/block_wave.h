@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* One wave of a block (block_body.h): up to 64 paths are traced as one packet; then, light by light
  * in document order, the shadow rays of all their points; then their transmitted and reflected
- * paths are put on two stacks. A pixel sample that meets coincident surfaces, whose point is not
- * finite, or that finds no room, is deferred to the pixel kernel. */
+ * paths are put on two stacks. A pixel sample that meets coincident surfaces or a surface that
+ * blurs, whose point is not finite, or that finds no room, is deferred to the pixel kernel. */
 #ifndef PEN_SHADE_INTERNAL_BLOCK_WAVE_H
 #define PEN_SHADE_INTERNAL_BLOCK_WAVE_H
 
 #include "shade/internal/background.h"
 #include "shade/internal/block_scratch.h"
+#include "shade/internal/blur.h"
 #include "shade/internal/secondary_rays.h"
 #include "shade/internal/soft_shadow.h"
 
@@ -72,6 +73,14 @@ static ALWAYS_INLINE void block_set_packet(struct pen_block_scratch *b)
     }
 }
 
+/* Keeps a path that ends for later ones, if there are any but the camera rays. */
+static ALWAYS_INLINE void block_end_path(struct pen_block_scratch *b, const struct block_path *at,
+                                         const unsigned fx)
+{
+    if (fx & FX_SECONDARY)
+        stack_push(&b->unused, b, at);
+}
+
 /* Traces the wave, whose packet is made. The paths that meet a surface remain in it. */
 static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
                                       struct pen_block_scratch *b, const unsigned fx)
@@ -85,15 +94,26 @@ static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
         if (!(met >> i & 1)) {
             b->record[at->record].radiance =
                 pen_mul(at->path.weight, background_seen(scene, &at->path.ray, fx));
-            stack_push(&b->unused, b, at);
-        } else if (is_layered(input, &at->path, packet->hit[i])) {
+            block_end_path(b, at, fx);
+        } else if (is_layered(input, &at->path, packet->hit[i]) ||
+                   (refracts(scene, fx) && is_layer_of_solid(scene, packet->hit[i]))) {
             block_defer(b, at);
-            stack_push(&b->unused, b, at);
+            block_end_path(b, at, fx);
         } else {
             block_add_point(b, i, packet->hit[i]);
         }
     }
     block_order_points(b);
+}
+
+/* Whether a path's next rays are blurred: they are as many as no wave is made for. */
+static ALWAYS_INLINE bool block_blurs(const struct pen_kernel_input *input, const struct surface *s,
+                                      int lane, const struct path *path, const unsigned fx)
+{
+    if (!blurs(input, fx) || path->depth + 1 >= input->settings->max_depth)
+        return false;
+    const struct pen_blur blur = blur_at(input, s, lane, fx);
+    return blur.reflection > 0 || blur.transmission > 0;
 }
 
 /* Computes the surfaces of the wave. */
@@ -106,7 +126,7 @@ static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
         surface_at(&b->surface[g], input->scene, path, count, fx);
         const unsigned finite = lane_mask_bits(b->surface[g].finite);
         for (int i = 0; i < count; i++)
-            if (!(finite >> i & 1))
+            if (!(finite >> i & 1) || block_blurs(input, &b->surface[g], i, path[i], fx))
                 block_defer(b, b->wave[first + i]);
     }
 }
@@ -266,7 +286,8 @@ static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
         const bool primary = b->wave[g * LANES]->path.depth == 0; /* as all of the wave */
         b->radiance[g] = light_emitted(input->scene, &b->surface[g], primary, fx);
         b->lit[g] = surface_lit(&b->surface[g]);
-        b->hard_rays[g] = lanes_splat(0);
+        if (fx & PEN_FX_HARD_SHADOWS)
+            b->hard_rays[g] = lanes_splat(0);
         any |= lane_mask_bits(b->lit[g]) != 0;
     }
     if ((fx & PEN_FX_HARD_SHADOWS) && any) {
@@ -276,10 +297,36 @@ static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
         block_light(input, scratch, b, light, fx);
 }
 
+static ALWAYS_INLINE struct media *block_media(const struct pen_kernel_scratch *scratch,
+                                               const struct block_path *path)
+{
+    return media_at(scratch, media_of_pool(scratch) + (size_t)(path - scratch->block->pool));
+}
+
+/* What a group of points make of their rays; `deeper` those that go on. */
+static ALWAYS_INLINE void block_refract(const struct pen_kernel_input *input,
+                                        struct pen_kernel_scratch *scratch,
+                                        struct pen_block_scratch *b, int g, unsigned deeper,
+                                        struct refraction *bend, const unsigned fx)
+{
+    const struct surface *s = &b->surface[g];
+    refraction_begin(bend, s, input->scene, fx);
+    for (unsigned left = refracts(input->scene, fx) ? deeper : 0; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        const struct block_path *at = b->wave[g * LANES + i];
+        if (!is_black(bend->kt[i]))
+            refraction_cross(bend, input->scene, s, i, block_media(scratch, at),
+                             &b->counts[at->pixel]);
+    }
+    refraction_end(bend, s, input->scene, fx);
+}
+
 /* Puts the reflected paths of a group of points on their stack. Pixels without room for
  * one are deferred. */
 static ALWAYS_INLINE void block_reflect(const struct pen_kernel_input *input,
-                                        struct pen_block_scratch *b, int g, unsigned points,
+                                        struct pen_kernel_scratch *scratch,
+                                        struct pen_block_scratch *b, int g,
+                                        const struct refraction *bend, unsigned points,
                                         const struct path *const *path, const unsigned fx)
 {
     struct block_path *const *at = &b->wave[g * LANES];
@@ -297,9 +344,11 @@ static ALWAYS_INLINE void block_reflect(const struct pen_kernel_input *input,
         made[i]->pixel = at[i]->pixel;
         reflected[i] = &made[i]->path;
     }
-    points = paths_reflect(input, &b->surface[g], points, path, reflected, fx);
+    points = paths_reflect(input, &b->surface[g], bend, points, path, reflected, fx);
     for (; points; points &= points - 1) {
         const int i = __builtin_ctz(points);
+        if (refracts(input->scene, fx))
+            media_copy(block_media(scratch, made[i]), block_media(scratch, at[i]));
         b->counts[at[i]->pixel].reflection++;
         block_push(b, &b->reflected, made[i], &b->record[at[i]->record].reflected);
     }
@@ -307,42 +356,65 @@ static ALWAYS_INLINE void block_reflect(const struct pen_kernel_input *input,
 
 /* Continues a path through the surface, or ends it. */
 static ALWAYS_INLINE void block_transmit(const struct pen_kernel_input *input,
+                                         struct pen_kernel_scratch *scratch,
                                          struct pen_block_scratch *b, struct block_path *at,
-                                         const struct surface *s, int lane, bool deeper,
-                                         const unsigned fx)
+                                         const struct surface *s, const struct refraction *bend,
+                                         int lane, bool deeper, const unsigned fx)
 {
-    if (deeper && !(b->deferred >> at->pixel & 1) && path_transmit(input, &at->path, s, lane, fx)) {
+    if (deeper && !(b->deferred >> at->pixel & 1) &&
+        path_transmit(input, &at->path, s, bend, lane, fx)) {
+        if (refracts(input->scene, fx))
+            refraction_pass(input->scene, s, lane, block_media(scratch, at));
         b->counts[at->pixel].transmission++;
         block_push(b, &b->transmitted, at, &b->record[at->record].transmitted);
     } else {
-        stack_push(&b->unused, b, at);
+        block_end_path(b, at, fx);
     }
 }
 
-/* Records the radiance of a group of points and puts their paths on the stacks. */
-static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
-                                         struct pen_block_scratch *b, int g, const unsigned fx)
+/* Records the radiance of a group of points, and counts their shadow rays. Returns the points whose
+ * paths may go on, a bit each. */
+static ALWAYS_INLINE unsigned block_record_points(const struct pen_kernel_input *input,
+                                                  struct pen_block_scratch *b, int g,
+                                                  const unsigned fx)
 {
-    const struct surface *s = &b->surface[g];
+    unsigned deeper = 0;
     const struct path *path[LANES];
     struct pen_vec3 radiance[LANES];
     double hard_rays[LANES];
     const int first = g * LANES, count = block_group_paths(b, g, path);
-    unsigned deeper = 0;
     lanes3_store(radiance, b->radiance[g]);
-    lanes_store(hard_rays, b->hard_rays[g]);
+    if (fx & PEN_FX_HARD_SHADOWS)
+        lanes_store(hard_rays, b->hard_rays[g]);
     for (int i = 0; i < count; i++) {
         const struct block_path *at = b->wave[first + i];
         b->record[at->record].radiance = pen_mul(path[i]->weight, radiance[i]);
-        b->counts[at->pixel].shadow += (uint64_t)hard_rays[i];
-        deeper |= (unsigned)(path[i]->depth + 1 < input->settings->max_depth &&
-                             !(b->deferred >> at->pixel & 1))
-                  << i;
+        if (fx & PEN_FX_HARD_SHADOWS)
+            b->counts[at->pixel].shadow += (uint64_t)hard_rays[i];
+        if (fx & FX_SECONDARY)
+            deeper |= (unsigned)(path[i]->depth + 1 < input->settings->max_depth &&
+                                 !(b->deferred >> at->pixel & 1))
+                      << i;
     }
-    if (fx & PEN_FX_MIRROR) {
-        const unsigned points = deeper & paths_reflected(input, s, path, count, fx);
+    return deeper;
+}
+
+/* Puts the paths of a group of points on the stacks. */
+static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
+                                         struct pen_kernel_scratch *scratch,
+                                         struct pen_block_scratch *b, int g, unsigned deeper,
+                                         const unsigned fx)
+{
+    const struct surface *s = &b->surface[g];
+    const struct path *path[LANES];
+    const int first = g * LANES, count = block_group_paths(b, g, path);
+    struct refraction bend;
+    if (fx & PEN_FX_REFRACTION)
+        block_refract(input, scratch, b, g, deeper, &bend, fx);
+    if (fx & (PEN_FX_MIRROR | PEN_FX_REFRACTION)) {
+        const unsigned points = deeper & paths_reflected(input, s, &bend, path, count, fx);
         if (points)
-            block_reflect(input, b, g, points, path, fx);
+            block_reflect(input, scratch, b, g, &bend, points, path, fx);
     }
     if (fx & PEN_FX_TRANSMISSION) {
         const struct lanes3 kt =
@@ -352,7 +424,7 @@ static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
         deeper = 0;
     }
     for (int i = 0; i < count; i++)
-        block_transmit(input, b, b->wave[first + i], s, i, deeper >> i & 1, fx);
+        block_transmit(input, scratch, b, b->wave[first + i], s, &bend, i, deeper >> i & 1, fx);
 }
 
 /* Renders the wave, whose packet is made. */
@@ -363,8 +435,11 @@ static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
     block_trace(input, b, fx);
     block_surfaces(input, b, fx);
     block_shade(input, scratch, b, fx);
-    for (int g = 0; g < block_groups(b); g++)
-        block_continue(input, b, g, fx);
+    for (int g = 0; g < block_groups(b); g++) {
+        const unsigned deeper = block_record_points(input, b, g, fx);
+        if (fx & FX_SECONDARY)
+            block_continue(input, scratch, b, g, deeper, fx);
+    }
 }
 
 #endif

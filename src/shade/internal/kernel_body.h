@@ -18,6 +18,7 @@
 #define PEN_SHADE_INTERNAL_KERNEL_BODY_H
 
 #include "shade/internal/background.h"
+#include "shade/internal/blur.h"
 #include "shade/internal/pixel_sample.h"
 #include "shade/internal/secondary_rays.h"
 #include "shade/internal/soft_shadow.h"
@@ -59,31 +60,152 @@ static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input
     return sum;
 }
 
-/* Counts the paths that the end of the tree cuts off: those on the stack, all reflected, and the
- * transmitted one that would go on. They have been counted as rays, and are not traced. */
-static ALWAYS_INLINE void count_truncated(struct pen_ray_counts *counts, int waiting,
-                                          bool continues)
+/* Counts the paths that the end of the tree cuts off: those on the stack, which are reflected ones
+ * without blur, and the transmitted one that would go on. They have been counted as rays, and are
+ * not traced. */
+static ALWAYS_INLINE void count_truncated(const struct pen_kernel_input *input,
+                                          const struct pen_kernel_scratch *scratch,
+                                          struct pen_ray_counts *counts, int waiting,
+                                          bool continues, const unsigned fx)
 {
-    counts->reflection -= (uint64_t)waiting;
-    counts->transmission -= continues;
-    counts->truncated_paths += (uint64_t)waiting + continues;
+    uint64_t reflected = (uint64_t)waiting, transmitted = continues;
+    if (blurs(input, fx)) {
+        reflected = 0;
+        for (int i = 0; i < waiting; i++) {
+            reflected += scratch->blurred[i].reflected ? scratch->blurred[i].left : 0;
+            transmitted += scratch->blurred[i].reflected ? 0 : scratch->blurred[i].left;
+        }
+    }
+    counts->reflection -= reflected;
+    counts->transmission -= transmitted;
+    counts->truncated_paths += reflected + transmitted;
+}
+
+/* Sets up what the surface of the path makes of its ray; `deeper` if there is to be a next one. */
+static ALWAYS_INLINE void pixel_refract(const struct pen_kernel_input *input,
+                                        struct pen_kernel_scratch *scratch, const struct path *path,
+                                        const struct surface *s, bool deeper,
+                                        struct refraction *bend, struct pen_ray_counts *counts,
+                                        const unsigned fx)
+{
+    const struct pen_scene *scene = input->scene;
+    refraction_begin(bend, s, scene, fx);
+    scratch->several = false;
+    if (deeper && refracts(scene, fx) && !is_black(bend->kt[0])) {
+        const struct solid_point at = {s->hit[0], lanes3_at(s->p, 0), lanes_at(s->bound, 0),
+                                       lane_mask_bits(s->outside) != 0};
+        struct solid_interface several;
+        scratch->several = pen_solids_coincide(input, scratch, path, &at, &several);
+        if (scratch->several) {
+            bend->index[0] = several.index;
+            bend->beyond[0] = several.beyond;
+            bend->kt[0] = several.kt;
+            counts->unmatched_exits += several.unmatched;
+        } else {
+            refraction_cross(bend, scene, s, 0, media_at(scratch, media_of_path(scratch)), counts);
+        }
+    }
+    refraction_end(bend, s, scene, fx);
+}
+
+/* The media of the transmitted path, which goes on as the path. */
+static ALWAYS_INLINE void pixel_pass(const struct pen_kernel_input *input,
+                                     struct pen_kernel_scratch *scratch, const struct surface *s)
+{
+    struct media *media = media_at(scratch, media_of_path(scratch));
+    if (scratch->several)
+        media_copy(media, media_at(scratch, media_behind(scratch)));
+    else
+        refraction_pass(input->scene, s, 0, media);
 }
 
 /* The path's next hit. Where surfaces may coincide they are met in document order; those that
- * coincide with the surface that the ray starts on are in order by their t. */
+ * coincide with the surface that the ray starts on are in order by their t. A refracted ray has
+ * passed the surfaces of solids among those. */
 static ALWAYS_INLINE bool path_nearest(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, const struct path *path,
-                                       struct pen_hit *hit)
+                                       struct pen_hit *hit, const unsigned fx)
 {
-    const struct pen_t_interval interval = {path->after, INFINITY};
+    struct pen_t_interval interval = {path->after, INFINITY};
     const uint32_t *first = input->scene->layer_first;
     if (scratch->layers.any)
         return pen_layers_next(input, &scratch->layers, path, hit);
-    if (!input->trace->nearest(input->scene->accel, &path->ray, &path->origin, &interval, hit))
-        return false;
+    do {
+        if (!input->trace->nearest(input->scene->accel, &path->ray, &path->origin, &interval, hit))
+            return false;
+        interval.after = *hit;
+    } while (refracts(input->scene, fx) && has_passed_layer(input->scene, path, *hit));
     if (first && first[hit->prim] != first[hit->prim + 1] && hit->t > PEN_LAST_LAYER_T)
         pen_layers_begin(input, &scratch->layers, path, hit);
     return true;
+}
+
+/* What a path adds to its pixel sample if this radiance arrives along it. */
+static ALWAYS_INLINE struct pen_vec3 path_adds(const struct path *path, struct pen_vec3 radiance,
+                                               const unsigned fx)
+{
+    const struct pen_vec3 weighted = pen_mul(path->weight, radiance);
+    return fx & FX_BLUR ? pen_scale(weighted, path->share) : weighted;
+}
+
+/* Puts the paths that the surface reflects on the stack. Returns the stack's new height. */
+static ALWAYS_INLINE int pixel_reflect(const struct pen_kernel_input *input,
+                                       struct pen_kernel_scratch *scratch, const struct path *path,
+                                       const struct surface *s, const struct refraction *bend,
+                                       int waiting, struct pen_ray_counts *counts,
+                                       const unsigned fx)
+{
+    struct path *reflected = &scratch->waiting[waiting];
+    unsigned made = paths_reflected(input, s, bend, &path, 1, fx);
+    if (made)
+        made = paths_reflect(input, s, bend, made, &path, &reflected, fx);
+    if (!made)
+        return waiting;
+    if (refracts(input->scene, fx))
+        media_copy(media_at(scratch, (size_t)waiting), media_at(scratch, media_of_path(scratch)));
+    counts->reflection += blurs(input, fx) ? blur_push(input, scratch, (size_t)waiting, s,
+                                                       blur_at(input, s, 0, fx).reflection, true)
+                                           : 1;
+    return waiting + 1;
+}
+
+/* Puts the transmitted path, which would go on, on the stack if it is blurred. Where rounding
+ * decides on which side of the surface it is, it is not. Returns whether it is on the stack. */
+static ALWAYS_INLINE bool pixel_blur_transmitted(const struct pen_kernel_input *input,
+                                                 struct pen_kernel_scratch *scratch,
+                                                 const struct path *path, const struct surface *s,
+                                                 int waiting, struct pen_ray_counts *counts,
+                                                 const unsigned fx)
+{
+    const double spread = blurs(input, fx) ? blur_at(input, s, 0, fx).transmission : 0;
+    if (!(spread > 0) || !lane_mask_bits(surface_mirrors(s)))
+        return false;
+    struct path *blurred = &scratch->waiting[waiting];
+    *blurred = *path;
+    if (path->after.t > 0) { /* it goes straight on */
+        pen_ray_make(&blurred->ray, lanes3_at(s->p, 0), lanes3_at(s->v, 0));
+        blurred->origin = surface_origin(s, 0, true);
+        blurred->after = pen_after_start;
+    }
+    if (refracts(input->scene, fx))
+        media_copy(media_at(scratch, (size_t)waiting), media_at(scratch, media_of_path(scratch)));
+    counts->transmission += blur_push(input, scratch, (size_t)waiting, s, spread, false);
+    return true;
+}
+
+/* Makes the path on top of the stack the one that is traced. */
+static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
+                                    struct pen_kernel_scratch *scratch, int *waiting,
+                                    struct path *path, const unsigned fx)
+{
+    if (refracts(input->scene, fx))
+        media_copy(media_at(scratch, media_of_path(scratch)),
+                   media_at(scratch, (size_t)*waiting - 1));
+    if (blurs(input, fx))
+        blur_pop(scratch, waiting, path);
+    else
+        *path = scratch->waiting[--*waiting];
+    scratch->layers.any = false;
 }
 
 /* The radiance that arrives along the camera ray through a point of the image. */
@@ -106,15 +228,19 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     path.weight = pen_vec3(1, 1, 1);
     path.depth = 0;
     path.node = 1;
-    const bool forks = (fx & PEN_FX_MIRROR) && (fx & PEN_FX_TRANSMISSION);
+    path.share = 1;
+    if (refracts(scene, fx))
+        media_of_camera_ray(input, media_at(scratch, media_of_path(scratch)), path.ray.o);
+    const bool forks =
+        ((fx & PEN_FX_MIRROR) && (fx & PEN_FX_TRANSMISSION)) || (fx & PEN_FX_REFRACTION);
     if (forks)
         scratch->surfaces_left = scratch->surfaces_max;
     scratch->layers.any = false;
     for (int waiting = 0;;) {
         struct pen_hit hit;
         bool continues = false;
-        if (!path_nearest(input, scratch, &path, &hit)) {
-            sum = pen_add(sum, pen_mul(path.weight, background_seen(scene, &path.ray, fx)));
+        if (!path_nearest(input, scratch, &path, &hit, fx)) {
+            sum = pen_add(sum, path_adds(&path, background_seen(scene, &path.ray, fx), fx));
         } else {
             const struct path *const at_hit = &path;
             struct surface s;
@@ -122,24 +248,30 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             surface_at(&s, scene, &at_hit, 1, fx);
             if (!lane_mask_bits(s.finite))
                 return no_sample();
-            if (fx & PEN_FX_SOFT_SHADOWS)
+            if (fx & FX_SAMPLED)
                 scratch->key.node = path.node;
             struct pen_vec3 here = shade_surface(input, scratch, &s, path.depth == 0, counts, fx);
-            sum = pen_add(sum, pen_mul(path.weight, here));
+            sum = pen_add(sum, path_adds(&path, here, fx));
             bool deeper = path.depth + 1 < input->settings->max_depth;
-            if ((fx & PEN_FX_MIRROR) && deeper) {
-                struct path *reflected = &scratch->waiting[waiting];
-                unsigned made = paths_reflected(input, &s, &at_hit, 1, fx);
-                if (made)
-                    made = paths_reflect(input, &s, made, &at_hit, &reflected, fx);
-                counts->reflection += made;
-                waiting += (int)made;
+            struct refraction bend;
+            if (fx & PEN_FX_REFRACTION)
+                pixel_refract(input, scratch, &path, &s, deeper, &bend, counts, fx);
+            if ((fx & (PEN_FX_MIRROR | PEN_FX_REFRACTION)) && deeper)
+                waiting = pixel_reflect(input, scratch, &path, &s, &bend, waiting, counts, fx);
+            continues = (fx & PEN_FX_TRANSMISSION) && deeper &&
+                        path_transmit(input, &path, &s, &bend, 0, fx);
+            if (continues && refracts(scene, fx))
+                pixel_pass(input, scratch, &s);
+            if ((fx & PEN_FX_REFRACTION) && continues && !bend.straight)
+                scratch->layers.any = false;
+            if (continues &&
+                pixel_blur_transmitted(input, scratch, &path, &s, waiting, counts, fx)) {
+                continues = false;
+                waiting++;
             }
-            continues =
-                (fx & PEN_FX_TRANSMISSION) && deeper && path_transmit(input, &path, &s, 0, fx);
             counts->transmission += continues;
             if (forks && --scratch->surfaces_left == 0) {
-                count_truncated(counts, waiting, continues);
+                count_truncated(input, scratch, counts, waiting, continues, fx);
                 waiting = continues = 0;
             }
         }
@@ -147,8 +279,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             continue;
         if (waiting == 0)
             return sum;
-        path = scratch->waiting[--waiting];
-        scratch->layers.any = false;
+        pixel_pop(input, scratch, &waiting, &path, fx);
     }
 }
 
@@ -160,7 +291,7 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
 {
     const int samples = pixel_samples(input, fx);
     const struct pixel_scrambling scrambling = pixel_scrambling(input, samples, x, y, fx);
-    if (fx & PEN_FX_SOFT_SHADOWS)
+    if (fx & FX_SAMPLED)
         scratch->key = (struct pen_sample_key){.seed = input->settings->seed,
                                                .x = (uint32_t)x,
                                                .y = (uint32_t)y,
@@ -172,7 +303,7 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
         at.x += x;
         at.y += y;
         counts->primary++;
-        if (fx & PEN_FX_SOFT_SHADOWS)
+        if (fx & FX_SAMPLED)
             scratch->key.pixel_sample = (uint32_t)i;
         struct pen_vec3 c = sample(input, scratch, at, counts);
         if (!fits_film(c)) {

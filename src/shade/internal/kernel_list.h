@@ -24,7 +24,7 @@ enum {
     FX_MIRROR = PEN_FX_MIRROR,
     FX_SMOOTH = PEN_FX_ANTI_ALIASING,
     FX_ALL = FX_SOFT | FX_GLASS | FX_MIRROR | FX_SMOOTH | PEN_FX_SKY | PEN_FX_DEPTH_OF_FIELD |
-             PEN_FX_PATTERNS
+             PEN_FX_PATTERNS | PEN_FX_REFRACTION | PEN_FX_GLOSSY | PEN_FX_FROSTED
 };
 _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the last kernel");
 
@@ -39,8 +39,13 @@ _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the l
     X(hard_all, "hard+all", FX_HARD | FX_GLASS | FX_MIRROR | FX_SMOOTH)                            \
     X(hard_glass_mirror_patterns, "hard+glass+mirror+patterns+sky",                                \
       FX_HARD | FX_GLASS | FX_MIRROR | PEN_FX_PATTERNS | PEN_FX_SKY)                               \
+    X(hard_refraction, "hard+refraction",                                                          \
+      FX_HARD | FX_GLASS | FX_MIRROR | PEN_FX_REFRACTION | PEN_FX_SKY | PEN_FX_PATTERNS)           \
     X(hard_mirror_lens, "hard+mirror+lens+sky",                                                    \
       FX_HARD | FX_MIRROR | FX_SMOOTH | PEN_FX_DEPTH_OF_FIELD | PEN_FX_SKY)                        \
+    X(hard_blur, "hard+refraction+blur",                                                           \
+      FX_HARD | FX_GLASS | FX_MIRROR | FX_SMOOTH | PEN_FX_REFRACTION | PEN_FX_GLOSSY |             \
+          PEN_FX_FROSTED | PEN_FX_SKY | PEN_FX_PATTERNS)                                           \
     X(soft, "soft", FX_SOFT)                                                                       \
     X(soft_mirror, "soft+mirror", FX_SOFT | FX_MIRROR)                                             \
     X(soft_glass, "soft+glass", FX_SOFT | FX_GLASS)                                                \

@@ -54,7 +54,8 @@ static ALWAYS_INLINE void soft_add(const struct pen_kernel_input *input,
         shadow.through ? surface_material(s, input->scene, lane, fx)->kt : pen_vec3(1, 1, 1);
     if (!(lane_mask_bits(side.above | side.below) >> lane & 1))
         return; /* it grazes */
-    if (shadow.through && (!(fx & PEN_FX_SHADOW_TRANSMITTANCE) || is_black(shadow.in)))
+    if (shadow.through && (!(fx & PEN_FX_SHADOW_TRANSMITTANCE) || is_black(shadow.in) ||
+                           !input->scene->any_see_through))
         return;
     soft->rays++;
     uint32_t *last = &scratch->last_occluder[shadow.light], before = *last;
@@ -130,9 +131,11 @@ static ALWAYS_INLINE struct pen_vec3 soft_trace_ray(const struct pen_kernel_inpu
  * they are at most two, and a product of two factors has the same bits in either order. */
 static ALWAYS_INLINE struct pen_vec3 soft_ray_transmittance(const struct pen_kernel_input *input,
                                                             const struct pen_disk_packet *packet,
-                                                            int i)
+                                                            int i, const unsigned fx)
 {
     struct pen_vec3 t = {1, 1, 1};
+    if (!(fx & PEN_FX_SHADOW_TRANSMITTANCE))
+        return t;
     if (packet->in_sequence >> i & 1) {
         for (int k = 0; k < packet->sequence_count[i]; k++)
             t = shadow_filter(input->scene, packet->candidate[packet->sequence[i][k]].prim, t);
@@ -148,9 +151,14 @@ static ALWAYS_INLINE struct pen_vec3 soft_ray_transmittance(const struct pen_ker
     return t;
 }
 
-/* Whether all unblocked rays have the same transmissive intersections. */
-static ALWAYS_INLINE bool soft_uniform(const struct pen_disk_packet *packet, uint64_t unblocked)
+/* Whether all unblocked rays have the same transmissive intersections, and at most two. */
+static ALWAYS_INLINE bool soft_uniform(const struct pen_disk_packet *packet, uint64_t unblocked,
+                                       const unsigned fx)
 {
+    if (!(fx & PEN_FX_SHADOW_TRANSMITTANCE))
+        return true;
+    if (packet->in_sequence)
+        return false;
     for (int k = 0; k < packet->transmissive_count; k++) {
         uint64_t once = packet->candidate[packet->transmissive[k]].once & unblocked;
         uint64_t twice = packet->candidate[packet->transmissive[k]].twice & unblocked;
@@ -174,7 +182,7 @@ static ALWAYS_INLINE void soft_add_each(const struct pen_kernel_input *input,
             t = soft_trace_ray(input, scratch, soft, i,
                                pen_disk_packet_direction(packet, list->a[i], list->b[i]), fx);
         else
-            t = soft_ray_transmittance(input, packet, i);
+            t = soft_ray_transmittance(input, packet, i, fx);
         soft->sum = pen_add(soft->sum, t);
     }
 }
@@ -191,12 +199,12 @@ static ALWAYS_INLINE void soft_add_rays(const struct pen_kernel_input *input,
         all & ~input->trace->disk_test(packet, list->a, list->b, list->count, &fallback);
     if (!unblocked)
         return;
-    if (fallback || packet->in_sequence || !soft_uniform(packet, unblocked)) {
+    if (fallback || !soft_uniform(packet, unblocked, fx)) {
         soft->whole = false;
         soft_add_each(input, scratch, soft, list, unblocked, fallback, fx);
         return;
     }
-    struct pen_vec3 t = soft_ray_transmittance(input, packet, __builtin_ctzll(unblocked));
+    struct pen_vec3 t = soft_ray_transmittance(input, packet, __builtin_ctzll(unblocked), fx);
     int rays = __builtin_popcountll(unblocked);
     soft->whole = soft->whole && t.x == 1 && t.y == 1 && t.z == 1;
     if (soft->whole)

@@ -27,6 +27,7 @@ struct surface {
                            INFINITY: it decides also on which side of other surfaces p is */
     lanes grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
     lanes bound;        /* how far p may be off by rounding */
+    lane_mask outside;  /* with refraction: the viewer is on the side of the outward normal */
     lane_mask finite;   /* there is a point, and it, its normal and its direction are finite */
     struct pen_origin_surface origin[LANES]; /* for rays that start at p on the viewer's side */
 };
@@ -312,6 +313,8 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     s->bound = origin.bound;
     surface_set_origins(s, &origin);
     const lane_mask outside = surface_seen_from_outside(s, scene, path, count);
+    if (fx & PEN_FX_REFRACTION)
+        s->outside = outside;
     s->n = lanes3_select(outside, s->n, lanes3_neg(s->n));
     s->nv = lanes_select(outside, s->nv, -s->nv);
     /* By rounding, a ray may leave the surface that it has met. */

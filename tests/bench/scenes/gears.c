@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Meshing gears of 36 teeth in a cubic arrangement, on a mirroring ground. Each has two faces of
- * 144 corners and 144 side walls; every fifth transmits light. His gears refract it; here it passes
- * straight through, so that counts of rays differ. */
+ * 144 corners and 144 side walls; every fifth refracts light. */
 #include "bench/scenes/haines.h"
 
 enum { TEETH = 36, CORNERS = 4 * TEETH };
@@ -58,7 +57,7 @@ void haines_gears(int size)
     haines_begin(&s, "gears", pen_vec3(-1.1, -2.1, 2.6), pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), 45);
     haines_shiny(&s, "ground", pen_vec3(1, 0.85, 0.7), 0.3, 0.6, 0.3);
     scene_material(&s, "glass",
-                   (struct scene_look){.kd = pen_vec3(0.15, 0.2, 0.2), .kt = 0.8, .kr = 0.05});
+                   (struct scene_look){.kd = pen_vec3(0.15, 0.2, 0.2), .kt = 0.8, .ior = 1.1});
     haines_matt(&s, "red", pen_vec3(1, 0.3, 0.2), 1);
     haines_matt(&s, "green", pen_vec3(0.2, 1, 0.4), 1);
     haines_matt(&s, "blue", pen_vec3(0.3, 0.4, 1), 1);

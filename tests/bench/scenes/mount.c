@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A fractal mountain behind a pyramid of four glass spheres. A square of the mountain is cut in
  * four; the middles of its edges and its own are moved up or down by normal deviates (Carpenter's
- * method), which are drawn by a generator that is seeded anew with the place. His spheres refract
- * light; here it passes straight through, so that counts of rays differ. */
+ * method), which are drawn by a generator that is seeded anew with the place. */
 #include "bench/scenes/haines.h"
 
 struct mountain {
@@ -77,10 +76,13 @@ void haines_mount(int size)
     static const double level[4] = {0};
     struct scene_text s;
     haines_begin(&s, "mount", pen_vec3(-1.6, 1.6, 1.7), pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), 45);
-    scene_material(
-        &s, "glass",
-        (struct scene_look){
-            .kd = pen_vec3(0.1, 0.1, 0.1), .ks = 0.4, .shininess = 30, .kt = 0.9, .kr = 0.1});
+    scene_material(&s, "glass",
+                   (struct scene_look){.kd = pen_vec3(0.1, 0.1, 0.1),
+                                       .ks = 0.4,
+                                       .shininess = 30,
+                                       .kt = 0.9,
+                                       .kr = 0.1,
+                                       .ior = 1.5});
     haines_matt(&s, "rock", pen_vec3(0.5, 0.45, 0.35), 1);
     haines_lights(&s, light, 1);
     scene_use(&s, "glass");

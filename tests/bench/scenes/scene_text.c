@@ -54,8 +54,11 @@ void scene_material(struct scene_text *s, const char *name, struct scene_look lo
     put_vec(s, "ka", look.kd);
     fputs(", ", s->out);
     put_vec(s, "kd", look.kd);
-    fprintf(s->out, ", \"ks\": %.17g, \"shininess\": %.17g, \"kt\": %.17g, \"kr\": %.17g}", look.ks,
+    fprintf(s->out, ", \"ks\": %.17g, \"shininess\": %.17g, \"kt\": %.17g, \"kr\": %.17g", look.ks,
             look.shininess, look.kt, look.kr);
+    if (look.ior > 0)
+        fprintf(s->out, ", \"ior\": %.17g", look.ior);
+    fputs("}", s->out);
 }
 
 void scene_light(struct scene_text *s, struct pen_vec3 position, struct pen_vec3 intensity,

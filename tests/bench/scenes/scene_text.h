@@ -27,6 +27,7 @@ struct scene_view {
 struct scene_look {
     struct pen_vec3 kd, emission;
     double ks, shininess, kt, kr;
+    double ior; /* 0 stands for 1 */
 };
 
 void scene_begin(struct scene_text *s, const char *name, struct pen_vec3 background,

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT */
+/* `penumbra effects`: what each effect of a scene costs, without a daemon. */
+#include <stdio.h>
+#include <string.h>
+
+#include "cmd/client/commands.h"
+#include "cmd/client/common_options.h"
+#include "cmd/client/output.h"
+#include "cmd/client/progress.h"
+#include "cmd/client/scene_input.h"
+#include "cmd/client/setting_options.h"
+#include "cmd/report.h"
+#include "study/bill.h"
+#include "study/report.h"
+
+struct values {
+    const char *format, *view;
+    struct pen_option_list output, set;
+    int repeats, threads;
+    bool quiet, json;
+};
+
+static const struct pen_option options[] = {
+    {.name = "repeats",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct values, repeats),
+     .value = "N",
+     .min = 1,
+     .max = PEN_BENCH_REPEATS_MAX,
+     .help = "timed renders of the scene and of each without an effect, 3 by default"},
+    PEN_SET_OPTION(struct values),
+    {.name = "view",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, view),
+     .value = "NAME",
+     .help = "which view of the scene, the first by default"},
+    {.name = "threads",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct values, threads),
+     .value = "N",
+     .max = 1024,
+     .help = "how many render threads; 0, the default, is one per core"},
+    {.name = "output",
+     .letter = 'o',
+     .kind = PEN_OPTION_LIST,
+     .offset = offsetof(struct values, output),
+     .value = "OUT",
+     .help = "the report's file; its ending, .html, .json, .csv or .md, gives the format; may be "
+             "repeated"},
+    PEN_FORMAT_OPTION(struct values, "json|csv|md|html", pen_bench_report_formats),
+    PEN_QUIET_OPTION(struct values, "no progress bar and no table"),
+    PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
+    {0}};
+
+/* Everything one bill holds. release() frees what has been allocated, at any stage. */
+struct effects {
+    const struct values *values;
+    struct pen_scene_input input;
+    struct pen_thread_pool *pool;
+    struct pen_bill_task task;
+    struct pen_bill bill;
+    struct pen_progress progress;
+};
+
+static const char *scene_name(const struct effects *e)
+{
+    return e->input.desc.name[0] ? e->input.desc.name : e->input.source.label;
+}
+
+static bool check_values(const struct values *v, struct pen_status *st)
+{
+    if (v->format && v->output.count != 1)
+        return pen_fail(st, PEN_USAGE, "--format: needs one -o OUT");
+    for (int i = 0; i < v->output.count; i++) {
+        const char *output = v->output.item[i];
+        if (strcmp(output, "-") == 0 && v->json)
+            return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json uses");
+        if (!pen_output_report_format(output, v->format, st) || !pen_file_check(output, st))
+            return false;
+    }
+    return true;
+}
+
+static void show_progress(void *user, int done, int total)
+{
+    pen_progress_show(user, (double)done / total, -1);
+}
+
+static bool make_bill(struct effects *e, struct pen_status *st)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_scene_desc *desc = &e->input.desc;
+    if (!pen_set_options_apply(&e->values->set, &desc->settings, st) ||
+        !pen_limits_check(&limits, desc, &desc->settings, 1, "", st))
+        return false;
+    e->task = (struct pen_bill_task){.desc = desc,
+                                     .settings = &desc->settings,
+                                     .repeats = e->values->repeats,
+                                     .progress = show_progress,
+                                     .user = &e->progress};
+    if (e->values->view)
+        e->task.view = pen_scene_input_view(&e->input, e->values->view, st);
+    if (e->task.view < 0 || !(e->pool = pen_thread_pool_new(e->values->threads, st)))
+        return false;
+    e->task.pool = e->pool;
+    pen_progress_begin(&e->progress, e->input.source.label, e->values->quiet);
+    const bool ok = pen_bill_make(&e->task, &e->bill, st);
+    pen_progress_end(&e->progress);
+    return ok;
+}
+
+static bool write_reports(const struct effects *e, struct pen_status *st)
+{
+    const struct values *v = e->values;
+    for (int i = 0; i < v->output.count; i++) {
+        const char *output = v->output.item[i];
+        const char *format = pen_output_report_format(output, v->format, st);
+        struct pen_buf text = {0};
+        const bool ok = format && pen_bill_write(&e->bill, scene_name(e), format, &text, st) &&
+                        pen_file_write(output, text.data, text.bytes, st);
+        pen_buf_release(&text);
+        if (!ok)
+            return false;
+    }
+    return true;
+}
+
+static bool uses_standard_output(const struct values *v)
+{
+    for (int i = 0; i < v->output.count; i++)
+        if (strcmp(v->output.item[i], "-") == 0)
+            return true;
+    return false;
+}
+
+static void print_bill(const struct effects *e)
+{
+    struct pen_buf text = {0};
+    struct pen_status st;
+    if (e->values->json)
+        pen_report_line(pen_bill_json(&e->bill, scene_name(e)));
+    else if (!e->values->quiet && !uses_standard_output(e->values) &&
+             pen_bill_write(&e->bill, scene_name(e), "text", &text, &st))
+        fputs((const char *)text.data, stdout);
+    pen_buf_release(&text);
+}
+
+static int effects(struct effects *e, const char *name)
+{
+    const bool json = e->values->json;
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    if (!check_values(e->values, &st))
+        return pen_report_json(NULL, json, &st);
+    if (!pen_scene_input_read(&e->input, name, &errors))
+        return pen_report_errors_json(e->input.source.label, json, &errors);
+    if (!make_bill(e, &st) || !write_reports(e, &st)) {
+        pen_source_locate(&e->input.source, &st);
+        return pen_report_json(st.at[0] || st.line > 0 ? e->input.source.label : NULL, json, &st);
+    }
+    print_bill(e);
+    return 0;
+}
+
+static int run(int argc, char **argv)
+{
+    struct values values = {.repeats = 3};
+    struct pen_parsed parsed;
+    int code = pen_command_begin(&pen_command_effects, argc, argv, &values, &parsed);
+    if (code >= 0)
+        return code;
+    struct effects e = {.values = &values};
+    code = effects(&e, parsed.args[0]);
+    pen_bill_release(&e.bill);
+    pen_thread_pool_free(e.pool);
+    pen_scene_input_release(&e.input);
+    return code;
+}
+
+const struct pen_command pen_command_effects = {
+    .program = "penumbra",
+    .name = "effects",
+    .arguments = "SCENE",
+    .summary = "Says what each effect of a scene costs, without a daemon.",
+    .details =
+        "SCENE is a file, - for standard input, or builtin:NAME. The scene is rendered as it is, "
+        "and with each of its effects left out in turn; the renders are interleaved, and times "
+        "are medians. What an effect costs is the whole time less the time without it. The page "
+        "that -o bill.html writes shows the pictures as well.",
+    .options = options,
+    .min_args = 1,
+    .max_args = 1,
+    .run = run,
+};

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+/* The image is cut into cells of equal size, row by row, and one pixel of each is drawn by a hash
+ * of the cell's number. A cell's pixels are alike more often than not, so the sum over cells is
+ * known better than from as many independent pixels: its variance is estimated from the differences
+ * of neighbouring cells (the successive-difference estimator of stratified sampling; Wolter,
+ * "Introduction to Variance Estimation", 2007, 8.2). */
+#include "render/forecast.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "render/internal/kernel_input.h"
+
+enum { LEAST_CELLS = 4096, BLOCKS = 96, KINDS = 4 };
+
+struct forecast {
+    const struct pen_settings *settings;
+    struct pen_kernel_input input;
+    const struct pen_kernel *kernel;
+    struct pen_kernel_scratch **scratch; /* by thread */
+    int threads, columns, rows;          /* of cells */
+    double (*rays)[KINDS];               /* by cell */
+    double block_ns[BLOCKS], block_rays[BLOCKS];
+    atomic_int next;
+};
+
+static uint64_t mixed(uint64_t n)
+{
+    n += UINT64_C(0x9E3779B97F4A7C15);
+    n = (n ^ n >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
+    n = (n ^ n >> 27) * UINT64_C(0x94D049BB133111EB);
+    return n ^ n >> 31;
+}
+
+/* A number from lo to hi - 1. */
+static int drawn(uint64_t hash, int lo, int hi)
+{
+    return lo + (int)((hash >> 33) % (uint64_t)(hi > lo ? hi - lo : 1));
+}
+
+/* Begin of part i of n of a length. */
+static int part_of(int length, int i, int n)
+{
+    return (int)((int64_t)length * i / n);
+}
+
+static void count_cell(struct forecast *f, int thread, int cell)
+{
+    const struct pen_settings *s = f->settings;
+    const int column = cell % f->columns, row = cell / f->columns;
+    const uint64_t hash = mixed((uint64_t)cell);
+    const int x = drawn(hash, part_of(s->width, column, f->columns),
+                        part_of(s->width, column + 1, f->columns));
+    const int y =
+        drawn(mixed(hash), part_of(s->height, row, f->rows), part_of(s->height, row + 1, f->rows));
+    struct pen_ray_counts rays = {.primary = 0};
+    double rgb[3];
+    f->kernel->pixel(&f->input, f->scratch[thread], x, y, rgb, &rays);
+    f->rays[cell][0] = (double)rays.primary;
+    f->rays[cell][1] = (double)rays.shadow;
+    f->rays[cell][2] = (double)rays.reflection;
+    f->rays[cell][3] = (double)rays.transmission;
+}
+
+static void count_cells(void *user, int thread)
+{
+    struct forecast *f = user;
+    const int cells = f->columns * f->rows;
+    int cell;
+    while ((cell = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < cells)
+        count_cell(f, thread, cell);
+}
+
+/* Times a block somewhere in part n of the image's blocks. */
+static void time_block(struct forecast *f, int thread, int n)
+{
+    const struct pen_settings *s = f->settings;
+    const int across = (s->width + PEN_BLOCK_SIDE - 1) / PEN_BLOCK_SIDE,
+              down = (s->height + PEN_BLOCK_SIDE - 1) / PEN_BLOCK_SIDE, all = across * down;
+    const int at =
+        drawn(mixed((uint64_t)n + 77), part_of(all, n, BLOCKS), part_of(all, n + 1, BLOCKS));
+    struct pen_rect rect = {at % across * PEN_BLOCK_SIDE, at / across * PEN_BLOCK_SIDE,
+                            PEN_BLOCK_SIDE, PEN_BLOCK_SIDE};
+    rect.width = s->width - rect.x < PEN_BLOCK_SIDE ? s->width - rect.x : PEN_BLOCK_SIDE;
+    rect.height = s->height - rect.y < PEN_BLOCK_SIDE ? s->height - rect.y : PEN_BLOCK_SIDE;
+    double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
+    struct pen_ray_counts rays = {.primary = 0};
+    const int64_t begun = pen_clock_thread_ns();
+    if (f->input.trace->nearest_packet)
+        f->kernel->block(&f->input, f->scratch[thread], rect, rgb, &rays);
+    else
+        for (int i = 0; i < rect.width * rect.height; i++)
+            f->kernel->pixel(&f->input, f->scratch[thread], rect.x + i % rect.width,
+                             rect.y + i / rect.width, rgb[i], &rays);
+    f->block_ns[n] = (double)(pen_clock_thread_ns() - begun);
+    f->block_rays[n] = (double)(rays.primary + rays.shadow + rays.reflection + rays.transmission);
+}
+
+static void time_blocks(void *user, int thread)
+{
+    struct forecast *f = user;
+    int n;
+    while ((n = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < BLOCKS)
+        time_block(f, thread, n);
+}
+
+/* The sum over the image, from the sum over the cells: `kind` KINDS is all of them. */
+static struct pen_estimate estimate(const struct forecast *f, int kind)
+{
+    const int cells = f->columns * f->rows;
+    const double pixels = (double)f->settings->width * f->settings->height;
+    double sum = 0, squares = 0, before = 0;
+    for (int i = 0; i < cells; i++) {
+        const double *r = f->rays[i];
+        const double v = kind < KINDS ? r[kind] : r[0] + r[1] + r[2] + r[3];
+        sum += v;
+        if (i > 0)
+            squares += (v - before) * (v - before);
+        before = v;
+    }
+    /* A part of the pixels that is not small is known, and adds no error. */
+    const double unknown = 1 - cells / pixels;
+    const double variance = cells > 1 ? squares / (2.0 * (cells - 1)) / cells * unknown : 0;
+    const double mean = sum / cells, off = 1.96 * sqrt(variance > 0 ? variance : 0);
+    return (struct pen_estimate){mean * pixels, (mean - off > 0 ? mean - off : 0) * pixels,
+                                 (mean + off) * pixels};
+}
+
+/* The time of a ray is that of all blocks together; the spread of that ratio gives its interval. */
+static struct pen_estimate estimate_time(const struct forecast *f, const struct pen_estimate *total)
+{
+    double ns = 0, rays = 0, squares = 0;
+    for (int i = 0; i < BLOCKS; i++) {
+        ns += f->block_ns[i];
+        rays += f->block_rays[i];
+    }
+    const double each = rays > 0 ? ns / rays : 0;
+    for (int i = 0; i < BLOCKS; i++) {
+        const double off = f->block_ns[i] - each * f->block_rays[i];
+        squares += off * off;
+    }
+    const double relative = ns > 0 ? 1.96 * sqrt(squares) / ns : 0;
+    const double share =
+        total->expected > 0 ? (total->high - total->expected) / total->expected : 0;
+    const double ms = total->expected * each * 1e-6 / f->threads,
+                 off = sqrt(relative * relative + share * share);
+    return (struct pen_estimate){ms, off < 1 ? ms * (1 - off) : 0, ms * (1 + off)};
+}
+
+/* As many cells as asked for, nearly square, but no more than pixels. */
+static void cut(struct forecast *f)
+{
+    const double width = f->settings->width, height = f->settings->height;
+    const double wanted = width * height * 0.01 > LEAST_CELLS ? width * height * 0.01 : LEAST_CELLS;
+    const double side = wanted < width * height ? sqrt(width * height / wanted) : 1;
+    f->columns = (int)ceil(width / side);
+    f->rows = (int)ceil(height / side);
+    if (f->columns > f->settings->width)
+        f->columns = f->settings->width;
+    if (f->rows > f->settings->height)
+        f->rows = f->settings->height;
+}
+
+static bool make_scratch(struct forecast *f)
+{
+    f->scratch = calloc((size_t)f->threads, sizeof *f->scratch);
+    f->rays = calloc((size_t)f->columns * (size_t)f->rows, sizeof *f->rays);
+    for (int i = 0; f->scratch && i < f->threads; i++)
+        if (!(f->scratch[i] = pen_kernel_scratch_new(&f->input)))
+            return false;
+    return f->scratch && f->rays;
+}
+
+static void release(struct forecast *f)
+{
+    for (int i = 0; f->scratch && i < f->threads; i++)
+        pen_kernel_scratch_free(f->scratch[i]);
+    free(f->scratch);
+    free(f->rays);
+}
+
+static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_forecast *out)
+{
+    const double film = 3.0 * sizeof(float) * f->settings->width * f->settings->height;
+    pen_thread_pool_run(pool, f->threads, count_cells, f);
+    atomic_store(&f->next, 0);
+    pen_thread_pool_run(pool, f->threads, time_blocks, f);
+    out->primary = estimate(f, 0);
+    out->shadow = estimate(f, 1);
+    out->reflection = estimate(f, 2);
+    out->transmission = estimate(f, 3);
+    out->total = estimate(f, KINDS);
+    out->time_ms = estimate_time(f, &out->total);
+    out->memory_bytes = film + (double)pen_arena_used(f->input.scene->arena) +
+                        (double)f->threads * (double)f->kernel->block_bytes;
+    out->pixels = f->columns * f->rows;
+    out->kernel = f->kernel->name;
+    out->effects = f->input.effects;
+}
+
+bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_scene *scene, int view,
+                       const struct pen_settings *settings, struct pen_forecast *out,
+                       struct pen_status *st)
+{
+    const int64_t begun = pen_clock_ns();
+    const int asked = settings->threads, all = pen_thread_pool_size(pool);
+    struct forecast f = {.settings = settings,
+                         .input = pen_kernel_input_of(scene, view, settings),
+                         .threads = asked > 0 && asked < all ? asked : all};
+    f.kernel = pen_kernel_select(f.input.effects, pen_cpu_isa());
+    cut(&f);
+    const bool ok = make_scratch(&f);
+    if (ok)
+        run(pool, &f, out);
+    release(&f);
+    out->spent_ms = (double)(pen_clock_ns() - begun) * 1e-6;
+    return ok || pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a forecast");
+}

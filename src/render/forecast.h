@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/* What a render will take, from a sparse pre-render. */
+#ifndef PEN_RENDER_FORECAST_H
+#define PEN_RENDER_FORECAST_H
+
+#include "base/thread_pool.h"
+#include "scene/scene.h"
+
+/* An estimate with its 95 % interval. */
+struct pen_estimate {
+    double expected, low, high;
+};
+
+struct pen_forecast {
+    struct pen_estimate primary, shadow, reflection, transmission, total; /* rays */
+    struct pen_estimate time_ms; /* of rendering with all threads of the pool */
+    double memory_bytes;         /* of scene, film and threads */
+    int pixels;                  /* of the pre-render */
+    double spent_ms;             /* on it */
+    const char *kernel;
+    unsigned effects;
+};
+
+/* Renders one pixel in each of max(1 %, 4096) equal parts of the image, and counts its rays; then
+ * some blocks, to measure the time of a ray. Rays vary from part to part as from pixel to pixel of
+ * neighbouring parts, which gives the intervals; the pixels are the same at each call. Threads: as
+ * pen_render_run. Fails: PEN_NO_MEMORY. */
+bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_scene *scene, int view,
+                       const struct pen_settings *settings, struct pen_forecast *out,
+                       struct pen_status *st);
+
+#endif

@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: MIT */
+/* Threads take rows of blocks, 8 pixels high, from a counter. Each pixel is a pure function of its
+ * place, except that times are measured. */
+#include "render/layers.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "render/internal/counter.h"
+#include "render/internal/kernel_input.h"
+#include "shade/first_hit.h"
+
+/* What a thread works with. */
+struct worker {
+    struct pen_kernel_scratch *scratch; /* of times and tests; else NULL */
+    struct pen_counter *counter;
+    struct pen_kernel_scratch *counting; /* that of the counter */
+};
+
+struct job {
+    const struct pen_layer_task *task;
+    struct pen_kernel_input input;
+    const struct pen_kernel *kernel;
+    struct worker *worker; /* by thread */
+    int threads;
+    atomic_int next; /* row of blocks; order does not matter: each is taken once */
+};
+
+const char *const pen_layer_names[PEN_LAYER_COUNT + 1] = {
+    [PEN_LAYER_BEAUTY] = "beauty", [PEN_LAYER_COST] = "cost",     [PEN_LAYER_SAMPLES] = "samples",
+    [PEN_LAYER_DEPTH] = "depth",   [PEN_LAYER_NORMAL] = "normal", [PEN_LAYER_ALBEDO] = "albedo"};
+const char *const pen_cost_names[] = {[PEN_COST_TIME] = "time", [PEN_COST_TESTS] = "tests", NULL};
+
+const char *pen_layer_name(enum pen_layer layer)
+{
+    return layer < PEN_LAYER_COUNT ? pen_layer_names[layer] : "unknown";
+}
+
+enum pen_layer pen_layer_find(const char *name)
+{
+    int layer = 0;
+    while (layer < PEN_LAYER_COUNT && strcmp(name, pen_layer_names[layer]) != 0)
+        layer++;
+    return (enum pen_layer)layer;
+}
+
+/* The value of a pixel of the layers that do not depend on the work it takes. */
+static struct pen_vec3 value_at(const struct job *job, int x, int y)
+{
+    const struct pen_vec3 none = {0, 0, 0}, one = {1, 1, 1};
+    struct pen_first_hit hit;
+    if (job->task->layer == PEN_LAYER_SAMPLES)
+        return pen_scale(one, pen_camera_samples(job->input.lens.open, job->task->settings));
+    if (!pen_first_hit(&job->input, x, y, &hit))
+        return none;
+    if (job->task->layer == PEN_LAYER_DEPTH)
+        return pen_scale(one, hit.distance);
+    if (job->task->layer == PEN_LAYER_NORMAL)
+        return pen_scale(pen_add(hit.normal, one), 0.5);
+    return hit.albedo;
+}
+
+/* The box and primitive tests of a pixel. */
+static double tests_at(const struct job *job, const struct worker *worker, int x, int y)
+{
+    struct pen_test_counts before = {0, 0}, after = {0, 0};
+    struct pen_ray_counts rays = {.primary = 0};
+    double rgb[3];
+    pen_counter_add(worker->counter, &before);
+    job->kernel->pixel(pen_counter_input(worker->counter), worker->counting, x, y, rgb, &rays);
+    pen_counter_add(worker->counter, &after);
+    return (double)(after.boxes - before.boxes + after.primitives - before.primitives);
+}
+
+/* The nanoseconds that a block takes: processor time, so that it does not matter what else runs. */
+static double time_of(const struct job *job, const struct worker *worker, struct pen_rect block)
+{
+    double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
+    struct pen_ray_counts rays = {.primary = 0};
+    const int64_t begun = pen_clock_thread_ns();
+    if (job->input.trace->nearest_packet) {
+        job->kernel->block(&job->input, worker->scratch, block, rgb, &rays);
+    } else {
+        for (int i = 0; i < block.width * block.height; i++)
+            job->kernel->pixel(&job->input, worker->scratch, block.x + i % block.width,
+                               block.y + i / block.width, rgb[i], &rays);
+    }
+    return (double)(pen_clock_thread_ns() - begun);
+}
+
+static void put(const struct job *job, int x, int y, struct pen_vec3 v)
+{
+    float *to = job->task->rgb + 3 * ((size_t)y * (size_t)job->task->settings->width + (size_t)x);
+    to[0] = (float)v.x;
+    to[1] = (float)v.y;
+    to[2] = (float)v.z;
+}
+
+/* What the pixels of a block cost: their tests, or their shares of its time. */
+static void cost_block(const struct job *job, const struct worker *worker, struct pen_rect block)
+{
+    double tests[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE], sum = 0, factor = 1;
+    const int pixels = block.width * block.height;
+    for (int i = 0; i < pixels; i++) {
+        tests[i] = tests_at(job, worker, block.x + i % block.width, block.y + i / block.width);
+        sum += tests[i];
+    }
+    if (job->task->cost == PEN_COST_TIME) {
+        for (int i = 0; i < pixels && sum == 0; i++)
+            tests[i] = 1; /* nothing to test: equal shares */
+        factor = time_of(job, worker, block) / (sum > 0 ? sum : pixels);
+    }
+    for (int i = 0; i < pixels; i++) {
+        const double cost = tests[i] * factor;
+        put(job, block.x + i % block.width, block.y + i / block.width, pen_vec3(cost, cost, cost));
+    }
+}
+
+static void layer_block(const struct job *job, const struct worker *worker, struct pen_rect block)
+{
+    if (job->task->layer == PEN_LAYER_COST) {
+        cost_block(job, worker, block);
+        return;
+    }
+    for (int y = block.y; y < block.y + block.height; y++)
+        for (int x = block.x; x < block.x + block.width; x++)
+            put(job, x, y, value_at(job, x, y));
+}
+
+static bool stopped(const struct pen_layer_task *task)
+{
+    return task->cancel && atomic_load_explicit(task->cancel, memory_order_relaxed);
+}
+
+static void work(void *user, int index)
+{
+    struct job *job = user;
+    const struct pen_settings *s = job->task->settings;
+    const int side = PEN_BLOCK_SIDE, rows = (s->height + side - 1) / side;
+    int row;
+    if (job->task->layer == PEN_LAYER_COST) /* memory that is touched first would count */
+        time_of(job, &job->worker[index], (struct pen_rect){0, 0, 1, 1});
+    while (!stopped(job->task) &&
+           (row = atomic_fetch_add_explicit(&job->next, 1, memory_order_relaxed)) < rows) {
+        const int y = row * side, height = s->height - y < side ? s->height - y : side;
+        for (int x = 0; x < s->width; x += side) {
+            const int width = s->width - x < side ? s->width - x : side;
+            layer_block(job, &job->worker[index], (struct pen_rect){x, y, width, height});
+        }
+    }
+}
+
+static bool make_worker(const struct job *job, struct worker *worker)
+{
+    if (job->task->layer != PEN_LAYER_COST)
+        return true;
+    worker->scratch = pen_kernel_scratch_new(&job->input);
+    worker->counter = pen_counter_new(&job->input);
+    if (worker->counter)
+        worker->counting = pen_kernel_scratch_new(pen_counter_input(worker->counter));
+    return worker->scratch && worker->counting;
+}
+
+static bool run(struct pen_thread_pool *pool, struct job *job, struct pen_status *st)
+{
+    job->worker = calloc((size_t)job->threads, sizeof *job->worker);
+    bool ok = job->worker != NULL;
+    for (int i = 0; ok && i < job->threads; i++)
+        ok = make_worker(job, &job->worker[i]);
+    if (ok)
+        pen_thread_pool_run(pool, job->threads, work, job);
+    for (int i = 0; job->worker && i < job->threads; i++) {
+        pen_kernel_scratch_free(job->worker[i].scratch);
+        pen_kernel_scratch_free(job->worker[i].counting);
+        pen_counter_free(job->worker[i].counter);
+    }
+    free(job->worker);
+    if (!ok)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a layer");
+    return !stopped(job->task) || pen_fail(st, PEN_CANCELLED, "cancelled");
+}
+
+bool pen_layer_render(struct pen_thread_pool *pool, const struct pen_layer_task *task,
+                      struct pen_status *st)
+{
+    struct job job = {.task = task,
+                      .input = pen_kernel_input_of(task->scene, task->view, task->settings)};
+    const int asked = task->settings->threads, all = pen_thread_pool_size(pool);
+    job.kernel = pen_kernel_select(job.input.effects, pen_cpu_isa());
+    job.threads = asked > 0 && asked < all ? asked : all;
+    return run(pool, &job, st);
+}
+
+/* Black, blue, red, yellow, white: each brighter than the one before it. */
+static void heat(double share, float *rgb)
+{
+    static const double at[][3] = {
+        {0, 0, 0.02}, {0.15, 0.05, 0.5}, {0.75, 0.1, 0.3}, {1, 0.6, 0.1}, {1, 1, 0.9}};
+    const int last = sizeof at / sizeof at[0] - 1;
+    const double place = share < 1 ? share * last : last;
+    const int below = place < last ? (int)place : last - 1;
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (float)(at[below][c] + (place - below) * (at[below + 1][c] - at[below][c]));
+}
+
+/* The largest value; of depths, the least above 0. */
+static double value_of_white(enum pen_layer layer, const float *rgb, size_t pixels)
+{
+    double best = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        const double v = (double)rgb[3 * i];
+        const bool nearer = v > 0 && (best == 0 || v < best);
+        if (layer == PEN_LAYER_DEPTH ? nearer : v > best)
+            best = v;
+    }
+    return best;
+}
+
+double pen_layer_show(enum pen_layer layer, float *rgb, size_t pixels)
+{
+    if (layer != PEN_LAYER_COST && layer != PEN_LAYER_SAMPLES && layer != PEN_LAYER_DEPTH)
+        return 0;
+    const double white = value_of_white(layer, rgb, pixels);
+    for (size_t i = 0; i < pixels; i++) {
+        float *to = &rgb[3 * i];
+        const double v = (double)to[0];
+        if (layer == PEN_LAYER_COST)
+            heat(v > 0 ? sqrt(sqrt(v / white)) : 0, to);
+        else
+            to[0] = to[1] = to[2] = (float)(v <= 0                     ? 0
+                                            : layer == PEN_LAYER_DEPTH ? white / v
+                                                                       : v / white);
+    }
+    return white;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* Joins triangles and polygons that refract to solids. */
+#ifndef PEN_SCENE_INTERNAL_SOLID_FACES_H
+#define PEN_SCENE_INTERNAL_SOLID_FACES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "geom/prims.h"
+
+/* A triangle or polygon. The caller sets the first two. */
+struct solid_face {
+    uint32_t prim;
+    uint32_t material; /* equal numbers: one material */
+    uint32_t solid;    /* the number of the solid's first face */
+    bool closed;       /* the solid is; else its faces have the sides of the document */
+    bool turned;       /* the face's outward side is inside the solid */
+    /* While they are joined: */
+    bool wall;                   /* another face has the same vertices */
+    uint32_t patch_up, group_up; /* parents in two forests */
+    bool turned_up;              /* against the parent in the patch */
+    bool open;                   /* of a root: of the patch, then of the group */
+    int32_t balance;             /* of a root, along one edge */
+};
+
+/* Joins faces. Fails: returns false when out of memory. Cost: O(n log n) in the edges. */
+bool pen_solid_faces_join(const struct pen_prims *prims, struct solid_face *face, uint32_t count);
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/solid.h"
+
+/* By how often a ray leaves a primitive's inside more than it enters it. */
+static int times_left(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
+                      bool turned)
+{
+    struct pen_intersections met = {.count = 0};
+    int left = 0;
+    pen_prim_intersect_line(prims, prim, ray, &met);
+    const bool flat = pen_prim_flat(prims->ref[prim].kind);
+    for (int i = 0; i < met.count; i++) {
+        if (!(met.t[i] > 0))
+            continue;
+        bool outward = i + 1 == met.count; /* of a closed round one, the last */
+        if (flat) {
+            const struct pen_hit hit = {met.t[i], prim, met.part[i]};
+            const struct pen_vec3 x = pen_along(ray->o, ray->d, hit.t);
+            outward = (pen_dot(pen_prim_normal(prims, hit, x), ray->d) > 0) != turned;
+        }
+        left += outward ? 1 : -1;
+    }
+    return left;
+}
+
+static bool box_contains(const struct pen_box *b, struct pen_vec3 p)
+{
+    return p.x >= b->lo.x && p.x <= b->hi.x && p.y >= b->lo.y && p.y <= b->hi.y && p.z >= b->lo.z &&
+           p.z <= b->hi.z;
+}
+
+bool pen_solid_contains(const struct pen_prims *prims, const struct pen_solids *solids,
+                        uint32_t solid, struct pen_vec3 p)
+{
+    const struct pen_solid *s = &solids->at[solid];
+    struct pen_ray ray;
+    int left = 0;
+    if (!s->closed || !box_contains(&s->box, p) ||
+        !pen_ray_make(&ray, p, pen_vec3(0.5377, 0.7193, 0.4397))) /* any direction */
+        return false;
+    for (uint32_t i = 0; i < s->count; i++) {
+        const uint32_t prim = solids->prim[s->first + i];
+        left += times_left(prims, prim, &ray, solids->turned[prim]);
+    }
+    return left > 0;
+}

@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT */
+#include "study/bill.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "film/metrics.h"
+#include "study/leave_out.h"
+
+/* The bytes of a film. */
+static size_t film_bytes(const struct pen_settings *s)
+{
+    return 3 * (size_t)s->width * (size_t)s->height * sizeof(float);
+}
+
+static bool render_row(const struct pen_bill_task *task, const struct pen_scene *scene,
+                       const struct pen_settings *settings, struct pen_bill_row *row, int pass,
+                       struct pen_status *st)
+{
+    struct pen_render_stats stats;
+    const struct pen_render_task render = {.scene = scene,
+                                           .view = task->view,
+                                           .settings = settings,
+                                           .tile_count = -1,
+                                           .rgb = row->rgb,
+                                           .cancel = task->cancel};
+    if (!pen_render_run(task->pool, &render, &stats, st))
+        return false;
+    if (pass >= 0)
+        row->runs_ms[pass] = stats.render_ms;
+    row->rays = stats.rays;
+    row->kernel = stats.kernel;
+    return true;
+}
+
+/* Renders a row once; pass -1 is the one to warm up. */
+static bool run_row(const struct pen_bill_task *task, struct pen_bill_row *row, int pass,
+                    struct pen_status *st)
+{
+    struct pen_settings settings = *task->settings;
+    struct pen_scene_desc desc;
+    struct pen_arena *arena = pen_arena_new(0);
+    struct pen_scene *scene = NULL;
+    bool ok = arena && pen_scene_leave_out(task->desc, row->effect, arena, &desc, &settings);
+    if (!ok)
+        pen_fail(st, PEN_NO_MEMORY, "out of memory for a scene without an effect");
+    if (ok)
+        scene = pen_scene_freeze(&desc, (enum pen_accelerator)settings.accelerator, 0, st);
+    ok = scene && render_row(task, scene, &settings, row, pass, st);
+    pen_scene_free(scene);
+    pen_arena_free(arena);
+    return ok;
+}
+
+static int compare_times(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void summarize(struct pen_bill_row *row, int repeats)
+{
+    qsort(row->runs_ms, (size_t)repeats, sizeof *row->runs_ms, compare_times);
+    row->min_ms = row->runs_ms[0];
+    row->max_ms = row->runs_ms[repeats - 1];
+    row->median_ms = (row->runs_ms[(repeats - 1) / 2] + row->runs_ms[repeats / 2]) / 2;
+}
+
+/* How far the row's picture is from the whole one. */
+static bool compare_row(const struct pen_bill *bill, struct pen_bill_row *row,
+                        struct pen_status *st)
+{
+    const struct pen_settings *s = bill->task->settings;
+    const struct pen_film whole = {s->width, s->height, bill->row[0].rgb},
+                          without = {s->width, s->height, row->rgb};
+    struct pen_picture *a = pen_picture_of_film(&whole, st);
+    struct pen_picture *b = a ? pen_picture_of_film(&without, st) : NULL;
+    struct pen_difference d;
+    const bool ok = b && pen_picture_compare(a, b, 0, &d, st);
+    if (ok) {
+        row->rmse = d.rmse;
+        row->max_error = d.max_error;
+    }
+    pen_picture_free(a);
+    pen_picture_free(b);
+    return ok;
+}
+
+/* Whether leaving one of the effects out changes anything: through a lens there may be several
+ * samples whatever samples_per_pixel is. */
+static bool can_be_left_out(const struct pen_settings *settings, unsigned effects, unsigned effect)
+{
+    const bool lens = effects & PEN_FX_DEPTH_OF_FIELD;
+    return effect != PEN_FX_ANTI_ALIASING ||
+           (settings->samples_per_pixel > 1 &&
+            !(lens && settings->lens_samples >= settings->samples_per_pixel));
+}
+
+static bool add_row(struct pen_bill *bill, unsigned effect)
+{
+    struct pen_bill_row *row = &bill->row[bill->rows++];
+    row->effect = effect;
+    row->runs_ms = calloc((size_t)bill->task->repeats, sizeof *row->runs_ms);
+    row->rgb = malloc(film_bytes(bill->task->settings));
+    return row->runs_ms && row->rgb;
+}
+
+/* Adds a row for the whole scene, and one for each of its effects. */
+static bool add_rows(struct pen_bill *bill, struct pen_status *st)
+{
+    const struct pen_bill_task *task = bill->task;
+    struct pen_scene *scene = pen_scene_freeze(task->desc, PEN_ACCEL_NONE, 0, st);
+    if (!scene)
+        return false;
+    const unsigned effects = pen_scene_effects(scene, task->view, task->settings);
+    pen_scene_free(scene);
+    bool ok = add_row(bill, 0);
+    for (int i = 0; ok && i < PEN_FX_COUNT; i++)
+        if (effects >> i & 1 && can_be_left_out(task->settings, effects, 1u << i))
+            ok = add_row(bill, 1u << i);
+    return ok || pen_fail(st, PEN_NO_MEMORY, "out of memory for %d pictures", bill->rows);
+}
+
+bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, struct pen_status *st)
+{
+    *bill = (struct pen_bill){.task = task};
+    if (!add_rows(bill, st))
+        return false;
+    const int total = bill->rows * (task->repeats + 1);
+    for (int i = 0; i < total; i++) {
+        if (task->progress)
+            task->progress(task->user, i, total);
+        if (!run_row(task, &bill->row[i % bill->rows], i / bill->rows - 1, st))
+            return false;
+    }
+    if (task->progress)
+        task->progress(task->user, total, total);
+    for (int i = 0; i < bill->rows; i++) {
+        summarize(&bill->row[i], task->repeats);
+        if (!compare_row(bill, &bill->row[i], st))
+            return false;
+    }
+    return true;
+}
+
+void pen_bill_release(struct pen_bill *bill)
+{
+    for (int i = 0; i < bill->rows; i++) {
+        free(bill->row[i].runs_ms);
+        free(bill->row[i].rgb);
+    }
+    bill->rows = 0;
+}

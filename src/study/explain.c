@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: MIT */
+#include "study/explain.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "io/figures.h"
+#include "io/json_build.h"
+
+enum { NAMED = 4, KINDS = 5 };
+
+static bool is_lit(struct pen_vec3 c)
+{
+    return c.x > 0 || c.y > 0 || c.z > 0;
+}
+
+/* Whether a material shows an effect. */
+static bool shows(const struct pen_material *m, enum pen_effect effect)
+{
+    switch (effect) {
+    case PEN_FX_AMBIENT:
+        return is_lit(m->ka);
+    case PEN_FX_MIRROR:
+        return is_lit(m->kr);
+    case PEN_FX_TRANSMISSION:
+    case PEN_FX_SHADOW_TRANSMITTANCE:
+        return is_lit(m->kt);
+    case PEN_FX_REFRACTION:
+        return is_lit(m->kt) && m->ior != 1;
+    case PEN_FX_GLOSSY:
+        return m->reflection_blur > 0 && (is_lit(m->kr) || (is_lit(m->kt) && m->ior != 1));
+    case PEN_FX_FROSTED:
+        return m->transmission_blur > 0 && is_lit(m->kt);
+    case PEN_FX_SPECULAR:
+        return is_lit(m->ks);
+    case PEN_FX_PATTERNS:
+        return m->patterns != NULL;
+    case PEN_FX_HARD_SHADOWS:
+    case PEN_FX_SOFT_SHADOWS:
+    case PEN_FX_ANTI_ALIASING:
+    case PEN_FX_SKY:
+    case PEN_FX_DEPTH_OF_FIELD:
+        break;
+    }
+    return false;
+}
+
+/* What a material has that shows the effect; NULL if it is not a material that does. */
+static const char *property(enum pen_effect effect)
+{
+    switch (effect) {
+    case PEN_FX_AMBIENT:
+        return "ka > 0";
+    case PEN_FX_MIRROR:
+        return "kr > 0";
+    case PEN_FX_TRANSMISSION:
+    case PEN_FX_SHADOW_TRANSMITTANCE:
+        return "kt > 0";
+    case PEN_FX_REFRACTION:
+        return "kt > 0 and an ior other than 1";
+    case PEN_FX_GLOSSY:
+        return "a reflection_blur above 0 where they reflect";
+    case PEN_FX_FROSTED:
+        return "a transmission_blur above 0 and kt > 0";
+    case PEN_FX_SPECULAR:
+        return "ks > 0";
+    case PEN_FX_PATTERNS:
+        return "patterns";
+    case PEN_FX_HARD_SHADOWS:
+    case PEN_FX_SOFT_SHADOWS:
+    case PEN_FX_ANTI_ALIASING:
+    case PEN_FX_SKY:
+    case PEN_FX_DEPTH_OF_FIELD:
+        break;
+    }
+    return NULL;
+}
+
+/* The objects that show an effect: the names of the first, and how many they are. */
+struct objects {
+    const struct pen_scene_desc *desc;
+    enum pen_effect effect;
+    uint32_t count, primitive; /* found; passed */
+    struct pen_buf names;
+};
+
+static void find_objects(struct objects *found, const struct pen_object_desc *list, uint32_t count,
+                         const char *group)
+{
+    const struct pen_material none = pen_material_default();
+    for (uint32_t i = 0; i < count; i++) {
+        const struct pen_object_desc *o = &list[i];
+        if (o->kind == PEN_OBJECT_GROUP) {
+            find_objects(found, o->u.group.objects, o->u.group.count, o->name ? o->name : group);
+            continue;
+        }
+        const uint32_t number = found->primitive++;
+        const struct pen_material *m =
+            o->material < 0 ? &none : &found->desc->materials[o->material];
+        if (!shows(m, found->effect) || found->count++ >= NAMED)
+            continue;
+        if (found->count > 1)
+            pen_buf_puts(&found->names, ", ");
+        if (o->name || group)
+            pen_buf_puts(&found->names, o->name ? o->name : group);
+        else
+            pen_buf_printf(&found->names, "%s %u", pen_kinds[o->kind].name, (unsigned)number);
+    }
+}
+
+/* "objects a, b and 3 more have kr > 0", or "no object has kr > 0". */
+static void say_objects(const struct pen_scene_desc *desc, enum pen_effect effect,
+                        struct pen_buf *out)
+{
+    struct objects found = {.desc = desc, .effect = effect};
+    find_objects(&found, desc->objects, desc->object_count, NULL);
+    if (found.count == 0)
+        pen_buf_printf(out, "no object has %s", property(effect));
+    else
+        pen_buf_printf(out, "object%s %s", found.count > 1 ? "s" : "",
+                       (const char *)found.names.data);
+    if (found.count > NAMED)
+        pen_buf_printf(out, " and %u more", (unsigned)(found.count - NAMED));
+    if (found.count > 0)
+        pen_buf_printf(out, " ha%s %s", found.count > 1 ? "ve" : "s", property(effect));
+    out->failed |= found.names.failed;
+    pen_buf_release(&found.names);
+}
+
+static bool has_objects(const struct pen_scene_desc *desc, enum pen_effect effect)
+{
+    struct objects found = {.desc = desc, .effect = effect};
+    find_objects(&found, desc->objects, desc->object_count, NULL);
+    pen_buf_release(&found.names);
+    return found.count > 0;
+}
+
+static uint32_t lights_with(const struct pen_scene_desc *desc, bool soft)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < desc->light_count; i++)
+        count += is_lit(desc->lights[i].intensity) && desc->lights[i].shadows &&
+                 pen_light_desc_soft(&desc->lights[i]) == soft;
+    return count;
+}
+
+static void say_shadows(const struct pen_scene_desc *desc, bool soft, struct pen_buf *out)
+{
+    const uint32_t count = lights_with(desc, soft);
+    const char *radius = soft ? "with a radius" : "without a radius";
+    if (count == 0)
+        pen_buf_printf(out, "no light %s casts shadows", radius);
+    else
+        pen_buf_printf(out, "%u light%s %s cast%s shadows", (unsigned)count, count > 1 ? "s" : "",
+                       radius, count > 1 ? "" : "s");
+}
+
+/* Why the scene calls for an effect, or does not. */
+static void say_why(const struct pen_explain_task *task, enum pen_effect effect, bool called_for,
+                    struct pen_buf *out)
+{
+    const struct pen_scene_desc *desc = task->desc;
+    const struct pen_camera_desc *camera = &desc->views[task->view].camera;
+    const bool secondary = effect & (PEN_FX_MIRROR | PEN_FX_TRANSMISSION | PEN_FX_REFRACTION |
+                                     PEN_FX_GLOSSY | PEN_FX_FROSTED);
+    if (secondary && task->settings->max_depth <= 1)
+        pen_buf_puts(out, "max_depth is 1");
+    else if (property(effect))
+        say_objects(desc, effect, out);
+    else if (effect == PEN_FX_HARD_SHADOWS || effect == PEN_FX_SOFT_SHADOWS)
+        say_shadows(desc, effect == PEN_FX_SOFT_SHADOWS, out);
+    else if (effect == PEN_FX_ANTI_ALIASING)
+        pen_buf_printf(out, "a pixel has %d camera ray%s",
+                       pen_camera_samples(camera->aperture_radius > 0, task->settings),
+                       called_for ? "s" : "");
+    else if (effect == PEN_FX_SKY)
+        pen_buf_puts(out, called_for ? "the background is a sky" : "the background has one colour");
+    else
+        pen_buf_printf(out, "aperture_radius is %g", camera->aperture_radius);
+    if (secondary && !called_for && task->settings->max_depth > 1 && has_objects(desc, effect))
+        pen_buf_puts(out, "; too little, in all of them, for min_contribution");
+    if (effect == PEN_FX_AMBIENT && !is_lit(desc->ambient))
+        pen_buf_puts(out, "; there is no ambient light");
+    if (effect == PEN_FX_SHADOW_TRANSMITTANCE && !called_for &&
+        lights_with(desc, false) + lights_with(desc, true) == 0)
+        pen_buf_puts(out, "; no light casts shadows");
+}
+
+/* The share of all rays that are of the effect's kind. */
+static double rays_share(const struct pen_forecast *f, enum pen_effect effect)
+{
+    double rays = 0;
+    if (effect & (PEN_FX_HARD_SHADOWS | PEN_FX_SOFT_SHADOWS))
+        rays = f->shadow.expected;
+    if (effect & (PEN_FX_MIRROR | PEN_FX_GLOSSY))
+        rays = f->reflection.expected;
+    if (effect & (PEN_FX_TRANSMISSION | PEN_FX_REFRACTION | PEN_FX_FROSTED))
+        rays = f->transmission.expected;
+    if (effect & (PEN_FX_ANTI_ALIASING | PEN_FX_DEPTH_OF_FIELD))
+        rays = f->primary.expected;
+    return f->total.expected > 0 ? rays / f->total.expected : 0;
+}
+
+static json_t *effects_json(const struct pen_explain_task *task, bool called_for)
+{
+    json_t *list = json_array();
+    size_t count = 0;
+    for (int i = 0; i < PEN_FX_COUNT; i++) {
+        const enum pen_effect effect = (enum pen_effect)(1 << i);
+        struct pen_buf why = {0};
+        if ((task->forecast->effects >> i & 1) != called_for)
+            continue;
+        say_why(task, effect, called_for, &why);
+        json_t *item = why.failed ? NULL
+                                  : json_pack("{s:s, s:s}", "name", pen_effect_name(i), "because",
+                                              (const char *)why.data);
+        if (called_for)
+            item =
+                pen_json_with(item, "rays_share", pen_figure(rays_share(task->forecast, effect)));
+        json_array_append_new(list, item);
+        pen_buf_release(&why);
+        count++;
+    }
+    return pen_json_all(list, count);
+}
+
+static json_t *estimate_json(const struct pen_estimate *e, const double *actual)
+{
+    json_t *json = json_pack("{s:o, s:o, s:o}", "expected", pen_figure(e->expected), "low",
+                             pen_figure(e->low), "high", pen_figure(e->high));
+    return actual ? pen_json_with(json, "actual", pen_figure(*actual)) : json;
+}
+
+static json_t *rays_json(const struct pen_explain_task *task)
+{
+    static const char *const names[KINDS] = {"primary", "shadow", "reflection", "transmission",
+                                             "total"};
+    const struct pen_forecast *f = task->forecast;
+    const struct pen_estimate *of[KINDS] = {&f->primary, &f->shadow, &f->reflection,
+                                            &f->transmission, &f->total};
+    double actual[KINDS] = {0};
+    if (task->actual) {
+        const struct pen_ray_counts *r = &task->actual->rays;
+        actual[0] = (double)r->primary;
+        actual[1] = (double)r->shadow;
+        actual[2] = (double)r->reflection;
+        actual[3] = (double)r->transmission;
+        actual[4] = actual[0] + actual[1] + actual[2] + actual[3];
+    }
+    json_t *json = json_object();
+    for (int i = 0; i < KINDS; i++)
+        json =
+            pen_json_with(json, names[i], estimate_json(of[i], task->actual ? &actual[i] : NULL));
+    return json;
+}
+
+json_t *pen_explain_json(const struct pen_explain_task *task)
+{
+    const struct pen_forecast *f = task->forecast;
+    const double *ms = task->actual ? &task->actual->render_ms : NULL;
+    return json_pack("{s:s, s:o, s:o, s:s, s:o, s:o, s:o, s:{s:i, s:o}}", "view",
+                     task->desc->views[task->view].name, "effects", effects_json(task, true),
+                     "absent", effects_json(task, false), "kernel", f->kernel, "rays",
+                     rays_json(task), "time_ms", estimate_json(&f->time_ms, ms), "memory_bytes",
+                     pen_figure(f->memory_bytes), "pre_render", "pixels", f->pixels, "ms",
+                     pen_figure(f->spent_ms));
+}
+
+static void write_effects(const json_t *list, const char *title, struct pen_buf *out)
+{
+    size_t i;
+    json_t *item;
+    pen_buf_printf(out, "%s\n", title);
+    json_array_foreach(list, i, item)
+    {
+        pen_buf_printf(out, "  %-20s %s\n", json_string_value(json_object_get(item, "name")),
+                       json_string_value(json_object_get(item, "because")));
+    }
+}
+
+static void write_estimate(const char *name, const json_t *e, const char *unit, struct pen_buf *out)
+{
+    const json_t *actual = json_object_get(e, "actual");
+    pen_buf_printf(out, "  %-20s %14.10g   %.10g to %.10g%s", name,
+                   json_number_value(json_object_get(e, "expected")),
+                   json_number_value(json_object_get(e, "low")),
+                   json_number_value(json_object_get(e, "high")), unit);
+    if (actual)
+        pen_buf_printf(out, "   actual %.10g", json_number_value(actual));
+    pen_buf_puts(out, "\n");
+}
+
+void pen_explain_write_text(const json_t *explanation, struct pen_buf *out)
+{
+    const char *key;
+    json_t *value;
+    write_effects(json_object_get(explanation, "effects"), "calls for", out);
+    write_effects(json_object_get(explanation, "absent"), "does not call for", out);
+    pen_buf_printf(out, "kernel %s\nexpected, and its 95 %% interval\n",
+                   json_string_value(json_object_get(explanation, "kernel")));
+    json_object_foreach(json_object_get(explanation, "rays"), key, value)
+    {
+        write_estimate(key, value, " rays", out);
+    }
+    write_estimate("time", json_object_get(explanation, "time_ms"), " ms", out);
+    pen_buf_printf(out, "  %-20s %14.10g bytes\n", "memory",
+                   json_number_value(json_object_get(explanation, "memory_bytes")));
+}

@@ -1,0 +1,30 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Kernels hold the code of their effects and of no others; and the stripped kernels, which
+# `make effects-proof` counts the instructions of, give the same bits.
+case ${1:-build} in
+*asan* | *tsan*)
+    echo "skipped: kernels with sanitizers are not those that are installed"
+    exit 77
+    ;;
+esac
+. "$(dirname "$0")/../e2e/lib.sh"
+cd "$(dirname "$0")/../.." || exit 1
+# Without -g nothing says which source an instruction is of.
+if command -v objdump >/dev/null && objdump -h "$build/src/shade/pixel_kernels.o" | grep -q debug_line; then
+    sh tests/effects/disassembly.sh "$build" >"$work/kernels" 2>&1
+    expect "kernels show their effects and no others" "$?" 0
+    grep -E ' (has|lacks): ' "$work/kernels"
+    # The check finds a marker that is not where it should be.
+    sed 's/^both sky line/both ambient line/' tests/effects/markers.txt >"$work/markers"
+    MARKERS=$work/markers sh tests/effects/disassembly.sh "$build" >"$work/kernels" 2>&1
+    expect "the check finds what a kernel should not lack" "$?" 1
+fi
+if grep -qw avx2 /proc/cpuinfo 2>/dev/null; then
+    for set in none hard soft mirror; do
+        "$build/tests/effects/instructions" "$set" scenes/spheres.json
+        expect "the stripped kernel $set gives the same bits" "$?" 0
+    done
+fi
+expect "something was checked" "$([ "$checks" -gt 0 ] && echo yes)" yes
+finish

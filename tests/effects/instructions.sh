@@ -1,0 +1,47 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# How many instructions a frame takes by a compiled kernel, and by the same kernel stripped by hand
+# of the effects that it has not (tests/effects/stripped), under callgrind:
+#   tests/effects/instructions.sh BUILD
+# Prints a table; exit 1 if a ratio is above the limit, if the two give other bits, or if valgrind
+# is missing.
+set -u
+build=${1:-build}
+cd "$(dirname "$0")/../.." || exit 1
+limit=1.02
+program=$build/tests/effects/instructions
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+if ! command -v valgrind >/dev/null; then
+    echo "valgrind is missing: it counts the instructions"
+    exit 1
+fi
+PENUMBRA_ISA=avx2
+export PENUMBRA_ISA
+
+# count SET SCENE WHICH: the instructions of the frame.
+count() {
+    valgrind --tool=callgrind --toggle-collect=proof_frame --callgrind-out-file="$work/out" \
+        "$program" "$1" "$2" "$3" >"$work/log" 2>&1 || cat "$work/log" >&2
+    sed -n 's/^totals: *\([0-9]*\).*/\1/p' "$work/out"
+    rm -f "$work/out"
+}
+
+failed=0
+printf '%-8s %-24s %12s %12s %8s %6s\n' set scene compiled stripped ratio limit
+for set in none hard soft mirror; do
+    for scene in ${SCENES:-scenes/spheres.json scenes/room.json}; do
+        if ! "$program" "$set" "$scene"; then
+            failed=1
+            continue
+        fi
+        echo "$set $scene $(count "$set" "$scene" compiled) $(count "$set" "$scene" stripped)" |
+            awk -v limit=$limit '{
+                ok = NF == 4 && $3 > 1e6 && $4 > 1e6 && $3 / $4 <= limit
+                printf "%-8s %-24s %12d %12d %8.4f %6.2f  %s\n", $1, $2, $3, $4, $4 ? $3 / $4 : 0,
+                    limit, ok ? "ok" : "FAILED"
+                exit !ok
+            }' || failed=1
+    done
+done
+exit "$failed"

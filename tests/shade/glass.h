@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+/* A bench for rays in glass: solids, and a screen that tells where a ray ends. The screen's
+ * emission is a gradient from 0 to 1 in one channel and 1 in another: their ratio is the place,
+ * whatever part of the light the glass lets through, and the second is that part. */
+#ifndef TESTS_SHADE_GLASS_H
+#define TESTS_SHADE_GLASS_H
+
+#include <math.h>
+
+#include <check.h>
+
+#include "shade/optics.h"
+#include "support/kit.h"
+#include "support/random.h"
+
+struct glass_screen {
+    struct pen_vec3 point, n, along; /* along: unit, in the screen */
+    double width;
+};
+
+/* Where a ray meets the screen, from its point along `along`, and how much of it. */
+struct landing {
+    double at, weight;
+    struct pen_ray_counts rays;
+};
+
+static inline struct pen_material glass_of(double ior)
+{
+    struct pen_material m = kit_matte(0);
+    m.kt = pen_vec3(1, 1, 1);
+    m.ior = ior;
+    return m;
+}
+
+static inline int glass_material(struct kit *kit, double ior)
+{
+    return kit_material(kit, glass_of(ior));
+}
+
+/* An empty bench: paths of at most so many surfaces, in the dark. */
+static inline void glass_begin(struct kit *kit, int surfaces)
+{
+    kit_init(kit);
+    kit->settings.max_depth = surfaces;
+    kit->settings.min_contribution = 0;
+}
+
+static inline void glass_look(struct kit *kit, struct pen_vec3 eye, struct pen_vec3 direction)
+{
+    const bool steep = fabs(direction.y) > 0.9 * pen_length(direction);
+    kit->view.camera.position = eye;
+    kit->view.camera.direction = direction;
+    kit->view.camera.up = steep ? pen_vec3(1, 0, 0) : pen_vec3(0, 1, 0);
+}
+
+static inline struct pen_vec3 glass_beside(struct random *r, struct pen_vec3 n)
+{
+    return pen_normalize(pen_cross(n, random_direction(r)));
+}
+
+/* Adds a screen; a scene may have one. */
+static inline struct pen_object_desc *glass_add_screen(struct kit *kit,
+                                                       const struct glass_screen *screen)
+{
+    static struct pen_pattern pattern;
+    static struct pen_patterns patterns;
+    pattern = (struct pen_pattern){.a = {0, 1, 0}, .b = {1, 1, 0}};
+    pattern.from = pen_along(screen->point, screen->along, -screen->width);
+    pattern.to = pen_along(screen->point, screen->along, screen->width);
+    patterns = (struct pen_patterns){.of = {&pattern}};
+    struct pen_material m = kit_glow(0.5, 1, 0);
+    m.patterns = &patterns;
+    return kit_plane(kit, screen->point, screen->n, kit_material(kit, m));
+}
+
+/* Where the pixel's ray lands on the screen, which has been added. */
+static inline struct landing glass_landed(struct kit *kit, const struct glass_screen *screen)
+{
+    struct landing l;
+    const struct pen_vec3 c = kit_pixel(kit, 0, 0, &l.rays);
+    l.at = (2 * c.x / c.y - 1) * screen->width;
+    l.weight = c.y;
+    return l;
+}
+
+/* Adds the screen, renders the pixel, and takes the screen away again. */
+static inline struct landing glass_land(struct kit *kit, const struct glass_screen *screen)
+{
+    glass_add_screen(kit, screen);
+    const struct landing l = glass_landed(kit, screen);
+    kit->desc.object_count--;
+    kit->desc.primitive_count--;
+    kit->desc.material_count--;
+    return l;
+}
+
+/* Where the mathematics says that a ray lands. */
+static inline double glass_truth(const struct glass_screen *screen, const struct quad_ray *ray)
+{
+    const struct quad3 point = quad3(screen->point);
+    const quad t = quad_plane(point, quad3(screen->n), ray);
+    const struct quad3 end = quad_sub(quad_along(ray->o, ray->d, t), point);
+    return (double)quad_dot(end, quad3(screen->along));
+}
+
+/* Adds a solid of faces of a list of vertices: numbers of vertices, a negative one ends a face, two
+ * end the list. The same in 113 bits, if wanted. */
+static inline void glass_solid(struct kit *kit, const struct pen_vec3 *v, const int *faces,
+                               struct pen_vec3 inner, int material, struct convex *truth)
+{
+    if (truth)
+        truth->count = 0;
+    while (*faces >= 0) {
+        struct pen_vec3 corner[8];
+        uint32_t count = 0;
+        for (; *faces >= 0; faces++)
+            corner[count++] = v[*faces];
+        faces++;
+        kit_polygon(kit, corner, count, material);
+        if (truth)
+            convex_add(truth, corner, inner);
+    }
+}
+
+/* A box around a centre, with half-edges along three axes. */
+static inline void glass_box(struct kit *kit, struct pen_vec3 centre, const struct pen_vec3 half[3],
+                             int material, struct convex *truth)
+{
+    static const int faces[] = {0, 1, 3, 2,  -1, 4, 6, 7, 5,  -1, 0, 4, 5, 1,  -1, 2,
+                                3, 7, 6, -1, 0,  2, 6, 4, -1, 1,  5, 7, 3, -1, -1};
+    struct pen_vec3 v[8];
+    for (int i = 0; i < 8; i++) {
+        v[i] = centre;
+        for (int k = 0; k < 3; k++)
+            v[i] = pen_along(v[i], half[k], i >> k & 1 ? 1 : -1);
+    }
+    glass_solid(kit, v, faces, centre, material, truth);
+}
+
+/* Three axes at right angles, of unit length, in any orientation. */
+static inline void glass_axes(struct random *r, struct pen_vec3 axis[3])
+{
+    axis[0] = random_direction(r);
+    axis[1] = glass_beside(r, axis[0]);
+    axis[2] = pen_cross(axis[0], axis[1]);
+}
+
+#endif

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT */
+/* The bill: each effect's row lacks that effect, its picture and rays are those of the scene
+ * changed by hand, and the reports say so. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "study/bill.h"
+#include "study/leave_out.h"
+#include "support/kit.h"
+#include "support/suite.h"
+
+static struct kit kit;
+
+/* A scene that calls for every effect. */
+static void everything(void)
+{
+    static const struct pen_pattern tiles = {true, {1, 0.5, 0.25}, {0, 0.25, 0.5},
+                                             0.75, {0, 0, 0},      {0, 0, 0}};
+    static const struct pen_patterns tiled = {.of = {[PEN_COLOUR_KD] = &tiles}};
+    struct pen_material m = kit_matte(0.1);
+    kit_medley(&kit);
+    kit.settings.width = 20;
+    kit.settings.height = 15;
+    kit.settings.lens_samples = kit.settings.blur_samples = 2;
+    kit.settings.samples_per_pixel = 3;
+    kit.desc.has_sky = true;
+    kit.desc.sky = (struct pen_sky){{0.1, 0.2, 0.6}, {0.05, 0.04, 0.03}, {0, 1, 0}};
+    kit.view.camera.aperture_radius = 0.25;
+    kit.view.camera.focus_distance = 8;
+    kit.materials[0].patterns = &tiled;
+    m.kt = pen_vec3(0.9, 0.8, 0.9);
+    m.kr = pen_vec3(0.1, 0.1, 0.1);
+    m.ior = 1.5;
+    m.reflection_blur = 10;
+    m.transmission_blur = 5;
+    kit_sphere(&kit, pen_vec3(-1, 2, 1), 0.75, kit_material(&kit, m));
+}
+
+static struct pen_bill bill_of(const struct pen_bill_task *task)
+{
+    struct pen_bill bill;
+    struct pen_status st;
+    ck_assert_msg(pen_bill_make(task, &bill, &st), "%s", st.msg);
+    return bill;
+}
+
+static struct pen_bill_task task_of(struct pen_thread_pool *pool)
+{
+    return (struct pen_bill_task){
+        .desc = &kit.desc, .settings = &kit.settings, .repeats = 2, .pool = pool};
+}
+
+/* The effects of the scene without one of them; of other views, too, which the kit has not. */
+static unsigned effects_without(unsigned effect, struct pen_settings *settings)
+{
+    struct pen_scene_desc without;
+    struct pen_arena *arena = pen_arena_new(0);
+    *settings = kit.settings;
+    ck_assert(pen_scene_leave_out(&kit.desc, effect, arena, &without, settings));
+    const unsigned effects = pen_desc_effects(&without, settings);
+    pen_arena_free(arena);
+    return effects;
+}
+
+START_TEST(test_bill__each_effect_can_be_left_out)
+{
+    everything();
+    struct pen_settings settings;
+    const unsigned all = (1u << PEN_FX_COUNT) - 1;
+    ck_assert_uint_eq(pen_desc_effects(&kit.desc, &kit.settings), all);
+    for (int i = 0; i < PEN_FX_COUNT; i++) {
+        const unsigned left = effects_without(1u << i, &settings), gone = all & ~left;
+        if (1u << i == PEN_FX_ANTI_ALIASING) { /* the lens needs several samples */
+            ck_assert_uint_eq(gone, 0);
+            ck_assert_int_eq(settings.samples_per_pixel, 1);
+            continue;
+        }
+        ck_assert_msg(gone >> i & 1, "%s stays", pen_effect_name(i));
+        const unsigned with_it =
+            1u << i == PEN_FX_TRANSMISSION
+                ? PEN_FX_SHADOW_TRANSMITTANCE | PEN_FX_REFRACTION | PEN_FX_FROSTED
+                : 0;
+        ck_assert_msg((gone & ~(1u << i)) == with_it, "without %s: %x", pen_effect_name(i), gone);
+    }
+}
+END_TEST
+
+START_TEST(test_bill__rows_are_the_scene_changed)
+{
+    struct pen_status st;
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
+    everything();
+    struct pen_bill_task task = task_of(pool);
+    struct pen_bill bill = bill_of(&task);
+    ck_assert_int_eq(bill.rows, PEN_FX_COUNT + 1);
+    ck_assert(bill.row[0].effect == 0 && bill.row[0].rmse == 0);
+    for (int i = 0; i < bill.rows; i++) {
+        const struct pen_bill_row *row = &bill.row[i];
+        struct pen_settings settings = kit.settings;
+        struct pen_scene_desc desc = kit.desc;
+        struct pen_arena *arena = pen_arena_new(0);
+        ck_assert(pen_scene_leave_out(&kit.desc, row->effect, arena, &desc, &settings));
+        struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_AUTO, 0, &st);
+        float *film = kit_film(scene, &settings, 1);
+        ck_assert_mem_eq(film, row->rgb, 3 * 20 * 15 * sizeof *film);
+        ck_assert(row->min_ms > 0 && row->min_ms <= row->median_ms &&
+                  row->median_ms <= row->max_ms);
+        ck_assert(row->effect == 0 || row->rmse > 0);
+        free(film);
+        pen_scene_free(scene);
+        pen_arena_free(arena);
+    }
+    const uint64_t shadows = bill.row[0].rays.shadow;
+    for (int i = 1; i < bill.rows; i++) {
+        const struct pen_ray_counts *rays = &bill.row[i].rays;
+        if (bill.row[i].effect == PEN_FX_TRANSMISSION)
+            ck_assert_uint_eq(rays->transmission, 0);
+        if (bill.row[i].effect == PEN_FX_HARD_SHADOWS || bill.row[i].effect == PEN_FX_SOFT_SHADOWS)
+            ck_assert_uint_lt(rays->shadow, shadows);
+    }
+    pen_bill_release(&bill);
+    pen_thread_pool_free(pool);
+}
+END_TEST
+
+/* What is seen through blocks all light: the picture is that of opaque shadows. */
+START_TEST(test_bill__opaque_shadows)
+{
+    kit_init(&kit);
+    struct pen_material clear = kit_matte(0);
+    clear.kt = pen_vec3(1, 1, 1);
+    kit_sheet(&kit, 0, 9, kit_material(&kit, kit_matte(1)));
+    kit_sphere(&kit, pen_vec3(0, 4, 4), 1, kit_material(&kit, clear));
+    struct pen_light_desc *light = kit_point(&kit, pen_vec3(0, 8, 8), pen_vec3(1, 1, 1));
+    for (int soft = 0; soft < 2; soft++) {
+        light->radius = 0.25 * soft;
+        kit.desc.opaque_shadows = false;
+        ck_assert(kit_pixel(&kit, 0, 0, NULL).x > 0.1);
+        kit.desc.opaque_shadows = true;
+        ck_assert(kit_pixel(&kit, 0, 0, NULL).x == 0);
+    }
+    kit.desc.opaque_shadows = false;
+}
+END_TEST
+
+START_TEST(test_bill__reports)
+{
+    static const char *const formats[] = {"text", "csv", "md", "json", "html"};
+    struct pen_status st;
+    struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
+    everything();
+    struct pen_bill_task task = task_of(pool);
+    struct pen_bill bill = bill_of(&task);
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        struct pen_buf out = {0};
+        ck_assert(pen_bill_write(&bill, "a <scene>", formats[i], &out, &st));
+        pen_buf_puts(&out, "");
+        const char *text = (const char *)out.data;
+        for (int fx = 0; fx < PEN_FX_COUNT; fx++)
+            ck_assert_msg(strstr(text, pen_effect_name(fx)) != NULL, "%s: %s", formats[i],
+                          pen_effect_name(fx));
+        ck_assert(strstr(text, "<scene>") == NULL || strcmp(formats[i], "json") == 0);
+        pen_buf_release(&out);
+    }
+    json_t *json = pen_bill_json(&bill, "x");
+    const json_t *rows = json_object_get(json, "rows"), *first = json_array_get(rows, 0);
+    ck_assert_uint_eq(json_array_size(rows), PEN_FX_COUNT + 1);
+    ck_assert(json_is_null(json_object_get(first, "without")));
+    ck_assert(json_object_get(first, "cost_ms") == NULL);
+    ck_assert(json_object_get(json_array_get(rows, 1), "cost_ms") != NULL);
+    json_decref(json);
+    pen_bill_release(&bill);
+    pen_thread_pool_free(pool);
+}
+END_TEST
+
+PEN_SUITE("bill", test_bill__each_effect_can_be_left_out, test_bill__rows_are_the_scene_changed,
+          test_bill__opaque_shadows, test_bill__reports)
