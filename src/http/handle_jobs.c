@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* The handlers that submit, read, list, cancel, delete and validate jobs. */
+/* The handlers that submit, read, list, cancel, delete, validate and explain jobs. */
 #include <stdio.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/watch.h"
 #include "io/document.h"
+
+enum { EXPLAIN_WAIT_S = 10 }; /* after which the answer to an explain is the job */
 
 static enum outcome answer_errors(struct request *request, const struct pen_errors *errors)
 {
@@ -87,10 +90,21 @@ bool pen_http_quick_job(struct request *request)
     return due;
 }
 
+/* Answers with a job as it was read; the request may wait no longer. */
+typedef void reply_fn(struct request *request, struct pen_jobs *jobs,
+                      const struct snapshot *snapshot);
+
+static void reply_job(struct request *request, struct pen_jobs *jobs,
+                      const struct snapshot *snapshot)
+{
+    (void)jobs;
+    pen_http_snapshot_reply(snapshot, request);
+}
+
 /* Reads the job once, and answers or gives the request to the watcher. Sets *again if the store has
  * changed between the two, so that the job must be read again. */
-static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs, long wait,
-                                 bool *again)
+static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs, bool wait,
+                                 reply_fn *reply, bool *again)
 {
     struct pen_http *http = request->http;
     struct snapshot snapshot;
@@ -101,13 +115,15 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs,
                                       &snapshot, &st))
         return answer_status(request, &st);
     enum watch_result result = WATCH_CLOSED;
-    if (wait > 0 && !pen_http_snapshot_is_due(&snapshot, request))
+    if (wait && !pen_http_snapshot_is_due(&snapshot, request))
         result = pen_http_watch_add(http->watch, request, changes);
-    /* A request that the watcher has accepted must not be touched here any more. */
-    if (result == WATCH_CLOSED)
-        pen_http_snapshot_reply(&snapshot, request);
+    /* A request that the watcher has accepted must not be touched here any more. Where the request
+     * has made the job, being unable to wait for it is no failure. */
+    const bool full = result == WATCH_FULL && !request->route->handle_again;
+    if (result == WATCH_CLOSED || (result == WATCH_FULL && !full))
+        reply(request, jobs, &snapshot);
     pen_http_snapshot_release(&snapshot);
-    if (result == WATCH_FULL) {
+    if (full) {
         pen_fail(&st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
                  WATCH_MAX);
         return answer_status(request, &st);
@@ -123,7 +139,79 @@ enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
     bool again;
     enum outcome outcome;
     do
-        outcome = read_or_wait(request, jobs, wait, &again);
+        outcome = read_or_wait(request, jobs, wait > 0, reply_job, &again);
+    while (again);
+    return outcome;
+}
+
+/* Answers with the error of a failed job. */
+static void reply_error(struct request *request, const struct snapshot *snapshot)
+{
+    const struct pen_buf *text = &snapshot->json->content;
+    json_t *job = json_loadb((const char *)text->data, text->bytes, 0, NULL);
+    json_t *error = json_object_get(job, "error");
+    pen_http_reply_problem(&request->reply, json_is_object(error) ? json_incref(error) : NULL,
+                           request->id);
+    json_decref(job);
+}
+
+/* Answers with the explanation, the error that took its place, or the job if it takes long. A job
+ * whose end the client has seen is not kept. */
+static void reply_explanation(struct request *request, struct pen_jobs *jobs,
+                              const struct snapshot *snapshot)
+{
+    struct pen_image report = {0};
+    struct pen_status st;
+    if (!pen_job_state_ended(snapshot->state)) {
+        pen_http_reply_body(&request->reply, 202, pen_http_blob_ref(snapshot->json),
+                            "application/json");
+        pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);
+        pen_http_reply_field(&request->reply, "Retry-After", "1");
+        return;
+    }
+    if (snapshot->state == PEN_JOB_FAILED)
+        reply_error(request, snapshot);
+    else if (pen_jobs_report(jobs, request->job_id, "json", &report, &st))
+        pen_http_reply_body(&request->reply, 200, pen_http_blob_take(&report.bytes), report.type);
+    else
+        pen_http_request_fail(request, &st);
+    pen_jobs_delete(jobs, request->job_id, &st); /* if it fails, the job is one more in the list */
+}
+
+/* Makes the job. Returns whether it is there; otherwise the request is answered. */
+static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_submission in = read_submission(request);
+    struct pen_submitted out = {0};
+    struct pen_errors errors = {0};
+    in.explain = true;
+    in.idempotency_key = NULL;
+    const bool ok = pen_jobs_submit(jobs, &in, &out, &errors);
+    if (ok) {
+        memcpy(request->job_id, out.id, sizeof request->job_id);
+    } else {
+        expire_readiness(request->http, &errors);
+        answer_errors(request, &errors);
+    }
+    pen_buf_release(&out.answer);
+    pen_http_request_drop_body(request);
+    return ok;
+}
+
+/* The first call makes the job and waits for it, the second one answers. */
+enum outcome pen_http_handle_explain(struct request *request, struct pen_jobs *jobs)
+{
+    if (!request->job_id[0]) {
+        if (!submit_explanation(request, jobs))
+            return OUTCOME_ANSWERED;
+        request->fields.if_none_match = NULL; /* of a POST it says nothing */
+        request->deadline_ns = pen_clock_ns() + EXPLAIN_WAIT_S * INT64_C(1000000000);
+    }
+    bool again;
+    enum outcome outcome;
+    do
+        outcome = read_or_wait(request, jobs, pen_clock_ns() < request->deadline_ns,
+                               reply_explanation, &again);
     while (again);
     return outcome;
 }

@@ -135,17 +135,31 @@ static const char *choose_format(const struct request *request, struct pen_statu
     return NULL;
 }
 
+/* Makes the report in *format, or, where there is none in that format, as JSON if the client
+ * accepts that too; *format is then "json". */
+static bool make_report(const struct request *request, struct pen_jobs *jobs, const char **format,
+                        struct pen_image *report, struct pen_status *st)
+{
+    static const char *const json[] = {"application/json"};
+    if (pen_jobs_report(jobs, request->job_id, *format, report, st))
+        return true;
+    if (st->code != PEN_ACCEPT || pen_accept_choose(request->fields.accept, json, 1) < 0)
+        return false;
+    *format = "json";
+    return pen_jobs_report(jobs, request->job_id, *format, report, st);
+}
+
 enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_image report = {0};
     struct pen_status st;
     const char *format = choose_format(request, &st);
     pen_http_reply_field(&request->reply, "Vary", "Accept");
-    if (!format || !pen_jobs_report(jobs, request->job_id, format, &report, &st))
+    if (!format || !make_report(request, jobs, &format, &report, &st))
         return answer_status(request, jobs, &st);
     if (strcmp(format, "html") == 0)
         pen_http_reply_field(&request->reply, "Content-Security-Policy",
-                             "default-src 'none'; style-src 'unsafe-inline'");
+                             "default-src 'none'; style-src 'unsafe-inline'; img-src data:");
     const struct content content = {.blob = pen_http_blob_take(&report.bytes),
                                     .type = report.type,
                                     .etag = report.etag,

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "http/internal/executor.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
@@ -48,7 +49,7 @@ uint32_t pen_http_watch_changes(struct watch *watch)
 }
 
 /* Answers a request if the change that it waits for has come, or in any case if `now` is set.
- * Returns whether it was answered; otherwise it waits on. */
+ * Returns whether its wait is over; otherwise it waits on. */
 static bool answer(struct watch *watch, struct request *request, uint32_t changes, bool now)
 {
     struct snapshot snapshot;
@@ -59,7 +60,7 @@ static bool answer(struct watch *watch, struct request *request, uint32_t change
         return true;
     }
     bool due = now || pen_http_snapshot_is_due(&snapshot, request);
-    if (due)
+    if (due && !request->route->handle_again)
         pen_http_snapshot_reply(&snapshot, request);
     pen_http_snapshot_release(&snapshot);
     return due;
@@ -83,6 +84,19 @@ static struct request *take_requests(struct watch *watch, bool all, int64_t now)
     return taken;
 }
 
+/* Gives a request whose wait is over to the connection, or to its handler. */
+static void pass_on(struct watch *watch, struct request *request)
+{
+    struct pen_status st;
+    if (request->route->handle_again && request->reply.status == 0) {
+        if (pen_http_executor_submit(watch->http->executor, QUEUE_STORE, request))
+            return;
+        pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
+        pen_http_request_fail(request, &st);
+    }
+    pen_http_resume(request);
+}
+
 /* Reads the jobs of these requests; requests that wait on go back to the list. */
 static void check_requests(struct watch *watch, struct request *taken, uint32_t changes,
                            bool closing)
@@ -100,7 +114,7 @@ static void check_requests(struct watch *watch, struct request *taken, uint32_t 
         }
         pthread_mutex_unlock(&watch->lock);
         if (answered)
-            pen_http_resume(taken);
+            pass_on(watch, taken);
     }
 }
 

@@ -1,10 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/* Choosing the function for a batch by its kind. */
+/* Choosing the function for a batch by its kind, and for a study by that of its job. */
 #include "jobs/internal/batch.h"
 
 #include "base/memory.h"
 
-static pen_batch_run_fn *function_of(enum pen_batch_kind kind)
+static pen_batch_run_fn *study_of(enum pen_job_kind kind)
+{
+    switch (kind) {
+    case PEN_KIND_BENCHMARK:
+        return pen_batch_benchmark;
+    case PEN_KIND_EFFECTS:
+        return pen_batch_effects;
+    case PEN_KIND_EXPLAIN:
+        return pen_batch_explain;
+    case PEN_KIND_RENDER:
+    case PEN_KIND_ACCURACY:
+    case PEN_KIND_COUNT:
+        break;
+    }
+    return NULL;
+}
+
+static pen_batch_run_fn *function_of(enum pen_batch_kind kind, enum pen_job_kind job)
 {
     switch (kind) {
     case PEN_BATCH_RENDER:
@@ -12,7 +29,7 @@ static pen_batch_run_fn *function_of(enum pen_batch_kind kind)
     case PEN_BATCH_ASSEMBLE:
         return pen_batch_assemble;
     case PEN_BATCH_STUDY:
-        return pen_batch_benchmark;
+        return study_of(job);
     }
     return NULL;
 }
@@ -20,10 +37,10 @@ static pen_batch_run_fn *function_of(enum pen_batch_kind kind)
 bool pen_batch_run(struct pen_batch_context *context, const struct pen_claim *claim,
                    struct pen_batch_output *output, struct pen_status *st)
 {
-    pen_batch_run_fn *run = function_of(claim->kind);
     *output = (struct pen_batch_output){0};
     pen_memory_peak_reset();
     bool ok = pen_batch_context_load(context, claim, st);
+    pen_batch_run_fn *run = ok ? function_of(claim->kind, context->request.kind) : NULL;
     if (ok && !run)
         ok = pen_fail(st, PEN_STORAGE, "job %s has a batch of an unknown kind", claim->job_id);
     ok = ok && run(context, claim, output, st);

@@ -10,6 +10,7 @@
 
 #include "jobs/internal/view_pixels.h"
 #include "render/render.h"
+#include "study/bill.h"
 
 /* Two threads do some 4 million rays a second in a scene like the built-in room. */
 static const double batch_rays = 4e6;
@@ -31,8 +32,17 @@ static int batches_of_view(const struct pen_request *request, int tiles)
 /* The only batch of a study. Its progress is counted in runs. */
 static struct pen_batch_new study_batch(const struct pen_request *request)
 {
-    struct pen_bench bench = pen_bench_of_spec(&request->spec);
-    return (struct pen_batch_new){.kind = PEN_BATCH_STUDY, .pixels = pen_bench_runs(&bench)};
+    const struct pen_bench bench = pen_bench_of_spec(&request->spec);
+    struct pen_batch_new batch = {.kind = PEN_BATCH_STUDY};
+    if (request->kind == PEN_KIND_BENCHMARK)
+        batch.pixels = pen_bench_runs(&bench);
+    else if (request->kind == PEN_KIND_EFFECTS)
+        batch.pixels =
+            pen_bill_runs(pen_bill_effects(&request->desc, request->views[0], &request->settings),
+                          request->repeats);
+    else
+        batch.pixels = request->analyze ? 2 : 1; /* a pre-render, and a render */
+    return batch;
 }
 
 bool pen_batch_layout(const struct pen_request *request, struct pen_batch_new **batches, int *count,

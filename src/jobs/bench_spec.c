@@ -202,17 +202,23 @@ static bool read_baseline(struct pen_bench_spec *spec, const json_t *baseline,
     return true;
 }
 
+bool pen_repeats_read(const json_t *members, int *repeats, struct pen_errors *errors)
+{
+    *repeats = 3;
+    return read_count(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, repeats, errors);
+}
+
 bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
                          struct pen_bench_spec *spec, struct pen_errors *errors)
 {
     json_t *matrix = json_object_get(members, "matrix");
-    *spec = (struct pen_bench_spec){.repeats = 3, .warmup = 1};
+    *spec = (struct pen_bench_spec){.warmup = 1};
     spec->matrix = matrix ? json_incref(matrix) : json_object();
     if (!spec->matrix) {
         pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for a matrix");
         return false;
     }
-    bool ok = read_count(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, &spec->repeats, errors);
+    bool ok = pen_repeats_read(members, &spec->repeats, errors);
     ok &= read_count(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &spec->warmup, errors);
     if (!check_matrix(spec, errors) || !make_rows(spec, base, errors))
         return false;

@@ -20,6 +20,9 @@ struct pen_bench_spec {
     struct pen_bench_row *rows;
 };
 
+/* Reads the member `repeats`, 3 if there is none. Fails: errors->count grows. */
+bool pen_repeats_read(const json_t *members, int *repeats, struct pen_errors *errors);
+
 /* Reads the four members of an object, which may have others. The matrix's values override `base`
  * in each row. All errors are collected, each with its place, such as /matrix/accelerator/2. Owns:
  * release *spec, after success and failure alike. Fails: errors->count grows. */

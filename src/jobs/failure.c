@@ -61,7 +61,7 @@ static void add_settings(struct pen_buf *out, const json_t *settings)
     }
 }
 
-/* Appends a benchmark's options: --matrix accelerator=none,auto … --repeats … --warmup … */
+/* Appends a benchmark's matrix: --matrix accelerator=none,auto … */
 static void add_matrix(struct pen_buf *out, const json_t *request)
 {
     const char *key;
@@ -76,12 +76,41 @@ static void add_matrix(struct pen_buf *out, const json_t *request)
             add_value(out, value);
         }
     }
-    pen_buf_printf(out, " --repeats %d --warmup %d",
-                   (int)json_integer_value(json_object_get(request, "repeats")),
-                   (int)json_integer_value(json_object_get(request, "warmup")));
 }
 
-/* Appends --view options: all views of a benchmark, else the batch's view. */
+/* Appends the options of a study: those of its members that it has. */
+static void add_study(struct pen_buf *out, const json_t *request)
+{
+    static const char *const counts[] = {"repeats", "warmup"};
+    add_matrix(out, request);
+    for (int i = 0; i < 2; i++) {
+        const json_t *count = json_object_get(request, counts[i]);
+        if (count)
+            pen_buf_printf(out, " --%s %d", counts[i], (int)json_integer_value(count));
+    }
+    if (json_is_true(json_object_get(request, "analyze")))
+        pen_buf_puts(out, " --analyze");
+}
+
+/* The command that does what a job of this kind does. */
+static const char *command_of(enum pen_job_kind kind)
+{
+    switch (kind) {
+    case PEN_KIND_BENCHMARK:
+        return "bench";
+    case PEN_KIND_EFFECTS:
+        return "effects";
+    case PEN_KIND_EXPLAIN:
+        return "explain";
+    case PEN_KIND_RENDER:
+    case PEN_KIND_ACCURACY:
+    case PEN_KIND_COUNT:
+        break;
+    }
+    return "render";
+}
+
+/* Appends --view options: all views of a study, else the batch's view. */
 static void add_views(struct pen_buf *out, const struct place *place,
                       const struct pen_stored_request *request)
 {
@@ -99,13 +128,13 @@ static void add_views(struct pen_buf *out, const struct place *place,
 static json_t *repeat_json(const struct place *place, const struct pen_stored_request *request)
 {
     struct pen_buf line = {0};
-    bool benchmark = place->claim->kind == PEN_BATCH_STUDY;
+    const bool study = place->claim->kind == PEN_BATCH_STUDY;
     pen_buf_printf(&line, "curl -s \"$PENUMBRA_URL/v1/jobs/%s/scene\" | penumbra %s -",
-                   place->claim->job_id, benchmark ? "bench" : "render");
+                   place->claim->job_id, command_of(request->kind));
     add_views(&line, place, request);
     add_settings(&line, json_object_get(request->json, "render"));
-    if (benchmark)
-        add_matrix(&line, request->json);
+    if (study)
+        add_study(&line, request->json);
     else if (place->x >= 0)
         pen_buf_printf(&line, " --pixel %d,%d", place->x, place->y);
     else
@@ -228,7 +257,7 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
              "%d%s",
              charges, charges == 1 ? "" : "es", report->how,
              claim->kind == PEN_BATCH_ASSEMBLE ? "the picture"
-             : claim->kind == PEN_BATCH_STUDY  ? "a run of the benchmark"
+             : claim->kind == PEN_BATCH_STUDY  ? "a run of the study"
                                                : "tiles",
              claim->view, at_pixel(&place, where, sizeof where));
     json_t *problem = pen_problem(&why);

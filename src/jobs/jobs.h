@@ -37,6 +37,7 @@ struct pen_submission {
     const char *body;
     size_t bytes;
     bool xml;                    /* true: a bare scene in XML; false: JSON */
+    bool explain;                /* a job of kind "explain" is to be made */
     const char *idempotency_key; /* NULL: none */
 };
 
@@ -100,13 +101,13 @@ struct pen_image {
 };
 
 /* The picture of a job that has succeeded. Fails: PEN_CONFLICT (unfinished, failed, cancelled);
- * PEN_NOT_FOUND (no such job or view, a layer that was not requested, a benchmark); PEN_USAGE
- * (format, layer). */
+ * PEN_NOT_FOUND (no such job or view, a layer that was not requested, a job with a report);
+ * PEN_USAGE (format, layer). */
 bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                     struct pen_image *out, struct pen_status *st);
 
 /* The pixels committed so far as an RGBA PNG; the others are transparent. view: NULL is the first.
- * Fails: PEN_NOT_FOUND (no such job or view, a benchmark). */
+ * Fails: PEN_NOT_FOUND (no such job or view, a job with a report). */
 bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
                       struct pen_image *out, struct pen_status *st);
 
@@ -129,8 +130,9 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
  * PEN_CONFLICT (it has not ended). */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* The report of a benchmark in one of the formats of pen_bench_report_formats. Fails: PEN_CONFLICT
- * (unfinished, failed, cancelled); PEN_NOT_FOUND (no such job, or of a kind without a report). */
+/* The report of a job in one of the formats of pen_bench_report_formats. Fails: PEN_CONFLICT
+ * (unfinished, failed, cancelled); PEN_NOT_FOUND (no such job, or of a kind without a report);
+ * PEN_ACCEPT (an explanation in another format than "json"). */
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
                      struct pen_status *st);
 

@@ -5,11 +5,10 @@
 
 #include "jobs/jobs.h"
 
-const char *const pen_job_kinds[] = {[PEN_KIND_RENDER] = "render",
-                                     [PEN_KIND_BENCHMARK] = "benchmark",
-                                     [PEN_KIND_ACCURACY] = "accuracy",
-                                     [PEN_KIND_EFFECTS] = "effects",
-                                     [PEN_KIND_COUNT] = NULL};
+const char *const pen_job_kinds[] = {
+    [PEN_KIND_RENDER] = "render",     [PEN_KIND_BENCHMARK] = "benchmark",
+    [PEN_KIND_ACCURACY] = "accuracy", [PEN_KIND_EFFECTS] = "effects",
+    [PEN_KIND_EXPLAIN] = "explain",   [PEN_KIND_COUNT] = NULL};
 
 bool pen_job_kind_of_name(const char *name, enum pen_job_kind *kind)
 {

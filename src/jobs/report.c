@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports of jobs. The JSON is stored with the job's commit; the other formats are made from it at
- * each request. */
+/* Reports of jobs. The JSON is stored with the job's commit. The other formats of a benchmark are
+ * made from it at each request; those of a job of kind "effects" have pictures, and are stored
+ * too. An explanation is JSON alone. */
 #include <string.h>
 
 #include "jobs/internal/ids.h"
@@ -8,17 +9,19 @@
 #include "jobs/internal/kind.h"
 #include "study/report.h"
 
-/* Fails unless the job is of a kind that has a report, and has succeeded. */
-static bool check_job(const struct pen_job_record *job, struct pen_status *st)
+/* Fails unless the job is of a kind that has a report in this format, and has succeeded. */
+static bool check_job(const struct pen_job_record *job, const char *form, enum pen_job_kind *kind,
+                      struct pen_status *st)
 {
-    enum pen_job_kind kind;
-    if (!pen_job_kind_of_name(job->kind, &kind) || !pen_job_kind_has_report(kind))
+    if (!pen_job_kind_of_name(job->kind, kind) || !pen_job_kind_has_report(*kind))
         return pen_fail(st, PEN_NOT_FOUND, "job %s is of kind \"%s\", which has no report", job->id,
                         job->kind);
-    if (job->state == PEN_JOB_SUCCEEDED)
-        return true;
-    return pen_fail(st, PEN_CONFLICT, "job %s is %s; only a job that succeeded has its report",
-                    job->id, pen_job_state_name(job->state));
+    if (job->state != PEN_JOB_SUCCEEDED)
+        return pen_fail(st, PEN_CONFLICT, "job %s is %s; only a job that succeeded has its report",
+                        job->id, pen_job_state_name(job->state));
+    return *kind != PEN_KIND_EXPLAIN || strcmp(form, PEN_REPORT_FORMAT) == 0 ||
+           pen_fail(st, PEN_ACCEPT, "job %s is of kind \"%s\", whose report is application/json",
+                    job->id, job->kind);
 }
 
 /* Replaces the report's JSON in *bytes by another format. */
@@ -41,11 +44,12 @@ bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, st
     *out = (struct pen_image){0};
     if (!pen_store_job(jobs->store, id, &job, st))
         return false;
-    bool ok = check_job(&job, st);
+    enum pen_job_kind kind;
+    bool ok = check_job(&job, form, &kind, st);
     pen_job_record_release(&job);
-    ok = ok && pen_store_artefact(jobs->store, id, 0, PEN_REPORT_LAYER, PEN_REPORT_FORMAT,
-                                  &out->bytes, st);
-    if (ok && strcmp(form, PEN_REPORT_FORMAT) != 0)
+    const char *stored = ok && kind == PEN_KIND_BENCHMARK ? PEN_REPORT_FORMAT : form;
+    ok = ok && pen_store_artefact(jobs->store, id, 0, PEN_REPORT_LAYER, stored, &out->bytes, st);
+    if (ok && strcmp(form, stored) != 0)
         ok = convert(id, form, &out->bytes, st);
     if (!ok) {
         pen_buf_release(&out->bytes);

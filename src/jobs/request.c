@@ -8,11 +8,15 @@
 #include "io/builtin.h"
 #include "jobs/internal/json_member.h"
 #include "jobs/internal/request_errors.h"
+#include "study/bill.h"
 
 static const char builtin_prefix[] = "builtin:";
 
 /* The timeout of a job that asks for none, a day: no job holds a worker for ever. */
 enum { TIMEOUT_S = 24 * 60 * 60 };
+
+/* Of an explanation without a render: it takes a moment, and somebody waits for it. */
+enum { EXPLAIN_PRIORITY = 100 };
 
 static void fail_unknown_scene(const char *name, struct pen_errors *errors)
 {
@@ -117,7 +121,8 @@ static void read_views(struct pen_request *request, const json_t *list, struct p
     }
 }
 
-/* Fills request->views: the views that the job names, or all views of the scene. */
+/* Fills request->views: the views that the job names, or all views of the scene; for a job about a
+ * single view, the first. */
 static bool choose_views(struct pen_request *request, struct pen_errors *errors)
 {
     struct pen_status st;
@@ -131,8 +136,14 @@ static bool choose_views(struct pen_request *request, struct pen_errors *errors)
     }
     if (list) {
         read_views(request, list, errors);
+        if (pen_job_kind_has_one_view(request->kind) && request->view_count > 1)
+            pen_request_fail(errors, PEN_INVALID, "", "views",
+                             "must name one view for a job of kind \"%s\", found %d",
+                             pen_job_kinds[request->kind], request->view_count);
         return true;
     }
+    if (pen_job_kind_has_one_view(request->kind))
+        count = 1;
     for (uint32_t v = 0; v < count; v++)
         request->views[request->view_count++] = (int)v;
     return true;
@@ -149,18 +160,26 @@ static void limits_place(const struct pen_request *request, char *at, size_t byt
                  json_object_get(request->scene, "render") ? "/render" : "");
 }
 
+static bool is_within_limits(const struct pen_request *request, const struct pen_limits *limits,
+                             struct pen_status *st)
+{
+    char at[16];
+    const struct pen_scene_desc *desc = &request->desc;
+    limits_place(request, at, sizeof at);
+    if (request->kind == PEN_KIND_BENCHMARK)
+        return pen_bench_spec_check(&request->spec, limits, desc, request->view_count, st);
+    if (request->kind == PEN_KIND_EFFECTS)
+        return pen_bill_check(limits, desc, request->views[0], &request->settings, request->repeats,
+                              at, st);
+    return pen_limits_check(limits, desc, &request->settings, (uint32_t)request->view_count, at,
+                            st);
+}
+
 static void check_limits(struct pen_request *request, const struct pen_limits *limits,
                          struct pen_errors *errors)
 {
-    char at[16];
     struct pen_status st;
-    limits_place(request, at, sizeof at);
-    bool ok =
-        request->kind == PEN_KIND_BENCHMARK
-            ? pen_bench_spec_check(&request->spec, limits, &request->desc, request->view_count, &st)
-            : pen_limits_check(limits, &request->desc, &request->settings,
-                               (uint32_t)request->view_count, at, &st);
-    if (ok)
+    if (is_within_limits(request, limits, &st))
         return;
     pen_document_locate(&request->document, &st);
     pen_errors_add(errors, &st);
@@ -179,6 +198,8 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
         pen_settings_read(render, "/render", &request->settings, errors);
     if (request->kind == PEN_KIND_BENCHMARK)
         pen_bench_spec_read(request->body, &request->settings, &request->spec, errors);
+    if (request->kind == PEN_KIND_EFFECTS)
+        pen_repeats_read(request->body, &request->repeats, errors);
     if (ok && choose_views(request, errors) && errors->count == 0)
         check_limits(request, limits, errors);
 }
@@ -188,8 +209,10 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
 {
     struct pen_status st;
     int timeout_s = limits->timeout_seconds;
-    *out = (struct pen_request){
-        .kind = PEN_KIND_RENDER, .max_attempts = 3, .timeout_max_s = timeout_s};
+    *out = (struct pen_request){.explain = in->explain,
+                                .kind = in->explain ? PEN_KIND_EXPLAIN : PEN_KIND_RENDER,
+                                .max_attempts = 3,
+                                .timeout_max_s = timeout_s};
     out->timeout_ms = (int64_t)1000 * (timeout_s < TIMEOUT_S ? timeout_s : TIMEOUT_S);
     bool parsed = pen_document_parse(in->body, in->bytes, in->xml, limits, &out->document, &st);
     out->body = parsed ? out->document.json : NULL;
@@ -203,6 +226,8 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
     find_scene(out, in, limits, errors);
     if (!out->bare && json_object_get(out->body, "scene"))
         pen_request_keys_read(out, errors);
+    if (out->explain && !json_object_get(out->body, "priority"))
+        out->priority = out->analyze ? 0 : EXPLAIN_PRIORITY;
     if (out->scene)
         read_scene(out, limits, errors);
     return errors->count == 0;

@@ -15,7 +15,10 @@ enum {
     RENDER = 1 << PEN_KIND_RENDER,
     BENCHMARK = 1 << PEN_KIND_BENCHMARK,
     ACCURACY = 1 << PEN_KIND_ACCURACY,
-    SUPPORTED = RENDER | BENCHMARK
+    EFFECTS = 1 << PEN_KIND_EFFECTS,
+    EXPLAIN = 1 << PEN_KIND_EXPLAIN,
+    SUBMITTED = RENDER | BENCHMARK | EFFECTS, /* those that a job may name */
+    SUPPORTED = SUBMITTED | EXPLAIN
 };
 
 enum { POSITION_BYTES = 24 };
@@ -70,15 +73,32 @@ static void name_kinds(unsigned kinds, char *out, size_t bytes)
 
 static void read_kind(struct pen_request *request, const json_t *value, struct pen_errors *errors)
 {
+    static const char *const explained[] = {"render", "explain", NULL};
     char kinds[80];
-    const char *kind = read_word(value, "", "kind", pen_job_kinds, errors);
-    if (!kind || !pen_job_kind_of_name(kind, &request->kind))
+    enum pen_job_kind kind;
+    if (!pen_job_kind_of_name(
+            read_word(value, "", "kind", request->explain ? explained : pen_job_kinds, errors),
+            &kind) ||
+        request->explain)
         return;
-    if (SUPPORTED >> request->kind & 1)
-        return;
-    name_kinds(SUPPORTED, kinds, sizeof kinds);
-    pen_request_fail(errors, PEN_UNSUPPORTED, "", "kind",
-                     "jobs of kind \"%s\" are known, not supported yet; take %s", kind, kinds);
+    request->kind = kind;
+    name_kinds(SUBMITTED, kinds, sizeof kinds);
+    if (kind == PEN_KIND_EXPLAIN)
+        pen_request_fail(errors, PEN_INVALID, "", "kind",
+                         "POST /v1/explain makes jobs of kind \"explain\"; here take %s", kinds);
+    else if (!(SUBMITTED >> kind & 1))
+        pen_request_fail(errors, PEN_UNSUPPORTED, "", "kind",
+                         "jobs of kind \"%s\" are known, not supported yet; take %s",
+                         pen_job_kinds[kind], kinds);
+}
+
+static void read_analyze(struct pen_request *request, const json_t *value,
+                         struct pen_errors *errors)
+{
+    if (!json_is_boolean(value))
+        pen_request_fail(errors, PEN_INVALID, "", "analyze", "must be true or false, found %s",
+                         pen_found(value).text);
+    request->analyze = json_is_true(value);
 }
 
 static void read_name(struct pen_request *request, const json_t *value, struct pen_errors *errors)
@@ -199,9 +219,10 @@ static const struct {
     {.key = "max_attempts", .read = read_max_attempts},
     {.key = "timeout_seconds", .read = read_timeout},
     {.key = "matrix", .kinds = BENCHMARK},
-    {.key = "repeats", .kinds = BENCHMARK},
+    {.key = "repeats", .kinds = BENCHMARK | EFFECTS},
     {.key = "warmup", .kinds = BENCHMARK},
     {.key = "baseline", .kinds = BENCHMARK},
+    {.key = "analyze", .read = read_analyze, .kinds = EXPLAIN},
     {.key = "ladder", .kinds = ACCURACY},
     {.key = "reference", .kinds = ACCURACY},
     {.key = "target", .kinds = ACCURACY},

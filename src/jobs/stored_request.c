@@ -64,6 +64,16 @@ enum pen_cost pen_stored_request_cost(const struct pen_stored_request *request)
     return tests ? PEN_COST_TESTS : PEN_COST_TIME;
 }
 
+int pen_stored_request_repeats(const struct pen_stored_request *request)
+{
+    return (int)json_integer_value(json_object_get(request->json, "repeats"));
+}
+
+bool pen_stored_request_analyze(const struct pen_stored_request *request)
+{
+    return json_is_true(json_object_get(request->json, "analyze"));
+}
+
 int pen_stored_request_find_view(const struct pen_stored_request *request, const char *name)
 {
     for (int view = 0; view < request->view_count; view++) {

@@ -68,16 +68,32 @@ static json_t *bench_spec_json(const struct pen_bench_spec *spec)
                      "warmup", spec->warmup, "baseline", spec->rows[spec->baseline].varied);
 }
 
+/* The members that only jobs of this kind have. */
+static json_t *kind_json(const struct pen_request *request)
+{
+    switch (request->kind) {
+    case PEN_KIND_BENCHMARK:
+        return bench_spec_json(&request->spec);
+    case PEN_KIND_EFFECTS:
+        return json_pack("{s:i}", "repeats", request->repeats);
+    case PEN_KIND_EXPLAIN:
+        return json_pack("{s:b}", "analyze", request->analyze);
+    case PEN_KIND_RENDER:
+    case PEN_KIND_ACCURACY:
+    case PEN_KIND_COUNT:
+        break;
+    }
+    return json_object();
+}
+
 static json_t *request_json(const struct pen_request *request)
 {
-    json_t *json = common_json(request);
-    const bool benchmark = request->kind == PEN_KIND_BENCHMARK;
-    json_t *spec = json && benchmark ? bench_spec_json(&request->spec) : NULL;
-    if (json && benchmark && (!spec || json_object_update(json, spec) != 0)) {
+    json_t *json = common_json(request), *more = kind_json(request);
+    if (json && (!more || json_object_update(json, more) != 0)) {
         json_decref(json);
         json = NULL;
     }
-    json_decref(spec);
+    json_decref(more);
     return json;
 }
 

@@ -3,7 +3,7 @@
  *
  *   - The job is at fault (scene, memory, time): the job fails with a problem document.
  *   - The lease is lost, or the job was cancelled: the result is dropped.
- *   - The worker must stop during a benchmark: it gives the benchmark back, to be started again.
+ *   - The worker must stop during a study: it gives the study back, to be started again.
  *   - The store is busy, full or failing: the worker keeps the result and tries again. These calls
  *     also make the store recover once its disk works again.
  *   - The store cannot be read for a batch: the batch starts again once the store can be read.
@@ -206,13 +206,13 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
         return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
     struct pen_log_about about = pen_claim_about(claim);
     if (claim->kind == PEN_BATCH_STUDY)
-        pen_log_about(PEN_LOG_INFO, &about, "a benchmark of %lld runs", (long long)claim->pixels);
+        pen_log_about(PEN_LOG_INFO, &about, "a study of %lld runs", (long long)claim->pixels);
     else if (claim->kind == PEN_BATCH_RENDER)
         pen_log_about(PEN_LOG_DEBUG, &about, "%d tiles of view %d from %d on", claim->tile_count,
                       claim->view, claim->first_tile);
     else
         pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
-    /* A stop does not wait for a benchmark, which may take long. */
+    /* A stop does not wait for a study, which may take long. */
     pen_heartbeat_begin(w->context.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
     bool done = run_batch_with_retries(w, claim, &output, &why);
     if (done && pen_heartbeat_is_late(w->context.heart)) {

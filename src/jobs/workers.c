@@ -25,15 +25,16 @@ static json_t *worker_json(const struct pen_worker_record *worker)
                      pen_time_json(worker->seen_ms), "batches");
 }
 
-static const char *kind_name(enum pen_batch_kind kind)
+/* What a worker does with a batch: a study is named by the kind of its job. */
+static const char *kind_name(const struct pen_worker_record *worker)
 {
-    switch (kind) {
+    switch (worker->kind) {
     case PEN_BATCH_RENDER:
         return "render";
     case PEN_BATCH_ASSEMBLE:
         return "assemble";
     case PEN_BATCH_STUDY:
-        return "benchmark";
+        return worker->job_kind;
     }
     return "render"; /* a value that only a damaged store gives */
 }
@@ -42,7 +43,7 @@ static json_t *batch_json(const struct pen_worker_record *worker)
 {
     return json_pack("{s:s, s:s, s:I, s:I, s:s, s:I}", "job", worker->job_id, "view", worker->view,
                      "batch", (json_int_t)worker->batch, "attempt", (json_int_t)worker->attempt,
-                     "kind", kind_name(worker->kind), "pixels", (json_int_t)worker->pixels);
+                     "kind", kind_name(worker), "pixels", (json_int_t)worker->pixels);
 }
 
 /* Called by the store with one row for each batch that a worker holds; the rows of one worker

@@ -16,6 +16,7 @@
 enum { LEAST_CELLS = 4096, BLOCKS = 96, KINDS = 4 };
 
 struct forecast {
+    const struct pen_forecast_task *task;
     const struct pen_settings *settings;
     struct pen_kernel_input input;
     const struct pen_kernel *kernel;
@@ -46,6 +47,17 @@ static int part_of(int length, int i, int n)
     return (int)((int64_t)length * i / n);
 }
 
+static bool is_cancelled(const struct forecast *f)
+{
+    return f->task->cancel && atomic_load_explicit(f->task->cancel, memory_order_relaxed);
+}
+
+static void begin_pixel(const struct forecast *f, int thread, int x, int y)
+{
+    if (f->task->pixel_begins)
+        f->task->pixel_begins(f->task->pixel_user, thread, x, y);
+}
+
 static void count_cell(struct forecast *f, int thread, int cell)
 {
     const struct pen_settings *s = f->settings;
@@ -57,6 +69,7 @@ static void count_cell(struct forecast *f, int thread, int cell)
         drawn(mixed(hash), part_of(s->height, row, f->rows), part_of(s->height, row + 1, f->rows));
     struct pen_ray_counts rays = {.primary = 0};
     double rgb[3];
+    begin_pixel(f, thread, x, y);
     f->kernel->pixel(&f->input, f->scratch[thread], x, y, rgb, &rays);
     f->rays[cell][0] = (double)rays.primary;
     f->rays[cell][1] = (double)rays.shadow;
@@ -69,7 +82,8 @@ static void count_cells(void *user, int thread)
     struct forecast *f = user;
     const int cells = f->columns * f->rows;
     int cell;
-    while ((cell = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < cells)
+    while ((cell = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < cells &&
+           !is_cancelled(f))
         count_cell(f, thread, cell);
 }
 
@@ -87,6 +101,7 @@ static void time_block(struct forecast *f, int thread, int n)
     rect.height = s->height - rect.y < PEN_BLOCK_SIDE ? s->height - rect.y : PEN_BLOCK_SIDE;
     double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
     struct pen_ray_counts rays = {.primary = 0};
+    begin_pixel(f, thread, rect.x, rect.y);
     const int64_t begun = pen_clock_thread_ns();
     if (f->input.trace->nearest_packet)
         f->kernel->block(&f->input, f->scratch[thread], rect, rgb, &rays);
@@ -102,7 +117,8 @@ static void time_blocks(void *user, int thread)
 {
     struct forecast *f = user;
     int n;
-    while ((n = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < BLOCKS)
+    while ((n = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < BLOCKS &&
+           !is_cancelled(f))
         time_block(f, thread, n);
 }
 
@@ -200,14 +216,14 @@ static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_for
     out->effects = f->input.effects;
 }
 
-bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_scene *scene, int view,
-                       const struct pen_settings *settings, struct pen_forecast *out,
-                       struct pen_status *st)
+bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
+                       struct pen_forecast *out, struct pen_status *st)
 {
     const int64_t begun = pen_clock_ns();
-    const int asked = settings->threads, all = pen_thread_pool_size(pool);
-    struct forecast f = {.settings = settings,
-                         .input = pen_kernel_input_of(scene, view, settings),
+    const int asked = task->settings->threads, all = pen_thread_pool_size(pool);
+    struct forecast f = {.task = task,
+                         .settings = task->settings,
+                         .input = pen_kernel_input_of(task->scene, task->view, task->settings),
                          .threads = asked > 0 && asked < all ? asked : all};
     f.kernel = pen_kernel_select(f.input.effects, pen_cpu_isa());
     cut(&f);
@@ -216,5 +232,7 @@ bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_scene *sce
         run(pool, &f, out);
     release(&f);
     out->spent_ms = (double)(pen_clock_ns() - begun) * 1e-6;
-    return ok || pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a forecast");
+    if (!ok)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a forecast");
+    return !is_cancelled(&f) || pen_fail(st, PEN_CANCELLED, "the forecast was cancelled");
 }

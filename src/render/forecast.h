@@ -3,6 +3,8 @@
 #ifndef PEN_RENDER_FORECAST_H
 #define PEN_RENDER_FORECAST_H
 
+#include <stdatomic.h>
+
 #include "base/thread_pool.h"
 #include "scene/scene.h"
 
@@ -21,12 +23,22 @@ struct pen_forecast {
     unsigned effects;
 };
 
+/* What to forecast; everything is borrowed. */
+struct pen_forecast_task {
+    const struct pen_scene *scene;
+    int view;
+    const struct pen_settings *settings;
+    /* As in pen_render_task; may be NULL. */
+    const atomic_bool *cancel;
+    void (*pixel_begins)(void *user, int thread, int x, int y);
+    void *pixel_user;
+};
+
 /* Renders one pixel in each of max(1 %, 4096) equal parts of the image, and counts its rays; then
  * some blocks, to measure the time of a ray. Rays vary from part to part as from pixel to pixel of
  * neighbouring parts, which gives the intervals; the pixels are the same at each call. Threads: as
- * pen_render_run. Fails: PEN_NO_MEMORY. */
-bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_scene *scene, int view,
-                       const struct pen_settings *settings, struct pen_forecast *out,
-                       struct pen_status *st);
+ * pen_render_run. Fails: PEN_NO_MEMORY, PEN_CANCELLED. */
+bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
+                       struct pen_forecast *out, struct pen_status *st);
 
 #endif

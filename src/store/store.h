@@ -55,7 +55,7 @@ enum pen_batch_state {
 enum pen_batch_kind {
     PEN_BATCH_RENDER,   /* tiles of a view */
     PEN_BATCH_ASSEMBLE, /* makes the picture of a view from its committed batches */
-    PEN_BATCH_STUDY     /* the only batch of a benchmark job; its worker holds nothing else */
+    PEN_BATCH_STUDY     /* the only batch of a job with a report; its worker holds nothing else */
 };
 
 /* The name of a state in the API, "queued" and so on; pen_job_state_of_name returns false if no
@@ -452,7 +452,7 @@ struct pen_worker_record {
     int threads;
     int64_t started_ms, seen_ms; /* by the store's clock; seen_ms: when the worker last renewed its
                                     row, or extended this lease */
-    const char *job_id;          /* NULL: it holds no batch, and the members below are not set */
+    const char *job_id, *job_kind; /* NULL: it holds no batch, and the members below are not set */
     const char *view;
     int64_t batch, attempt;
     enum pen_batch_kind kind;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "film/metrics.h"
 #include "study/leave_out.h"
 
@@ -13,19 +14,36 @@ static size_t film_bytes(const struct pen_settings *s)
     return 3 * (size_t)s->width * (size_t)s->height * sizeof(float);
 }
 
-static bool render_row(const struct pen_bill_task *task, const struct pen_scene *scene,
+/* Keeps what a render with all effects has told, in place of what an earlier one did. */
+static void keep_whole(struct pen_bill *bill, const struct pen_scene *scene,
+                       const struct pen_render_stats *stats, double build_ms)
+{
+    free(bill->whole.tile_ms);
+    bill->whole = *stats;
+    bill->accel = *pen_accel_get_stats(scene->accel);
+    bill->build_ms = build_ms;
+}
+
+static bool render_row(struct pen_bill *bill, const struct pen_scene *scene,
                        const struct pen_settings *settings, struct pen_bill_row *row, int pass,
-                       struct pen_status *st)
+                       double build_ms, struct pen_status *st)
 {
     struct pen_render_stats stats;
+    const struct pen_bill_task *task = bill->task;
+    const bool whole = row == &bill->row[0];
     const struct pen_render_task render = {.scene = scene,
                                            .view = task->view,
                                            .settings = settings,
                                            .tile_count = -1,
                                            .rgb = row->rgb,
-                                           .cancel = task->cancel};
+                                           .cancel = task->cancel,
+                                           .pixel_begins = task->pixel_begins,
+                                           .pixel_user = task->pixel_user,
+                                           .keep_tile_ms = whole};
     if (!pen_render_run(task->pool, &render, &stats, st))
         return false;
+    if (whole)
+        keep_whole(bill, scene, &stats, build_ms);
     if (pass >= 0)
         row->runs_ms[pass] = stats.render_ms;
     row->rays = stats.rays;
@@ -34,9 +52,10 @@ static bool render_row(const struct pen_bill_task *task, const struct pen_scene 
 }
 
 /* Renders a row once; pass -1 is the one to warm up. */
-static bool run_row(const struct pen_bill_task *task, struct pen_bill_row *row, int pass,
+static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
                     struct pen_status *st)
 {
+    const struct pen_bill_task *task = bill->task;
     struct pen_settings settings = *task->settings;
     struct pen_scene_desc desc;
     struct pen_arena *arena = pen_arena_new(0);
@@ -44,9 +63,12 @@ static bool run_row(const struct pen_bill_task *task, struct pen_bill_row *row, 
     bool ok = arena && pen_scene_leave_out(task->desc, row->effect, arena, &desc, &settings);
     if (!ok)
         pen_fail(st, PEN_NO_MEMORY, "out of memory for a scene without an effect");
+    const int64_t begun_ns = pen_clock_ns();
     if (ok)
-        scene = pen_scene_freeze(&desc, (enum pen_accelerator)settings.accelerator, 0, st);
-    ok = scene && render_row(task, scene, &settings, row, pass, st);
+        scene = pen_scene_freeze(&desc, (enum pen_accelerator)settings.accelerator,
+                                 task->scene_cap_bytes, st);
+    const double build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    ok = scene && render_row(bill, scene, &settings, row, pass, build_ms, st);
     pen_scene_free(scene);
     pen_arena_free(arena);
     return ok;
@@ -86,14 +108,43 @@ static bool compare_row(const struct pen_bill *bill, struct pen_bill_row *row,
     return ok;
 }
 
-/* Whether leaving one of the effects out changes anything: through a lens there may be several
- * samples whatever samples_per_pixel is. */
-static bool can_be_left_out(const struct pen_settings *settings, unsigned effects, unsigned effect)
+unsigned pen_bill_effects(const struct pen_scene_desc *desc, int view,
+                          const struct pen_settings *settings)
 {
-    const bool lens = effects & PEN_FX_DEPTH_OF_FIELD;
-    return effect != PEN_FX_ANTI_ALIASING ||
-           (settings->samples_per_pixel > 1 &&
-            !(lens && settings->lens_samples >= settings->samples_per_pixel));
+    struct pen_scene_desc one = *desc;
+    one.views += view;
+    one.view_count = 1;
+    const unsigned effects = pen_desc_effects(&one, settings);
+    /* Through a lens there may be several samples whatever samples_per_pixel is. */
+    const bool lens = effects & PEN_FX_DEPTH_OF_FIELD,
+               single = settings->samples_per_pixel <= 1 ||
+                        (lens && settings->lens_samples >= settings->samples_per_pixel);
+    return single ? effects & ~(unsigned)PEN_FX_ANTI_ALIASING : effects;
+}
+
+bool pen_bill_check(const struct pen_limits *limits, const struct pen_scene_desc *desc, int view,
+                    const struct pen_settings *settings, int repeats, const char *at,
+                    struct pen_status *st)
+{
+    if (!pen_limits_check(limits, desc, settings, 1, at, st))
+        return false;
+    const unsigned effects = pen_bill_effects(desc, view, settings);
+    const double pixels = (double)settings->width * settings->height,
+                 kept = pixels * pen_bill_pictures(effects),
+                 work =
+                     pixels * pen_work_per_pixel(desc, settings) * pen_bill_runs(effects, repeats);
+    if (work > limits->work)
+        return pen_fail_at(st, PEN_TOO_LARGE, at,
+                           "all %d renders together take up to %.3g primary and shadow rays, at "
+                           "most %.3g are allowed",
+                           pen_bill_runs(effects, repeats), work, limits->work);
+    if (kept > (double)limits->pixels_per_view)
+        return pen_fail_at(st, PEN_TOO_LARGE, at,
+                           "the %d pictures to be compared have %.0f pixels together, at most "
+                           "%llu are allowed",
+                           pen_bill_pictures(effects), kept,
+                           (unsigned long long)limits->pixels_per_view);
+    return true;
 }
 
 static bool add_row(struct pen_bill *bill, unsigned effect)
@@ -109,14 +160,10 @@ static bool add_row(struct pen_bill *bill, unsigned effect)
 static bool add_rows(struct pen_bill *bill, struct pen_status *st)
 {
     const struct pen_bill_task *task = bill->task;
-    struct pen_scene *scene = pen_scene_freeze(task->desc, PEN_ACCEL_NONE, 0, st);
-    if (!scene)
-        return false;
-    const unsigned effects = pen_scene_effects(scene, task->view, task->settings);
-    pen_scene_free(scene);
+    const unsigned effects = pen_bill_effects(task->desc, task->view, task->settings);
     bool ok = add_row(bill, 0);
     for (int i = 0; ok && i < PEN_FX_COUNT; i++)
-        if (effects >> i & 1 && can_be_left_out(task->settings, effects, 1u << i))
+        if (effects >> i & 1)
             ok = add_row(bill, 1u << i);
     return ok || pen_fail(st, PEN_NO_MEMORY, "out of memory for %d pictures", bill->rows);
 }
@@ -130,7 +177,7 @@ bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, stru
     for (int i = 0; i < total; i++) {
         if (task->progress)
             task->progress(task->user, i, total);
-        if (!run_row(task, &bill->row[i % bill->rows], i / bill->rows - 1, st))
+        if (!run_row(bill, &bill->row[i % bill->rows], i / bill->rows - 1, st))
             return false;
     }
     if (task->progress)
@@ -149,5 +196,7 @@ void pen_bill_release(struct pen_bill *bill)
         free(bill->row[i].runs_ms);
         free(bill->row[i].rgb);
     }
+    free(bill->whole.tile_ms);
+    bill->whole.tile_ms = NULL;
     bill->rows = 0;
 }

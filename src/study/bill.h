@@ -8,6 +8,7 @@
 #include <jansson.h>
 
 #include "base/buf.h"
+#include "io/scene_json.h"
 #include "render/render.h"
 
 struct pen_bill_row {
@@ -24,19 +25,48 @@ struct pen_bill_row {
 struct pen_bill_task {
     const struct pen_scene_desc *desc;
     const struct pen_settings *settings;
-    int view, repeats; /* repeats: at least 1 */
+    int view, repeats;      /* repeats: at least 1 */
+    size_t scene_cap_bytes; /* as pen_scene_freeze; 0: none */
     struct pen_thread_pool *pool;
     const atomic_bool *cancel; /* may be NULL */
     /* Called between runs, with done = 0 before the first; may be NULL. */
     void (*progress)(void *user, int done, int total);
     void *user;
+    /* As in pen_render_task; may be NULL. */
+    void (*pixel_begins)(void *user, int thread, int x, int y);
+    void *pixel_user;
 };
 
 struct pen_bill {
     const struct pen_bill_task *task;
     struct pen_bill_row row[PEN_FX_COUNT + 1]; /* row 0 has all effects */
     int rows;
+    /* Of the last render with all effects. */
+    struct pen_render_stats whole;
+    struct pen_accel_stats accel;
+    double build_ms;
 };
+
+/* The effects of one view that a bill leaves out in turn: all that it calls for, without those
+ * whose absence would change nothing. */
+unsigned pen_bill_effects(const struct pen_scene_desc *desc, int view,
+                          const struct pen_settings *settings);
+
+/* How many pictures a bill of these effects keeps, and how many renders it takes. */
+static inline int pen_bill_pictures(unsigned effects)
+{
+    return 1 + __builtin_popcount(effects);
+}
+static inline int pen_bill_runs(unsigned effects, int repeats)
+{
+    return pen_bill_pictures(effects) * (repeats + 1);
+}
+
+/* Checks each render by pen_limits_check, the rays of all renders together without those of forking
+ * paths, and the size of the pictures. Fails: PEN_TOO_LARGE, at the place `at`. */
+bool pen_bill_check(const struct pen_limits *limits, const struct pen_scene_desc *desc, int view,
+                    const struct pen_settings *settings, int repeats, const char *at,
+                    struct pen_status *st);
 
 /* Makes the bill. Owns: release *bill in any case. Fails: PEN_NO_MEMORY, PEN_CANCELLED; as
  * pen_scene_freeze. */

@@ -76,13 +76,42 @@ static const char *property(enum pen_effect effect)
     return NULL;
 }
 
-/* The objects that show an effect: the names of the first, and how many they are. */
+/* The objects that show an effect: their first names, each once, and how many objects have none of
+ * these. */
 struct objects {
     const struct pen_scene_desc *desc;
     enum pen_effect effect;
-    uint32_t count, primitive; /* found; passed */
+    uint32_t count, primitive, more; /* found; passed; found, and not named */
+    const char *name[NAMED];         /* NULL: it has none */
+    int named;
     struct pen_buf names;
 };
+
+static bool is_named(const struct objects *found, const char *name)
+{
+    for (int i = 0; name && i < found->named; i++)
+        if (found->name[i] && strcmp(found->name[i], name) == 0)
+            return true;
+    return false;
+}
+
+/* Adds an object that shows the effect; `number` stands for the name that it has not. */
+static void add_object(struct objects *found, const char *kind, const char *name, uint32_t number)
+{
+    found->count++;
+    if (is_named(found, name))
+        return;
+    if (found->named == NAMED) {
+        found->more++;
+        return;
+    }
+    pen_buf_puts(&found->names, found->named ? ", " : "");
+    if (name)
+        pen_buf_puts(&found->names, name);
+    else
+        pen_buf_printf(&found->names, "%s %u", kind, (unsigned)number);
+    found->name[found->named++] = name;
+}
 
 static void find_objects(struct objects *found, const struct pen_object_desc *list, uint32_t count,
                          const char *group)
@@ -97,14 +126,8 @@ static void find_objects(struct objects *found, const struct pen_object_desc *li
         const uint32_t number = found->primitive++;
         const struct pen_material *m =
             o->material < 0 ? &none : &found->desc->materials[o->material];
-        if (!shows(m, found->effect) || found->count++ >= NAMED)
-            continue;
-        if (found->count > 1)
-            pen_buf_puts(&found->names, ", ");
-        if (o->name || group)
-            pen_buf_puts(&found->names, o->name ? o->name : group);
-        else
-            pen_buf_printf(&found->names, "%s %u", pen_kinds[o->kind].name, (unsigned)number);
+        if (shows(m, found->effect))
+            add_object(found, pen_kinds[o->kind].name, o->name ? o->name : group, number);
     }
 }
 
@@ -119,8 +142,8 @@ static void say_objects(const struct pen_scene_desc *desc, enum pen_effect effec
     else
         pen_buf_printf(out, "object%s %s", found.count > 1 ? "s" : "",
                        (const char *)found.names.data);
-    if (found.count > NAMED)
-        pen_buf_printf(out, " and %u more", (unsigned)(found.count - NAMED));
+    if (found.more > 0)
+        pen_buf_printf(out, " and %u more", (unsigned)found.more);
     if (found.count > 0)
         pen_buf_printf(out, " ha%s %s", found.count > 1 ? "ve" : "s", property(effect));
     out->failed |= found.names.failed;

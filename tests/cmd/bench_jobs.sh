@@ -59,7 +59,7 @@ prints "the error names the kind that has a matrix" stderr "belongs to jobs of k
 # The report over HTTP
 call "/v1/jobs/$job/report"
 expect "GET report gives a page" "$status $(header content-type)" "200 text/html; charset=utf-8"
-expect "the page may load nothing" "$(header content-security-policy)" "default-src 'none'; style-src 'unsafe-inline'"
+expect "the page may load nothing" "$(header content-security-policy)" "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 tag=$(header etag)
 call "/v1/jobs/$job/report" -H "If-None-Match: $tag"
 expect "GET report with its ETag gives 304" "$status" 304

@@ -38,6 +38,12 @@ expect benchmark "$(sh $examples/benchmark.sh "$work/reports" | cut -d' ' -f1,2 
     "none 1 none 2 auto 1 auto 2 "
 expect benchmark-reports "$(cd "$work/reports" && echo *)" "report.csv report.html report.json report.md"
 
+expect effects "$(sh $examples/effects.sh "$work/bill.html" | cut -d' ' -f1 | tr '\n' ' ')" \
+    "ambient hard_shadows shadow_transmittance mirror transmission specular sky patterns refraction "
+expect effects-page "$(head -n 1 "$work/bill.html")" "<!doctype html>"
+expect explain "$(sh $examples/explain.sh | sed -n '1p;$p' | sed 's/[:0-9].*//' | tr '\n' ' ')" "ambient time "
+expect explain-a-file "$(sh $examples/explain.sh scenes/spheres.json | grep -c '^rays: ')" 1
+
 submit "$long"
 expect cancel "$(sh $examples/cancel.sh "$job")" cancelled
 call "$job"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Benchmark jobs, from submit to report, and the ways in which they end early. */
+/* Studies, from submit to report, and the ways in which they end early: benchmarks, bills of
+ * effects and explanations. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,6 +9,8 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "scene/scene.h"
+#include "study/report.h"
 #include "support/jobs.h"
 #include "support/suite.h"
 
@@ -32,6 +35,14 @@ static const char lengthy[] = "\"render\": {\"width\": 300, \"height\": 300, \"t
                               " \"samples_per_pixel\": 16}, \"repeats\": 100,"
                               " \"matrix\": {\"threads\": [1, 2]},";
 
+/* A bill of the test scene; `more` as above. */
+static const char *bill(const char *more)
+{
+    static char text[8192];
+    snprintf(text, sizeof text, "{\"kind\": \"effects\", %s \"scene\": %s}", more, jobs_scene(""));
+    return text;
+}
+
 static struct pen_image report_as(const char *form)
 {
     struct pen_image report;
@@ -49,6 +60,10 @@ static json_t *report_json(void)
     pen_buf_release(&report.bytes);
     return json;
 }
+
+static void check_refused(bool ok, const struct pen_status *st, enum pen_code code,
+                          const char *words);
+static void wait_for_runs(int runs);
 
 static const char *text_of(const json_t *object, const char *key)
 {
@@ -151,6 +166,172 @@ START_TEST(test_study__statistics_are_those_of_the_baseline)
     ck_assert_int_eq(json_integer_value(json_object_get(tiles, "count")), 1);
     ck_assert(json_real_value(json_object_get(json_object_get(tiles, "ms"), "max")) > 0);
     json_decref(stats);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* The effects that the bill's rows lack, in order; `rays` are the primary rays of each. */
+static void check_bill(const json_t *report, int rays)
+{
+    const json_t *rows = json_object_get(report, "rows");
+    unsigned seen = 0;
+    size_t i;
+    json_t *row;
+    ck_assert_uint_gt(json_array_size(rows), 1);
+    json_array_foreach(rows, i, row)
+    {
+        const json_t *counts = json_object_get(row, "rays");
+        const json_int_t primary = json_integer_value(json_object_get(counts, "primary"));
+        if (i == 0) {
+            ck_assert(json_is_null(json_object_get(row, "without")));
+            ck_assert_int_eq(primary, rays);
+            continue;
+        }
+        ck_assert_int_eq(primary < rays, strcmp(text_of(row, "without"), "anti_aliasing") == 0);
+        int bit = 0;
+        while (strcmp(pen_effect_name(bit), text_of(row, "without")) != 0)
+            ck_assert_int_lt(++bit, PEN_FX_COUNT);
+        ck_assert(!(seen >> bit & 1));
+        seen |= 1u << bit;
+    }
+}
+
+START_TEST(test_study__bill_has_a_row_for_each_effect_and_every_format)
+{
+    static const char some[] = "\"render\": {\"width\": 20, \"height\": 10}, \"repeats\": 2,";
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, bill(some), id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    json_t *report = report_json(), *job = jobs_get(&bed, id);
+    const json_t *progress = json_object_get(job, "progress"),
+                 *rows = json_object_get(report, "rows");
+    check_bill(report, 200);
+    ck_assert_int_eq(json_integer_value(json_object_get(progress, "total")),
+                     3 * (json_int_t)json_array_size(rows));
+    ck_assert_int_eq(json_integer_value(json_object_get(progress, "done")),
+                     3 * (json_int_t)json_array_size(rows));
+    ck_assert_uint_eq(json_array_size(json_object_get(job, "effects")), json_array_size(rows) - 1);
+    json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
+    store_must(stats != NULL, &st, "stats");
+    ck_assert_str_eq(text_of(stats, "kernel"), text_of(json_array_get(rows, 0), "kernel"));
+    for (int i = 0; pen_bench_report_formats[i]; i++) {
+        struct pen_image form = report_as(pen_bench_report_formats[i]);
+        ck_assert_ptr_nonnull(strstr((const char *)form.bytes.data, "ambient"));
+        ck_assert_str_eq(form.type, pen_bench_report_media_type(pen_bench_report_formats[i]));
+        pen_buf_release(&form.bytes);
+    }
+    json_decref(stats);
+    json_decref(job);
+    json_decref(report);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_study__bill_is_of_the_view_that_is_named)
+{
+    static const char scene[] =
+        ", \"views\": [{\"name\": \"near\"}, {\"name\": \"far\", \"camera\": "
+        "{\"position\": [0, 1, 30], \"aperture_radius\": 1, \"focus_distance\": 9}}]";
+    static const char *const names[] = {"", "\"views\": [\"far\"],"};
+    char text[8192];
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    for (int i = 0; i < 2; i++) {
+        snprintf(text, sizeof text,
+                 "{\"kind\": \"effects\", \"repeats\": 1, %s"
+                 " \"render\": {\"width\": 8, \"height\": 8, \"lens_samples\": 3}, \"scene\": %s}",
+                 names[i], jobs_scene(scene));
+        jobs_submit(&bed, text, id);
+        ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+        json_t *report = report_json();
+        char *rows = json_dumps(json_object_get(report, "rows"), JSON_COMPACT);
+        ck_assert_str_eq(text_of(report, "view"), i == 0 ? "near" : "far");
+        ck_assert_int_eq(strstr(rows, "depth_of_field") != NULL, i == 1);
+        free(rows);
+        json_decref(report);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* Submits the body as POST /v1/explain does. */
+static void submit_explain(const char *body)
+{
+    const struct pen_submission in = {.body = body, .bytes = strlen(body), .explain = true};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    ck_assert_msg(pen_jobs_submit(bed.jobs, &in, &out, &errors), "%s", errors.item[0].msg);
+    memcpy(id, out.id, sizeof id);
+    pen_buf_release(&out.answer);
+}
+
+START_TEST(test_study__explanation_has_actual_figures_where_asked)
+{
+    static const char render[] = "\"render\": {\"width\": 32, \"height\": 24},";
+    static const struct {
+        const char *members;
+        int priority, runs, actual;
+    } cases[] = {{"", 100, 1, 0},
+                 {"\"analyze\": true,", 0, 2, 1},
+                 {"\"kind\": \"render\", \"analyze\": false, \"priority\": -3,", -3, 1, 0}};
+    char text[8192];
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    for (int i = 0; i < 3; i++) {
+        struct pen_image image;
+        snprintf(text, sizeof text, "{%s %s \"scene\": %s}", cases[i].members, render,
+                 jobs_scene(""));
+        submit_explain(text);
+        ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+        json_t *report = report_json(), *job = jobs_get(&bed, id);
+        const json_t *rays = json_object_get(report, "rays");
+        const json_t *primary = json_object_get(rays, "primary");
+        ck_assert_str_eq(text_of(job, "kind"), "explain");
+        ck_assert_int_eq(json_integer_value(json_object_get(job, "priority")), cases[i].priority);
+        ck_assert_int_eq(
+            json_integer_value(json_object_get(json_object_get(job, "progress"), "done")),
+            cases[i].runs);
+        ck_assert(json_number_value(json_object_get(primary, "expected")) == 32 * 24);
+        ck_assert_int_eq(json_object_get(primary, "actual") != NULL, cases[i].actual);
+        if (cases[i].actual)
+            ck_assert(json_number_value(json_object_get(primary, "actual")) == 32 * 24);
+        check_refused(pen_jobs_report(bed.jobs, id, "html", &image, &st), &st, PEN_ACCEPT,
+                      "application/json");
+        json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
+        store_must(stats != NULL, &st, "stats");
+        ck_assert_int_eq(json_is_null(json_object_get(stats, "kernel")), !cases[i].actual);
+        json_decref(stats);
+        json_decref(job);
+        json_decref(report);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_study__bill_of_a_killed_worker_begins_again)
+{
+    static const char some[] = "\"render\": {\"width\": 200, \"height\": 150, \"tile\": 8,"
+                               " \"samples_per_pixel\": 36}, \"repeats\": 1,";
+    struct pen_status st;
+    int status, opened;
+    store_bed_make(&bed.bed);
+    pid_t pid = jobs_worker_fork(&bed);
+    jobs_bed_open(&bed);
+    jobs_submit(&bed, bill(some), id);
+    wait_for_runs(2);
+    kill(pid, SIGKILL);
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st,
+               "expire leases");
+    ck_assert_int_eq(opened, 1);
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    json_t *report = report_json();
+    check_bill(report, 200 * 150 * 36);
+    json_decref(report);
     jobs_bed_close(&bed);
 }
 END_TEST
@@ -298,7 +479,11 @@ START_TEST(test_study__killed_worker_leaves_no_times_behind)
 }
 END_TEST
 
-PEN_SUITE("study", test_study__answer_to_a_submit_shows_what_was_accepted,
+PEN_SUITE("study", test_study__bill_has_a_row_for_each_effect_and_every_format,
+          test_study__bill_is_of_the_view_that_is_named,
+          test_study__explanation_has_actual_figures_where_asked,
+          test_study__bill_of_a_killed_worker_begins_again,
+          test_study__answer_to_a_submit_shows_what_was_accepted,
           test_study__report_has_every_format, test_study__all_views_of_the_job_are_rendered,
           test_study__statistics_are_those_of_the_baseline, test_study__missing_results_are_refused,
           test_study__cancel_stops_a_run, test_study__time_limit_ends_it,

@@ -33,7 +33,8 @@ static void judge(struct tally *tally, const struct pen_scene *scene, int view,
     float *rgb = malloc(3 * (size_t)settings->width * (size_t)settings->height * sizeof *rgb);
     const struct pen_render_task task = {
         .scene = scene, .view = view, .settings = settings, .tile_count = -1, .rgb = rgb};
-    ck_assert(pool && rgb && pen_forecast_make(pool, scene, view, settings, &f, &st));
+    const struct pen_forecast_task sparse = {.scene = scene, .view = view, .settings = settings};
+    ck_assert(pool && rgb && pen_forecast_make(pool, &sparse, &f, &st));
     ck_assert(pen_render_run(pool, &task, &stats, &st));
     const struct pen_estimate e[KINDS] = {f.shadow, f.reflection, f.transmission, f.total};
     const double got[KINDS] = {(double)stats.rays.shadow, (double)stats.rays.reflection,
@@ -138,7 +139,8 @@ static json_t *explanation(void)
     struct pen_forecast forecast;
     struct pen_scene *scene = kit_freeze(&kit);
     struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
-    ck_assert(pen_forecast_make(pool, scene, 0, &kit.settings, &forecast, &st));
+    const struct pen_forecast_task sparse = {.scene = scene, .settings = &kit.settings};
+    ck_assert(pen_forecast_make(pool, &sparse, &forecast, &st));
     const struct pen_explain_task task = {
         .desc = &kit.desc, .settings = &kit.settings, .forecast = &forecast};
     json_t *json = pen_explain_json(&task);

@@ -90,8 +90,7 @@ static bool make_bill(struct effects *e, struct pen_status *st)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_scene_desc *desc = &e->input.desc;
-    if (!pen_set_options_apply(&e->values->set, &desc->settings, st) ||
-        !pen_limits_check(&limits, desc, &desc->settings, 1, "", st))
+    if (!pen_set_options_apply(&e->values->set, &desc->settings, st))
         return false;
     e->task = (struct pen_bill_task){.desc = desc,
                                      .settings = &desc->settings,
@@ -100,7 +99,9 @@ static bool make_bill(struct effects *e, struct pen_status *st)
                                      .user = &e->progress};
     if (e->values->view)
         e->task.view = pen_scene_input_view(&e->input, e->values->view, st);
-    if (e->task.view < 0 || !(e->pool = pen_thread_pool_new(e->values->threads, st)))
+    if (e->task.view < 0 ||
+        !pen_bill_check(&limits, desc, e->task.view, &desc->settings, e->values->repeats, "", st) ||
+        !(e->pool = pen_thread_pool_new(e->values->threads, st)))
         return false;
     e->task.pool = e->pool;
     pen_progress_begin(&e->progress, e->input.source.label, e->values->quiet);

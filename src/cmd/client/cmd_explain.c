@@ -66,6 +66,13 @@ static bool prepare(struct explain *e, struct pen_status *st)
     return e->pool != NULL;
 }
 
+static bool forecast(struct explain *e, struct pen_status *st)
+{
+    const struct pen_forecast_task task = {
+        .scene = e->scene, .view = e->view, .settings = &e->input.desc.settings};
+    return pen_forecast_make(e->pool, &task, &e->forecast, st);
+}
+
 static bool analyze(struct explain *e, struct pen_status *st)
 {
     const struct pen_settings *s = &e->input.desc.settings;
@@ -106,10 +113,7 @@ static int explain(struct explain *e, const char *name)
     struct pen_status st;
     if (!pen_scene_input_read(&e->input, name, &errors))
         return pen_report_errors_json(e->input.source.label, json, &errors);
-    if (!prepare(e, &st) ||
-        !pen_forecast_make(e->pool, e->scene, e->view, &e->input.desc.settings, &e->forecast,
-                           &st) ||
-        !analyze(e, &st)) {
+    if (!prepare(e, &st) || !forecast(e, &st) || !analyze(e, &st)) {
         pen_source_locate(&e->input.source, &st);
         return pen_report_json(st.at[0] || st.line > 0 ? e->input.source.label : NULL, json, &st);
     }

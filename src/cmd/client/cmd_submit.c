@@ -29,7 +29,7 @@ struct values {
     bool wait, quiet, json;
 };
 
-static const char *const kinds[] = {"render", "benchmark", NULL};
+static const char *const kinds[] = {"render", "benchmark", "effects", NULL};
 
 static const struct pen_option options[] = {
     PEN_SET_OPTION(struct values),
@@ -41,10 +41,10 @@ static const struct pen_option options[] = {
     {.name = "kind",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, kind),
-     .value = "render|benchmark",
+     .value = "render|benchmark|effects",
      .choices = kinds,
      .help = "what the job does with the scene, render by default"},
-    PEN_BENCH_OPTIONS(struct values, "of a benchmark: "),
+    PEN_BENCH_OPTIONS(struct values, "of a study: "),
     {.name = "name",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, name),
@@ -73,10 +73,9 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, wait),
      .help = "wait until the job has ended"},
-    PEN_OUTPUT_OPTION(
-        struct values, "OUT",
-        "wait, then fetch the picture or the benchmark's report to OUT, whose ending gives the "
-        "format: .png or .pfm, or .html, .json, .csv or .md"),
+    PEN_OUTPUT_OPTION(struct values, "OUT",
+                      "wait, then fetch the picture or the report to OUT, whose ending gives the "
+                      "format: .png or .pfm, or .html, .json, .csv or .md"),
     PEN_FORMAT_OPTION(struct values, "png|png16|pfm|json|csv|md|html", pen_output_all_formats),
     PEN_QUIET_OPTION(struct values, "no progress bar"),
     PEN_JSON_OPTION(struct values, "print the job as a line of JSON instead of its id"),
@@ -306,7 +305,7 @@ static int follow(struct pen_client *client, const struct values *values, json_t
     fflush(stdout);
     if (!waits)
         return 0;
-    bool report = strcmp(pen_remote_text(job, "kind"), "benchmark") == 0;
+    const bool report = json_object_get(json_object_get(job, "links"), "report") != NULL;
     json_t *last;
     bool ok = pen_remote_wait(client, id, values->quiet, &last, &errors);
     if (values->json && last)
@@ -335,14 +334,14 @@ static int submit(struct pen_client *client, const struct values *values,
 }
 
 /* Checks that the output has a format that the job can give: of a picture or, if the job may be a
- * benchmark, of a report; and that it can be written. */
+ * study, of a report; and that it can be written. */
 static bool check_output(const struct values *values, struct pen_status *st)
 {
-    bool benchmark = values->kind && strcmp(values->kind, "benchmark") == 0;
+    const bool study = values->kind && strcmp(values->kind, "render") != 0;
     if (!values->output)
         return true;
-    if (!(benchmark ? pen_output_report_format(values->output, values->format, st)
-                    : pen_output_format(values->output, values->format, st)) &&
+    if (!(study ? pen_output_report_format(values->output, values->format, st)
+                : pen_output_format(values->output, values->format, st)) &&
         (values->kind || !pen_output_report_format(values->output, values->format, st)))
         return false;
     return pen_file_check(values->output, st);

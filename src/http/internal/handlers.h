@@ -6,7 +6,7 @@
 #include "http/internal/routes.h"
 
 route_handler pen_http_handle_submit, pen_http_handle_list, pen_http_handle_job,
-    pen_http_handle_cancel, pen_http_handle_delete;
+    pen_http_handle_cancel, pen_http_handle_delete, pen_http_handle_explain;
 route_handler pen_http_handle_image, pen_http_handle_preview, pen_http_handle_stats,
     pen_http_handle_scene, pen_http_handle_report;
 route_handler pen_http_handle_events;

@@ -45,8 +45,10 @@ struct route {
     route_handler *handle;
     route_quick *quick; /* tried before queueing; NULL: none */
     enum queue_id queue;
-    bool takes_body;                 /* a scene or a job; otherwise a body is discarded */
-    bool submits;                    /* refused while draining */
+    bool takes_body;   /* a scene or a job; otherwise a body is discarded */
+    bool submits;      /* refused while draining */
+    bool handle_again; /* a request that has waited in the watcher goes to the handler again,
+                        * instead of being answered with its job */
     const struct param_rule *params; /* ends with a NULL name; NULL: none */
 };
 

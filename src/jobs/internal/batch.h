@@ -30,4 +30,10 @@ bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim 
 /* batch_benchmark.c: runs a whole benchmark; the artefact is the report as JSON. */
 pen_batch_run_fn pen_batch_benchmark;
 
+/* batch_effects.c: makes the bill of a scene's effects; the artefact is the report as JSON. */
+pen_batch_run_fn pen_batch_effects;
+
+/* batch_explain.c: explains a scene; the artefact is the explanation. */
+pen_batch_run_fn pen_batch_explain;
+
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The kinds of jobs. All but renders are studies: one batch, a report, and no picture. */
+/* The kinds of jobs. All but renders are studies: one batch, a report, and no picture. Jobs of kind
+ * "explain" are made by POST /v1/explain alone. */
 #ifndef PEN_JOBS_INTERNAL_KIND_H
 #define PEN_JOBS_INTERNAL_KIND_H
 
@@ -11,6 +12,7 @@ enum pen_job_kind {
     PEN_KIND_BENCHMARK,
     PEN_KIND_ACCURACY,
     PEN_KIND_EFFECTS,
+    PEN_KIND_EXPLAIN,
     PEN_KIND_COUNT
 };
 
@@ -21,6 +23,12 @@ bool pen_job_kind_of_name(const char *name, enum pen_job_kind *kind);
 static inline bool pen_job_kind_has_report(enum pen_job_kind kind)
 {
     return kind != PEN_KIND_RENDER;
+}
+
+/* Whether a job of this kind is about a single view. */
+static inline bool pen_job_kind_has_one_view(enum pen_job_kind kind)
+{
+    return kind == PEN_KIND_EFFECTS || kind == PEN_KIND_EXPLAIN;
 }
 
 #endif

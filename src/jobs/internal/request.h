@@ -22,6 +22,8 @@ struct pen_request {
     size_t scene_bytes;
     const char *scene_at; /* JSON Pointer to it in the body: "" or "/scene" */
     bool bare;            /* the body is the scene */
+    bool explain;         /* the body is to be explained */
+    bool analyze;         /* and rendered, to be compared */
     struct pen_scene_desc desc;
     struct pen_settings settings; /* the scene's, overridden by the job's */
     int priority, max_attempts;
@@ -33,6 +35,7 @@ struct pen_request {
     const char *cost;     /* what the layer of that name is; NULL: time */
     enum pen_job_kind kind;
     struct pen_bench_spec spec; /* of a benchmark */
+    int repeats;                /* of a job of kind "effects" */
     int view_count;
     int *views; /* indices into desc.views; in arena */
 };

@@ -154,7 +154,7 @@ static const char *const sql_text[] = {
     [SQL_WORKER_REMOVE] = "DELETE FROM worker WHERE id = ?",
     [SQL_WORKERS_REMOVE] = "DELETE FROM worker WHERE seen_ms < ?",
     [SQL_WORKER_LIST] = "SELECT w.id, w.host, w.pid, w.threads, w.started_ms, max(w.seen_ms,"
-                        " coalesce(b.lease_until_ms - w.lease_ms, 0)), j.id, v.name, b.id,"
+                        " coalesce(b.lease_until_ms - w.lease_ms, 0)), j.id, j.kind, v.name, b.id,"
                         " b.attempt, b.kind, b.pixels FROM worker w"
                         " LEFT JOIN batch b ON b.state = 1 AND b.worker = w.id"
                         " LEFT JOIN job j ON j.number = b.job"

@@ -89,11 +89,12 @@ static bool fill_worker(const struct pen_sqlite_query *query, struct rows *rows)
         .started_ms = pen_sqlite_column_int(query, 4),
         .seen_ms = pen_sqlite_column_int(query, 5),
         .job_id = pen_sqlite_column_keep(query, 6, rows->arena, &ok),
-        .view = pen_sqlite_column_keep(query, 7, rows->arena, &ok),
-        .batch = pen_sqlite_column_int(query, 8),
-        .attempt = pen_sqlite_column_int(query, 9),
-        .kind = (enum pen_batch_kind)pen_sqlite_column_int(query, 10),
-        .pixels = pen_sqlite_column_int(query, 11),
+        .job_kind = pen_sqlite_column_keep(query, 7, rows->arena, &ok),
+        .view = pen_sqlite_column_keep(query, 8, rows->arena, &ok),
+        .batch = pen_sqlite_column_int(query, 9),
+        .attempt = pen_sqlite_column_int(query, 10),
+        .kind = (enum pen_batch_kind)pen_sqlite_column_int(query, 11),
+        .pixels = pen_sqlite_column_int(query, 12),
     };
     return ok;
 }

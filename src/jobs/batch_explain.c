@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT */
+/* An explanation in the worker, so that the api process traces no ray. */
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "jobs/internal/study.h"
+#include "study/explain.h"
+
+struct explain {
+    struct pen_study study;
+    struct pen_scene *scene;
+    double build_ms;
+    struct pen_forecast forecast;
+    struct pen_film *film;
+    struct pen_render_stats stats; /* of the render, if there is one */
+};
+
+static bool freeze(struct explain *e, struct pen_status *st)
+{
+    const struct pen_batch_context *context = e->study.context;
+    const int64_t begun_ns = pen_clock_ns();
+    e->scene = pen_scene_freeze(&e->study.desc,
+                                (enum pen_accelerator)context->request.settings.accelerator,
+                                pen_scene_cache_cap(context->scenes), st);
+    e->build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    return e->scene != NULL;
+}
+
+static bool forecast(struct explain *e, struct pen_status *st)
+{
+    struct pen_batch_context *context = e->study.context;
+    const struct pen_forecast_task task = {.scene = e->scene,
+                                           .view = e->study.views[0],
+                                           .settings = &context->request.settings,
+                                           .cancel = pen_heartbeat_cancel_flag(context->heart),
+                                           .pixel_begins = pen_batch_pixel_hook(context),
+                                           .pixel_user = context};
+    const bool ok = pen_forecast_make(context->pool, &task, &e->forecast, st);
+    if (ok)
+        pen_study_progress(&e->study, 1, (int)e->study.claim->pixels);
+    return pen_batch_hook_done(context, ok, st);
+}
+
+static bool render(struct explain *e, struct pen_status *st)
+{
+    struct pen_batch_context *context = e->study.context;
+    const struct pen_settings *settings = &context->request.settings;
+    if (!pen_stored_request_analyze(&context->request))
+        return true;
+    if (!(e->film = pen_film_new(settings->width, settings->height, st)))
+        return false;
+    const struct pen_render_task task = {.scene = e->scene,
+                                         .view = e->study.views[0],
+                                         .settings = settings,
+                                         .tile_count = -1,
+                                         .rgb = e->film->rgb,
+                                         .cancel = pen_heartbeat_cancel_flag(context->heart),
+                                         .pixel_begins = pen_batch_pixel_hook(context),
+                                         .pixel_user = context,
+                                         .keep_tile_ms = true};
+    return pen_batch_hook_done(context, pen_render_run(context->pool, &task, &e->stats, st), st);
+}
+
+/* The statistics are those of the render; without one they are empty. */
+static bool write(struct explain *e, struct pen_batch_output *output, struct pen_status *st)
+{
+    struct pen_batch_context *context = e->study.context;
+    const bool rendered = e->film != NULL;
+    const struct pen_explain_task task = {.desc = &e->study.desc,
+                                          .settings = &context->request.settings,
+                                          .view = e->study.views[0],
+                                          .forecast = &e->forecast,
+                                          .actual = rendered ? &e->stats : NULL};
+    json_t *json = pen_explain_json(&task);
+    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(15)) : NULL;
+    const bool ok = text && pen_buf_puts(&output->artefact, text);
+    free(text);
+    json_decref(json);
+    if (!ok)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for an explanation");
+    pen_study_set_report(output);
+    return rendered
+               ? pen_study_write_stats(&e->study, &e->stats, pen_accel_get_stats(e->scene->accel),
+                                       e->build_ms, output, st)
+               : pen_batch_write_stats(context, json_object(), output, st);
+}
+
+bool pen_batch_explain(struct pen_batch_context *context, const struct pen_claim *claim,
+                       struct pen_batch_output *output, struct pen_status *st)
+{
+    struct explain e = {.scene = NULL};
+    const bool ok = pen_study_begin(&e.study, context, claim, st) && freeze(&e, st) &&
+                    forecast(&e, st) && render(&e, st) && write(&e, output, st);
+    free(e.stats.tile_ms);
+    pen_film_free(e.film);
+    pen_scene_free(e.scene);
+    pen_study_end(&e.study);
+    return ok;
+}

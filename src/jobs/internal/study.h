@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/* What the studies of a worker have in common: they describe the job's scene and find its views
+ * themselves, instead of taking a frozen scene from the cache, and store their progress in runs.
+ *
+ * A study is one batch: when a worker dies, its times are lost and the next worker measures again,
+ * so no report mixes the times of two workers. Progress is stored between runs, never during one.
+ */
+#ifndef PEN_JOBS_INTERNAL_STUDY_H
+#define PEN_JOBS_INTERNAL_STUDY_H
+
+#include "jobs/internal/batch.h"
+
+struct pen_study {
+    struct pen_batch_context *context;
+    const struct pen_claim *claim;
+    struct pen_arena *arena; /* of desc */
+    struct pen_scene_desc desc;
+    int *views; /* of the job, numbers of views of desc: context->request.view_count */
+    double parse_ms;
+    int64_t progress_ns; /* when progress was last stored */
+};
+
+/* Reads the scene and finds the views. Owns: end *study after success and failure alike. Fails: as
+ * pen_store_scene and pen_scene_load; PEN_NO_MEMORY. */
+bool pen_study_begin(struct pen_study *study, struct pen_batch_context *context,
+                     const struct pen_claim *claim, struct pen_status *st);
+void pen_study_end(struct pen_study *study);
+
+/* Stores how many runs are done; `user` is the study. A failure is ignored: the next call may
+ * succeed, and the heartbeat notices a lost lease. */
+void pen_study_progress(void *user, int done, int total);
+
+/* Names output->artefact as the report that is stored with the commit. */
+void pen_study_set_report(struct pen_batch_output *output);
+
+/* The statistics of a render as those of the job. Fails: PEN_NO_MEMORY. */
+bool pen_study_write_stats(const struct pen_study *study, const struct pen_render_stats *render,
+                           const struct pen_accel_stats *accel, double build_ms,
+                           struct pen_batch_output *output, struct pen_status *st);
+
+#endif
