@@ -27,6 +27,7 @@ bool pen_batch_context_load(struct pen_batch_context *context, const struct pen_
     if (!pen_store_job(context->store, claim->job_id, &job, st))
         return false;
     bool ok = pen_stored_request_read(job.request, &context->request, st);
+    context->fresh = job.done_pixels == 0 && job.estimate_ms == 0;
     pen_job_record_release(&job);
     if (ok)
         memcpy(context->job_id, claim->job_id, sizeof context->job_id);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The size of a batch: about one second of work. A crash loses at most one batch; a job is
  * cancelled, previewed and shared between workers in steps of one batch. Beforehand only an upper
- * bound of a job's primary and shadow rays is known, and nothing about the worker's speed, so a
- * batch is a fixed number of such rays. */
+ * bound of a job's primary and shadow rays is known, which blur multiplies, and nothing about the
+ * worker's speed, so a batch is a fixed number of such rays. */
 #include "jobs/internal/batch_layout.h"
 
 #include <math.h>
@@ -22,6 +22,8 @@ static int batches_of_view(const struct pen_request *request, int tiles)
 {
     const struct pen_settings *s = &request->settings;
     double rays = (double)s->width * s->height * pen_work_per_pixel(&request->desc, s);
+    if (pen_effects_blur(pen_desc_effects(&request->desc, s)))
+        rays *= s->blur_samples;
     double wanted = ceil(rays / batch_rays);
     int most = JOB_BATCHES_MAX / request->view_count;
     if (most > tiles)

@@ -173,8 +173,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     struct pen_scene_precision precision;
     const struct pen_scene *scene = pen_scene_cache_get(
         context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
-    if (!scene || !reserve_image(context, st) || !begin_picture(context, claim, output, st) ||
-        !run_tiles(context, claim, scene, &stats, st))
+    if (!scene || !pen_batch_estimate(context, claim, scene, st) || !reserve_image(context, st) ||
+        !begin_picture(context, claim, output, st) || !run_tiles(context, claim, scene, &stats, st))
         return false;
     double encode_ms = 0;
     bool ok = end_picture(context, output, stats.done_ns, &encode_ms, st);

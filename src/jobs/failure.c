@@ -257,7 +257,7 @@ static char *death_error(void *user, const struct pen_claim *claim, int charges)
              "%d%s",
              charges, charges == 1 ? "" : "es", report->how,
              claim->kind == PEN_BATCH_ASSEMBLE ? "the picture"
-             : claim->kind == PEN_BATCH_STUDY  ? "a run of the study"
+             : claim->kind == PEN_BATCH_STUDY  ? "a run"
                                                : "tiles",
              claim->view, at_pixel(&place, where, sizeof where));
     json_t *problem = pen_problem(&why);

@@ -17,16 +17,23 @@ json_t *pen_time_json(int64_t wall_ms)
     return json_string(text);
 }
 
-/* The seconds left, from the rate between the job's start and its last change; null: not known. */
+/* The seconds left at the job's last change; null: not known. They come from the rate since its
+ * start and from the worker's estimate, which counts for less the more is done: the first pixels
+ * may be the easy ones, but in the end the rate knows. */
 static json_t *eta_json(const struct pen_job_record *job)
 {
     int64_t left = job->total_pixels - job->done_pixels;
     if (job->state == PEN_JOB_SUCCEEDED)
         return json_integer(0);
-    if (job->state != PEN_JOB_RUNNING || job->done_pixels == 0)
+    if (job->state != PEN_JOB_RUNNING || (job->done_pixels == 0 && job->estimate_ms == 0))
         return json_null();
-    double seconds = (double)(job->updated_ms - job->started_ms) / 1000;
-    return json_real(seconds * (double)left / (double)job->done_pixels);
+    const double share = (double)left / (double)job->total_pixels;
+    const double estimated = (double)job->estimate_ms / 1000 * share;
+    if (job->done_pixels == 0)
+        return json_real(estimated);
+    const double seconds = (double)(job->updated_ms - job->started_ms) / 1000;
+    const double by_rate = seconds * (double)left / (double)job->done_pixels;
+    return json_real(job->estimate_ms == 0 ? by_rate : share * estimated + (1 - share) * by_rate);
 }
 
 static json_t *progress_json(const struct pen_job_record *job)

@@ -206,7 +206,7 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
         return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
     struct pen_log_about about = pen_claim_about(claim);
     if (claim->kind == PEN_BATCH_STUDY)
-        pen_log_about(PEN_LOG_INFO, &about, "a study of %lld runs", (long long)claim->pixels);
+        pen_log_about(PEN_LOG_INFO, &about, "%lld runs", (long long)claim->pixels);
     else if (claim->kind == PEN_BATCH_RENDER)
         pen_log_about(PEN_LOG_DEBUG, &about, "%d tiles of view %d from %d on", claim->tile_count,
                       claim->view, claim->first_tile);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Leases: claim, heartbeat, progress, release, fail. A lease is (batch, attempt). The attempt grows
- * with every claim, and every call of a holder names both (README.md, "Leases and fencing"). */
+/* Leases: claim, heartbeat, progress, estimate, release, fail. A lease is (batch, attempt). The
+ * attempt grows with every claim, and every call of a holder names both (README.md, "Leases and
+ * fencing"). */
 #include "store/internal/policy.h"
 
 /* What a worker may claim, given what it holds. */
@@ -107,7 +108,7 @@ bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
 
 struct progress {
     const struct pen_claim *claim;
-    int64_t done;
+    struct pen_progress what;
 };
 
 static bool write_progress(struct pen_store *store, void *arg, struct pen_status *st)
@@ -115,7 +116,7 @@ static bool write_progress(struct pen_store *store, void *arg, struct pen_status
     const struct progress *in = arg;
     struct pen_driver *driver = store->driver;
     struct pen_batch_row batch;
-    struct pen_progress progress = {.pixels = in->done};
+    struct pen_progress progress = in->what;
     bool held;
     if (!pen_check_fence(store, in->claim, &batch, &held, st) ||
         !driver->ops->now(driver, &progress.now_ms, st))
@@ -130,7 +131,14 @@ static bool write_progress(struct pen_store *store, void *arg, struct pen_status
 bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                          struct pen_status *st)
 {
-    struct progress progress = {claim, done};
+    struct progress progress = {claim, {.pixels = done}};
+    return pen_store_write(store, write_progress, &progress, st);
+}
+
+bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,
+                         int64_t estimate_ms, struct pen_status *st)
+{
+    struct progress progress = {claim, {.add = true, .estimate_ms = estimate_ms}};
     return pen_store_write(store, write_progress, &progress, st);
 }
 

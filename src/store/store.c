@@ -248,6 +248,14 @@ bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, 
            leave(store, &start, pen_policy_progress(store, claim, done, st));
 }
 
+bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
+                        struct pen_status *st)
+{
+    struct call_start start = begin(store, "estimate");
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &start, pen_policy_estimate(store, claim, estimate_ms, st));
+}
+
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st)
 {

@@ -191,6 +191,7 @@ struct pen_job_record {
     int64_t created_ms, started_ms, finished_ms; /* by the store's clock; 0: not yet */
     int64_t updated_ms;                          /* when the revision last changed */
     int64_t done_pixels, total_pixels;
+    int64_t estimate_ms; /* what rendering is expected to take in all; 0: not estimated */
 };
 
 void pen_job_record_release(struct pen_job_record *job);
@@ -289,6 +290,11 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
 
 /* Stores how many of its runs a study has finished, for readers. Fails: PEN_STALE. */
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
+                        struct pen_status *st);
+
+/* Stores what rendering the claim's job is expected to take in all, for readers. Fails: PEN_STALE.
+ */
+bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
                         struct pen_status *st);
 
 /* Gives a batch back without a result or a charge. Does nothing if it is no longer held. */

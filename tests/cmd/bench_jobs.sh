@@ -141,7 +141,7 @@ run_bad segv@3,5@bad
 expect "a benchmark that crashes its worker fails" "$(body '.state + " " + (.attempts | tostring)')" "failed 3"
 if [ -z "$sanitized" ]; then
     expect "its error has signal and pixel" "$(body '.error.signal + " " + (.error.pixel | join(","))')" "SIGSEGV 3,5"
-    expect_match "its error names the benchmark" "$(body .error.detail)" "*at a run of the benchmark*"
+    expect_match "its error names the benchmark" "$(body .error.detail)" "*at a run of view*"
     line=$(body .error.repeat)
     (PATH=$build:$PATH && eval "$line") >repeated 2>&1
     expect_match "the command line in its error repeats the benchmark" "$(cat repeated)" "row *median ms*"

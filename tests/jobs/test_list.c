@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists and their cursors, get, cancel, delete, built-in scenes, and problem documents. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "support/jobs.h"
 #include "support/suite.h"
@@ -159,6 +161,69 @@ START_TEST(test_list__progress_is_frozen_per_revision)
 }
 END_TEST
 
+static double eta_of(void)
+{
+    json_t *job = jobs_get(&bed, id);
+    const json_t *eta = json_object_get(json_object_get(job, "progress"), "eta_seconds");
+    const double seconds = json_is_null(eta) ? -1 : json_number_value(eta);
+    json_decref(job);
+    return seconds;
+}
+
+/* What the worker expects counts fully at first, and the rate fully in the end. */
+START_TEST(test_list__first_eta_is_the_estimate_of_the_worker)
+{
+    static float rgb[64 * 64 * 3];
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    jobs_submit(&bed,
+                jobs_scene(", \"render\": {\"width\": 64, \"height\": 64, \"tile\": 16,"
+                           " \"samples_per_pixel\": 2000}"),
+                id);
+    struct pen_claim claim = store_claim(bed.bed.store, "w");
+    ck_assert(eta_of() == -1);
+    store_must(pen_store_estimate(bed.bed.store, &claim, 8000000, &st), &st, "estimate");
+    ck_assert(eta_of() == 8000);
+    struct pen_result result = {.rgb = rgb, .pixels = claim.pixels, .stats = "{}"};
+    store_must(pen_store_commit(bed.bed.store, &claim, &result, &st), &st, "commit");
+    struct pen_job_record job = store_job_get(bed.bed.store, id);
+    const double left = 1 - (double)job.done_pixels / 4096,
+                 took = (double)(job.updated_ms - job.started_ms) / 1000,
+                 rate = took * left / (1 - left), wanted = left * left * 8000 + (1 - left) * rate;
+    ck_assert(left > 0 && left < 1);
+    ck_assert(fabs(eta_of() - wanted) < 1e-6 * wanted);
+    pen_job_record_release(&job);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* A job of more than ten batches is estimated before its first pixels, a small one is not. */
+START_TEST(test_list__only_long_jobs_are_estimated)
+{
+    static const char *const renders[] = {
+        ", \"render\": {\"width\": 64, \"height\": 64, \"tile\": 16}",
+        ", \"render\": {\"width\": 2000, \"height\": 1500, \"samples_per_pixel\": 9}"};
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    for (int i = 0; i < 2; i++) {
+        jobs_submit(&bed, jobs_scene(renders[i]), id);
+        struct pen_job_record job = store_job_get(bed.bed.store, id);
+        while (job.done_pixels == 0) {
+            pen_job_record_release(&job);
+            usleep(1000);
+            job = store_job_get(bed.bed.store, id);
+        }
+        ck_assert_int_eq(job.estimate_ms > 0, i == 1);
+        pen_job_record_release(&job);
+    }
+    struct pen_job_snapshot snapshot;
+    store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+    json_decref(snapshot.json);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_list__built_in_scenes_are_listed_by_name)
 {
     json_t *answer = pen_jobs_scenes();
@@ -258,5 +323,7 @@ END_TEST
 PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps, test_list__state_filters,
           test_list__wrong_cursors_and_limits_are_refused,
           test_list__cancel_and_delete_follow_the_state, test_list__progress_is_frozen_per_revision,
-          test_list__built_in_scenes_are_listed_by_name, test_list__problem_of_one_status,
-          test_list__problem_of_several_errors, test_list__workers_are_shown_with_host_and_work)
+          test_list__first_eta_is_the_estimate_of_the_worker,
+          test_list__only_long_jobs_are_estimated, test_list__built_in_scenes_are_listed_by_name,
+          test_list__problem_of_one_status, test_list__problem_of_several_errors,
+          test_list__workers_are_shown_with_host_and_work)

@@ -318,7 +318,7 @@ END_TEST
 
 static void progress(int64_t job, int64_t pixels, bool add, bool forgive, int64_t now_ms)
 {
-    struct pen_progress in = {job, pixels, now_ms, add, forgive};
+    struct pen_progress in = {job, pixels, now_ms, add, forgive, 0};
     DRIVER_RUN(bed.driver, begin_write);
     DRIVER_DO(bed.driver, job_progress, &in);
     DRIVER_RUN(bed.driver, commit);
@@ -353,6 +353,26 @@ START_TEST(test_driver_jobs__progress_is_added_or_set_and_may_forgive_charges)
     expect_progress(32, 2, 6);
     progress(job, 0, false, true, 70);
     expect_progress(0, 0, 7);
+    driver_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_driver_jobs__progress_keeps_the_last_estimate)
+{
+    driver_bed_open(&bed, _i);
+    const int64_t job = driver_submit_new(bed.driver, 1, 1, 2, 0).number,
+                  estimates[][2] = {{0, 0}, {7000, 7000}, {0, 7000}, {90, 90}};
+    for (int i = 0; i < 4; i++) {
+        struct pen_progress in = {
+            .job = job, .add = true, .now_ms = 20 + 10 * i, .estimate_ms = estimates[i][0]};
+        DRIVER_RUN(bed.driver, begin_write);
+        DRIVER_DO(bed.driver, job_progress, &in);
+        DRIVER_RUN(bed.driver, commit);
+        struct pen_job_row row = driver_job_row(bed.driver, 1);
+        ck_assert_int_eq(row.record.estimate_ms, estimates[i][1]);
+        pen_job_record_release(&row.record);
+        expect_progress(0, 0, 2 + i);
+    }
     driver_bed_close(&bed);
 }
 END_TEST
@@ -437,5 +457,6 @@ DRIVER_SUITE("driver: jobs", test_driver_jobs__job_is_read_as_written,
              test_driver_jobs__only_a_running_job_fails,
              test_driver_jobs__open_and_leased_batches_are_ended_and_done_ones_stay,
              test_driver_jobs__progress_is_added_or_set_and_may_forgive_charges,
+             test_driver_jobs__progress_keeps_the_last_estimate,
              test_driver_jobs__views_are_counted_off,
              test_driver_jobs__removed_job_leaves_nothing_and_others_stay)

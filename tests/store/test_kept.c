@@ -16,7 +16,7 @@
 #include "support/store_sql.h"
 #include "support/suite.h"
 
-enum { SCHEMAS = 8, FIRST_WITH_BENCHMARKS = 6, FILE_BYTES = 1 << 20 };
+enum { SCHEMAS = 9, FIRST_WITH_BENCHMARKS = 6, FIRST_WITH_LOCK_FILES = 9, FILE_BYTES = 1 << 20 };
 
 /* The jobs of every kept store, by number. */
 static const struct {
@@ -145,13 +145,16 @@ START_TEST(test_kept__expired_lease_is_claimed_again)
 }
 END_TEST
 
-/* Makes the lease in the file last, as if the daemon had been killed just now. */
-static void renew_lease(const struct store_bed *bed)
+/* Makes the lease in the file last, as if the daemon had been killed just now. The file in which
+ * its worker held a lock, known by its inode since schema 9, is another one here. */
+static void renew_lease(const struct store_bed *bed, int schema)
 {
     char sql[100];
     snprintf(sql, sizeof sql, "UPDATE batch SET lease_until_ms = %lld WHERE state = 1",
              (long long)pen_clock_wall_ms() + 3600000);
     store_run_sql(bed, sql, NULL, 0);
+    if (schema >= FIRST_WITH_LOCK_FILES)
+        store_run_sql(bed, "UPDATE worker SET lock_file = NULL", NULL, 0);
 }
 
 struct pictures {
@@ -223,7 +226,7 @@ static void finish(int schema, const struct pictures *fresh)
     char id[JOBS][PEN_ID_BYTES];
     int opened = -1;
     decompress(&bed.bed, schema);
-    renew_lease(&bed.bed);
+    renew_lease(&bed.bed, schema);
     jobs_bed_open(&bed);
     list(bed.bed.store, schema, false, id);
     store_must(pen_store_expire_leases(bed.bed.store, NULL, &opened, &st), &st, "expire");

@@ -34,6 +34,7 @@ static const char *const undo[] = {
     " lease_ms INTEGER NOT NULL, started_ms INTEGER NOT NULL, seen_ms INTEGER NOT NULL)"
     " STRICT, WITHOUT ROWID",
     "ALTER TABLE worker DROP COLUMN lock_file",
+    "ALTER TABLE job DROP COLUMN estimate_ms",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

@@ -27,6 +27,12 @@ pen_batch_run_fn pen_batch_assemble;
 bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim *claim,
                       struct pen_status *st);
 
+/* batch_estimate.c: before the first batch of a job that may take long, estimates what it will
+ * take, and stores that. A small job is left as it is. Fails: as
+ * pen_forecast_make. */
+bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
+                        const struct pen_scene *scene, struct pen_status *st);
+
 /* batch_benchmark.c: runs a whole benchmark; the artefact is the report as JSON. */
 pen_batch_run_fn pen_batch_benchmark;
 

@@ -25,6 +25,8 @@ struct pen_batch_context {
     atomic_bool exhausted;                /* atomic: relaxed; the fault has failed a pixel */
     char job_id[PEN_ID_BYTES];            /* the job of `request`, "" if there is none */
     struct pen_stored_request request;
+    bool fresh;                     /* no pixel of the job was done when `request` was read, and its
+                                       time not estimated */
     float *image;                   /* pixels of the view being rendered, by rows */
     size_t image_pixels;            /* capacity of image, in pixels */
     struct pen_png_writer *picture; /* of the view being rendered, from `image`; else NULL */

@@ -113,6 +113,7 @@ struct pen_progress {
     int64_t job, pixels, now_ms;
     bool add;     /* true: add `pixels` to done_pixels. false: set it, to the job's total at most */
     bool forgive; /* set the job's deaths and charges to 0, and end its pause */
+    int64_t estimate_ms; /* above 0: what the job is expected to take */
 };
 
 /* Which leases are lost: those of `worker` (NULL: of none), and those that end before before_ms. */

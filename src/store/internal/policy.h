@@ -79,6 +79,8 @@ bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                          struct pen_status *st);
+bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,
+                         int64_t estimate_ms, struct pen_status *st);
 bool pen_policy_release(struct pen_store *store, const struct pen_claim *claim,
                         struct pen_status *st);
 bool pen_policy_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,

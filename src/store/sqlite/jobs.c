@@ -125,6 +125,7 @@ static bool fill_row(const struct pen_sqlite_query *query, struct pen_job_row *r
             .updated_ms = pen_sqlite_column_int(query, JOB_updated_ms),
             .done_pixels = pen_sqlite_column_int(query, JOB_done_pixels),
             .total_pixels = pen_sqlite_column_int(query, JOB_total_pixels),
+            .estimate_ms = pen_sqlite_column_int(query, JOB_estimate_ms),
         }};
     const char *id = pen_sqlite_column_text(query, JOB_id);
     size_t length = id ? strlen(id) : 0;
@@ -239,6 +240,7 @@ bool pen_sqlite_job_progress(struct pen_driver *driver, const struct pen_progres
     pen_sqlite_int(&query, progress->add);
     pen_sqlite_int(&query, progress->now_ms);
     pen_sqlite_int(&query, progress->forgive);
+    pen_sqlite_int(&query, progress->estimate_ms);
     return pen_sqlite_run(&query, st);
 }
 

@@ -169,8 +169,12 @@ static const char step_8[] =
 /* The inode of the file in which a worker holds its lock (workers.c). */
 static const char step_9[] = "ALTER TABLE worker ADD COLUMN lock_file INTEGER;";
 
+/* What a worker expects the job's rendering to take. From here on studies may be of other kinds
+ * than benchmarks, for which builds of earlier schemas would take them. */
+static const char step_10[] = "ALTER TABLE job ADD COLUMN estimate_ms INTEGER NOT NULL DEFAULT 0;";
+
 static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5,
-                                    step_6, step_7, step_8, step_9};
+                                    step_6, step_7, step_8, step_9, step_10};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,

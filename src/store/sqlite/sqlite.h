@@ -101,6 +101,7 @@ enum pen_sqlite_sql {
     NEXT(updated_ms)                                                                               \
     NEXT(done_pixels)                                                                              \
     NEXT(total_pixels)                                                                             \
+    NEXT(estimate_ms)                                                                              \
     NEXT(scene)
 #define PEN_SQLITE_CLAIM_COLUMNS(FIRST, NEXT)                                                      \
     FIRST(batch, b.id)                                                                             \
