@@ -35,6 +35,7 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
     const double all_ms = forecast.time_ms.expected * request->view_count;
     const struct pen_log_about about = pen_claim_about(claim);
     pen_log_about(PEN_LOG_DEBUG, &about, "expected to take %.1f s", all_ms / 1000);
+    pen_forecast_release(&forecast);
     pen_store_estimate(context->store, claim, (int64_t)ceil(all_ms), &ignored);
     return true;
 }

@@ -91,6 +91,7 @@ bool pen_batch_explain(struct pen_batch_context *context, const struct pen_claim
     struct explain e = {.scene = NULL};
     const bool ok = pen_study_begin(&e.study, context, claim, st) && freeze(&e, st) &&
                     forecast(&e, st) && render(&e, st) && write(&e, output, st);
+    pen_forecast_release(&e.forecast);
     free(e.stats.tile_ms);
     pen_film_free(e.film);
     pen_scene_free(e.scene);

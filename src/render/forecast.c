@@ -12,6 +12,7 @@
 
 #include "base/clock.h"
 #include "render/internal/kernel_input.h"
+#include "shade/first_hit.h"
 
 enum { LEAST_CELLS = 4096, BLOCKS = 96, KINDS = 4 };
 
@@ -24,6 +25,7 @@ struct forecast {
     int threads, columns, rows;          /* of cells */
     double (*rays)[KINDS];               /* by cell */
     double block_ns[BLOCKS], block_rays[BLOCKS];
+    atomic_bool *seen; /* as in pen_forecast; relaxed */
     atomic_int next;
 };
 
@@ -58,6 +60,13 @@ static void begin_pixel(const struct forecast *f, int thread, int x, int y)
         f->task->pixel_begins(f->task->pixel_user, thread, x, y);
 }
 
+static void note_seen(const struct forecast *f, int x, int y)
+{
+    struct pen_first_hit hit;
+    if (pen_first_hit(&f->input, x, y, &hit))
+        atomic_store_explicit(&f->seen[hit.prim], true, memory_order_relaxed);
+}
+
 static void count_cell(struct forecast *f, int thread, int cell)
 {
     const struct pen_settings *s = f->settings;
@@ -71,6 +80,7 @@ static void count_cell(struct forecast *f, int thread, int cell)
     double rgb[3];
     begin_pixel(f, thread, x, y);
     f->kernel->pixel(&f->input, f->scratch[thread], x, y, rgb, &rays);
+    note_seen(f, x, y);
     f->rays[cell][0] = (double)rays.primary;
     f->rays[cell][1] = (double)rays.shadow;
     f->rays[cell][2] = (double)rays.reflection;
@@ -183,10 +193,11 @@ static bool make_scratch(struct forecast *f)
 {
     f->scratch = calloc((size_t)f->threads, sizeof *f->scratch);
     f->rays = calloc((size_t)f->columns * (size_t)f->rows, sizeof *f->rays);
+    f->seen = calloc(f->input.scene->prims.count + 1, sizeof *f->seen);
     for (int i = 0; f->scratch && i < f->threads; i++)
         if (!(f->scratch[i] = pen_kernel_scratch_new(&f->input)))
             return false;
-    return f->scratch && f->rays;
+    return f->scratch && f->rays && f->seen;
 }
 
 static void release(struct forecast *f)
@@ -195,6 +206,7 @@ static void release(struct forecast *f)
         pen_kernel_scratch_free(f->scratch[i]);
     free(f->scratch);
     free(f->rays);
+    free(f->seen);
 }
 
 static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_forecast *out)
@@ -214,6 +226,8 @@ static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_for
     out->pixels = f->columns * f->rows;
     out->kernel = f->kernel->name;
     out->effects = f->input.effects;
+    out->seen = f->seen;
+    f->seen = NULL;
 }
 
 bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
@@ -234,5 +248,14 @@ bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_t
     out->spent_ms = (double)(pen_clock_ns() - begun) * 1e-6;
     if (!ok)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a forecast");
-    return !is_cancelled(&f) || pen_fail(st, PEN_CANCELLED, "the forecast was cancelled");
+    if (!is_cancelled(&f))
+        return true;
+    pen_forecast_release(out);
+    return pen_fail(st, PEN_CANCELLED, "the forecast was cancelled");
+}
+
+void pen_forecast_release(struct pen_forecast *forecast)
+{
+    free(forecast->seen);
+    forecast->seen = NULL;
 }

@@ -21,6 +21,9 @@ struct pen_forecast {
     double spent_ms;             /* on it */
     const char *kernel;
     unsigned effects;
+    /* By primitive number: whether it is the first surface of a pixel of the pre-render, seen by
+     * the pinhole through the pixel's middle. */
+    atomic_bool *seen;
 };
 
 /* What to forecast; everything is borrowed. */
@@ -37,8 +40,9 @@ struct pen_forecast_task {
 /* Renders one pixel in each of max(1 %, 4096) equal parts of the image, and counts its rays; then
  * some blocks, to measure the time of a ray. Rays vary from part to part as from pixel to pixel of
  * neighbouring parts, which gives the intervals; the pixels are the same at each call. Threads: as
- * pen_render_run. Fails: PEN_NO_MEMORY, PEN_CANCELLED. */
+ * pen_render_run. Owns: release *out after success. Fails: PEN_NO_MEMORY, PEN_CANCELLED. */
 bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
                        struct pen_forecast *out, struct pen_status *st);
+void pen_forecast_release(struct pen_forecast *forecast);
 
 #endif

@@ -33,6 +33,7 @@ bool pen_first_hit(const struct pen_kernel_input *input, int x, int y, struct pe
     const struct pen_vec3 p = pen_prim_point(&scene->prims, hit, &path.ray);
     const struct pen_vec3 n = pen_prim_normal(&scene->prims, hit, p);
     const double bound = pen_origin_at(&scene->prims, &path.ray, &path.origin, hit, p).bound;
+    out->prim = hit.prim;
     out->distance = pen_scale2(pen_length(pen_sub(p, path.ray.o)), scene->exponent);
     out->normal = pen_dot(n, path.ray.d) > 0 ? pen_neg(n) : n;
     out->albedo = pen_material_at(scene, hit.prim, p, bound).kd;

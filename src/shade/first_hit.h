@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What a pixel shows first: for the layers depth, normal and albedo. */
+/* What a pixel shows first: for the layers depth, normal and albedo, and for what a view sees. */
 #ifndef PEN_SHADE_FIRST_HIT_H
 #define PEN_SHADE_FIRST_HIT_H
 
 #include "shade/kernel.h"
 
 struct pen_first_hit {
+    uint32_t prim;          /* the primitive's number */
     double distance;        /* from the eye, scene units */
     struct pen_vec3 normal; /* unit, towards the viewer; world axes */
     struct pen_vec3 albedo; /* kd */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "study/explain.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -81,8 +82,9 @@ static const char *property(enum pen_effect effect)
 struct objects {
     const struct pen_scene_desc *desc;
     enum pen_effect effect;
-    uint32_t count, primitive, more; /* found; passed; found, and not named */
-    const char *name[NAMED];         /* NULL: it has none */
+    const atomic_bool *seen;                     /* by primitive number */
+    uint32_t count, primitive, more, seen_count; /* found; passed; found, and not named; and seen */
+    const char *name[NAMED];                     /* NULL: it has none */
     int named;
     struct pen_buf names;
 };
@@ -126,16 +128,33 @@ static void find_objects(struct objects *found, const struct pen_object_desc *li
         const uint32_t number = found->primitive++;
         const struct pen_material *m =
             o->material < 0 ? &none : &found->desc->materials[o->material];
-        if (shows(m, found->effect))
-            add_object(found, pen_kinds[o->kind].name, o->name ? o->name : group, number);
+        if (!shows(m, found->effect))
+            continue;
+        found->seen_count += atomic_load_explicit(&found->seen[number], memory_order_relaxed);
+        add_object(found, pen_kinds[o->kind].name, o->name ? o->name : group, number);
     }
 }
 
-/* "objects a, b and 3 more have kr > 0", or "no object has kr > 0". */
-static void say_objects(const struct pen_scene_desc *desc, enum pen_effect effect,
+/* How many of the objects the view sees at first, as the end of a sentence about them. */
+static void say_seen(const struct objects *found, const char *view, struct pen_buf *out)
+{
+    const uint32_t seen = found->seen_count, count = found->count;
+    if (seen == count)
+        pen_buf_printf(out, " and %s visible from view %s", count > 1 ? "are" : "is", view);
+    else if (seen == 0)
+        pen_buf_printf(out, ", which no camera ray of the pre-render meets");
+    else
+        pen_buf_printf(out, ", and %u of their %u primitives %s visible from view %s",
+                       (unsigned)seen, (unsigned)count, seen > 1 ? "are" : "is", view);
+}
+
+/* "objects a, b and 3 more have kr > 0 and are visible from view main", or "no object has kr > 0".
+ */
+static void say_objects(const struct pen_explain_task *task, enum pen_effect effect,
                         struct pen_buf *out)
 {
-    struct objects found = {.desc = desc, .effect = effect};
+    const struct pen_scene_desc *desc = task->desc;
+    struct objects found = {.desc = desc, .effect = effect, .seen = task->forecast->seen};
     find_objects(&found, desc->objects, desc->object_count, NULL);
     if (found.count == 0)
         pen_buf_printf(out, "no object has %s", property(effect));
@@ -146,13 +165,16 @@ static void say_objects(const struct pen_scene_desc *desc, enum pen_effect effec
         pen_buf_printf(out, " and %u more", (unsigned)found.more);
     if (found.count > 0)
         pen_buf_printf(out, " ha%s %s", found.count > 1 ? "ve" : "s", property(effect));
+    if (found.count > 0)
+        say_seen(&found, desc->views[task->view].name, out);
     out->failed |= found.names.failed;
     pen_buf_release(&found.names);
 }
 
-static bool has_objects(const struct pen_scene_desc *desc, enum pen_effect effect)
+static bool has_objects(const struct pen_explain_task *task, enum pen_effect effect)
 {
-    struct objects found = {.desc = desc, .effect = effect};
+    const struct pen_scene_desc *desc = task->desc;
+    struct objects found = {.desc = desc, .effect = effect, .seen = task->forecast->seen};
     find_objects(&found, desc->objects, desc->object_count, NULL);
     pen_buf_release(&found.names);
     return found.count > 0;
@@ -189,7 +211,7 @@ static void say_why(const struct pen_explain_task *task, enum pen_effect effect,
     if (secondary && task->settings->max_depth <= 1)
         pen_buf_puts(out, "max_depth is 1");
     else if (property(effect))
-        say_objects(desc, effect, out);
+        say_objects(task, effect, out);
     else if (effect == PEN_FX_HARD_SHADOWS || effect == PEN_FX_SOFT_SHADOWS)
         say_shadows(desc, effect == PEN_FX_SOFT_SHADOWS, out);
     else if (effect == PEN_FX_ANTI_ALIASING)
@@ -200,7 +222,7 @@ static void say_why(const struct pen_explain_task *task, enum pen_effect effect,
         pen_buf_puts(out, called_for ? "the background is a sky" : "the background has one colour");
     else
         pen_buf_printf(out, "aperture_radius is %g", camera->aperture_radius);
-    if (secondary && !called_for && task->settings->max_depth > 1 && has_objects(desc, effect))
+    if (secondary && !called_for && task->settings->max_depth > 1 && has_objects(task, effect))
         pen_buf_puts(out, "; too little, in all of them, for min_contribution");
     if (effect == PEN_FX_AMBIENT && !is_lit(desc->ambient))
         pen_buf_puts(out, "; there is no ambient light");

@@ -56,6 +56,7 @@ static void judge(struct tally *tally, const struct pen_scene *scene, int view,
             printf("%s, kind %d: expected %g, got %g\n", name, i, e[i].expected, got[i]);
         }
     }
+    pen_forecast_release(&f);
     free(rgb);
     pen_thread_pool_free(pool);
 }
@@ -144,6 +145,7 @@ static json_t *explanation(void)
     const struct pen_explain_task task = {
         .desc = &kit.desc, .settings = &kit.settings, .forecast = &forecast};
     json_t *json = pen_explain_json(&task);
+    pen_forecast_release(&forecast);
     ck_assert_ptr_nonnull(json);
     pen_thread_pool_free(pool);
     pen_scene_free(scene);
@@ -171,11 +173,12 @@ START_TEST(test_explain__says_why)
     const int mirror = kit_material(&kit, m);
     kit_sphere(&kit, pen_vec3(0, 0, 0), 1, mirror)->name = "ball";
     for (int i = 0; i < 5; i++)
-        kit_sphere(&kit, pen_vec3(3 + i, 0, 0), 0.1, mirror);
+        kit_sphere(&kit, pen_vec3(0, 0, -3 - i), 0.1, mirror); /* behind the ball */
     kit_point(&kit, pen_vec3(0, 9, 9), pen_vec3(1, 1, 1));
     json_t *json = explanation();
     ck_assert_str_eq(why(json, "effects", "mirror"),
-                     "objects ball, sphere 1, sphere 2, sphere 3 and 2 more have kr > 0");
+                     "objects ball, sphere 1, sphere 2, sphere 3 and 2 more have kr > 0, and 1 of "
+                     "their 6 primitives is visible from view main");
     ck_assert_str_eq(why(json, "effects", "hard_shadows"),
                      "1 light without a radius casts shadows");
     ck_assert_str_eq(why(json, "absent", "refraction"),
@@ -185,6 +188,20 @@ START_TEST(test_explain__says_why)
     ck_assert_uint_eq(json_array_size(json_object_get(json, "effects")) +
                           json_array_size(json_object_get(json, "absent")),
                       PEN_FX_COUNT);
+    json_decref(json);
+    kit.objects[0].material = -1;
+    json = explanation();
+    ck_assert_str_eq(
+        why(json, "effects", "mirror"),
+        "objects sphere 1, sphere 2, sphere 3, sphere 4 and 1 more have kr > 0, which no "
+        "camera ray of the pre-render meets");
+    json_decref(json);
+    for (int i = 1; i < 6; i++)
+        kit.objects[i].material = -1;
+    kit.objects[0].material = mirror;
+    json = explanation();
+    ck_assert_str_eq(why(json, "effects", "mirror"),
+                     "object ball has kr > 0 and is visible from view main");
     json_decref(json);
     kit.materials[mirror].kr.x = 1e-9;
     json = explanation();

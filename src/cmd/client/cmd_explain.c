@@ -130,6 +130,7 @@ static int run(int argc, char **argv)
         return code;
     struct explain e = {.values = &values};
     code = explain(&e, parsed.args[0]);
+    pen_forecast_release(&e.forecast);
     pen_film_free(e.film);
     pen_thread_pool_free(e.pool);
     pen_scene_free(e.scene);
