@@ -89,7 +89,7 @@ explain '{"scene": "builtin:room", "analyze": "yes"}'
 expect_problem "analyze must be a boolean" 422 '*must be true or false*'
 call /v1/explain
 expect "the method GET" "$status" 405
-explain '{"scene": "builtin:glass", "analyze": true, "timeout_seconds": 0.05, "render": {"width": 1600, "height": 1200, "samples_per_pixel": 16}}'
+explain '{"scene": "builtin:glass", "analyze": true, "timeout_seconds": 0.2, "render": {"width": 3000, "height": 2400, "samples_per_pixel": 64}}'
 expect_problem "the error of an explanation that fails" 504 '*longer than its timeout_seconds*'
 expect "no explanation that was answered is kept" "$(jobs_left)" 0
 
@@ -98,7 +98,7 @@ begun=$(date +%s%N)
 explain '{"scene": "builtin:glass", "analyze": true, "render": {"width": 3000, "height": 2400, "samples_per_pixel": 64}}'
 took=$((($(date +%s%N) - begun) / 1000000))
 expect "a long explanation" "$status $(body .kind)" "202 explain"
-if [ "$took" -ge 9900 ] && [ "$took" -lt 13000 ]; then ok "is answered after 10 s"; else not_ok "is answered after 10 s" "$took ms"; fi
+if [ "$took" -ge 9900 ] && [ "$took" -lt 30000 ]; then ok "is answered after 10 s"; else not_ok "is answered after 10 s" "$took ms"; fi
 job=$(header location)
 expect "the job can be followed" "$(curl -s "$url$job" | jq -r .state)" running
 curl -s -o /dev/null -X POST "$url$job/cancel"
