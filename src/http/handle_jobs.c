@@ -155,8 +155,9 @@ static void reply_error(struct request *request, const struct snapshot *snapshot
     json_decref(job);
 }
 
-/* Answers with the explanation, the error that took its place, or the job if it takes long. A job
- * whose end the client has seen is not kept. */
+/* Answers with the explanation, the error that took its place, or the job if it takes long. The job
+ * of an explanation that was answered is not kept, nor is a cancelled one. A failed job stays,
+ * since its error says how to repeat it from the job's scene. */
 static void reply_explanation(struct request *request, struct pen_jobs *jobs,
                               const struct snapshot *snapshot)
 {
@@ -175,7 +176,11 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
         pen_http_reply_body(&request->reply, 200, pen_http_blob_take(&report.bytes), report.type);
     else
         pen_http_request_fail(request, &st);
-    pen_jobs_delete(jobs, request->job_id, &st); /* if it fails, the job is one more in the list */
+    if (request->reply.status != 200)
+        pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);
+    if ((request->reply.status == 200 && !request->reply.failed) ||
+        snapshot->state == PEN_JOB_CANCELLED)
+        pen_jobs_delete(jobs, request->job_id, &st); /* if it fails, the list has one job more */
 }
 
 /* Makes the job. Returns whether it is there; otherwise the request is answered. */

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* The first estimate of what a job will take, from which its first eta_seconds come. It costs about
- * one part in fifty of the render, so it is made only where the bound of the job's rays means more
- * than ten seconds, which its batches tell (batch_layout.c), and once. */
+/* The first estimate of what a job will take, from which its first eta_seconds come. It is made
+ * once, before the job's first batch, where the bound of the job's rays means more than ten
+ * seconds, which its batches tell (batch_layout.c). It is left out where it would cost more than a
+ * thirtieth of the pixels, or more than ten seconds itself by that bound: then the first batches,
+ * of a second each, tell soon enough. */
 #include "jobs/internal/batch.h"
 
 #include <math.h>
@@ -12,6 +14,15 @@
 
 enum { LONG_BATCHES = 10 }; /* of about a second each */
 
+static bool is_wanted(const struct pen_batch_context *context, const struct pen_claim *claim)
+{
+    const struct pen_settings *s = &context->request.settings;
+    const double views = context->request.view_count, pixels = views * s->width * s->height,
+                 batches = views * claim->view_batches, share = PEN_FORECAST_QUICK_PIXELS / pixels;
+    return context->fresh && claim->attempt == 1 && claim->view == 0 && claim->first_tile == 0 &&
+           batches > LONG_BATCHES && share < 1.0 / 30 && share * batches < LONG_BATCHES;
+}
+
 bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
                         const struct pen_scene *scene, struct pen_status *st)
 {
@@ -20,11 +31,11 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
     const struct pen_forecast_task task = {.scene = scene,
                                            .view = name ? pen_scene_find_view(scene, name) : -1,
                                            .settings = &request->settings,
+                                           .quick = true,
                                            .cancel = pen_heartbeat_cancel_flag(context->heart),
                                            .pixel_begins = pen_batch_pixel_hook(context),
                                            .pixel_user = context};
-    const bool wanted = context->fresh && claim->attempt == 1 && task.view >= 0 &&
-                        claim->view_batches * request->view_count > LONG_BATCHES;
+    const bool wanted = is_wanted(context, claim) && task.view >= 0;
     struct pen_forecast forecast;
     struct pen_status ignored;
     context->fresh = false;

@@ -214,7 +214,7 @@ static const struct {
     {.key = "priority", .read = read_priority},
     {.key = "name", .read = read_name},
     {.key = "labels", .read = read_labels},
-    {.key = "layers", .read = read_layers},
+    {.key = "layers", .read = read_layers, .kinds = RENDER | BENCHMARK | EFFECTS},
     {.key = "cost", .read = read_cost, .kinds = RENDER},
     {.key = "max_attempts", .read = read_max_attempts},
     {.key = "timeout_seconds", .read = read_timeout},

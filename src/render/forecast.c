@@ -14,7 +14,10 @@
 #include "render/internal/kernel_input.h"
 #include "shade/first_hit.h"
 
-enum { LEAST_CELLS = 4096, BLOCKS = 96, KINDS = 4 };
+enum { BLOCKS = 96, KINDS = 4 };
+_Static_assert(PEN_FORECAST_CELLS + BLOCKS * PEN_BLOCK_SIDE * PEN_BLOCK_SIDE ==
+                   PEN_FORECAST_QUICK_PIXELS,
+               "all pixels of a quick forecast");
 
 struct forecast {
     const struct pen_forecast_task *task;
@@ -179,7 +182,8 @@ static struct pen_estimate estimate_time(const struct forecast *f, const struct 
 static void cut(struct forecast *f)
 {
     const double width = f->settings->width, height = f->settings->height;
-    const double wanted = width * height * 0.01 > LEAST_CELLS ? width * height * 0.01 : LEAST_CELLS;
+    const bool least = f->task->quick || width * height * 0.01 < PEN_FORECAST_CELLS;
+    const double wanted = least ? PEN_FORECAST_CELLS : width * height * 0.01;
     const double side = wanted < width * height ? sqrt(width * height / wanted) : 1;
     f->columns = (int)ceil(width / side);
     f->rows = (int)ceil(height / side);

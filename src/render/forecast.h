@@ -26,11 +26,15 @@ struct pen_forecast {
     atomic_bool *seen;
 };
 
+/* The least number of cells, and the most pixels that a quick forecast renders. */
+enum { PEN_FORECAST_CELLS = 4096, PEN_FORECAST_QUICK_PIXELS = PEN_FORECAST_CELLS + 96 * 64 };
+
 /* What to forecast; everything is borrowed. */
 struct pen_forecast_task {
     const struct pen_scene *scene;
     int view;
     const struct pen_settings *settings;
+    bool quick; /* PEN_FORECAST_CELLS cells at most, however large the image is */
     /* As in pen_render_task; may be NULL. */
     const atomic_bool *cancel;
     void (*pixel_begins)(void *user, int thread, int x, int y);

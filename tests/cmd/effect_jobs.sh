@@ -91,6 +91,9 @@ call /v1/explain
 expect "the method GET" "$status" 405
 explain '{"scene": "builtin:glass", "analyze": true, "timeout_seconds": 0.2, "render": {"width": 3000, "height": 2400, "samples_per_pixel": 64}}'
 expect_problem "the error of an explanation that fails" 504 '*longer than its timeout_seconds*'
+failed=$(header location)
+expect "the failed job is kept" "$(curl -s "$url$failed" | jq -r .state)" failed
+curl -s -X DELETE "$url$failed"
 expect "no explanation that was answered is kept" "$(jobs_left)" 0
 
 # One that takes longer than 10 s becomes a job.

@@ -153,6 +153,14 @@ static void reap_others(pid_t kept)
     }
 }
 
+/* How long children may outlive their supervisor. LeakSanitizer looks through all memory of a
+ * process that has ended, which takes its time. */
+#ifdef __SANITIZE_ADDRESS__
+enum { CHILD_END_MS = 15000 };
+#else
+enum { CHILD_END_MS = 2000 };
+#endif
+
 static bool gone(pid_t pid)
 {
     return pid == 0 || kill(pid, 0) != 0;
@@ -177,7 +185,7 @@ bool daemon_kill(struct daemon *daemon)
     kill(daemon->pid, SIGKILL);
     waitpid(daemon->pid, NULL, 0);
     daemon->pid = 0;
-    return both_gone(api, worker, 2000);
+    return both_gone(api, worker, CHILD_END_MS);
 }
 
 bool process_end(pid_t pid, int ms)
