@@ -12,6 +12,7 @@
 
 #include "base/clock.h"
 #include "render/internal/kernel_input.h"
+#include "render/render.h"
 #include "shade/first_hit.h"
 
 enum { BLOCKS = 96, KINDS = 4 };
@@ -104,24 +105,15 @@ static void count_cells(void *user, int thread)
 static void time_block(struct forecast *f, int thread, int n)
 {
     const struct pen_settings *s = f->settings;
-    const int across = (s->width + PEN_BLOCK_SIDE - 1) / PEN_BLOCK_SIDE,
-              down = (s->height + PEN_BLOCK_SIDE - 1) / PEN_BLOCK_SIDE, all = across * down;
+    const int all = pen_tile_count(s->width, s->height, PEN_BLOCK_SIDE);
     const int at =
         drawn(mixed((uint64_t)n + 77), part_of(all, n, BLOCKS), part_of(all, n + 1, BLOCKS));
-    struct pen_rect rect = {at % across * PEN_BLOCK_SIDE, at / across * PEN_BLOCK_SIDE,
-                            PEN_BLOCK_SIDE, PEN_BLOCK_SIDE};
-    rect.width = s->width - rect.x < PEN_BLOCK_SIDE ? s->width - rect.x : PEN_BLOCK_SIDE;
-    rect.height = s->height - rect.y < PEN_BLOCK_SIDE ? s->height - rect.y : PEN_BLOCK_SIDE;
+    const struct pen_rect rect = pen_tile_rect(s->width, s->height, PEN_BLOCK_SIDE, at);
     double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
     struct pen_ray_counts rays = {.primary = 0};
     begin_pixel(f, thread, rect.x, rect.y);
     const int64_t begun = pen_clock_thread_ns();
-    if (f->input.trace->nearest_packet)
-        f->kernel->block(&f->input, f->scratch[thread], rect, rgb, &rays);
-    else
-        for (int i = 0; i < rect.width * rect.height; i++)
-            f->kernel->pixel(&f->input, f->scratch[thread], rect.x + i % rect.width,
-                             rect.y + i / rect.width, rgb[i], &rays);
+    pen_render_block(f->kernel, &f->input, f->scratch[thread], rect, rgb, &rays);
     f->block_ns[n] = (double)(pen_clock_thread_ns() - begun);
     f->block_rays[n] = (double)(rays.primary + rays.shadow + rays.reflection + rays.transmission);
 }
@@ -238,11 +230,10 @@ bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_t
                        struct pen_forecast *out, struct pen_status *st)
 {
     const int64_t begun = pen_clock_ns();
-    const int asked = task->settings->threads, all = pen_thread_pool_size(pool);
     struct forecast f = {.task = task,
                          .settings = task->settings,
                          .input = pen_kernel_input_of(task->scene, task->view, task->settings),
-                         .threads = asked > 0 && asked < all ? asked : all};
+                         .threads = pen_render_threads(pool, task->settings)};
     f.kernel = pen_kernel_select(f.input.effects, pen_cpu_isa());
     cut(&f);
     const bool ok = make_scratch(&f);

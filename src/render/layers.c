@@ -81,13 +81,7 @@ static double time_of(const struct job *job, const struct worker *worker, struct
     double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
     struct pen_ray_counts rays = {.primary = 0};
     const int64_t begun = pen_clock_thread_ns();
-    if (job->input.trace->nearest_packet) {
-        job->kernel->block(&job->input, worker->scratch, block, rgb, &rays);
-    } else {
-        for (int i = 0; i < block.width * block.height; i++)
-            job->kernel->pixel(&job->input, worker->scratch, block.x + i % block.width,
-                               block.y + i / block.width, rgb[i], &rays);
-    }
+    pen_render_block(job->kernel, &job->input, worker->scratch, block, rgb, &rays);
     return (double)(pen_clock_thread_ns() - begun);
 }
 
@@ -188,9 +182,8 @@ bool pen_layer_render(struct pen_thread_pool *pool, const struct pen_layer_task 
 {
     struct job job = {.task = task,
                       .input = pen_kernel_input_of(task->scene, task->view, task->settings)};
-    const int asked = task->settings->threads, all = pen_thread_pool_size(pool);
     job.kernel = pen_kernel_select(job.input.effects, pen_cpu_isa());
-    job.threads = asked > 0 && asked < all ? asked : all;
+    job.threads = pen_render_threads(pool, task->settings);
     return run(pool, &job, st);
 }
 

@@ -64,7 +64,20 @@ struct pen_kernel_input pen_kernel_input_of(const struct pen_scene *scene, int v
     return input;
 }
 
-/* Renders a block of pixels: together where the kernel's queries have packets, else one by one. */
+void pen_render_block(const struct pen_kernel *kernel, const struct pen_kernel_input *input,
+                      struct pen_kernel_scratch *scratch, struct pen_rect block, double (*rgb)[3],
+                      struct pen_ray_counts *rays)
+{
+    if (input->trace->nearest_packet) {
+        kernel->block(input, scratch, block, rgb, rays);
+        return;
+    }
+    for (int i = 0; i < block.width * block.height; i++)
+        kernel->pixel(input, scratch, block.x + i % block.width, block.y + i / block.width, rgb[i],
+                      rays);
+}
+
+/* As pen_render_block, for the film, and tells of each pixel before it is rendered. */
 static void render_block(const struct run *run, int thread, struct pen_rect block)
 {
     const struct pen_render_task *task = run->task;
@@ -213,15 +226,19 @@ static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_
     return true;
 }
 
-/* The number of threads for a task: as the settings request (0: all of the pool), but no more than
- * the pool has or than there are blocks of pixels. */
+/* 0 in the settings means all of the pool. */
+int pen_render_threads(const struct pen_thread_pool *pool, const struct pen_settings *settings)
+{
+    const int asked = settings->threads, all = pen_thread_pool_size(pool);
+    return asked > 0 && asked < all ? asked : all;
+}
+
+/* The number of threads for a task: no more than there are blocks of pixels. */
 static int threads_for(const struct pen_thread_pool *pool, const struct pen_settings *settings,
                        int first_tile, int end_tile)
 {
-    int threads = pen_thread_pool_size(pool);
-    if (settings->threads > 0 && settings->threads < threads)
-        threads = settings->threads;
-    threads = pen_tile_queue_threads(settings, first_tile, end_tile, threads);
+    const int threads =
+        pen_tile_queue_threads(settings, first_tile, end_tile, pen_render_threads(pool, settings));
     return threads > 1 ? threads : 1;
 }
 

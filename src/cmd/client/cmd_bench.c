@@ -29,13 +29,10 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, view),
      .value = "NAME",
      .help = "only this view of the scene, instead of all; may be repeated"},
-    {.name = "threads",
-     .kind = PEN_OPTION_INT,
-     .offset = offsetof(struct values, threads),
-     .value = "N",
-     .max = 1024,
-     .help = "size of the thread pool, of which the setting `threads` uses a part; 0, the default, "
-             "is one per core"},
+    PEN_THREADS_OPTION(
+        struct values,
+        "size of the thread pool, of which the setting `threads` uses a part; 0, the "
+        "default, is one per core"),
     {.name = "output",
      .letter = 'o',
      .kind = PEN_OPTION_LIST,
@@ -190,21 +187,12 @@ static bool write_reports(const struct benchmark *b, struct pen_status *st)
     return !v->csv || write_format(b, v->csv, "csv", st);
 }
 
-static bool uses_standard_output(const struct values *v)
-{
-    for (int i = 0; i < v->output.count; i++) {
-        if (strcmp(v->output.item[i], "-") == 0)
-            return true;
-    }
-    return false;
-}
-
 static void print_report(const struct benchmark *b)
 {
     struct pen_buf text = {0};
     if (b->values->json) {
         pen_report_line(json_incref(b->report));
-    } else if (!b->values->quiet && !uses_standard_output(b->values)) {
+    } else if (!b->values->quiet && !pen_output_is_standard(&b->values->output)) {
         pen_bench_report_write_text(b->report, &text);
         fputs(text.data ? (const char *)text.data : "", stdout);
         pen_buf_release(&text);

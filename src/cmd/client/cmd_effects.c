@@ -29,17 +29,8 @@ static const struct pen_option options[] = {
      .max = PEN_BENCH_REPEATS_MAX,
      .help = "timed renders of the scene and of each without an effect, 3 by default"},
     PEN_SET_OPTION(struct values),
-    {.name = "view",
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, view),
-     .value = "NAME",
-     .help = "which view of the scene, the first by default"},
-    {.name = "threads",
-     .kind = PEN_OPTION_INT,
-     .offset = offsetof(struct values, threads),
-     .value = "N",
-     .max = 1024,
-     .help = "how many render threads; 0, the default, is one per core"},
+    PEN_VIEW_OPTION(struct values),
+    PEN_RENDER_THREADS_OPTION(struct values),
     {.name = "output",
      .letter = 'o',
      .kind = PEN_OPTION_LIST,
@@ -52,7 +43,7 @@ static const struct pen_option options[] = {
     PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
     {0}};
 
-/* Everything one bill holds. release() frees what has been allocated, at any stage. */
+/* Everything one bill holds. run() frees what has been allocated, at any stage. */
 struct effects {
     const struct values *values;
     struct pen_scene_input input;
@@ -126,21 +117,13 @@ static bool write_reports(const struct effects *e, struct pen_status *st)
     return true;
 }
 
-static bool uses_standard_output(const struct values *v)
-{
-    for (int i = 0; i < v->output.count; i++)
-        if (strcmp(v->output.item[i], "-") == 0)
-            return true;
-    return false;
-}
-
 static void print_bill(const struct effects *e)
 {
     struct pen_buf text = {0};
     struct pen_status st;
     if (e->values->json)
         pen_report_line(pen_bill_json(&e->bill, scene_name(e)));
-    else if (!e->values->quiet && !uses_standard_output(e->values) &&
+    else if (!e->values->quiet && !pen_output_is_standard(&e->values->output) &&
              pen_bill_write(&e->bill, scene_name(e), "text", &text, &st))
         fputs((const char *)text.data, stdout);
     pen_buf_release(&text);

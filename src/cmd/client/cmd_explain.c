@@ -24,21 +24,12 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, analyze),
      .help = "render the scene, and put what it took beside what was expected"},
     PEN_SET_OPTION(struct values),
-    {.name = "view",
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, view),
-     .value = "NAME",
-     .help = "which view of the scene, the first by default"},
-    {.name = "threads",
-     .kind = PEN_OPTION_INT,
-     .offset = offsetof(struct values, threads),
-     .value = "N",
-     .max = 1024,
-     .help = "how many render threads; 0, the default, is one per core"},
+    PEN_VIEW_OPTION(struct values),
+    PEN_RENDER_THREADS_OPTION(struct values),
     PEN_JSON_OPTION(struct values, "print the explanation as a line of JSON"),
     {0}};
 
-/* Everything one explanation holds. release() frees what has been allocated, at any stage. */
+/* Everything one explanation holds. run() frees what has been allocated, at any stage. */
 struct explain {
     const struct values *values;
     struct pen_scene_input input;

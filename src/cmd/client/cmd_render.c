@@ -34,11 +34,7 @@ static const struct pen_option options[] = {
                       "the picture's file; its ending, .png or .pfm, gives the format"),
     PEN_FORMAT_OPTION(struct values, "png|png16|pfm", pen_output_formats),
     PEN_SET_OPTION(struct values),
-    {.name = "view",
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, view),
-     .value = "NAME",
-     .help = "which view of the scene, the first by default"},
+    PEN_VIEW_OPTION(struct values),
     {.name = "layer",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, layer),
@@ -53,12 +49,7 @@ static const struct pen_option options[] = {
      .value = "time|tests",
      .choices = pen_cost_names,
      .help = "what --layer cost is: nanoseconds, the default, or box and primitive tests"},
-    {.name = "threads",
-     .kind = PEN_OPTION_INT,
-     .offset = offsetof(struct values, threads),
-     .value = "N",
-     .max = 1024,
-     .help = "how many render threads; 0, the default, is one per core"},
+    PEN_RENDER_THREADS_OPTION(struct values),
     {.name = "stats",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, stats),
@@ -244,6 +235,13 @@ static void warn_unmatched(const struct render *r)
                 r->stats.rays.unmatched_exits);
 }
 
+static enum pen_cost cost_of(const struct render *r)
+{
+    const char *cost = r->values->cost;
+    return cost && strcmp(cost, pen_cost_names[PEN_COST_TESTS]) == 0 ? PEN_COST_TESTS
+                                                                     : PEN_COST_TIME;
+}
+
 /* Says what white stands for in a layer of numbers; the file says it in words. */
 static void print_layer(const struct render *r, double white)
 {
@@ -254,10 +252,9 @@ static void print_layer(const struct render *r, double white)
                                   "layer", name, "white", pen_figure(white)));
     else if (white > 0 && !r->values->quiet)
         fprintf(stderr, "penumbra: %s: %s: white is %.6g%s\n", r->input.source.label, name, white,
-                r->layer != PEN_LAYER_COST ? ""
-                : r->values->cost && strcmp(r->values->cost, "tests") == 0
-                    ? " tests per pixel"
-                    : " nanoseconds per pixel");
+                r->layer != PEN_LAYER_COST     ? ""
+                : cost_of(r) == PEN_COST_TESTS ? " tests per pixel"
+                                               : " nanoseconds per pixel");
 }
 
 static bool write_layer(struct render *r, struct pen_status *st)
@@ -267,12 +264,11 @@ static bool write_layer(struct render *r, struct pen_status *st)
     if (!(r->film = pen_film_new(s->width, s->height, st)) ||
         !(r->pool = pen_thread_pool_new(r->values->threads, st)))
         return false;
-    const bool tests = r->values->cost && strcmp(r->values->cost, "tests") == 0;
     const struct pen_layer_task task = {.scene = r->scene,
                                         .view = r->view,
                                         .settings = s,
                                         .layer = r->layer,
-                                        .cost = tests ? PEN_COST_TESTS : PEN_COST_TIME,
+                                        .cost = cost_of(r),
                                         .rgb = r->film->rgb};
     if (!pen_layer_render(r->pool, &task, st) ||
         !pen_layer_encode(&task, r->film, r->format, &r->encoded, &white, st) ||

@@ -37,6 +37,21 @@
         .value = "KEY=VALUE", .help = "a render setting, overrides the scene's; may be repeated"   \
     }
 
+#define PEN_VIEW_OPTION(values)                                                                    \
+    {                                                                                              \
+        .name = "view", .kind = PEN_OPTION_TEXT, .offset = offsetof(values, view),                 \
+        .value = "NAME", .help = "which view of the scene, the first by default"                   \
+    }
+
+#define PEN_THREADS_OPTION(values, text)                                                           \
+    {                                                                                              \
+        .name = "threads", .kind = PEN_OPTION_INT, .offset = offsetof(values, threads),            \
+        .value = "N", .max = 1024, .help = text                                                    \
+    }
+
+#define PEN_RENDER_THREADS_OPTION(values)                                                          \
+    PEN_THREADS_OPTION(values, "how many render threads; 0, the default, is one per core")
+
 /* matrix, repeats, warmup and baseline. `prefix` begins their help texts. */
 #define PEN_BENCH_OPTIONS(values, prefix)                                                          \
     {.name = "matrix",                                                                             \

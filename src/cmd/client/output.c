@@ -53,6 +53,14 @@ const char *pen_output_report_format(const char *path, const char *format, struc
     return found;
 }
 
+bool pen_output_is_standard(const struct pen_option_list *outputs)
+{
+    for (int i = 0; i < outputs->count; i++)
+        if (strcmp(outputs->item[i], "-") == 0)
+            return true;
+    return false;
+}
+
 static enum pen_transfer transfer_of(const struct pen_settings *settings)
 {
     return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;

@@ -8,6 +8,7 @@
 
 #include "base/buf.h"
 #include "base/status.h"
+#include "cmd/options.h"
 #include "film/encode.h"
 #include "film/film.h"
 #include "scene/settings.h"
@@ -23,6 +24,9 @@ const char *pen_output_format(const char *path, const char *format, struct pen_s
 /* The same for a report: "json", "csv", "md" or "html". Fails: NULL and PEN_USAGE, also for the
  * format of a picture. */
 const char *pen_output_report_format(const char *path, const char *format, struct pen_status *st);
+
+/* Whether one of the outputs is "-", standard output. */
+bool pen_output_is_standard(const struct pen_option_list *outputs);
 
 /* A picture file whose rows are encoded as they are finished. The bytes are appended to `out`,
  * which stays with the film until pen_output_release. */
