@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Differences between two pictures of the same size. They are taken of all 3 * width * height
- * values, sRGB-encoded in [0, 1] and not quantised, whatever the files' own transfer function.
- * Sums run in a fixed order, so the results are the same on every machine. */
+/* Differences between two pictures of the same size, value by value. Where it says nothing else,
+ * they are taken of all 3 * width * height values, sRGB-encoded in [0, 1] and not quantised,
+ * whatever the files' own transfer function. Sums run in a fixed order, so the results are the same
+ * on every machine. Measures of what people see are in ssim.h and flip.h. */
 #ifndef PEN_FILM_METRICS_H
 #define PEN_FILM_METRICS_H
 
@@ -12,6 +13,9 @@
 
 struct pen_difference {
     double rmse;
+    /* The mean of (a - b)^2 / (b^2 + 0.01) over all values, linear and not clamped: b is the
+     * reference. Not finite if a value is not. */
+    double relative_mse;
     double psnr;       /* dB, peak 1: -20 log10(rmse); infinite for equal pictures */
     double max_error;  /* the largest difference of one value */
     int max_x, max_y;  /* the first pixel with that difference */
@@ -21,8 +25,13 @@ struct pen_difference {
     double rmse_within; /* rmse of the other pixels; 0 if there are none */
 };
 
-/* Fails: PEN_INVALID (different sizes), PEN_NO_MEMORY. */
+/* `b` is the reference of relative_mse; all else is symmetric.
+ * Fails: PEN_INVALID (different sizes), PEN_NO_MEMORY. */
 bool pen_picture_compare(const struct pen_picture *a, const struct pen_picture *b, double tolerance,
                          struct pen_difference *out, struct pen_status *st);
+
+/* Whether two pictures have the same size. Fails: PEN_INVALID, with both sizes. */
+bool pen_picture_same_size(const struct pen_picture *a, const struct pen_picture *b,
+                           struct pen_status *st);
 
 #endif

@@ -35,6 +35,8 @@ struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_
                                     .linear = kind == PICTURE_FLOAT,
                                     .samples = samples,
                                     .owned = samples};
+    for (int code = 0; kind == PICTURE_8 && code < 256; code++)
+        picture->decoded[code] = pen_decode_srgb(code / 255.0);
     return picture;
 }
 
@@ -71,10 +73,12 @@ int pen_picture_height(const struct pen_picture *picture)
     return picture->height;
 }
 
-/* Row y as the file had it: integers divided by their maximum, floats unchanged. */
-static void stored_row(const struct pen_picture *picture, int y, double *out)
+/* A part of a row as the file had it: integers divided by their maximum, floats unchanged. */
+static void stored_part(const struct pen_picture *picture, struct pen_picture_part part,
+                        double *out)
 {
-    size_t count = (size_t)picture->width * 3, first = (size_t)y * count;
+    const size_t count = (size_t)part.count * 3,
+                 first = ((size_t)part.y * (size_t)picture->width + (size_t)part.x) * 3;
     const unsigned char *codes = picture->samples;
     const uint16_t *wide = picture->samples;
     const float *values = picture->samples;
@@ -94,20 +98,46 @@ static void stored_row(const struct pen_picture *picture, int y, double *out)
     }
 }
 
-void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *out)
+void pen_picture_encoded_part(const struct pen_picture *picture, struct pen_picture_part part,
+                              double *out)
 {
-    stored_row(picture, y, out);
+    stored_part(picture, part, out);
     if (!picture->linear)
         return;
-    for (size_t i = 0; i < (size_t)picture->width * 3; i++)
+    for (size_t i = 0; i < (size_t)part.count * 3; i++)
         out[i] = pen_encode_unit(out[i], PEN_TRANSFER_SRGB);
+}
+
+/* A part of a row of 8-bit sRGB, from the table. */
+static void decoded_part(const struct pen_picture *picture, struct pen_picture_part part,
+                         double *out)
+{
+    const unsigned char *codes = picture->samples;
+    codes += ((size_t)part.y * (size_t)picture->width + (size_t)part.x) * 3;
+    for (size_t i = 0; i < (size_t)part.count * 3; i++)
+        out[i] = picture->decoded[codes[i]];
+}
+
+void pen_picture_linear_part(const struct pen_picture *picture, struct pen_picture_part part,
+                             double *out)
+{
+    if (picture->kind == PICTURE_8 && !picture->linear) {
+        decoded_part(picture, part, out);
+        return;
+    }
+    stored_part(picture, part, out);
+    if (picture->linear)
+        return;
+    for (size_t i = 0; i < (size_t)part.count * 3; i++)
+        out[i] = pen_decode_srgb(out[i]);
+}
+
+void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *out)
+{
+    pen_picture_encoded_part(picture, (struct pen_picture_part){0, y, picture->width}, out);
 }
 
 void pen_picture_linear_row(const struct pen_picture *picture, int y, double *out)
 {
-    stored_row(picture, y, out);
-    if (picture->linear)
-        return;
-    for (size_t i = 0; i < (size_t)picture->width * 3; i++)
-        out[i] = pen_decode_srgb(out[i]);
+    pen_picture_linear_part(picture, (struct pen_picture_part){0, y, picture->width}, out);
 }

@@ -79,6 +79,50 @@ START_TEST(test_metrics__values_are_clamped_before_they_are_compared)
 }
 END_TEST
 
+/* Linear, not clamped, and relative to the second picture. */
+START_TEST(test_metrics__relative_errors_are_linear)
+{
+    float a[W * H * 3], b[W * H * 3];
+    double sum = 0, back = 0;
+    for (int i = 0; i < W * H * 3; i++) {
+        a[i] = (float)(i * 0.25 - 2);
+        b[i] = (float)(i % 5 * 1.5);
+        const double error = (double)a[i] - (double)b[i], square = error * error;
+        sum += square / ((double)b[i] * (double)b[i] + 0.01);
+        back += square / ((double)a[i] * (double)a[i] + 0.01);
+    }
+    ck_assert(fabs(compare(a, b, 0).relative_mse / (sum / (W * H * 3)) - 1) < 1e-14);
+    ck_assert(fabs(compare(b, a, 0).relative_mse / (back / (W * H * 3)) - 1) < 1e-14);
+    ck_assert(compare(a, a, 0).relative_mse == 0);
+    a[0] = INFINITY;
+    ck_assert(!isfinite(compare(a, b, 0).relative_mse));
+}
+END_TEST
+
+/* PNG files of 8 and 16 bits count as the linear values that they encode. */
+START_TEST(test_metrics__relative_errors_of_encoded_files)
+{
+    struct pen_status st;
+    float rgb[256 * 3];
+    for (int i = 0; i < 256 * 3; i++)
+        rgb[i] = (float)pen_decode_srgb(i / 3 / 255.0);
+    const struct pen_film film = {256, 1, rgb};
+    struct pen_picture *exact = pen_picture_of_film(&film, &st);
+    for (int bits = 8; bits <= 16; bits += 8) {
+        const struct pen_png_options options = {.bits = bits};
+        struct pen_buf file = {0};
+        struct pen_difference d;
+        ck_assert(pen_png_write(&film, &options, &file, &st));
+        struct pen_picture *read = pen_picture_read(file.data, file.bytes, &st);
+        ck_assert(read && pen_picture_compare(read, exact, 0, &d, &st));
+        ck_assert_msg(d.relative_mse < 1e-14, "%d bits: %g", bits, d.relative_mse);
+        pen_picture_free(read);
+        pen_buf_release(&file);
+    }
+    pen_picture_free(exact);
+}
+END_TEST
+
 /* All codes of 8 bits that are 2 apart are within a tolerance of 2/255. */
 START_TEST(test_metrics__tolerance_allows_for_rounding)
 {
@@ -130,4 +174,5 @@ END_TEST
 PEN_SUITE("metrics", test_metrics__equal_pictures_do_not_differ,
           test_metrics__values_are_compared_encoded, test_metrics__one_value_counts_once,
           test_metrics__values_are_clamped_before_they_are_compared,
+          test_metrics__relative_errors_are_linear, test_metrics__relative_errors_of_encoded_files,
           test_metrics__tolerance_allows_for_rounding, test_metrics__different_sizes_are_an_error)

@@ -16,7 +16,20 @@ struct pen_picture {
     bool linear;         /* else sRGB-encoded; floats are always linear */
     const void *samples; /* width * height * 3 of unsigned char, uint16_t or float; top row first */
     void *owned;         /* the samples if the picture owns them, else NULL */
+    double decoded[256]; /* the linear value of each code, for PICTURE_8 */
 };
+
+/* The `count` pixels of row y from column x on. */
+struct pen_picture_part {
+    int x, y, count;
+};
+
+/* As pen_picture_encoded_row and pen_picture_linear_row, for a part of a row that lies within the
+ * picture. So the memory of a filter need not grow with the width. */
+void pen_picture_encoded_part(const struct pen_picture *picture, struct pen_picture_part part,
+                              double *out);
+void pen_picture_linear_part(const struct pen_picture *picture, struct pen_picture_part part,
+                             double *out);
 
 /* Makes a picture with zeroed samples. Fails: PEN_SYNTAX (no pixels), PEN_TOO_LARGE, PEN_NO_MEMORY.
  */
