@@ -213,15 +213,41 @@ exits "scenes with an unknown name" 4 "$penumbra" scenes rom
 
 # compare
 exits "compare equal pictures" 0 "$penumbra" compare a.png front.png --max-error 0
-prints "their error is 0" stdout "rmse       0"
+prints "their error is 0" stdout "rmse          0"
 exits "compare different pictures without a bound" 0 "$penumbra" compare a.png side.png
 exits "compare different pictures with --max-rmse" 7 "$penumbra" compare a.png side.png --max-rmse 0.001
 prints "the error has the RMSE" stderr "the pictures differ: rmse"
 exits "compare different pictures with --max-error" 7 "$penumbra" compare a.png side.png --max-error 0.001 -q
 expect "-q prints nothing" "$(cat stdout stderr)" ""
+exits "compare different pictures with --max-flip" 7 "$penumbra" compare a.png side.png --max-flip 0.001
+prints "the error has FLIP" stderr "the pictures differ: flip 0."
+exits "compare different pictures with --min-ssim" 7 "$penumbra" compare a.png side.png --min-ssim 0.999
+prints "the error has SSIM" stderr "the pictures differ: ssim 0."
+for bound in "--max-rmse 0" "--max-flip 0" "--min-ssim 1" "--max-error 0"; do
+    exits "equal pictures satisfy $bound" 0 "$penumbra" compare a.png front.png $bound -q
+    exits "different ones do not" 7 "$penumbra" compare a.png side.png $bound -q
+done
+exits "compare and draw the errors" 0 "$penumbra" compare a.png side.png -o map.png
+prints "the figures are printed, too" stdout "flip          0."
+expect "the map says what it shows" "$(grep -a -c 'FLIP: black is 0, pale yellow is 1' map.png)" 1
+exits "the map has the size of the pictures" 0 "$penumbra" compare map.png a.png -q
+exits "draw that there are no errors" 0 "$penumbra" compare a.png front.png -q -o black.png
+exits "compare both maps" 7 "$penumbra" compare map.png black.png --max-error 0.5 -q
+exits "errors as numbers" 0 "$penumbra" compare a.png side.png -q -o map.pfm
+expect "they are a PFM file of that size" "$(head -c 9 map.pfm | tr '\n' ' ')" "PF 61 43 "
+exits "errors to standard output" 0 "$penumbra" compare a.png side.png -q -o - --format pfm
+check "they are the same" cmp stdout map.pfm
+exits "errors and figures to standard output" 2 "$penumbra" compare a.png side.png -o - --format pfm
+exits "errors and JSON to standard output" 2 "$penumbra" compare a.png side.png -o - --format pfm -q --json
+exits "errors in an unknown format" 2 "$penumbra" compare a.png side.png -o map.gif
+exits "--format without -o" 2 "$penumbra" compare a.png side.png --format png
+exits "errors to a folder that is not there" 8 "$penumbra" compare a.png side.png -o nowhere/map.png
 exits "compare 8 bits with the film" 0 "$penumbra" compare a.png a.pfm --json
 expect "they differ only by rounding" "$(jq '.max_error < 0.00197 and .max_error > 0' stdout)" true
-expect "--json names the figures" "$(jq -c 'has("rmse") and has("psnr") and has("differing")' stdout)" true
+expect "--json names the figures" "$(jq -c '[has("rmse", "relative_mse", "psnr", "ssim", "flip", "differing")] | all' stdout)" true
+expect "they look the same" "$(jq '.ssim > 0.99 and .flip < 0.03 and .flip > 0' stdout)" true
+expect "FLIP's figures are ordered" "$(jq '[.flip_min, .flip_first_quartile, .flip_weighted_median,
+    .flip_third_quartile, .flip_max] | . == sort and .[4] <= 1' stdout)" true
 exits "compare pictures of different sizes" 3 "$penumbra" compare a.png small.pfm
 exits "compare a file that is no picture" 3 "$penumbra" compare a.png scene.json
 prints "the error names the file" stderr "scene.json"

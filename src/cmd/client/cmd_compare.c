@@ -1,18 +1,34 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra compare`: measures the difference of two picture files. */
+/* `penumbra compare`: measures the difference of two picture files, and draws where it is. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
+#include "cmd/client/output.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
+#include "film/encode.h"
+#include "film/error_map.h"
+#include "film/flip.h"
 #include "film/metrics.h"
+#include "film/ssim.h"
 
 struct values {
-    double max_rmse, max_error, tolerance;
+    double max_rmse, max_flip, min_ssim, max_error, tolerance;
+    const char *output, *format;
     bool json, quiet;
+};
+
+/* What is measured. Without being asked for, ssim and flip stay 0. */
+struct figures {
+    int width, height;
+    struct pen_difference difference;
+    double ssim;
+    struct pen_flip flip;
 };
 
 static const struct pen_option options[] = {
@@ -22,6 +38,19 @@ static const struct pen_option options[] = {
      .value = "E",
      .max = 1,
      .help = "fail if the root mean square error is larger"},
+    {.name = "max-flip",
+     .kind = PEN_OPTION_NUMBER,
+     .offset = offsetof(struct values, max_flip),
+     .value = "E",
+     .max = 1,
+     .help = "fail if the mean of FLIP is larger"},
+    {.name = "min-ssim",
+     .kind = PEN_OPTION_NUMBER,
+     .offset = offsetof(struct values, min_ssim),
+     .value = "S",
+     .min = -1,
+     .max = 1,
+     .help = "fail if SSIM is smaller"},
     {.name = "max-error",
      .kind = PEN_OPTION_NUMBER,
      .offset = offsetof(struct values, max_error),
@@ -34,6 +63,10 @@ static const struct pen_option options[] = {
      .value = "E",
      .max = 1,
      .help = "also count the pixels that differ by more, and print the RMSE of the others"},
+    PEN_OUTPUT_OPTION(struct values, "OUT",
+                      "draw FLIP's error of each pixel, from black (none) to pale yellow (1), as "
+                      "OUT.png; OUT.pfm has the numbers"),
+    PEN_FORMAT_OPTION(struct values, "png|png16|pfm", pen_output_formats),
     PEN_QUIET_OPTION(struct values, "print nothing; the exit code is the answer"),
     PEN_JSON_OPTION(struct values, "print the figures as a line of JSON"),
     {0}};
@@ -54,66 +87,153 @@ static json_t *real_or_null(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-static void print_json(const struct pen_difference *d, int64_t pixels)
+static void print_json(const struct figures *f)
 {
-    pen_report_exact(json_pack("{s:f, s:o, s:f, s:[i, i], s:I, s:I, s:I, s:f}", "rmse", d->rmse,
-                               "psnr", real_or_null(d->psnr), "max_error", d->max_error, "max_at",
-                               d->max_x, d->max_y, "pixels", (json_int_t)pixels, "differing",
-                               (json_int_t)d->differing, "over_tolerance", (json_int_t)d->over,
-                               "rmse_within", d->rmse_within));
+    const struct pen_difference *d = &f->difference;
+    const struct pen_flip *flip = &f->flip;
+    pen_report_exact(json_pack(
+        "{s:f, s:o, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[i, i], s:I, s:I, s:I, s:f}",
+        "rmse", d->rmse, "relative_mse", real_or_null(d->relative_mse), "psnr",
+        real_or_null(d->psnr), "ssim", f->ssim, "flip", flip->mean, "flip_min", flip->min,
+        "flip_first_quartile", flip->first_quartile, "flip_weighted_median", flip->weighted_median,
+        "flip_third_quartile", flip->third_quartile, "flip_max", flip->max, "max_error",
+        d->max_error, "max_at", d->max_x, d->max_y, "pixels", (json_int_t)f->width * f->height,
+        "differing", (json_int_t)d->differing, "over_tolerance", (json_int_t)d->over, "rmse_within",
+        d->rmse_within));
 }
 
-static void print_text(const struct pen_difference *d, int64_t pixels, const struct values *values)
+static void print_text(const struct figures *f, const struct values *values)
 {
-    printf("rmse       %.9g\n", d->rmse);
-    printf("psnr       %.6g dB\n", d->psnr);
-    printf("max error  %.9g", d->max_error);
+    const struct pen_difference *d = &f->difference;
+    printf("rmse          %.9g\n", d->rmse);
+    printf("relative mse  %.9g\n", d->relative_mse);
+    printf("psnr          %.6g dB\n", d->psnr);
+    printf("ssim          %.9g\n", f->ssim);
+    printf("flip          %.9g, weighted median %.6g, largest %.6g\n", f->flip.mean,
+           f->flip.weighted_median, f->flip.max);
+    printf("max error     %.9g", d->max_error);
     if (d->max_error > 0)
         printf(" at %d,%d", d->max_x, d->max_y);
-    printf("\ndiffering  %" PRId64 " of %" PRId64 " pixels\n", d->differing, pixels);
+    printf("\ndiffering     %" PRId64 " of %" PRId64 " pixels\n", d->differing,
+           (int64_t)f->width * f->height);
     if (values->tolerance >= 0)
         printf("beyond %g  %" PRId64 " pixels, rmse of the others %.9g\n", values->tolerance,
                d->over, d->rmse_within);
 }
 
-static bool within(const struct pen_difference *d, const struct values *values,
-                   struct pen_status *st)
+static bool within(const struct figures *f, const struct values *values, struct pen_status *st)
 {
+    const struct pen_difference *d = &f->difference;
     if (values->max_rmse >= 0 && !(d->rmse <= values->max_rmse))
         return pen_fail(st, PEN_DIFFERENT, "the pictures differ: rmse %.6g, allowed is %g", d->rmse,
                         values->max_rmse);
+    if (values->max_flip >= 0 && !(f->flip.mean <= values->max_flip))
+        return pen_fail(st, PEN_DIFFERENT, "the pictures differ: flip %.6g, allowed is %g",
+                        f->flip.mean, values->max_flip);
+    if (values->min_ssim >= -1 && !(f->ssim >= values->min_ssim))
+        return pen_fail(st, PEN_DIFFERENT, "the pictures differ: ssim %.6g, allowed is %g or more",
+                        f->ssim, values->min_ssim);
     if (values->max_error >= 0 && !(d->max_error <= values->max_error))
         return pen_fail(st, PEN_DIFFERENT, "the pictures differ: by %.6g at %d,%d, allowed is %g",
                         d->max_error, d->max_x, d->max_y, values->max_error);
     return true;
 }
 
+static bool check_values(const struct values *v, struct pen_status *st)
+{
+    if (v->format && !v->output)
+        return pen_fail(st, PEN_USAGE, "--format: needs -o OUT");
+    if (!v->output)
+        return true;
+    if (strcmp(v->output, "-") == 0 && (v->json || !v->quiet))
+        return pen_fail(st, PEN_USAGE,
+                        "-o -: standard output is also where the figures go, except with --quiet");
+    return pen_output_format(v->output, v->format, st) && pen_file_check(v->output, st);
+}
+
+/* Measures what will be printed or judged. `errors` may be NULL. */
+static bool measure(const struct pen_picture *a, const struct pen_picture *b,
+                    const struct values *values, struct figures *f, float *errors,
+                    struct pen_status *st)
+{
+    const double tolerance = values->tolerance >= 0 ? values->tolerance : 0;
+    const bool print = !values->quiet || values->json;
+    return pen_picture_compare(a, b, tolerance, &f->difference, st) &&
+           (!(print || values->min_ssim >= -1) || pen_picture_ssim(a, b, &f->ssim, st)) &&
+           (!(print || errors || values->max_flip >= 0) ||
+            pen_picture_flip(a, b, errors, &f->flip, st));
+}
+
+/* Appends the map as a file of that format, one of pen_output_formats. */
+static bool encode_map(const float *errors, const struct figures *f, const char *format,
+                       struct pen_buf *out, struct pen_status *st)
+{
+    const bool numbers = strcmp(format, "pfm") == 0;
+    const struct pen_png_options png = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
+                                        .transfer = PEN_TRANSFER_SRGB,
+                                        .description = "FLIP: black is 0, pale yellow is 1"};
+    struct pen_film *film = pen_error_map(
+        errors, f->width, f->height, numbers ? PEN_ERROR_MAP_VALUES : PEN_ERROR_MAP_COLOURS, st);
+    const bool ok =
+        film && (numbers ? pen_pfm_write(film, out, st) : pen_png_write(film, &png, out, st));
+    pen_film_free(film);
+    return ok;
+}
+
+static bool write_map(const float *errors, const struct figures *f, const struct values *values,
+                      struct pen_status *st)
+{
+    const char *format = pen_output_format(values->output, values->format, st);
+    struct pen_buf bytes = {0};
+    const bool ok = format && encode_map(errors, f, format, &bytes, st) &&
+                    pen_file_write(values->output, bytes.data, bytes.bytes, st);
+    pen_buf_release(&bytes);
+    return ok;
+}
+
+/* Measures and draws. */
+static bool make_results(const struct pen_picture *a, const struct pen_picture *b,
+                         const struct values *values, struct figures *f, struct pen_status *st)
+{
+    *f = (struct figures){.width = pen_picture_width(a), .height = pen_picture_height(a)};
+    if (!values->output)
+        return measure(a, b, values, f, NULL, st);
+    float *errors = malloc((size_t)f->width * (size_t)f->height * sizeof *errors);
+    if (!errors)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the errors of %d x %d pixels", f->width,
+                        f->height);
+    const bool ok = measure(a, b, values, f, errors, st) && write_map(errors, f, values, st);
+    free(errors);
+    return ok;
+}
+
 static int compare(const struct pen_picture *a, const struct pen_picture *b,
                    const struct values *values)
 {
     struct pen_status st;
-    struct pen_difference difference;
-    double tolerance = values->tolerance >= 0 ? values->tolerance : 0;
-    if (!pen_picture_compare(a, b, tolerance, &difference, &st))
+    struct figures figures;
+    if (!make_results(a, b, values, &figures, &st))
         return pen_report_json(NULL, values->json, &st);
-    int64_t pixels = (int64_t)pen_picture_width(a) * pen_picture_height(a);
     if (values->json)
-        print_json(&difference, pixels);
+        print_json(&figures);
     else if (!values->quiet)
-        print_text(&difference, pixels, values);
-    if (within(&difference, values, &st))
+        print_text(&figures, values);
+    if (within(&figures, values, &st))
         return 0;
     return values->quiet ? pen_code_exit(st.code) : pen_report("penumbra", NULL, &st);
 }
 
 static int run(int argc, char **argv)
 {
-    struct values values = {.max_rmse = -1, .max_error = -1, .tolerance = -1};
+    struct values values = {
+        .max_rmse = -1, .max_flip = -1, .min_ssim = -2, .max_error = -1, .tolerance = -1};
     struct pen_parsed parsed;
     int code = pen_command_begin(&pen_command_compare, argc, argv, &values, &parsed);
     if (code >= 0)
         return code;
     struct pen_status st;
+    if (!check_values(&values, &st))
+        return pen_report_json(NULL, values.json, &st);
     struct pen_picture *a = read_picture(parsed.args[0], &st);
     struct pen_picture *b = a ? read_picture(parsed.args[1], &st) : NULL;
     if (b)
@@ -130,9 +250,13 @@ const struct pen_command pen_command_compare = {
     .name = "compare",
     .arguments = "A B",
     .summary = "Measures the difference of two pictures.",
-    .details = "A and B are PNG or PFM files of the same size. The figures are about sRGB-encoded "
-               "values from 0 to 1. Without --max-rmse and --max-error the command accepts any "
-               "difference.",
+    .details =
+        "A and B are PNG or PFM files of the same size. All figures but one are about "
+        "sRGB-encoded values from 0 to 1: the root mean square error and its PSNR, SSIM of luma "
+        "(1: equal), FLIP at 67 pixels per degree (0: looks equal), and the largest difference of "
+        "a value. The relative mean square error is about linear values; B is its reference. "
+        "Without a bound (--max-rmse, --max-flip, --min-ssim, --max-error) the command accepts "
+        "any difference.",
     .options = options,
     .min_args = 2,
     .max_args = 2,
