@@ -373,6 +373,11 @@ $(BUILD)/tests/conformance/compare_pair: tests/conformance/compare_pair.c $(BUIL
 conformance: all $(BUILD)/tests/conformance/compare_pair
 	sh tests/conformance.sh $(BUILD) $(REF)
 
+# FLIP against the published figures in the folder REF.
+.PHONY: conformance-flip
+conformance-flip: all
+	sh tests/conformance_flip.sh $(BUILD) $(REF)
+
 # Where things go. `make uninstall` with the same PREFIX and DESTDIR removes the same list.
 LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
