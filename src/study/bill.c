@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "film/flip.h"
 #include "film/metrics.h"
 #include "study/leave_out.h"
 
@@ -98,10 +99,13 @@ static bool compare_row(const struct pen_bill *bill, struct pen_bill_row *row,
     struct pen_picture *a = pen_picture_of_film(&whole, st);
     struct pen_picture *b = a ? pen_picture_of_film(&without, st) : NULL;
     struct pen_difference d;
-    const bool ok = b && pen_picture_compare(a, b, 0, &d, st);
+    struct pen_flip flip;
+    const bool ok =
+        b && pen_picture_compare(a, b, 0, &d, st) && pen_picture_flip(a, b, NULL, &flip, st);
     if (ok) {
         row->rmse = d.rmse;
         row->max_error = d.max_error;
+        row->flip = flip.mean;
     }
     pen_picture_free(a);
     pen_picture_free(b);
@@ -168,6 +172,21 @@ static bool add_rows(struct pen_bill *bill, struct pen_status *st)
     return ok || pen_fail(st, PEN_NO_MEMORY, "out of memory for %d pictures", bill->rows);
 }
 
+/* Times of all rows, and differences of all but the first, which has none. */
+static bool finish_rows(struct pen_bill *bill, struct pen_status *st)
+{
+    const atomic_bool *cancel = bill->task->cancel;
+    for (int i = 0; i < bill->rows; i++) {
+        summarize(&bill->row[i], bill->task->repeats);
+        if (cancel && atomic_load(cancel))
+            return pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d comparisons", i,
+                            bill->rows);
+        if (i > 0 && !compare_row(bill, &bill->row[i], st))
+            return false;
+    }
+    return true;
+}
+
 bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, struct pen_status *st)
 {
     *bill = (struct pen_bill){.task = task};
@@ -182,12 +201,7 @@ bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, stru
     }
     if (task->progress)
         task->progress(task->user, total, total);
-    for (int i = 0; i < bill->rows; i++) {
-        summarize(&bill->row[i], task->repeats);
-        if (!compare_row(bill, &bill->row[i], st))
-            return false;
-    }
-    return true;
+    return finish_rows(bill, st);
 }
 
 void pen_bill_release(struct pen_bill *bill)

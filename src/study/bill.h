@@ -17,8 +17,9 @@ struct pen_bill_row {
     double median_ms, min_ms, max_ms;
     struct pen_ray_counts rays;
     const char *kernel;
-    double rmse, max_error; /* from the whole picture: film/metrics.h */
-    float *rgb;             /* the picture */
+    /* From the whole picture: film/metrics.h, and the mean of film/flip.h. */
+    double rmse, max_error, flip;
+    float *rgb; /* the picture */
 };
 
 /* What to do; everything is borrowed. */

@@ -106,12 +106,12 @@ static void write_effect(const struct pen_bill *bill, const struct pen_bill_row 
         out,
         "<section><h2>%s</h2>\n<div class=\"bar\" style=\"width:%.1f%%\"></div>\n"
         "<p>costs %.1f ms, %.1f %% of the whole (%.1f ms without it, %.1f to %.1f)%s, and %.0f "
-        "rays; the picture changes by an RMSE of %.5f, at most %.3f.</p>\n"
+        "rays; the picture changes by an RMSE of %.5f, at most %.3f, and a FLIP of %.4f.</p>\n"
         "<div class=\"pair\">",
         pen_bill_name(row), 100 * (share > 0 ? share < 1 ? share : 1 : 0),
         pen_bill_cost_ms(bill, row), 100 * share, row->median_ms, row->min_ms, row->max_ms,
         is_noise(bill, row) ? ", less than the runs of one scene differ by" : "",
-        pen_bill_rays(bill, row), row->rmse, row->max_error);
+        pen_bill_rays(bill, row), row->rmse, row->max_error, row->flip);
     write_picture(bill, row, out);
     write_picture(bill, &bill->row[0], out);
     pen_buf_puts(out, "</div></section>\n");

@@ -36,11 +36,12 @@ double pen_bill_rays(const struct pen_bill *bill, const struct pen_bill_row *row
 
 static json_t *row_json(const struct pen_bill *bill, const struct pen_bill_row *row)
 {
-    json_t *json = json_pack("{s:s?, s:o, s:o, s:o, s:o, s:s, s:f, s:f}", "without",
-                             row->effect ? pen_bill_name(row) : NULL, "median_ms",
-                             pen_figure(row->median_ms), "min_ms", pen_figure(row->min_ms),
-                             "max_ms", pen_figure(row->max_ms), "rays", pen_figure_rays(&row->rays),
-                             "kernel", row->kernel, "rmse", row->rmse, "max_error", row->max_error);
+    json_t *json =
+        json_pack("{s:s?, s:o, s:o, s:o, s:o, s:s, s:f, s:f, s:f}", "without",
+                  row->effect ? pen_bill_name(row) : NULL, "median_ms", pen_figure(row->median_ms),
+                  "min_ms", pen_figure(row->min_ms), "max_ms", pen_figure(row->max_ms), "rays",
+                  pen_figure_rays(&row->rays), "kernel", row->kernel, "rmse", row->rmse,
+                  "max_error", row->max_error, "flip", row->flip);
     json_t *cost = json_pack("{s:o, s:o, s:f}", "cost_ms", pen_figure(pen_bill_cost_ms(bill, row)),
                              "cost_share", pen_figure(pen_bill_share(bill, row)), "cost_rays",
                              pen_bill_rays(bill, row));
@@ -79,15 +80,15 @@ static void write_csv(const struct pen_bill *bill, struct pen_buf *out)
 {
     pen_buf_puts(out,
                  "without,median_ms,min_ms,max_ms,cost_ms,cost_share,primary,shadow,reflection,"
-                 "transmission,rmse,max_error,kernel\n");
+                 "transmission,rmse,max_error,kernel,flip\n");
     for (int i = 0; i < bill->rows; i++) {
         const struct pen_bill_row *r = &bill->row[i];
-        pen_buf_printf(out, "%s,%.4f,%.4f,%.4f,%.4f,%.5f,%llu,%llu,%llu,%llu,%.6g,%.6g,%s\n",
-                       r->effect ? pen_bill_name(r) : "", r->median_ms, r->min_ms, r->max_ms,
-                       pen_bill_cost_ms(bill, r), pen_bill_share(bill, r),
-                       (unsigned long long)r->rays.primary, (unsigned long long)r->rays.shadow,
-                       (unsigned long long)r->rays.reflection,
-                       (unsigned long long)r->rays.transmission, r->rmse, r->max_error, r->kernel);
+        pen_buf_printf(
+            out, "%s,%.4f,%.4f,%.4f,%.4f,%.5f,%llu,%llu,%llu,%llu,%.6g,%.6g,%s,%.6g\n",
+            r->effect ? pen_bill_name(r) : "", r->median_ms, r->min_ms, r->max_ms,
+            pen_bill_cost_ms(bill, r), pen_bill_share(bill, r), (unsigned long long)r->rays.primary,
+            (unsigned long long)r->rays.shadow, (unsigned long long)r->rays.reflection,
+            (unsigned long long)r->rays.transmission, r->rmse, r->max_error, r->kernel, r->flip);
     }
 }
 
@@ -95,27 +96,29 @@ static void write_csv(const struct pen_bill *bill, struct pen_buf *out)
 static void write_row(const struct pen_bill *bill, const struct pen_bill_row *r, const char *form,
                       struct pen_buf *out)
 {
-    char cost[24] = "", share[24] = "", rays[24] = "", rmse[24] = "";
+    char cost[24] = "", share[24] = "", rays[24] = "", rmse[24] = "", flip[24] = "";
     if (r->effect) {
         snprintf(cost, sizeof cost, "%.1f", pen_bill_cost_ms(bill, r));
         snprintf(share, sizeof share, "%.1f %%", 100 * pen_bill_share(bill, r));
         snprintf(rays, sizeof rays, "%.0f", pen_bill_rays(bill, r));
         snprintf(rmse, sizeof rmse, "%.5f", r->rmse);
+        snprintf(flip, sizeof flip, "%.4f", r->flip);
     }
     pen_buf_printf(out, form, pen_bill_name(r), r->median_ms, r->min_ms, r->max_ms, cost, share,
-                   rays, rmse);
+                   rays, rmse, flip);
 }
 
 static void write_table(const struct pen_bill *bill, bool markdown, struct pen_buf *out)
 {
-    static const char text[] = "%-22s %9.1f %9.1f %9.1f %9s %8s %12s %9s\n",
-                      md[] = "| %s | %.1f | %.1f | %.1f | %s | %s | %s | %s |\n";
+    static const char text[] = "%-22s %9.1f %9.1f %9.1f %9s %8s %12s %9s %8s\n",
+                      md[] = "| %s | %.1f | %.1f | %.1f | %s | %s | %s | %s | %s |\n";
     if (markdown)
-        pen_buf_puts(out, "| without | ms | least | most | it costs ms | of all | rays | RMSE |\n"
-                          "|---|---:|---:|---:|---:|---:|---:|---:|\n");
+        pen_buf_puts(out,
+                     "| without | ms | least | most | it costs ms | of all | rays | RMSE | FLIP |\n"
+                     "|---|---:|---:|---:|---:|---:|---:|---:|---:|\n");
     else
-        pen_buf_printf(out, "%-22s %9s %9s %9s %9s %8s %12s %9s\n", "without", "ms", "least",
-                       "most", "costs ms", "of all", "rays", "RMSE");
+        pen_buf_printf(out, "%-22s %9s %9s %9s %9s %8s %12s %9s %8s\n", "without", "ms", "least",
+                       "most", "costs ms", "of all", "rays", "RMSE", "FLIP");
     for (int i = 0; i < bill->rows; i++)
         write_row(bill, &bill->row[i], markdown ? md : text, out);
 }

@@ -17,9 +17,12 @@ expect "JSON has the rows" "$(jq -c '[.rows[].without] | join(" ")' r.json)" \
     '" ambient hard_shadows shadow_transmittance mirror transmission specular sky patterns refraction"'
 expect "rows have times, rays and differences" "$(jq '[.rows[1:][] | (.min_ms <= .median_ms
     and .median_ms <= .max_ms and .rays.primary == 1200 and .rmse > 0 and .max_error >= .rmse
+    and .flip > 0 and .flip < 1
     and has("cost_ms") and has("cost_share"))] | all' r.json)" true
 expect "without transmission there are no such rays" \
     "$(jq '.rows[] | select(.without == "transmission") | .rays.transmission' r.json)" 0
+expect "the first row differs by nothing" "$(jq -c '.rows[0] | [.rmse, .max_error, .flip]' r.json)" "[0,0,0]"
+expect "all formats have FLIP" "$(grep -l -i flip r.json r.csv r.md r.html | wc -l | tr -d ' ')" 4
 expect "CSV has a line for each row" "$(wc -l <r.csv | tr -d ' ')" 11
 expect "HTML has two pictures for each effect" "$(grep -o 'data:image/png;base64,' r.html | wc -l | tr -d ' ')" 18
 grep -o 'base64,[A-Za-z0-9+/=]*' r.html | head -n 1 | cut -d, -f2 | base64 -d >first.png

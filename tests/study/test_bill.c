@@ -94,7 +94,7 @@ START_TEST(test_bill__rows_are_the_scene_changed)
     struct pen_bill_task task = task_of(pool);
     struct pen_bill bill = bill_of(&task);
     ck_assert_int_eq(bill.rows, PEN_FX_COUNT + 1);
-    ck_assert(bill.row[0].effect == 0 && bill.row[0].rmse == 0);
+    ck_assert(bill.row[0].effect == 0 && bill.row[0].rmse == 0 && bill.row[0].flip == 0);
     for (int i = 0; i < bill.rows; i++) {
         const struct pen_bill_row *row = &bill.row[i];
         struct pen_settings settings = kit.settings;
@@ -106,7 +106,7 @@ START_TEST(test_bill__rows_are_the_scene_changed)
         ck_assert_mem_eq(film, row->rgb, 3 * 20 * 15 * sizeof *film);
         ck_assert(row->min_ms > 0 && row->min_ms <= row->median_ms &&
                   row->median_ms <= row->max_ms);
-        ck_assert(row->effect == 0 || row->rmse > 0);
+        ck_assert(row->effect == 0 || (row->rmse > 0 && row->flip > 0 && row->flip < 1));
         free(film);
         pen_scene_free(scene);
         pen_arena_free(arena);
@@ -175,5 +175,29 @@ START_TEST(test_bill__reports)
 }
 END_TEST
 
+/* Cancels once the last run is done. */
+static void cancel_at_end(void *user, int done, int total)
+{
+    if (done == total)
+        atomic_store((atomic_bool *)user, true);
+}
+
+START_TEST(test_bill__comparing_can_be_cancelled)
+{
+    struct pen_status st;
+    struct pen_bill bill;
+    atomic_bool cancel = false;
+    struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
+    everything();
+    struct pen_bill_task task = task_of(pool);
+    task.cancel = &cancel;
+    task.progress = cancel_at_end;
+    task.user = &cancel;
+    ck_assert(!pen_bill_make(&task, &bill, &st) && st.code == PEN_CANCELLED);
+    pen_bill_release(&bill);
+    pen_thread_pool_free(pool);
+}
+END_TEST
+
 PEN_SUITE("bill", test_bill__each_effect_can_be_left_out, test_bill__rows_are_the_scene_changed,
-          test_bill__opaque_shadows, test_bill__reports)
+          test_bill__opaque_shadows, test_bill__reports, test_bill__comparing_can_be_cancelled)
