@@ -234,7 +234,13 @@ exits "the map has the size of the pictures" 0 "$penumbra" compare map.png a.png
 exits "draw that there are no errors" 0 "$penumbra" compare a.png front.png -q -o black.png
 exits "compare both maps" 7 "$penumbra" compare map.png black.png --max-error 0.5 -q
 exits "errors as numbers" 0 "$penumbra" compare a.png side.png -q -o map.pfm
+exits "the picture is not those numbers, but colours" 7 "$penumbra" compare map.png map.pfm --max-error 0.1 -q
 expect "they are a PFM file of that size" "$(head -c 9 map.pfm | tr '\n' ' ')" "PF 61 43 "
+"$penumbra" compare a.png side.png --json >figures.json
+tail -c $((61 * 43 * 12)) map.pfm | od -An -v -w12 -t f4 | awk '{ if ($1 > most) most = $1; sum += $1 }
+    END { print most, sum / NR }' >pooled
+expect "the largest and the mean are those of the figures" "$(jq --argjson pooled "[$(tr ' ' , <pooled)]" \
+    '[.flip_max, .flip] | [., $pooled] | transpose | map((.[0] - .[1] | fabs) < 1e-5) | all' figures.json)" true
 exits "errors to standard output" 0 "$penumbra" compare a.png side.png -q -o - --format pfm
 check "they are the same" cmp stdout map.pfm
 exits "errors and figures to standard output" 2 "$penumbra" compare a.png side.png -o - --format pfm
