@@ -64,6 +64,14 @@ struct pen_camera_point {
     struct pen_point2 lens; /* 0 for a pinhole */
 };
 
+/* A sample of a replicate: a replicate of a pixel is a sequence of camera rays with scramblings of
+ * its own, of which any beginning may be averaged (math/sample.h: struct pen_sample_key). */
+struct pen_camera_sample {
+    int x, y;           /* the pixel */
+    uint32_t replicate; /* from 0 on */
+    uint32_t index;     /* in the replicate, from 0 on */
+};
+
 /* One sample of a pixel: its radiance. The pixel is that of the scratch memory's sampling key. */
 typedef struct pen_vec3 pen_kernel_sample_fn(const struct pen_kernel_input *input,
                                              struct pen_kernel_scratch *scratch,
@@ -76,12 +84,23 @@ typedef void pen_kernel_block_fn(const struct pen_kernel_input *input,
                                  struct pen_kernel_scratch *scratch, struct pen_rect rect,
                                  double (*rgb)[3], struct pen_ray_counts *counts);
 
+/* Up to PEN_KERNEL_SAMPLES samples of replicates, of any pixels: their radiances. Samples that are
+ * near one another in the list should be near in the image. One that is not finite, or too large
+ * for the film, is counted as dropped, and has a radiance of NaN. Kernels without anti-aliasing
+ * have no such function. */
+enum { PEN_KERNEL_SAMPLES = 64 };
+typedef void pen_kernel_samples_fn(const struct pen_kernel_input *input,
+                                   struct pen_kernel_scratch *scratch,
+                                   const struct pen_camera_sample *samples, int count,
+                                   struct pen_vec3 *radiance, struct pen_ray_counts *counts);
+
 struct pen_kernel {
     const char *name; /* e.g. "hard+mirror/avx2": shown in statistics */
     unsigned effects; /* the mask: PEN_FX_* */
     pen_kernel_fn *pixel;
-    pen_kernel_block_fn *block; /* for input->trace with packets */
-    size_t block_bytes;         /* of the working memory of `block` */
+    pen_kernel_block_fn *block;     /* for input->trace with packets */
+    pen_kernel_samples_fn *samples; /* does not need packets */
+    size_t block_bytes;             /* of the working memory of `block` */
 };
 
 /* The kernels one by one, for tests and reports; NULL after the last. Kernels for an instruction

@@ -247,6 +247,7 @@ START_TEST(test_kernel__names_stay_as_statistics_show_them)
                                        "soft+glass",
                                        "soft+glass+mirror",
                                        "soft+smooth",
+                                       "soft+all",
                                        "all"};
     for (int isa = 0; isa < PEN_ISA_COUNT; isa++)
         for (size_t i = 0; i < sizeof name / sizeof *name; i++) {

@@ -95,6 +95,25 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
         block_begin_packet(b);
 }
 
+/* The sample of one pixel by the pixel kernel. */
+static ALWAYS_INLINE struct pen_vec3
+block_sample_alone(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
+                   const struct block_points *at, int i, struct pen_ray_counts *counts,
+                   pen_kernel_sample_fn *alone, const unsigned fx)
+{
+    const struct pen_block_scratch *b = scratch->block;
+    scratch->key.x = (uint32_t)b->x[i];
+    scratch->key.y = (uint32_t)b->y[i];
+    if ((fx & FX_SAMPLED) && (fx & PEN_FX_ANTI_ALIASING)) {
+        scratch->key.pixel_sample = b->pixel_sample[i];
+        scratch->ray = b->ray[i];
+    }
+    struct pen_camera_point point = {.x = at->x[i], .y = at->y[i]};
+    if (has_lens(input, fx))
+        point.lens = (struct pen_point2){at->lens_x[i], at->lens_y[i]};
+    return alone(input, scratch, point, counts);
+}
+
 /* One sample of every pixel: its radiance in c. Those that are deferred are rendered by `alone`. */
 static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch,
@@ -118,12 +137,7 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
     }
     for (int i = 0; i < pixels; i++) {
         if (b->deferred >> i & 1) {
-            scratch->key.x = (uint32_t)b->x[i];
-            scratch->key.y = (uint32_t)b->y[i];
-            struct pen_camera_point point = {.x = at->x[i], .y = at->y[i]};
-            if (has_lens(input, fx))
-                point.lens = (struct pen_point2){at->lens_x[i], at->lens_y[i]};
-            c[i] = alone(input, scratch, point, counts);
+            c[i] = block_sample_alone(input, scratch, at, i, counts, alone, fx);
             continue;
         }
         const struct pen_vec3 zero = {0, 0, 0};
@@ -179,6 +193,40 @@ static ALWAYS_INLINE void block_set_point(struct block_points *at, int i,
     }
 }
 
+/* Samples of replicates, as the block's pixels: their radiances. */
+static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
+                                         struct pen_kernel_scratch *scratch,
+                                         const struct pen_camera_sample *samples, int count,
+                                         struct pen_vec3 *c, struct pen_ray_counts *counts,
+                                         pen_kernel_sample_fn *alone, const unsigned fx)
+{
+    if (!(fx & PEN_FX_ANTI_ALIASING))
+        return; /* no kernel for replicates */
+    struct pen_block_scratch *b = scratch->block;
+    struct block_points at;
+    block_no_points(input, &at, fx);
+    for (int i = 0; i < count; i++) {
+        b->x[i] = samples[i].x;
+        b->y[i] = samples[i].y;
+        b->pixel_sample[i] = PEN_SAMPLE_REPLICATE + samples[i].replicate;
+        b->ray[i] = samples[i].index;
+        block_set_point(&at, i, replicate_point(input, &samples[i], fx), has_lens(input, fx));
+    }
+    if (fx & FX_SAMPLED)
+        scratch->key = replicate_key(input, &samples[0]);
+    counts->primary += (uint64_t)count;
+    if (input->trace->nearest_packet)
+        block_samples(input, scratch, &at, count, c, counts, alone, fx);
+    for (int i = 0; !input->trace->nearest_packet && i < count; i++)
+        c[i] = block_sample_alone(input, scratch, &at, i, counts, alone, fx);
+    for (int i = 0; i < count; i++) {
+        if (fits_film(c[i]))
+            continue;
+        counts->dropped_samples++;
+        c[i] = no_sample();
+    }
+}
+
 /* Writes a pixel of the block. */
 static ALWAYS_INLINE void block_put(const struct pen_block_scratch *b, struct pen_rect rect,
                                     double (*rgb)[3], int i, struct pen_vec3 c)
@@ -222,8 +270,10 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
             block_set_point(&at, i, point, has_lens(input, fx));
         }
         counts->primary += (uint64_t)pixels;
-        if (fx & FX_SAMPLED)
-            scratch->key.pixel_sample = (uint32_t)k;
+        for (int i = 0; (fx & FX_SAMPLED) && (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
+            b->pixel_sample[i] = (uint32_t)k;
+            b->ray[i] = 0;
+        }
         block_samples(input, scratch, &at, pixels, c, counts, alone, fx);
         for (int i = 0; i < pixels; i++) {
             const bool fits = fits_film(c[i]);

@@ -78,6 +78,7 @@ struct pen_block_scratch {
     struct pen_shadow query[PEN_RAY_PACKET_MAX];
     /* By pixel. */
     int x[BLOCK_PIXELS], y[BLOCK_PIXELS];
+    uint32_t pixel_sample[BLOCK_PIXELS], ray[BLOCK_PIXELS]; /* as in the scratch memory */
     uint64_t deferred; /* bits of pixels that are left to the pixel kernel */
     struct pen_ray_counts counts[BLOCK_PIXELS];
     int surfaces[BLOCK_PIXELS]; /* records of each pixel */

@@ -197,6 +197,10 @@ static ALWAYS_INLINE void block_soft_shadows(const struct pen_kernel_input *inpu
         const int i = __builtin_ctzll(points), pixel = b->wave[i]->pixel, g = i / LANES;
         scratch->key.x = (uint32_t)b->x[pixel];
         scratch->key.y = (uint32_t)b->y[pixel];
+        if (fx & PEN_FX_ANTI_ALIASING) {
+            scratch->key.pixel_sample = b->pixel_sample[pixel];
+            scratch->ray = b->ray[pixel];
+        }
         scratch->key.node = b->wave[i]->path.node;
         block_set_transmittance(b, i,
                                 soft_transmittance(input, scratch, &b->surface[g], i % LANES,

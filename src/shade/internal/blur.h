@@ -54,6 +54,7 @@ static ALWAYS_INLINE uint32_t blur_push(const struct pen_kernel_input *input,
     if (!(spread > 0))
         return 1;
     const uint32_t rays = blur_rays(input, path);
+    b->next = scratch->ray * rays;
     b->left = rays;
     b->spread = spread;
     b->side = reflected ? lanes3_at(s->n, 0) : pen_neg(lanes3_at(s->n, 0));

@@ -296,6 +296,7 @@ static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
                                                .x = (uint32_t)x,
                                                .y = (uint32_t)y,
                                                .purpose = PEN_PURPOSE_LIGHT};
+    scratch->ray = 0;
     struct pen_vec3 sum = {0, 0, 0};
     int kept = 0;
     for (int i = 0; i < samples; i++) {

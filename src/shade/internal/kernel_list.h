@@ -8,6 +8,7 @@
  *   pen_pixel_<identifier>          in pixel_kernels.c: the kernel's pen_kernel_fn
  *   pen_sample_<identifier>         there: its pen_kernel_sample_fn
  *   block_<identifier>              static in kernel_isa.c: its pen_kernel_block_fn
+ *   samples_<identifier>            there: its pen_kernel_samples_fn
  *   pen_kernels_<instruction set>   the table of them
  *
  * The last line must be the kernel of all effects: it covers what no other line does. */
@@ -51,6 +52,7 @@ _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the l
     X(soft_glass, "soft+glass", FX_SOFT | FX_GLASS)                                                \
     X(soft_glass_mirror, "soft+glass+mirror", FX_SOFT | FX_GLASS | FX_MIRROR)                      \
     X(soft_smooth, "soft+smooth", FX_SOFT | FX_SMOOTH)                                             \
+    X(soft_all, "soft+all", FX_SOFT | FX_GLASS | FX_MIRROR | FX_SMOOTH)                            \
     X(all, "all", FX_ALL)
 
 #define PEN_KERNEL_COUNT_ONE(identifier, name, mask) +1

@@ -50,6 +50,14 @@ static inline struct points points_begin(const struct pen_settings *settings, ui
                            .none = grid};
 }
 
+/* Leaves out the points of the camera rays before ray `ray`, in a sequence of sobol or random. */
+static inline void points_skip(struct points *p, uint32_t ray)
+{
+    const uint32_t before = p->samples * ray;
+    p->next += before;
+    p->samples += before;
+}
+
 /* The columns of a row of the grid: those in [out, stop) may have their point in the circle, those
  * in [in, in_stop) surely have. Symmetric; the margins are larger than rounding. */
 struct points_row {
@@ -200,7 +208,7 @@ static inline uint32_t points_count(const struct points *points)
 {
     struct points p = *points;
     if (p.pattern != PEN_PATTERN_GRID)
-        return p.samples;
+        return p.samples - p.next;
     uint32_t count;
     do
         count = points_count_drawing(&p);

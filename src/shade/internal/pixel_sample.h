@@ -26,20 +26,37 @@ static ALWAYS_INLINE int pixel_samples(const struct pen_kernel_input *input, con
     return fx & PEN_FX_ANTI_ALIASING ? pen_camera_samples(has_lens(input, fx), input->settings) : 1;
 }
 
-static ALWAYS_INLINE struct pixel_scrambling
-pixel_scrambling(const struct pen_kernel_input *input, int samples, int x, int y, const unsigned fx)
+static ALWAYS_INLINE struct pixel_scrambling scrambling_of(const struct pen_kernel_input *input,
+                                                           struct pen_sample_key key, int samples,
+                                                           const unsigned fx)
 {
-    struct pen_sample_key key = {.seed = input->settings->seed,
-                                 .x = (uint32_t)x,
-                                 .y = (uint32_t)y,
-                                 .purpose = PEN_PURPOSE_PIXEL};
     struct pixel_scrambling s = {0, 0};
+    key.purpose = PEN_PURPOSE_PIXEL;
     if (samples > 1)
         s.image = pen_sample_hash(&key);
     key.purpose = PEN_PURPOSE_LENS;
     if (has_lens(input, fx))
         s.lens = pen_sample_hash(&key);
     return s;
+}
+
+static ALWAYS_INLINE struct pixel_scrambling
+pixel_scrambling(const struct pen_kernel_input *input, int samples, int x, int y, const unsigned fx)
+{
+    const struct pen_sample_key key = {
+        .seed = input->settings->seed, .x = (uint32_t)x, .y = (uint32_t)y};
+    return scrambling_of(input, key, samples, fx);
+}
+
+/* The key of a sample of a replicate, for its points on lights and in cones. */
+static ALWAYS_INLINE struct pen_sample_key replicate_key(const struct pen_kernel_input *input,
+                                                         const struct pen_camera_sample *sample)
+{
+    return (struct pen_sample_key){.seed = input->settings->seed,
+                                   .x = (uint32_t)sample->x,
+                                   .y = (uint32_t)sample->y,
+                                   .pixel_sample = PEN_SAMPLE_REPLICATE + sample->replicate,
+                                   .purpose = PEN_PURPOSE_LIGHT};
 }
 
 /* Point i of a pixel's samples, from its top left corner: the pixel's centre if it has one sample
@@ -53,6 +70,20 @@ static ALWAYS_INLINE struct pen_camera_point camera_point(const struct pen_kerne
     struct pen_camera_point point = {.x = at.x, .y = at.y};
     if (has_lens(input, fx))
         point.lens = pen_disk_of_square(pen_sobol2(s->lens, (uint32_t)i));
+    return point;
+}
+
+/* Where the camera ray of a sample of a replicate crosses the image and the lens. */
+static ALWAYS_INLINE struct pen_camera_point replicate_point(const struct pen_kernel_input *input,
+                                                             const struct pen_camera_sample *sample,
+                                                             const unsigned fx)
+{
+    enum { SEVERAL = 2 };
+    const struct pixel_scrambling s =
+        scrambling_of(input, replicate_key(input, sample), SEVERAL, fx);
+    struct pen_camera_point point = camera_point(input, &s, SEVERAL, (int)sample->index, fx);
+    point.x += sample->x;
+    point.y += sample->y;
     return point;
 }
 

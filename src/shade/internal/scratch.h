@@ -55,6 +55,7 @@ struct pen_kernel_scratch {
     struct pen_block_scratch *block; /* block_body.h; in block_memory */
     void *block_memory;
     struct pen_sample_key key; /* of the samples on lights; `light` is set for each light */
+    uint32_t ray;              /* of a replicate, whose points come after those of earlier ones */
     uint32_t *media;           /* with refraction, the media of paths: media_at */
     size_t media_stride;
     bool several; /* the path is at an interface of several surfaces: pen_solids_coincide */

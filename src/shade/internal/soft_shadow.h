@@ -242,6 +242,8 @@ soft_transmittance(const struct pen_kernel_input *input, struct pen_kernel_scrat
               lanes3_at(arriving->to_light, lane));
     scratch->key.light = input->scene->light_index[arriving->light];
     soft.points = points_begin(input->settings, pen_sample_hash(&scratch->key));
+    if (fx & PEN_FX_ANTI_ALIASING)
+        points_skip(&soft.points, scratch->ray);
     enum pen_disk_visibility visibility = soft_begin_packet(input, scratch, &soft, fx);
     if (visibility == PEN_DISK_ALL_VISIBLE || visibility == PEN_DISK_ALL_OCCLUDED) {
         double t = visibility == PEN_DISK_ALL_VISIBLE;
