@@ -11,6 +11,11 @@ json_t *pen_figure(double value)
     return json_real(round(value * 1000) / 1000);
 }
 
+json_t *pen_figure_error(double error)
+{
+    return json_real(round(error * 1e6) / 1e6);
+}
+
 static uint64_t ray_sum(const struct pen_ray_counts *rays)
 {
     return rays->primary + rays->shadow + rays->reflection + rays->transmission;

@@ -12,6 +12,9 @@
 /* A number rounded to thousandths, so that milliseconds are exact to the microsecond. */
 json_t *pen_figure(double value);
 
+/* An error of a picture, rounded to millionths. */
+json_t *pen_figure_error(double error);
+
 /* {primary, shadow, reflection, transmission, total}: counts of rays. */
 json_t *pen_figure_rays(const struct pen_ray_counts *rays);
 

@@ -62,7 +62,8 @@ bool pen_settings_set(struct pen_settings *settings, const char *assignment, str
 /* Checks the limits that depend on the settings and on the number of views to render: pixels per
  * view, and work. Work is the rays of pen_work_per_pixel; where paths fork (pen_desc_forks), times
  * the most surfaces that a pixel sample shades, min(2^max_depth - 1, pen_tree_surfaces_max). The
- * status gets `at`, a JSON Pointer, as its place. Fails: PEN_TOO_LARGE. */
+ * status gets `at`, a JSON Pointer, as its place. Checks also that no settings exclude each other.
+ * Fails: PEN_TOO_LARGE, PEN_INVALID. */
 bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_desc *desc,
                       const struct pen_settings *settings, uint32_t views, const char *at,
                       struct pen_status *st);

@@ -36,6 +36,43 @@ static json_t *precision_json(const struct pen_scene_precision *p)
                      warns ? warning : NULL);
 }
 
+static json_t *rounds_json(const struct pen_adaptive_stats *adaptive)
+{
+    json_t *rounds = json_array();
+    for (int i = 0; i < adaptive->rounds; i++) {
+        const struct pen_round *r = &adaptive->round[i];
+        json_array_append_new(rounds,
+                              json_pack("{s:I, s:i, s:o}", "pixels", (json_int_t)r->pixels, "level",
+                                        r->level, "estimated_error", pen_figure_error(r->error)));
+    }
+    return rounds;
+}
+
+/* {target_error, met, interval, confidence, samples_per_pixel: {mean, min, p50, p95, max},
+ * capped_pixels, rounds}. */
+static json_t *adaptive_json(const struct pen_adaptive_stats *adaptive)
+{
+    const struct pen_round *last = &adaptive->round[adaptive->rounds - 1];
+    const struct pen_sample_spread *s = &adaptive->samples;
+    return json_pack("{s:f, s:b, s:[o, o], s:f, s:{s:o, s:I, s:I, s:I, s:I}, s:I, s:o}",
+                     "target_error", adaptive->target, "met", adaptive->met, "interval",
+                     pen_figure_error(last->low), pen_figure_error(last->high), "confidence",
+                     PEN_ADAPTIVE_CONFIDENCE, "samples_per_pixel", "mean", pen_figure(s->mean),
+                     "min", (json_int_t)s->least, "p50", (json_int_t)s->median, "p95",
+                     (json_int_t)s->p95, "max", (json_int_t)s->most, "capped_pixels",
+                     (json_int_t)adaptive->capped, "rounds", rounds_json(adaptive));
+}
+
+/* Adds what is known of an adaptive render. */
+static json_t *with_adaptive(json_t *json, const struct pen_adaptive_stats *adaptive)
+{
+    if (adaptive->rounds == 0)
+        return json;
+    json = pen_json_with(json, "estimated_error",
+                         pen_figure_error(adaptive->round[adaptive->rounds - 1].error));
+    return pen_json_with(json, "adaptive", adaptive_json(adaptive));
+}
+
 json_t *pen_stats_json(const struct pen_stats_input *in)
 {
     const struct pen_render_stats *r = in->render;
@@ -52,5 +89,6 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
         (json_int_t)r->rays.dropped_samples, "truncated_paths", (json_int_t)r->rays.truncated_paths,
         "unmatched_exits", (json_int_t)r->rays.unmatched_exits, "float_resets", r->float_resets,
         "host", pen_figure_host());
+    json = with_adaptive(json, &r->adaptive);
     return in->precision ? pen_json_with(json, "precision", precision_json(in->precision)) : json;
 }

@@ -19,8 +19,11 @@ static bool is_wanted(const struct pen_batch_context *context, const struct pen_
     const struct pen_settings *s = &context->request.settings;
     const double views = context->request.view_count, pixels = views * s->width * s->height,
                  batches = views * claim->view_batches, share = PEN_FORECAST_QUICK_PIXELS / pixels;
-    return context->fresh && claim->attempt == 1 && claim->view == 0 && claim->first_tile == 0 &&
-           batches > LONG_BATCHES && share < 1.0 / 30 && share * batches < LONG_BATCHES;
+    const bool first = context->fresh && claim->attempt == 1 && claim->view == 0 &&
+                       claim->first_tile == 0 && share < 1.0 / 30;
+    if (pen_settings_adaptive(s)) /* a view is one batch, however long */
+        return first;
+    return first && batches > LONG_BATCHES && share * batches < LONG_BATCHES;
 }
 
 bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,

@@ -33,7 +33,8 @@ static bool render_layer(struct pen_batch_context *context, const struct pen_cla
                                         .layer = layer,
                                         .cost = pen_stored_request_cost(&context->request),
                                         .rgb = film->rgb,
-                                        .cancel = pen_heartbeat_cancel_flag(context->heart)};
+                                        .cancel = pen_heartbeat_cancel_flag(context->heart),
+                                        .adaptive = context->adaptive};
     const bool ok = task.view >= 0
                         ? store_layer(context, claim, &task, film, st)
                         : pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);

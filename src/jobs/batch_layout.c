@@ -21,6 +21,8 @@ enum { JOB_BATCHES_MAX = 16384 };
 static int batches_of_view(const struct pen_request *request, int tiles)
 {
     const struct pen_settings *s = &request->settings;
+    if (pen_settings_adaptive(s))
+        return 1; /* a round is decided from the whole picture */
     double rays = (double)s->width * s->height * pen_work_per_pixel(&request->desc, s);
     if (pen_effects_blur(pen_desc_effects(&request->desc, s)))
         rays *= s->blur_samples;

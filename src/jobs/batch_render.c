@@ -97,7 +97,12 @@ static bool run_task(struct pen_batch_context *context, const struct pen_render_
                                .image = task->rgb};
     if (!pen_pixel_compressor_begin(context->compressor, &run, st))
         return false;
-    bool ok = pen_render_run(context->pool, task, stats, st);
+    bool ok;
+    if (pen_settings_adaptive(task->settings))
+        ok = (context->adaptive = pen_adaptive_new(task->settings, st)) &&
+             pen_render_rounds(context->pool, task, context->adaptive, stats, st);
+    else
+        ok = pen_render_run(context->pool, task, stats, st);
     if (!ok)
         pen_pixel_compressor_cancel(context->compressor);
     return pen_batch_hook_done(context, ok, st);
@@ -206,6 +211,8 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
     bool ok = render(context, claim, output, st);
     pen_png_free(context->picture);
     context->picture = NULL;
+    pen_adaptive_free(context->adaptive);
+    context->adaptive = NULL;
     return ok;
 }
 

@@ -5,6 +5,7 @@
  *                        longer than the time that has passed
  *   threads, memory      the largest of all batches
  *   percentiles          of all tiles together
+ *   adaptive             of the view with the largest estimated error
  *   queue_ms, total_ms   from the times of the job itself
  *   store_ms             the time that workers waited for the store and for the compression of
  * pixels
@@ -29,7 +30,8 @@ struct sum {
     struct pen_weighted_time *times;
     size_t time_count, time_capacity;
     json_t *accelerator, *kernel, *effects, *host; /* owned; of the last batch that has them */
-    json_t *precision; /* owned; of the view with the lowest resolution */
+    json_t *precision;                  /* owned; of the view with the lowest resolution */
+    json_t *estimated_error, *adaptive; /* owned; of the view with the largest estimated error */
     bool no_memory, damaged;
 };
 
@@ -116,6 +118,16 @@ static void keep_lowest_precision(struct sum *sum, const json_t *stats)
         keep_last(&sum->precision, stats, "precision");
 }
 
+static void keep_largest_error(struct sum *sum, const json_t *stats)
+{
+    const json_t *more = json_object_get(stats, "estimated_error");
+    if (more && (!sum->estimated_error ||
+                 json_number_value(more) > json_number_value(sum->estimated_error))) {
+        keep_last(&sum->estimated_error, stats, "estimated_error");
+        keep_last(&sum->adaptive, stats, "adaptive");
+    }
+}
+
 static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
 {
     int threads = (int)count_of(stats, "threads");
@@ -130,6 +142,7 @@ static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
     keep_last(&sum->effects, stats, "effects");
     keep_last(&sum->host, stats, "host");
     keep_lowest_precision(sum, stats);
+    keep_largest_error(sum, stats);
 }
 
 static bool take_batch(void *user, const struct pen_batch_stats *batch)
@@ -159,16 +172,19 @@ static json_t *timing_json(const struct sum *sum, const struct pen_job_record *j
 static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
 {
     struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);
-    return json_pack(
-        "{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:I, s:O?, s:O*}",
-        "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays), "mrays_per_second",
-        pen_figure_rate(&sum->rays, sum->render_ms), "threads", sum->threads, "tiles",
-        pen_stats_tiles(sum->tile_count, &tiles), "accelerator", sum->accelerator, "kernel",
-        sum->kernel, "effects", sum->effects, "memory", "peak_bytes", (json_int_t)sum->peak_bytes,
-        "dropped_samples", (json_int_t)sum->rays.dropped_samples, "truncated_paths",
-        (json_int_t)sum->rays.truncated_paths, "unmatched_exits",
-        (json_int_t)sum->rays.unmatched_exits, "float_resets", (json_int_t)sum->float_resets,
-        "host", sum->host, "precision", sum->precision);
+    return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:I, "
+                     "s:O?, s:O*, s:O*, "
+                     "s:O*}",
+                     "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays),
+                     "mrays_per_second", pen_figure_rate(&sum->rays, sum->render_ms), "threads",
+                     sum->threads, "tiles", pen_stats_tiles(sum->tile_count, &tiles), "accelerator",
+                     sum->accelerator, "kernel", sum->kernel, "effects", sum->effects, "memory",
+                     "peak_bytes", (json_int_t)sum->peak_bytes, "dropped_samples",
+                     (json_int_t)sum->rays.dropped_samples, "truncated_paths",
+                     (json_int_t)sum->rays.truncated_paths, "unmatched_exits",
+                     (json_int_t)sum->rays.unmatched_exits, "float_resets",
+                     (json_int_t)sum->float_resets, "host", sum->host, "precision", sum->precision,
+                     "estimated_error", sum->estimated_error, "adaptive", sum->adaptive);
 }
 
 json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
@@ -187,6 +203,8 @@ json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *j
     json_decref(sum.effects);
     json_decref(sum.host);
     json_decref(sum.precision);
+    json_decref(sum.estimated_error);
+    json_decref(sum.adaptive);
     free(sum.times);
     return stats;
 }

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "render/internal/forecast_adaptive.h"
 #include "render/internal/kernel_input.h"
 #include "render/render.h"
 #include "shade/first_hit.h"
@@ -226,13 +227,54 @@ static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_for
     f->seen = NULL;
 }
 
+static double both_off(double a, double b)
+{
+    return sqrt(a * a + b * b);
+}
+
+/* The product of two estimates that are off independently. */
+static struct pen_estimate product(struct pen_estimate a, struct pen_estimate b)
+{
+    const double expected = a.expected * b.expected;
+    if (!(expected > 0))
+        return (struct pen_estimate){0, 0, a.high * b.high};
+    const double down = both_off(1 - a.low / a.expected, 1 - b.low / b.expected);
+    const double up = both_off(a.high / a.expected - 1, b.high / b.expected - 1);
+    return (struct pen_estimate){expected, down < 1 ? expected * (1 - down) : 0,
+                                 expected * (1 + up)};
+}
+
+/* Extends a forecast of the pilot to all rounds. */
+static bool add_rounds(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
+                       struct pen_forecast *out, struct pen_status *st)
+{
+    struct pen_estimate growth, ray = out->time_ms;
+    double ray_ms;
+    if (!pen_settings_adaptive(task->settings))
+        return true;
+    if (!pen_forecast_growth(pool, task, &growth, &ray_ms, st))
+        return false;
+    struct pen_estimate *const all[] = {&out->primary, &out->shadow, &out->reflection,
+                                        &out->transmission, &out->total};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        *all[i] = product(*all[i], growth);
+    const double scale = ray.expected > 0 ? ray_ms / ray.expected : 0;
+    ray = (struct pen_estimate){ray_ms, ray.low * scale, ray.high * scale};
+    out->time_ms = product(out->total, ray);
+    const double pixels = (double)task->settings->width * task->settings->height;
+    out->memory_bytes += pixels * (double)(sizeof(struct pen_pixel_sums) +
+                                           sizeof(struct pen_pixel_estimate) + sizeof(float) + 1);
+    return true;
+}
+
 bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
                        struct pen_forecast *out, struct pen_status *st)
 {
     const int64_t begun = pen_clock_ns();
+    const struct pen_settings sampling = pen_settings_sampling(task->settings);
     struct forecast f = {.task = task,
-                         .settings = task->settings,
-                         .input = pen_kernel_input_of(task->scene, task->view, task->settings),
+                         .settings = &sampling,
+                         .input = pen_kernel_input_of(task->scene, task->view, &sampling),
                          .threads = pen_render_threads(pool, task->settings)};
     f.kernel = pen_kernel_select(f.input.effects, pen_cpu_isa());
     cut(&f);
@@ -240,13 +282,15 @@ bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_t
     if (ok)
         run(pool, &f, out);
     release(&f);
-    out->spent_ms = (double)(pen_clock_ns() - begun) * 1e-6;
     if (!ok)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a forecast");
-    if (!is_cancelled(&f))
+    if (is_cancelled(&f) ? pen_fail(st, PEN_CANCELLED, "the forecast was cancelled")
+                         : add_rounds(pool, task, out, st)) {
+        out->spent_ms = (double)(pen_clock_ns() - begun) * 1e-6;
         return true;
+    }
     pen_forecast_release(out);
-    return pen_fail(st, PEN_CANCELLED, "the forecast was cancelled");
+    return false;
 }
 
 void pen_forecast_release(struct pen_forecast *forecast)

@@ -11,7 +11,10 @@
 #include "base/clock.h"
 #include "render/internal/counter.h"
 #include "render/internal/kernel_input.h"
+#include "render/internal/refine.h"
 #include "shade/first_hit.h"
+
+enum { BLOCK_PIXELS = PEN_BLOCK_SIDE * PEN_BLOCK_SIDE };
 
 /* What a thread works with. */
 struct worker {
@@ -22,6 +25,7 @@ struct worker {
 
 struct job {
     const struct pen_layer_task *task;
+    const struct pen_adaptive *adaptive; /* with a target error */
     struct pen_kernel_input input;
     const struct pen_kernel *kernel;
     struct worker *worker; /* by thread */
@@ -47,13 +51,26 @@ enum pen_layer pen_layer_find(const char *name)
     return (enum pen_layer)layer;
 }
 
+static const struct pen_pixel_sums *sums_at(const struct job *job, int x, int y)
+{
+    return &job->adaptive->sums[(size_t)y * (size_t)job->task->settings->width + (size_t)x];
+}
+
+/* The camera rays of a pixel. */
+static double samples_at(const struct job *job, int x, int y)
+{
+    if (job->adaptive)
+        return (double)PEN_REPLICATES * sums_at(job, x, y)->samples;
+    return pen_camera_samples(job->input.lens.open, job->task->settings);
+}
+
 /* The value of a pixel of the layers that do not depend on the work it takes. */
 static struct pen_vec3 value_at(const struct job *job, int x, int y)
 {
     const struct pen_vec3 none = {0, 0, 0}, one = {1, 1, 1};
     struct pen_first_hit hit;
     if (job->task->layer == PEN_LAYER_SAMPLES)
-        return pen_scale(one, pen_camera_samples(job->input.lens.open, job->task->settings));
+        return pen_scale(one, samples_at(job, x, y));
     if (!pen_first_hit(&job->input, x, y, &hit))
         return none;
     if (job->task->layer == PEN_LAYER_DEPTH)
@@ -63,14 +80,38 @@ static struct pen_vec3 value_at(const struct job *job, int x, int y)
     return hit.albedo;
 }
 
+/* Traces the samples of a block of pixels as a render does. */
+static void trace_block(const struct job *job, const struct pen_kernel_input *input,
+                        struct pen_kernel_scratch *scratch, struct pen_rect block)
+{
+    struct pen_ray_counts rays = {.primary = 0};
+    double rgb[BLOCK_PIXELS][3];
+    struct pen_sample_range ranges[BLOCK_PIXELS];
+    struct pen_pixel_sums sums[BLOCK_PIXELS] = {{.samples = 0}};
+    int count = 0;
+    if (!job->adaptive) {
+        pen_render_block(job->kernel, input, scratch, block, rgb, &rays);
+        return;
+    }
+    for (int i = 0; i < BLOCK_PIXELS; i++) {
+        const int x = pen_z_order_x(i), y = pen_z_order_x(i >> 1);
+        if (x < block.width && y < block.height) {
+            ranges[count] = (struct pen_sample_range){
+                block.x + x, block.y + y, 0, sums_at(job, block.x + x, block.y + y)->samples,
+                &sums[count]};
+            count++;
+        }
+    }
+    pen_trace_samples(job->kernel, input, scratch, ranges, count, &rays);
+}
+
 /* The box and primitive tests of a pixel. */
 static double tests_at(const struct job *job, const struct worker *worker, int x, int y)
 {
     struct pen_test_counts before = {0, 0}, after = {0, 0};
-    struct pen_ray_counts rays = {.primary = 0};
-    double rgb[3];
     pen_counter_add(worker->counter, &before);
-    job->kernel->pixel(pen_counter_input(worker->counter), worker->counting, x, y, rgb, &rays);
+    trace_block(job, pen_counter_input(worker->counter), worker->counting,
+                (struct pen_rect){x, y, 1, 1});
     pen_counter_add(worker->counter, &after);
     return (double)(after.boxes - before.boxes + after.primitives - before.primitives);
 }
@@ -78,10 +119,8 @@ static double tests_at(const struct job *job, const struct worker *worker, int x
 /* The nanoseconds that a block takes: processor time, so that it does not matter what else runs. */
 static double time_of(const struct job *job, const struct worker *worker, struct pen_rect block)
 {
-    double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
-    struct pen_ray_counts rays = {.primary = 0};
     const int64_t begun = pen_clock_thread_ns();
-    pen_render_block(job->kernel, &job->input, worker->scratch, block, rgb, &rays);
+    trace_block(job, &job->input, worker->scratch, block);
     return (double)(pen_clock_thread_ns() - begun);
 }
 
@@ -96,7 +135,7 @@ static void put(const struct job *job, int x, int y, struct pen_vec3 v)
 /* What the pixels of a block cost: their tests, or their shares of its time. */
 static void cost_block(const struct job *job, const struct worker *worker, struct pen_rect block)
 {
-    double tests[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE], sum = 0, factor = 1;
+    double tests[BLOCK_PIXELS], sum = 0, factor = 1;
     const int pixels = block.width * block.height;
     for (int i = 0; i < pixels; i++) {
         tests[i] = tests_at(job, worker, block.x + i % block.width, block.y + i / block.width);
@@ -177,14 +216,40 @@ static bool run(struct pen_thread_pool *pool, struct job *job, struct pen_status
     return !stopped(job->task) || pen_fail(st, PEN_CANCELLED, "cancelled");
 }
 
+/* The state of a render with a target error, for layers that depend on it. Owns: *own, if the task
+ * has none. */
+static bool find_state(struct pen_thread_pool *pool, const struct pen_layer_task *task,
+                       struct pen_adaptive **own, struct pen_status *st)
+{
+    const bool depends = task->layer == PEN_LAYER_SAMPLES || task->layer == PEN_LAYER_COST;
+    struct pen_render_task all = {.scene = task->scene,
+                                  .view = task->view,
+                                  .settings = task->settings,
+                                  .tile_count = -1,
+                                  .rgb = task->rgb, /* becomes the layer afterwards */
+                                  .cancel = task->cancel};
+    struct pen_render_stats stats;
+    *own = NULL;
+    if (task->adaptive || !depends || !pen_settings_adaptive(task->settings))
+        return true;
+    *own = pen_adaptive_new(task->settings, st);
+    return *own && pen_render_rounds(pool, &all, *own, &stats, st);
+}
+
 bool pen_layer_render(struct pen_thread_pool *pool, const struct pen_layer_task *task,
                       struct pen_status *st)
 {
+    const struct pen_settings sampling = pen_settings_sampling(task->settings);
+    struct pen_adaptive *own;
+    bool ok = find_state(pool, task, &own, st);
     struct job job = {.task = task,
-                      .input = pen_kernel_input_of(task->scene, task->view, task->settings)};
+                      .adaptive = own ? own : task->adaptive,
+                      .input = pen_kernel_input_of(task->scene, task->view, &sampling)};
     job.kernel = pen_kernel_select(job.input.effects, pen_cpu_isa());
     job.threads = pen_render_threads(pool, task->settings);
-    return run(pool, &job, st);
+    ok = ok && run(pool, &job, st);
+    pen_adaptive_free(own);
+    return ok;
 }
 
 /* Black, blue, red, yellow, white: each brighter than the one before it. */

@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 
 #include "base/thread_pool.h"
+#include "render/adaptive.h"
 #include "scene/scene.h"
 
 /* The names are those of the API. */
@@ -41,6 +42,9 @@ struct pen_layer_task {
     float *rgb; /* the whole image, width * height * 3, row 0 at the top; layers of one number have
                    it three times */
     const atomic_bool *cancel; /* polled before each row of blocks; may be NULL */
+    /* With a target error: the state after the last round. NULL: samples and cost, which depend on
+     * it, render all rounds first. */
+    const struct pen_adaptive *adaptive;
 };
 
 extern const char *const pen_cost_names[];

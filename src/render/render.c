@@ -14,6 +14,7 @@
 #include "base/thread_pool.h"
 #include "render/internal/counter.h"
 #include "render/internal/kernel_input.h"
+#include "render/internal/refine.h"
 #include "render/internal/row_order.h"
 #include "render/internal/tile_queue.h"
 
@@ -128,7 +129,11 @@ static void render_blocks(void *user, int index)
     work->begun_ns = work->done_ns = pen_clock_ns();
     while (!cancelled(run->task) && pen_tile_queue_take(run->queue, index, &block)) {
         int64_t begun = pen_clock_ns();
-        render_block(run, index, block.rect);
+        if (run->task->adaptive)
+            pen_refine_block(run->task, run->kernel, work->input, work->scratch, block.rect, index,
+                             &work->rays);
+        else
+            render_block(run, index, block.rect);
         work->done_ns = pen_clock_ns();
         if (pen_tile_queue_done(&block, work->done_ns - begun, &tile_ns)) {
             work->tiles++;
@@ -246,6 +251,8 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
                     struct pen_render_stats *stats, struct pen_status *st)
 {
     const struct pen_settings *settings = task->settings;
+    if (pen_settings_adaptive(settings) && !task->adaptive)
+        return pen_render_to_target(pool, task, stats, st);
     int total = pen_tile_count(settings->width, settings->height, settings->tile);
     int first = task->first_tile;
     int count = task->tile_count < 0 ? total - first : task->tile_count;
@@ -255,7 +262,8 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
                         first + count - 1, total);
     struct run run = {
         .task = task,
-        .input = pen_kernel_input_of(task->scene, task->view, settings),
+        .input = pen_kernel_input_of(task->scene, task->view,
+                                     task->adaptive ? &task->adaptive->sampling : settings),
         .end_tile = first + count,
         .threads = threads_for(pool, settings, first, first + count),
         .done_lock = PTHREAD_MUTEX_INITIALIZER,
@@ -269,22 +277,46 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
     return ok;
 }
 
-bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_settings *settings,
-                      int x, int y, double rgb[3], struct pen_ray_counts *rays,
-                      struct pen_status *st)
+/* Renders a pixel; with `samples` above 0, that many of each replicate. */
+static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uint32_t samples,
+                         double rgb[3], struct pen_ray_counts *rays, struct pen_status *st)
 {
-    struct pen_kernel_input input = pen_kernel_input_of(scene, view, settings);
-    struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(&input);
+    struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(input);
+    const struct pen_kernel *kernel = pen_kernel_select(input->effects, pen_cpu_isa());
     if (!scratch)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a pixel");
     fenv_t caller;
     fegetenv(&caller);
     fesetenv(FE_DFL_ENV);
     *rays = (struct pen_ray_counts){0};
-    pen_kernel_select(input.effects, pen_cpu_isa())->pixel(&input, scratch, x, y, rgb, rays);
+    if (samples == 0) {
+        kernel->pixel(input, scratch, x, y, rgb, rays);
+    } else {
+        struct pen_pixel_sums sums = {.samples = 0};
+        const struct pen_sample_range range = {x, y, 0, samples, &sums};
+        pen_trace_samples(kernel, input, scratch, &range, 1, rays);
+        pen_pixel_mean(&sums, rgb);
+    }
     fesetenv(&caller);
     pen_kernel_scratch_free(scratch);
     return true;
+}
+
+bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_settings *settings,
+                      int x, int y, double rgb[3], struct pen_ray_counts *rays,
+                      struct pen_status *st)
+{
+    const struct pen_kernel_input input = pen_kernel_input_of(scene, view, settings);
+    return render_pixel(&input, x, y, 0, rgb, rays, st);
+}
+
+bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
+                              const struct pen_adaptive *adaptive, int x, int y, double rgb[3],
+                              struct pen_ray_counts *rays, struct pen_status *st)
+{
+    const struct pen_kernel_input input = pen_kernel_input_of(scene, view, &adaptive->sampling);
+    const size_t at = (size_t)y * (size_t)adaptive->settings->width + (size_t)x;
+    return render_pixel(&input, x, y, adaptive->sums[at].samples, rgb, rays, st);
 }
 
 bool pen_dropped_warning(const struct pen_ray_counts *rays, char *text, size_t bytes)

@@ -12,6 +12,7 @@
 #include "base/status.h"
 #include "base/thread_pool.h"
 #include "math/rect.h"
+#include "render/adaptive.h"
 #include "scene/scene.h"
 #include "shade/kernel.h"
 
@@ -19,6 +20,23 @@
  * may be smaller. */
 int pen_tile_count(int width, int height, int tile);
 struct pen_rect pen_tile_rect(int width, int height, int tile, int index);
+
+/* A round of an adaptive render. */
+struct pen_round {
+    int level;               /* pen_adaptive_select; 0 for the pilot */
+    uint64_t pixels;         /* refined */
+    double error, low, high; /* of the picture after it, estimated */
+};
+enum { PEN_ROUNDS_MAX = 64 };
+
+struct pen_adaptive_stats {
+    double target;
+    bool met;
+    int rounds; /* 0: the render was not adaptive */
+    struct pen_round round[PEN_ROUNDS_MAX];
+    uint64_t capped; /* pixels that max_samples kept from being refined */
+    struct pen_sample_spread samples;
+};
 
 struct pen_render_stats {
     double render_ms; /* from the start of the first tile to the end of the last */
@@ -37,6 +55,7 @@ struct pen_render_stats {
                       * Owns: the caller frees it with free(). */
     const char *kernel;
     unsigned effects;
+    struct pen_adaptive_stats adaptive;
 };
 
 /* Notes that the upper `rows` rows of the image are finished. */
@@ -64,6 +83,11 @@ struct pen_render_task {
     void (*pixel_begins)(void *user, int thread, int x, int y);
     void *pixel_user;
     bool pixel_by_pixel; /* render no blocks: pixel_begins is called just before its pixel */
+    /* With a target error: renders the next round of this state only, where it wants pixels. NULL:
+     * all rounds, which needs all tiles; tile_done and rows_done are called after the last, and
+     * round_done after each, from the calling thread. */
+    struct pen_adaptive *adaptive;
+    void (*round_done)(void *user, const struct pen_round *round); /* may be NULL */
     bool keep_tile_ms;
     /* Count box and primitive tests, see pen_trace_count_ops_get. The film stays the same, and the
      * counts do not depend on the number of threads, the tile size or the instruction set. Counting
@@ -78,11 +102,22 @@ struct pen_render_task {
 bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *task,
                     struct pen_render_stats *stats, struct pen_status *st);
 
+/* Renders all rounds of a view with a target error, from a state that is new, and leaves the last
+ * state to the caller; as pen_render_run, which does the same without a state. */
+bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_task *task,
+                       struct pen_adaptive *adaptive, struct pen_render_stats *stats,
+                       struct pen_status *st);
+
 /* Renders one pixel on the calling thread, to inspect it. rgb has the doubles that the film is
  * rounded from; *rays counts its rays. Fails: PEN_NO_MEMORY. */
 bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_settings *settings,
                       int x, int y, double rgb[3], struct pen_ray_counts *rays,
                       struct pen_status *st);
+
+/* The same with a target error: renders all samples again that a state has of the pixel. */
+bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
+                              const struct pen_adaptive *adaptive, int x, int y, double rgb[3],
+                              struct pen_ray_counts *rays, struct pen_status *st);
 
 /* Whether samples were dropped; then writes a warning that says how many, what became of their
  * pixels and what to do. */

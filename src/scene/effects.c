@@ -193,6 +193,8 @@ static void survey_objects(struct survey *survey, const struct pen_scene_desc *d
 int pen_camera_samples(bool lens, const struct pen_settings *settings)
 {
     const int pixel = settings->samples_per_pixel;
+    if (pen_settings_adaptive(settings))
+        return settings->max_samples;
     return lens && settings->lens_samples > pixel ? settings->lens_samples : pixel;
 }
 

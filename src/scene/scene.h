@@ -168,7 +168,7 @@ struct pen_lens pen_scene_lens(const struct pen_scene *scene, int view,
 /* Whether some view has a lens. */
 bool pen_desc_has_lens(const struct pen_scene_desc *desc);
 
-/* The camera rays of a pixel. */
+/* The camera rays of a pixel; with a target error, the most of them. */
 int pen_camera_samples(bool lens, const struct pen_settings *settings);
 
 /* The effects that a render of one view with these settings simulates. */

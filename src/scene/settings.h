@@ -22,7 +22,7 @@ struct pen_settings {
     int blur_samples, lens_samples, max_samples;
     int max_depth;           /* a path shades at most this many surfaces */
     double min_contribution; /* weight below which a secondary ray is not traced */
-    double target_error;     /* 0: fixed sample counts */
+    double target_error;     /* of the picture, see render/adaptive.h; 0: fixed sample counts */
     int precision;           /* enum pen_precision */
     int accelerator;         /* enum pen_accelerator */
     int transfer;            /* enum pen_transfer_name */
@@ -45,6 +45,21 @@ static inline int pen_tree_surfaces_max(const struct pen_settings *settings, boo
     const int rays = blurred ? settings->blur_samples : 1;
     return rays <= INT_MAX / most ? most * rays : INT_MAX;
 }
+
+/* With a target error, the camera rays of a pixel are PEN_REPLICATES independent sequences, its
+ * replicates, which begin with PEN_PILOT_SAMPLES samples each. */
+enum { PEN_REPLICATES = 2, PEN_PILOT_SAMPLES = 2 };
+
+/* Whether the settings ask for a target error instead of numbers of samples. */
+static inline bool pen_settings_adaptive(const struct pen_settings *settings)
+{
+    return settings->target_error > 0;
+}
+
+/* The settings with the numbers of samples that are in force: with a target error, those with which
+ * each pixel begins; points on lights and rays of cones are for each camera ray. The result has no
+ * target error. */
+struct pen_settings pen_settings_sampling(const struct pen_settings *settings);
 
 /* The defaults of api/scene-format.md. */
 struct pen_settings pen_settings_default(void);

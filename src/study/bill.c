@@ -119,6 +119,8 @@ unsigned pen_bill_effects(const struct pen_scene_desc *desc, int view,
     one.views += view;
     one.view_count = 1;
     const unsigned effects = pen_desc_effects(&one, settings);
+    if (pen_settings_adaptive(settings))
+        return effects;
     /* Through a lens there may be several samples whatever samples_per_pixel is. */
     const bool lens = effects & PEN_FX_DEPTH_OF_FIELD,
                single = settings->samples_per_pixel <= 1 ||

@@ -214,6 +214,8 @@ static void say_why(const struct pen_explain_task *task, enum pen_effect effect,
         say_objects(task, effect, out);
     else if (effect == PEN_FX_HARD_SHADOWS || effect == PEN_FX_SOFT_SHADOWS)
         say_shadows(desc, effect == PEN_FX_SOFT_SHADOWS, out);
+    else if (effect == PEN_FX_ANTI_ALIASING && pen_settings_adaptive(task->settings))
+        pen_buf_printf(out, "target_error is %g", task->settings->target_error);
     else if (effect == PEN_FX_ANTI_ALIASING)
         pen_buf_printf(out, "a pixel has %d camera ray%s",
                        pen_camera_samples(camera->aperture_radius > 0, task->settings),

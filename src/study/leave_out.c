@@ -95,7 +95,9 @@ bool pen_scene_leave_out(const struct pen_scene_desc *from, unsigned effect,
         to->has_sky = false;
     if (effect == PEN_FX_SHADOW_TRANSMITTANCE)
         to->opaque_shadows = true;
-    if (effect == PEN_FX_ANTI_ALIASING)
+    if (effect == PEN_FX_ANTI_ALIASING) {
         settings->samples_per_pixel = 1;
+        settings->target_error = 0;
+    }
     return true;
 }

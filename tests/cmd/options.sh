@@ -54,7 +54,7 @@ exits "a pixel outside" 2 "$penumbra" render builtin:spheres --pixel 100000,0
 exits "a statistics file of a layer" 2 "$penumbra" render builtin:spheres --layer depth -o "$work/x.png" --stats "$work/x.json"
 prints "the error says why" stderr "has no --stats"
 exits "a cost without its layer" 2 "$penumbra" render builtin:spheres --cost tests -o "$work/x.png"
-exits "a setting of a later version" 3 "$penumbra" render builtin:spheres --set target_error=0.1 -o "$work/x.png"
+exits "a setting of a later version" 3 "$penumbra" render builtin:spheres --set precision=fast -o "$work/x.png"
 prints "is known, not supported yet" stderr "known, not supported yet"
 exits "a wrong server" 2 "$penumbra" list --server ftp://x
 exits "a wrong server in the environment" 2 env PENUMBRA_URL=nonsense:// "$penumbra" list

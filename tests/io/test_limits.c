@@ -58,6 +58,31 @@ START_TEST(test_limits__work_takes_the_largest_sample_count_in_use)
 }
 END_TEST
 
+START_TEST(test_limits__a_target_error_goes_with_some_settings_only)
+{
+    struct pen_limits limits = pen_limits_default();
+    struct pen_view_desc view;
+    struct pen_scene_desc desc = scene_with(NULL, 0, &view);
+    struct pen_settings settings = pen_settings_default();
+    struct pen_status st;
+    settings.light_pattern = PEN_PATTERN_GRID;
+    settings.max_samples = 3;
+    ck_assert(pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
+    settings.target_error = 0.01;
+    ck_assert(!pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
+    ck_assert_int_eq(st.code, PEN_INVALID);
+    ck_assert_str_eq(st.at, "/render");
+    ck_assert_str_eq(st.msg, "light_pattern is \"grid\", whose points cannot be continued as "
+                             "target_error asks; allowed with it are \"sobol\" and \"random\"");
+    settings.light_pattern = PEN_PATTERN_RANDOM;
+    ck_assert(!pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
+    ck_assert_str_eq(st.msg, "max_samples is 3; allowed with target_error is 4 or more, with which "
+                             "each pixel begins");
+    settings.max_samples = 4;
+    ck_assert(pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
+}
+END_TEST
+
 START_TEST(test_limits__pixels_and_work_are_refused_just_above_their_limits)
 {
     struct pen_limits limits = pen_limits_default();
@@ -273,6 +298,7 @@ END_TEST
 
 PEN_SUITE("io/limits", test_limits__work_counts_shadow_rays_of_every_light,
           test_limits__work_takes_the_largest_sample_count_in_use,
+          test_limits__a_target_error_goes_with_some_settings_only,
           test_limits__pixels_and_work_are_refused_just_above_their_limits,
           test_limits__work_counts_the_surfaces_of_paths_that_fork,
           test_limits__work_counts_blurred_rays, test_limits__builtin_scenes_fit,

@@ -93,7 +93,6 @@ START_TEST(test_settings__unsupported_features_are_refused_as_such)
     struct pen_status st = refuse("quality=draft");
     ck_assert_int_eq(st.code, PEN_UNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(st.msg, "quality known, not supported yet"));
-    ck_assert_int_eq(refuse("target_error=0.01").code, PEN_UNSUPPORTED);
 }
 END_TEST
 

@@ -45,7 +45,7 @@ static const struct bad bad_members[] = {
      "did you mean \"threads\"?"},
     {"{\"matrix\": {\"a/b\": [1, 2]}}", PEN_INVALID, "/matrix/a~1b", "unknown key"},
     {"{\"matrix\": {\"threads\": [1, 2, 1]}}", PEN_INVALID, "/matrix/threads/2", "twice"},
-    {"{\"matrix\": {\"target_error\": [0.1]}}", PEN_UNSUPPORTED, "/matrix/target_error/0",
+    {"{\"matrix\": {\"precision\": [\"fast\"]}}", PEN_UNSUPPORTED, "/matrix/precision/0",
      "not supported yet"},
     {"{\"repeats\": 0}", PEN_INVALID, "/repeats", "from 1 to 100, found 0"},
     {"{\"repeats\": 101}", PEN_INVALID, "/repeats", "from 1 to 100"},

@@ -2,6 +2,7 @@
 /* `penumbra render`: renders a scene to a picture in this process, without a daemon. The reader,
  * the renderer and the encoders are those of the daemon's worker, so the bytes are the same. */
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,6 +79,7 @@ struct render {
     struct pen_scene_precision precision; /* of the view */
     struct pen_thread_pool *pool;
     struct pen_film *film;
+    struct pen_adaptive *adaptive; /* with a target error */
     struct pen_render_stats stats;
     struct pen_buf encoded;
     struct pen_output picture; /* its bytes are `encoded` */
@@ -186,6 +188,15 @@ static void tile_done(void *user, struct pen_rect rect)
     pen_progress_show(&r->progress, (double)r->tiles_done / r->tiles, -1);
 }
 
+/* Samples lower the error as their number to the power of -0.625 (render/adaptive.c). */
+static void round_done(void *user, const struct pen_round *round)
+{
+    struct render *r = user;
+    const double target = r->input.desc.settings.target_error;
+    if (round->high > 0)
+        pen_progress_show(&r->progress, fmin(1, pow(target / round->high, 1.6)), -1);
+}
+
 static bool render_view(struct render *r, struct pen_status *st)
 {
     const struct pen_settings *settings = &r->input.desc.settings;
@@ -202,25 +213,48 @@ static bool render_view(struct render *r, struct pen_status *st)
                                    .rgb = r->film->rgb,
                                    .tile_done = tile_done,
                                    .user = r,
+                                   .round_done = round_done,
                                    .rows_done = r->format ? pen_output_rows : NULL,
                                    .rows_user = &r->picture,
                                    .keep_tile_ms = true};
     pen_progress_begin(&r->progress, r->input.source.label, r->values->quiet);
-    bool ok = pen_render_run(r->pool, &task, &r->stats, st);
+    bool ok = pen_settings_adaptive(settings)
+                  ? (r->adaptive = pen_adaptive_new(settings, st)) &&
+                        pen_render_rounds(r->pool, &task, r->adaptive, &r->stats, st)
+                  : pen_render_run(r->pool, &task, &r->stats, st);
     pen_progress_end(&r->progress);
     return ok;
+}
+
+/* Says how good the picture is that a target error has led to. */
+static void tell_error(const struct render *r)
+{
+    const struct pen_adaptive_stats *a = &r->stats.adaptive;
+    const struct pen_round *last = &a->round[a->rounds - 1];
+    if (!a->met)
+        fprintf(stderr,
+                "penumbra: %s: view \"%s\": warning: the estimated error is %.4g (%.4g to %.4g), "
+                "above the target of %.4g: max_samples keeps %" PRIu64
+                " pixels from having more samples\n",
+                r->input.source.label, r->scene->views[r->view].name, last->error, last->low,
+                last->high, a->target, a->capped);
+    else if (!r->values->quiet && !r->values->json)
+        fprintf(stderr,
+                "penumbra: %s: estimated error %.4g (%.4g to %.4g) with %.3g samples per pixel\n",
+                r->input.source.label, last->error, last->low, last->high, a->samples.mean);
 }
 
 /* Says that a part of the picture is missing. */
 static void warn_truncated(const struct render *r)
 {
+    const struct pen_settings sampling = pen_settings_sampling(&r->input.desc.settings);
     if (r->stats.rays.truncated_paths)
         fprintf(stderr,
                 "penumbra: %s: view \"%s\": warning: %" PRIu64
                 " paths are cut off, because their pixel samples have %d surfaces; lower max_depth "
                 "or raise min_contribution\n",
                 r->input.source.label, r->scene->views[r->view].name, r->stats.rays.truncated_paths,
-                pen_tree_surfaces_max(&r->input.desc.settings, pen_effects_blur(r->stats.effects)));
+                pen_tree_surfaces_max(&sampling, pen_effects_blur(r->stats.effects)));
 }
 
 /* Says that some surfaces of solids are missing, or that the eye is on one. */
@@ -317,6 +351,7 @@ static void print_result(const struct render *r)
                               s->width, "height", s->height, "stats", make_stats(r)));
 }
 
+/* Renders one pixel: with a target error, after the picture, on which its samples depend. */
 static bool show_pixel(struct render *r, struct pen_status *st)
 {
     const struct pen_settings *s = &r->input.desc.settings;
@@ -325,7 +360,10 @@ static bool show_pixel(struct render *r, struct pen_status *st)
                         r->values->pixel, s->width - 1, s->height - 1);
     struct pen_pixel pixel = {
         .x = r->pixel_x, .y = r->pixel_y, .view = r->scene->views[r->view].name};
-    if (!pen_render_pixel(r->scene, r->view, s, pixel.x, pixel.y, pixel.rgb, &pixel.rays, st))
+    if (r->adaptive
+            ? !pen_render_refined_pixel(r->scene, r->view, r->adaptive, pixel.x, pixel.y, pixel.rgb,
+                                        &pixel.rays, st)
+            : !pen_render_pixel(r->scene, r->view, s, pixel.x, pixel.y, pixel.rgb, &pixel.rays, st))
         return false;
     check_dropped(r, &pixel.rays);
     if (r->values->json)
@@ -342,13 +380,18 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
     check_precision(r);
     if (r->layer != PEN_LAYER_BEAUTY)
         return write_layer(r, st);
-    if (v->pixel && !show_pixel(r, st))
+    const bool adaptive = pen_settings_adaptive(&r->input.desc.settings);
+    if (v->pixel && !adaptive && !show_pixel(r, st))
         return false;
-    if (!v->output && !v->stats)
+    if (!v->output && !v->stats && !adaptive)
         return true;
-    if (!render_view(r, st))
+    if (!render_view(r, st) || (v->pixel && adaptive && !show_pixel(r, st)))
         return false;
     check_dropped(r, &r->stats.rays);
+    if (adaptive)
+        tell_error(r);
+    if (!v->output && !v->stats)
+        return true;
     if (v->output && !write_picture(r, st))
         return false;
     r->total_ms = ms_since(start_ns);
@@ -366,6 +409,7 @@ static void release(struct render *r)
     free(r->stats.tile_ms);
     pen_output_release(&r->picture);
     pen_film_free(r->film);
+    pen_adaptive_free(r->adaptive);
     pen_buf_release(&r->encoded);
     pen_thread_pool_free(r->pool);
     pen_scene_free(r->scene);

@@ -29,14 +29,20 @@ static double shadow_rays(const struct pen_light_desc *light, const struct pen_s
     return settings->light_pattern == PEN_PATTERN_GRID ? edge * edge : settings->light_samples;
 }
 
+/* The rays of one camera ray and of the shadow rays from what it hits. */
+static double work_per_sample(const struct pen_scene_desc *desc,
+                              const struct pen_settings *settings)
+{
+    const struct pen_settings sampling = pen_settings_sampling(settings);
+    double shadows = 0;
+    for (uint32_t i = 0; i < desc->light_count; i++)
+        shadows += shadow_rays(&desc->lights[i], &sampling);
+    return 1 + shadows;
+}
+
 double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_settings *settings)
 {
-    double samples = pen_camera_samples(pen_desc_has_lens(desc), settings), shadows = 0;
-    if (settings->target_error > 0 && settings->max_samples > samples)
-        samples = settings->max_samples;
-    for (uint32_t i = 0; i < desc->light_count; i++)
-        shadows += shadow_rays(&desc->lights[i], settings);
-    return samples * (1 + shadows);
+    return pen_camera_samples(pen_desc_has_lens(desc), settings) * work_per_sample(desc, settings);
 }
 
 /* The most surfaces that a path's tree has where paths fork. */
@@ -86,11 +92,32 @@ static bool fail_forks(const struct pen_limits *limits, const struct pen_setting
         depth_for(limits->work / rays));
 }
 
+/* Settings that exclude each other. */
+static bool check_together(const struct pen_settings *settings, const char *at,
+                           struct pen_status *st)
+{
+    enum { PILOT = PEN_REPLICATES * PEN_PILOT_SAMPLES };
+    if (!pen_settings_adaptive(settings))
+        return true;
+    if (settings->light_pattern == PEN_PATTERN_GRID)
+        return pen_fail_at(st, PEN_INVALID, at,
+                           "light_pattern is \"grid\", whose points cannot be continued as "
+                           "target_error asks; allowed with it are \"sobol\" and \"random\"");
+    if (settings->max_samples < PILOT)
+        return pen_fail_at(st, PEN_INVALID, at,
+                           "max_samples is %d; allowed with target_error is %d or more, with which "
+                           "each pixel begins",
+                           settings->max_samples, PILOT);
+    return true;
+}
+
 bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_desc *desc,
                       const struct pen_settings *settings, uint32_t views, const char *at,
                       struct pen_status *st)
 {
     double pixels = (double)settings->width * settings->height;
+    if (!check_together(settings, at, st))
+        return false;
     double rays = views * pixels * pen_work_per_pixel(desc, settings);
     if (pixels > (double)limits->pixels_per_view)
         return pen_fail_at(
@@ -102,15 +129,19 @@ bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_de
                            "%.3g primary and shadow rays, at most %.3g are allowed",
                            views, views == 1 ? "" : "s", settings->width, settings->height, rays,
                            limits->work);
-    /* Only then are the objects looked at, of which there may be a million. */
-    const double tree = tree_surfaces(settings), blurred = settings->blur_samples;
+    /* Only then are the objects looked at, of which there may be a million. With a target error,
+     * only the samples with which pixels begin are taken to have the largest trees: if all of them
+     * had, no picture could be accepted. */
+    const struct pen_settings sampling = pen_settings_sampling(settings);
+    const double tree = tree_surfaces(settings), blurred = sampling.blur_samples;
+    rays = views * pixels * pen_work_per_pixel(desc, &sampling);
     if (rays * tree > limits->work && pen_desc_forks(desc))
         return fail_forks(limits, settings, rays, at, st);
     if (rays * tree * blurred > limits->work &&
         pen_effects_blur(pen_desc_effects(desc, settings))) {
         const double surfaces = (pen_desc_forks(desc) ? tree : 1) * blurred;
         if (rays * surfaces > limits->work)
-            return fail_blur(limits, settings, rays, surfaces, at, st);
+            return fail_blur(limits, &sampling, rays, surfaces, at, st);
     }
     return true;
 }

@@ -63,7 +63,7 @@ const struct pen_field pen_settings_fields[] = {
     {"min_contribution", PEN_FIELD_NUMBER, .offset = MEMBER(min_contribution),
      .range = &pen_range_unit},
     {"target_error", PEN_FIELD_NUMBER, .offset = MEMBER(target_error),
-     .range = &pen_range_not_negative, .unsupported = "adaptive sampling to a target error"},
+     .range = &pen_range_not_negative},
     {"max_samples", PEN_FIELD_INTEGER, .offset = MEMBER(max_samples), .range = &pen_range_count},
     {"precision", PEN_FIELD_WORD, .offset = MEMBER(precision), .words = precisions},
     {"accelerator", PEN_FIELD_WORD, .offset = MEMBER(accelerator), .words = accelerators},

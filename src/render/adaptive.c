@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+/* The state of an adaptive render, and the estimates that follow from it. */
+#include "render/adaptive.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "film/encode.h"
+
+static size_t pixels_of(const struct pen_adaptive *a)
+{
+    return (size_t)a->settings->width * (size_t)a->settings->height;
+}
+
+struct pen_adaptive *pen_adaptive_new(const struct pen_settings *settings, struct pen_status *st)
+{
+    struct pen_adaptive *a = calloc(1, sizeof *a);
+    if (a) {
+        a->settings = settings;
+        a->sampling = pen_settings_sampling(settings);
+        const size_t pixels = pixels_of(a);
+        a->sums = calloc(pixels, sizeof *a->sums);
+        a->estimates = calloc(pixels, sizeof *a->estimates);
+        a->errors = calloc(pixels, sizeof *a->errors);
+        a->unseen = calloc(pixels, sizeof *a->unseen);
+        a->wanted = malloc(pixels);
+        if (a->sums && a->estimates && a->errors && a->unseen && a->wanted) {
+            memset(a->wanted, 1, pixels);
+            return a;
+        }
+    }
+    pen_adaptive_free(a);
+    pen_fail(st, PEN_NO_MEMORY, "out of memory for the samples of %d x %d pixels", settings->width,
+             settings->height);
+    return NULL;
+}
+
+void pen_adaptive_free(struct pen_adaptive *a)
+{
+    if (!a)
+        return;
+    free(a->sums);
+    free(a->estimates);
+    free(a->errors);
+    free(a->unseen);
+    free(a->wanted);
+    free(a);
+}
+
+void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3])
+{
+    double kept = 0;
+    for (int r = 0; r < PEN_REPLICATES; r++)
+        kept += sums->kept[r];
+    for (int c = 0; c < 3; c++) {
+        double sum = 0;
+        for (int r = 0; r < PEN_REPLICATES; r++)
+            sum += sums->sum[r][c];
+        rgb[c] = kept > 0 ? sum / kept : 0;
+    }
+}
+
+/* The mean square error of one encoded value, from those of the replicates: the variance of their
+ * mean, and the square of what the curve of the transfer function adds. */
+static double channel_error(const double encoded[PEN_REPLICATES], double of_mean)
+{
+    double mean = 0, squares = 0;
+    for (int r = 0; r < PEN_REPLICATES; r++)
+        mean += encoded[r] / PEN_REPLICATES;
+    for (int r = 0; r < PEN_REPLICATES; r++)
+        squares += (encoded[r] - mean) * (encoded[r] - mean);
+    return squares / (PEN_REPLICATES * (PEN_REPLICATES - 1)) + (of_mean - mean) * (of_mean - mean);
+}
+
+void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel)
+{
+    const struct pen_pixel_sums *sums = &a->sums[pixel];
+    const enum pen_transfer transfer =
+        a->settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
+    double mean[3], error = 0;
+    pen_pixel_mean(sums, mean);
+    for (int c = 0; c < 3; c++) {
+        const double value = pen_encode_unit(mean[c], transfer);
+        double encoded[PEN_REPLICATES];
+        for (int r = 0; r < PEN_REPLICATES; r++)
+            encoded[r] = sums->kept[r] > 0
+                             ? pen_encode_unit(sums->sum[r][c] / sums->kept[r], transfer)
+                             : value;
+        error += channel_error(encoded, value) / 3;
+        a->estimates[pixel].value[c] = (float)value;
+    }
+    a->estimates[pixel].error = (float)error;
+}
+
+uint32_t pen_adaptive_more(const struct pen_pixel_sums *sums)
+{
+    return sums->samples > 0 ? sums->samples : PEN_PILOT_SAMPLES;
+}
+
+struct pen_sample_spread pen_adaptive_spread(const struct pen_adaptive *a)
+{
+    uint64_t by_log[33] = {0}, pixels = pixels_of(a), seen = 0, sum = 0;
+    struct pen_sample_spread spread = {.mean = 0};
+    for (size_t i = 0; i < pixels; i++) {
+        const uint32_t n = a->sums[i].samples * PEN_REPLICATES;
+        by_log[n > 0 ? 32 - __builtin_clz(n) : 0]++;
+        sum += n;
+    }
+    spread.mean = (double)sum / (double)pixels;
+    for (int i = 0; i < 33; i++) {
+        const uint32_t n = i > 0 ? UINT32_C(1) << (i - 1) : 0;
+        if (by_log[i] == 0)
+            continue;
+        if (seen == 0)
+            spread.least = n;
+        if (2 * seen < pixels)
+            spread.median = n;
+        if (20 * seen < 19 * pixels)
+            spread.p95 = n;
+        spread.most = n;
+        seen += by_log[i];
+    }
+    return spread;
+}

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/* Adaptive rendering: to a target error instead of numbers of samples.
+ *
+ * A pixel has PEN_REPLICATES independent estimates of its value, its replicates: each is the mean
+ * of a sequence of samples with a scrambling of its own (math/sample.h). The replicates'
+ * differences tell how far off their mean is, whatever is integrated; the spread of one sequence's
+ * samples does not, since its points are not independent (Owen, "Monte Carlo theory, methods and
+ * examples", 17.3).
+ *
+ * Rendering goes in rounds. The first, the pilot, takes PEN_PILOT_SAMPLES samples of each replicate
+ * of every pixel. After a round the error of the whole picture is estimated. While that is above
+ * the target, the next round doubles the samples of the pixels that lower it most, so that
+ * estimates are looked at only after doublings. A decision is a pure function of the sums of all
+ * pixels, and these are a pure function of scene, settings and decisions. So the picture has the
+ * same bits for any number of threads and any order of tiles.
+ *
+ * The error is the root mean square of all values of the picture, each clamped to [0, 1] and
+ * encoded by the transfer function, against the picture with all sampled effects converged.
+ *
+ * How the rule is made:
+ *  - A pixel's own estimate has a single degree of freedom. If pixels whose replicates agree by
+ *    chance were left as they are, the mean of the estimates would be too low. So what is refined
+ *    is chosen by the estimates of a pixel's eight neighbours, which are independent of its own;
+ * the mean of the own ones then stays true.
+ *  - Samples may miss an edge that passes between them, and then all replicates agree. Such an edge
+ *    separates pixels of different values. So a pixel's estimate is at least that of an unseen edge
+ *    as strong as the largest difference to a neighbour: see unseen_edge in decide.c.
+ *  - What all samples of a pixel and of its neighbours miss remains unseen: something that covers a
+ *    share v of them is missed by n samples with a probability of about (1 - v)^(9 n). */
+#ifndef PEN_RENDER_ADAPTIVE_H
+#define PEN_RENDER_ADAPTIVE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/status.h"
+#include "base/thread_pool.h"
+#include "scene/settings.h"
+
+/* The samples of a pixel. */
+struct pen_pixel_sums {
+    double sum[PEN_REPLICATES][3]; /* of the samples that are kept: linear colour */
+    uint32_t kept[PEN_REPLICATES]; /* those that the film can hold */
+    uint32_t samples;              /* taken by each replicate: 0, or a power of two */
+};
+
+/* What follows from them. */
+struct pen_pixel_estimate {
+    float value[3]; /* encoded, in [0, 1] */
+    float error;    /* mean square error of the three values, estimated from the replicates */
+};
+
+/* The state of one view between rounds. Arrays have a value for each pixel, row by row. */
+struct pen_adaptive {
+    const struct pen_settings *settings; /* those of the render */
+    struct pen_settings sampling;        /* what kernels get instead */
+    struct pen_pixel_sums *sums;
+    struct pen_pixel_estimate *estimates;
+    float *unseen;         /* mean square errors of edges that no sample may have seen */
+    float *errors;         /* those of estimates, but at least unseen */
+    unsigned char *wanted; /* pixels that the next round refines */
+    int rounds;            /* rendered so far */
+};
+
+/* The state before the pilot, which wants all pixels. It borrows the settings.
+ * Owns: free with pen_adaptive_free. Fails: NULL; PEN_NO_MEMORY. */
+struct pen_adaptive *pen_adaptive_new(const struct pen_settings *settings, struct pen_status *st);
+void pen_adaptive_free(struct pen_adaptive *adaptive);
+
+/* The linear colour of a pixel: the mean of its samples; black without any. */
+void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3]);
+
+/* Sets the estimate of a pixel from its sums. Threads: any number, for different pixels. */
+void pen_adaptive_estimate(struct pen_adaptive *adaptive, size_t pixel);
+
+/* The samples of each replicate that the next round adds to a pixel. */
+uint32_t pen_adaptive_more(const struct pen_pixel_sums *sums);
+
+/* The probability with which the interval of an estimated error covers it. */
+#define PEN_ADAPTIVE_CONFIDENCE 0.99
+
+/* What is known after a round. */
+struct pen_decision {
+    double error, low, high; /* the estimated error and its interval */
+    bool met;                /* high is at most the target */
+    bool done;               /* no further round: the target is met, or nothing can be refined */
+    int level;               /* what the next round refines: pen_adaptive_select */
+    uint64_t capped; /* pixels that would be refined if max_samples let them have more samples */
+};
+
+/* Decides after a round, all of whose estimates are set: what the error is, and which pixels have
+ * to be refined to bring it to `target`. Threads: as pen_render_run. Fails: PEN_NO_MEMORY. */
+bool pen_adaptive_decide(struct pen_adaptive *adaptive, struct pen_thread_pool *pool, double target,
+                         struct pen_decision *decision, struct pen_status *st);
+
+/* Selects the pixels of the next round, those whose priority is at least of that level: the error
+ * of their neighbourhood for each sample, in eighths of powers of two. Sets how many they are.
+ * Threads, Fails: as pen_adaptive_decide, which must have been called before. */
+bool pen_adaptive_select(struct pen_adaptive *adaptive, struct pen_thread_pool *pool, int level,
+                         uint64_t *selected, struct pen_status *st);
+
+/* The distribution of samples: camera rays for each pixel. */
+struct pen_sample_spread {
+    double mean;
+    uint32_t least, median, p95, most;
+};
+struct pen_sample_spread pen_adaptive_spread(const struct pen_adaptive *adaptive);
+
+#endif

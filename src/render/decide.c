@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: MIT */
+/* The decision after a round. Threads take slices of the picture, whose number does not depend on
+ * that of the threads, and the slices' sums are added in order: so a decision is the same on every
+ * machine. */
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "math/fn.h"
+#include "render/adaptive.h"
+
+/* The rate at which a mean square error falls with the number of samples, as n^-RATE: between 1,
+ * of independent samples, and 1.5, of a stratified set across an edge (Mitchell, SIGGRAPH 96). */
+static const double RATE = 1.25;
+
+/* Of a normal distribution: PEN_ADAPTIVE_CONFIDENCE are within so many standard deviations. */
+static const double SPREAD = 2.576;
+
+/* The error of an unseen edge, see unseen_edge. */
+static const double UNSEEN = 0.3;
+
+enum { SLICES = 64 };
+
+/* Levels of priority: eighths of powers of two, from 0 on; below 2^LOWEST all are 0. */
+enum { EIGHTHS = 8, LOWEST = -120, LEVELS = 128 * EIGHTHS };
+
+/* What is known of the pixels of a slice; then, added up, of all. */
+struct slice {
+    int first_row, end_row;
+    double error, squares;   /* of the pixels' own estimates */
+    double around;           /* errors as neighbours tell them: of all pixels, */
+    double at_level[LEVELS]; /* of those with that priority, */
+    double capped_error;     /* and of those that may have no more samples */
+    uint64_t capped, selected;
+};
+
+/* What the threads do with each slice. */
+struct pass {
+    struct pen_adaptive *adaptive;
+    struct slice *slices;
+    void (*visit)(struct pen_adaptive *adaptive, struct slice *slice, int level);
+    int level;
+    atomic_int next;
+};
+
+static void visit_slices(void *user, int thread)
+{
+    struct pass *pass = user;
+    int i;
+    (void)thread;
+    while ((i = atomic_fetch_add_explicit(&pass->next, 1, memory_order_relaxed)) < SLICES)
+        pass->visit(pass->adaptive, &pass->slices[i], pass->level);
+}
+
+static void run_pass(struct pen_thread_pool *pool, struct pass *pass)
+{
+    const int size = pen_thread_pool_size(pool);
+    const int threads = size < SLICES ? size : SLICES;
+    atomic_store(&pass->next, 0);
+    pen_thread_pool_run(pool, threads, visit_slices, pass);
+}
+
+static struct slice *slices_new(const struct pen_adaptive *a, struct pen_status *st)
+{
+    struct slice *slices = calloc(SLICES, sizeof *slices);
+    if (!slices)
+        pen_fail(st, PEN_NO_MEMORY, "out of memory for the decision after a round");
+    for (int i = 0; slices && i < SLICES; i++) {
+        slices[i].first_row = (int)((int64_t)a->settings->height * i / SLICES);
+        slices[i].end_row = (int)((int64_t)a->settings->height * (i + 1) / SLICES);
+    }
+    return slices;
+}
+
+/* Whether a pixel may not have twice as many samples. */
+static bool is_capped(const struct pen_adaptive *a, size_t pixel)
+{
+    return 2.0 * PEN_REPLICATES * a->sums[pixel].samples > a->settings->max_samples;
+}
+
+static double square_difference(const struct pen_pixel_estimate *a,
+                                const struct pen_pixel_estimate *b)
+{
+    double sum = 0;
+    for (int c = 0; c < 3; c++) {
+        const double d = (double)a->value[c] - (double)b->value[c];
+        sum += d * d / 3;
+    }
+    return sum;
+}
+
+/* The mean square error of an edge that no sample has seen. n samples that are stratified along
+ * both axes leave a strip of the pixel unseen that is at most about 2 / n wide. An edge that
+ * separates this pixel from a neighbour is in the strip of one of the two. If it is anywhere in
+ * them, the mean square of the width that it cuts off is between (1 / n)^2 / 6 and (2 / n)^2 / 6.
+ */
+static double unseen_edge(const struct pen_adaptive *a, int x, int y)
+{
+    static const int to_x[] = {-1, 1, 0, 0}, to_y[] = {0, 0, -1, 1};
+    const int width = a->settings->width, height = a->settings->height;
+    const size_t at = (size_t)y * (size_t)width + (size_t)x;
+    double most = 0;
+    for (int i = 0; i < 4; i++) {
+        const int u = x + to_x[i], v = y + to_y[i];
+        if (u < 0 || v < 0 || u >= width || v >= height)
+            continue;
+        const struct pen_pixel_estimate *other =
+            &a->estimates[(size_t)v * (size_t)width + (size_t)u];
+        const double square = square_difference(&a->estimates[at], other);
+        most = square > most ? square : most;
+    }
+    const double n = (double)PEN_REPLICATES * a->sums[at].samples;
+    return n > 0 ? UNSEEN * most / (n * n) : 0;
+}
+
+/* Sets what is known of each pixel by itself. */
+static void visit_own(struct pen_adaptive *a, struct slice *slice, int level)
+{
+    size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
+    (void)level;
+    for (int y = slice->first_row; y < slice->end_row; y++)
+        for (int x = 0; x < a->settings->width; x++, at++) {
+            a->unseen[at] = (float)unseen_edge(a, x, y);
+            const float own = a->estimates[at].error;
+            a->errors[at] = own > a->unseen[at] ? own : a->unseen[at];
+            const double error = (double)a->errors[at];
+            slice->error += error;
+            slice->squares += error * error;
+        }
+}
+
+/* The error that a pixel with n times as many samples would have. Samples are powers of two. */
+static double error_with(double error, uint32_t samples, uint32_t wanted)
+{
+    return samples == wanted ? error : error * pen_pow((double)samples / wanted, RATE);
+}
+
+/* The error of a pixel as its neighbours tell it: the mean of theirs, as if they had as many
+ * samples, and of an edge that it may have. */
+static double error_around(const struct pen_adaptive *a, int x, int y)
+{
+    const int width = a->settings->width, height = a->settings->height;
+    const size_t at = (size_t)y * (size_t)width + (size_t)x;
+    double sum = (double)a->unseen[at], count = 1;
+    for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < height; v++)
+        for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u < width; u++) {
+            const size_t other = (size_t)v * (size_t)width + (size_t)u;
+            if (other == at)
+                continue;
+            count++;
+            if (a->errors[other] > 0)
+                sum += error_with((double)a->errors[other], a->sums[other].samples,
+                                  a->sums[at].samples);
+        }
+    return sum / count;
+}
+
+/* The binary exponent and the first three bits after it are those of the number. */
+static int level_of(double priority)
+{
+    enum { MANTISSA_BITS = 52, EIGHTH_BITS = 3, BIAS = 1022 };
+    uint64_t bits;
+    memcpy(&bits, &priority, sizeof bits);
+    const int level = (int)(bits >> (MANTISSA_BITS - EIGHTH_BITS)) - (BIAS + LOWEST) * EIGHTHS;
+    if (!(priority > 0) || level < 1)
+        return 0;
+    return level < LEVELS ? level : LEVELS - 1;
+}
+
+/* The priority of a pixel: what its neighbourhood's error is for each sample. */
+static int priority_of(const struct pen_adaptive *a, size_t at, double around)
+{
+    return level_of(around / a->sums[at].samples);
+}
+
+/* Sorts the errors by what can be done about them. */
+static void visit_around(struct pen_adaptive *a, struct slice *slice, int level)
+{
+    size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
+    (void)level;
+    for (int y = slice->first_row; y < slice->end_row; y++)
+        for (int x = 0; x < a->settings->width; x++, at++) {
+            const double around = error_around(a, x, y);
+            slice->around += around;
+            if (is_capped(a, at)) {
+                slice->capped_error += around;
+                slice->capped += around > 0;
+            } else {
+                slice->at_level[priority_of(a, at, around)] += around;
+            }
+        }
+}
+
+/* Adds the slices up, in order. */
+static void add_slices(const struct slice *slices, struct slice *all)
+{
+    for (int i = 0; i < SLICES; i++) {
+        const struct slice *s = &slices[i];
+        all->error += s->error;
+        all->squares += s->squares;
+        all->around += s->around;
+        all->capped_error += s->capped_error;
+        all->capped += s->capped;
+        all->selected += s->selected;
+        for (int level = 0; level < LEVELS; level++)
+            all->at_level[level] += s->at_level[level];
+    }
+}
+
+/* The sum of the errors, given by level, once every pixel has been doubled until it is below
+ * `level`. A doubling lowers the error by 2^RATE and the priority by twice that. */
+static double predicted(const double *errors, int level)
+{
+    double sum = 0;
+    for (int i = 0; i < LEVELS; i++) {
+        if (errors[i] == 0)
+            continue;
+        const int over = i - level + 1;
+        const double doublings = over > 0 ? ceil(over / (EIGHTHS * (1 + RATE))) : 0;
+        sum += errors[i] * pen_pow(2, -RATE * doublings);
+    }
+    return sum;
+}
+
+/* The lowest level such that the goal is reached with all pixels refined that are at it or above;
+ * found by halving. */
+static int level_for(const struct slice *all, double goal)
+{
+    int level = LEVELS;
+    for (int step = LEVELS / 2; step > 0; step /= 2)
+        if (predicted(all->at_level, level - step + 1) > goal)
+            level -= step;
+    return level;
+}
+
+static struct pen_decision decision_of(const struct slice *all, double pixels, double target)
+{
+    const double mean = all->error / pixels, off = SPREAD * sqrt(all->squares) / pixels;
+    const double high = mean + off, low = mean > off ? mean - off : 0;
+    struct pen_decision d = {
+        .error = sqrt(mean), .low = sqrt(low), .high = sqrt(high), .met = high <= target * target};
+    /* The sum of errors at which the upper end of the interval would be the target; the errors that
+     * neighbours tell add up to the pixels' own, but for chance. */
+    const double goal = high > 0 ? target * target / high * all->around - all->capped_error : 0;
+    bool any = false;
+    d.level = level_for(all, goal);
+    for (int i = d.level; i < LEVELS; i++)
+        any |= all->at_level[i] > 0;
+    d.done = d.met || !any;
+    d.capped = d.met ? 0 : all->capped;
+    return d;
+}
+
+bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool, double target,
+                         struct pen_decision *decision, struct pen_status *st)
+{
+    struct pass pass = {.adaptive = a, .slices = slices_new(a, st)};
+    struct slice *all = calloc(1, sizeof *all);
+    const bool ok =
+        pass.slices &&
+        (all || pen_fail(st, PEN_NO_MEMORY, "out of memory for the decision after a round"));
+    if (ok) {
+        pass.visit = visit_own;
+        run_pass(pool, &pass);
+        pass.visit = visit_around;
+        run_pass(pool, &pass);
+        add_slices(pass.slices, all);
+        *decision = decision_of(all, (double)a->settings->width * a->settings->height, target);
+    }
+    free(pass.slices);
+    free(all);
+    return ok;
+}
+
+static void visit_select(struct pen_adaptive *a, struct slice *slice, int level)
+{
+    size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
+    for (int y = slice->first_row; y < slice->end_row; y++)
+        for (int x = 0; x < a->settings->width; x++, at++) {
+            a->wanted[at] = !is_capped(a, at) && priority_of(a, at, error_around(a, x, y)) >= level;
+            slice->selected += a->wanted[at];
+        }
+}
+
+bool pen_adaptive_select(struct pen_adaptive *a, struct pen_thread_pool *pool, int level,
+                         uint64_t *selected, struct pen_status *st)
+{
+    struct pass pass = {
+        .adaptive = a, .slices = slices_new(a, st), .visit = visit_select, .level = level};
+    *selected = 0;
+    if (!pass.slices)
+        return false;
+    run_pass(pool, &pass);
+    for (int i = 0; i < SLICES; i++)
+        *selected += pass.slices[i].selected;
+    free(pass.slices);
+    return true;
+}

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/* How many samples an adaptive render takes is told by adaptive renders of the view at two small
+ * sizes. What more than the pilot they take is mostly spent at edges, whose share of the pixels
+ * falls with the width of the picture, and in penumbrae and blur, whose share stays. So it is taken
+ * to be a power of the width, whose exponent the two sizes tell. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "math/fn.h"
+#include "render/internal/forecast_adaptive.h"
+#include "render/render.h"
+
+/* Camera rays of the pilot for each pixel. */
+static const double PILOT = PEN_REPLICATES * PEN_PILOT_SAMPLES;
+
+/* The pixels of the larger of the two pictures. */
+static const double SMALL_PIXELS = 4096;
+
+/* The exponent lies between 0, where all that is refined keeps its share, and LARGEST_POWER. The
+ * interval lets it be off by so much upwards and downwards; the pilot itself varies by PILOT_OFF.
+ * Over nine of the built-in scenes, four targets and two sizes, the interval of all rays covers all
+ * 68 renders, whose rays are 0.64 to 1.47 times what is expected. */
+static const double LARGEST_POWER = 1.5, UPWARDS = 2, DOWNWARDS = 0.75, PILOT_OFF = 0.05;
+
+/* Renders a smaller picture of the view: its camera rays for each pixel, and the time of a ray. */
+static bool render_small(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
+                         double shrink, double *mean, double *ray_ms, struct pen_status *st)
+{
+    struct pen_settings s = *task->settings;
+    s.width = (int)ceil(s.width * shrink);
+    s.height = (int)ceil(s.height * shrink);
+    struct pen_render_stats stats;
+    float *rgb = malloc(3 * sizeof *rgb * (size_t)s.width * (size_t)s.height);
+    const struct pen_render_task render = {.scene = task->scene,
+                                           .view = task->view,
+                                           .settings = &s,
+                                           .tile_count = -1,
+                                           .rgb = rgb,
+                                           .cancel = task->cancel,
+                                           .pixel_begins = task->pixel_begins,
+                                           .pixel_user = task->pixel_user};
+    const bool ok = rgb ? pen_render_run(pool, &render, &stats, st)
+                        : pen_fail(st, PEN_NO_MEMORY, "out of memory for a forecast");
+    free(rgb);
+    if (!ok)
+        return false;
+    const struct pen_ray_counts *r = &stats.rays;
+    *mean = stats.adaptive.samples.mean;
+    *ray_ms = stats.render_ms / (double)(r->primary + r->shadow + r->reflection + r->transmission);
+    return true;
+}
+
+static double within(double low, double x, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+static double log2_of(double x)
+{
+    return x > 0 ? pen_ln(x) / pen_ln(2) : 0;
+}
+
+bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
+                         struct pen_estimate *growth, double *ray_ms, struct pen_status *st)
+{
+    const double pixels = (double)task->settings->width * task->settings->height;
+    const double shrink = pixels > SMALL_PIXELS ? sqrt(SMALL_PIXELS / pixels) : 1;
+    double large, small;
+    if (!render_small(pool, task, shrink / 2, &small, ray_ms, st) ||
+        !render_small(pool, task, shrink, &large, ray_ms, st))
+        return false;
+    const double more = large / PILOT - 1, ratio = more > 0 ? (small / PILOT - 1) / more : 1;
+    const double power = within(0, log2_of(ratio), LARGEST_POWER);
+    growth->expected = 1 + more * pen_pow(shrink, power);
+    growth->low = 1 - PILOT_OFF + more * pen_pow(shrink, power + UPWARDS);
+    growth->high =
+        1 + PILOT_OFF + more * pen_pow(shrink, power > DOWNWARDS ? power - DOWNWARDS : 0);
+    return true;
+}

@@ -1,0 +1,67 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A target error instead of numbers of samples: on the command line, as jobs, and when a worker dies.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+small="--set width=80 --set height=60"
+
+# The command line
+exits "a render to a target" 0 "$penumbra" render builtin:lens $small --set target_error=0.02 -o a.pfm --stats a.json --threads 2
+prints "says what error is estimated" stderr "estimated error 0.0"
+expect "which statistics have, too" "$(jq '.estimated_error <= .adaptive.interval[1] and .adaptive.interval[1] <= 0.02 and
+    .adaptive.met and .adaptive.target_error == 0.02 and .adaptive.confidence == 0.99' a.json)" true
+expect "and where samples went" "$(jq '.adaptive | .samples_per_pixel.min == 4 and .samples_per_pixel.max > 8 and
+    .capped_pixels == 0 and .rounds[0].pixels == 4800 and (.rounds | length) > 2' a.json)" true
+expect "rays are those of the samples" \
+    "$(jq '(.rays.primary / 4800 - .adaptive.samples_per_pixel.mean) | fabs < 0.001' a.json)" true
+exits "one thread, other tiles" 0 "$penumbra" render builtin:lens $small --set target_error=0.02 --set tile=7 \
+    --set accelerator=none -q -o b.pfm --threads 1
+check "give the same bytes" cmp a.pfm b.pfm
+exits "a layer of samples" 0 "$penumbra" render builtin:lens $small --set target_error=0.02 --layer samples -o s.pfm --json
+expect "whose largest is that of the statistics" "$(tail -c 57600 s.pfm | od -An -v -tf4 -w4 | sort -g | tail -n 1 | tr -d ' ')" \
+    "$(jq .adaptive.samples_per_pixel.max a.json)"
+exits "a pixel of it" 0 "$penumbra" render builtin:lens $small --set target_error=0.02 --pixel 40,30 --json
+expect "has its samples" "$(jq '.rays.primary >= 4' stdout)" true
+exits "a target out of reach" 0 "$penumbra" render builtin:lens $small --set target_error=0.001 --set max_samples=16 \
+    -q -o c.pfm --stats c.json
+prints "is told" stderr "above the target of 0.001: max_samples keeps"
+expect "with how many pixels" "$(jq '(.adaptive.met | not) and .adaptive.capped_pixels > 100 and
+    .adaptive.samples_per_pixel.max == 16' c.json)" true
+exits "a grid of points on lights" 3 "$penumbra" render builtin:lens --set target_error=0.1 --set light_pattern=grid -o d.pfm
+prints "is refused" stderr 'light_pattern is "grid"'
+exits "three samples" 3 "$penumbra" render builtin:lens --set target_error=0.1 --set max_samples=3 -o d.pfm
+prints "are too few" stderr "max_samples is 3; allowed with target_error is 4 or more"
+exits "an explanation" 0 "$penumbra" explain builtin:lens --set target_error=0.01 $small --json
+expect "says what the target calls for" "$(jq -r '.effects[] | select(.name == "anti_aliasing").because' stdout)" \
+    "target_error is 0.01"
+
+# Jobs
+daemon_start
+PENUMBRA_URL=$url
+export PENUMBRA_URL
+exits "a job with a target" 0 "$penumbra" submit builtin:lens $small --set target_error=0.02 -q -o job.pfm
+check "gives the bytes of the command line" cmp a.pfm job.pfm
+submit '{"scene": "builtin:forest", "render": {"width": 40, "height": 30, "target_error": 0.01}, "layers": ["beauty", "samples", "cost"]}'
+job=$(body .id)
+exits "a job of several views, with layers" 0 "$penumbra" wait "$job" -q
+call "/v1/jobs/$job/stats"
+expect "its statistics are those of the worst view" \
+    "$(body '.estimated_error > 0 and .estimated_error <= 0.01 and .adaptive.met | tostring')" true
+exits "its samples" 0 "$penumbra" fetch "$job" --layer samples -o ls.pfm
+exits "are those of a render" 0 "$penumbra" render builtin:forest --set width=40 --set height=30 --set target_error=0.01 \
+    --layer samples -o rs.pfm -q
+check "byte for byte" cmp ls.pfm rs.pfm
+submit '{"scene": "builtin:lens", "render": {"target_error": 0.1, "light_pattern": "grid"}}'
+expect_problem "a job with a grid of points on lights" 422 '*light_pattern is*'
+
+# A worker that dies in a round: the picture is that of a worker that did not.
+set -- --set width=320 --set height=240 --set target_error=0.004
+"$penumbra" render builtin:lens "$@" -q -o whole.pfm
+job=$("$penumbra" submit builtin:lens "$@")
+is_running() { [ "$(curl -s "$url/v1/jobs/$job" | jq -r .state)" = running ]; }
+within 30 is_running || not_ok "the job whose worker is killed" "does not run"
+kill -KILL "$(child work)"
+exits "the job of a killed worker succeeds" 0 "$penumbra" wait "$job" -q
+exits "its picture" 0 "$penumbra" fetch "$job" -o killed.pfm
+check "has the same bytes" cmp whole.pfm killed.pfm
+finish
