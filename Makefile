@@ -315,6 +315,14 @@ bench-auto: all $(BENCHES)
 bench-choices: all $(BENCHES)
 	@sh tests/bench/choices.sh $(BUILD)
 
+# Errors asked for with target_error against errors reached: a table and a chart, some minutes. Fails
+# if the promise of src/render/adaptive.h is broken. `accuracy-promise` leaves out the smallest target.
+.PHONY: calibration accuracy-promise
+calibration: all $(BENCHES)
+	@sh tests/bench/calibration.sh $(BUILD)
+accuracy-promise: all $(BENCHES)
+	@TARGETS="0.02 0.01 0.005" sh tests/bench/calibration.sh $(BUILD) $(BUILD)/accuracy-promise
+
 # The table of accelerators and threads, see tests/bench/table.sh: some minutes.
 .PHONY: table
 table: all
