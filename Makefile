@@ -323,6 +323,11 @@ calibration: all $(BENCHES)
 accuracy-promise: all $(BENCHES)
 	@TARGETS="0.02 0.01 0.005" sh tests/bench/calibration.sh $(BUILD) $(BUILD)/accuracy-promise
 
+# How often the bounds of audits hold, against references.
+.PHONY: audit-promise
+audit-promise: all $(BENCHES)
+	@sh tests/bench/audits.sh $(BUILD)
+
 # The table of accelerators and threads, see tests/bench/table.sh: some minutes.
 .PHONY: table
 table: all

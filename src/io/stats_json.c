@@ -73,6 +73,16 @@ static json_t *with_adaptive(json_t *json, const struct pen_adaptive_stats *adap
     return pen_json_with(json, "adaptive", adaptive_json(adaptive));
 }
 
+json_t *pen_stats_audit(const struct pen_audit *audit)
+{
+    char seed[17];
+    snprintf(seed, sizeof seed, "%016llx", (unsigned long long)audit->seed);
+    return json_pack("{s:I, s:f, s:I, s:I, s:o, s:s}", "pixels", (json_int_t)audit->pixels,
+                     "threshold", audit->threshold, "wrong", (json_int_t)audit->wrong, "undecided",
+                     (json_int_t)audit->undecided, "bound", pen_figure_error(audit->bound), "seed",
+                     seed);
+}
+
 json_t *pen_stats_json(const struct pen_stats_input *in)
 {
     const struct pen_render_stats *r = in->render;
@@ -90,5 +100,7 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
         "unmatched_exits", (json_int_t)r->rays.unmatched_exits, "float_resets", r->float_resets,
         "host", pen_figure_host());
     json = with_adaptive(json, &r->adaptive);
+    if (in->audit)
+        json = pen_json_with(json, "audit", pen_stats_audit(in->audit));
     return in->precision ? pen_json_with(json, "precision", precision_json(in->precision)) : json;
 }

@@ -7,6 +7,7 @@
 #include <jansson.h>
 #include <stdint.h>
 
+#include "render/audit.h"
 #include "render/percentiles.h"
 #include "render/render.h"
 #include "scene/precision.h"
@@ -17,10 +18,15 @@ struct pen_stats_input {
     const struct pen_render_stats *render;
     const struct pen_accel_stats *accel;
     const struct pen_scene_precision *precision; /* of the view; NULL: leave it out */
+    const struct pen_audit *audit;               /* NULL: there was none */
 };
 
 /* The whole object. Owns: the caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_stats_json(const struct pen_stats_input *in);
+
+/* The member `audit`: {pixels, threshold, wrong, undecided, bound, seed}; the seed is 16
+ * hexadecimal digits. Owns: the caller json_decref()s. Fails: NULL when out of memory. */
+json_t *pen_stats_audit(const struct pen_audit *audit);
 
 /* The member `tiles` alone: {count, ms: {p50, p95, max}}. Owns: the caller json_decref()s. Fails:
  * NULL when out of memory. */

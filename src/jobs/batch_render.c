@@ -169,6 +169,15 @@ static void warn_of_dropped(const struct pen_claim *claim, const struct pen_ray_
         pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
 }
 
+/* Makes what a job may ask for beside the picture of a view. */
+static bool end_view(struct pen_batch_context *context, const struct pen_claim *claim,
+                     struct pen_audit *audit, bool *audited, struct pen_status *st)
+{
+    const struct pen_film film = film_of(context);
+    return pen_batch_layers(context, claim, st) &&
+           pen_batch_audit(context, claim, &film, audit, audited, st);
+}
+
 static bool render(struct pen_batch_context *context, const struct pen_claim *claim,
                    struct pen_batch_output *output, struct pen_status *st)
 {
@@ -176,6 +185,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     struct pen_scene_times times;
     struct pen_render_stats stats;
     struct pen_scene_precision precision;
+    struct pen_audit audit;
+    bool audited = false;
     const struct pen_scene *scene = pen_scene_cache_get(
         context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
     if (!scene || !pen_batch_estimate(context, claim, scene, st) || !reserve_image(context, st) ||
@@ -193,11 +204,12 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     if (find_precision(context, claim, scene, &precision))
         in.precision = &precision;
     if (ok && claim->view_batches <= 1)
-        ok = pen_batch_layers(context, claim, st);
+        ok = end_view(context, claim, &audit, &audited, st);
     if (ok)
         ok = take_compressed(context, output, st);
     else
         pen_pixel_compressor_cancel(context->compressor);
+    in.audit = audited ? &audit : NULL;
     json_t *json = ok ? pen_stats_json(&in) : NULL;
     if (ok)
         json = pen_json_with(json, "tile_ms", pen_tile_times(stats.tile_ms, stats.tile_count));
@@ -236,8 +248,12 @@ bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_clai
         return false;
     set_picture(output);
     const double encode_ms = ms_since(begin_ns);
-    if (!pen_batch_layers(context, claim, st))
+    struct pen_audit audit;
+    bool audited;
+    if (!end_view(context, claim, &audit, &audited, st))
         return false;
     json_t *stats = json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms));
+    if (audited)
+        stats = pen_json_with(stats, "audit", pen_stats_audit(&audit));
     return pen_batch_write_stats(context, stats, output, st);
 }

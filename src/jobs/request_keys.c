@@ -8,6 +8,7 @@
 
 #include "jobs/internal/request.h"
 #include "jobs/internal/request_errors.h"
+#include "render/audit.h"
 #include "render/layers.h"
 
 /* Sets of kinds, one bit each. */
@@ -26,12 +27,12 @@ enum { POSITION_BYTES = 24 };
 typedef void key_fn(struct pen_request *request, const json_t *value, struct pen_errors *errors);
 
 /* Reads an integer; a number such as 3.0 counts as one. */
-static bool read_integer(const json_t *value, const char *key, int lo, int hi, int *out,
-                         struct pen_errors *errors)
+static bool read_integer(const json_t *value, const char *up, const char *key, int lo, int hi,
+                         int *out, struct pen_errors *errors)
 {
     double number = json_number_value(value);
     if (!json_is_number(value) || number != floor(number) || number < lo || number > hi) {
-        pen_request_fail(errors, PEN_INVALID, "", key, "must be an integer from %d to %d, found %s",
+        pen_request_fail(errors, PEN_INVALID, up, key, "must be an integer from %d to %d, found %s",
                          lo, hi, pen_found(value).text);
         return false;
     }
@@ -178,16 +179,52 @@ static void read_cost(struct pen_request *request, const json_t *value, struct p
     request->cost = read_word(value, "", "cost", pen_cost_names, errors);
 }
 
+static void read_threshold(struct pen_request *request, const json_t *value,
+                           struct pen_errors *errors)
+{
+    const double threshold = json_number_value(value);
+    if (!json_is_number(value) || !(threshold > 0) || threshold >= 1)
+        pen_request_fail(errors, PEN_INVALID, "/audit", "threshold",
+                         "must be a number above 0 and below 1, found %s", pen_found(value).text);
+    else
+        request->audit_threshold = threshold;
+}
+
+static void read_audit(struct pen_request *request, const json_t *value, struct pen_errors *errors)
+{
+    const char *key;
+    json_t *member;
+    request->audit_pixels = PEN_AUDIT_PIXELS;
+    request->audit_threshold = PEN_AUDIT_THRESHOLD;
+    if (!json_is_object(value)) {
+        pen_request_fail(errors, PEN_INVALID, "", "audit",
+                         "must be an object of pixels and threshold, found %s",
+                         pen_found(value).text);
+        return;
+    }
+    json_object_foreach((json_t *)(uintptr_t)value, key, member)
+    {
+        if (strcmp(key, "pixels") == 0)
+            read_integer(member, "/audit", key, 1, PEN_AUDIT_PIXELS_MAX, &request->audit_pixels,
+                         errors);
+        else if (strcmp(key, "threshold") == 0)
+            read_threshold(request, member, errors);
+        else
+            pen_request_fail(errors, PEN_INVALID, "/audit", key,
+                             "unknown key; the keys here are pixels, threshold");
+    }
+}
+
 static void read_priority(struct pen_request *request, const json_t *value,
                           struct pen_errors *errors)
 {
-    read_integer(value, "priority", -100, 100, &request->priority, errors);
+    read_integer(value, "", "priority", -100, 100, &request->priority, errors);
 }
 
 static void read_max_attempts(struct pen_request *request, const json_t *value,
                               struct pen_errors *errors)
 {
-    read_integer(value, "max_attempts", 1, 10, &request->max_attempts, errors);
+    read_integer(value, "", "max_attempts", 1, 10, &request->max_attempts, errors);
 }
 
 static void read_timeout(struct pen_request *request, const json_t *value,
@@ -216,6 +253,7 @@ static const struct {
     {.key = "labels", .read = read_labels},
     {.key = "layers", .read = read_layers, .kinds = RENDER | BENCHMARK | EFFECTS},
     {.key = "cost", .read = read_cost, .kinds = RENDER},
+    {.key = "audit", .read = read_audit, .kinds = RENDER},
     {.key = "max_attempts", .read = read_max_attempts},
     {.key = "timeout_seconds", .read = read_timeout},
     {.key = "matrix", .kinds = BENCHMARK},

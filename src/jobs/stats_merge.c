@@ -6,6 +6,7 @@
  *   threads, memory      the largest of all batches
  *   percentiles          of all tiles together
  *   adaptive             of the view with the largest estimated error
+ *   audit                of the view with the largest bound
  *   queue_ms, total_ms   from the times of the job itself
  *   store_ms             the time that workers waited for the store and for the compression of
  * pixels
@@ -32,6 +33,7 @@ struct sum {
     json_t *accelerator, *kernel, *effects, *host; /* owned; of the last batch that has them */
     json_t *precision;                  /* owned; of the view with the lowest resolution */
     json_t *estimated_error, *adaptive; /* owned; of the view with the largest estimated error */
+    json_t *audit;                      /* owned; of the view with the largest bound */
     bool no_memory, damaged;
 };
 
@@ -128,6 +130,13 @@ static void keep_largest_error(struct sum *sum, const json_t *stats)
     }
 }
 
+static void keep_largest_bound(struct sum *sum, const json_t *stats)
+{
+    const json_t *more = json_object_get(stats, "audit");
+    if (more && (!sum->audit || number(more, "bound") > number(sum->audit, "bound")))
+        keep_last(&sum->audit, stats, "audit");
+}
+
 static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
 {
     int threads = (int)count_of(stats, "threads");
@@ -143,6 +152,7 @@ static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
     keep_last(&sum->host, stats, "host");
     keep_lowest_precision(sum, stats);
     keep_largest_error(sum, stats);
+    keep_largest_bound(sum, stats);
 }
 
 static bool take_batch(void *user, const struct pen_batch_stats *batch)
@@ -172,19 +182,18 @@ static json_t *timing_json(const struct sum *sum, const struct pen_job_record *j
 static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
 {
     struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);
-    return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:I, "
-                     "s:O?, s:O*, s:O*, "
-                     "s:O*}",
-                     "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays),
-                     "mrays_per_second", pen_figure_rate(&sum->rays, sum->render_ms), "threads",
-                     sum->threads, "tiles", pen_stats_tiles(sum->tile_count, &tiles), "accelerator",
-                     sum->accelerator, "kernel", sum->kernel, "effects", sum->effects, "memory",
-                     "peak_bytes", (json_int_t)sum->peak_bytes, "dropped_samples",
-                     (json_int_t)sum->rays.dropped_samples, "truncated_paths",
-                     (json_int_t)sum->rays.truncated_paths, "unmatched_exits",
-                     (json_int_t)sum->rays.unmatched_exits, "float_resets",
-                     (json_int_t)sum->float_resets, "host", sum->host, "precision", sum->precision,
-                     "estimated_error", sum->estimated_error, "adaptive", sum->adaptive);
+    return json_pack(
+        "{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:I, "
+        "s:O?, s:O*, s:O*, s:O*, s:O*}",
+        "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays), "mrays_per_second",
+        pen_figure_rate(&sum->rays, sum->render_ms), "threads", sum->threads, "tiles",
+        pen_stats_tiles(sum->tile_count, &tiles), "accelerator", sum->accelerator, "kernel",
+        sum->kernel, "effects", sum->effects, "memory", "peak_bytes", (json_int_t)sum->peak_bytes,
+        "dropped_samples", (json_int_t)sum->rays.dropped_samples, "truncated_paths",
+        (json_int_t)sum->rays.truncated_paths, "unmatched_exits",
+        (json_int_t)sum->rays.unmatched_exits, "float_resets", (json_int_t)sum->float_resets,
+        "host", sum->host, "precision", sum->precision, "estimated_error", sum->estimated_error,
+        "adaptive", sum->adaptive, "audit", sum->audit);
 }
 
 json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
@@ -205,6 +214,7 @@ json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *j
     json_decref(sum.precision);
     json_decref(sum.estimated_error);
     json_decref(sum.adaptive);
+    json_decref(sum.audit);
     free(sum.times);
     return stats;
 }

@@ -64,6 +64,15 @@ enum pen_cost pen_stored_request_cost(const struct pen_stored_request *request)
     return tests ? PEN_COST_TESTS : PEN_COST_TIME;
 }
 
+bool pen_stored_request_audit(const struct pen_stored_request *request, uint64_t *pixels,
+                              double *threshold)
+{
+    const json_t *audit = json_object_get(request->json, "audit");
+    *pixels = (uint64_t)json_integer_value(json_object_get(audit, "pixels"));
+    *threshold = json_number_value(json_object_get(audit, "threshold"));
+    return audit != NULL;
+}
+
 int pen_stored_request_repeats(const struct pen_stored_request *request)
 {
     return (int)json_integer_value(json_object_get(request->json, "repeats"));

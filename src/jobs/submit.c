@@ -46,18 +46,26 @@ static const char *cost_of(const struct pen_request *request)
     return NULL;
 }
 
+/* NULL without an audit. */
+static json_t *audit_json(const struct pen_request *request)
+{
+    return request->audit_pixels > 0 ? json_pack("{s:i, s:f}", "pixels", request->audit_pixels,
+                                                 "threshold", request->audit_threshold)
+                                     : NULL;
+}
+
 /* The job as accepted: the client's keys with all defaults filled in, without the scene. */
 static json_t *common_json(const struct pen_request *request)
 {
     json_t *name = request->name ? json_copy((json_t *)(uintptr_t)request->name) : json_null();
     json_t *labels =
         request->labels ? json_deep_copy((json_t *)(uintptr_t)request->labels) : json_object();
-    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:o, s:s*, s:o, s:o}", "kind",
+    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:o, s:s*, s:o*, s:o, s:o}", "kind",
                      pen_job_kinds[request->kind], "name", name, "labels", labels, "priority",
                      request->priority, "max_attempts", request->max_attempts, "timeout_seconds",
                      (double)request->timeout_ms / 1000, "views", views_json(request), "layers",
-                     layers_json(request), "cost", cost_of(request), "render",
-                     pen_settings_json(&request->settings), "effects",
+                     layers_json(request), "cost", cost_of(request), "audit", audit_json(request),
+                     "render", pen_settings_json(&request->settings), "effects",
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
 

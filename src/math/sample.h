@@ -89,4 +89,14 @@ struct pen_point2 pen_grid2(uint64_t hash, uint32_t edge, uint32_t cell);
 /* The concentric map from the unit square to the unit disk, which preserves areas. */
 struct pen_point2 pen_disk_of_square(struct pen_point2 p);
 
+/* A number whose bits look random, different for each n (SplitMix64: Steele, Lea and Flood, "Fast
+ * splittable pseudorandom number generators", OOPSLA 2014). */
+static inline uint64_t pen_mix64(uint64_t n)
+{
+    n += UINT64_C(0x9E3779B97F4A7C15);
+    n = (n ^ n >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
+    n = (n ^ n >> 27) * UINT64_C(0x94D049BB133111EB);
+    return n ^ n >> 31;
+}
+
 #endif

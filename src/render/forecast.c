@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "math/sample.h"
 #include "render/internal/forecast_adaptive.h"
 #include "render/internal/kernel_input.h"
 #include "render/render.h"
@@ -33,14 +34,6 @@ struct forecast {
     atomic_bool *seen; /* as in pen_forecast; relaxed */
     atomic_int next;
 };
-
-static uint64_t mixed(uint64_t n)
-{
-    n += UINT64_C(0x9E3779B97F4A7C15);
-    n = (n ^ n >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
-    n = (n ^ n >> 27) * UINT64_C(0x94D049BB133111EB);
-    return n ^ n >> 31;
-}
 
 /* A number from lo to hi - 1. */
 static int drawn(uint64_t hash, int lo, int hi)
@@ -76,11 +69,11 @@ static void count_cell(struct forecast *f, int thread, int cell)
 {
     const struct pen_settings *s = f->settings;
     const int column = cell % f->columns, row = cell / f->columns;
-    const uint64_t hash = mixed((uint64_t)cell);
+    const uint64_t hash = pen_mix64((uint64_t)cell);
     const int x = drawn(hash, part_of(s->width, column, f->columns),
                         part_of(s->width, column + 1, f->columns));
-    const int y =
-        drawn(mixed(hash), part_of(s->height, row, f->rows), part_of(s->height, row + 1, f->rows));
+    const int y = drawn(pen_mix64(hash), part_of(s->height, row, f->rows),
+                        part_of(s->height, row + 1, f->rows));
     struct pen_ray_counts rays = {.primary = 0};
     double rgb[3];
     begin_pixel(f, thread, x, y);
@@ -108,7 +101,7 @@ static void time_block(struct forecast *f, int thread, int n)
     const struct pen_settings *s = f->settings;
     const int all = pen_tile_count(s->width, s->height, PEN_BLOCK_SIDE);
     const int at =
-        drawn(mixed((uint64_t)n + 77), part_of(all, n, BLOCKS), part_of(all, n + 1, BLOCKS));
+        drawn(pen_mix64((uint64_t)n + 77), part_of(all, n, BLOCKS), part_of(all, n + 1, BLOCKS));
     const struct pen_rect rect = pen_tile_rect(s->width, s->height, PEN_BLOCK_SIDE, at);
     double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
     struct pen_ray_counts rays = {.primary = 0};

@@ -96,9 +96,11 @@ static void trace_block(const struct job *job, const struct pen_kernel_input *in
     for (int i = 0; i < BLOCK_PIXELS; i++) {
         const int x = pen_z_order_x(i), y = pen_z_order_x(i >> 1);
         if (x < block.width && y < block.height) {
-            ranges[count] = (struct pen_sample_range){
-                block.x + x, block.y + y, 0, sums_at(job, block.x + x, block.y + y)->samples,
-                &sums[count]};
+            ranges[count] =
+                (struct pen_sample_range){.x = block.x + x,
+                                          .y = block.y + y,
+                                          .end = sums_at(job, block.x + x, block.y + y)->samples,
+                                          .sums = &sums[count]};
             count++;
         }
     }

@@ -28,7 +28,7 @@ static void trace_list(struct sample_list *list)
                           list->rays);
     for (int i = 0; i < list->count; i++) {
         struct pen_pixel_sums *sums = list->sums[i];
-        const uint32_t replicate = list->sample[i].replicate;
+        const uint32_t replicate = list->sample[i].replicate % PEN_REPLICATES;
         if (isnan(radiance[i].x))
             continue; /* dropped */
         sums->kept[replicate]++;
@@ -56,7 +56,8 @@ void pen_trace_samples(const struct pen_kernel *kernel, const struct pen_kernel_
                 if (list.count == PEN_KERNEL_SAMPLES)
                     trace_list(&list);
                 list.sums[list.count] = r->sums;
-                list.sample[list.count++] = (struct pen_camera_sample){r->x, r->y, k, i};
+                list.sample[list.count++] =
+                    (struct pen_camera_sample){r->x, r->y, r->replicate + k, i};
             }
         r->sums->samples = r->end;
     }
@@ -94,8 +95,8 @@ void pen_refine_block(const struct pen_render_task *task, const struct pen_kerne
             task->pixel_begins(task->pixel_user, thread, x, y);
         struct pen_pixel_sums *sums = &task->adaptive->sums[at];
         const uint32_t first = sums->samples;
-        ranges[count] =
-            (struct pen_sample_range){x, y, first, first + pen_adaptive_more(sums), sums};
+        ranges[count] = (struct pen_sample_range){
+            .x = x, .y = y, .first = first, .end = first + pen_adaptive_more(sums), .sums = sums};
         if (task->pixel_by_pixel)
             pen_trace_samples(kernel, input, scratch, &ranges[count], 1, rays);
         count++;

@@ -293,7 +293,7 @@ static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uin
         kernel->pixel(input, scratch, x, y, rgb, rays);
     } else {
         struct pen_pixel_sums sums = {.samples = 0};
-        const struct pen_sample_range range = {x, y, 0, samples, &sums};
+        const struct pen_sample_range range = {.x = x, .y = y, .end = samples, .sums = &sums};
         pen_trace_samples(kernel, input, scratch, &range, 1, rays);
         pen_pixel_mean(&sums, rgb);
     }

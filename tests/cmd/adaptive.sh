@@ -54,6 +54,39 @@ check "byte for byte" cmp ls.pfm rs.pfm
 submit '{"scene": "builtin:lens", "render": {"target_error": 0.1, "light_pattern": "grid"}}'
 expect_problem "a job with a grid of points on lights" 422 '*light_pattern is*'
 
+# Audits
+audit="pixels threshold wrong undecided bound seed"
+exits "a render with an audit" 0 "$penumbra" render builtin:lens $small --set target_error=0.02 -q -o a.pfm --stats a.json \
+    --audit 0.05 --audit-pixels 200
+expect "has what it found" "$(jq -r '.audit | keys_unsorted | join(" ")' a.json)" "$audit"
+expect "of so many pixels" "$(jq -c '.audit | [.pixels, .threshold, .wrong + .undecided < 100]' a.json)" "[200,0.05,true]"
+exits "a job with an audit" 0 "$penumbra" submit builtin:lens $small --set target_error=0.02 -q -o job.pfm --json \
+    --audit 0.05 --audit-pixels 200
+call "/v1/jobs/$(jq -r .id stdout)/stats"
+expect "finds the same" "$(body '.audit | tostring')" "$(jq -c .audit a.json)"
+submit '{"scene": "builtin:spheres", "render": {"width": 640, "height": 480, "light_samples": 64, "samples_per_pixel": 4},
+    "audit": {}}'
+job=$(body .id)
+expect "an audit has defaults" "$(body '.audit | tostring')" '{"pixels":600,"threshold":0.01}'
+exits "a job of several batches" 0 "$penumbra" wait "$job" -q
+call "/v1/jobs/$job/stats"
+expect "is audited when its picture is whole" "$(body '.audit | [.pixels, .threshold] | tostring')" "[600,0.01]"
+submit '{"scene": "builtin:lens", "audit": {"pixels": 0}}'
+expect_problem "an audit of no pixel" 422 '*must be an integer from 1 to 1000000*'
+submit '{"scene": "builtin:lens", "audit": {"threshold": 1}}'
+expect_problem "a threshold of 1" 422 '*above 0 and below 1*'
+submit '{"scene": "builtin:lens", "audit": {"pixel": 9}}'
+expect_problem "an unknown key" 422 '*the keys here are pixels, threshold*'
+submit '{"scene": "builtin:lens", "audit": 5}'
+expect_problem "an audit that is a number" 422 '*must be an object of pixels and threshold*'
+exits "the audit of a file" 0 "$penumbra" audit builtin:lens a.pfm $small --threshold 0.05 --audit-pixels 200 --json
+expect "draws the same pixels" "$(jq -r .seed stdout)" "$(jq -r .audit.seed a.json)"
+exits "with --max-wrong" 7 "$penumbra" audit builtin:lens a.pfm $small --threshold 0.001 --audit-pixels 20 --max-wrong 0.1
+exits "a picture of another size" 3 "$penumbra" audit builtin:lens a.pfm
+prints "is told both sizes" stderr "has 80 x 60 pixels, the scene is rendered with 800 x 600"
+exits "no picture" 4 "$penumbra" audit builtin:lens none.png $small
+exits "a file that is none" 3 "$penumbra" audit builtin:lens a.json $small
+
 # A worker that dies in a round: the picture is that of a worker that did not.
 set -- --set width=320 --set height=240 --set target_error=0.004
 "$penumbra" render builtin:lens "$@" -q -o whole.pfm

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "cmd/client/audit_options.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
@@ -22,11 +23,13 @@
 #include "render/layer_file.h"
 #include "render/render.h"
 #include "scene/scene.h"
+#include "study/audit_seed.h"
 
 struct values {
     const char *output, *format, *view, *layer, *cost, *stats, *pixel;
     struct pen_option_list set;
-    int threads;
+    double audit;
+    int audit_pixels, threads;
     bool quiet, json;
 };
 
@@ -56,6 +59,7 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, stats),
      .value = "FILE",
      .help = "write times and ray counts to FILE, as JSON"},
+    PEN_AUDIT_OPTIONS(struct values, audit),
     {.name = "pixel",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, pixel),
@@ -81,6 +85,7 @@ struct render {
     struct pen_film *film;
     struct pen_adaptive *adaptive; /* with a target error */
     struct pen_render_stats stats;
+    struct pen_audit audit; /* with --audit */
     struct pen_buf encoded;
     struct pen_output picture; /* its bytes are `encoded` */
     double build_ms, encode_ms, total_ms;
@@ -244,6 +249,26 @@ static void tell_error(const struct render *r)
                 r->input.source.label, last->error, last->low, last->high, a->samples.mean);
 }
 
+/* Renders some pixels of the picture again, and says how many can be wrong. */
+static bool audit_view(struct render *r, struct pen_status *st)
+{
+    const struct pen_audit_task task = {.scene = r->scene,
+                                        .view = r->view,
+                                        .settings = &r->input.desc.settings,
+                                        .rgb = r->film->rgb,
+                                        .adaptive = r->adaptive,
+                                        .pixels = (uint64_t)r->values->audit_pixels,
+                                        .threshold = r->values->audit,
+                                        .seed = pen_audit_seed(r->film)};
+    if (r->values->audit < 0)
+        return true;
+    if (!pen_audit_run(r->pool, &task, &r->audit, st))
+        return false;
+    if (!r->values->quiet && !r->values->json)
+        pen_audit_print(&r->audit, r->input.source.label, stderr);
+    return true;
+}
+
 /* Says that a part of the picture is missing. */
 static void warn_truncated(const struct render *r)
 {
@@ -328,7 +353,8 @@ static json_t *make_stats(const struct render *r)
                                  .total_ms = r->total_ms,
                                  .render = &r->stats,
                                  .accel = pen_accel_get_stats(r->scene->accel),
-                                 .precision = r->has_precision ? &r->precision : NULL};
+                                 .precision = r->has_precision ? &r->precision : NULL,
+                                 .audit = r->values->audit >= 0 ? &r->audit : NULL};
     return pen_stats_json(&in);
 }
 
@@ -394,6 +420,8 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
         return true;
     if (v->output && !write_picture(r, st))
         return false;
+    if (!audit_view(r, st))
+        return false;
     r->total_ms = ms_since(start_ns);
     warn_truncated(r);
     warn_unmatched(r);
@@ -435,7 +463,7 @@ static int render(struct render *r, const char *name)
 
 static int run(int argc, char **argv)
 {
-    struct values values = {0};
+    struct values values = {.audit = -1, .audit_pixels = PEN_AUDIT_PIXELS};
     struct pen_parsed parsed;
     int code = pen_command_begin(&pen_command_render, argc, argv, &values, &parsed);
     if (code >= 0)

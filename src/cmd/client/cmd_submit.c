@@ -12,6 +12,7 @@
 #include <string.h>
 #include <sys/random.h>
 
+#include "cmd/client/audit_options.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
@@ -24,7 +25,8 @@ struct values {
     struct pen_remote remote;
     struct pen_option_list set, view, label, matrix;
     const char *name, *idempotency_key, *output, *format, *kind, *baseline;
-    int priority, repeats, warmup;
+    double audit;
+    int audit_pixels, priority, repeats, warmup;
     bool has_priority, has_repeats, has_warmup;
     bool wait, quiet, json;
 };
@@ -45,6 +47,7 @@ static const struct pen_option options[] = {
      .choices = kinds,
      .help = "what the job does with the scene, render by default"},
     PEN_BENCH_OPTIONS(struct values, "of a study: "),
+    PEN_AUDIT_OPTIONS(struct values, audit),
     {.name = "name",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, name),
@@ -134,6 +137,10 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
         json_object_set_new(job, "kind", json_string(values->kind));
     if (values->has_repeats)
         json_object_set_new(job, "repeats", json_integer(values->repeats));
+    if (values->audit >= 0)
+        json_object_set_new(
+            job, "audit",
+            json_pack("{s:i, s:f}", "pixels", values->audit_pixels, "threshold", values->audit));
     if (values->has_warmup)
         json_object_set_new(job, "warmup", json_integer(values->warmup));
     return pen_bench_options_add(job, &values->matrix, values->baseline, st) &&
@@ -354,7 +361,8 @@ static bool is_given(const struct pen_parsed *parsed, const char *option)
 
 static int run(int argc, char **argv)
 {
-    struct values values = {.remote = PEN_REMOTE_DEFAULT};
+    struct values values = {
+        .remote = PEN_REMOTE_DEFAULT, .audit = -1, .audit_pixels = PEN_AUDIT_PIXELS};
     struct pen_parsed parsed;
     int code = pen_command_begin(&pen_command_submit, argc, argv, &values, &parsed);
     if (code >= 0)

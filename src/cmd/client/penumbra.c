@@ -10,8 +10,9 @@
 static const struct pen_command *const commands[] = {
     &pen_command_render,  &pen_command_validate, &pen_command_compare, &pen_command_scenes,
     &pen_command_convert, &pen_command_bench,    &pen_command_effects, &pen_command_explain,
-    &pen_command_submit,  &pen_command_wait,     &pen_command_fetch,   &pen_command_list,
-    &pen_command_top,     &pen_command_stats,    &pen_command_cancel,  &pen_command_delete,
+    &pen_command_audit,   &pen_command_submit,   &pen_command_wait,    &pen_command_fetch,
+    &pen_command_list,    &pen_command_top,      &pen_command_stats,   &pen_command_cancel,
+    &pen_command_delete,
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 

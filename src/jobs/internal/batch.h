@@ -4,6 +4,7 @@
 #define PEN_JOBS_INTERNAL_BATCH_H
 
 #include "jobs/internal/batch_context.h"
+#include "render/audit.h"
 
 /* Runs the batch of a claim, of any kind. Owns: release *output after success. Fails:
  * PEN_CANCELLED: the heartbeat has stopped it. PEN_NOT_FOUND: the job was deleted. PEN_STORAGE,
@@ -26,6 +27,12 @@ pen_batch_run_fn pen_batch_assemble;
  * as pen_batch_run. */
 bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim *claim,
                       struct pen_status *st);
+
+/* batch_audit.c: audits the picture of the claim's view, which the film has, if the job asks for
+ * that; then *done is true. Fails: as pen_batch_run. */
+bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *claim,
+                     const struct pen_film *film, struct pen_audit *audit, bool *done,
+                     struct pen_status *st);
 
 /* batch_estimate.c: before the first batch of a job that may take long, estimates what it will
  * take, and stores that. A small job is left as it is. Fails: as

@@ -33,6 +33,8 @@ struct pen_request {
     const json_t *labels; /* NULL: none */
     const json_t *layers; /* NULL: the beauty alone */
     const char *cost;     /* what the layer of that name is; NULL: time */
+    int audit_pixels;     /* 0: no audit */
+    double audit_threshold;
     enum pen_job_kind kind;
     struct pen_bench_spec spec; /* of a benchmark */
     int repeats;                /* of a job of kind "effects" */

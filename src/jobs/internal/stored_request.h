@@ -30,6 +30,10 @@ const char *pen_stored_request_view(const struct pen_stored_request *request, in
 bool pen_stored_request_layer(const struct pen_stored_request *request, enum pen_layer layer);
 enum pen_cost pen_stored_request_cost(const struct pen_stored_request *request);
 
+/* Whether the picture is to be audited; then sets how. */
+bool pen_stored_request_audit(const struct pen_stored_request *request, uint64_t *pixels,
+                              double *threshold);
+
 /* How often a job of kind "effects" times each render; whether one of kind "explain" renders. */
 int pen_stored_request_repeats(const struct pen_stored_request *request);
 bool pen_stored_request_analyze(const struct pen_stored_request *request);

@@ -5,10 +5,11 @@
 
 #include "render/render.h"
 
-/* Samples `first` to `end` - 1 of each replicate of a pixel, and the sums to which they are added.
- */
+/* Samples `first` to `end` - 1 of PEN_REPLICATES replicates of a pixel, and the sums to which they
+ * are added. */
 struct pen_sample_range {
     int x, y;
+    uint32_t replicate; /* the first of them, a multiple of PEN_REPLICATES */
     uint32_t first, end;
     struct pen_pixel_sums *sums;
 };

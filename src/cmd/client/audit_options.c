@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+#include "cmd/client/audit_options.h"
+
+#include <inttypes.h>
+
+void pen_audit_print(const struct pen_audit *audit, const char *label, FILE *out)
+{
+    fprintf(
+        out,
+        "penumbra: %s: with 95 %% confidence at most %.3g %% of the pixels are off by more than "
+        "%g (%" PRIu64 " audited, %" PRIu64 " wrong, %" PRIu64 " undecided)\n",
+        label, 100 * audit->bound, audit->threshold, audit->pixels, audit->wrong, audit->undecided);
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* What `penumbra render --audit` and `penumbra audit` share. */
+#ifndef PEN_CMD_CLIENT_AUDIT_OPTIONS_H
+#define PEN_CMD_CLIENT_AUDIT_OPTIONS_H
+
+#include <stdio.h>
+
+#include "cmd/options.h"
+#include "render/audit.h"
+
+/* The threshold, whose option has the member's name, and the number of pixels in audit_pixels. */
+#define PEN_AUDIT_OPTIONS(values, member)                                                          \
+    {.name = #member,                                                                              \
+     .kind = PEN_OPTION_NUMBER,                                                                    \
+     .offset = offsetof(values, member),                                                           \
+     .value = "D",                                                                                 \
+     .max = 1,                                                                                     \
+     .help = "audit: how many pixels are off by more than D, of values from 0 to 1 as displayed"}, \
+    {                                                                                              \
+        .name = "audit-pixels", .kind = PEN_OPTION_INT, .offset = offsetof(values, audit_pixels),  \
+        .value = "N", .min = 1, .max = PEN_AUDIT_PIXELS_MAX,                                       \
+        .help = "how many pixels an audit renders again, 600 by default"                           \
+    }
+
+/* Prints a line that says what an audit has found. */
+void pen_audit_print(const struct pen_audit *audit, const char *label, FILE *out);
+
+#endif

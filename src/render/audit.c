@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT */
+/* Threads take the drawn pixels from a counter. What is found of a pixel does not depend on the
+ * others, so the result is the same for any number of threads. */
+#include "render/audit.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "film/encode.h"
+#include "math/fn.h"
+#include "math/sample.h"
+#include "render/internal/kernel_input.h"
+#include "render/internal/refine.h"
+
+/* 99.99 % of Student's distribution with 7 degrees of freedom are within this. */
+static const double STUDENT = 7.8846;
+
+enum { PAIRS = PEN_AUDIT_REPLICATES / PEN_REPLICATES };
+
+enum verdict { RIGHT, UNDECIDED, WRONG };
+
+struct job {
+    const struct pen_audit_task *task;
+    struct pen_settings sampling; /* those of the pixels that are rendered again */
+    struct pen_kernel_input input;
+    const struct pen_kernel *kernel;
+    struct pen_kernel_scratch **scratch; /* by thread */
+    int threads;
+    size_t *drawn; /* numbers of pixels */
+    uint64_t count;
+    atomic_ullong next, wrong, undecided;
+};
+
+/* Draws pixels without replacement: numbers that were drawn before are passed over. */
+static bool draw(struct job *job, size_t pixels, struct pen_status *st)
+{
+    const uint64_t wanted = job->task->pixels;
+    unsigned char *taken = calloc(pixels, 1);
+    job->count = wanted < pixels ? wanted : pixels;
+    job->drawn = malloc(job->count * sizeof *job->drawn + 1);
+    const uint64_t first = pen_mix64(job->task->seed);
+    uint64_t n = 0;
+    for (uint64_t i = 0; taken && job->drawn && n < job->count; i++) {
+        const double place = (double)(pen_mix64(first + i) >> 11) * 0x1p-53;
+        const size_t at = job->count == pixels ? (size_t)i : (size_t)(place * (double)pixels);
+        if (!taken[at])
+            job->drawn[n++] = at;
+        taken[at] = 1;
+    }
+    const bool ok = (taken && job->drawn) ||
+                    pen_fail(st, PEN_NO_MEMORY, "out of memory for the pixels of an audit");
+    free(taken);
+    return ok;
+}
+
+/* The samples that each replicate of a pixel gets. */
+static uint32_t samples_for(const struct job *job, size_t at)
+{
+    const struct pen_audit_task *task = job->task;
+    double all = task->samples;
+    if (all == 0 && task->adaptive)
+        all = (double)PEN_AUDIT_TIMES * PEN_REPLICATES * task->adaptive->sums[at].samples;
+    else if (all == 0)
+        all = (double)PEN_AUDIT_TIMES * pen_camera_samples(job->input.lens.open, task->settings);
+    if (job->task->samples == 0 && all < PEN_AUDIT_LEAST)
+        all = PEN_AUDIT_LEAST;
+    const double each = ceil(all / PEN_AUDIT_REPLICATES);
+    return each < 1 << 30 ? (uint32_t)each : 1U << 30;
+}
+
+/* Renders the replicates of a pixel: their sums, and that of all. */
+static void render_again(const struct job *job, int thread, size_t at,
+                         struct pen_pixel_sums pair[PAIRS], double rgb[3])
+{
+    const size_t width = (size_t)job->task->settings->width;
+    const uint32_t samples = samples_for(job, at);
+    struct pen_ray_counts rays = {.primary = 0};
+    double kept = 0;
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (uint32_t p = 0; p < PAIRS; p++) {
+        pair[p] = (struct pen_pixel_sums){.samples = 0};
+        const struct pen_sample_range range = {.x = (int)(at % width),
+                                               .y = (int)(at / width),
+                                               .replicate = p * PEN_REPLICATES,
+                                               .end = samples,
+                                               .sums = &pair[p]};
+        pen_trace_samples(job->kernel, &job->input, job->scratch[thread], &range, 1, &rays);
+        for (int r = 0; r < PEN_REPLICATES; r++) {
+            kept += pair[p].kept[r];
+            for (int c = 0; c < 3; c++)
+                rgb[c] += pair[p].sum[r][c];
+        }
+    }
+    for (int c = 0; c < 3; c++)
+        rgb[c] = kept > 0 ? rgb[c] / kept : 0;
+}
+
+/* Judges a channel by its encoded value in the picture, the mean of all replicates, and their own
+ * values. */
+static enum verdict judge(double shown, double mean, const double *replicate, double threshold)
+{
+    double sum = 0, squares = 0;
+    for (int r = 0; r < PEN_AUDIT_REPLICATES; r++)
+        sum += replicate[r] / PEN_AUDIT_REPLICATES;
+    for (int r = 0; r < PEN_AUDIT_REPLICATES; r++)
+        squares += (replicate[r] - sum) * (replicate[r] - sum);
+    const double off = STUDENT * sqrt(squares / (PEN_AUDIT_REPLICATES - 1) / PEN_AUDIT_REPLICATES);
+    const double difference = shown > mean ? shown - mean : mean - shown;
+    if (difference + off <= threshold)
+        return RIGHT;
+    return difference - off > threshold ? WRONG : UNDECIDED;
+}
+
+static enum verdict audit_pixel(const struct job *job, int thread, size_t at)
+{
+    const enum pen_transfer transfer = job->task->settings->transfer == PEN_SETTING_LINEAR
+                                           ? PEN_TRANSFER_LINEAR
+                                           : PEN_TRANSFER_SRGB;
+    struct pen_pixel_sums pair[PAIRS];
+    enum verdict worst = RIGHT;
+    double mean[3];
+    render_again(job, thread, at, pair, mean);
+    for (int c = 0; c < 3; c++) {
+        double replicate[PEN_AUDIT_REPLICATES];
+        for (int i = 0; i < PEN_AUDIT_REPLICATES; i++) {
+            const struct pen_pixel_sums *sums = &pair[i / PEN_REPLICATES];
+            const uint32_t kept = sums->kept[i % PEN_REPLICATES];
+            const double linear = kept > 0 ? sums->sum[i % PEN_REPLICATES][c] / kept : mean[c];
+            replicate[i] = pen_encode_unit(linear, transfer);
+        }
+        const double shown = pen_encode_unit((double)job->task->rgb[3 * at + (size_t)c], transfer);
+        const enum verdict verdict =
+            judge(shown, pen_encode_unit(mean[c], transfer), replicate, job->task->threshold);
+        worst = verdict > worst ? verdict : worst;
+    }
+    return worst;
+}
+
+static bool is_cancelled(const struct job *job)
+{
+    return job->task->cancel && atomic_load_explicit(job->task->cancel, memory_order_relaxed);
+}
+
+static void audit_pixels(void *user, int thread)
+{
+    struct job *job = user;
+    uint64_t i;
+    while (!is_cancelled(job) &&
+           (i = atomic_fetch_add_explicit(&job->next, 1, memory_order_relaxed)) < job->count) {
+        const enum verdict verdict = audit_pixel(job, thread, job->drawn[i]);
+        atomic_fetch_add_explicit(&job->wrong, verdict == WRONG, memory_order_relaxed);
+        atomic_fetch_add_explicit(&job->undecided, verdict == UNDECIDED, memory_order_relaxed);
+    }
+}
+
+/* The settings of what is rendered again: several camera rays, whose points can be continued. */
+static struct pen_settings sampling_of(const struct pen_audit_task *task)
+{
+    struct pen_settings s = pen_settings_sampling(task->settings);
+    s.samples_per_pixel = s.samples_per_pixel > 1 ? s.samples_per_pixel : 2;
+    s.light_pattern = s.light_pattern == PEN_PATTERN_GRID ? PEN_PATTERN_SOBOL : s.light_pattern;
+    s.seed = task->seed;
+    return s;
+}
+
+static bool make_scratch(struct job *job, struct pen_status *st)
+{
+    job->scratch = calloc((size_t)job->threads, sizeof *job->scratch);
+    for (int i = 0; job->scratch && i < job->threads; i++)
+        if (!(job->scratch[i] = pen_kernel_scratch_new(&job->input)))
+            return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of an audit");
+    return job->scratch || pen_fail(st, PEN_NO_MEMORY, "out of memory for the threads of an audit");
+}
+
+static void release(struct job *job)
+{
+    for (int i = 0; job->scratch && i < job->threads; i++)
+        pen_kernel_scratch_free(job->scratch[i]);
+    free(job->scratch);
+    free(job->drawn);
+}
+
+bool pen_audit_run(struct pen_thread_pool *pool, const struct pen_audit_task *task,
+                   struct pen_audit *audit, struct pen_status *st)
+{
+    const size_t pixels = (size_t)task->settings->width * (size_t)task->settings->height;
+    struct job job = {.task = task, .sampling = sampling_of(task)};
+    job.input = pen_kernel_input_of(task->scene, task->view, &job.sampling);
+    job.kernel = pen_kernel_select(job.input.effects, pen_cpu_isa());
+    job.threads = pen_render_threads(pool, task->settings);
+    const bool ok = draw(&job, pixels, st) && make_scratch(&job, st);
+    if (ok)
+        pen_thread_pool_run(pool, job.threads, audit_pixels, &job);
+    release(&job);
+    if (!ok || is_cancelled(&job))
+        return ok && pen_fail(st, PEN_CANCELLED, "the audit was cancelled");
+    *audit = (struct pen_audit){.pixels = job.count,
+                                .wrong = atomic_load(&job.wrong),
+                                .undecided = atomic_load(&job.undecided),
+                                .threshold = task->threshold,
+                                .seed = task->seed};
+    const uint64_t not_right = audit->wrong + audit->undecided;
+    audit->bound = job.count == pixels ? (double)not_right / (double)pixels
+                                       : pen_audit_bound(not_right, job.count);
+    return true;
+}
+
+/* The logarithm of the probability of k or fewer of n, each with probability p: that of k, times
+ * one and what smaller numbers add relative to it. */
+static double log_at_most(double k, double n, double p)
+{
+    double log_k = n * pen_ln(1 - p), sum = 1, term = 1;
+    for (double i = 0; i < k; i++)
+        log_k += pen_ln((n - i) / (i + 1) * p / (1 - p));
+    for (double i = k; i > 0 && term > sum * 1e-17; i--) {
+        term *= i / (n - i + 1) * (1 - p) / p;
+        sum += term;
+    }
+    return log_k + pen_ln(sum);
+}
+
+double pen_audit_bound(uint64_t wrong, uint64_t pixels)
+{
+    const double chance = 0.05, k = (double)wrong, n = (double)pixels;
+    double low = 0, high = 1;
+    if (wrong >= pixels)
+        return 1;
+    for (int i = 0; i < 60; i++) {
+        const double middle = (low + high) / 2;
+        if (log_at_most(k, n, middle) > pen_ln(chance))
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}
