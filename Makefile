@@ -323,6 +323,11 @@ calibration: all $(BENCHES)
 accuracy-promise: all $(BENCHES)
 	@TARGETS="0.02 0.01 0.005" sh tests/bench/calibration.sh $(BUILD) $(BUILD)/accuracy-promise
 
+# What the presets of `quality` cost, and how their pictures look.
+.PHONY: presets
+presets: all
+	@sh tests/bench/presets.sh $(BUILD)
+
 # How often the bounds of audits hold, against references.
 .PHONY: audit-promise
 audit-promise: all $(BENCHES)

@@ -26,6 +26,24 @@ struct pen_settings pen_settings_default(void)
     };
 }
 
+void pen_settings_set_quality(struct pen_settings *s, enum pen_quality quality)
+{
+    static const double targets[] = {[PEN_QUALITY_DRAFT] = 0,
+                                     [PEN_QUALITY_GOOD] = 0.02,
+                                     [PEN_QUALITY_FINAL] = 0.005,
+                                     [PEN_QUALITY_REFERENCE] = 0.001};
+    s->target_error = targets[quality];
+    s->light_pattern = PEN_PATTERN_SOBOL;
+    if (quality == PEN_QUALITY_DRAFT) {
+        s->samples_per_pixel = 1;
+        s->light_samples = s->blur_samples = s->lens_samples = 4;
+    }
+    if (quality == PEN_QUALITY_REFERENCE) {
+        s->max_samples = 65536;
+        s->min_contribution = 0.0001;
+    }
+}
+
 /* Points on each light, and rays of each cone, for each camera ray of a replicate. All points of a
  * replicate are one sequence. Where a light is partly hidden, 16 shadow rays take about as long as
  * a tenth to a half of the rest of a path (accel/disk_packet.h); a blurred ray takes as long as a

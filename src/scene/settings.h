@@ -61,6 +61,10 @@ static inline bool pen_settings_adaptive(const struct pen_settings *settings)
  * target error. */
 struct pen_settings pen_settings_sampling(const struct pen_settings *settings);
 
+/* Presets: sets of settings. */
+enum pen_quality { PEN_QUALITY_DRAFT, PEN_QUALITY_GOOD, PEN_QUALITY_FINAL, PEN_QUALITY_REFERENCE };
+void pen_settings_set_quality(struct pen_settings *settings, enum pen_quality quality);
+
 /* The defaults of api/scene-format.md. */
 struct pen_settings pen_settings_default(void);
 

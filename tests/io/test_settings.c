@@ -90,9 +90,49 @@ END_TEST
 
 START_TEST(test_settings__unsupported_features_are_refused_as_such)
 {
-    struct pen_status st = refuse("quality=draft");
+    struct pen_status st = refuse("precision=fast");
     ck_assert_int_eq(st.code, PEN_UNSUPPORTED);
-    ck_assert_ptr_nonnull(strstr(st.msg, "quality known, not supported yet"));
+    ck_assert_ptr_nonnull(strstr(st.msg, "precision known, not supported yet"));
+}
+END_TEST
+
+/* A preset, then what the keys beside it say, in whatever order they stand. */
+START_TEST(test_settings__a_preset_comes_before_the_keys_beside_it)
+{
+    static const struct {
+        const char *json;
+        double target_error, min_contribution;
+        int samples_per_pixel, light_samples, max_samples;
+    } cases[] = {
+        {"{\"quality\": \"draft\"}", 0, 0.5, 1, 4, 9},
+        {"{\"quality\": \"good\"}", 0.02, 0.5, 7, 8, 9},
+        {"{\"quality\": \"final\"}", 0.005, 0.5, 7, 8, 9},
+        {"{\"quality\": \"reference\"}", 0.001, 0.0001, 7, 8, 65536},
+        {"{\"light_samples\": 50, \"quality\": \"draft\"}", 0, 0.5, 1, 50, 9},
+        {"{\"target_error\": 0.3, \"quality\": \"final\", \"max_samples\": 5}", 0.3, 0.5, 7, 8, 5}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct pen_settings s = pen_settings_default();
+        struct pen_errors errors = {0};
+        s.samples_per_pixel = 7;
+        s.light_samples = 8;
+        s.max_samples = 9;
+        s.min_contribution = 0.5;
+        s.light_pattern = PEN_PATTERN_GRID;
+        json_t *json = json_loads(cases[i].json, 0, NULL);
+        ck_assert(pen_settings_read(json, "/render", &s, &errors));
+        json_decref(json);
+        ck_assert(s.target_error == cases[i].target_error);
+        ck_assert(s.min_contribution == cases[i].min_contribution);
+        ck_assert_int_eq(s.samples_per_pixel, cases[i].samples_per_pixel);
+        ck_assert_int_eq(s.light_samples, cases[i].light_samples);
+        ck_assert_int_eq(s.max_samples, cases[i].max_samples);
+        ck_assert_int_eq(s.light_pattern, PEN_PATTERN_SOBOL);
+    }
+    struct pen_settings s = pen_settings_default();
+    struct pen_status st;
+    ck_assert(pen_settings_set(&s, "quality=draft", &st) && s.light_samples == 4);
+    ck_assert(pen_settings_set(&s, "light_samples=5", &st) && s.light_samples == 5);
+    ck_assert_int_eq(refuse("quality=best").code, PEN_USAGE);
 }
 END_TEST
 
@@ -183,6 +223,7 @@ PEN_SUITE("io/settings", test_settings__every_key_can_be_set_from_a_command_line
           test_settings__a_wrong_assignment_names_its_key,
           test_settings__every_accelerator_has_its_word,
           test_settings__unsupported_features_are_refused_as_such,
+          test_settings__a_preset_comes_before_the_keys_beside_it,
           test_settings__a_job_overrides_what_it_names_and_nothing_else,
           test_settings__one_bad_key_leaves_all_as_they_were,
           test_settings__json_reads_back_to_the_same_settings)

@@ -89,7 +89,7 @@ static const struct bad bad_bodies[] = {
     {"{\"scene\": S, \"views\": [7]}", PEN_INVALID, "/views/0", "such as \"main\", found 7"},
     {"{\"scene\": S, \"render\": {\"width\": 0}}", PEN_INVALID, "/render/width", ""},
     {"{\"scene\": S, \"render\": {\"widht\": 10}}", PEN_INVALID, "/render/widht", "width"},
-    {"{\"scene\": S, \"render\": {\"quality\": \"draft\"}}", PEN_UNSUPPORTED, "/render/quality",
+    {"{\"scene\": S, \"render\": {\"precision\": \"fast\"}}", PEN_UNSUPPORTED, "/render/precision",
      ""},
     {"{\"scene\": S, \"render\": {\"width\": 10000, \"height\": 10000}}", PEN_TOO_LARGE, "/render",
      ""},

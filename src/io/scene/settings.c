@@ -33,18 +33,16 @@ static const struct pen_word accelerators[] = {
 static const struct pen_word transfers[] = {
     {"srgb", PEN_SETTING_SRGB, NULL}, {"linear", PEN_SETTING_LINEAR, NULL}, {0}};
 
-static const char presets[] = "quality presets; leave the key out";
-
-static const struct pen_word qualities[] = {{"draft", 0, presets},
-                                            {"good", 1, presets},
-                                            {"final", 2, presets},
-                                            {"reference", 3, presets},
+static const struct pen_word qualities[] = {{"draft", PEN_QUALITY_DRAFT, NULL},
+                                            {"good", PEN_QUALITY_GOOD, NULL},
+                                            {"final", PEN_QUALITY_FINAL, NULL},
+                                            {"reference", PEN_QUALITY_REFERENCE, NULL},
                                             {0}};
 
 /* The target of pen_settings_fields: the settings, and what is read but not kept. */
 struct target {
     struct pen_settings settings;
-    int quality;
+    int quality; /* enum pen_quality */
 };
 
 #define MEMBER(name) offsetof(struct target, settings.name)
@@ -74,10 +72,19 @@ const struct pen_field pen_settings_fields[] = {
     {"threads", PEN_FIELD_INTEGER, .offset = MEMBER(threads), .range = &threads_range},
     {0}};
 
+/* A preset comes before the keys beside it, which say more. What is none is refused with them. */
+static void set_quality(const json_t *name, struct pen_settings *settings)
+{
+    for (const struct pen_word *w = qualities; w->name && json_is_string(name); w++)
+        if (strcmp(w->name, json_string_value(name)) == 0)
+            pen_settings_set_quality(settings, (enum pen_quality)w->value);
+}
+
 bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                               struct pen_settings *settings)
 {
     struct target target = {.settings = *settings};
+    set_quality(json_object_get(json, "quality"), &target.settings);
     bool ok = pen_fields_read(r, at, json, pen_settings_fields, &target);
     if (ok)
         *settings = target.settings;
@@ -103,6 +110,8 @@ bool pen_settings_read_member(const char *key, const json_t *value, const char *
     const struct pen_place root = {0};
     struct pen_reader r = {.errors = errors, .prefix = at};
     struct target target = {.settings = *settings};
+    if (strcmp(key, "quality") == 0)
+        set_quality(value, &target.settings);
     bool ok = pen_fields_read_member(&r, &root, key, value, pen_settings_fields, &target);
     if (ok)
         *settings = target.settings;
