@@ -54,7 +54,7 @@ static int later_command(const char *word)
 
 static int unknown_command(const char *word)
 {
-    static const char *const later[] = {"accuracy", "audit"};
+    static const char *const later[] = {"accuracy"};
     for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
         if (strcmp(word, later[i]) == 0)
             return later_command(word);
