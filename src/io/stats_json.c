@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "io/figures.h"
 #include "io/json_build.h"
+#include "io/settings_json.h"
 
 static json_t *timing_json(const struct pen_stats_input *in)
 {
@@ -41,11 +42,13 @@ static json_t *rounds_json(const struct pen_adaptive_stats *adaptive)
     json_t *rounds = json_array();
     for (int i = 0; i < adaptive->rounds; i++) {
         const struct pen_round *r = &adaptive->round[i];
-        json_array_append_new(rounds,
-                              json_pack("{s:I, s:i, s:o}", "pixels", (json_int_t)r->pixels, "level",
-                                        r->level, "estimated_error", pen_figure_error(r->error)));
+        json_t *round = json_pack("{s:I, s:i, s:o}", "pixels", (json_int_t)r->pixels, "level",
+                                  r->level, "estimated_error", pen_figure_error(r->error));
+        if (adaptive->timed)
+            round = pen_json_with(round, "tiles", json_integer(r->tiles));
+        json_array_append_new(rounds, round);
     }
-    return rounds;
+    return pen_json_all(rounds, (size_t)adaptive->rounds);
 }
 
 /* {target_error, met, interval, confidence, samples_per_pixel: {mean, min, p50, p95, max},
@@ -54,8 +57,9 @@ static json_t *adaptive_json(const struct pen_adaptive_stats *adaptive)
 {
     const struct pen_round *last = &adaptive->round[adaptive->rounds - 1];
     const struct pen_sample_spread *s = &adaptive->samples;
-    return json_pack("{s:f, s:b, s:[o, o], s:f, s:{s:o, s:I, s:I, s:I, s:I}, s:I, s:o}",
-                     "target_error", adaptive->target, "met", adaptive->met, "interval",
+    json_t *target = adaptive->target > PEN_TARGET_NONE ? json_real(adaptive->target) : json_null();
+    return json_pack("{s:o, s:b, s:[o, o], s:f, s:{s:o, s:I, s:I, s:I, s:I}, s:I, s:o}",
+                     "target_error", target, "met", adaptive->met, "interval",
                      pen_figure_error(last->low), pen_figure_error(last->high), "confidence",
                      PEN_ADAPTIVE_CONFIDENCE, "samples_per_pixel", "mean", pen_figure(s->mean),
                      "min", (json_int_t)s->least, "p50", (json_int_t)s->median, "p95",
@@ -63,14 +67,19 @@ static json_t *adaptive_json(const struct pen_adaptive_stats *adaptive)
                      (json_int_t)adaptive->capped, "rounds", rounds_json(adaptive));
 }
 
-/* Adds what is known of an adaptive render. */
-static json_t *with_adaptive(json_t *json, const struct pen_adaptive_stats *adaptive)
+/* Adds what is known of an adaptive render; and of one that a time has ended, what repeats it. */
+static json_t *with_adaptive(json_t *json, const struct pen_stats_input *in)
 {
+    const struct pen_adaptive_stats *adaptive = &in->render->adaptive;
     if (adaptive->rounds == 0)
         return json;
     json = pen_json_with(json, "estimated_error",
                          pen_figure_error(adaptive->round[adaptive->rounds - 1].error));
-    return pen_json_with(json, "adaptive", adaptive_json(adaptive));
+    json = pen_json_with(json, "adaptive", adaptive_json(adaptive));
+    if (!adaptive->timed || !in->settings)
+        return json;
+    json = pen_json_with(json, "render", pen_settings_json(in->settings));
+    return pen_json_with(json, "scene_sha256", json_string(in->scene_sha256));
 }
 
 json_t *pen_stats_audit(const struct pen_audit *audit)
@@ -99,7 +108,7 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
         (json_int_t)r->rays.dropped_samples, "truncated_paths", (json_int_t)r->rays.truncated_paths,
         "unmatched_exits", (json_int_t)r->rays.unmatched_exits, "float_resets", r->float_resets,
         "host", pen_figure_host());
-    json = with_adaptive(json, &r->adaptive);
+    json = with_adaptive(json, in);
     if (in->audit)
         json = pen_json_with(json, "audit", pen_stats_audit(in->audit));
     return in->precision ? pen_json_with(json, "precision", precision_json(in->precision)) : json;

@@ -19,10 +19,20 @@ struct pen_stats_input {
     const struct pen_accel_stats *accel;
     const struct pen_scene_precision *precision; /* of the view; NULL: leave it out */
     const struct pen_audit *audit;               /* NULL: there was none */
+    /* Of a render that a time has ended: what repeats it. */
+    const struct pen_settings *settings;
+    const char *scene_sha256; /* of the scene document, hexadecimal */
 };
 
 /* The whole object. Owns: the caller json_decref()s. Fails: NULL when out of memory. */
 json_t *pen_stats_json(const struct pen_stats_input *in);
+
+/* Reads the rounds of a render, and its settings, from a statistics object. `scene_sha256` is that
+ * of the scene that is to be rendered again. Fails: PEN_INVALID (no statistics of a render that a
+ * time has ended; the message says what is missing), PEN_CONFLICT (of another scene). */
+bool pen_stats_rounds_read(const json_t *stats, const char *scene_sha256,
+                           struct pen_settings *settings, struct pen_adaptive_stats *rounds,
+                           struct pen_status *st);
 
 /* The member `audit`: {pixels, threshold, wrong, undecided, bound, seed}; the seed is 16
  * hexadecimal digits. Owns: the caller json_decref()s. Fails: NULL when out of memory. */

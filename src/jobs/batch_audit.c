@@ -3,7 +3,7 @@
  * the batch's statistics. */
 #include "jobs/internal/batch.h"
 
-#include "study/audit_seed.h"
+#include "study/hash.h"
 
 bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *claim,
                      const struct pen_film *film, struct pen_audit *audit, bool *done,

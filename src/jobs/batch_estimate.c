@@ -21,6 +21,8 @@ static bool is_wanted(const struct pen_batch_context *context, const struct pen_
                  batches = views * claim->view_batches, share = PEN_FORECAST_QUICK_PIXELS / pixels;
     const bool first = context->fresh && claim->attempt == 1 && claim->view == 0 &&
                        claim->first_tile == 0 && share < 1.0 / 30;
+    if (pen_stored_request_budget(&context->request) > 0)
+        return false;
     if (pen_settings_adaptive(s)) /* a view is one batch, however long */
         return first;
     return first && batches > LONG_BATCHES && share * batches < LONG_BATCHES;

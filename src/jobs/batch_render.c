@@ -136,6 +136,7 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .pixel_user = context,
                                    /* After a crash, the next tells at which pixel it happens. */
                                    .pixel_by_pixel = claim->attempt > 1,
+                                   .deadline_ns = context->deadline_ns,
                                    .keep_tile_ms = true};
     if (task.view < 0)
         return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
@@ -169,6 +170,23 @@ static void warn_of_dropped(const struct pen_claim *claim, const struct pen_ray_
         pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
 }
 
+static void write_hex(const unsigned char *bytes, size_t count, char *out)
+{
+    for (size_t i = 0; i < count; i++)
+        snprintf(out + 2 * i, 3, "%02x", bytes[i]);
+}
+
+/* When the rounds of a job with a budget have to end, so that its commit comes in time:
+ * compressing, encoding and storing take about half a microsecond for each pixel. 0 without a
+ * budget. */
+static int64_t deadline_of(const struct pen_batch_context *context, int64_t begun_ns)
+{
+    const double seconds = pen_stored_request_budget(&context->request);
+    const struct pen_settings *s = &context->request.settings;
+    const double after_ns = 500.0 * s->width * s->height;
+    return seconds > 0 ? begun_ns + (int64_t)(seconds * 1e9 - after_ns) : 0;
+}
+
 /* Makes what a job may ask for beside the picture of a view. */
 static bool end_view(struct pen_batch_context *context, const struct pen_claim *claim,
                      struct pen_audit *audit, bool *audited, struct pen_status *st)
@@ -182,6 +200,7 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
                    struct pen_batch_output *output, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
+    char scene_sha256[2 * sizeof claim->scene_sha256 + 1];
     struct pen_scene_times times;
     struct pen_render_stats stats;
     struct pen_scene_precision precision;
@@ -200,7 +219,10 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
                                  .build_ms = times.build_ms,
                                  .encode_ms = encode_ms,
                                  .render = &stats,
-                                 .accel = pen_accel_get_stats(scene->accel)};
+                                 .accel = pen_accel_get_stats(scene->accel),
+                                 .settings = s,
+                                 .scene_sha256 = scene_sha256};
+    write_hex(claim->scene_sha256, sizeof claim->scene_sha256, scene_sha256);
     if (find_precision(context, claim, scene, &precision))
         in.precision = &precision;
     if (ok && claim->view_batches <= 1)
@@ -220,6 +242,7 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
 bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim *claim,
                       struct pen_batch_output *output, struct pen_status *st)
 {
+    context->deadline_ns = deadline_of(context, pen_clock_ns());
     bool ok = render(context, claim, output, st);
     pen_png_free(context->picture);
     context->picture = NULL;

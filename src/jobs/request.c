@@ -136,13 +136,17 @@ static bool choose_views(struct pen_request *request, struct pen_errors *errors)
     }
     if (list) {
         read_views(request, list, errors);
-        if (pen_job_kind_has_one_view(request->kind) && request->view_count > 1)
+        if (request->budget_seconds > 0 && request->view_count > 1)
+            pen_request_fail(errors, PEN_INVALID, "", "views",
+                             "must name one view for a job with budget_seconds, found %d",
+                             request->view_count);
+        else if (pen_job_kind_has_one_view(request->kind) && request->view_count > 1)
             pen_request_fail(errors, PEN_INVALID, "", "views",
                              "must name one view for a job of kind \"%s\", found %d",
                              pen_job_kinds[request->kind], request->view_count);
         return true;
     }
-    if (pen_job_kind_has_one_view(request->kind))
+    if (pen_job_kind_has_one_view(request->kind) || request->budget_seconds > 0)
         count = 1;
     for (uint32_t v = 0; v < count; v++)
         request->views[request->view_count++] = (int)v;
@@ -196,6 +200,8 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
     request->settings = ok ? request->desc.settings : pen_settings_default();
     if (render)
         pen_settings_read(render, "/render", &request->settings, errors);
+    if (request->budget_seconds > 0 && !pen_settings_adaptive(&request->settings))
+        request->settings.target_error = PEN_TARGET_NONE;
     if (request->kind == PEN_KIND_BENCHMARK)
         pen_bench_spec_read(request->body, &request->settings, &request->spec, errors);
     if (request->kind == PEN_KIND_EFFECTS)

@@ -215,6 +215,17 @@ static void read_audit(struct pen_request *request, const json_t *value, struct 
     }
 }
 
+static void read_budget(struct pen_request *request, const json_t *value, struct pen_errors *errors)
+{
+    const double seconds = json_number_value(value);
+    if (!json_is_number(value) || !(seconds > 0) || seconds > PEN_BUDGET_SECONDS_MAX)
+        pen_request_fail(errors, PEN_INVALID, "", "budget_seconds",
+                         "must be a number above 0, at most %d, found %s",
+                         (int)PEN_BUDGET_SECONDS_MAX, pen_found(value).text);
+    else
+        request->budget_seconds = seconds;
+}
+
 static void read_priority(struct pen_request *request, const json_t *value,
                           struct pen_errors *errors)
 {
@@ -265,7 +276,7 @@ static const struct {
     {.key = "reference", .kinds = ACCURACY},
     {.key = "target", .kinds = ACCURACY},
     {.key = "seeds", .kinds = ACCURACY},
-    {.key = "budget_seconds", .kinds = ACCURACY},
+    {.key = "budget_seconds", .read = read_budget, .kinds = RENDER | ACCURACY},
 };
 enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
 

@@ -33,6 +33,7 @@ struct sum {
     json_t *accelerator, *kernel, *effects, *host; /* owned; of the last batch that has them */
     json_t *precision;                  /* owned; of the view with the lowest resolution */
     json_t *estimated_error, *adaptive; /* owned; of the view with the largest estimated error */
+    json_t *render, *scene_sha256;      /* owned; of a job with a budget */
     json_t *audit;                      /* owned; of the view with the largest bound */
     bool no_memory, damaged;
 };
@@ -127,6 +128,8 @@ static void keep_largest_error(struct sum *sum, const json_t *stats)
                  json_number_value(more) > json_number_value(sum->estimated_error))) {
         keep_last(&sum->estimated_error, stats, "estimated_error");
         keep_last(&sum->adaptive, stats, "adaptive");
+        keep_last(&sum->render, stats, "render");
+        keep_last(&sum->scene_sha256, stats, "scene_sha256");
     }
 }
 
@@ -182,18 +185,19 @@ static json_t *timing_json(const struct sum *sum, const struct pen_job_record *j
 static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
 {
     struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);
-    return json_pack(
-        "{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:I, "
-        "s:O?, s:O*, s:O*, s:O*, s:O*}",
-        "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays), "mrays_per_second",
-        pen_figure_rate(&sum->rays, sum->render_ms), "threads", sum->threads, "tiles",
-        pen_stats_tiles(sum->tile_count, &tiles), "accelerator", sum->accelerator, "kernel",
-        sum->kernel, "effects", sum->effects, "memory", "peak_bytes", (json_int_t)sum->peak_bytes,
-        "dropped_samples", (json_int_t)sum->rays.dropped_samples, "truncated_paths",
-        (json_int_t)sum->rays.truncated_paths, "unmatched_exits",
-        (json_int_t)sum->rays.unmatched_exits, "float_resets", (json_int_t)sum->float_resets,
-        "host", sum->host, "precision", sum->precision, "estimated_error", sum->estimated_error,
-        "adaptive", sum->adaptive, "audit", sum->audit);
+    return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:I, "
+                     "s:O?, s:O*, s:O*, s:O*, s:O*, s:O*, s:O*}",
+                     "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays),
+                     "mrays_per_second", pen_figure_rate(&sum->rays, sum->render_ms), "threads",
+                     sum->threads, "tiles", pen_stats_tiles(sum->tile_count, &tiles), "accelerator",
+                     sum->accelerator, "kernel", sum->kernel, "effects", sum->effects, "memory",
+                     "peak_bytes", (json_int_t)sum->peak_bytes, "dropped_samples",
+                     (json_int_t)sum->rays.dropped_samples, "truncated_paths",
+                     (json_int_t)sum->rays.truncated_paths, "unmatched_exits",
+                     (json_int_t)sum->rays.unmatched_exits, "float_resets",
+                     (json_int_t)sum->float_resets, "host", sum->host, "precision", sum->precision,
+                     "estimated_error", sum->estimated_error, "adaptive", sum->adaptive, "audit",
+                     sum->audit, "render", sum->render, "scene_sha256", sum->scene_sha256);
 }
 
 json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
@@ -215,6 +219,8 @@ json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *j
     json_decref(sum.estimated_error);
     json_decref(sum.adaptive);
     json_decref(sum.audit);
+    json_decref(sum.render);
+    json_decref(sum.scene_sha256);
     free(sum.times);
     return stats;
 }

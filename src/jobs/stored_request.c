@@ -73,6 +73,11 @@ bool pen_stored_request_audit(const struct pen_stored_request *request, uint64_t
     return audit != NULL;
 }
 
+double pen_stored_request_budget(const struct pen_stored_request *request)
+{
+    return json_number_value(json_object_get(request->json, "budget_seconds"));
+}
+
 int pen_stored_request_repeats(const struct pen_stored_request *request)
 {
     return (int)json_integer_value(json_object_get(request->json, "repeats"));

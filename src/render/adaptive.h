@@ -88,10 +88,20 @@ struct pen_decision {
     uint64_t capped; /* pixels that would be refined if max_samples let them have more samples */
 };
 
+/* What a decision aims at. */
+struct pen_goal {
+    double target;
+    /* The most camera rays that the next round may take, UINT64_MAX for any number. With a limit
+     * the next round goes no further than to a part of the error, so that rays are spent where they
+     * lower it most. */
+    uint64_t samples;
+};
+
 /* Decides after a round, all of whose estimates are set: what the error is, and which pixels have
- * to be refined to bring it to `target`. Threads: as pen_render_run. Fails: PEN_NO_MEMORY. */
-bool pen_adaptive_decide(struct pen_adaptive *adaptive, struct pen_thread_pool *pool, double target,
-                         struct pen_decision *decision, struct pen_status *st);
+ * to be refined to bring it to the target. Threads: as pen_render_run. Fails: PEN_NO_MEMORY. */
+bool pen_adaptive_decide(struct pen_adaptive *adaptive, struct pen_thread_pool *pool,
+                         const struct pen_goal *goal, struct pen_decision *decision,
+                         struct pen_status *st);
 
 /* Selects the pixels of the next round, those whose priority is at least of that level: the error
  * of their neighbourhood for each sample, in eighths of powers of two. Sets how many they are.

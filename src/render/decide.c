@@ -20,6 +20,9 @@ static const double SPREAD = 2.576;
 /* The error of an unseen edge, see unseen_edge. */
 static const double UNSEEN = 0.3;
 
+/* Where samples are limited, a round aims at this part of the error. */
+static const double STEP = 0.6;
+
 enum { SLICES = 64 };
 
 /* Levels of priority: eighths of powers of two, from 0 on; below 2^LOWEST all are 0. */
@@ -28,10 +31,11 @@ enum { EIGHTHS = 8, LOWEST = -120, LEVELS = 128 * EIGHTHS };
 /* What is known of the pixels of a slice; then, added up, of all. */
 struct slice {
     int first_row, end_row;
-    double error, squares;   /* of the pixels' own estimates */
-    double around;           /* errors as neighbours tell them: of all pixels, */
-    double at_level[LEVELS]; /* of those with that priority, */
-    double capped_error;     /* and of those that may have no more samples */
+    double error, squares;    /* of the pixels' own estimates */
+    double around;            /* errors as neighbours tell them: of all pixels, */
+    double at_level[LEVELS];  /* of those with that priority, */
+    uint64_t samples[LEVELS]; /* whose next round takes so many samples, */
+    double capped_error;      /* and of those that may have no more samples */
     uint64_t capped, selected;
 };
 
@@ -187,7 +191,9 @@ static void visit_around(struct pen_adaptive *a, struct slice *slice, int level)
                 slice->capped_error += around;
                 slice->capped += around > 0;
             } else {
-                slice->at_level[priority_of(a, at, around)] += around;
+                const int priority = priority_of(a, at, around);
+                slice->at_level[priority] += around;
+                slice->samples[priority] += (uint64_t)PEN_REPLICATES * a->sums[at].samples;
             }
         }
 }
@@ -203,8 +209,10 @@ static void add_slices(const struct slice *slices, struct slice *all)
         all->capped_error += s->capped_error;
         all->capped += s->capped;
         all->selected += s->selected;
-        for (int level = 0; level < LEVELS; level++)
+        for (int level = 0; level < LEVELS; level++) {
             all->at_level[level] += s->at_level[level];
+            all->samples[level] += s->samples[level];
+        }
     }
 }
 
@@ -234,17 +242,34 @@ static int level_for(const struct slice *all, double goal)
     return level;
 }
 
-static struct pen_decision decision_of(const struct slice *all, double pixels, double target)
+/* The lowest level, from `level` on, such that doubling all pixels at it or above takes no more
+ * samples than are allowed. */
+static int level_within(const struct slice *all, int level, uint64_t samples)
+{
+    uint64_t sum = 0;
+    int lowest = LEVELS;
+    while (lowest > level && all->samples[lowest - 1] <= samples - sum)
+        sum += all->samples[--lowest];
+    return lowest;
+}
+
+static struct pen_decision decision_of(const struct slice *all, double pixels,
+                                       const struct pen_goal *goal)
 {
     const double mean = all->error / pixels, off = SPREAD * sqrt(all->squares) / pixels;
     const double high = mean + off, low = mean > off ? mean - off : 0;
-    struct pen_decision d = {
-        .error = sqrt(mean), .low = sqrt(low), .high = sqrt(high), .met = high <= target * target};
+    struct pen_decision d = {.error = sqrt(mean),
+                             .low = sqrt(low),
+                             .high = sqrt(high),
+                             .met = high <= goal->target * goal->target};
+    double aim = goal->target * goal->target;
+    if (goal->samples != UINT64_MAX && aim < high * STEP * STEP)
+        aim = high * STEP * STEP;
     /* The sum of errors at which the upper end of the interval would be the target; the errors that
      * neighbours tell add up to the pixels' own, but for chance. */
-    const double goal = high > 0 ? target * target / high * all->around - all->capped_error : 0;
+    const double sum = high > 0 ? aim / high * all->around - all->capped_error : 0;
     bool any = false;
-    d.level = level_for(all, goal);
+    d.level = level_within(all, level_for(all, sum), goal->samples);
     for (int i = d.level; i < LEVELS; i++)
         any |= all->at_level[i] > 0;
     d.done = d.met || !any;
@@ -252,8 +277,9 @@ static struct pen_decision decision_of(const struct slice *all, double pixels, d
     return d;
 }
 
-bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool, double target,
-                         struct pen_decision *decision, struct pen_status *st)
+bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
+                         const struct pen_goal *goal, struct pen_decision *decision,
+                         struct pen_status *st)
 {
     struct pass pass = {.adaptive = a, .slices = slices_new(a, st)};
     struct slice *all = calloc(1, sizeof *all);
@@ -266,7 +292,7 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool, d
         pass.visit = visit_around;
         run_pass(pool, &pass);
         add_slices(pass.slices, all);
-        *decision = decision_of(all, (double)a->settings->width * a->settings->height, target);
+        *decision = decision_of(all, (double)a->settings->width * a->settings->height, goal);
     }
     free(pass.slices);
     free(all);

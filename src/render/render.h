@@ -24,7 +24,8 @@ struct pen_rect pen_tile_rect(int width, int height, int tile, int index);
 /* A round of an adaptive render. */
 struct pen_round {
     int level;               /* pen_adaptive_select; 0 for the pilot */
-    uint64_t pixels;         /* refined */
+    int tiles;               /* finished, from the first on: all but in a round that time ended */
+    uint64_t pixels;         /* selected to be refined */
     double error, low, high; /* of the picture after it, estimated */
 };
 enum { PEN_ROUNDS_MAX = 64 };
@@ -32,6 +33,7 @@ enum { PEN_ROUNDS_MAX = 64 };
 struct pen_adaptive_stats {
     double target;
     bool met;
+    bool timed; /* the render had a deadline */
     int rounds; /* 0: the render was not adaptive */
     struct pen_round round[PEN_ROUNDS_MAX];
     uint64_t capped; /* pixels that max_samples kept from being refined */
@@ -88,6 +90,12 @@ struct pen_render_task {
      * round_done after each, from the calling thread. */
     struct pen_adaptive *adaptive;
     void (*round_done)(void *user, const struct pen_round *round); /* may be NULL */
+    /* Rounds end by this time of pen_clock_ns, but for the first, which is always whole; 0: they
+     * end when the target is met. What is rendered by then depends on the machine and its load. */
+    int64_t deadline_ns;
+    /* Renders these rounds instead of deciding on new ones: what an earlier render has noted of
+     * itself. The picture gets the same bytes. */
+    const struct pen_adaptive_stats *repeat;
     bool keep_tile_ms;
     /* Count box and primitive tests, see pen_trace_count_ops_get. The film stays the same, and the
      * counts do not depend on the number of threads, the tile size or the instruction set. Counting
@@ -103,7 +111,8 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
                     struct pen_render_stats *stats, struct pen_status *st);
 
 /* Renders all rounds of a view with a target error, from a state that is new, and leaves the last
- * state to the caller; as pen_render_run, which does the same without a state. */
+ * state to the caller; as pen_render_run, which does the same without a state. Fails: PEN_CONFLICT:
+ * the rounds to be repeated are not of this scene and these settings. */
 bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_task *task,
                        struct pen_adaptive *adaptive, struct pen_render_stats *stats,
                        struct pen_status *st);

@@ -1,68 +1,170 @@
 /* SPDX-License-Identifier: MIT */
-/* Renders a whole view in rounds, in this process. */
+/* Renders a whole view in rounds, in this process: until a target is met, until a time, or as an
+ * earlier render did. Up to a time, a round takes the tiles in groups of a few hundredths of the
+ * time that is left, and looks at the clock between groups. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "render/internal/refine.h"
 
-/* Adds what one round took to the statistics of the render. Takes its tile_ms. */
-static void add_round(struct pen_render_stats *sum, struct pen_render_stats *round)
+/* The rounds of one view. */
+struct rounds {
+    struct pen_thread_pool *pool;
+    const struct pen_render_task *task;
+    struct pen_adaptive *adaptive;
+    struct pen_render_stats *stats;
+    int tiles;
+    int64_t begun_ns;
+    double ray_ns; /* the time of a camera ray and what follows from it, in the last round */
+};
+
+/* Adds what some tiles took in a round to the statistics of the render. Takes its tile_ms. */
+static void add_tiles(struct rounds *r, struct pen_render_stats *more, int first_tile)
 {
-    const struct pen_adaptive_stats adaptive = sum->adaptive;
-    const struct pen_render_stats before = *sum;
-    *sum = *round;
-    sum->adaptive = adaptive;
-    sum->cpu_ms += before.cpu_ms;
-    sum->threads = before.threads > round->threads ? before.threads : round->threads;
-    sum->float_resets += before.float_resets;
-    pen_ray_counts_add(&sum->rays, &before.rays);
-    sum->tests.boxes += before.tests.boxes;
-    sum->tests.primitives += before.tests.primitives;
-    for (uint32_t i = 0; before.tile_ms && sum->tile_ms && i < sum->tile_count; i++)
-        sum->tile_ms[i] += before.tile_ms[i];
-    free(before.tile_ms);
+    struct pen_render_stats *sum = r->stats;
+    sum->cpu_ms += more->cpu_ms;
+    sum->threads = sum->threads > more->threads ? sum->threads : more->threads;
+    sum->float_resets += more->float_resets;
+    sum->kernel = more->kernel;
+    sum->effects = more->effects;
+    sum->tests_counted = more->tests_counted;
+    pen_ray_counts_add(&sum->rays, &more->rays);
+    sum->tests.boxes += more->tests.boxes;
+    sum->tests.primitives += more->tests.primitives;
+    for (uint32_t i = 0; sum->tile_ms && more->tile_ms && i < more->tile_count; i++)
+        sum->tile_ms[(uint32_t)first_tile + i] += more->tile_ms[i];
+    free(more->tile_ms);
 }
 
-/* Decides after a round, and keeps what is found. */
-static bool decide(struct pen_thread_pool *pool, struct pen_adaptive *a,
-                   struct pen_adaptive_stats *stats, struct pen_round *round,
-                   struct pen_decision *d, struct pen_status *st)
+static bool run_tiles(struct rounds *r, int first, int count, struct pen_status *st)
 {
-    if (!pen_adaptive_decide(a, pool, a->settings->target_error, d, st))
+    struct pen_render_stats more;
+    struct pen_render_task task = *r->task;
+    task.adaptive = r->adaptive;
+    task.tile_done = NULL;
+    task.rows_done = NULL;
+    task.first_tile = first;
+    task.tile_count = count;
+    if (!pen_render_run(r->pool, &task, &more, st))
+        return false;
+    add_tiles(r, &more, first);
+    return true;
+}
+
+/* The tiles that are rendered between looks at the clock, of a round that is expected to take so
+ * long. */
+static int group_of(const struct rounds *r, double round_ns, double left_ns)
+{
+    static const double part = 0.03, least_ns = 1e7;
+    const double wanted_ns = part * left_ns > least_ns ? part * left_ns : least_ns;
+    const double tiles = round_ns > 0 ? r->tiles * wanted_ns / round_ns : r->tiles;
+    return tiles < 1 ? 1 : tiles < r->tiles ? (int)tiles : r->tiles;
+}
+
+/* Runs a round, up to its recorded tile or the deadline; sets round->tiles. `samples` are those
+ * that it takes. */
+static bool run_round(struct rounds *r, struct pen_round *round, double samples,
+                      struct pen_status *st)
+{
+    const bool pilot = r->stats->adaptive.rounds == 0;
+    const int64_t deadline = pilot ? 0 : r->task->deadline_ns, begun = pen_clock_ns();
+    const uint64_t before = r->stats->rays.primary;
+    const int end = r->task->repeat ? round->tiles : r->tiles;
+    const int group = deadline ? group_of(r, samples * r->ray_ns, (double)(deadline - begun)) : end;
+    int done = 0;
+    while (done < end && (!deadline || pen_clock_ns() < deadline)) {
+        const int count = end - done < group ? end - done : group;
+        if (!run_tiles(r, done, count, st))
+            return false;
+        done += count;
+    }
+    const double rays = (double)(r->stats->rays.primary - before);
+    if (rays > 0)
+        r->ray_ns = (double)(pen_clock_ns() - begun) / rays;
+    round->tiles = done;
+    return true;
+}
+
+/* The camera rays that can be traced until the deadline. */
+static uint64_t affordable(const struct rounds *r)
+{
+    const double left = (double)(r->task->deadline_ns - pen_clock_ns());
+    if (r->task->deadline_ns == 0)
+        return UINT64_MAX;
+    return left > 0 && r->ray_ns > 0 ? (uint64_t)(left / r->ray_ns) : 0;
+}
+
+/* Decides after a round, and notes what is found. */
+static bool decide(struct rounds *r, struct pen_round *round, struct pen_decision *d,
+                   struct pen_status *st)
+{
+    struct pen_adaptive_stats *a = &r->stats->adaptive;
+    const struct pen_goal goal = {a->target, affordable(r)};
+    if (!pen_adaptive_decide(r->adaptive, r->pool, &goal, d, st))
         return false;
     round->error = d->error;
     round->low = d->low;
     round->high = d->high;
-    stats->round[stats->rounds++] = *round;
-    stats->met = d->met;
-    stats->capped = d->capped;
+    a->round[a->rounds++] = *round;
+    a->met = d->met;
+    a->capped = d->capped;
+    if (r->task->round_done)
+        r->task->round_done(r->task->user, round);
     return true;
 }
 
-static bool run_rounds(struct pen_thread_pool *pool, const struct pen_render_task *task,
-                       struct pen_render_stats *stats, struct pen_status *st)
+/* Whether a round was the last; else selects the pixels of the next one. */
+static bool select_next(struct rounds *r, const struct pen_decision *d, struct pen_round *round,
+                        bool *last, struct pen_status *st)
 {
-    struct pen_render_task one = *task;
-    struct pen_round round = {.pixels = (uint64_t)task->settings->width *
-                                        (uint64_t)task->settings->height};
+    const struct pen_adaptive_stats *repeat = r->task->repeat;
+    const int done = r->stats->adaptive.rounds;
+    *last = repeat ? done >= repeat->rounds
+                   : d->done || done == PEN_ROUNDS_MAX || round->tiles < r->tiles;
+    if (*last)
+        return true;
+    round->level = repeat ? repeat->round[done].level : d->level;
+    round->tiles = repeat ? repeat->round[done].tiles : r->tiles;
+    if (!pen_adaptive_select(r->adaptive, r->pool, round->level, &round->pixels, st))
+        return false;
+    if (!repeat || repeat->round[done].pixels == round->pixels)
+        return round->tiles <= r->tiles ||
+               pen_fail(st, PEN_CONFLICT, "round %d has %d tiles, the picture only %d", done,
+                        round->tiles, r->tiles);
+    return pen_fail(st, PEN_CONFLICT,
+                    "the rounds to be repeated are not of this scene, these settings and this "
+                    "version: round %d refines %llu pixels instead of %llu",
+                    done, (unsigned long long)round->pixels,
+                    (unsigned long long)repeat->round[done].pixels);
+}
+
+static bool run_rounds(struct rounds *r, struct pen_status *st)
+{
+    const struct pen_settings *s = r->task->settings;
+    struct pen_round round = {.tiles = r->tiles,
+                              .pixels = (uint64_t)s->width * (uint64_t)s->height};
     struct pen_decision d;
-    one.tile_done = NULL;
-    one.rows_done = NULL;
-    for (;;) {
-        struct pen_render_stats more;
-        if (!pen_render_run(pool, &one, &more, st))
+    bool last = false;
+    double samples = 0;
+    while (!last) {
+        if (!run_round(r, &round, samples, st) || !decide(r, &round, &d, st) ||
+            !select_next(r, &d, &round, &last, st))
             return false;
-        add_round(stats, &more);
-        if (!decide(pool, one.adaptive, &stats->adaptive, &round, &d, st))
-            return false;
-        if (task->round_done)
-            task->round_done(task->user, &round);
-        if (d.done || stats->adaptive.rounds == PEN_ROUNDS_MAX)
-            return true;
-        round.level = d.level;
-        if (!pen_adaptive_select(one.adaptive, pool, d.level, &round.pixels, st))
-            return false;
+        samples = (double)affordable(r);
     }
+    return true;
+}
+
+/* Calls what is called of a finished picture. */
+static void finish(const struct rounds *r)
+{
+    const struct pen_render_task *task = r->task;
+    const struct pen_settings *s = task->settings;
+    for (int i = 0; task->tile_done && i < r->tiles; i++)
+        task->tile_done(task->user, pen_tile_rect(s->width, s->height, s->tile, i));
+    if (task->rows_done)
+        task->rows_done(task->rows_user, s->height);
 }
 
 bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_task *task,
@@ -70,26 +172,28 @@ bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_tas
                        struct pen_status *st)
 {
     const struct pen_settings *s = task->settings;
-    const int tiles = pen_tile_count(s->width, s->height, s->tile);
-    struct pen_render_task rounds = *task;
-    *stats = (struct pen_render_stats){0};
-    if (task->first_tile != 0 || (task->tile_count >= 0 && task->tile_count != tiles))
+    struct rounds r = {.pool = pool,
+                       .task = task,
+                       .adaptive = adaptive,
+                       .stats = stats,
+                       .tiles = pen_tile_count(s->width, s->height, s->tile),
+                       .begun_ns = pen_clock_ns()};
+    *stats = (struct pen_render_stats){.tile_count = (uint32_t)r.tiles};
+    stats->adaptive.target = s->target_error;
+    stats->adaptive.timed = task->deadline_ns != 0 || (task->repeat && task->repeat->timed);
+    if (task->first_tile != 0 || (task->tile_count >= 0 && task->tile_count != r.tiles))
         return pen_fail(st, PEN_INTERNAL, "an adaptive render of a part of the image");
-    rounds.adaptive = adaptive;
-    const int64_t begun = pen_clock_ns();
-    if (!run_rounds(pool, &rounds, stats, st)) {
+    if (task->keep_tile_ms && !(stats->tile_ms = calloc((size_t)r.tiles, sizeof *stats->tile_ms)))
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory for the times of %d tiles", r.tiles);
+    if (!run_rounds(&r, st)) {
         free(stats->tile_ms);
         stats->tile_ms = NULL;
         return false;
     }
     stats->done_ns = pen_clock_ns();
-    stats->render_ms = (double)(stats->done_ns - begun) * 1e-6;
-    stats->adaptive.target = s->target_error;
+    stats->render_ms = (double)(stats->done_ns - r.begun_ns) * 1e-6;
     stats->adaptive.samples = pen_adaptive_spread(adaptive);
-    for (int i = 0; task->tile_done && i < tiles; i++)
-        task->tile_done(task->user, pen_tile_rect(s->width, s->height, s->tile, i));
-    if (task->rows_done)
-        task->rows_done(task->rows_user, s->height);
+    finish(&r);
     return true;
 }
 

@@ -50,6 +50,9 @@ static inline int pen_tree_surfaces_max(const struct pen_settings *settings, boo
  * replicates, which begin with PEN_PILOT_SAMPLES samples each. */
 enum { PEN_REPLICATES = 2, PEN_PILOT_SAMPLES = 2 };
 
+/* The target of a render that has only a time: out of reach. */
+#define PEN_TARGET_NONE 1e-9
+
 /* Whether the settings ask for a target error instead of numbers of samples. */
 static inline bool pen_settings_adaptive(const struct pen_settings *settings)
 {

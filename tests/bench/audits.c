@@ -10,7 +10,7 @@
 
 #include "bench/reference.h"
 #include "render/audit.h"
-#include "study/audit_seed.h"
+#include "study/hash.h"
 
 enum { AUDITED = 300 };
 

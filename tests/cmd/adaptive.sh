@@ -54,6 +54,50 @@ check "byte for byte" cmp ls.pfm rs.pfm
 submit '{"scene": "builtin:lens", "render": {"target_error": 0.1, "light_pattern": "grid"}}'
 expect_problem "a job with a grid of points on lights" 422 '*light_pattern is*'
 
+# Budgets
+budget() { # WIDTH HEIGHT SECONDS ARGUMENTS…
+    width=$1 height=$2 seconds=$3
+    shift 3
+    "$penumbra" render builtin:room-soft --set "width=$width" --set "height=$height" --budget "$seconds" "$@"
+}
+exits "a render with a budget" 0 budget 100 140 1 -q -o t.pfm --stats t.json --threads 2
+expect "has no target" "$(jq '.adaptive | .target_error == null and (.met | not)' t.json)" true
+exits "its rounds repeated by one thread" 0 "$penumbra" render builtin:room-soft --repeat t.json -q -o r.pfm --threads 1
+check "give the same bytes" cmp t.pfm r.pfm
+exits "a budget that is too small" 0 budget 100 140 0 -q -o u.pfm --stats u.json
+expect "gives the first round" "$(jq -c '.adaptive.rounds | map([.pixels, .tiles])' u.json)" "[[14000,20]]"
+exits "a budget with a target" 0 budget 50 70 1000 --set target_error=0.01 -q -o t.pfm --stats t.json
+expect "ends when that is met" "$(jq '.adaptive | .met and .target_error == 0.01 and (.rounds | length) > 2' t.json)" true
+jq '.adaptive.rounds |= .[:3] | .adaptive.rounds[2].tiles = 3' t.json >part.json
+for threads in 1 2; do
+    exits "a round that a time had ended" 0 "$penumbra" render builtin:room-soft --repeat part.json --threads "$threads" \
+        -q -o "p$threads.pfm"
+done
+check "gives the same bytes with any number of threads" cmp p1.pfm p2.pfm
+check "which are not those of the whole rounds" test "$(cmp -s p1.pfm t.pfm; echo $?)" = 1
+exits "rounds of another scene" 4 "$penumbra" render builtin:room --repeat t.json -q -o w.pfm
+prints "are refused" stderr "is of another scene"
+exits "statistics without a budget" 3 "$penumbra" render builtin:lens --repeat a.json -q -o w.pfm
+prints "say what they lack" stderr "has no scene_sha256"
+jq '.adaptive.rounds[1].pixels += 1' t.json >bad.json
+exits "rounds that were changed" 4 "$penumbra" render builtin:room-soft --repeat bad.json -q -o w.pfm
+prints "do not fit" stderr "round 1 refines"
+exits "both" 2 budget 10 10 1 --repeat t.json -q -o w.pfm
+exits "a job with a budget" 0 "$penumbra" submit builtin:room-soft --set width=100 --set height=140 --budget 2 -q -o jt.pfm --json
+job=$(jq -r .id stdout)
+call "/v1/jobs/$job"
+expect "says so" "$(body .budget_seconds)" 2
+call "/v1/jobs/$job/stats"
+cp body jt.json
+call "/v1/jobs/$job/scene"
+cp body scene.json
+exits "its rounds, repeated from its scene" 0 "$penumbra" render scene.json --repeat jt.json -q -o jr.pfm
+check "give the bytes of the job" cmp jt.pfm jr.pfm
+submit '{"scene": "builtin:forest", "budget_seconds": 1, "views": ["front", "left"]}'
+expect_problem "a budget for several views" 422 "*must name one view*"
+submit '{"scene": "builtin:lens", "budget_seconds": 0}'
+expect_problem "a budget of 0" 422 '*must be a number above 0*'
+
 # Audits
 audit="pixels threshold wrong undecided bound seed"
 exits "a render with an audit" 0 "$penumbra" render builtin:lens $small --set target_error=0.02 -q -o a.pfm --stats a.json \

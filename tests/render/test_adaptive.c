@@ -382,11 +382,12 @@ START_TEST(test_adaptive__noise_is_brought_to_the_target_and_not_far_below)
     kit.settings.max_samples = 1 << 20;
     for (int i = 0; i < PICTURES; i++) {
         struct pen_adaptive *a = pen_adaptive_new(&kit.settings, &st);
+        const struct pen_goal goal = {0.005, UINT64_MAX};
         struct pen_decision d;
         for (;;) {
             take_noise(a, &state);
             uint64_t selected;
-            ck_assert(pen_adaptive_decide(a, pool, 0.005, &d, &st));
+            ck_assert(pen_adaptive_decide(a, pool, &goal, &d, &st));
             if (d.done)
                 break;
             ck_assert(pen_adaptive_select(a, pool, d.level, &selected, &st));

@@ -12,7 +12,7 @@
 #include "film/picture.h"
 #include "io/stats_json.h"
 #include "scene/scene.h"
-#include "study/audit_seed.h"
+#include "study/hash.h"
 
 struct values {
     const char *view;

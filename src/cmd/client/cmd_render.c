@@ -14,6 +14,7 @@
 #include "cmd/client/output.h"
 #include "cmd/client/pixel_report.h"
 #include "cmd/client/progress.h"
+#include "cmd/client/rounds_options.h"
 #include "cmd/client/scene_input.h"
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
@@ -23,12 +24,13 @@
 #include "render/layer_file.h"
 #include "render/render.h"
 #include "scene/scene.h"
-#include "study/audit_seed.h"
+#include "study/hash.h"
 
 struct values {
     const char *output, *format, *view, *layer, *cost, *stats, *pixel;
     struct pen_option_list set;
-    double audit;
+    const char *repeat;
+    double audit, budget;
     int audit_pixels, threads;
     bool quiet, json;
 };
@@ -59,6 +61,7 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, stats),
      .value = "FILE",
      .help = "write times and ray counts to FILE, as JSON"},
+    PEN_ROUNDS_OPTIONS(struct values),
     PEN_AUDIT_OPTIONS(struct values, audit),
     {.name = "pixel",
      .kind = PEN_OPTION_TEXT,
@@ -86,6 +89,8 @@ struct render {
     struct pen_adaptive *adaptive; /* with a target error */
     struct pen_render_stats stats;
     struct pen_audit audit; /* with --audit */
+    int64_t start_ns;
+    struct pen_rounds_wanted rounds;
     struct pen_buf encoded;
     struct pen_output picture; /* its bytes are `encoded` */
     double build_ms, encode_ms, total_ms;
@@ -125,6 +130,12 @@ static bool check_values(struct render *r, struct pen_status *st)
         return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json and --pixel use");
     if (v->output && !(r->format = pen_output_format(v->output, v->format, st)))
         return false;
+    if (v->repeat && (v->budget >= 0 || v->set.count > 0))
+        return pen_fail(st, PEN_USAGE, "--%s: does not go with --repeat, whose statistics say all",
+                        v->budget >= 0 ? "budget" : "set");
+    if ((v->budget >= 0 || v->repeat) && v->layer)
+        return pen_fail(st, PEN_USAGE, "--layer: does not go with --%s",
+                        v->repeat ? "repeat" : "budget");
     if (v->output && v->stats && strcmp(v->output, v->stats) == 0)
         return pen_fail(st, PEN_USAGE, "--stats: is the same as -o, \"%s\"", v->stats);
     if (v->pixel && !pen_pixel_parse(v->pixel, &r->pixel_x, &r->pixel_y, st))
@@ -145,8 +156,10 @@ static bool apply_options(struct render *r, struct pen_status *st)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_scene_desc *desc = &r->input.desc;
-    const char *view = r->values->view;
-    if (!pen_set_options_apply(&r->values->set, &desc->settings, st) ||
+    const struct values *v = r->values;
+    const char *view = v->view;
+    if (!pen_set_options_apply(&v->set, &desc->settings, st) ||
+        !pen_rounds_begin(&r->rounds, &r->input, v->budget, v->repeat, r->start_ns, st) ||
         !pen_limits_check(&limits, desc, &desc->settings, 1, "", st))
         return false;
     r->view = view ? pen_scene_input_view(&r->input, view, st) : 0;
@@ -219,6 +232,8 @@ static bool render_view(struct render *r, struct pen_status *st)
                                    .tile_done = tile_done,
                                    .user = r,
                                    .round_done = round_done,
+                                   .deadline_ns = r->rounds.deadline_ns,
+                                   .repeat = r->rounds.repeat,
                                    .rows_done = r->format ? pen_output_rows : NULL,
                                    .rows_user = &r->picture,
                                    .keep_tile_ms = true};
@@ -229,24 +244,6 @@ static bool render_view(struct render *r, struct pen_status *st)
                   : pen_render_run(r->pool, &task, &r->stats, st);
     pen_progress_end(&r->progress);
     return ok;
-}
-
-/* Says how good the picture is that a target error has led to. */
-static void tell_error(const struct render *r)
-{
-    const struct pen_adaptive_stats *a = &r->stats.adaptive;
-    const struct pen_round *last = &a->round[a->rounds - 1];
-    if (!a->met)
-        fprintf(stderr,
-                "penumbra: %s: view \"%s\": warning: the estimated error is %.4g (%.4g to %.4g), "
-                "above the target of %.4g: max_samples keeps %" PRIu64
-                " pixels from having more samples\n",
-                r->input.source.label, r->scene->views[r->view].name, last->error, last->low,
-                last->high, a->target, a->capped);
-    else if (!r->values->quiet && !r->values->json)
-        fprintf(stderr,
-                "penumbra: %s: estimated error %.4g (%.4g to %.4g) with %.3g samples per pixel\n",
-                r->input.source.label, last->error, last->low, last->high, a->samples.mean);
 }
 
 /* Renders some pixels of the picture again, and says how many can be wrong. */
@@ -354,7 +351,9 @@ static json_t *make_stats(const struct render *r)
                                  .render = &r->stats,
                                  .accel = pen_accel_get_stats(r->scene->accel),
                                  .precision = r->has_precision ? &r->precision : NULL,
-                                 .audit = r->values->audit >= 0 ? &r->audit : NULL};
+                                 .audit = r->values->audit >= 0 ? &r->audit : NULL,
+                                 .settings = &r->input.desc.settings,
+                                 .scene_sha256 = r->rounds.scene_sha256};
     return pen_stats_json(&in);
 }
 
@@ -415,7 +414,8 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
         return false;
     check_dropped(r, &r->stats.rays);
     if (adaptive)
-        tell_error(r);
+        pen_rounds_tell(&r->stats.adaptive, r->input.source.label, r->scene->views[r->view].name,
+                        v->quiet || v->json);
     if (!v->output && !v->stats)
         return true;
     if (v->output && !write_picture(r, st))
@@ -435,6 +435,7 @@ static bool make_results(struct render *r, int64_t start_ns, struct pen_status *
 static void release(struct render *r)
 {
     free(r->stats.tile_ms);
+    free(r->rounds.repeat);
     pen_output_release(&r->picture);
     pen_film_free(r->film);
     pen_adaptive_free(r->adaptive);
@@ -447,6 +448,7 @@ static void release(struct render *r)
 static int render(struct render *r, const char *name)
 {
     int64_t start = pen_clock_ns();
+    r->start_ns = start;
     bool json = r->values->json;
     struct pen_errors errors = {0};
     struct pen_status st;
@@ -463,7 +465,7 @@ static int render(struct render *r, const char *name)
 
 static int run(int argc, char **argv)
 {
-    struct values values = {.audit = -1, .audit_pixels = PEN_AUDIT_PIXELS};
+    struct values values = {.audit = -1, .budget = -1, .audit_pixels = PEN_AUDIT_PIXELS};
     struct pen_parsed parsed;
     int code = pen_command_begin(&pen_command_render, argc, argv, &values, &parsed);
     if (code >= 0)

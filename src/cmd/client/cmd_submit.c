@@ -25,7 +25,7 @@ struct values {
     struct pen_remote remote;
     struct pen_option_list set, view, label, matrix;
     const char *name, *idempotency_key, *output, *format, *kind, *baseline;
-    double audit;
+    double audit, budget;
     int audit_pixels, priority, repeats, warmup;
     bool has_priority, has_repeats, has_warmup;
     bool wait, quiet, json;
@@ -47,6 +47,12 @@ static const struct pen_option options[] = {
      .choices = kinds,
      .help = "what the job does with the scene, render by default"},
     PEN_BENCH_OPTIONS(struct values, "of a study: "),
+    {.name = "budget",
+     .kind = PEN_OPTION_NUMBER,
+     .offset = offsetof(struct values, budget),
+     .value = "SECONDS",
+     .max = 1e6,
+     .help = "make the best picture of one view in so long"},
     PEN_AUDIT_OPTIONS(struct values, audit),
     {.name = "name",
      .kind = PEN_OPTION_TEXT,
@@ -137,6 +143,8 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
         json_object_set_new(job, "kind", json_string(values->kind));
     if (values->has_repeats)
         json_object_set_new(job, "repeats", json_integer(values->repeats));
+    if (values->budget >= 0)
+        json_object_set_new(job, "budget_seconds", json_real(values->budget));
     if (values->audit >= 0)
         json_object_set_new(
             job, "audit",
@@ -362,7 +370,7 @@ static bool is_given(const struct pen_parsed *parsed, const char *option)
 static int run(int argc, char **argv)
 {
     struct values values = {
-        .remote = PEN_REMOTE_DEFAULT, .audit = -1, .audit_pixels = PEN_AUDIT_PIXELS};
+        .remote = PEN_REMOTE_DEFAULT, .audit = -1, .budget = -1, .audit_pixels = PEN_AUDIT_PIXELS};
     struct pen_parsed parsed;
     int code = pen_command_begin(&pen_command_submit, argc, argv, &values, &parsed);
     if (code >= 0)

@@ -10,7 +10,7 @@
 #include "jobs/jobs.h"
 #include "scene/desc.h"
 
-enum { PEN_JOB_NAME_BYTES = 200, PEN_JOB_LABELS = 32 };
+enum { PEN_JOB_NAME_BYTES = 200, PEN_JOB_LABELS = 32, PEN_BUDGET_SECONDS_MAX = 1000000 };
 
 struct pen_request {
     struct pen_arena *arena;      /* of desc */
@@ -35,6 +35,7 @@ struct pen_request {
     const char *cost;     /* what the layer of that name is; NULL: time */
     int audit_pixels;     /* 0: no audit */
     double audit_threshold;
+    double budget_seconds; /* of a render; 0: none */
     enum pen_job_kind kind;
     struct pen_bench_spec spec; /* of a benchmark */
     int repeats;                /* of a job of kind "effects" */

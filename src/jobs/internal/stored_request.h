@@ -34,6 +34,9 @@ enum pen_cost pen_stored_request_cost(const struct pen_stored_request *request);
 bool pen_stored_request_audit(const struct pen_stored_request *request, uint64_t *pixels,
                               double *threshold);
 
+/* The seconds in which the picture is to be made; 0: as many as it takes. */
+double pen_stored_request_budget(const struct pen_stored_request *request);
+
 /* How often a job of kind "effects" times each render; whether one of kind "explain" renders. */
 int pen_stored_request_repeats(const struct pen_stored_request *request);
 bool pen_stored_request_analyze(const struct pen_stored_request *request);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "study/audit_seed.h"
+#include "study/hash.h"
 
 #include <sodium.h>
 
@@ -12,4 +12,11 @@ uint64_t pen_audit_seed(const struct pen_film *film)
     for (int i = 0; i < 8; i++)
         seed = seed << 8 | hash[i];
     return seed;
+}
+
+void pen_hash_text(const void *text, size_t bytes, char out[PEN_HASH_TEXT_BYTES])
+{
+    unsigned char hash[crypto_hash_sha256_BYTES];
+    crypto_hash_sha256(hash, bytes ? text : (const void *)"", bytes);
+    sodium_bin2hex(out, PEN_HASH_TEXT_BYTES, hash, sizeof hash);
 }

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/* What `penumbra render` does with --budget and --repeat, and what it says of a target error. */
+#ifndef PEN_CMD_CLIENT_ROUNDS_OPTIONS_H
+#define PEN_CMD_CLIENT_ROUNDS_OPTIONS_H
+
+#include "cmd/client/scene_input.h"
+#include "cmd/options.h"
+#include "render/render.h"
+#include "study/hash.h"
+
+#define PEN_ROUNDS_OPTIONS(values)                                                                 \
+    {.name = "budget",                                                                             \
+     .kind = PEN_OPTION_NUMBER,                                                                    \
+     .offset = offsetof(values, budget),                                                           \
+     .value = "SECONDS",                                                                           \
+     .max = 1e6,                                                                                   \
+     .help = "make the best picture in so long; no two such renders are the same, but --stats "    \
+             "says what repeats one"},                                                             \
+    {                                                                                              \
+        .name = "repeat", .kind = PEN_OPTION_TEXT, .offset = offsetof(values, repeat),             \
+        .value = "STATS",                                                                          \
+        .help = "render the rounds that the statistics of a render with a budget tell of: the "    \
+                "same bytes"                                                                       \
+    }
+
+/* Which rounds a render is to have. */
+struct pen_rounds_wanted {
+    int64_t deadline_ns;               /* with --budget; else 0 */
+    struct pen_adaptive_stats *repeat; /* with --repeat; free() it */
+    char scene_sha256[PEN_HASH_TEXT_BYTES];
+};
+
+/* Sets what the options mean, and changes the scene's settings accordingly. `budget` is below 0,
+ * and `repeat` NULL, where the option is not given; start_ns is when the command began. Fails:
+ * PEN_INVALID, PEN_CONFLICT, and as reading a file; the message names the option. */
+bool pen_rounds_begin(struct pen_rounds_wanted *rounds, struct pen_scene_input *input,
+                      double budget, const char *repeat, int64_t start_ns, struct pen_status *st);
+
+/* Says how good a picture is, on standard error: a warning if it misses its target, else unless
+ * quiet. */
+void pen_rounds_tell(const struct pen_adaptive_stats *adaptive, const char *label, const char *view,
+                     bool quiet);
+
+#endif
