@@ -36,7 +36,8 @@ PIXEL_FLAGS := -std=c11 -ffp-contract=off -fno-math-errno
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
 CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc -Iinclude $(CPPFLAGS)
 COMPILE = $(CC) $(CPP) $(OPT) $(ROOM_OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
-LINK = $(CC) $(SAN) -pthread $(LDFLAGS)
+# The build id is in the reports of benchmarks (src/study/host.c).
+LINK = $(CC) $(SAN) -pthread -Wl,--build-id=sha1 $(LDFLAGS)
 
 PKGS := libmicrohttpd jansson expat libpng sqlite3 libzstd libsodium libcurl
 PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
@@ -314,6 +315,11 @@ bench-auto: all $(BENCHES)
 .PHONY: bench-choices
 bench-choices: all $(BENCHES)
 	@sh tests/bench/choices.sh $(BUILD)
+
+# How often benchmarks judge rightly (tests/bench/verdicts.sh): some 20 minutes on an idle host.
+.PHONY: bench-verdicts
+bench-verdicts: all $(BENCHES)
+	@sh tests/bench/verdicts.sh $(BUILD)
 
 # Errors asked for with target_error against errors reached: a table and a chart, some minutes. Fails
 # if the promise of src/render/adaptive.h is broken. `accuracy-promise` leaves out the smallest target.

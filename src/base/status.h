@@ -39,7 +39,7 @@ enum pen_code {
     PEN_CANCELLED,     /* stopped on request */
     PEN_TIMEOUT,       /* took longer than allowed */
     PEN_RENDER_FAILED, /* the job ended as failed or cancelled */
-    PEN_DIFFERENT,     /* compared pictures differ by more than allowed */
+    PEN_DIFFERENT,     /* compared pictures or counts differ by more than allowed */
     PEN_INTERNAL,      /* a bug in Penumbra */
     PEN_CODE_COUNT
 };

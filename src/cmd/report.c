@@ -90,7 +90,7 @@ void pen_report_exit_codes(FILE *out)
         {PEN_NOT_FOUND, "not found, or not in a state that allows this"},
         {PEN_NETWORK, "daemon out of reach, not ready or busy"},
         {PEN_RENDER_FAILED, "the job failed or was cancelled"},
-        {PEN_DIFFERENT, "the compared pictures differ by more than allowed"},
+        {PEN_DIFFERENT, "compared pictures or counts differ by more than allowed"},
         {PEN_IO, "a file or the store cannot be read or written"},
         {PEN_NO_MEMORY, "out of memory"},
         {PEN_TIMEOUT, "took longer than allowed"},

@@ -3,10 +3,13 @@
  * each value of the matrix, so the same values are allowed in both. */
 #include "jobs/bench_spec.h"
 
+#include <limits.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "io/json_build.h"
 #include "io/settings_json.h"
 #include "jobs/internal/request_errors.h"
@@ -14,6 +17,9 @@
 enum { UP_BYTES = PEN_AT_BYTES };
 
 static const char matrix_at[] = "/matrix";
+
+/* Of the median ratio, of all runs, of a verdict. */
+static const double default_interval = 0.02, default_budget_s = 60, default_least_effect = 0.02;
 
 /* Reads entry i of the list of the setting `key` into *settings. The place of an error is the
  * entry, or the list if there is no such setting. */
@@ -208,18 +214,70 @@ bool pen_repeats_read(const json_t *members, int *repeats, struct pen_errors *er
     return read_count(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, repeats, errors);
 }
 
+/* Reads a number above 0, or from 0 on if `zero`, and at most `hi`. */
+static bool read_number(const json_t *members, const char *key, bool zero, double hi, double *out,
+                        struct pen_errors *errors)
+{
+    const json_t *value = json_object_get(members, key);
+    const double number = json_number_value(value);
+    if (!value)
+        return true;
+    if (!json_is_number(value) || !(zero ? number >= 0 : number > 0) || number > hi) {
+        pen_request_fail(errors, PEN_INVALID, "", key, "must be a number %s %g, found %s",
+                         zero ? "from 0 to" : "above 0 and at most", hi, pen_found(value).text);
+        return false;
+    }
+    *out = number;
+    return true;
+}
+
+/* Whether the members ask to go on until something is reached. */
+static bool asks_interval(const json_t *members)
+{
+    return json_object_get(members, "interval") || json_object_get(members, "budget_seconds");
+}
+
+/* How often rows are run, and what the times are judged by. */
+static bool read_method(const json_t *members, struct pen_bench_spec *spec,
+                        struct pen_errors *errors)
+{
+    bool ok = pen_repeats_read(members, &spec->repeats, errors);
+    ok &= read_count(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &spec->warmup, errors);
+    ok &= read_count(members, "order_seed", 0, INT_MAX, &spec->order_seed, errors);
+    ok &= read_number(members, "least_effect", true, 1, &spec->least_effect, errors);
+    if (!asks_interval(members))
+        return ok;
+    spec->interval = default_interval;
+    ok &= read_number(members, "interval", false, 1, &spec->interval, errors);
+    ok &= read_number(members, "budget_seconds", false, PEN_BENCH_BUDGET_MAX_S, &spec->budget_s,
+                      errors);
+    if (!json_object_get(members, "repeats"))
+        return ok;
+    pen_request_fail(errors, PEN_INVALID, "", "repeats",
+                     "must not be there beside interval or budget_seconds, which end the repeats");
+    return false;
+}
+
+/* A seed that is another one each time. */
+static int clock_seed(void)
+{
+    return (int)((uint64_t)pen_clock_ns() * UINT64_C(0x9e3779b97f4a7c15) >> 33);
+}
+
 bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
                          struct pen_bench_spec *spec, struct pen_errors *errors)
 {
     json_t *matrix = json_object_get(members, "matrix");
-    *spec = (struct pen_bench_spec){.warmup = 1};
+    *spec = (struct pen_bench_spec){.warmup = 1,
+                                    .budget_s = default_budget_s,
+                                    .least_effect = default_least_effect,
+                                    .order_seed = clock_seed()};
     spec->matrix = matrix ? json_incref(matrix) : json_object();
     if (!spec->matrix) {
         pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for a matrix");
         return false;
     }
-    bool ok = pen_repeats_read(members, &spec->repeats, errors);
-    ok &= read_count(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &spec->warmup, errors);
+    const bool ok = read_method(members, spec, errors);
     if (!check_matrix(spec, errors) || !make_rows(spec, base, errors))
         return false;
     return read_baseline(spec, json_object_get(members, "baseline"), errors) && ok;
@@ -240,20 +298,43 @@ struct pen_bench pen_bench_of_spec(const struct pen_bench_spec *spec)
                               .row_count = spec->row_count,
                               .baseline = spec->baseline,
                               .repeats = spec->repeats,
-                              .warmup = spec->warmup};
+                              .warmup = spec->warmup,
+                              .interval = spec->interval,
+                              .budget_ms = spec->budget_s * 1000,
+                              .least_effect = spec->least_effect,
+                              .order_seed = (uint64_t)spec->order_seed};
 }
 
-/* Primary and shadow rays of all runs: those that are timed, and one more, which counts tests. That
- * paths may fork is not counted again: pen_limits_check holds each run to the limit on its own. */
+json_t *pen_bench_spec_members(const struct pen_bench_spec *spec, json_t *object)
+{
+    object = pen_json_with(object, "warmup", json_integer(spec->warmup));
+    object = pen_json_with(object, "least_effect", json_real(spec->least_effect));
+    object = pen_json_with(object, "order_seed", json_integer(spec->order_seed));
+    object = pen_json_with(object, "baseline",
+                           json_copy((json_t *)(uintptr_t)spec->rows[spec->baseline].varied));
+    if (!(spec->interval > 0))
+        return pen_json_with(object, "repeats", json_integer(spec->repeats));
+    object = pen_json_with(object, "interval", json_real(spec->interval));
+    return pen_json_with(object, "budget_seconds", json_real(spec->budget_s));
+}
+
+/* Primary and shadow rays of all runs: those that are timed, also of the baseline's twin, and one
+ * more of each row, which counts tests. Of repeats that a budget ends, the first alone counts: the
+ * budget bounds the others. That paths may fork is not counted again: pen_limits_check holds each
+ * run to the limit on its own. */
 static double work_of(const struct pen_bench_spec *spec, const struct pen_scene_desc *desc,
                       int views)
 {
+    const struct pen_bench bench = pen_bench_of_spec(spec);
+    const int passes = spec->warmup + (spec->interval > 0 ? 1 : spec->repeats);
     double work = 0;
     for (int i = 0; i < spec->row_count; i++) {
         const struct pen_settings *s = &spec->rows[i].settings;
-        work += (double)s->width * s->height * pen_work_per_pixel(desc, s);
+        const int twins = i == spec->baseline && pen_bench_has_twin(&bench);
+        work +=
+            (double)s->width * s->height * pen_work_per_pixel(desc, s) * (passes * (1 + twins) + 1);
     }
-    return work * views * (spec->repeats + spec->warmup + 1);
+    return work * views;
 }
 
 bool pen_bench_spec_check(const struct pen_bench_spec *spec, const struct pen_limits *limits,

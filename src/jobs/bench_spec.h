@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The benchmark spec, as a job or a command line gives it: the members `matrix`, `repeats`,
- * `warmup` and `baseline`, checked, and the rows that the matrix makes.
+/* The benchmark spec, as a job or a command line gives it: the members `matrix`, `baseline`,
+ * `repeats`, `warmup`, `interval`, `budget_seconds`, `least_effect` and `order_seed`, checked, and
+ * the rows that the matrix makes.
+ *
+ * How often rows are run is either a number, `repeats`, or follows from `interval` and
+ * `budget_seconds`, of which one implies the other's default; both ways together are an error.
  *
  * The rows are the Cartesian product of the matrix's lists, in the order of the document: the last
  * key changes fastest. Without a matrix there is one row, the settings as they are. */
@@ -10,12 +14,20 @@
 #include "io/scene_json.h"
 #include "study/bench.h"
 
-enum { PEN_BENCH_ROWS_MAX = 256, PEN_BENCH_REPEATS_MAX = 100, PEN_BENCH_WARMUP_MAX = 10 };
+enum {
+    PEN_BENCH_ROWS_MAX = 256,
+    PEN_BENCH_REPEATS_MAX = 100,
+    PEN_BENCH_WARMUP_MAX = 10,
+    PEN_BENCH_BUDGET_MAX_S = 86400
+};
 
 struct pen_bench_spec {
     json_t *matrix; /* {} if there is none */
     int repeats, warmup;
-    int baseline; /* a row; by default the first */
+    double interval; /* 0: repeats says how often */
+    double budget_s, least_effect;
+    int order_seed; /* from the clock if there is none */
+    int baseline;   /* a row; by default the first */
     int row_count;
     struct pen_bench_row *rows;
 };
@@ -23,7 +35,7 @@ struct pen_bench_spec {
 /* Reads the member `repeats`, 3 if there is none. Fails: errors->count grows. */
 bool pen_repeats_read(const json_t *members, int *repeats, struct pen_errors *errors);
 
-/* Reads the four members of an object, which may have others. The matrix's values override `base`
+/* Reads these members of an object, which may have others. The matrix's values override `base`
  * in each row. All errors are collected, each with its place, such as /matrix/accelerator/2. Owns:
  * release *spec, after success and failure alike. Fails: errors->count grows. */
 bool pen_bench_spec_read(const json_t *members, const struct pen_settings *base,
@@ -36,9 +48,14 @@ void pen_bench_spec_release(struct pen_bench_spec *spec);
 bool pen_bench_spec_check(const struct pen_bench_spec *spec, const struct pen_limits *limits,
                           const struct pen_scene_desc *desc, int views, struct pen_status *st);
 
-/* A benchmark with the rows, repeats, warmup and baseline of a spec. Owns: the rows stay the
+/* A benchmark with the rows of a spec and all that it says of runs. Owns: the rows stay the
  * spec's. */
 struct pen_bench pen_bench_of_spec(const struct pen_bench_spec *spec);
+
+/* Adds the members that make the same spec again, of which the object has none, with all defaults
+ * filled in and without the matrix. Returns the object; takes and gives its reference. Fails: NULL
+ * when out of memory. */
+json_t *pen_bench_spec_members(const struct pen_bench_spec *spec, json_t *object);
 
 /* The first members of the report: kind, scene, views, matrix and the settings that all rows share.
  * Owns: the caller. Fails: NULL when out of memory. */

@@ -81,12 +81,18 @@ static void add_matrix(struct pen_buf *out, const json_t *request)
 /* Appends the options of a study: those of its members that it has. */
 static void add_study(struct pen_buf *out, const json_t *request)
 {
-    static const char *const counts[] = {"repeats", "warmup"};
+    static const struct {
+        const char *key, *option;
+    } numbers[] = {{"repeats", "repeats"},           {"warmup", "warmup"},
+                   {"interval", "interval"},         {"budget_seconds", "budget"},
+                   {"least_effect", "least-effect"}, {"order_seed", "order-seed"}};
     add_matrix(out, request);
-    for (int i = 0; i < 2; i++) {
-        const json_t *count = json_object_get(request, counts[i]);
-        if (count)
-            pen_buf_printf(out, " --%s %d", counts[i], (int)json_integer_value(count));
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        const json_t *number = json_object_get(request, numbers[i].key);
+        if (!number)
+            continue;
+        pen_buf_printf(out, " --%s ", numbers[i].option);
+        add_value(out, number);
     }
     if (json_is_true(json_object_get(request, "analyze")))
         pen_buf_puts(out, " --analyze");

@@ -232,6 +232,8 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
     find_scene(out, in, limits, errors);
     if (!out->bare && json_object_get(out->body, "scene"))
         pen_request_keys_read(out, errors);
+    if (!out->bare && out->kind == PEN_KIND_RENDER)
+        pen_request_budget_read(out, errors);
     if (out->explain && !json_object_get(out->body, "priority"))
         out->priority = out->analyze ? 0 : EXPLAIN_PRIORITY;
     if (out->scene)

@@ -215,8 +215,11 @@ static void read_audit(struct pen_request *request, const json_t *value, struct 
     }
 }
 
-static void read_budget(struct pen_request *request, const json_t *value, struct pen_errors *errors)
+void pen_request_budget_read(struct pen_request *request, struct pen_errors *errors)
 {
+    const json_t *value = json_object_get(request->body, "budget_seconds");
+    if (!value)
+        return;
     const double seconds = json_number_value(value);
     if (!json_is_number(value) || !(seconds > 0) || seconds > PEN_BUDGET_SECONDS_MAX)
         pen_request_fail(errors, PEN_INVALID, "", "budget_seconds",
@@ -271,12 +274,15 @@ static const struct {
     {.key = "repeats", .kinds = BENCHMARK | EFFECTS},
     {.key = "warmup", .kinds = BENCHMARK},
     {.key = "baseline", .kinds = BENCHMARK},
+    {.key = "interval", .kinds = BENCHMARK},
+    {.key = "least_effect", .kinds = BENCHMARK},
+    {.key = "order_seed", .kinds = BENCHMARK},
     {.key = "analyze", .read = read_analyze, .kinds = EXPLAIN},
     {.key = "ladder", .kinds = ACCURACY},
     {.key = "reference", .kinds = ACCURACY},
     {.key = "target", .kinds = ACCURACY},
     {.key = "seeds", .kinds = ACCURACY},
-    {.key = "budget_seconds", .read = read_budget, .kinds = RENDER | ACCURACY},
+    {.key = "budget_seconds", .kinds = RENDER | BENCHMARK | ACCURACY},
 };
 enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
 

@@ -76,19 +76,13 @@ static json_t *common_json(const struct pen_request *request)
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
 
-/* The members that only a benchmark has. */
-static json_t *bench_spec_json(const struct pen_bench_spec *spec)
-{
-    return json_pack("{s:O, s:i, s:i, s:O}", "matrix", spec->matrix, "repeats", spec->repeats,
-                     "warmup", spec->warmup, "baseline", spec->rows[spec->baseline].varied);
-}
-
 /* The members that only jobs of this kind have. */
 static json_t *kind_json(const struct pen_request *request)
 {
     switch (request->kind) {
     case PEN_KIND_BENCHMARK:
-        return bench_spec_json(&request->spec);
+        return pen_bench_spec_members(&request->spec,
+                                      json_pack("{s:O}", "matrix", request->spec.matrix));
     case PEN_KIND_EFFECTS:
         return json_pack("{s:i}", "repeats", request->repeats);
     case PEN_KIND_EXPLAIN:

@@ -24,7 +24,7 @@ struct thread_work {
     struct pen_counter *counter;          /* NULL unless tests are counted */
     struct pen_kernel_scratch *scratch;
     struct pen_ray_counts rays;
-    int64_t begun_ns, done_ns, cpu_ns;
+    int64_t begun_ns, done_ns, left_ns, cpu_ns; /* done_ns: its last block; left_ns: its return */
     int tiles;
 };
 
@@ -37,6 +37,7 @@ struct run {
     struct pen_row_order *rows; /* NULL if the task does not request it */
     struct thread_work *work;   /* by thread */
     int threads;
+    int64_t called_ns;         /* when the threads were called */
     double *tile_ms;           /* by tile, from first_tile on; NULL if not kept */
     pthread_mutex_t done_lock; /* one call of tile_done at a time */
 };
@@ -143,12 +144,13 @@ static void render_blocks(void *user, int index)
             pen_row_order_block_done(run->rows, block.rect);
     }
     work->cpu_ns = pen_clock_thread_ns() - cpu;
+    work->left_ns = pen_clock_ns();
 }
 
 /* Adds up the threads' work. Returns the number of tiles done. */
 static int sum_work(const struct run *run, struct pen_render_stats *stats)
 {
-    int64_t begun = INT64_MAX, done = 0, cpu = 0;
+    int64_t begun = INT64_MAX, done = 0, cpu = 0, present = 0;
     int tiles = 0;
     for (int i = 0; i < run->threads; i++) {
         const struct thread_work *work = &run->work[i];
@@ -156,6 +158,7 @@ static int sum_work(const struct run *run, struct pen_render_stats *stats)
         begun = work->begun_ns < begun ? work->begun_ns : begun;
         done = work->done_ns > done ? work->done_ns : done;
         cpu += work->cpu_ns;
+        present += work->left_ns - run->called_ns;
         tiles += work->tiles;
         if (work->counter)
             pen_counter_add(work->counter, &stats->tests);
@@ -164,6 +167,7 @@ static int sum_work(const struct run *run, struct pen_render_stats *stats)
     stats->done_ns = done;
     stats->render_ms = (double)(done - begun) * 1e-6;
     stats->cpu_ms = (double)cpu * 1e-6;
+    stats->thread_ms = (double)present * 1e-6;
     stats->threads = run->threads;
     stats->kernel = run->kernel->name;
     stats->effects = run->input.effects;
@@ -222,6 +226,7 @@ static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_
     }
     if (!make_queue(run, st) || !make_work(run, st))
         return false;
+    run->called_ns = pen_clock_ns();
     stats->float_resets = pen_thread_pool_run(pool, run->threads, render_blocks, run);
     stats->tile_count = (uint32_t)sum_work(run, stats);
     if (stats->tile_count < (uint32_t)tiles)

@@ -43,6 +43,8 @@ struct pen_adaptive_stats {
 struct pen_render_stats {
     double render_ms; /* from the start of the first tile to the end of the last */
     double cpu_ms;    /* processor time of the render threads, also of rows_done */
+    double thread_ms; /* from the call to each thread's return, added up over the threads: more than
+                       * cpu_ms where they waited, for a processor or for each other */
     int64_t done_ns;  /* pen_clock_ns() at the end of the last tile */
     int threads;      /* threads that took part: no more than there were blocks of pixels */
     int float_resets; /* of these, how many had a floating-point state that was not the default;

@@ -135,6 +135,45 @@ bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim,
     return pen_store_write(store, write_progress, &progress, st);
 }
 
+struct keep {
+    const struct pen_claim *claim;
+    const struct pen_kept *kept;
+    bool outranked;
+};
+
+static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    struct keep *keep = arg;
+    struct pen_driver *driver = store->driver;
+    struct pen_batch_row batch;
+    struct pen_progress progress = {.pixels = keep->kept->done};
+    bool held;
+    if (!pen_check_fence(store, keep->claim, &batch, &held, st) ||
+        !driver->ops->now(driver, &progress.now_ms, st))
+        return false;
+    if (!held)
+        return pen_fail(st, PEN_STALE, "the batch is no longer held; what it kept was refused");
+    const struct pen_artefact_key key = {
+        .job = batch.job, .view = batch.view, .layer = PEN_KEPT_LAYER, .format = PEN_KEPT_FORMAT};
+    progress.job = batch.job;
+    store->changed = true;
+    return driver->ops->job_progress(driver, &progress, st) &&
+           pen_put_artefact(store, &key, keep->kept->data, keep->kept->bytes, st) &&
+           driver->ops->open_above(driver, keep->claim->batch, progress.now_ms, &keep->outranked,
+                                   st);
+}
+
+bool pen_policy_keep(struct pen_store *store, const struct pen_claim *claim,
+                     const struct pen_kept *kept, bool *outranked, struct pen_status *st)
+{
+    struct keep keep = {.claim = claim, .kept = kept};
+    *outranked = false;
+    if (!pen_store_write(store, write_kept, &keep, st))
+        return false;
+    *outranked = keep.outranked;
+    return true;
+}
+
 bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,
                          int64_t estimate_ms, struct pen_status *st)
 {

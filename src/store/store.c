@@ -248,6 +248,21 @@ bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, 
            leave(store, &start, pen_policy_progress(store, claim, done, st));
 }
 
+bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
+                    const struct pen_kept *kept, bool *outranked, struct pen_status *st)
+{
+    struct call_start start = begin(store, "keep");
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &start, pen_policy_keep(store, claim, kept, outranked, st));
+}
+
+bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, struct pen_buf *out,
+                    struct pen_status *st)
+{
+    return pen_store_artefact(store, claim->job_id, claim->view, PEN_KEPT_LAYER, PEN_KEPT_FORMAT,
+                              out, st);
+}
+
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
                         struct pen_status *st)
 {

@@ -292,6 +292,24 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                         struct pen_status *st);
 
+/* What a study keeps, so that the next worker to claim it goes on from there. */
+struct pen_kept {
+    int64_t done; /* runs, as for pen_store_progress */
+    const void *data;
+    size_t bytes;
+};
+
+/* Stores what a study keeps, in place of what it kept before, with its progress, in one
+ * transaction. *outranked tells whether a batch of higher priority is open: then the holder should
+ * release the claim. Fails: PEN_STALE (nothing is stored). */
+bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
+                    const struct pen_kept *kept, bool *outranked, struct pen_status *st);
+
+/* Appends what the claim's study has kept. Fails: PEN_NOT_FOUND (nothing yet), PEN_STORAGE
+ * (damaged). */
+bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, struct pen_buf *out,
+                    struct pen_status *st);
+
 /* Stores what rendering the claim's job is expected to take in all, for readers. Fails: PEN_STALE.
  */
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,

@@ -1,147 +1,222 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the runs in their order and times each. Nothing but freezing and rendering happens while a
- * run is timed: pictures are compared and progress is reported between runs. */
+/* Makes the runs in their order, and ends them. Pictures are compared, calibrations are made and
+ * progress is reported between runs, never while one is timed. */
 #include "study/bench.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "study/host.h"
+#include "study/internal/bench_run.h"
+#include "study/internal/bench_state.h"
+#include "study/internal/bench_summary.h"
+#include "study/internal/calibration.h"
 #include "study/internal/pictures.h"
-
-struct state {
-    const struct pen_bench *bench;
-    struct pen_bench_result *result;
-    struct pen_bench_pictures *pictures;
-    double *tile_ms; /* of the baseline's last repeat, one view behind the other */
-    int done, total; /* runs */
-};
-
-/* A run. The caller sets stats.tests_counted to have tests counted, and tile_ms to an array to have
- * the times of tiles stored there, one view behind the other; make_run fills the rest. */
-struct run {
-    double build_ms;
-    struct pen_render_stats stats; /* all views together */
-    struct pen_accel_stats accel;
-    double *tile_ms;
-};
 
 static bool cancelled(const struct pen_bench *bench)
 {
     return bench->cancel && atomic_load_explicit(bench->cancel, memory_order_relaxed);
 }
 
-static void add_stats(struct pen_render_stats *sum, const struct pen_render_stats *view)
-{
-    sum->render_ms += view->render_ms;
-    sum->cpu_ms += view->cpu_ms;
-    sum->threads = view->threads > sum->threads ? view->threads : sum->threads;
-    pen_ray_counts_add(&sum->rays, &view->rays);
-    sum->tests_counted = view->tests_counted;
-    sum->tests.boxes += view->tests.boxes;
-    sum->tests.primitives += view->tests.primitives;
-    sum->tile_count += view->tile_count;
-    sum->kernel = view->kernel;
-    sum->effects |= view->effects;
-}
-
-/* Renders all views of a frozen scene into the targets of state->pictures. */
-static bool render_views(struct state *state, const struct pen_settings *settings,
-                         const struct pen_scene *scene, struct run *run, struct pen_status *st)
-{
-    const struct pen_bench *bench = state->bench;
-    for (int i = 0; i < bench->view_count; i++) {
-        struct pen_render_stats stats;
-        struct pen_render_task task = {.scene = scene,
-                                       .view = bench->views[i],
-                                       .settings = settings,
-                                       .tile_count = -1,
-                                       .rgb = pen_bench_pictures_target(state->pictures, i),
-                                       .cancel = bench->cancel,
-                                       .pixel_begins = bench->pixel_begins,
-                                       .pixel_user = bench->pixel_user,
-                                       .keep_tile_ms = run->tile_ms != NULL,
-                                       .count_tests = run->stats.tests_counted};
-        if (!pen_render_run(bench->pool, &task, &stats, st))
-            return false;
-        if (stats.tile_ms)
-            memcpy(run->tile_ms + run->stats.tile_count, stats.tile_ms,
-                   stats.tile_count * sizeof *stats.tile_ms);
-        free(stats.tile_ms);
-        add_stats(&run->stats, &stats);
-    }
-    return true;
-}
-
-/* Freezes the scene and renders its views under the given settings. */
-static bool make_run(struct state *state, const struct pen_settings *settings, struct run *run,
-                     struct pen_status *st)
-{
-    const struct pen_bench *bench = state->bench;
-    if (cancelled(bench))
-        return pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d runs", state->done,
-                        state->total);
-    int64_t begun_ns = pen_clock_ns();
-    struct pen_scene *scene = pen_scene_freeze(
-        bench->desc, (enum pen_accelerator)settings->accelerator, bench->scene_cap_bytes, st);
-    run->build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
-    if (!scene)
-        return false;
-    run->accel = *pen_accel_get_stats(scene->accel);
-    bool ok = render_views(state, settings, scene, run, st);
-    pen_scene_free(scene);
-    return ok;
-}
-
-static void report_progress(struct state *state)
+static void report_progress(struct pen_bench_state *state)
 {
     if (state->bench->progress)
         state->bench->progress(state->bench->user, state->done, state->total);
 }
 
-/* Makes a run of a row and checks its pictures. */
-static bool run_row(struct state *state, int row, struct run *run, struct pen_status *st)
+/* Keeps the hash of the pictures of a row's kind; a hash that an earlier process kept must be the
+ * same. */
+static bool check_hash(struct pen_bench_state *state, int row, struct pen_status *st)
+{
+    const int first = pen_bench_pictures_first(state->bench, row);
+    if (state->hashed[first])
+        return true;
+    const uint64_t hash = pen_bench_pictures_hash(state->pictures, first);
+    if (state->hash[first] != 0 && state->hash[first] != hash)
+        return pen_fail(st, PEN_DIFFERENT,
+                        "the pictures of row %d must be the same in all runs, but differ from "
+                        "those before the benchmark was interrupted",
+                        row);
+    state->hash[first] = hash;
+    state->hashed[first] = true;
+    return true;
+}
+
+/* Makes a run of a row, whose settings may be others in what does not change the picture, and
+ * checks its pictures. */
+static bool run_row(struct pen_bench_state *state, int row, struct pen_bench_run *run,
+                    struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
-    bool ok = make_run(state, &bench->rows[row].settings, run, st);
-    for (int i = 0; ok && bench->tamper && i < bench->view_count; i++)
+    if (cancelled(bench))
+        return pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d runs", state->done,
+                        state->total);
+    run->bench = bench;
+    run->pictures = state->pictures;
+    run->row = row;
+    if (!run->settings)
+        run->settings = &bench->rows[row].settings;
+    bool ok = pen_bench_run_once(run, st);
+    const bool timed = !run->stats.tests_counted;
+    for (int i = 0; ok && timed && bench->tamper && i < bench->view_count; i++)
         bench->tamper(bench->user, row, i, pen_bench_pictures_target(state->pictures, i));
-    if (!ok || !pen_bench_pictures_check(state->pictures, row, st))
-        return false;
+    return ok && pen_bench_pictures_check(state->pictures, row, st) && check_hash(state, row, st);
+}
+
+/* Counts a run, and asks whether to go on. */
+static bool end_run(struct pen_bench_state *state, struct pen_status *st)
+{
+    const struct pen_bench *bench = state->bench;
     state->done++;
     report_progress(state);
-    return true;
+    return !bench->between || bench->between(bench->user, state) ||
+           pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d of %d runs", state->done,
+                    state->total);
 }
 
-static bool warm_up(struct state *state, struct pen_status *st)
+bool pen_bench_has_twin(const struct pen_bench *bench)
 {
-    for (int i = 0; i < state->bench->warmup; i++) {
-        for (int row = 0; row < state->bench->row_count; row++) {
-            struct run run = {0};
-            if (!run_row(state, row, &run, st))
-                return false;
-        }
+    return bench->interval > 0 || bench->repeats >= PEN_PAIRS_MIN;
+}
+
+/* The runs of a pass. */
+static int slots_of(const struct pen_bench *bench)
+{
+    return bench->row_count + pen_bench_has_twin(bench);
+}
+
+/* The most repeats that there may be. */
+static int repeats_max(const struct pen_bench *bench)
+{
+    return bench->interval > 0 ? PEN_PAIRS_MAX : bench->repeats;
+}
+
+/* splitmix64 (Steele, Lea, Flood, OOPSLA 2014). */
+static uint64_t next_random(uint64_t *state)
+{
+    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return z ^ (z >> 31);
+}
+
+/* Draws the order of the next pass: Fisher and Yates's shuffle, seeded by order_seed and the pass's
+ * number, so that a pass has the same order wherever it is made. */
+static void draw_order(struct pen_bench_state *state)
+{
+    uint64_t random = state->bench->order_seed + (uint64_t)state->passes * 0x632be59bd9b4e019u;
+    const int slots = state->slots;
+    for (int i = 0; i < slots; i++)
+        state->order[i] = i;
+    for (int i = slots - 1; i > 0; i--) {
+        const int j = (int)(next_random(&random) % (uint64_t)(i + 1)), moved = state->order[i];
+        state->order[i] = state->order[j];
+        state->order[j] = moved;
     }
-    return true;
 }
 
-static void record_run(struct state *state, int row, int repeat, const struct run *run)
+static void record_run(struct pen_bench_state *state, int slot, int repeat,
+                       const struct pen_bench_run *run)
 {
-    struct pen_bench_row_result *out = &state->result->rows[row];
-    out->runs[repeat] = (struct pen_bench_times){
-        .build_ms = run->build_ms, .render_ms = run->stats.render_ms, .cpu_ms = run->stats.cpu_ms};
+    struct pen_bench_result *result = state->result;
+    const bool twin = slot == state->bench->row_count;
+    struct pen_bench_row_result *out = twin ? &result->twin : &result->rows[slot];
+    out->runs[repeat] = run->times;
     out->stats = run->stats;
     out->accel = run->accel;
 }
 
-static bool repeat_runs(struct state *state, struct pen_status *st)
+static bool out_of_budget(const struct pen_bench_state *state)
 {
-    for (int repeat = 0; repeat < state->bench->repeats; repeat++) {
-        for (int row = 0; row < state->bench->row_count; row++) {
-            struct run run = {.tile_ms = row == state->bench->baseline ? state->tile_ms : NULL};
-            if (!run_row(state, row, &run, st))
-                return false;
-            record_run(state, row, repeat, &run);
+    const struct pen_bench *bench = state->bench;
+    return bench->interval > 0 && state->result->repeats > 0 &&
+           (double)(pen_clock_ns() - state->begun_ns) * 1e-6 >= bench->budget_ms;
+}
+
+/* Makes the run of one slot; repeat -1: to warm up. */
+static bool run_slot(struct pen_bench_state *state, int slot, int repeat, struct pen_status *st)
+{
+    const struct pen_bench *bench = state->bench;
+    const bool keep = repeat >= 0 && slot == bench->baseline;
+    struct pen_bench_run run = {.tile_ms = keep ? state->tile_ms : NULL};
+    if (!run_row(state, slot < bench->row_count ? slot : bench->baseline, &run, st))
+        return false;
+    if (repeat >= 0)
+        record_run(state, slot, repeat, &run);
+    return true;
+}
+
+/* Visits every slot once, or those that an earlier process has left. If `repeat` is 0 or more,
+ * records the times as those of that repeat. A repeat in which the budget ends is broken off, and
+ * does not count. */
+static bool make_pass(struct pen_bench_state *state, int repeat, struct pen_status *st)
+{
+    draw_order(state);
+    if (repeat >= 0 && state->place == 0)
+        state->result->calibration_ms[repeat] = pen_calibration_run();
+    while (state->place < state->slots) {
+        if (repeat >= 0 && out_of_budget(state))
+            return true;
+        if (!run_slot(state, state->order[state->place], repeat, st))
+            return false;
+        if (++state->place == state->slots) {
+            state->place = 0;
+            state->passes++;
+            state->result->repeats = repeat + 1;
+            return end_run(state, st);
+        }
+        if (!end_run(state, st))
+            return false;
+    }
+    return true;
+}
+
+static bool warm_up(struct pen_bench_state *state, struct pen_status *st)
+{
+    bool ok = true;
+    while (ok && state->passes < state->bench->warmup)
+        ok = make_pass(state, -1, st);
+    return ok;
+}
+
+/* The runs up to a number of repeats, and those that count tests. */
+static void set_total(struct pen_bench_state *state, int repeats)
+{
+    const struct pen_bench *bench = state->bench;
+    state->total = state->slots * (bench->warmup + repeats) + state->counting;
+}
+
+/* Repeats until there are so many repeats, or the budget ends. */
+static bool repeat_to(struct pen_bench_state *state, int repeats, struct pen_status *st)
+{
+    bool ok = true;
+    set_total(state, repeats);
+    while (ok && state->result->repeats < repeats && !out_of_budget(state))
+        ok = make_pass(state, state->result->repeats, st);
+    return ok;
+}
+
+static bool repeat_runs(struct pen_bench_state *state, struct pen_status *st)
+{
+    const struct pen_bench *bench = state->bench;
+    struct pen_bench_result *result = state->result;
+    if (!(bench->interval > 0))
+        return repeat_to(state, bench->repeats, st);
+    int pairs = PEN_PAIRS_MIN;
+    while (pairs < result->repeats) /* an earlier process has looked there */
+        pairs *= 2;
+    for (; pairs <= PEN_PAIRS_MAX; pairs *= 2) {
+        if (!repeat_to(state, pairs, st))
+            return false;
+        pen_bench_find_ratios(bench, result, state->values);
+        if (pen_bench_narrow(bench, result)) {
+            result->end = PEN_BENCH_END_INTERVAL;
+            break;
+        }
+        if (result->repeats < pairs) {
+            result->end = PEN_BENCH_END_BUDGET;
+            break;
         }
     }
     return true;
@@ -156,110 +231,88 @@ static int first_with_same_work(const struct pen_bench *bench, int row)
     return first;
 }
 
-int pen_bench_runs(const struct pen_bench *bench)
+static int counting_runs(const struct pen_bench *bench)
 {
-    int runs = bench->row_count * (bench->warmup + bench->repeats);
+    int runs = 0;
     for (int row = 0; row < bench->row_count; row++)
         runs += first_with_same_work(bench, row) == row;
     return runs;
 }
 
-/* Counts the tests of each row's work once. Uses all threads, which is quicker: the counts are the
- * same for any number of threads. */
-static bool count_tests(struct state *state, struct pen_status *st)
+int pen_bench_runs(const struct pen_bench *bench)
+{
+    return slots_of(bench) * (bench->warmup + repeats_max(bench)) + counting_runs(bench);
+}
+
+/* What a run tells of a row of which this process has made no other, but an earlier one has. */
+static void take_stats(struct pen_bench_row_result *row, const struct pen_render_stats *stats,
+                       const struct pen_accel_stats *accel)
+{
+    const int threads = row->stats.threads;
+    if (row->stats.kernel)
+        return;
+    row->stats = *stats;
+    row->stats.tile_ms = NULL;
+    row->stats.threads = threads;
+    row->accel = *accel;
+}
+
+/* Makes a run that counts the tests of a row. Uses all threads, which is quicker: the counts are
+ * the same for any number of threads. */
+static bool count_row(struct pen_bench_state *state, int row, struct pen_status *st)
+{
+    struct pen_bench_row_result *out = &state->result->rows[row];
+    struct pen_settings settings = state->bench->rows[row].settings;
+    struct pen_bench_run run = {.settings = &settings, .stats.tests_counted = true};
+    settings.threads = 0;
+    if (!run_row(state, row, &run, st) || !end_run(state, st))
+        return false;
+    take_stats(out, &run.stats, &run.accel);
+    out->stats.tests = run.stats.tests;
+    return true;
+}
+
+/* Counts the tests of each row's work once. */
+static bool count_tests(struct pen_bench_state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
+    struct pen_bench_row_result *rows = state->result->rows;
+    state->total = state->done + state->counting;
     for (int row = 0; row < bench->row_count; row++) {
-        struct pen_render_stats *stats = &state->result->rows[row].stats;
-        int first = first_with_same_work(bench, row);
-        if (first < row) {
-            stats->tests = state->result->rows[first].stats.tests;
-        } else {
-            struct pen_settings settings = bench->rows[row].settings;
-            struct run run = {.stats.tests_counted = true};
-            settings.threads = 0;
-            if (!make_run(state, &settings, &run, st) ||
-                !pen_bench_pictures_check(state->pictures, row, st))
-                return false;
-            stats->tests = run.stats.tests;
-            state->done++;
-            report_progress(state);
-        }
-        stats->tests_counted = true;
+        const int first = first_with_same_work(bench, row);
+        if (first == row && !count_row(state, row, st))
+            return false;
+        take_stats(&rows[row], &rows[first].stats, &rows[first].accel);
+        rows[row].stats.tests = rows[first].stats.tests;
+        rows[row].stats.tests_counted = true;
     }
     return true;
 }
 
-static int by_value(const void *a, const void *b)
+/* The first run of a process that goes on where another has ended; its time is thrown away. It is
+ * of the baseline, whose tiles' times the last process took with it. */
+static bool go_on(struct pen_bench_state *state, struct pen_status *st)
 {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    const int baseline = state->bench->baseline;
+    struct pen_bench_run run = {.tile_ms = state->tile_ms};
+    if (!run_row(state, baseline, &run, st))
+        return false;
+    take_stats(&state->result->rows[baseline], &run.stats, &run.accel);
+    return true;
 }
 
-struct spread {
-    double median, min, max;
-};
-
-static double total_of(const struct pen_bench_times *run)
-{
-    return run->build_ms + run->render_ms;
-}
-
-static double build_of(const struct pen_bench_times *run)
-{
-    return run->build_ms;
-}
-
-static double render_of(const struct pen_bench_times *run)
-{
-    return run->render_ms;
-}
-
-static double cpu_of(const struct pen_bench_times *run)
-{
-    return run->cpu_ms;
-}
-
-/* The spread of one part of a row's times. `values` is scratch space for `count` numbers. */
-static struct spread spread_of(const struct pen_bench_times *runs, int count,
-                               double (*part)(const struct pen_bench_times *), double *values)
-{
-    for (int i = 0; i < count; i++)
-        values[i] = part(&runs[i]);
-    qsort(values, (size_t)count, sizeof *values, by_value);
-    return (struct spread){.median = (values[(count - 1) / 2] + values[count / 2]) / 2,
-                           .min = values[0],
-                           .max = values[count - 1]};
-}
-
-static void summarize_row(struct pen_bench_row_result *row, int count, double *values)
-{
-    struct spread total = spread_of(row->runs, count, total_of, values);
-    row->median_ms = total.median;
-    row->min_ms = total.min;
-    row->max_ms = total.max;
-    row->build_ms = spread_of(row->runs, count, build_of, values).median;
-    row->render_ms = spread_of(row->runs, count, render_of, values).median;
-    row->cpu_ms = spread_of(row->runs, count, cpu_of, values).median;
-}
-
-static bool summarize(struct state *state, struct pen_status *st)
+static bool summarize(struct pen_bench_state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
     struct pen_bench_row_result *rows = state->result->rows;
-    double *values = malloc((size_t)bench->repeats * sizeof *values);
-    if (!values)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for the medians");
-    for (int row = 0; row < bench->row_count; row++)
-        summarize_row(&rows[row], bench->repeats, values);
-    free(values);
+    pen_bench_summarize(bench, state->result, state->values);
     rows[bench->baseline].stats.tile_ms = state->tile_ms;
     state->tile_ms = NULL;
     for (int row = 0; row < bench->row_count; row++) {
-        rows[row].speedup = rows[bench->baseline].median_ms / rows[row].median_ms;
         if (!pen_bench_pictures_measure(state->pictures, row, &rows[row], st))
             return false;
     }
+    pen_bench_judge(bench, state->result);
     return true;
 }
 
@@ -270,20 +323,34 @@ static size_t row_tile_count(const struct pen_bench *bench, int row)
     return (size_t)pen_tile_count(s->width, s->height, s->tile) * (size_t)bench->view_count;
 }
 
-static bool allocate(struct state *state, struct pen_status *st)
+static bool allocate_runs(struct pen_bench_row_result *row, int repeats)
+{
+    row->runs = calloc((size_t)repeats, sizeof *row->runs);
+    return row->runs != NULL;
+}
+
+static bool allocate(struct pen_bench_state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
-    size_t rows = (size_t)bench->row_count;
-    struct pen_bench_row_result *results = calloc(rows, sizeof *results);
-    state->result->rows = results;
-    bool ok = results != NULL;
-    for (size_t i = 0; ok && i < rows; i++) {
-        results[i].runs = calloc((size_t)bench->repeats, sizeof *results[i].runs);
-        ok = results[i].runs != NULL;
-    }
+    struct pen_bench_result *result = state->result;
+    const size_t rows = (size_t)bench->row_count;
+    const int repeats = state->repeats_max;
+    result->rows = calloc(rows, sizeof *result->rows);
+    bool ok = result->rows != NULL;
+    for (size_t i = 0; ok && i < rows; i++)
+        ok = allocate_runs(&result->rows[i], repeats);
+    if (ok && pen_bench_has_twin(bench))
+        ok = allocate_runs(&result->twin, repeats);
+    result->calibration_ms = calloc((size_t)repeats, sizeof *result->calibration_ms);
     state->pictures = ok ? pen_bench_pictures_new(bench) : NULL;
     state->tile_ms = calloc(row_tile_count(bench, bench->baseline), sizeof *state->tile_ms);
-    return (state->pictures && state->tile_ms) ||
+    state->values = calloc((size_t)repeats, sizeof *state->values);
+    state->order = calloc((size_t)state->slots, sizeof *state->order);
+    state->hash = calloc(rows, sizeof *state->hash);
+    state->hashed = calloc(rows, sizeof *state->hashed);
+    state->host = bench->between || bench->kept ? pen_host_json() : json_null();
+    return (state->pictures && state->tile_ms && state->values && state->order && state->hash &&
+            state->hashed && state->host && result->calibration_ms) ||
            pen_fail(st, PEN_NO_MEMORY, "no memory for a benchmark of %zu rows", rows);
 }
 
@@ -293,21 +360,38 @@ static double load_average(void)
     return getloadavg(&load, 1) == 1 ? load : -1;
 }
 
+static void release(struct pen_bench_state *state)
+{
+    pen_bench_pictures_free(state->pictures);
+    json_decref(state->host);
+    free(state->tile_ms);
+    free(state->values);
+    free(state->order);
+    free(state->hash);
+    free(state->hashed);
+}
+
 bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *result,
                    struct pen_status *st)
 {
-    struct state state = {.bench = bench, .result = result, .total = pen_bench_runs(bench)};
+    struct pen_bench_state state = {.bench = bench,
+                                    .result = result,
+                                    .slots = slots_of(bench),
+                                    .repeats_max = repeats_max(bench),
+                                    .counting = counting_runs(bench),
+                                    .begun_ns = pen_clock_ns()};
     *result =
         (struct pen_bench_result){.load_before = load_average(), .began_ms = pen_clock_wall_ms()};
+    set_total(&state, bench->interval > 0 ? PEN_PAIRS_MIN : bench->repeats);
     bool ok = allocate(&state, st);
+    const bool goes_on = ok && bench->kept && pen_bench_state_read(&state, bench->kept);
     if (ok)
         report_progress(&state);
-    ok = ok && warm_up(&state, st) && repeat_runs(&state, st) && count_tests(&state, st) &&
-         summarize(&state, st);
+    ok = ok && (!goes_on || go_on(&state, st)) && warm_up(&state, st) && repeat_runs(&state, st) &&
+         count_tests(&state, st) && summarize(&state, st);
     result->load_after = load_average();
     result->ended_ms = pen_clock_wall_ms();
-    pen_bench_pictures_free(state.pictures);
-    free(state.tile_ms);
+    release(&state);
     return ok;
 }
 
@@ -318,5 +402,7 @@ void pen_bench_result_release(const struct pen_bench *bench, struct pen_bench_re
         free(result->rows[row].stats.tile_ms);
     }
     free(result->rows);
+    free(result->twin.runs);
+    free(result->calibration_ms);
     *result = (struct pen_bench_result){0};
 }

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "film/film.h"
 #include "film/metrics.h"
 
 struct pen_bench_pictures {
@@ -46,6 +47,12 @@ bool pen_bench_rows_same_work(const struct pen_bench_row *a, const struct pen_be
     return same_except(a, b, names);
 }
 
+bool pen_bench_rows_same_quality(const struct pen_bench_row *a, const struct pen_bench_row *b)
+{
+    static const char *const names[] = {"accelerator", "threads", "tile", "precision", NULL};
+    return same_except(a, b, names);
+}
+
 static bool same_picture(const struct pen_bench_row *a, const struct pen_bench_row *b)
 {
     static const char *const names[] = {"accelerator", "threads", "tile", NULL};
@@ -55,8 +62,7 @@ static bool same_picture(const struct pen_bench_row *a, const struct pen_bench_r
     return same_except(a, b, names);
 }
 
-/* The first row that shows the same picture. */
-static int first_with_same_picture(const struct pen_bench *bench, int row)
+int pen_bench_pictures_first(const struct pen_bench *bench, int row)
 {
     int first = 0;
     while (!same_picture(&bench->rows[first], &bench->rows[row]))
@@ -83,7 +89,7 @@ double pen_bench_reference_pixels(const struct pen_bench *bench)
 {
     double pixels = 0;
     for (int row = 0; row < bench->row_count; row++) {
-        if (first_with_same_picture(bench, row) == row)
+        if (pen_bench_pictures_first(bench, row) == row)
             pixels += (double)value_count(&bench->rows[row].settings) / 3 * bench->view_count;
     }
     return pixels;
@@ -165,7 +171,7 @@ static bool fail_different(const struct pen_bench_pictures *pictures, int row, i
 {
     static const char *const channels[] = {"red", "green", "blue"};
     const struct pen_bench *bench = pictures->bench;
-    int first = first_with_same_picture(bench, row);
+    int first = pen_bench_pictures_first(bench, row);
     size_t pixel = value / 3, width = (size_t)bench->rows[row].settings.width;
     char a[160], b[160];
     name_row(bench, first, a, sizeof a);
@@ -184,7 +190,7 @@ static bool check_picture(const struct pen_bench_pictures *pictures, int row, in
                           struct pen_status *st)
 {
     const float *reference =
-        *reference_of(pictures, first_with_same_picture(pictures->bench, row), view);
+        *reference_of(pictures, pen_bench_pictures_first(pictures->bench, row), view);
     const float *rendered = pictures->target[view];
     size_t values = value_count(&pictures->bench->rows[row].settings), i = 0;
     if (memcmp(reference, rendered, values * sizeof *reference) == 0)
@@ -199,7 +205,7 @@ bool pen_bench_pictures_check(struct pen_bench_pictures *pictures, int row, stru
     const struct pen_bench *bench = pictures->bench;
     size_t bytes = value_count(&bench->rows[row].settings) * sizeof(float);
     for (int view = 0; view < bench->view_count; view++) {
-        float **reference = reference_of(pictures, first_with_same_picture(bench, row), view);
+        float **reference = reference_of(pictures, pen_bench_pictures_first(bench, row), view);
         if (*reference) {
             if (!check_picture(pictures, row, view, st))
                 return false;
@@ -239,12 +245,30 @@ static bool measure_view(const struct pen_bench_pictures *pictures, int row, int
     return true;
 }
 
+uint64_t pen_bench_pictures_hash(const struct pen_bench_pictures *pictures, int row)
+{
+    const struct pen_settings *s = &pictures->bench->rows[row].settings;
+    const int same_as = pen_bench_pictures_first(pictures->bench, row);
+    uint64_t all = UINT64_C(0xcbf29ce484222325); /* of several views: FNV-1a over their bytes */
+    for (int view = 0; view < pictures->bench->view_count; view++) {
+        const struct pen_film film = {
+            .width = s->width, .height = s->height, .rgb = *reference_of(pictures, same_as, view)};
+        const uint64_t hash = pen_film_hash(&film);
+        if (pictures->bench->view_count == 1)
+            return hash;
+        for (int shift = 0; shift < 64; shift += 8)
+            all = (all ^ (hash >> shift & 0xff)) * UINT64_C(0x100000001b3);
+    }
+    return all;
+}
+
 bool pen_bench_pictures_measure(const struct pen_bench_pictures *pictures, int row,
                                 struct pen_bench_row_result *out, struct pen_status *st)
 {
     const struct pen_bench *bench = pictures->bench;
     double square = 0;
-    out->same_as = first_with_same_picture(bench, row);
+    out->picture_hash = pen_bench_pictures_hash(pictures, row);
+    out->same_as = pen_bench_pictures_first(bench, row);
     out->compared_with = first_of_size(bench, row);
     out->identical = true;
     if (out->same_as == out->compared_with)

@@ -52,6 +52,17 @@ static const struct {
     {"identical", "identical"},
     {"max_difference", "max_difference"},
     {"rmse", "rmse"},
+    {"ratio", "ratio.median"},
+    {"ratio_low", "ratio.low"},
+    {"ratio_high", "ratio.high"},
+    {"pairs", "ratio.pairs"},
+    {"spoiled_pairs", "ratio.spoiled"},
+    {"verdict", "verdict"},
+    {"cpu_share", "cpu_share"},
+    {"steal_ms", "steal_ms"},
+    {"box_tests", "tests.boxes"},
+    {"primitive_tests", "tests.primitives"},
+    {"picture_hash", "picture_hash"},
 };
 enum { COLUMN_COUNT = sizeof columns / sizeof columns[0] };
 

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "study/internal/axis.h"
 #include "study/internal/html.h"
 #include "study/internal/report_formats.h"
 #include "study/internal/report_values.h"
@@ -27,19 +28,12 @@ static const double logarithmic_above = 20; /* largest time / least time */
 struct chart {
     const json_t *report;
     size_t rows;
-    double left, right; /* ends of the axis */
-    double low, high;   /* the times at these ends, ms */
-    bool logarithmic;
+    struct pen_axis axis; /* of times in ms */
 };
 
-/* Where a time is on the axis; times beyond the axis are moved to its ends. */
 static double x_of(const struct chart *chart, double ms)
 {
-    double share = chart->logarithmic ? log(ms / chart->low) / log(chart->high / chart->low)
-                                      : ms / chart->high;
-    if (!(share > 0))
-        share = 0;
-    return chart->left + (share < 1 ? share : 1) * (chart->right - chart->left);
+    return pen_axis_place(&chart->axis, ms);
 }
 
 /* The width of the column of names, set by the longest. */
@@ -64,9 +58,9 @@ static void find_scale(struct chart *chart)
         least = fmin(least, pen_bench_report_number(row, "min_ms"));
         most = fmax(most, pen_bench_report_number(row, "max_ms"));
     }
-    chart->logarithmic = least > 0 && most > logarithmic_above * least;
-    chart->low = chart->logarithmic ? pow(10, floor(log10(least / 1.5))) : 0;
-    chart->high = most > 0 ? most : 1;
+    chart->axis.logarithmic = least > 0 && most > logarithmic_above * least;
+    chart->axis.low = chart->axis.logarithmic ? pow(10, floor(log10(least / 1.5))) : 0;
+    chart->axis.high = most > 0 ? most : 1;
 }
 
 static void write_tick(const struct chart *chart, double ms, double bottom, struct pen_buf *out)
@@ -83,26 +77,15 @@ static void write_tick(const struct chart *chart, double ms, double bottom, stru
     pen_buf_puts(out, "</text>");
 }
 
-/* The distance between ticks: 1, 2 or 5 times a power of ten, so that at most six fit. */
-static double round_step(double high)
-{
-    double least = high / 6, unit = pow(10, floor(log10(least)));
-    if (least > 5 * unit)
-        return 10 * unit;
-    if (least > 2 * unit)
-        return 5 * unit;
-    return least > unit ? 2 * unit : unit;
-}
-
 static void write_axis(const struct chart *chart, double bottom, struct pen_buf *out)
 {
-    if (chart->logarithmic) {
-        for (double ms = chart->low; ms <= chart->high; ms *= 10)
+    if (chart->axis.logarithmic) {
+        for (double ms = chart->axis.low; ms <= chart->axis.high; ms *= 10)
             write_tick(chart, ms, bottom, out);
         return;
     }
-    double step = round_step(chart->high);
-    for (int i = 0; i * step <= chart->high; i++)
+    double step = pen_axis_step(chart->axis.high, 6);
+    for (int i = 0; i * step <= chart->axis.high; i++)
         write_tick(chart, i * step, bottom, out);
 }
 
@@ -127,9 +110,9 @@ static void write_bar(const struct chart *chart, size_t number, struct pen_buf *
     pen_buf_printf(out,
                    "<rect class=\"%s\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%d\"/>"
                    "<path class=\"whisker\" d=\"M%.1f %.1f H%.1f M%.1f %.1f v8 M%.1f %.1f v8\"/>",
-                   base ? "bar base" : "bar", chart->left, middle - BAR / 2.0,
-                   fmax(end - chart->left, 1), (int)BAR, least, middle, most, least, middle - 4,
-                   most, middle - 4);
+                   base ? "bar base" : "bar", chart->axis.first, middle - BAR / 2.0,
+                   fmax(end - chart->axis.first, 1), (int)BAR, least, middle, most, least,
+                   middle - 4, most, middle - 4);
     pen_buf_printf(out, "<text class=\"figure\" x=\"%d\" y=\"%.1f\" text-anchor=\"end\">",
                    WIDTH - 80, text);
     pen_bench_write_number(pen_bench_report_number(row, "median_ms"), "\xE2\x80\xAF", out);
@@ -145,7 +128,7 @@ static void describe(const struct chart *chart, struct pen_buf *out)
     pen_buf_printf(out,
                    "<title id=\"chart-title\">Median time of each row, %s axis</title>"
                    "<desc id=\"chart-desc\">",
-                   chart->logarithmic ? "logarithmic" : "linear");
+                   chart->axis.logarithmic ? "logarithmic" : "linear");
     for (size_t i = 0; i < chart->rows; i++) {
         const json_t *row = pen_bench_report_row(chart->report, i);
         struct pen_buf name = {0};
@@ -164,8 +147,8 @@ void pen_bench_chart_write(const json_t *report, struct pen_buf *out)
     double bottom = TOP + (double)chart.rows * ROW;
     if (chart.rows == 0)
         return;
-    chart.left = label_width(&chart);
-    chart.right = WIDTH - VALUES;
+    chart.axis.first = label_width(&chart);
+    chart.axis.end = WIDTH - VALUES;
     find_scale(&chart);
     pen_buf_printf(out,
                    "<svg viewBox=\"0 0 %d %.0f\" role=\"img\" aria-labelledby=\"chart-title"
@@ -175,7 +158,7 @@ void pen_bench_chart_write(const json_t *report, struct pen_buf *out)
     write_axis(&chart, bottom, out);
     for (size_t i = 0; i < chart.rows; i++)
         write_bar(&chart, i, out);
-    if (chart.logarithmic)
+    if (chart.axis.logarithmic)
         pen_buf_printf(out, "<text class=\"tick\" x=\"0\" y=\"%d\">logarithmic axis</text>",
                        TOP - 10);
     pen_buf_puts(out, "</svg>");

@@ -20,6 +20,11 @@ static const char style[] =
     "svg text{fill:var(--ink)}svg .tick{fill:var(--soft);font-size:12px}"
     "svg .figure{font-variant-numeric:tabular-nums}"
     "svg .grid{stroke:var(--line)}svg .bar{fill:var(--bar)}svg .base{fill:var(--base)}"
+    ".small "
+    "svg{min-width:0;max-width:36rem}svg.key{width:.8em;min-width:0;height:.8em}.ideal{stroke:var(-"
+    "-soft);stroke-dasharray:4 4;"
+    "fill:none}.curve{fill:none;stroke-width:2}.c0{--c:var(--bar)}.c1{--c:#c2620e}.c2{--c:#2f8f4e}"
+    ".c3{--c:#9a4fc0}.c4{--c:#b8324f}.c5{--c:#7a7a1f}.curve{stroke:var(--c)}circle{fill:var(--c)}"
     "svg .whisker{stroke:var(--mark);stroke-width:1.5;fill:none}"
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums;"
     "font-size:.88rem}figcaption{color:var(--soft);font-size:.88rem}"
@@ -108,26 +113,27 @@ static void write_settings(const json_t *report, struct pen_buf *out)
     pen_buf_puts(out, "</p>\n");
 }
 
-static void write_heading(const json_t *report, struct pen_buf *out)
+void pen_bench_page_begin(const char *title, const char *of, struct pen_buf *out)
 {
-    const char *scene = pen_bench_report_string(report, "scene");
     pen_buf_puts(out, "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-                      "<title>Benchmark: ");
-    pen_html_escape(scene, out);
-    pen_buf_printf(out, "</title>\n<style>%s</style>\n</head>\n<body>\n<h1>Benchmark: ", style);
-    pen_html_escape(scene, out);
+                      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
+    pen_buf_printf(out, "<title>%s: ", title);
+    pen_html_escape(of, out);
+    pen_buf_printf(out, "</title>\n<style>%s</style>\n</head>\n<body>\n<h1>%s: ", style, title);
+    pen_html_escape(of, out);
     pen_buf_puts(out, "</h1>\n");
 }
 
 void pen_bench_report_write_html(const json_t *report, struct pen_buf *out)
 {
-    write_heading(report, out);
+    pen_bench_page_begin("Benchmark", pen_bench_report_string(report, "scene"), out);
     write_paragraph(report, "soft", pen_bench_write_method, out);
+    write_paragraph(report, "soft", pen_bench_write_noise, out);
     pen_buf_puts(out, "<figure>");
     pen_bench_chart_write(report, out);
     pen_buf_puts(out, "<figcaption>Bar: median. Whisker: least to largest. Grey: the row that "
                       "speed-ups refer to.</figcaption></figure>\n");
+    pen_bench_scaling_write(report, out);
     write_table(report, pen_bench_time_columns, "Times, tests and pictures", out);
     pen_buf_puts(out, "<h2>Rays and trees</h2>\n");
     write_table(report, pen_bench_ray_columns, "Rays by kind, and the accelerator", out);

@@ -6,6 +6,14 @@
 #include "study/internal/table.h"
 #include "study/report.h"
 
+void pen_bench_write_plain(const char *text, struct pen_buf *out)
+{
+    for (; *text; text++) {
+        bool control = (unsigned char)*text < 0x20 || *text == 0x7F;
+        pen_buf_add(out, control ? "?" : text, 1);
+    }
+}
+
 /* The number of characters of a text in UTF-8. */
 static size_t width_of(const char *text)
 {
@@ -29,17 +37,15 @@ static void write_aligned(const struct pen_bench_table *table, size_t row, size_
                           struct pen_buf *out)
 {
     const char *text = pen_bench_table_cell(table, row, column);
-    int blank = (int)(column_width(table, column) - width_of(text));
-    if (!table->is_text[column])
-        pen_buf_printf(out, "%*s%s", blank, "", text);
-    else if (column + 1 < table->columns)
-        pen_buf_printf(out, "%s%*s", text, blank, "");
-    else
-        pen_buf_puts(out, text);
+    const int blank = (int)(column_width(table, column) - width_of(text));
+    const bool words = table->is_text[column];
+    pen_buf_printf(out, "%*s", words ? 0 : blank, "");
+    pen_bench_write_plain(text, out);
+    pen_buf_printf(out, "%*s", words && column + 1 < table->columns ? blank : 0, "");
 }
 
-static void write_text_table(const json_t *report, const struct pen_bench_column *columns,
-                             struct pen_buf *out)
+void pen_bench_write_text_table(const json_t *report, const struct pen_bench_column *columns,
+                                struct pen_buf *out)
 {
     struct pen_bench_table table;
     bool ok = pen_bench_table_init(report, columns, &table);
@@ -54,33 +60,26 @@ static void write_text_table(const json_t *report, const struct pen_bench_column
     out->failed |= !ok;
 }
 
-/* Text without control characters, which would act on a terminal. */
-static void write_plain(const char *text, struct pen_buf *out)
-{
-    for (; *text; text++) {
-        bool control = (unsigned char)*text < 0x20 || *text == 0x7F;
-        pen_buf_add(out, control ? "?" : text, 1);
-    }
-}
-
 void pen_bench_report_write_text(const json_t *report, struct pen_buf *out)
 {
     size_t i;
     json_t *note;
-    write_text_table(report, pen_bench_time_columns, out);
+    pen_bench_write_text_table(report, pen_bench_time_columns, out);
     pen_buf_puts(out, "\n");
     pen_bench_write_method(report, out);
     pen_buf_puts(out, "\n");
+    pen_bench_write_noise(report, out);
+    pen_buf_puts(out, "\n");
     struct pen_buf host = {0};
     pen_bench_write_host(report, &host);
-    write_plain(host.data ? (const char *)host.data : "", out);
+    pen_bench_write_plain(host.data ? (const char *)host.data : "", out);
     out->failed |= host.failed;
     pen_buf_release(&host);
     pen_buf_puts(out, "\n");
     json_array_foreach(json_object_get(report, "notes"), i, note)
     {
         pen_buf_puts(out, "note: ");
-        write_plain(json_string_value(note) ? json_string_value(note) : "", out);
+        pen_bench_write_plain(json_string_value(note) ? json_string_value(note) : "", out);
         pen_buf_puts(out, "\n");
     }
 }
@@ -148,6 +147,7 @@ void pen_bench_report_write_markdown(const json_t *report, struct pen_buf *out)
     write_escaped(pen_bench_report_string(report, "scene"), out);
     pen_buf_puts(out, "\n");
     write_paragraph(report, pen_bench_write_method, out);
+    write_paragraph(report, pen_bench_write_noise, out);
     pen_buf_puts(out, "\n");
     write_markdown_table(report, pen_bench_time_columns, out);
     pen_buf_puts(out, "\n");

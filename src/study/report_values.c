@@ -119,7 +119,7 @@ void pen_bench_write_row_name(const json_t *row, struct pen_buf *out)
         pen_buf_puts(out, "the scene's settings");
 }
 
-void pen_bench_write_picture(const json_t *row, struct pen_buf *out)
+static void write_picture(const json_t *row, struct pen_buf *out)
 {
     int with = whole_number(row, "compared_with");
     if (with == whole_number(row, "row"))
@@ -132,18 +132,74 @@ void pen_bench_write_picture(const json_t *row, struct pen_buf *out)
                        pen_bench_report_number(row, "rmse"), with);
 }
 
+void pen_bench_write_ratio(const json_t *ratio, struct pen_buf *out)
+{
+    if (!is_number(ratio, "median"))
+        return;
+    pen_buf_printf(out, "%.3f", pen_bench_report_number(ratio, "median"));
+    if (is_number(ratio, "low") && is_number(ratio, "high"))
+        pen_buf_printf(out, " (%.3f\xE2\x80\x93%.3f)", pen_bench_report_number(ratio, "low"),
+                       pen_bench_report_number(ratio, "high"));
+}
+
 void pen_bench_write_method(const json_t *report, struct pen_buf *out)
 {
     int repeats = whole_number(report, "repeats");
     int warmup = whole_number(report, "warmup");
     pen_buf_printf(out,
-                   "Milliseconds to build the tree and render%s, median of %d interleaved run%s of "
-                   "each row (least and largest beside it)",
+                   "Milliseconds to build the tree and render%s, median of %d run%s of each row, "
+                   "interleaved in a random order (least and largest beside it)",
                    json_array_size(json_object_get(report, "views")) > 1 ? " all views" : "",
                    repeats, repeats == 1 ? "" : "s");
     if (warmup > 0)
         pen_buf_printf(out, ", after %d that %s not counted", warmup, warmup == 1 ? "is" : "are");
+    pen_buf_puts(out, ". Time ratio: a row's time over that of the baseline, median of the pairs "
+                      "of one repeat, with its 95 % interval");
+    if (is_number(report, "least_effect"))
+        pen_buf_printf(out, "; what differs by less than %g %% counts as the same",
+                       pen_bench_report_number(report, "least_effect") * 100);
     pen_buf_puts(out, ".");
+}
+
+/* Why the repeats ended, if they were to go on until the intervals are narrow. */
+static void write_end(const json_t *report, struct pen_buf *out)
+{
+    const char *end = pen_bench_report_string(report, "ended_by");
+    if (!is_number(report, "interval"))
+        return;
+    if (strcmp(end, "budget") == 0)
+        pen_buf_printf(out, " The budget of %g s ended before all intervals were",
+                       pen_bench_report_number(report, "budget_seconds"));
+    else
+        pen_buf_printf(out, " %s intervals %s",
+                       strcmp(end, "interval") == 0 ? "All" : "After the most repeats not all",
+                       strcmp(end, "interval") == 0 ? "are" : "were");
+    pen_buf_printf(out, " as narrow as %g.", pen_bench_report_number(report, "interval"));
+}
+
+void pen_bench_write_noise(const json_t *report, struct pen_buf *out)
+{
+    const json_t *noise = json_object_get(report, "noise");
+    if (is_number(noise, "median")) {
+        pen_buf_puts(out, "Noise floor: the baseline against itself ");
+        pen_bench_write_ratio(noise, out);
+        if (is_number(noise, "half_width"))
+            pen_buf_printf(out, ", that is \xC2\xB1%.2g %%",
+                           pen_bench_report_number(noise, "half_width") * 100);
+        pen_buf_puts(out, ".");
+    } else {
+        pen_buf_puts(out, "Noise floor: not measured, which takes 10 repeats or an interval.");
+    }
+    write_end(report, out);
+}
+
+/* Appends ", NAMEvalue" if the report has such a text. */
+static void write_part(const json_t *report, const char *name, const char *path,
+                       struct pen_buf *out)
+{
+    const char *text = pen_bench_report_string(report, path);
+    if (*text)
+        pen_buf_printf(out, ", %s%s", name, text);
 }
 
 void pen_bench_write_host(const json_t *report, struct pen_buf *out)
@@ -153,6 +209,14 @@ void pen_bench_write_host(const json_t *report, struct pen_buf *out)
                    pen_bench_report_string(report, "host.isa"), whole_number(report, "host.cores"),
                    whole_number(report, "pool_threads"),
                    pen_bench_report_string(report, "host.version"));
+    write_part(report, "kernel ", "host.kernel", out);
+    write_part(report, "microcode ", "host.microcode", out);
+    write_part(report, "governor ", "host.governor", out);
+    write_part(report, "", "host.compiler", out);
+    write_part(report, "build ", "host.build", out);
+    if (is_number(report, "calibration.median_ms"))
+        pen_buf_printf(out, ", calibration %.3g ms",
+                       pen_bench_report_number(report, "calibration.median_ms"));
     if (is_number(report, "load_average.before"))
         pen_buf_printf(out, "; load average %.2f before",
                        pen_bench_report_number(report, "load_average.before"));
@@ -181,6 +245,21 @@ void pen_bench_write_speedup(const json_t *row, struct pen_buf *out)
     pen_buf_printf(out, "%.*f\xC3\x97", times < 0.1 ? 3 : times < 100 ? 2 : 0, times);
 }
 
+static void write_row_ratio(const json_t *row, struct pen_buf *out)
+{
+    pen_bench_write_ratio(json_object_get(row, "ratio"), out);
+}
+
+static void write_verdict(const json_t *row, struct pen_buf *out)
+{
+    pen_buf_puts(out, pen_bench_report_string(row, "verdict"));
+}
+
+static void write_hash(const json_t *row, struct pen_buf *out)
+{
+    pen_buf_puts(out, pen_bench_report_string(row, "picture_hash"));
+}
+
 static void write_count(const json_t *row, const char *path, struct pen_buf *out)
 {
     char text[32];
@@ -205,12 +284,15 @@ const struct pen_bench_column pen_bench_time_columns[] = {
     {"median ms", .number = "median_ms"},
     {"range", .write = write_range},
     {"speed-up", .write = pen_bench_write_speedup},
+    {"time ratio", .write = write_row_ratio},
+    {"verdict", .write = write_verdict, .words = true},
     {"Mray/s", .number = "mrays_per_second"},
     {"boxes/ray", .number = "accelerator.box_tests_per_ray"},
     {"primitives/ray", .number = "accelerator.primitive_tests_per_ray"},
     {"build ms", .number = "build_ms"},
     {"cpu ms", .number = "cpu_ms"},
-    {"picture", .write = pen_bench_write_picture},
+    {"picture", .write = write_picture, .words = true},
+    {"picture hash", .write = write_hash, .words = true},
     {0}};
 
 const struct pen_bench_column pen_bench_ray_columns[] = {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes the cells of a table. Columns of words are recognised by their type: settings that are
- * strings, and the comparison of pictures. */
+ * strings, and the columns that say so. */
 #include "study/internal/table.h"
 
 #include <stdlib.h>
@@ -43,7 +43,7 @@ static void write_titles(const json_t *first, const struct pen_bench_column *col
         pen_buf_puts(at(table, 0, column++), key);
     }
     for (; columns->title; columns++) {
-        table->is_text[column] = columns->write == pen_bench_write_picture;
+        table->is_text[column] = columns->words;
         pen_buf_puts(at(table, 0, column++), columns->title);
     }
 }

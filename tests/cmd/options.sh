@@ -9,7 +9,7 @@ exits "penumbra --help" 0 "$penumbra" --help
 for command in render validate compare scenes submit wait fetch list stats cancel delete; do
     prints "penumbra --help names $command" stdout "  $command "
 done
-prints "penumbra --help documents exit codes" stdout "7  the compared pictures differ"
+prints "penumbra --help documents exit codes" stdout "7  compared pictures or counts differ"
 for command in render validate compare scenes submit wait fetch list stats cancel delete; do
     exits "penumbra $command --help" 0 "$penumbra" $command --help
     prints "penumbra $command --help shows its usage" stdout "Usage: penumbra $command"

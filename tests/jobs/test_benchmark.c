@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Benchmark specs: the errors and their places, the rows that a matrix makes, the limits. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "jobs/bench_spec.h"
@@ -54,6 +55,13 @@ static const struct bad bad_members[] = {
     {"{\"repeats\": null}", PEN_INVALID, "/repeats", "found null"},
     {"{\"warmup\": -1}", PEN_INVALID, "/warmup", "from 0 to 10"},
     {"{\"warmup\": 11}", PEN_INVALID, "/warmup", "from 0 to 10"},
+    {"{\"interval\": 0}", PEN_INVALID, "/interval", "above 0 and at most 1, found 0"},
+    {"{\"interval\": \"0.1\"}", PEN_INVALID, "/interval", "found the string"},
+    {"{\"budget_seconds\": 86401}", PEN_INVALID, "/budget_seconds", "at most 86400"},
+    {"{\"least_effect\": -0.1}", PEN_INVALID, "/least_effect", "from 0 to 1, found -0.1"},
+    {"{\"order_seed\": 2147483648}", PEN_INVALID, "/order_seed", "from 0 to 2147483647"},
+    {"{\"interval\": 0.1, \"repeats\": 9}", PEN_INVALID, "/repeats", "beside interval"},
+    {"{\"budget_seconds\": 1, \"repeats\": 9}", PEN_INVALID, "/repeats", "beside interval"},
     {"{\"matrix\": {\"threads\": [1]}, \"baseline\": 1}", PEN_INVALID, "/baseline", "found 1"},
     {"{\"matrix\": {\"threads\": [1]}, \"baseline\": {\"threads\": 2}}", PEN_INVALID,
      "/baseline/threads", "one of the matrix's values, found 2"},
@@ -93,6 +101,47 @@ START_TEST(test_benchmark__defaults_are_one_row_three_repeats_one_warmup)
     ck_assert_int_eq(spec.warmup, 1);
     ck_assert_int_eq(spec.baseline, 0);
     pen_bench_spec_release(&spec);
+}
+END_TEST
+
+START_TEST(test_benchmark__interval_and_budget_imply_each_other)
+{
+    read_good("{}");
+    ck_assert(spec.interval == 0 && spec.least_effect == 0.02);
+    pen_bench_spec_release(&spec);
+    read_good("{\"interval\": 0.05}");
+    ck_assert(spec.interval == 0.05 && spec.budget_s == 60);
+    pen_bench_spec_release(&spec);
+    read_good("{\"budget_seconds\": 7, \"least_effect\": 0, \"order_seed\": 5}");
+    struct pen_bench bench = pen_bench_of_spec(&spec);
+    ck_assert(bench.interval == 0.02 && bench.budget_ms == 7000);
+    ck_assert(bench.least_effect == 0 && bench.order_seed == 5);
+    pen_bench_spec_release(&spec);
+}
+END_TEST
+
+START_TEST(test_benchmark__members_of_a_spec_read_back_as_the_spec)
+{
+    static const char *const texts[] = {
+        "{\"matrix\": {\"threads\": [1, 2]}, \"baseline\": {\"threads\": 2}, \"repeats\": 7}",
+        "{\"matrix\": {\"threads\": [1, 2]}, \"interval\": 0.01, \"budget_seconds\": 9,"
+        " \"warmup\": 0, \"least_effect\": 0.5}"};
+    for (int i = 0; i < 2; i++) {
+        read_good(texts[i]);
+        struct pen_bench_spec first = spec;
+        json_t *members =
+            pen_bench_spec_members(&first, json_pack("{s:O}", "matrix", first.matrix));
+        char *text = json_dumps(members, 0);
+        read_good(text);
+        ck_assert(spec.baseline == first.baseline && spec.repeats == first.repeats);
+        ck_assert(spec.warmup == first.warmup && spec.interval == first.interval);
+        ck_assert(spec.budget_s == first.budget_s && spec.order_seed == first.order_seed);
+        ck_assert(spec.least_effect == first.least_effect);
+        free(text);
+        json_decref(members);
+        pen_bench_spec_release(&first);
+        pen_bench_spec_release(&spec);
+    }
 }
 END_TEST
 
@@ -181,6 +230,15 @@ START_TEST(test_benchmark__work_of_all_runs_together_is_bounded)
     ck_assert(!check(text, &limits, &st));
     ck_assert_int_eq(st.code, PEN_TOO_LARGE);
     ck_assert_str_eq(st.at, "/matrix");
+    /* The twin of the first row, of 1000 pixels, is run, too; the budget bounds all other repeats.
+     */
+    static const char until[] = "{\"interval\": 0.02, \"warmup\": 2, \"matrix\": "
+                                "{\"width\": [100, 300], \"height\": [10]}}";
+    limits.work = (1 + 2 + 1) * 4000.0 + (1 + 2) * 1000.0;
+    if (!check(until, &limits, &st))
+        ck_abort_msg("%s", st.msg);
+    limits.work -= 1;
+    ck_assert(!check(until, &limits, &st));
 }
 END_TEST
 
@@ -201,6 +259,8 @@ END_TEST
 PEN_SUITE("benchmark", test_benchmark__errors_name_their_place,
           test_benchmark__all_errors_are_collected,
           test_benchmark__defaults_are_one_row_three_repeats_one_warmup,
+          test_benchmark__interval_and_budget_imply_each_other,
+          test_benchmark__members_of_a_spec_read_back_as_the_spec,
           test_benchmark__rows_follow_the_order_of_the_document,
           test_benchmark__baseline_is_the_first_row_that_matches, test_benchmark__rows_are_capped,
           test_benchmark__work_of_all_runs_together_is_bounded,

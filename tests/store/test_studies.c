@@ -162,6 +162,68 @@ START_TEST(test_studies__progress_is_seen_and_fenced)
 }
 END_TEST
 
+static bool keep(const struct pen_claim *claim, int64_t done, const char *text)
+{
+    const struct pen_kept kept = {done, text, strlen(text)};
+    bool outranked = false;
+    store_must(pen_store_keep(bed.store, claim, &kept, &outranked, &st), &st, "keep");
+    return outranked;
+}
+
+static void expect_kept(const struct pen_claim *claim, const char *text)
+{
+    struct pen_buf kept = {0};
+    store_must(pen_store_kept(bed.store, claim, &kept, &st), &st, "kept");
+    ck_assert_uint_eq(kept.bytes, strlen(text));
+    ck_assert_mem_eq(kept.data, text, kept.bytes);
+    pen_buf_release(&kept);
+}
+
+START_TEST(test_studies__what_is_kept_is_there_for_the_next_worker)
+{
+    struct pen_buf none = {0};
+    store_bed_open(&bed);
+    submit_study(1);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    ck_assert(!pen_store_kept(bed.store, &claim, &none, &st));
+    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    ck_assert(!keep(&claim, 3, "three"));
+    ck_assert(!keep(&claim, 5, "five"));
+    struct pen_job_record job = store_job_get(bed.store, study.id);
+    ck_assert_int_eq(job.done_pixels, 5);
+    pen_job_record_release(&job);
+    store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+    struct pen_claim again = store_claim(bed.store, "v");
+    expect_kept(&again, "five");
+    const struct pen_kept late = {7, "late", 4};
+    bool outranked;
+    ck_assert(!pen_store_keep(bed.store, &claim, &late, &outranked, &st));
+    ck_assert_int_eq(st.code, PEN_STALE);
+    expect_kept(&again, "five");
+    store_audit_clean(bed.store);
+    ck_assert_int_eq(store_commit(bed.store, &again), PEN_OK);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_studies__keeping_tells_of_batches_of_higher_priority)
+{
+    store_bed_open(&bed);
+    submit_study(1);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    submit_job(&first, 2, 1); /* of the same priority */
+    ck_assert(!keep(&claim, 1, "a"));
+    store_job_init(&second, 3, 1, 1);
+    second.job.priority = 1;
+    store_job_submit(bed.store, &second);
+    ck_assert(keep(&claim, 2, "b"));
+    store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+    struct pen_claim next = store_claim(bed.store, "w");
+    ck_assert_str_eq(next.job_id, second.id);
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_studies__cancel_in_the_middle_leaves_a_sound_store)
 {
     bool held = true;
@@ -231,6 +293,8 @@ PEN_SUITE("studies", test_studies__commit_stores_the_report_and_ends_the_job,
           test_studies__next_study_waits_for_an_idle_worker,
           test_studies__next_claim_of_a_commit_may_be_one,
           test_studies__progress_is_seen_and_fenced,
+          test_studies__what_is_kept_is_there_for_the_next_worker,
+          test_studies__keeping_tells_of_batches_of_higher_priority,
           test_studies__cancel_in_the_middle_leaves_a_sound_store,
           test_studies__crashes_are_charged_although_progress_was_stored,
           test_studies__store_of_an_earlier_schema_takes_them_once_migrated)

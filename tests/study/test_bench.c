@@ -4,12 +4,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "base/clock.h"
+#include "film/film.h"
 #include "study/bench.h"
 #include "support/kit.h"
 #include "support/suite.h"
 
-enum { ROWS_MAX = 16, SEEN_MAX = 256 };
+enum { ROWS_MAX = 16, SEEN_MAX = 4096 };
 
 static struct kit kit;
 static struct pen_bench bench;
@@ -81,20 +84,64 @@ static void add_none_and_auto(void)
     add_row("{\"accelerator\": \"auto\"}")->accelerator = PEN_ACCEL_AUTO;
 }
 
+/* Whether each pass of `slots` runs visited rows 0 .. slots - 1 once; *orders gets how many passes
+ * began with row 0. */
+static void check_passes(int passes, int slots, int *first)
+{
+    *first = 0;
+    ck_assert_int_eq(seen_count, passes * slots);
+    for (int pass = 0; pass < passes; pass++) {
+        unsigned visited = 0;
+        for (int i = 0; i < slots; i++)
+            visited |= 1u << seen[pass * slots + i];
+        ck_assert_uint_eq(visited, (1u << slots) - 1);
+        *first += seen[pass * slots] == 0;
+    }
+}
+
 START_TEST(test_bench__runs_are_interleaved_after_the_warm_up)
 {
-    static const int order[] = {0, 1, 0, 1, 0, 1, 0, 1};
+    int first;
     set_up(2);
     add_none_and_auto();
     bench.tamper = note_row;
     run();
-    ck_assert_int_eq(seen_count, 8); /* and two runs that count tests */
-    ck_assert_mem_eq(seen, order, sizeof order);
+    check_passes(4, 2, &first); /* and two runs that count tests */
     ck_assert_int_eq(total, 10);
     ck_assert_int_eq(pen_bench_runs(&bench), 10);
     ck_assert_int_eq(progress_count, 11);
     for (int i = 0; i < progress_count; i++)
         ck_assert_int_eq(progress[i], i);
+    tear_down();
+}
+END_TEST
+
+START_TEST(test_bench__order_of_a_pass_is_random_and_follows_from_the_seed)
+{
+    int first, orders[2][SEEN_MAX];
+    set_up(1);
+    kit.settings.width = kit.settings.height = 4;
+    add_row("{\"tile\": 8}");
+    add_row("{\"tile\": 16}");
+    add_row("{\"tile\": 32}");
+    bench.tamper = note_row;
+    bench.repeats = 9;
+    bench.warmup = 10;
+    for (int i = 0; i < 2; i++) {
+        bench.order_seed = 7;
+        seen_count = progress_count = 0;
+        run();
+        check_passes(19, 3, &first);
+        ck_assert_int_gt(first, 0); /* of 19 passes about 6; none once in 2000 seeds */
+        ck_assert_int_lt(first, 19);
+        memcpy(orders[i], seen, sizeof seen);
+        pen_bench_result_release(&bench, &result);
+    }
+    ck_assert_mem_eq(orders[0], orders[1], sizeof orders[0]);
+    bench.order_seed = 8;
+    seen_count = progress_count = 0;
+    run();
+    ck_assert(memcmp(orders[0], seen, sizeof seen) != 0);
     tear_down();
 }
 END_TEST
@@ -125,6 +172,165 @@ START_TEST(test_bench__medians_and_speedups_are_those_of_the_runs)
         ck_assert(row->speedup == result.rows[1].median_ms / row->median_ms);
     }
     ck_assert(result.rows[1].speedup == 1);
+    tear_down();
+}
+END_TEST
+
+/* Makes every run of row 1 longer by `dawdle_ms`, of processor time or of sleep. */
+static double dawdle_ms;
+static bool dawdle_sleeps;
+
+static void dawdle(void *user, int row)
+{
+    (void)user;
+    const int64_t begun_ns = pen_clock_ns();
+    if (row == 1 && dawdle_sleeps)
+        usleep((useconds_t)(dawdle_ms * 1000));
+    while (row == 1 && (double)(pen_clock_ns() - begun_ns) * 1e-6 < dawdle_ms) {
+    }
+}
+
+/* Two rows of the same settings but for the tile, the second of which dawdles. */
+static void add_equal_rows(void)
+{
+    kit.settings.width = kit.settings.height = 16;
+    add_row("{\"tile\": 16}")->tile = 16;
+    add_row("{\"tile\": 32}")->tile = 32;
+    bench.dawdle = dawdle;
+    dawdle_sleeps = false;
+}
+
+static double pair(const struct pen_bench_row_result *row, int repeat)
+{
+    const struct pen_bench_times *a = &row->runs[repeat], *b = &result.rows[0].runs[repeat];
+    return (a->build_ms + a->render_ms) / (b->build_ms + b->render_ms);
+}
+
+START_TEST(test_bench__ratio_is_the_median_of_the_pairs_of_one_repeat)
+{
+    set_up(1);
+    add_equal_rows();
+    bench.repeats = 11;
+    bench.least_effect = 0.02;
+    dawdle_ms = 5;
+    run();
+    const struct pen_bench_row_result *slow = &result.rows[1];
+    double ratios[11];
+    int spoiled = 0;
+    for (int i = 0; i < 11; i++) {
+        ratios[i] = pair(slow, i);
+        spoiled += slow->runs[i].spoiled || result.rows[0].runs[i].spoiled;
+    }
+    qsort(ratios, 11, sizeof *ratios, by_value);
+    ck_assert(slow->ratio.median == ratios[5] && slow->ratio.count == 11);
+    ck_assert_int_eq(slow->ratio.spoiled, spoiled);
+    if (spoiled == 0) {
+        ck_assert(slow->ratio.low == ratios[1] && slow->ratio.high == ratios[9]);
+        ck_assert_int_eq(slow->verdict, PEN_VERDICT_SLOWER);
+    }
+    ck_assert_int_eq(result.rows[0].verdict, PEN_VERDICT_BASELINE);
+    ck_assert_int_eq(result.repeats, 11);
+    ck_assert_ptr_nonnull(result.twin.runs);
+    ck_assert(result.twin.ratio.median > 0.2 && result.twin.ratio.median < 5);
+    ck_assert(result.calibration.median > 0);
+    tear_down();
+}
+END_TEST
+
+START_TEST(test_bench__few_repeats_have_neither_twin_nor_verdict)
+{
+    set_up(1);
+    add_equal_rows();
+    dawdle_ms = 5;
+    run();
+    ck_assert_ptr_null(result.twin.runs);
+    ck_assert_int_eq(result.rows[1].verdict, PEN_VERDICT_UNDECIDED);
+    ck_assert_ptr_nonnull(strstr(result.rows[1].reason, "fewer than 10 pairs"));
+    tear_down();
+}
+END_TEST
+
+START_TEST(test_bench__runs_that_wait_are_spoiled_and_decide_nothing)
+{
+    set_up(1);
+    add_equal_rows();
+    bench.repeats = 10;
+    dawdle_ms = 5;
+    dawdle_sleeps = true; /* as a thread without a processor does */
+    run();
+    const struct pen_bench_row_result *row = &result.rows[1];
+    ck_assert_int_eq(row->spoiled, 10);
+    ck_assert(row->used < 0.9);
+    ck_assert_int_eq(row->verdict, PEN_VERDICT_UNDECIDED);
+    ck_assert(!row->ratio.bounded);
+    ck_assert_ptr_nonnull(strstr(row->reason, "too many runs are spoiled"));
+    json_t *report = pen_bench_report_new(&bench, &result, json_object());
+    char *notes = json_dumps(json_object_get(report, "notes"), 0);
+    ck_assert_msg(strstr(notes, "10 of 10 runs of row 1 are spoiled") != NULL, "%s", notes);
+    json_t *last = json_array_get(json_object_get(report, "rows"), 1);
+    ck_assert_uint_eq(json_array_size(json_object_get(last, "spoiled_runs")), 10);
+    free(notes);
+    json_decref(report);
+    tear_down();
+}
+END_TEST
+
+START_TEST(test_bench__repeats_end_when_the_interval_is_narrow_or_the_budget_is_spent)
+{
+    set_up(1);
+    add_equal_rows();
+    bench.interval = 1e6;
+    bench.budget_ms = 60000;
+    dawdle_ms = 1;
+    run();
+    ck_assert_int_eq(result.end, PEN_BENCH_END_INTERVAL);
+    ck_assert_int_eq(result.repeats % 10, 0);
+    ck_assert_int_eq(total, 3 * (result.repeats + 1) + 1);
+    ck_assert_int_eq(progress[progress_count - 1], total);
+    pen_bench_result_release(&bench, &result);
+    bench.interval = 1e-9;
+    bench.budget_ms = 200;
+    progress_count = 0;
+    const int64_t begun_ns = pen_clock_ns();
+    run();
+    const double took_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    ck_assert_int_eq(result.end, PEN_BENCH_END_BUDGET);
+    ck_assert_int_ge(result.repeats, 1);
+    ck_assert_int_lt(result.repeats, PEN_PAIRS_MAX);
+    ck_assert_msg(took_ms >= 200 && took_ms < 5000, "it took %g ms", took_ms);
+    tear_down();
+}
+END_TEST
+
+START_TEST(test_bench__faster_with_another_picture_is_no_speed_up)
+{
+    set_up(1);
+    bench.repeats = 10;
+    kit.settings.width = kit.settings.height = 16;
+    add_row("{\"precision\": \"robust\"}");
+    add_row("{\"precision\": \"fast\"}")->max_depth = 0; /* stands for a wrong result */
+    run();
+    ck_assert(result.rows[0].picture_hash != result.rows[1].picture_hash);
+    ck_assert_int_eq(result.rows[1].verdict, PEN_VERDICT_DIFFERENT_PICTURE);
+    tear_down();
+}
+END_TEST
+
+START_TEST(test_bench__picture_hash_is_that_of_the_film)
+{
+    set_up(1);
+    add_none_and_auto();
+    run();
+    struct pen_film *film = pen_film_new(kit.settings.width, kit.settings.height, &st);
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_render_stats stats;
+    struct pen_render_task task = {
+        .scene = scene, .settings = &kit.settings, .tile_count = -1, .rgb = film->rgb};
+    ck_assert(pen_render_run(bench.pool, &task, &stats, &st));
+    ck_assert(result.rows[0].picture_hash == pen_film_hash(film));
+    ck_assert(result.rows[1].picture_hash == pen_film_hash(film));
+    pen_scene_free(scene);
+    pen_film_free(film);
     tear_down();
 }
 END_TEST
@@ -178,7 +384,7 @@ START_TEST(test_bench__threads_beyond_the_pool_are_capped_and_noted)
     json_t *report = pen_bench_report_new(&bench, &result, json_object());
     char *notes = json_dumps(json_object_get(report, "notes"), 0);
     ck_assert_ptr_nonnull(strstr(notes, "row 2 asks for 64 threads; the pool has 2"));
-    ck_assert_ptr_null(strstr(notes, "row 1"));
+    ck_assert_ptr_null(strstr(notes, "row 1 asks"));
     free(notes);
     json_decref(report);
     tear_down();
@@ -209,7 +415,7 @@ START_TEST(test_bench__other_pictures_are_measured_against_the_first_of_their_si
 }
 END_TEST
 
-/* Changes the last bit of one value of a row's picture, in its second run. */
+/* Changes the last bit of one value of the fourth picture. */
 static void flip_bit(void *user, int row, int view, float *rgb)
 {
     uint32_t bits;
@@ -230,7 +436,9 @@ START_TEST(test_bench__one_bit_of_difference_fails_it_and_is_named)
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_DIFFERENT);
     ck_assert_ptr_nonnull(strstr(st.msg, "row 0 (accelerator \"none\")"));
-    ck_assert_ptr_nonnull(strstr(st.msg, "row 1 (accelerator \"auto\")"));
+    char other[40];
+    snprintf(other, sizeof other, "row %d (accelerator ", seen[3]);
+    ck_assert_ptr_nonnull(strstr(st.msg, other));
     ck_assert_ptr_nonnull(strstr(st.msg, "pixel 5,7, green is "));
     ck_assert_ptr_nonnull(strstr(st.msg, "view main"));
     tear_down();
@@ -263,9 +471,13 @@ END_TEST
 START_TEST(test_bench__report_has_the_members_of_the_api)
 {
     static const char *const keys[] = {
-        "settings", "threads",   "median_ms", "min_ms",           "max_ms",
-        "runs_ms",  "speedup",   "rays",      "accelerator",      "rmse",
-        "build_ms", "render_ms", "cpu_ms",    "mrays_per_second", "max_difference"};
+        "settings", "threads",   "median_ms",   "min_ms",           "max_ms",
+        "runs_ms",  "speedup",   "rays",        "accelerator",      "rmse",
+        "build_ms", "render_ms", "cpu_ms",      "mrays_per_second", "max_difference",
+        "ratio",    "verdict",   "reason",      "spoiled_runs",     "cpu_share",
+        "steal_ms", "tests",     "picture_hash"};
+    static const char *const hosts[] = {"id",       "microcode", "governor", "kernel",
+                                        "compiler", "build",     "cpu",      "cores"};
     set_up(2);
     add_none_and_auto();
     run();
@@ -281,6 +493,9 @@ START_TEST(test_bench__report_has_the_members_of_the_api)
     ck_assert(json_real_value(json_object_get(accelerator, "primitive_tests_per_ray")) > 0);
     ck_assert_str_eq(json_string_value(json_object_get(report, "scene")), "medley");
     ck_assert(json_is_integer(json_object_get(json_object_get(report, "host"), "cores")));
+    for (size_t i = 0; i < sizeof hosts / sizeof hosts[0]; i++)
+        ck_assert_msg(json_object_get(json_object_get(report, "host"), hosts[i]) != NULL, "no %s",
+                      hosts[i]);
     ck_assert_int_eq(json_integer_value(json_object_get(report, "pool_threads")), 2);
     json_decref(report);
     tear_down();
@@ -288,6 +503,13 @@ START_TEST(test_bench__report_has_the_members_of_the_api)
 END_TEST
 
 PEN_SUITE("bench", test_bench__runs_are_interleaved_after_the_warm_up,
+          test_bench__order_of_a_pass_is_random_and_follows_from_the_seed,
+          test_bench__ratio_is_the_median_of_the_pairs_of_one_repeat,
+          test_bench__few_repeats_have_neither_twin_nor_verdict,
+          test_bench__runs_that_wait_are_spoiled_and_decide_nothing,
+          test_bench__repeats_end_when_the_interval_is_narrow_or_the_budget_is_spent,
+          test_bench__faster_with_another_picture_is_no_speed_up,
+          test_bench__picture_hash_is_that_of_the_film,
           test_bench__medians_and_speedups_are_those_of_the_runs,
           test_bench__rays_and_tests_are_those_of_a_plain_render,
           test_bench__threads_beyond_the_pool_are_capped_and_noted,

@@ -22,7 +22,11 @@ static const char sample[] =
     " \"compared_with\": 0, \"identical\": true, \"max_difference\": 0.0, \"rmse\": 0.0},"
     "{\"row\": 1, \"settings\": {\"accelerator\": \"auto\", \"threads\": 0}, \"threads\": 2,"
     " \"median_ms\": FAST, \"min_ms\": FAST, \"max_ms\": 130.5, \"speedup\": 100.25,"
-    " \"compared_with\": 0, \"identical\": false, \"max_difference\": 0.125, \"rmse\": 0.03125}],"
+    " \"compared_with\": 0, \"identical\": false, \"max_difference\": 0.125, \"rmse\": 0.03125,"
+    " \"ratio\": {\"median\": 0.01, \"low\": 0.009, \"high\": 0.011, \"pairs\": 12, \"spoiled\": "
+    "1},"
+    " \"verdict\": \"faster\", \"cpu_share\": 0.5, \"steal_ms\": null, \"picture_hash\": \"00ff\","
+    " \"tests\": {\"boxes\": 7, \"primitives\": 8}}],"
     " \"notes\": [\"NOTE\"], \"host\": {\"cpu\": \"CPU\", \"isa\": \"avx2\", \"cores\": 2,"
     " \"version\": \"0.1.0\"}, \"pool_threads\": 2}";
 
@@ -76,7 +80,9 @@ START_TEST(test_report__csv_has_a_line_for_each_row)
     has(text, "row,accelerator,threads,threads_worked,median_ms,min_ms,max_ms,speedup,");
     has(text, "\n0,none,1,1,12345.678,12000.0,13000.5,1.0,");
     has(text, "\n1,auto,0,2,123.5,123.5,130.5,100.25,");
-    has(text, ",false,0.125,0.03125\n");
+    has(text, ",rmse,ratio,ratio_low,ratio_high,pairs,spoiled_pairs,verdict,cpu_share,steal_ms,"
+              "box_tests,primitive_tests,picture_hash\n");
+    has(text, ",false,0.125,0.03125,0.01,0.009,0.011,12,1,faster,0.5,,7,8,00ff\n");
     int lines = 0, commas = 0, first = 0;
     for (const char *c = text; *c; c++) {
         commas += *c == ',';
@@ -121,8 +127,34 @@ START_TEST(test_report__markdown_has_rounded_times_and_ratios)
               "13 000 | 1.00\xC3\x97 |");
     has(text, "| 1 | auto | all 2 | 124 | 124\xE2\x80\x93"
               "130 | 100\xC3\x97 |");
-    has(text, "| max 0.125, rmse 0.0312 from row 0 |");
+    has(text, "| 0.010 (0.009\xE2\x80\x93"
+              "0.011) | faster |");
+    has(text, "| max 0.125, rmse 0.0312 from row 0 | 00ff |");
     has(text, "1 400 000");
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__noise_floor_and_end_of_the_repeats_are_told)
+{
+    json_t *report = report_with("room", "123.5");
+    has(write_as(report, "md"), "Noise floor: not measured");
+    json_object_set_new(report, "noise",
+                        json_pack("{s:f, s:f, s:f, s:f}", "median", 1.001, "low", 0.99, "high",
+                                  1.012, "half_width", 0.011));
+    json_object_set_new(report, "interval", json_real(0.02));
+    json_object_set_new(report, "budget_seconds", json_real(9));
+    json_object_set_new(report, "ended_by", json_string("budget"));
+    static const char *const formats[] = {"md", "html"};
+    for (int i = 0; i < 2; i++) {
+        const char *text = write_as(report, formats[i]);
+        has(text, "the baseline against itself 1.001 (0.990\xE2\x80\x93"
+                  "1.012), that is \xC2\xB1"
+                  "1.1 %.");
+        has(text, "The budget of 9 s ended before all intervals were as narrow as 0.02.");
+    }
+    json_object_set_new(report, "ended_by", json_string("interval"));
+    has(write_as(report, "html"), "All intervals are as narrow as 0.02.");
     json_decref(report);
 }
 END_TEST
@@ -250,6 +282,57 @@ static json_t *any_value(struct random *r, int depth)
     }
 }
 
+/* A report of rows with 1, 2 and `most` threads, whose times are 100, 60 and 30 ms, each twice. */
+static json_t *threads_report(double most)
+{
+    const double threads[] = {1, 2, most}, ms[] = {100, 60, 30};
+    json_t *rows = json_array();
+    for (int i = 0; i < 3; i++)
+        json_array_append_new(rows, json_pack("{s:i, s:{s:f}, s:f, s:[f, f]}", "row", i, "settings",
+                                              "threads", threads[i], "threads", threads[i],
+                                              "runs_ms", ms[i], ms[i] * 0.5));
+    json_array_set_new(json_object_get(json_array_get(rows, 0), "runs_ms"), 1, json_real(50));
+    return json_pack("{s:s, s:o}", "kind", "benchmark", "rows", rows);
+}
+
+START_TEST(test_report__speed_up_is_drawn_over_threads)
+{
+    json_t *report = threads_report(4);
+    const char *at = write_as(report, "html");
+    double x[3], y[3];
+    has(at, "<h2>Threads</h2>");
+    has(at, "; 2 threads: 1.67 times; 4 threads: 3.33 times.");
+    for (int i = 0; i < 3; i++) {
+        at = strstr(at, "<circle cx=");
+        ck_assert_ptr_nonnull(at);
+        ck_assert_int_eq(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\"", &x[i], &y[i]), 2);
+        at++;
+    }
+    /* Both axes are linear and begin at 0. */
+    ck_assert_double_eq_tol((x[2] - x[1]) / (x[1] - x[0]), 2, 0.02);
+    ck_assert_double_eq_tol((y[0] - y[2]) / (y[0] - y[1]), (100. / 30 - 1) / (100. / 60 - 1), 0.05);
+    json_decref(report);
+    report = threads_report(64);
+    at = write_as(report, "html");
+    has(at, "both axes logarithmic");
+    json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__no_chart_of_threads_without_two_numbers_of_them)
+{
+    json_t *report = report_with("room", "123.5"); /* the accelerators differ, too */
+    lacks(write_as(report, "html"), "<h2>Threads</h2>");
+    json_decref(report);
+    static const double wrong[] = {0, -5, 1e300, 0.5};
+    for (int i = 0; i < 4; i++) {
+        report = threads_report(wrong[i]);
+        has(write_as(report, "html"), "; 2 threads: 1.67 times. </desc>");
+        json_decref(report);
+    }
+}
+END_TEST
+
 START_TEST(test_report__any_json_can_be_written)
 {
     struct random r = random_begin(41);
@@ -267,7 +350,10 @@ START_TEST(test_report__any_json_can_be_written)
 }
 END_TEST
 
-PEN_SUITE("report", test_report__csv_has_a_line_for_each_row,
+PEN_SUITE("report", test_report__speed_up_is_drawn_over_threads,
+          test_report__no_chart_of_threads_without_two_numbers_of_them,
+          test_report__noise_floor_and_end_of_the_repeats_are_told,
+          test_report__csv_has_a_line_for_each_row,
           test_report__csv_quotes_separators_and_line_feeds, test_report__json_reads_back_as_itself,
           test_report__markdown_has_rounded_times_and_ratios,
           test_report__text_from_a_scene_is_escaped, test_report__text_has_no_control_characters,

@@ -5,24 +5,48 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd/client/bench_history.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
 #include "cmd/client/progress.h"
+#include "cmd/client/report_source.h"
 #include "cmd/client/scene_input.h"
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
+#include "study/comparison.h"
 #include "study/report.h"
 
 struct values {
-    const char *format, *csv, *baseline;
-    struct pen_option_list output, set, matrix, view;
-    int repeats, warmup, threads;
+    struct pen_bench_values bench;
+    struct pen_remote remote;
+    const char *format, *csv, *compare, *history;
+    struct pen_option_list output, set, view;
+    int threads;
     bool quiet, json;
 };
 
+static const char *const compared[] = {"nothing", "counters", "time", NULL};
+
 static const struct pen_option options[] = {
-    PEN_BENCH_OPTIONS(struct values, ""),
+    PEN_BENCH_OPTIONS(struct values, "",
+                      "; without a `=`: a report made earlier, as a JSON file, or the URL or id of "
+                      "a job, with which the rows are compared",
+                      ""),
+    {.name = "compare",
+     .kind = PEN_OPTION_CHOICE,
+     .offset = offsetof(struct values, compare),
+     .value = "nothing|counters|time",
+     .choices = compared,
+     .help = "with a report as --baseline: what makes the command end with code 7; counters, the "
+             "default: other numbers of rays or tests, or other pictures; time: also a row that is "
+             "slower"},
+    {.name = "history",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, history),
+     .value = "DIR",
+     .help = "run nothing; show the reports in a folder, files .json, in the order of time, and "
+             "where times have changed; SCENE, if given, is the name of the reports' scene"},
     PEN_SET_OPTION(struct values),
     {.name = "view",
      .kind = PEN_OPTION_LIST,
@@ -48,6 +72,7 @@ static const struct pen_option options[] = {
      .help = "write the rows to FILE too, as CSV"},
     PEN_QUIET_OPTION(struct values, "no progress bar and no table"),
     PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
+    PEN_REMOTE_OPTIONS(struct values),
     {0}};
 
 /* Everything one benchmark holds. release() frees what has been allocated, at any stage. */
@@ -58,7 +83,7 @@ struct benchmark {
     struct pen_bench bench;
     struct pen_bench_result result;
     int *views;
-    json_t *report;
+    json_t *report, *earlier; /* earlier: the report to compare with; NULL: none */
     struct pen_progress progress;
 };
 
@@ -82,6 +107,24 @@ static bool check_values(const struct values *v, struct pen_status *st)
             return false;
     }
     return !v->csv || pen_file_check(v->csv, st);
+}
+
+/* Reads the report to compare with, if --baseline names one. */
+static int read_earlier(struct benchmark *b)
+{
+    const struct values *v = b->values;
+    struct pen_errors errors = {0};
+    struct pen_status st;
+    const char *name;
+    if (!pen_bench_options_report(&v->bench, &name, &st))
+        return pen_report_json(NULL, v->json, &st);
+    if (!name && v->compare) {
+        pen_fail(&st, PEN_USAGE, "--compare: needs a report as --baseline");
+        return pen_report_json(NULL, v->json, &st);
+    }
+    return !name || pen_report_source_read(name, &v->remote, &b->earlier, &errors)
+               ? 0
+               : pen_report_errors_json(name, v->json, &errors);
 }
 
 static bool choose_views(struct benchmark *b, struct pen_status *st)
@@ -108,8 +151,8 @@ static bool read_spec(struct benchmark *b, struct pen_errors *errors)
 {
     const struct values *v = b->values;
     struct pen_status st;
-    json_t *members = json_pack("{s:i, s:i}", "repeats", v->repeats, "warmup", v->warmup);
-    bool ok = pen_bench_options_add(members, &v->matrix, v->baseline, &st);
+    json_t *members = json_object();
+    bool ok = pen_bench_options_add(members, &v->bench, &st);
     if (!ok)
         pen_errors_add(errors, &st);
     else
@@ -165,6 +208,25 @@ static bool measure(struct benchmark *b, struct pen_status *st)
     return ok;
 }
 
+/* Puts the comparison with the earlier report into the report. */
+static bool compare(struct benchmark *b, struct pen_status *st)
+{
+    if (!b->earlier)
+        return true;
+    json_t *comparison = pen_comparison_new(b->earlier, b->report, st);
+    return comparison && (json_object_set_new(b->report, "comparison", comparison) == 0 ||
+                          pen_fail(st, PEN_NO_MEMORY, "out of memory"));
+}
+
+/* Whether the comparison is as --compare wants it. */
+static bool judge(const struct benchmark *b, struct pen_status *st)
+{
+    const char *compare = b->values->compare ? b->values->compare : "counters";
+    const json_t *comparison = json_object_get(b->report, "comparison");
+    return !comparison || strcmp(compare, "nothing") == 0 ||
+           pen_comparison_judge(comparison, strcmp(compare, "time") == 0, st);
+}
+
 static bool write_format(const struct benchmark *b, const char *path, const char *format,
                          struct pen_status *st)
 {
@@ -194,6 +256,10 @@ static void print_report(const struct benchmark *b)
         pen_report_line(json_incref(b->report));
     } else if (!b->values->quiet && !pen_output_is_standard(&b->values->output)) {
         pen_bench_report_write_text(b->report, &text);
+        if (b->earlier) {
+            pen_buf_puts(&text, "\n");
+            pen_comparison_write_text(json_object_get(b->report, "comparison"), &text);
+        }
         fputs(text.data ? (const char *)text.data : "", stdout);
         pen_buf_release(&text);
     }
@@ -202,6 +268,7 @@ static void print_report(const struct benchmark *b)
 static void release(struct benchmark *b)
 {
     json_decref(b->report);
+    json_decref(b->earlier);
     pen_bench_result_release(&b->bench, &b->result);
     pen_bench_spec_release(&b->spec);
     free(b->views);
@@ -215,23 +282,41 @@ static int benchmark(struct benchmark *b, const char *name)
     struct pen_status st;
     if (!check_values(b->values, &st))
         return pen_report_json(NULL, json, &st);
+    const int code = read_earlier(b);
+    if (code != 0)
+        return code;
     if (!pen_scene_input_read(&b->input, name, &errors))
         return pen_report_errors_json(b->input.source.label, json, &errors);
     if (!prepare(b, &errors))
         return pen_report_errors_json(NULL, json, &errors);
-    if (!measure(b, &st) || !write_reports(b, &st))
+    if (!measure(b, &st) || !compare(b, &st) || !write_reports(b, &st))
         return pen_report_json(NULL, json, &st);
     print_report(b);
-    return 0;
+    if (judge(b, &st))
+        return 0;
+    return b->values->quiet ? pen_code_exit(st.code) : pen_report("penumbra", NULL, &st);
 }
 
 static int run(int argc, char **argv)
 {
-    struct values values = {.repeats = 3, .warmup = 1};
+    struct values values = {.bench = PEN_BENCH_VALUES, .remote = PEN_REMOTE_DEFAULT};
     struct pen_parsed parsed;
     int code = pen_command_begin(&pen_command_bench, argc, argv, &values, &parsed);
     if (code >= 0)
         return code;
+    if (values.history)
+        return pen_bench_history(&(struct pen_bench_history){
+            .folder = values.history,
+            .scene = parsed.count > 0 ? parsed.args[0] : NULL,
+            .output = &values.output,
+            .least_effect = values.bench.least_effect >= 0 ? values.bench.least_effect : 0.02,
+            .json = values.json,
+            .quiet = values.quiet});
+    if (parsed.count == 0) {
+        struct pen_status st;
+        pen_fail(&st, PEN_USAGE, "missing argument, usage: penumbra bench SCENE");
+        return pen_report_json(NULL, values.json, &st);
+    }
     struct benchmark b = {.values = &values};
     code = benchmark(&b, parsed.args[0]);
     release(&b);
@@ -249,7 +334,7 @@ const struct pen_command pen_command_bench = {
                "give the same picture, bit for bit; otherwise the command ends with code 7 and "
                "names the first pixel that differs.",
     .options = options,
-    .min_args = 1,
+    .min_args = 0,
     .max_args = 1,
     .run = run,
 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra compare`: measures the difference of two picture files, and draws where it is. */
+/* `penumbra compare`: measures the difference of two picture files, and draws where it is. Two
+ * reports of benchmarks are compared by report_source.c. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -9,6 +10,7 @@
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
+#include "cmd/client/report_source.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
 #include "film/encode.h"
@@ -20,7 +22,7 @@
 struct values {
     double max_rmse, max_flip, min_ssim, max_error, tolerance;
     const char *output, *format;
-    bool json, quiet;
+    bool json, quiet, time;
 };
 
 /* What is measured. Without being asked for, ssim and flip stay 0. */
@@ -67,6 +69,10 @@ static const struct pen_option options[] = {
                       "draw FLIP's error of each pixel, from black (none) to pale yellow (1), as "
                       "OUT.png; OUT.pfm has the numbers"),
     PEN_FORMAT_OPTION(struct values, "png|png16|pfm", pen_output_formats),
+    {.name = "time",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, time),
+     .help = "of two reports: fail also if a row is slower"},
     PEN_QUIET_OPTION(struct values, "print nothing; the exit code is the answer"),
     PEN_JSON_OPTION(struct values, "print the figures as a line of JSON"),
     {0}};
@@ -231,6 +237,12 @@ static int run(int argc, char **argv)
     int code = pen_command_begin(&pen_command_compare, argc, argv, &values, &parsed);
     if (code >= 0)
         return code;
+    if (pen_report_source_is_json(parsed.args[0]) && pen_report_source_is_json(parsed.args[1]))
+        return pen_report_compare(&(struct pen_report_compare){.before = parsed.args[0],
+                                                               .after = parsed.args[1],
+                                                               .time = values.time,
+                                                               .json = values.json,
+                                                               .quiet = values.quiet});
     struct pen_status st;
     if (!check_values(&values, &st))
         return pen_report_json(NULL, values.json, &st);
@@ -249,14 +261,16 @@ const struct pen_command pen_command_compare = {
     .program = "penumbra",
     .name = "compare",
     .arguments = "A B",
-    .summary = "Measures the difference of two pictures.",
+    .summary = "Measures the difference of two pictures, or compares two reports.",
     .details =
         "A and B are PNG or PFM files of the same size. All figures but one are about "
         "sRGB-encoded values from 0 to 1: the root mean square error and its PSNR, SSIM of luma "
         "(1: equal), FLIP at 67 pixels per degree (0: looks equal), and the largest difference of "
         "a value. The relative mean square error is about linear values; B is its reference. "
         "Without a bound (--max-rmse, --max-flip, --min-ssim, --max-error) the command accepts "
-        "any difference.",
+        "any difference. Two reports of benchmarks, as JSON, are compared row by row: what the "
+        "runs counted and their pictures must be equal, or the command ends with code 7; times "
+        "advise, and have a verdict if both reports are of one host.",
     .options = options,
     .min_args = 2,
     .max_args = 2,

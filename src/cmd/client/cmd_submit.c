@@ -23,11 +23,12 @@
 
 struct values {
     struct pen_remote remote;
-    struct pen_option_list set, view, label, matrix;
-    const char *name, *idempotency_key, *output, *format, *kind, *baseline;
-    double audit, budget;
-    int audit_pixels, priority, repeats, warmup;
-    bool has_priority, has_repeats, has_warmup;
+    struct pen_bench_values bench;
+    struct pen_option_list set, view, label;
+    const char *name, *idempotency_key, *output, *format, *kind;
+    double audit;
+    int audit_pixels, priority;
+    bool has_priority;
     bool wait, quiet, json;
 };
 
@@ -46,13 +47,8 @@ static const struct pen_option options[] = {
      .value = "render|benchmark|effects",
      .choices = kinds,
      .help = "what the job does with the scene, render by default"},
-    PEN_BENCH_OPTIONS(struct values, "of a study: "),
-    {.name = "budget",
-     .kind = PEN_OPTION_NUMBER,
-     .offset = offsetof(struct values, budget),
-     .value = "SECONDS",
-     .max = 1e6,
-     .help = "make the best picture of one view in so long"},
+    PEN_BENCH_OPTIONS(struct values, "of a study: ", "",
+                      "of a render: make the best picture of one view in so long; of a benchmark "),
     PEN_AUDIT_OPTIONS(struct values, audit),
     {.name = "name",
      .kind = PEN_OPTION_TEXT,
@@ -141,17 +137,11 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
         json_object_set_new(job, "priority", json_integer(values->priority));
     if (values->kind)
         json_object_set_new(job, "kind", json_string(values->kind));
-    if (values->has_repeats)
-        json_object_set_new(job, "repeats", json_integer(values->repeats));
-    if (values->budget >= 0)
-        json_object_set_new(job, "budget_seconds", json_real(values->budget));
     if (values->audit >= 0)
         json_object_set_new(
             job, "audit",
             json_pack("{s:i, s:f}", "pixels", values->audit_pixels, "threshold", values->audit));
-    if (values->has_warmup)
-        json_object_set_new(job, "warmup", json_integer(values->warmup));
-    return pen_bench_options_add(job, &values->matrix, values->baseline, st) &&
+    return pen_bench_options_add(job, &values->bench, st) &&
            pen_set_options_add(job, &values->set, st) && add_labels(job, &values->label, st);
 }
 
@@ -362,6 +352,16 @@ static bool check_output(const struct values *values, struct pen_status *st)
     return pen_file_check(values->output, st);
 }
 
+/* A daemon compares rows alone. */
+static bool check_baseline(const struct values *values, struct pen_status *st)
+{
+    const char *report;
+    if (!pen_bench_options_report(&values->bench, &report, st))
+        return false;
+    return !report ||
+           pen_fail(st, PEN_USAGE, "--baseline: found \"%s\", allowed is KEY=VALUE,…", report);
+}
+
 static bool is_given(const struct pen_parsed *parsed, const char *option)
 {
     return parsed->set >> pen_option_find(options, option) & 1;
@@ -369,8 +369,10 @@ static bool is_given(const struct pen_parsed *parsed, const char *option)
 
 static int run(int argc, char **argv)
 {
-    struct values values = {
-        .remote = PEN_REMOTE_DEFAULT, .audit = -1, .budget = -1, .audit_pixels = PEN_AUDIT_PIXELS};
+    struct values values = {.remote = PEN_REMOTE_DEFAULT,
+                            .bench = PEN_BENCH_VALUES,
+                            .audit = -1,
+                            .audit_pixels = PEN_AUDIT_PIXELS};
     struct pen_parsed parsed;
     int code = pen_command_begin(&pen_command_submit, argc, argv, &values, &parsed);
     if (code >= 0)
@@ -381,9 +383,7 @@ static int run(int argc, char **argv)
     struct pen_errors errors = {0};
     struct pen_client *client = NULL;
     values.has_priority = is_given(&parsed, "priority");
-    values.has_repeats = is_given(&parsed, "repeats");
-    values.has_warmup = is_given(&parsed, "warmup");
-    if (!check_output(&values, &st))
+    if (!check_baseline(&values, &st) || !check_output(&values, &st))
         code = pen_report_json(NULL, values.json, &st);
     else if (!make_body(parsed.args[0], &source, &values, &body, &errors))
         code = pen_report_errors_json(errors.item[0].code == PEN_USAGE ? NULL : source.label,

@@ -4,6 +4,8 @@
 #ifndef PEN_CMD_CLIENT_COMMON_OPTIONS_H
 #define PEN_CMD_CLIENT_COMMON_OPTIONS_H
 
+#include <limits.h>
+
 #include "cmd/options.h"
 #include "jobs/bench_spec.h"
 
@@ -52,32 +54,73 @@
 #define PEN_RENDER_THREADS_OPTION(values)                                                          \
     PEN_THREADS_OPTION(values, "how many render threads; 0, the default, is one per core")
 
-/* matrix, repeats, warmup and baseline. `prefix` begins their help texts. */
-#define PEN_BENCH_OPTIONS(values, prefix)                                                          \
+/* What the options of a benchmark leave. Numbers below 0 were not given. */
+struct pen_bench_values {
+    struct pen_option_list matrix, baseline;
+    int repeats, warmup, order_seed;
+    double interval, budget, least_effect;
+};
+
+#define PEN_BENCH_VALUES                                                                           \
+    {                                                                                              \
+        .repeats = -1, .warmup = -1, .order_seed = -1, .interval = -1, .budget = -1,               \
+        .least_effect = -1                                                                         \
+    }
+
+/* The options of a benchmark; `values` has them in a member `bench`. `prefix` begins their help
+ * texts, `budget_text` that of --budget; `baseline_text` is what that of --baseline says besides.
+ */
+#define PEN_BENCH_OPTIONS(values, prefix, baseline_text, budget_text)                              \
     {.name = "matrix",                                                                             \
      .letter = 'm',                                                                                \
      .kind = PEN_OPTION_LIST,                                                                      \
-     .offset = offsetof(values, matrix),                                                           \
+     .offset = offsetof(values, bench.matrix),                                                     \
      .value = "KEY=VALUE,…",                                                                       \
      .help = prefix "values of a render setting to compare; may be repeated, every combination "   \
                     "is a row"},                                                                   \
         {.name = "repeats",                                                                        \
          .kind = PEN_OPTION_INT,                                                                   \
-         .offset = offsetof(values, repeats),                                                      \
+         .offset = offsetof(values, bench.repeats),                                                \
          .value = "N",                                                                             \
          .min = 1,                                                                                 \
          .max = PEN_BENCH_REPEATS_MAX,                                                             \
          .help = prefix "timed runs of each row, 3 by default"},                                   \
         {.name = "warmup",                                                                         \
          .kind = PEN_OPTION_INT,                                                                   \
-         .offset = offsetof(values, warmup),                                                       \
+         .offset = offsetof(values, bench.warmup),                                                 \
          .value = "N",                                                                             \
          .max = PEN_BENCH_WARMUP_MAX,                                                              \
          .help = prefix "runs of each row before the timed ones, 1 by default"},                   \
+        {.name = "interval",                                                                       \
+         .kind = PEN_OPTION_NUMBER,                                                                \
+         .offset = offsetof(values, bench.interval),                                               \
+         .value = "W",                                                                             \
+         .max = 1,                                                                                 \
+         .help = prefix "instead of --repeats: run on until the 95 % interval of every row's "     \
+                        "ratio to the baseline is no wider than W (0.02 with --budget alone)"},    \
+        {.name = "budget",                                                                         \
+         .kind = PEN_OPTION_NUMBER,                                                                \
+         .offset = offsetof(values, bench.budget),                                                 \
+         .value = "SECONDS",                                                                       \
+         .max = PEN_BENCH_BUDGET_MAX_S,                                                            \
+         .help = budget_text "with --interval: begin no run later than this, 60 by default"},      \
+        {.name = "least-effect",                                                                   \
+         .kind = PEN_OPTION_NUMBER,                                                                \
+         .offset = offsetof(values, bench.least_effect),                                           \
+         .value = "E",                                                                             \
+         .max = 1,                                                                                 \
+         .help = prefix "the smallest difference that makes a row faster or slower, 0.02 (2 %) "   \
+                        "by default"},                                                             \
+        {.name = "order-seed",                                                                     \
+         .kind = PEN_OPTION_INT,                                                                   \
+         .offset = offsetof(values, bench.order_seed),                                             \
+         .value = "N",                                                                             \
+         .max = INT_MAX,                                                                           \
+         .help = prefix "seed of the random order of runs, another one each time by default"},     \
     {                                                                                              \
-        .name = "baseline", .kind = PEN_OPTION_TEXT, .offset = offsetof(values, baseline),         \
+        .name = "baseline", .kind = PEN_OPTION_LIST, .offset = offsetof(values, bench.baseline),   \
         .value = "KEY=VALUE,…",                                                                    \
-        .help = prefix "the row that speed-ups refer to, the first by default"                     \
+        .help = prefix "the row that speed-ups refer to, the first by default" baseline_text       \
     }
 
 #endif

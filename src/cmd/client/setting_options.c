@@ -101,9 +101,67 @@ static bool add_baseline(json_t *job, const char *text, struct pen_status *st)
     return ok || fail_form("baseline", text, st);
 }
 
-bool pen_bench_options_add(json_t *job, const struct pen_option_list *matrix, const char *baseline,
+static bool is_row(const char *baseline)
+{
+    return strchr(baseline, '=') != NULL;
+}
+
+static bool add_baselines(json_t *job, const struct pen_option_list *baseline,
+                          struct pen_status *st)
+{
+    for (int i = 0; i < baseline->count; i++) {
+        if (!is_row(baseline->item[i]))
+            continue;
+        if (json_object_get(job, "baseline") && i > 0)
+            return pen_fail(st, PEN_USAGE, "--baseline: only one row can be the baseline");
+        if (!add_baseline(job, baseline->item[i], st))
+            return false;
+    }
+    return true;
+}
+
+bool pen_bench_options_report(const struct pen_bench_values *values, const char **report,
+                              struct pen_status *st)
+{
+    const struct pen_option_list *baseline = &values->baseline;
+    *report = NULL;
+    for (int i = 0; i < baseline->count; i++) {
+        if (is_row(baseline->item[i]))
+            continue;
+        if (*report)
+            return pen_fail(st, PEN_USAGE,
+                            "--baseline: found the reports \"%s\" and \"%s\", allowed is one",
+                            *report, baseline->item[i]);
+        *report = baseline->item[i];
+    }
+    return true;
+}
+
+static bool add_integer(json_t *job, const char *key, int value)
+{
+    return value < 0 || json_object_set_new(job, key, json_integer(value)) == 0;
+}
+
+static bool add_real(json_t *job, const char *key, double value)
+{
+    return value < 0 || json_object_set_new(job, key, json_real(value)) == 0;
+}
+
+static bool add_numbers(json_t *job, const struct pen_bench_values *values, struct pen_status *st)
+{
+    return (add_integer(job, "repeats", values->repeats) &&
+            add_integer(job, "warmup", values->warmup) &&
+            add_integer(job, "order_seed", values->order_seed) &&
+            add_real(job, "interval", values->interval) &&
+            add_real(job, "budget_seconds", values->budget) &&
+            add_real(job, "least_effect", values->least_effect)) ||
+           pen_fail(st, PEN_NO_MEMORY, "out of memory");
+}
+
+bool pen_bench_options_add(json_t *job, const struct pen_bench_values *values,
                            struct pen_status *st)
 {
+    const struct pen_option_list *matrix = &values->matrix;
     json_t *lists = matrix->count > 0 ? json_object() : NULL;
     if (lists && json_object_set_new(job, "matrix", lists) != 0)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory");
@@ -111,14 +169,18 @@ bool pen_bench_options_add(json_t *job, const struct pen_option_list *matrix, co
         if (!add_list(lists, matrix->item[i], st))
             return false;
     }
-    return !baseline || add_baseline(job, baseline, st);
+    return add_numbers(job, values, st) && add_baselines(job, &values->baseline, st);
 }
 
-/* "/matrix/threads/1" -> "--matrix threads". */
+/* "/matrix/threads/1" -> "--matrix threads"; "/budget_seconds" -> "--budget". */
 static void name_option(struct pen_status *st)
 {
     char option[PEN_AT_BYTES + 8], text[PEN_MSG_BYTES];
+    if (strcmp(st->at, "/budget_seconds") == 0)
+        strcpy(st->at, "/budget");
     size_t length = strcspn(st->at + 1, "/");
+    for (char *c = st->at; c <= st->at + length; c++)
+        *c = *c == '_' ? '-' : *c;
     const char *key = st->at[length + 1] ? st->at + length + 2 : "";
     snprintf(option, sizeof option, "--%.*s%s%.*s", (int)length, st->at + 1, *key ? " " : "",
              (int)strcspn(key, "/"), key);

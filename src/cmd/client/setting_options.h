@@ -6,7 +6,7 @@
 
 #include <jansson.h>
 
-#include "cmd/options.h"
+#include "cmd/client/common_options.h"
 #include "scene/settings.h"
 
 /* Applies every --set to *settings. Fails: PEN_USAGE, PEN_UNSUPPORTED, PEN_NO_MEMORY, naming the
@@ -18,12 +18,17 @@ bool pen_set_options_apply(const struct pen_option_list *set, struct pen_setting
  * pen_set_options_apply. */
 bool pen_set_options_add(json_t *job, const struct pen_option_list *set, struct pen_status *st);
 
-/* Adds "matrix" and "baseline" to a job; without options neither. baseline may be NULL.
- * Fails: PEN_USAGE, naming the option; PEN_NO_MEMORY. */
-bool pen_bench_options_add(json_t *job, const struct pen_option_list *matrix, const char *baseline,
+/* Adds the members of a benchmark to a job: those whose options were given. Of the baselines those
+ * that are rows, that is, have a `=`; others are left to the caller. Fails: PEN_USAGE, naming the
+ * option; PEN_NO_MEMORY. */
+bool pen_bench_options_add(json_t *job, const struct pen_bench_values *values,
                            struct pen_status *st);
 
-/* Turns errors about those two members into errors about the options: "/matrix/threads/1" becomes
+/* The only baseline that is no row; NULL if there is none. Fails: PEN_USAGE for several. */
+bool pen_bench_options_report(const struct pen_bench_values *values, const char **report,
+                              struct pen_status *st);
+
+/* Turns errors about these members into errors about the options: "/matrix/threads/1" becomes
  * "--matrix threads". */
 void pen_bench_options_errors(struct pen_errors *errors);
 

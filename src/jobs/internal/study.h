@@ -2,9 +2,9 @@
 /* What the studies of a worker have in common: they describe the job's scene and find its views
  * themselves, instead of taking a frozen scene from the cache, and store their progress in runs.
  *
- * A study is one batch: when a worker dies, its times are lost and the next worker measures again,
- * so no report mixes the times of two workers. Progress is stored between runs, never during one.
- */
+ * A study is one batch. A benchmark keeps what it has measured in the store; of other studies the
+ * times are lost when a worker dies, and the next worker measures again. Progress is stored between
+ * runs, never during one. */
 #ifndef PEN_JOBS_INTERNAL_STUDY_H
 #define PEN_JOBS_INTERNAL_STUDY_H
 

@@ -266,6 +266,10 @@ struct pen_driver_ops {
      * *job is the job's number; claim->attempt is the attempt before this claim. */
     bool (*next_open)(struct pen_driver *driver, int64_t paused_until_ms, bool quarantined,
                       struct pen_claim *claim, int64_t *job, bool *found, struct pen_status *st);
+    /* Whether a batch is open that comes before this one by its priority, of a job whose pause ends
+     * by paused_until_ms. */
+    bool (*open_above)(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms, bool *any,
+                       struct pen_status *st);
     /* Counts the batches that a worker holds, and those that it must hold alone: quarantined
      * batches and studies. */
     bool (*held_by)(struct pen_driver *driver, const char *worker, int *count, int *alone,

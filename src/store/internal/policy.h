@@ -55,6 +55,10 @@ bool pen_blob_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t n
 bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t number, size_t bytes,
                    struct pen_status *st);
 
+/* What a study keeps is an artefact of its view, under these names. */
+#define PEN_KEPT_LAYER "kept"
+#define PEN_KEPT_FORMAT "state"
+
 /* Stores an artefact; inside a transaction. */
 bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key, const void *data,
                       size_t bytes, struct pen_status *st);
@@ -79,6 +83,8 @@ bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                          struct pen_status *st);
+bool pen_policy_keep(struct pen_store *store, const struct pen_claim *claim,
+                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,
                          int64_t estimate_ms, struct pen_status *st);
 bool pen_policy_release(struct pen_store *store, const struct pen_claim *claim,

@@ -28,6 +28,19 @@ bool pen_sqlite_any_open(struct pen_driver *driver, bool *any, struct pen_status
     return true;
 }
 
+bool pen_sqlite_open_above(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
+                           bool *any, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_OPEN_ABOVE);
+    pen_sqlite_int(&query, batch);
+    pen_sqlite_int(&query, paused_until_ms);
+    if (!pen_sqlite_next(&query, any, st))
+        return false;
+    if (*any)
+        pen_sqlite_end(&query);
+    return true;
+}
+
 #define COLUMN(name, value) CLAIM_##name,
 enum { PEN_SQLITE_CLAIM_COLUMNS(COLUMN, COLUMN) };
 

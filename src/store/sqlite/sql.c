@@ -100,6 +100,9 @@ static const char *const sql_text[] = {
     [SQL_NEXT_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
                       " WHERE b.state = 0 AND j.paused_until_ms <= ?1 AND b.quarantined <= ?2"
                       " ORDER BY b.priority DESC, b.job, b.id LIMIT 1",
+    [SQL_OPEN_ABOVE] = "SELECT 1 FROM batch b JOIN job j ON j.number = b.job WHERE b.state = 0"
+                       " AND b.priority > (SELECT priority FROM batch WHERE id = ?1)"
+                       " AND j.paused_until_ms <= ?2 LIMIT 1",
     [SQL_HELD_BY] = "SELECT count(*), coalesce(sum(quarantined OR kind = 2), 0) FROM batch"
                     " WHERE state = 1 AND worker = ?",
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES

@@ -49,6 +49,7 @@ enum pen_sqlite_sql {
     SQL_JOB_END_BATCHES,
     SQL_JOB_REMOVE,
     SQL_ANY_OPEN,
+    SQL_OPEN_ABOVE,
     SQL_NEXT_OPEN,
     SQL_HELD_BY,
     SQL_FIRST_HELD,
@@ -272,6 +273,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(keys_remove)                                                                                \
     OP(any_open)                                                                                   \
     OP(next_open)                                                                                  \
+    OP(open_above)                                                                                 \
     OP(held_by)                                                                                    \
     OP(first_held)                                                                                 \
     OP(batch_get)                                                                                  \

@@ -10,6 +10,10 @@
  */
 bool pen_bench_rows_same_work(const struct pen_bench_row *a, const struct pen_bench_row *b);
 
+/* Whether two rows are meant to show the same scene equally well: they differ in how it is computed
+ * alone, in accelerator, threads, tile and precision. */
+bool pen_bench_rows_same_quality(const struct pen_bench_row *a, const struct pen_bench_row *b);
+
 struct pen_bench_pictures;
 
 /* Fails: NULL when out of memory. Owns: free with pen_bench_pictures_free; borrows the benchmark.
@@ -25,7 +29,14 @@ float *pen_bench_pictures_target(struct pen_bench_pictures *pictures, int view);
  */
 bool pen_bench_pictures_check(struct pen_bench_pictures *pictures, int row, struct pen_status *st);
 
-/* Fills same_as, compared_with, identical, max_difference and rmse of a row's result.
+/* The first row that shows the same picture. */
+int pen_bench_pictures_first(const struct pen_bench *bench, int row);
+
+/* The hash of the film of a row's pictures, which have been checked; of several views, a hash of
+ * theirs. */
+uint64_t pen_bench_pictures_hash(const struct pen_bench_pictures *pictures, int row);
+
+/* Fills picture_hash, same_as, compared_with, identical, max_difference and rmse of a row's result.
  * Fails: PEN_NO_MEMORY. */
 bool pen_bench_pictures_measure(const struct pen_bench_pictures *pictures, int row,
                                 struct pen_bench_row_result *out, struct pen_status *st);

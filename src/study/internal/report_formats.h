@@ -11,7 +11,14 @@
 void pen_bench_report_write_markdown(const json_t *report, struct pen_buf *out);
 void pen_bench_report_write_html(const json_t *report, struct pen_buf *out);
 
+/* The head of a page and its heading, "TITLE: OF"; `title` is without markup. */
+void pen_bench_page_begin(const char *title, const char *of, struct pen_buf *out);
+
 /* The bar chart of the rows' medians, as an SVG element. */
 void pen_bench_chart_write(const json_t *report, struct pen_buf *out);
+
+/* The chart of speed-up over threads, as a section with a heading; nothing if no rows differ in
+ * threads. */
+void pen_bench_scaling_write(const json_t *report, struct pen_buf *out);
 
 #endif

@@ -34,25 +34,29 @@ void pen_bench_write_row_name(const json_t *row, struct pen_buf *out);
  * "all 2", "2 of 8". */
 void pen_bench_write_threads(const json_t *row, struct pen_buf *out);
 
-/* Appends how a row's picture compares: "reference", "identical to row 0",
- * "max 0.0123, rmse 0.00045 from row 0". */
-void pen_bench_write_picture(const json_t *row, struct pen_buf *out);
-
 /* Appends a row's speed-up over the baseline: "1.25×". */
 void pen_bench_write_speedup(const json_t *row, struct pen_buf *out);
 
-/* Appends the sentence on how the times were measured. */
+/* Appends a ratio with its interval, if it has one: "0.982 (0.976–0.991)". */
+void pen_bench_write_ratio(const json_t *ratio, struct pen_buf *out);
+
+/* Appends what the baseline's twin tells, and why the repeats ended. */
+void pen_bench_write_noise(const json_t *report, struct pen_buf *out);
+
+/* Appends how the times were measured. */
 void pen_bench_write_method(const json_t *report, struct pen_buf *out);
 
-/* Appends "AMD EPYC, avx2, 2 cores, 2 threads in the pool, Penumbra 0.1.0; load average …". */
+/* Appends "AMD EPYC, avx2, 2 cores, 2 threads in the pool, Penumbra 0.1.0, kernel …; load average
+ * …". */
 void pen_bench_write_host(const json_t *report, struct pen_buf *out);
 
-/* A column of a table: what it shows of a row. One of the last three members is set. */
+/* A column of a table: what it shows of a row. One of number, count and write is set. */
 struct pen_bench_column {
     const char *title;
     const char *number; /* the path of a number, shown as by pen_bench_write_number */
     const char *count;  /* the path of a whole number, shown with all its digits */
     void (*write)(const json_t *row, struct pen_buf *out);
+    bool words; /* aligned left */
 };
 
 /* Appends what the column shows of the row; nothing if the row has no such number. */

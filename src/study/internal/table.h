@@ -17,6 +17,13 @@ bool pen_bench_table_init(const json_t *report, const struct pen_bench_column *c
                           struct pen_bench_table *table);
 void pen_bench_table_release(struct pen_bench_table *table);
 
+/* Appends such a table as aligned plain text. */
+void pen_bench_write_text_table(const json_t *report, const struct pen_bench_column *columns,
+                                struct pen_buf *out);
+
+/* Appends text with `?` for control characters, which would act on a terminal. */
+void pen_bench_write_plain(const char *text, struct pen_buf *out);
+
 /* The text of a cell. */
 const char *pen_bench_table_cell(const struct pen_bench_table *table, size_t row, size_t column);
 

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+#include "study/internal/calibration.h"
+
+#include <math.h>
+#include <stdint.h>
+
+#include "base/clock.h"
+
+enum { SPHERES = 512, RAYS = 2048 };
+
+/* Uniform in [0, 1): splitmix64 (Steele, Lea, Flood, OOPSLA 2014). */
+static double next(uint64_t *state)
+{
+    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+struct sphere {
+    double x, y, z, square; /* centre; the radius, squared */
+};
+
+/* The least distance at which the ray from the origin along (x, y, 1) enters a sphere; 1000 if it
+ * misses all. */
+static double nearest(const struct sphere *spheres, double x, double y)
+{
+    const double length = sqrt(x * x + y * y + 1);
+    double least = 1000;
+    for (int i = 0; i < SPHERES; i++) {
+        const struct sphere *s = &spheres[i];
+        const double along = (s->x * x + s->y * y + s->z) / length;
+        const double inside = along * along - (s->x * s->x + s->y * s->y + s->z * s->z) + s->square;
+        if (inside > 0 && along - sqrt(inside) < least)
+            least = along - sqrt(inside);
+    }
+    return least;
+}
+
+double pen_calibration_run(void)
+{
+    struct sphere spheres[SPHERES];
+    uint64_t state = 1;
+    volatile double sum = 0; /* so that the compiler leaves nothing out */
+    for (int i = 0; i < SPHERES; i++)
+        spheres[i] = (struct sphere){.x = 8 * next(&state) - 4,
+                                     .y = 8 * next(&state) - 4,
+                                     .z = 6 + 8 * next(&state),
+                                     .square = 0.04 * next(&state)};
+    const int64_t begun_ns = pen_clock_ns();
+    for (int i = 0; i < RAYS; i++) {
+        const double x = next(&state) - 0.5;
+        sum += nearest(spheres, x, next(&state) - 0.5);
+    }
+    return (double)(pen_clock_ns() - begun_ns) * 1e-6;
+}
