@@ -13,8 +13,9 @@ static pen_batch_run_fn *study_of(enum pen_job_kind kind)
         return pen_batch_effects;
     case PEN_KIND_EXPLAIN:
         return pen_batch_explain;
-    case PEN_KIND_RENDER:
     case PEN_KIND_ACCURACY:
+        return pen_batch_accuracy;
+    case PEN_KIND_RENDER:
     case PEN_KIND_COUNT:
         break;
     }

@@ -37,6 +37,7 @@ static int batches_of_view(const struct pen_request *request, int tiles)
 static struct pen_batch_new study_batch(const struct pen_request *request)
 {
     const struct pen_bench bench = pen_bench_of_spec(&request->spec);
+    const struct pen_accuracy_task accuracy = pen_accuracy_of_spec(&request->accuracy);
     struct pen_batch_new batch = {.kind = PEN_BATCH_STUDY};
     if (request->kind == PEN_KIND_BENCHMARK)
         batch.pixels = pen_bench_runs(&bench);
@@ -44,6 +45,8 @@ static struct pen_batch_new study_batch(const struct pen_request *request)
         batch.pixels =
             pen_bill_runs(pen_bill_effects(&request->desc, request->views[0], &request->settings),
                           request->repeats);
+    else if (request->kind == PEN_KIND_ACCURACY)
+        batch.pixels = pen_accuracy_runs(&accuracy);
     else
         batch.pixels = request->analyze ? 2 : 1; /* a pre-render, and a render */
     return batch;

@@ -13,62 +13,12 @@
 #include "io/json_build.h"
 #include "io/settings_json.h"
 #include "jobs/internal/request_errors.h"
-
-enum { UP_BYTES = PEN_AT_BYTES };
+#include "jobs/internal/setting_lists.h"
 
 static const char matrix_at[] = "/matrix";
 
 /* Of the median ratio, of all runs, of a verdict. */
 static const double default_interval = 0.02, default_budget_s = 60, default_least_effect = 0.02;
-
-/* Reads entry i of the list of the setting `key` into *settings. The place of an error is the
- * entry, or the list if there is no such setting. */
-static bool read_value(const char *key, const json_t *value, size_t i,
-                       struct pen_settings *settings, struct pen_errors *errors)
-{
-    struct pen_errors found = {0};
-    bool known = pen_settings_has(key);
-    bool ok = pen_settings_read_member(key, value, matrix_at, settings, &found);
-    for (size_t e = 0; e < found.count; e++) {
-        struct pen_status *error = &found.item[e];
-        char up[UP_BYTES], place[24];
-        snprintf(up, sizeof up, "%s", error->at);
-        snprintf(place, sizeof place, "%zu", i);
-        pen_request_fail(errors, error->code, up, known ? place : NULL, "%s", error->msg);
-    }
-    return ok;
-}
-
-static bool check_list(const char *key, const json_t *list, struct pen_errors *errors)
-{
-    struct pen_settings scratch = pen_settings_default();
-    bool ok = true;
-    size_t i;
-    json_t *value;
-    if (!json_is_array(list) || json_array_size(list) == 0) {
-        pen_request_fail(errors, PEN_INVALID, matrix_at, key,
-                         "must be an array of one or more values of this setting, found %s",
-                         pen_found(list).text);
-        return false;
-    }
-    json_array_foreach(list, i, value)
-    {
-        ok &= read_value(key, value, i, &scratch, errors);
-        if (!pen_settings_has(key))
-            return false;
-        for (size_t k = 0; k < i; k++) {
-            char up[UP_BYTES], place[24];
-            if (!json_equal(json_array_get(list, k), value))
-                continue;
-            snprintf(up, sizeof up, "%s/%s", matrix_at, key);
-            snprintf(place, sizeof place, "%zu", i);
-            pen_request_fail(errors, PEN_INVALID, up, place, "%s is there twice",
-                             pen_found(value).text);
-            ok = false;
-        }
-    }
-    return ok;
-}
 
 /* Checks the matrix and counts its rows. */
 static bool check_matrix(struct pen_bench_spec *spec, struct pen_errors *errors)
@@ -76,26 +26,19 @@ static bool check_matrix(struct pen_bench_spec *spec, struct pen_errors *errors)
     const char *key;
     json_t *list;
     double rows = 1;
-    bool ok = true;
-    if (!json_is_object(spec->matrix)) {
-        pen_request_fail(errors, PEN_INVALID, "", "matrix",
-                         "must be an object of render settings, each with an array of values, "
-                         "found %s",
-                         pen_found(spec->matrix).text);
+    if (!pen_setting_lists_check(spec->matrix, "matrix", errors))
         return false;
-    }
     json_object_foreach(spec->matrix, key, list)
     {
-        ok &= check_list(key, list, errors);
         rows *= (double)json_array_size(list);
     }
-    if (ok && rows > PEN_BENCH_ROWS_MAX) {
+    if (rows > PEN_BENCH_ROWS_MAX) {
         pen_request_fail(errors, PEN_INVALID, "", "matrix",
                          "makes %.0f rows, at most %d are allowed", rows, (int)PEN_BENCH_ROWS_MAX);
         return false;
     }
-    spec->row_count = ok ? (int)rows : 0;
-    return ok;
+    spec->row_count = (int)rows;
+    return true;
 }
 
 /* Fills row number `number`: its value from each list, and its settings. */
@@ -127,22 +70,6 @@ static bool make_rows(struct pen_bench_spec *spec, const struct pen_settings *ba
     if (!ok)
         pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for %d rows", spec->row_count);
     return ok;
-}
-
-static bool read_count(const json_t *members, const char *key, int lo, int hi, int *out,
-                       struct pen_errors *errors)
-{
-    const json_t *value = json_object_get(members, key);
-    double number = json_number_value(value);
-    if (!value)
-        return true;
-    if (!json_is_number(value) || number != (int)number || number < lo || number > hi) {
-        pen_request_fail(errors, PEN_INVALID, "", key, "must be an integer from %d to %d, found %s",
-                         lo, hi, pen_found(value).text);
-        return false;
-    }
-    *out = (int)number;
-    return true;
 }
 
 static bool is_listed(const json_t *list, const json_t *value)
@@ -211,24 +138,7 @@ static bool read_baseline(struct pen_bench_spec *spec, const json_t *baseline,
 bool pen_repeats_read(const json_t *members, int *repeats, struct pen_errors *errors)
 {
     *repeats = 3;
-    return read_count(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, repeats, errors);
-}
-
-/* Reads a number above 0, or from 0 on if `zero`, and at most `hi`. */
-static bool read_number(const json_t *members, const char *key, bool zero, double hi, double *out,
-                        struct pen_errors *errors)
-{
-    const json_t *value = json_object_get(members, key);
-    const double number = json_number_value(value);
-    if (!value)
-        return true;
-    if (!json_is_number(value) || !(zero ? number >= 0 : number > 0) || number > hi) {
-        pen_request_fail(errors, PEN_INVALID, "", key, "must be a number %s %g, found %s",
-                         zero ? "from 0 to" : "above 0 and at most", hi, pen_found(value).text);
-        return false;
-    }
-    *out = number;
-    return true;
+    return pen_count_read(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, repeats, errors);
 }
 
 /* Whether the members ask to go on until something is reached. */
@@ -242,15 +152,15 @@ static bool read_method(const json_t *members, struct pen_bench_spec *spec,
                         struct pen_errors *errors)
 {
     bool ok = pen_repeats_read(members, &spec->repeats, errors);
-    ok &= read_count(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &spec->warmup, errors);
-    ok &= read_count(members, "order_seed", 0, INT_MAX, &spec->order_seed, errors);
-    ok &= read_number(members, "least_effect", true, 1, &spec->least_effect, errors);
+    ok &= pen_count_read(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &spec->warmup, errors);
+    ok &= pen_count_read(members, "order_seed", 0, INT_MAX, &spec->order_seed, errors);
+    ok &= pen_number_read(members, "least_effect", true, 1, &spec->least_effect, errors);
     if (!asks_interval(members))
         return ok;
     spec->interval = default_interval;
-    ok &= read_number(members, "interval", false, 1, &spec->interval, errors);
-    ok &= read_number(members, "budget_seconds", false, PEN_BENCH_BUDGET_MAX_S, &spec->budget_s,
-                      errors);
+    ok &= pen_number_read(members, "interval", false, 1, &spec->interval, errors);
+    ok &= pen_number_read(members, "budget_seconds", false, PEN_BENCH_BUDGET_MAX_S, &spec->budget_s,
+                          errors);
     if (!json_object_get(members, "repeats"))
         return ok;
     pen_request_fail(errors, PEN_INVALID, "", "repeats",

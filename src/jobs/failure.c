@@ -61,15 +61,15 @@ static void add_settings(struct pen_buf *out, const json_t *settings)
     }
 }
 
-/* Appends a benchmark's matrix: --matrix accelerator=none,auto … */
-static void add_matrix(struct pen_buf *out, const json_t *request)
+/* Appends a study's lists: --matrix accelerator=none,auto … */
+static void add_lists(struct pen_buf *out, const json_t *request, const char *name)
 {
     const char *key;
     json_t *list, *value;
     size_t i;
-    json_object_foreach(json_object_get(request, "matrix"), key, list)
+    json_object_foreach(json_object_get(request, name), key, list)
     {
-        pen_buf_printf(out, " --matrix %s=", key);
+        pen_buf_printf(out, " --%s %s=", name, key);
         json_array_foreach(list, i, value)
         {
             pen_buf_puts(out, i ? "," : "");
@@ -78,15 +78,40 @@ static void add_matrix(struct pen_buf *out, const json_t *request)
     }
 }
 
+/* Appends the options that only an accuracy study has. */
+static void add_accuracy(struct pen_buf *out, const json_t *request)
+{
+    const json_t *target = json_object_get(request, "target");
+    const char *key;
+    json_t *value;
+    if (json_is_true(json_object_get(request, "product")))
+        pen_buf_puts(out, " --product");
+    json_object_foreach(json_object_get(request, "reference"), key, value)
+    {
+        pen_buf_printf(out, " --reference %s=", key);
+        add_value(out, value);
+    }
+    if (!target)
+        return;
+    pen_buf_printf(out, " --target %s=", json_string_value(json_object_get(target, "metric")));
+    add_value(out, json_object_get(target, "value"));
+}
+
 /* Appends the options of a study: those of its members that it has. */
 static void add_study(struct pen_buf *out, const json_t *request)
 {
     static const struct {
         const char *key, *option;
-    } numbers[] = {{"repeats", "repeats"},           {"warmup", "warmup"},
-                   {"interval", "interval"},         {"budget_seconds", "budget"},
-                   {"least_effect", "least-effect"}, {"order_seed", "order-seed"}};
-    add_matrix(out, request);
+    } numbers[] = {{"repeats", "repeats"},
+                   {"warmup", "warmup"},
+                   {"interval", "interval"},
+                   {"budget_seconds", "budget"},
+                   {"least_effect", "least-effect"},
+                   {"order_seed", "order-seed"},
+                   {"seeds", "seeds"}};
+    add_lists(out, request, "matrix");
+    add_lists(out, request, "ladder");
+    add_accuracy(out, request);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         const json_t *number = json_object_get(request, numbers[i].key);
         if (!number)
@@ -108,8 +133,9 @@ static const char *command_of(enum pen_job_kind kind)
         return "effects";
     case PEN_KIND_EXPLAIN:
         return "explain";
-    case PEN_KIND_RENDER:
     case PEN_KIND_ACCURACY:
+        return "accuracy";
+    case PEN_KIND_RENDER:
     case PEN_KIND_COUNT:
         break;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Reports of jobs. The JSON is stored with the job's commit. The other formats of a benchmark are
- * made from it at each request; those of a job of kind "effects" have pictures, and are stored
- * too. An explanation is JSON alone. */
+ * made from it at each request; those of kinds "accuracy" and "effects" have pictures, and are
+ * stored too. An explanation is JSON alone. */
 #include <string.h>
 
 #include "jobs/internal/ids.h"

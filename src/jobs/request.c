@@ -172,6 +172,13 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
     limits_place(request, at, sizeof at);
     if (request->kind == PEN_KIND_BENCHMARK)
         return pen_bench_spec_check(&request->spec, limits, desc, request->view_count, st);
+    if (request->kind == PEN_KIND_ACCURACY) {
+        struct pen_accuracy_task task = pen_accuracy_of_spec(&request->accuracy);
+        task.desc = desc;
+        task.settings = &request->settings;
+        task.limits = *limits;
+        return pen_accuracy_check(&task, at, st);
+    }
     if (request->kind == PEN_KIND_EFFECTS)
         return pen_bill_check(limits, desc, request->views[0], &request->settings, request->repeats,
                               at, st);
@@ -204,6 +211,9 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
         request->settings.target_error = PEN_TARGET_NONE;
     if (request->kind == PEN_KIND_BENCHMARK)
         pen_bench_spec_read(request->body, &request->settings, &request->spec, errors);
+    if (request->kind == PEN_KIND_ACCURACY)
+        pen_accuracy_spec_read(request->body, ok ? &request->desc : NULL, &request->settings,
+                               &request->accuracy, errors);
     if (request->kind == PEN_KIND_EFFECTS)
         pen_repeats_read(request->body, &request->repeats, errors);
     if (ok && choose_views(request, errors) && errors->count == 0)
@@ -246,6 +256,7 @@ void pen_request_release(struct pen_request *request)
     pen_arena_free(request->arena);
     pen_document_release(&request->document);
     pen_bench_spec_release(&request->spec);
+    pen_accuracy_spec_release(&request->accuracy);
     json_decref(request->builtin);
     *request = (struct pen_request){0};
 }

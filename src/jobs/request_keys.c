@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The table of a job's keys: the function that reads each key, and the kinds of jobs to which the
- * key belongs. Keys of kinds that are not supported yet are refused, and the error names the kind.
- */
+ * key belongs. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -18,8 +17,7 @@ enum {
     ACCURACY = 1 << PEN_KIND_ACCURACY,
     EFFECTS = 1 << PEN_KIND_EFFECTS,
     EXPLAIN = 1 << PEN_KIND_EXPLAIN,
-    SUBMITTED = RENDER | BENCHMARK | EFFECTS, /* those that a job may name */
-    SUPPORTED = SUBMITTED | EXPLAIN
+    SUBMITTED = RENDER | BENCHMARK | ACCURACY | EFFECTS /* those that a job may name */
 };
 
 enum { POSITION_BYTES = 24 };
@@ -87,10 +85,6 @@ static void read_kind(struct pen_request *request, const json_t *value, struct p
     if (kind == PEN_KIND_EXPLAIN)
         pen_request_fail(errors, PEN_INVALID, "", "kind",
                          "POST /v1/explain makes jobs of kind \"explain\"; here take %s", kinds);
-    else if (!(SUBMITTED >> kind & 1))
-        pen_request_fail(errors, PEN_UNSUPPORTED, "", "kind",
-                         "jobs of kind \"%s\" are known, not supported yet; take %s",
-                         pen_job_kinds[kind], kinds);
 }
 
 static void read_analyze(struct pen_request *request, const json_t *value,
@@ -265,7 +259,7 @@ static const struct {
     {.key = "priority", .read = read_priority},
     {.key = "name", .read = read_name},
     {.key = "labels", .read = read_labels},
-    {.key = "layers", .read = read_layers, .kinds = RENDER | BENCHMARK | EFFECTS},
+    {.key = "layers", .read = read_layers, .kinds = RENDER | BENCHMARK | ACCURACY | EFFECTS},
     {.key = "cost", .read = read_cost, .kinds = RENDER},
     {.key = "audit", .read = read_audit, .kinds = RENDER},
     {.key = "max_attempts", .read = read_max_attempts},
@@ -279,6 +273,7 @@ static const struct {
     {.key = "order_seed", .kinds = BENCHMARK},
     {.key = "analyze", .read = read_analyze, .kinds = EXPLAIN},
     {.key = "ladder", .kinds = ACCURACY},
+    {.key = "product", .kinds = ACCURACY},
     {.key = "reference", .kinds = ACCURACY},
     {.key = "target", .kinds = ACCURACY},
     {.key = "seeds", .kinds = ACCURACY},
@@ -286,30 +281,14 @@ static const struct {
 };
 enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
 
-static bool is_supported(int i)
-{
-    return keys[i].kinds == 0 || (keys[i].kinds & SUPPORTED);
-}
-
 static void refuse_unknown_key(const char *key, struct pen_errors *errors)
 {
     const char *names[KEY_COUNT + 1] = {NULL};
-    int count = 0;
-    for (int i = 0; i < KEY_COUNT; i++) {
-        if (is_supported(i))
-            names[count++] = keys[i].key;
-    }
+    for (int i = 0; i < KEY_COUNT; i++)
+        names[i] = keys[i].key;
     const char *near = pen_nearest_name(key, names);
     pen_request_fail(errors, PEN_INVALID, "", key, "unknown key in a job%s%s%s",
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
-}
-
-static void refuse_unsupported(int i, struct pen_errors *errors)
-{
-    char kinds[80];
-    name_kinds(keys[i].kinds, kinds, sizeof kinds);
-    pen_request_fail(errors, PEN_UNSUPPORTED, "", keys[i].key,
-                     "jobs of kind %s are known, not supported yet", kinds);
 }
 
 /* Refuses the keys that only another kind of job may have. */
@@ -317,10 +296,10 @@ static void refuse_keys_of_other_kinds(const struct pen_request *request, struct
 {
     for (int i = 0; i < KEY_COUNT; i++) {
         char kinds[80];
-        if (!is_supported(i) || !keys[i].kinds || keys[i].kinds >> request->kind & 1 ||
+        if (!keys[i].kinds || keys[i].kinds >> request->kind & 1 ||
             !json_object_get(request->body, keys[i].key))
             continue;
-        name_kinds(keys[i].kinds & SUPPORTED, kinds, sizeof kinds);
+        name_kinds(keys[i].kinds, kinds, sizeof kinds);
         pen_request_fail(errors, PEN_INVALID, "", keys[i].key,
                          "belongs to jobs of kind %s; this one is of kind \"%s\"", kinds,
                          pen_job_kinds[request->kind]);
@@ -338,8 +317,6 @@ void pen_request_keys_read(struct pen_request *request, struct pen_errors *error
             i++;
         if (i == KEY_COUNT)
             refuse_unknown_key(key, errors);
-        else if (!is_supported(i))
-            refuse_unsupported(i, errors);
         else if (keys[i].read)
             keys[i].read(request, value, errors);
     }

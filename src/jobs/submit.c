@@ -87,8 +87,9 @@ static json_t *kind_json(const struct pen_request *request)
         return json_pack("{s:i}", "repeats", request->repeats);
     case PEN_KIND_EXPLAIN:
         return json_pack("{s:b}", "analyze", request->analyze);
-    case PEN_KIND_RENDER:
     case PEN_KIND_ACCURACY:
+        return pen_accuracy_spec_members(&request->accuracy, json_object());
+    case PEN_KIND_RENDER:
     case PEN_KIND_COUNT:
         break;
     }

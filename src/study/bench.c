@@ -13,6 +13,7 @@
 #include "study/internal/bench_summary.h"
 #include "study/internal/calibration.h"
 #include "study/internal/pictures.h"
+#include "study/internal/random_order.h"
 
 static bool cancelled(const struct pen_bench *bench)
 {
@@ -92,28 +93,12 @@ static int repeats_max(const struct pen_bench *bench)
     return bench->interval > 0 ? PEN_PAIRS_MAX : bench->repeats;
 }
 
-/* splitmix64 (Steele, Lea, Flood, OOPSLA 2014). */
-static uint64_t next_random(uint64_t *state)
-{
-    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
-
-/* Draws the order of the next pass: Fisher and Yates's shuffle, seeded by order_seed and the pass's
- * number, so that a pass has the same order wherever it is made. */
+/* Draws the order of the next pass, from order_seed and the pass's number, so that a pass has the
+ * same order wherever it is made. */
 static void draw_order(struct pen_bench_state *state)
 {
     uint64_t random = state->bench->order_seed + (uint64_t)state->passes * 0x632be59bd9b4e019u;
-    const int slots = state->slots;
-    for (int i = 0; i < slots; i++)
-        state->order[i] = i;
-    for (int i = slots - 1; i > 0; i--) {
-        const int j = (int)(next_random(&random) % (uint64_t)(i + 1)), moved = state->order[i];
-        state->order[i] = state->order[j];
-        state->order[j] = moved;
-    }
+    pen_random_order(state->order, state->slots, &random);
 }
 
 static void record_run(struct pen_bench_state *state, int slot, int repeat,

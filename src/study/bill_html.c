@@ -3,91 +3,25 @@
  * and the picture without it beside the whole one. Colours are light or dark as the browser
  * prefers. */
 #include <math.h>
-#include <stdlib.h>
 
-#include "film/encode.h"
 #include "io/figures.h"
 #include "study/internal/bill_formats.h"
-#include "study/internal/html.h"
+#include "study/internal/page.h"
 
 enum { PICTURE_WIDTH = 480 };
-
-static const char style[] =
-    ":root{color-scheme:light dark;--ink:#1b1f24;--soft:#5a6370;--line:#d6dbe1;--paper:#fff;"
-    "--bar:#3573b9}"
-    "@media(prefers-color-scheme:dark){:root{--ink:#e7eaee;--soft:#a3adb9;--line:#39424d;"
-    "--paper:#14181d;--bar:#5b9ae0}}"
-    "body{margin:0 auto;padding:1.5rem;max-width:78rem;color:var(--ink);background:var(--paper);"
-    "font:16px/1.5 system-ui,sans-serif}"
-    "h1{font-size:1.6rem;margin:0 0 .3rem}p{margin:.4rem 0}.soft{color:var(--soft)}"
-    "section{border-top:1px solid var(--line);padding:1rem 0}"
-    "h2{font-size:1.15rem;margin:0}.bar{background:var(--bar);height:.9rem;min-width:1px;margin:."
-    "3rem 0}"
-    ".pair{display:flex;flex-wrap:wrap;gap:.8rem}figure{margin:.4rem 0;max-width:100%}"
-    "figcaption{color:var(--soft);font-size:.88rem}img{max-width:100%;height:auto;display:block}";
-
-/* Appends bytes in base 64 (RFC 4648). */
-static void write_base64(const unsigned char *bytes, size_t count, struct pen_buf *out)
-{
-    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < count; i += 3) {
-        const size_t left = count - i;
-        const unsigned long group = (unsigned long)bytes[i] << 16 |
-                                    (left > 1 ? (unsigned long)bytes[i + 1] << 8 : 0) |
-                                    (left > 2 ? bytes[i + 2] : 0);
-        const char text[5] = {digit[group >> 18], digit[group >> 12 & 63],
-                              left > 1 ? digit[group >> 6 & 63] : '=',
-                              left > 2 ? digit[group & 63] : '=', 0};
-        pen_buf_puts(out, text);
-    }
-}
-
-/* The mean of n x n pixels, in place; the film gets the new size. */
-static void shrink(struct pen_film *film, int n)
-{
-    const int width = film->width / n, height = film->height / n;
-    for (int i = 0; i < 3 * width * height; i++) {
-        const int c = i % 3, x = i / 3 % width * n, y = i / 3 / width * n;
-        double sum = 0;
-        for (int k = 0; k < n * n; k++)
-            sum += (double)film
-                       ->rgb[3 * ((size_t)(y + k / n) * (size_t)film->width + (size_t)(x + k % n)) +
-                             (size_t)c];
-        film->rgb[i] = (float)(sum / (n * n));
-    }
-    film->width = width;
-    film->height = height;
-}
 
 static void write_picture(const struct pen_bill *bill, const struct pen_bill_row *row,
                           struct pen_buf *out)
 {
     const struct pen_settings *s = bill->task->settings;
-    const size_t values = 3 * (size_t)s->width * (size_t)s->height;
-    struct pen_film film = {s->width, s->height, malloc(values * sizeof(float))};
-    const struct pen_png_options options = {
-        .bits = 8,
-        .transfer = s->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB};
-    struct pen_status st;
-    struct pen_buf png = {0};
-    for (size_t i = 0; film.rgb && i < values; i++)
-        film.rgb[i] = row->rgb[i];
-    const int n = (s->width + PICTURE_WIDTH - 1) / PICTURE_WIDTH;
-    if (film.rgb && n > 1 && s->height >= n)
-        shrink(&film, n);
-    if (!film.rgb || !pen_png_write(&film, &options, &png, &st)) {
-        out->failed = true;
-    } else {
-        pen_buf_printf(out,
-                       "<figure><img alt=\"%s%s\" width=\"%d\" height=\"%d\" "
-                       "src=\"data:image/png;base64,",
-                       row->effect ? "without " : "", pen_bill_name(row), film.width, film.height);
-        write_base64(png.data, png.bytes, out);
-        pen_buf_printf(out, "\"><figcaption>%s%s: %.1f ms</figcaption></figure>\n",
-                       row->effect ? "without " : "", pen_bill_name(row), row->median_ms);
-    }
-    pen_buf_release(&png);
-    free(film.rgb);
+    const struct pen_film film = {s->width, s->height, row->rgb};
+    char name[80];
+    snprintf(name, sizeof name, "%s%s", row->effect ? "without " : "", pen_bill_name(row));
+    pen_buf_puts(out, "<figure>");
+    pen_page_picture(&film,
+                     s->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB,
+                     PICTURE_WIDTH, name, out);
+    pen_buf_printf(out, "<figcaption>%s: %.1f ms</figcaption></figure>\n", name, row->median_ms);
 }
 
 /* Whether runs of one row differ by more than the two rows do. */
@@ -134,16 +68,10 @@ static void write_effects(const struct pen_bill *bill, struct pen_buf *out)
 void pen_bill_write_html(const struct pen_bill *bill, const char *scene, struct pen_buf *out)
 {
     const struct pen_bill_row *whole = &bill->row[0];
-    pen_buf_puts(out, "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-                      "<title>Effects: ");
-    pen_html_escape(scene, out);
-    pen_buf_printf(
-        out, "</title>\n<style>%s</style>\n</head>\n<body>\n<h1>What each effect costs: ", style);
-    pen_html_escape(scene, out);
+    pen_page_begin("What each effect costs", scene, out);
     pen_buf_printf(
         out,
-        "</h1>\n<p class=\"soft\">%d × %d pixels. All effects: %.1f ms (%.1f to %.1f), "
+        "<p class=\"soft\">%d × %d pixels. All effects: %.1f ms (%.1f to %.1f), "
         "median of %d. Each effect is left out in turn; the runs are interleaved. What the "
         "effects cost need not add up: one may hide behind another, or make others dearer. "
         "A bar as wide as the page is the whole time.</p>\n",
@@ -152,5 +80,5 @@ void pen_bill_write_html(const struct pen_bill *bill, const char *scene, struct 
     write_effects(bill, out);
     if (bill->rows == 1)
         pen_buf_puts(out, "<p>The scene calls for no effect.</p>\n");
-    pen_buf_puts(out, "</body>\n</html>\n");
+    pen_page_end(out);
 }

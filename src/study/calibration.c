@@ -5,16 +5,14 @@
 #include <stdint.h>
 
 #include "base/clock.h"
+#include "study/internal/random_order.h"
 
 enum { SPHERES = 512, RAYS = 2048 };
 
-/* Uniform in [0, 1): splitmix64 (Steele, Lea, Flood, OOPSLA 2014). */
+/* Uniform in [0, 1). */
 static double next(uint64_t *state)
 {
-    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+    return (double)(pen_random_next(state) >> 11) * 0x1p-53;
 }
 
 struct sphere {

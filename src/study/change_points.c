@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "study/history.h"
+#include "study/internal/random_order.h"
 
 enum { ORDERS = 999, POINTS_MIN = 8 };
 
@@ -50,19 +51,10 @@ static double pettitt(const double *ranks, int count)
     return most;
 }
 
-/* splitmix64 (Steele, Lea, Flood, OOPSLA 2014). */
-static uint64_t next_random(uint64_t *state)
-{
-    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
-
 static void shuffle(double *ranks, int count, uint64_t *random)
 {
     for (int i = count - 1; i > 0; i--) {
-        const int j = (int)(next_random(random) % (uint64_t)(i + 1));
+        const int j = (int)(pen_random_next(random) % (uint64_t)(i + 1));
         const double moved = ranks[i];
         ranks[i] = ranks[j];
         ranks[j] = moved;

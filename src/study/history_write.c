@@ -8,6 +8,7 @@
 #include "study/history.h"
 #include "study/internal/axis.h"
 #include "study/internal/html.h"
+#include "study/internal/page.h"
 #include "study/internal/report_formats.h"
 #include "study/internal/table.h"
 
@@ -285,7 +286,7 @@ void pen_history_write_html(const json_t *history, struct pen_buf *out)
 {
     size_t i;
     json_t *row;
-    pen_bench_page_begin("History", pen_bench_report_string(history, "scene"), out);
+    pen_page_begin("History", pen_bench_report_string(history, "scene"), out);
     pen_buf_puts(out, "<p class=\"soft\">Dot: a report's median. Bar: its 95 % interval, from 10 "
                       "runs on. Colour: the host. Dashed: a change, among reports of one host, "
                       "that chance alone would show in at most one of twenty histories.</p>\n");
@@ -294,5 +295,5 @@ void pen_history_write_html(const json_t *history, struct pen_buf *out)
         write_html_series(history, row, i, out);
     }
     write_hosts(history, out);
-    pen_buf_puts(out, "</body>\n</html>\n");
+    pen_page_end(out);
 }

@@ -10,7 +10,7 @@
 
 const char *const pen_bench_report_formats[] = {"json", "csv", "md", "html", NULL};
 
-static void write_json(const json_t *report, struct pen_buf *out)
+void pen_report_write_json(const json_t *report, struct pen_buf *out)
 {
     char *text = json_dumps(report, JSON_ENCODE_ANY | JSON_INDENT(2) | JSON_REAL_PRECISION(15));
     if (!text)
@@ -22,9 +22,7 @@ static void write_json(const json_t *report, struct pen_buf *out)
 }
 
 /* The columns of a CSV file after the row's number and its settings. */
-static const struct {
-    const char *title, *path;
-} columns[] = {
+static const struct pen_csv_column columns[] = {
     {"threads_worked", "threads"},
     {"median_ms", "median_ms"},
     {"min_ms", "min_ms"},
@@ -63,71 +61,17 @@ static const struct {
     {"box_tests", "tests.boxes"},
     {"primitive_tests", "tests.primitives"},
     {"picture_hash", "picture_hash"},
-};
-enum { COLUMN_COUNT = sizeof columns / sizeof columns[0] };
-
-/* One cell, in quotes where RFC 4180 requires them. */
-static void write_cell(const char *text, struct pen_buf *out)
-{
-    if (!strpbrk(text, ",\"\r\n")) {
-        pen_buf_puts(out, text);
-        return;
-    }
-    pen_buf_puts(out, "\"");
-    for (; *text; text++)
-        pen_buf_printf(out, *text == '"' ? "\"\"" : "%c", *text);
-    pen_buf_puts(out, "\"");
-}
-
-static void write_value_cell(const json_t *value, struct pen_buf *out)
-{
-    struct pen_buf text = {0};
-    if (value && !json_is_null(value))
-        pen_bench_write_value(value, &text);
-    write_cell(text.data ? (const char *)text.data : "", out);
-    out->failed |= text.failed;
-    pen_buf_release(&text);
-}
-
-/* `keys` are the settings of the first row; all rows have the same keys. */
-static void write_csv_row(const json_t *row, size_t number, const json_t *keys, struct pen_buf *out)
-{
-    const char *key;
-    json_t *value;
-    pen_buf_printf(out, "\n%zu", number);
-    json_object_foreach((json_t *)(uintptr_t)keys, key, value)
-    {
-        pen_buf_puts(out, ",");
-        write_value_cell(json_object_get(pen_bench_report_member(row, "settings"), key), out);
-    }
-    for (int i = 0; i < COLUMN_COUNT; i++) {
-        pen_buf_puts(out, ",");
-        write_value_cell(pen_bench_report_member(row, columns[i].path), out);
-    }
-}
+    {0}};
 
 static void write_csv(const json_t *report, struct pen_buf *out)
 {
-    const char *key;
-    json_t *value;
-    const json_t *keys = pen_bench_report_member(pen_bench_report_row(report, 0), "settings");
-    pen_buf_puts(out, "row");
-    json_object_foreach((json_t *)(uintptr_t)keys, key, value)
-    {
-        pen_buf_puts(out, ",");
-        write_cell(key, out);
-    }
-    for (int i = 0; i < COLUMN_COUNT; i++)
-        pen_buf_printf(out, ",%s", columns[i].title);
-    for (size_t row = 0; row < pen_bench_report_row_count(report); row++)
-        write_csv_row(pen_bench_report_row(report, row), row, keys, out);
-    pen_buf_puts(out, "\n");
+    pen_report_write_csv(report, columns, out);
 }
 
 static const struct {
     const char *name, *media_type;
     void (*write)(const json_t *report, struct pen_buf *out);
-} formats[] = {{"json", "application/json", write_json},
+} formats[] = {{"json", "application/json", pen_report_write_json},
                {"csv", "text/csv; charset=utf-8", write_csv},
                {"md", "text/markdown; charset=utf-8", pen_bench_report_write_markdown},
                {"html", "text/html; charset=utf-8", pen_bench_report_write_html}};

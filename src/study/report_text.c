@@ -84,8 +84,7 @@ void pen_bench_report_write_text(const json_t *report, struct pen_buf *out)
     }
 }
 
-/* Text with the characters escaped that Markdown, or HTML in it, would read as markup. */
-static void write_escaped(const char *text, struct pen_buf *out)
+void pen_bench_write_markdown(const char *text, struct pen_buf *out)
 {
     for (; *text; text++) {
         if (*text == '<')
@@ -103,14 +102,14 @@ static void write_markdown_row(const struct pen_bench_table *table, size_t row, 
 {
     for (size_t column = 0; column < table->columns; column++) {
         pen_buf_puts(out, "| ");
-        write_escaped(pen_bench_table_cell(table, row, column), out);
+        pen_bench_write_markdown(pen_bench_table_cell(table, row, column), out);
         pen_buf_puts(out, " ");
     }
     pen_buf_puts(out, "|\n");
 }
 
-static void write_markdown_table(const json_t *report, const struct pen_bench_column *columns,
-                                 struct pen_buf *out)
+void pen_bench_write_markdown_table(const json_t *report, const struct pen_bench_column *columns,
+                                    struct pen_buf *out)
 {
     struct pen_bench_table table;
     bool ok = pen_bench_table_init(report, columns, &table);
@@ -125,15 +124,14 @@ static void write_markdown_table(const json_t *report, const struct pen_bench_co
     out->failed |= !ok;
 }
 
-/* A paragraph with the text that `write` appends. */
-static void write_paragraph(const json_t *report,
-                            void (*write)(const json_t *report, struct pen_buf *out),
-                            struct pen_buf *out)
+void pen_bench_write_markdown_paragraph(const json_t *report,
+                                        void (*write)(const json_t *report, struct pen_buf *out),
+                                        struct pen_buf *out)
 {
     struct pen_buf text = {0};
     write(report, &text);
     pen_buf_puts(out, "\n");
-    write_escaped(text.data ? (const char *)text.data : "", out);
+    pen_bench_write_markdown(text.data ? (const char *)text.data : "", out);
     pen_buf_puts(out, "\n");
     out->failed |= text.failed;
     pen_buf_release(&text);
@@ -144,19 +142,19 @@ void pen_bench_report_write_markdown(const json_t *report, struct pen_buf *out)
     size_t i;
     json_t *note;
     pen_buf_puts(out, "# Benchmark: ");
-    write_escaped(pen_bench_report_string(report, "scene"), out);
+    pen_bench_write_markdown(pen_bench_report_string(report, "scene"), out);
     pen_buf_puts(out, "\n");
-    write_paragraph(report, pen_bench_write_method, out);
-    write_paragraph(report, pen_bench_write_noise, out);
+    pen_bench_write_markdown_paragraph(report, pen_bench_write_method, out);
+    pen_bench_write_markdown_paragraph(report, pen_bench_write_noise, out);
     pen_buf_puts(out, "\n");
-    write_markdown_table(report, pen_bench_time_columns, out);
+    pen_bench_write_markdown_table(report, pen_bench_time_columns, out);
     pen_buf_puts(out, "\n");
-    write_markdown_table(report, pen_bench_ray_columns, out);
-    write_paragraph(report, pen_bench_write_host, out);
+    pen_bench_write_markdown_table(report, pen_bench_ray_columns, out);
+    pen_bench_write_markdown_paragraph(report, pen_bench_write_host, out);
     json_array_foreach(json_object_get(report, "notes"), i, note)
     {
         pen_buf_puts(out, i ? "- " : "\n- ");
-        write_escaped(json_string_value(note) ? json_string_value(note) : "", out);
+        pen_bench_write_markdown(json_string_value(note) ? json_string_value(note) : "", out);
         pen_buf_puts(out, "\n");
     }
 }

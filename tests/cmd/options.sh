@@ -23,10 +23,6 @@ prints "penumbrad --help shows environment variables" stdout "[PENUMBRA_LISTEN]"
 expect "penumbrad --help does not show internal options" "$(grep -c internal "$work/stdout")" 0
 exits "penumbrad --version" 0 "$build/penumbrad" --version
 
-for word in accuracy; do
-    exits "the command $word of a later version" 3 "$penumbra" "$word" x
-    prints "is known, not supported yet" stderr "\"$word\" is known, not supported yet"
-done
 exits "an unknown command" 2 "$penumbra" rendr
 prints "the error names the nearest command" stderr 'nearest is "render"'
 exits "an unknown option" 2 "$penumbra" render x --ouput y

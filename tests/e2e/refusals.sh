@@ -153,7 +153,7 @@ attempts /max_attempts {"scene": "builtin:spheres", "max_attempts": 0}
 setting /render/widht {"scene": "builtin:spheres", "render": {"widht": 5}}
 radius /scene/objects/0/radius {"scene": {"format": "penumbra-scene/1", "camera": {"position": [0,0,9], "look_at": [0,0,0]}, "objects": [{"type": "sphere", "center": [0,0,0], "radius": -1}]}}
 bare-radius /objects/0/radius {"format": "penumbra-scene/1", "camera": {"position": [0,0,9], "look_at": [0,0,0]}, "objects": [{"type": "sphere", "center": [0,0,0], "radius": -1}]}
-kind-to-come /kind {"scene": "builtin:spheres", "kind": "accuracy"}
+ladder /ladder/threads {"scene": "builtin:spheres", "kind": "accuracy", "ladder": {"threads": [1, 2]}}
 unknown-kind /kind {"scene": "builtin:spheres", "kind": "benchmrk"}
 setting-to-come /render/precision {"scene": "builtin:spheres", "render": {"precision": "fast"}}
 END

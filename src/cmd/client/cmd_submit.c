@@ -24,6 +24,7 @@
 struct values {
     struct pen_remote remote;
     struct pen_bench_values bench;
+    struct pen_accuracy_values accuracy;
     struct pen_option_list set, view, label;
     const char *name, *idempotency_key, *output, *format, *kind;
     double audit;
@@ -32,7 +33,7 @@ struct values {
     bool wait, quiet, json;
 };
 
-static const char *const kinds[] = {"render", "benchmark", "effects", NULL};
+static const char *const kinds[] = {"render", "benchmark", "accuracy", "effects", NULL};
 
 static const struct pen_option options[] = {
     PEN_SET_OPTION(struct values),
@@ -44,11 +45,12 @@ static const struct pen_option options[] = {
     {.name = "kind",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, kind),
-     .value = "render|benchmark|effects",
+     .value = "render|benchmark|accuracy|effects",
      .choices = kinds,
      .help = "what the job does with the scene, render by default"},
     PEN_BENCH_OPTIONS(struct values, "of a study: ", "",
                       "of a render: make the best picture of one view in so long; of a benchmark "),
+    PEN_ACCURACY_OPTIONS(struct values, "of an accuracy study: "),
     PEN_AUDIT_OPTIONS(struct values, audit),
     {.name = "name",
      .kind = PEN_OPTION_TEXT,
@@ -142,6 +144,7 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
             job, "audit",
             json_pack("{s:i, s:f}", "pixels", values->audit_pixels, "threshold", values->audit));
     return pen_bench_options_add(job, &values->bench, st) &&
+           pen_accuracy_options_add(job, &values->accuracy, st) &&
            pen_set_options_add(job, &values->set, st) && add_labels(job, &values->label, st);
 }
 
@@ -371,6 +374,7 @@ static int run(int argc, char **argv)
 {
     struct values values = {.remote = PEN_REMOTE_DEFAULT,
                             .bench = PEN_BENCH_VALUES,
+                            .accuracy.seeds = -1,
                             .audit = -1,
                             .audit_pixels = PEN_AUDIT_PIXELS};
     struct pen_parsed parsed;

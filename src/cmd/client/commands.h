@@ -13,6 +13,7 @@ extern const struct pen_command pen_command_scenes;
 extern const struct pen_command pen_command_bench;
 extern const struct pen_command pen_command_effects;
 extern const struct pen_command pen_command_explain;
+extern const struct pen_command pen_command_accuracy;
 extern const struct pen_command pen_command_audit;
 extern const struct pen_command pen_command_convert;
 extern const struct pen_command pen_command_submit;

@@ -7,6 +7,7 @@
 #include <limits.h>
 
 #include "cmd/options.h"
+#include "jobs/accuracy_spec.h"
 #include "jobs/bench_spec.h"
 
 #define PEN_QUIET_OPTION(values, text)                                                             \
@@ -121,6 +122,45 @@ struct pen_bench_values {
         .name = "baseline", .kind = PEN_OPTION_LIST, .offset = offsetof(values, bench.baseline),   \
         .value = "KEY=VALUE,…",                                                                    \
         .help = prefix "the row that speed-ups refer to, the first by default" baseline_text       \
+    }
+
+/* What the options of an accuracy study leave. */
+struct pen_accuracy_values {
+    struct pen_option_list ladder, reference;
+    const char *target;
+    int seeds; /* below 0: not given */
+    bool product;
+};
+
+/* The options of an accuracy study but for the budget; `values` has them in a member `accuracy`.
+ * `prefix` begins their help texts. */
+#define PEN_ACCURACY_OPTIONS(values, prefix)                                                       \
+    {.name = "ladder",                                                                             \
+     .kind = PEN_OPTION_LIST,                                                                      \
+     .offset = offsetof(values, accuracy.ladder),                                                  \
+     .value = "KEY=VALUE,…",                                                                       \
+     .help = prefix "values of a setting to try one at a time; may be repeated. By default those " \
+                    "kinds of samples that the scene calls for"},                                  \
+        {.name = "product",                                                                        \
+         .kind = PEN_OPTION_FLAG,                                                                  \
+         .offset = offsetof(values, accuracy.product),                                             \
+         .help = prefix "try every combination of the values"},                                    \
+        {.name = "reference",                                                                      \
+         .kind = PEN_OPTION_LIST,                                                                  \
+         .offset = offsetof(values, accuracy.reference),                                           \
+         .value = "KEY=VALUE",                                                                     \
+         .help = prefix "a setting of the reference, which otherwise has 8 to 128 times the "      \
+                        "samples of the longest row; may be repeated"},                            \
+        {.name = "target",                                                                         \
+         .kind = PEN_OPTION_TEXT,                                                                  \
+         .offset = offsetof(values, accuracy.target),                                              \
+         .value = "METRIC=VALUE",                                                                  \
+         .help = prefix "what the cheapest row is to meet, flip=0.02 by default; metrics are "     \
+                        "rmse, relative_mse, psnr, ssim, flip, max_error"},                        \
+    {                                                                                              \
+        .name = "seeds", .kind = PEN_OPTION_INT, .offset = offsetof(values, accuracy.seeds),       \
+        .value = "N", .min = 1, .max = PEN_ACCURACY_SEEDS_MAX,                                     \
+        .help = prefix "runs of each row, with different seeds, 5 by default"                      \
     }
 
 #endif

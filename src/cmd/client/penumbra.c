@@ -8,11 +8,11 @@
 #include "io/message.h"
 
 static const struct pen_command *const commands[] = {
-    &pen_command_render,  &pen_command_validate, &pen_command_compare, &pen_command_scenes,
-    &pen_command_convert, &pen_command_bench,    &pen_command_effects, &pen_command_explain,
-    &pen_command_audit,   &pen_command_submit,   &pen_command_wait,    &pen_command_fetch,
-    &pen_command_list,    &pen_command_top,      &pen_command_stats,   &pen_command_cancel,
-    &pen_command_delete,
+    &pen_command_render,   &pen_command_validate, &pen_command_compare, &pen_command_scenes,
+    &pen_command_convert,  &pen_command_bench,    &pen_command_effects, &pen_command_explain,
+    &pen_command_accuracy, &pen_command_audit,    &pen_command_submit,  &pen_command_wait,
+    &pen_command_fetch,    &pen_command_list,     &pen_command_top,     &pen_command_stats,
+    &pen_command_cancel,   &pen_command_delete,
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
@@ -45,20 +45,8 @@ static void print_help(FILE *out)
     pen_report_exit_codes(out);
 }
 
-static int later_command(const char *word)
-{
-    struct pen_status st;
-    pen_fail(&st, PEN_UNSUPPORTED, "the command \"%s\" is known, not supported yet", word);
-    return pen_report("penumbra", NULL, &st);
-}
-
 static int unknown_command(const char *word)
 {
-    static const char *const later[] = {"accuracy"};
-    for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
-        if (strcmp(word, later[i]) == 0)
-            return later_command(word);
-    }
     const char *names[COMMAND_COUNT + 1];
     for (int i = 0; i < COMMAND_COUNT; i++)
         names[i] = commands[i]->name;

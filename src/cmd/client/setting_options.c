@@ -65,18 +65,33 @@ static json_t *list_of(const char *text)
     }
 }
 
-static bool add_list(json_t *matrix, const char *text, struct pen_status *st)
+/* Adds "KEY=VALUE,…" of the option --name to an object of lists. */
+static bool add_list(json_t *lists, const char *name, const char *text, struct pen_status *st)
 {
     const char *equals = strchr(text, '=');
     size_t length = equals ? (size_t)(equals - text) : 0;
     json_t *list = length ? list_of(equals + 1) : NULL;
     if (!list)
-        return fail_form("matrix", text, st);
-    if (json_object_getn(matrix, text, length)) {
+        return fail_form(name, text, st);
+    if (json_object_getn(lists, text, length)) {
         json_decref(list);
-        return pen_fail(st, PEN_USAGE, "--matrix: %.*s is given twice", (int)length, text);
+        return pen_fail(st, PEN_USAGE, "--%s: %.*s is given twice", name, (int)length, text);
     }
-    return json_object_setn_new(matrix, text, length, list) == 0 || fail_form("matrix", text, st);
+    return json_object_setn_new(lists, text, length, list) == 0 || fail_form(name, text, st);
+}
+
+/* Adds the lists of an option to a job, as the member of that name. */
+static bool add_lists(json_t *job, const char *name, const struct pen_option_list *options,
+                      struct pen_status *st)
+{
+    json_t *lists = options->count > 0 ? json_object() : NULL;
+    if (lists && json_object_set_new(job, name, lists) != 0)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    for (int i = 0; i < options->count; i++) {
+        if (!add_list(lists, name, options->item[i], st))
+            return false;
+    }
+    return true;
 }
 
 /* "accelerator=auto,threads=1" -> {"accelerator": "auto", "threads": 1}. */
@@ -161,15 +176,54 @@ static bool add_numbers(json_t *job, const struct pen_bench_values *values, stru
 bool pen_bench_options_add(json_t *job, const struct pen_bench_values *values,
                            struct pen_status *st)
 {
-    const struct pen_option_list *matrix = &values->matrix;
-    json_t *lists = matrix->count > 0 ? json_object() : NULL;
-    if (lists && json_object_set_new(job, "matrix", lists) != 0)
+    if (!add_lists(job, "matrix", &values->matrix, st))
+        return false;
+    return add_numbers(job, values, st) && add_baselines(job, &values->baseline, st);
+}
+
+/* Adds every "KEY=VALUE" of --reference to an object. */
+static bool add_reference(json_t *job, const struct pen_option_list *options, struct pen_status *st)
+{
+    json_t *reference = options->count > 0 ? json_object() : NULL;
+    if (reference && json_object_set_new(job, "reference", reference) != 0)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory");
-    for (int i = 0; i < matrix->count; i++) {
-        if (!add_list(lists, matrix->item[i], st))
+    for (int i = 0; i < options->count; i++) {
+        const char *text = options->item[i], *equals = strchr(text, '=');
+        const size_t length = equals ? (size_t)(equals - text) : 0;
+        if (length == 0 || !equals[1])
+            return pen_fail(st, PEN_USAGE, "--reference: found \"%s\", allowed is KEY=VALUE", text);
+        json_t *value = pen_settings_parse_value(equals + 1, strlen(equals + 1), st);
+        if (!value || json_object_setn_new(reference, text, length, value) != 0)
             return false;
     }
-    return add_numbers(job, values, st) && add_baselines(job, &values->baseline, st);
+    return true;
+}
+
+/* "flip=0.02" -> {"metric": "flip", "value": 0.02} */
+static bool add_target(json_t *job, const char *text, struct pen_status *st)
+{
+    const char *equals = text ? strchr(text, '=') : NULL;
+    if (!text)
+        return true;
+    if (!equals || equals == text || !equals[1])
+        return pen_fail(st, PEN_USAGE, "--target: found \"%s\", allowed is METRIC=VALUE", text);
+    json_t *value = pen_settings_parse_value(equals + 1, strlen(equals + 1), st);
+    json_t *target =
+        value ? json_pack("{s:s#, s:o}", "metric", text, (int)(equals - text), "value", value)
+              : NULL;
+    return target && (json_object_set_new(job, "target", target) == 0 ||
+                      pen_fail(st, PEN_NO_MEMORY, "out of memory"));
+}
+
+bool pen_accuracy_options_add(json_t *job, const struct pen_accuracy_values *values,
+                              struct pen_status *st)
+{
+    if (values->product && json_object_set_new(job, "product", json_true()) != 0)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    return add_lists(job, "ladder", &values->ladder, st) &&
+           add_reference(job, &values->reference, st) && add_target(job, values->target, st) &&
+           (add_integer(job, "seeds", values->seeds) ||
+            pen_fail(st, PEN_NO_MEMORY, "out of memory"));
 }
 
 /* "/matrix/threads/1" -> "--matrix threads"; "/budget_seconds" -> "--budget". */

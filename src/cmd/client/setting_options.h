@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Render settings on the command line: `--set KEY=VALUE`, and of benchmarks `--matrix KEY=VALUE,…`
- * and `--baseline KEY=VALUE,…`. A value is JSON if it is JSON, otherwise a string. */
+ * and `--baseline KEY=VALUE,…`, of accuracy studies `--ladder KEY=VALUE,…`. A value is JSON if it
+ * is JSON, otherwise a string. */
 #ifndef PEN_CMD_CLIENT_SETTING_OPTIONS_H
 #define PEN_CMD_CLIENT_SETTING_OPTIONS_H
 
@@ -26,6 +27,11 @@ bool pen_bench_options_add(json_t *job, const struct pen_bench_values *values,
 
 /* The only baseline that is no row; NULL if there is none. Fails: PEN_USAGE for several. */
 bool pen_bench_options_report(const struct pen_bench_values *values, const char **report,
+                              struct pen_status *st);
+
+/* Adds the members of an accuracy study to a job: those whose options were given, but for the
+ * budget. Fails: PEN_USAGE, naming the option; PEN_NO_MEMORY. */
+bool pen_accuracy_options_add(json_t *job, const struct pen_accuracy_values *values,
                               struct pen_status *st);
 
 /* Turns errors about these members into errors about the options: "/matrix/threads/1" becomes

@@ -45,6 +45,7 @@ pen_batch_run_fn pen_batch_benchmark;
 
 /* batch_effects.c: makes the bill of a scene's effects; the artefact is the report as JSON. */
 pen_batch_run_fn pen_batch_effects;
+pen_batch_run_fn pen_batch_accuracy;
 
 /* batch_explain.c: explains a scene; the artefact is the explanation. */
 pen_batch_run_fn pen_batch_explain;

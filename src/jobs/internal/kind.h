@@ -28,7 +28,7 @@ static inline bool pen_job_kind_has_report(enum pen_job_kind kind)
 /* Whether a job of this kind is about a single view. */
 static inline bool pen_job_kind_has_one_view(enum pen_job_kind kind)
 {
-    return kind == PEN_KIND_EFFECTS || kind == PEN_KIND_EXPLAIN;
+    return kind == PEN_KIND_ACCURACY || kind == PEN_KIND_EFFECTS || kind == PEN_KIND_EXPLAIN;
 }
 
 #endif

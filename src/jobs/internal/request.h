@@ -5,6 +5,7 @@
 #define PEN_JOBS_INTERNAL_REQUEST_H
 
 #include "io/document.h"
+#include "jobs/accuracy_spec.h"
 #include "jobs/bench_spec.h"
 #include "jobs/internal/kind.h"
 #include "jobs/jobs.h"
@@ -38,7 +39,8 @@ struct pen_request {
     double budget_seconds; /* of a render; 0: none */
     enum pen_job_kind kind;
     struct pen_bench_spec spec; /* of a benchmark */
-    int repeats;                /* of a job of kind "effects" */
+    struct pen_accuracy_spec accuracy;
+    int repeats; /* of a job of kind "effects" */
     int view_count;
     int *views; /* indices into desc.views; in arena */
 };

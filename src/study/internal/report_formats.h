@@ -8,11 +8,19 @@
 
 #include "base/buf.h"
 
+/* A report as indented JSON. */
+void pen_report_write_json(const json_t *report, struct pen_buf *out);
+
+/* A report as CSV (RFC 4180): a line for each row, with its number, its settings, and what is at
+ * the paths of the columns, of which the last has a NULL title. */
+struct pen_csv_column {
+    const char *title, *path;
+};
+void pen_report_write_csv(const json_t *report, const struct pen_csv_column *columns,
+                          struct pen_buf *out);
+
 void pen_bench_report_write_markdown(const json_t *report, struct pen_buf *out);
 void pen_bench_report_write_html(const json_t *report, struct pen_buf *out);
-
-/* The head of a page and its heading, "TITLE: OF"; `title` is without markup. */
-void pen_bench_page_begin(const char *title, const char *of, struct pen_buf *out);
 
 /* The bar chart of the rows' medians, as an SVG element. */
 void pen_bench_chart_write(const json_t *report, struct pen_buf *out);

@@ -27,4 +27,13 @@ void pen_bench_write_plain(const char *text, struct pen_buf *out);
 /* The text of a cell. */
 const char *pen_bench_table_cell(const struct pen_bench_table *table, size_t row, size_t column);
 
+/* Append the table of a report in Markdown; text with the characters escaped that Markdown, or HTML
+ * in it, would read as markup; a paragraph with the text that `write` appends. */
+void pen_bench_write_markdown_table(const json_t *report, const struct pen_bench_column *columns,
+                                    struct pen_buf *out);
+void pen_bench_write_markdown(const char *text, struct pen_buf *out);
+void pen_bench_write_markdown_paragraph(const json_t *report,
+                                        void (*write)(const json_t *report, struct pen_buf *out),
+                                        struct pen_buf *out);
+
 #endif

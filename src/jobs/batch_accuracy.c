@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/* An accuracy study in the worker. Its pictures are in the pages only, so all formats of the report
+ * are stored. */
+#include <math.h>
+#include <string.h>
+
+#include "jobs/accuracy_spec.h"
+#include "jobs/internal/study.h"
+
+/* Those beside JSON, which is stored with the commit. */
+static const char *const stored_formats[] = {"html", "csv", "md", NULL};
+
+struct accuracy {
+    struct pen_study study;
+    struct pen_accuracy_spec spec;
+    struct pen_accuracy_task task;
+    struct pen_accuracy accuracy;
+    json_t *report;
+};
+
+static void progress(void *user, int done, int total)
+{
+    struct accuracy *a = user;
+    pen_study_progress(&a->study, done, total);
+}
+
+/* Stores what the study will take, so that readers of the job know it. A failure is ignored. */
+static void forecast(void *user, const struct pen_accuracy_forecast *forecast)
+{
+    struct accuracy *a = user;
+    struct pen_status ignored;
+    const double ms = fmin(forecast->expected_ms, a->task.budget_ms);
+    pen_store_estimate(a->study.context->store, a->study.claim, (int64_t)ceil(ms), &ignored);
+}
+
+static bool read_spec(struct accuracy *a, struct pen_status *st)
+{
+    struct pen_batch_context *context = a->study.context;
+    const struct pen_stored_request *request = &context->request;
+    struct pen_errors errors = {0};
+    if (!pen_accuracy_spec_read(request->json, &a->study.desc, &request->settings, &a->spec,
+                                &errors)) {
+        *st = errors.item[0];
+        return false;
+    }
+    a->task = pen_accuracy_of_spec(&a->spec);
+    a->task.desc = &a->study.desc;
+    a->task.settings = &request->settings;
+    a->task.view = a->study.views[0];
+    a->task.scene_cap_bytes = pen_scene_cache_cap(context->scenes);
+    a->task.limits = pen_limits_default();
+    a->task.pool = context->pool;
+    a->task.cancel = pen_heartbeat_cancel_flag(context->heart);
+    a->task.forecast = forecast;
+    a->task.progress = progress;
+    a->task.user = a;
+    a->task.pixel_begins = pen_batch_pixel_hook(context);
+    a->task.pixel_user = context;
+    return true;
+}
+
+static bool store_format(const struct accuracy *a, const char *format, struct pen_status *st)
+{
+    struct pen_buf text = {0};
+    const bool page = strcmp(format, "html") == 0;
+    const bool ok = (page ? pen_accuracy_write_html(&a->accuracy, a->report, &text, st)
+                          : pen_accuracy_write(a->report, format, &text, st)) &&
+                    pen_store_artefact_put(a->study.context->store, a->study.claim->job_id,
+                                           a->study.claim->view, PEN_REPORT_LAYER, format,
+                                           text.data, text.bytes, st);
+    pen_buf_release(&text);
+    return ok;
+}
+
+static bool write_report(struct accuracy *a, struct pen_batch_output *output, struct pen_status *st)
+{
+    const char *name = a->study.desc.name;
+    a->report = pen_accuracy_json(&a->accuracy, name ? name : "");
+    bool ok = a->report || pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
+    for (int i = 0; ok && stored_formats[i]; i++)
+        ok = store_format(a, stored_formats[i], st);
+    ok = ok && pen_accuracy_write(a->report, PEN_REPORT_FORMAT, &output->artefact, st);
+    pen_study_set_report(output);
+    return ok;
+}
+
+bool pen_batch_accuracy(struct pen_batch_context *context, const struct pen_claim *claim,
+                        struct pen_batch_output *output, struct pen_status *st)
+{
+    struct accuracy a = {.spec = {.ladder = NULL}};
+    const bool ok = pen_study_begin(&a.study, context, claim, st) && read_spec(&a, st) &&
+                    pen_batch_hook_done(context, pen_accuracy_make(&a.task, &a.accuracy, st), st) &&
+                    write_report(&a, output, st) &&
+                    pen_study_write_stats(&a.study, &a.accuracy.stats, &a.accuracy.accel,
+                                          a.accuracy.build_ms, output, st);
+    json_decref(a.report);
+    if (a.accuracy.task)
+        pen_accuracy_release(&a.accuracy);
+    pen_accuracy_spec_release(&a.spec);
+    pen_study_end(&a.study);
+    return ok;
+}

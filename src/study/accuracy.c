@@ -1,0 +1,456 @@
+/* SPDX-License-Identifier: MIT */
+/* The order of an accuracy study's runs, and what of them the budget allows. */
+#include "study/accuracy.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "film/flip.h"
+#include "film/metrics.h"
+#include "film/ssim.h"
+#include "render/forecast.h"
+#include "render/layers.h"
+#include "study/accuracy_summary.h"
+#include "study/internal/accuracy_run.h"
+#include "study/internal/accuracy_words.h"
+#include "study/internal/random_order.h"
+
+const char *const pen_accuracy_metrics[] = {"rmse", "relative_mse", "psnr", "ssim",
+                                            "flip", "max_error",    NULL};
+
+bool pen_accuracy_metric_rises(enum pen_accuracy_metric metric)
+{
+    return metric == PEN_METRIC_PSNR || metric == PEN_METRIC_SSIM;
+}
+
+double pen_accuracy_left_ms(const struct pen_accuracy_state *state)
+{
+    return state->task->budget_ms - (double)(pen_clock_ns() - state->begun_ns) * 1e-6;
+}
+
+bool pen_accuracy_left_out(struct pen_accuracy *accuracy, json_t *text, struct pen_status *st)
+{
+    return json_array_append_new(accuracy->left_out, text) == 0 ||
+           pen_fail(st, PEN_NO_MEMORY, "out of memory for a report");
+}
+
+/* Adds "ROW: WHY" to what was left out. */
+static bool leave_out(struct pen_accuracy_state *state, int row, const char *why,
+                      struct pen_status *st)
+{
+    struct pen_buf name = {0};
+    pen_accuracy_write_settings(state->task->rows[row].varied, &name);
+    const bool ok = pen_accuracy_left_out(
+        state->out, json_sprintf("%s: %s", name.data ? (const char *)name.data : "", why), st);
+    pen_buf_release(&name);
+    return ok;
+}
+
+static bool check_cancel(const struct pen_accuracy_state *state, struct pen_status *st)
+{
+    const atomic_bool *cancel = state->task->cancel;
+    return !cancel || !atomic_load_explicit(cancel, memory_order_relaxed) ||
+           pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d runs", state->done, state->total);
+}
+
+static void count_run(struct pen_accuracy_state *state)
+{
+    const struct pen_accuracy_task *task = state->task;
+    state->done++;
+    if (task->progress)
+        task->progress(task->user, state->done < state->total ? state->done : state->total,
+                       state->total);
+}
+
+bool pen_accuracy_render(struct pen_accuracy_state *state, const struct pen_settings *settings,
+                         float *rgb, bool tile_ms, struct pen_render_stats *stats,
+                         struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    const struct pen_render_task render = {.scene = state->scene,
+                                           .view = task->view,
+                                           .settings = settings,
+                                           .tile_count = -1,
+                                           .rgb = rgb,
+                                           .cancel = task->cancel,
+                                           .pixel_begins = task->pixel_begins,
+                                           .pixel_user = task->pixel_user,
+                                           .keep_tile_ms = tile_ms};
+    if (!check_cancel(state, st) || !pen_render_run(task->pool, &render, stats, st))
+        return false;
+    count_run(state);
+    return true;
+}
+
+/* A film on a picture's pixels. */
+static struct pen_film film_of(const struct pen_accuracy_state *state, const float *rgb)
+{
+    return (struct pen_film){.width = state->task->settings->width,
+                             .height = state->task->settings->height,
+                             .rgb = (float *)(uintptr_t)rgb};
+}
+
+bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *rgb,
+                          double error[PEN_METRIC_COUNT], struct pen_status *st)
+{
+    const struct pen_film film = film_of(state, rgb),
+                          reference = film_of(state, state->out->reference.rgb);
+    struct pen_picture *a = pen_picture_of_film(&film, st);
+    struct pen_picture *b = a ? pen_picture_of_film(&reference, st) : NULL;
+    struct pen_difference d;
+    struct pen_flip flip;
+    const bool ok = b && check_cancel(state, st) && pen_picture_compare(a, b, 0, &d, st) &&
+                    pen_picture_ssim(a, b, &error[PEN_METRIC_SSIM], st) &&
+                    pen_picture_flip(a, b, NULL, &flip, st);
+    pen_picture_free(a);
+    pen_picture_free(b);
+    if (!ok)
+        return false;
+    error[PEN_METRIC_RMSE] = d.rmse;
+    error[PEN_METRIC_RELATIVE_MSE] = d.relative_mse;
+    error[PEN_METRIC_PSNR] = d.psnr;
+    error[PEN_METRIC_FLIP] = flip.mean;
+    error[PEN_METRIC_MAX_ERROR] = d.max_error;
+    return true;
+}
+
+/* One run of a row, with the seed after that of its last one. */
+static bool run_row(struct pen_accuracy_state *state, int number, struct pen_status *st)
+{
+    struct pen_accuracy_row_result *row = &state->out->row[number];
+    struct pen_settings settings = state->task->rows[number].settings;
+    struct pen_accuracy_run *run = &row->run[row->runs];
+    struct pen_render_stats stats;
+    const bool first = row->runs == 0;
+    settings.seed += (uint64_t)row->runs;
+    if (!pen_accuracy_render(state, &settings, first ? row->rgb : state->target, number == 0,
+                             &stats, st))
+        return false;
+    run->render_ms = stats.render_ms;
+    row->runs++;
+    if (number == state->out->stats_row) {
+        free(state->out->stats.tile_ms);
+        state->out->stats = stats;
+    }
+    if (!first)
+        return pen_accuracy_measure(state, state->target, run->error, st);
+    row->rays = stats.rays;
+    return true;
+}
+
+/* The first pass: the rows that are not left out, without errors, since there is no reference yet.
+ */
+static bool first_pass(struct pen_accuracy_state *state, const bool *wanted, struct pen_status *st)
+{
+    int order[PEN_ACCURACY_ROWS_MAX];
+    uint64_t random = state->task->settings->seed;
+    while (!wanted[state->out->stats_row]) /* one row is wanted */
+        state->out->stats_row++;
+    pen_random_order(order, state->task->row_count, &random);
+    for (int i = 0; i < state->task->row_count; i++) {
+        if (wanted[order[i]] && !run_row(state, order[i], st))
+            return false;
+    }
+    return true;
+}
+
+/* The time of a run of a row, by its runs so far. */
+static double run_ms(const struct pen_accuracy_row_result *row)
+{
+    double sum = 0;
+    for (int i = 0; i < row->runs; i++)
+        sum += row->run[i].render_ms;
+    return row->runs > 0 ? sum / row->runs : row->expected_ms;
+}
+
+/* Puts the rows of the Pareto front before the others, and otherwise leaves their order. */
+static void put_front_first(const struct pen_accuracy *accuracy, int *order, int count)
+{
+    bool front[PEN_ACCURACY_ROWS_MAX];
+    int sorted[PEN_ACCURACY_ROWS_MAX], at = 0;
+    pen_accuracy_front(accuracy, front);
+    for (int pass = 0; pass < 2; pass++) {
+        for (int i = 0; i < count; i++)
+            if (front[order[i]] == (pass == 0))
+                sorted[at++] = order[i];
+    }
+    memcpy(order, sorted, (size_t)count * sizeof *order);
+}
+
+/* A further pass. If not all rows fit the time that is left, those of the front come first. */
+static bool next_pass(struct pen_accuracy_state *state, int pass, struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    int order[PEN_ACCURACY_ROWS_MAX];
+    uint64_t random = task->settings->seed + (uint64_t)pass * 0x632be59bd9b4e019u;
+    double all_ms = 0;
+    pen_random_order(order, task->row_count, &random);
+    for (int i = 0; i < task->row_count; i++)
+        all_ms += state->out->row[i].runs > 0 ? run_ms(&state->out->row[i]) : 0;
+    if (all_ms > pen_accuracy_left_ms(state))
+        put_front_first(state->out, order, task->row_count);
+    for (int i = 0; i < task->row_count; i++) {
+        const struct pen_accuracy_row_result *row = &state->out->row[order[i]];
+        if (row->runs > 0 && run_ms(row) <= pen_accuracy_left_ms(state) &&
+            !run_row(state, order[i], st))
+            return false;
+    }
+    return true;
+}
+
+static bool further_passes(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    for (int pass = 1; pass < task->seeds; pass++)
+        if (!next_pass(state, pass, st))
+            return false;
+    for (int i = 0; i < task->row_count; i++) {
+        char why[64];
+        const int runs = state->out->row[i].runs;
+        snprintf(why, sizeof why, "%d of %d runs", task->seeds - runs, task->seeds);
+        if (runs > 0 && runs < task->seeds && !leave_out(state, i, why, st))
+            return false;
+    }
+    return true;
+}
+
+/* A forecast of one row's run, and what it has cost. */
+struct row_forecast {
+    struct pen_estimate ms;
+    double spent_ms;
+};
+
+static bool forecast_row(struct pen_accuracy_state *state, int row, struct row_forecast *out,
+                         struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    const struct pen_forecast_task forecast_task = {.scene = state->scene,
+                                                    .view = task->view,
+                                                    .settings = &task->rows[row].settings,
+                                                    .quick = true,
+                                                    .cancel = task->cancel,
+                                                    .pixel_begins = task->pixel_begins,
+                                                    .pixel_user = task->pixel_user};
+    struct pen_forecast forecast;
+    if (!pen_forecast_make(task->pool, &forecast_task, &forecast, st))
+        return false;
+    *out = (struct row_forecast){forecast.time_ms, forecast.spent_ms};
+    pen_forecast_release(&forecast);
+    return true;
+}
+
+/* The rays of a row by its counts; of one with a target error, those of its pilot. */
+static double work_of(const struct pen_accuracy_task *task, int row)
+{
+    const struct pen_settings s = pen_settings_sampling(&task->rows[row].settings);
+    return pen_work_per_pixel(task->desc, &s);
+}
+
+/* The rows by their work, the least first. */
+static void order_by_work(const struct pen_accuracy_task *task, int *order)
+{
+    for (int i = 0; i < task->row_count; i++) {
+        int at = i;
+        for (; at > 0 && work_of(task, order[at - 1]) > work_of(task, i); at--)
+            order[at] = order[at - 1];
+        order[at] = i;
+    }
+}
+
+/* What a row is expected to take if another took so long and it has so many times its work. */
+static struct row_forecast scaled(const struct row_forecast *forecast, double times)
+{
+    return (struct row_forecast){
+        {forecast->ms.expected * times, forecast->ms.low * times, forecast->ms.high * times},
+        forecast->spent_ms * times};
+}
+
+static void add_forecast(struct pen_accuracy_forecast *sum, const struct pen_estimate *ms,
+                         int times)
+{
+    sum->expected_ms += times * ms->expected;
+    sum->low_ms += times * ms->low;
+    sum->high_ms += times * ms->high;
+}
+
+/* Forecasts all rows, and the reference as so many times the dearest of them. A row whose forecast
+ * alone would cost more than a tenth of the budget is expected to take as much longer than the one
+ * before as it has more work. */
+static bool make_forecast(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    struct row_forecast last = {{0, 0, 0}, 0}, dearest = last;
+    int order[PEN_ACCURACY_ROWS_MAX];
+    order_by_work(task, order);
+    for (int i = 0; i < task->row_count; i++) {
+        const int row = order[i];
+        struct row_forecast here =
+            i > 0 ? scaled(&last, work_of(task, row) / work_of(task, order[i - 1])) : last;
+        if (here.spent_ms <= task->budget_ms / 10 && !forecast_row(state, row, &here, st))
+            return false;
+        state->out->row[row].expected_ms = here.ms.expected;
+        add_forecast(&state->out->forecast, &here.ms, task->seeds);
+        if (here.ms.expected > dearest.ms.expected)
+            dearest = here;
+        last = here;
+    }
+    add_forecast(&state->out->forecast, &dearest.ms, PEN_ACCURACY_REFERENCE_RUNS);
+    if (task->forecast)
+        task->forecast(task->user, &state->out->forecast);
+    return true;
+}
+
+/* Chooses the rows that fit the budget, if each is run once and the reference takes as long as two
+ * runs of the dearest: the dearest rows are left out, until that is so. One row stays. */
+static bool choose_rows(struct pen_accuracy_state *state, bool *wanted, struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    const struct pen_accuracy_row_result *rows = state->out->row;
+    for (int i = 0; i < task->row_count; i++)
+        wanted[i] = true;
+    for (int left = task->row_count; left > 1; left--) {
+        double sum = 0;
+        int dearest = -1;
+        for (int i = 0; i < task->row_count; i++) {
+            if (!wanted[i])
+                continue;
+            sum += rows[i].expected_ms;
+            if (dearest < 0 || rows[i].expected_ms > rows[dearest].expected_ms)
+                dearest = i;
+        }
+        if (sum + 2 * rows[dearest].expected_ms <= pen_accuracy_left_ms(state))
+            return true;
+        char why[80];
+        snprintf(why, sizeof why, "one run is expected to take %.3g s",
+                 rows[dearest].expected_ms / 1000);
+        wanted[dearest] = false;
+        if (!leave_out(state, dearest, why, st))
+            return false;
+    }
+    return true;
+}
+
+/* The row whose time per pixel the report shows: the first one that was run. */
+static int cost_row(const struct pen_accuracy *accuracy)
+{
+    int row = pen_accuracy_recommended(accuracy);
+    for (int i = 0; row < 0; i++)
+        row = accuracy->row[i].runs > 0 ? i : -1;
+    return row;
+}
+
+/* The layer `cost` of the recommended row. Counting the tests takes longer than rendering. */
+static bool make_cost(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    struct pen_accuracy *out = state->out;
+    const int row = cost_row(out);
+    const struct pen_layer_task task = {.scene = state->scene,
+                                        .view = state->task->view,
+                                        .settings = &state->task->rows[row].settings,
+                                        .layer = PEN_LAYER_COST,
+                                        .cost = PEN_COST_TIME,
+                                        .rgb = state->target,
+                                        .cancel = state->task->cancel};
+    if (10 * run_ms(&out->row[row]) > pen_accuracy_left_ms(state))
+        return pen_accuracy_left_out(out, json_string("the map of the time of each pixel"), st);
+    if (!pen_layer_render(state->task->pool, &task, st))
+        return false;
+    out->cost_row = row;
+    out->cost_most = pen_layer_show(PEN_LAYER_COST, state->target, state->values / 3);
+    out->cost = state->target;
+    state->target = NULL;
+    count_run(state);
+    return true;
+}
+
+int pen_accuracy_runs(const struct pen_accuracy_task *task)
+{
+    return task->row_count * task->seeds + 3;
+}
+
+static bool allocate(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    struct pen_accuracy *out = state->out;
+    const size_t bytes = state->values * sizeof(float);
+    out->row = calloc((size_t)task->row_count, sizeof *out->row);
+    out->left_out = json_array();
+    out->reference.rgb = malloc(bytes);
+    state->target = malloc(bytes);
+    bool ok = out->row && out->left_out && out->reference.rgb && state->target;
+    for (int i = 0; ok && i < task->row_count; i++) {
+        out->row[i].run = calloc((size_t)task->seeds, sizeof *out->row[i].run);
+        out->row[i].rgb = malloc(bytes);
+        ok = out->row[i].run && out->row[i].rgb;
+    }
+    return ok ||
+           pen_fail(st, PEN_NO_MEMORY, "no memory for the pictures of %d rows", task->row_count);
+}
+
+static bool freeze(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    const int64_t begun_ns = pen_clock_ns();
+    state->scene = pen_scene_freeze(task->desc, (enum pen_accelerator)task->settings->accelerator,
+                                    task->scene_cap_bytes, st);
+    if (!state->scene)
+        return false;
+    state->out->build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    state->out->accel = *pen_accel_get_stats(state->scene->accel);
+    return true;
+}
+
+bool pen_accuracy_check(const struct pen_accuracy_task *task, const char *at, struct pen_status *st)
+{
+    const double pixels = (double)task->settings->width * task->settings->height,
+                 kept = pixels * (task->row_count + 2);
+    for (int i = 0; i < task->row_count; i++)
+        if (!pen_limits_check(&task->limits, task->desc, &task->rows[i].settings, 1, at, st))
+            return false;
+    return kept <= (double)task->limits.pixels_per_view ||
+           pen_fail_at(st, PEN_TOO_LARGE, at,
+                       "the %d pictures to be compared have %.0f pixels together, at most %llu "
+                       "are allowed",
+                       task->row_count + 2, kept, (unsigned long long)task->limits.pixels_per_view);
+}
+
+bool pen_accuracy_make(const struct pen_accuracy_task *task, struct pen_accuracy *out,
+                       struct pen_status *st)
+{
+    struct pen_accuracy_state state = {.task = task,
+                                       .out = out,
+                                       .values = 3 * (size_t)task->settings->width *
+                                                 (size_t)task->settings->height,
+                                       .begun_ns = pen_clock_ns(),
+                                       .total = pen_accuracy_runs(task)};
+    bool wanted[PEN_ACCURACY_ROWS_MAX];
+    *out = (struct pen_accuracy){.task = task};
+    bool ok = allocate(&state, st) && freeze(&state, st);
+    if (ok && task->progress)
+        task->progress(task->user, 0, state.total);
+    ok = ok && make_forecast(&state, st) && choose_rows(&state, wanted, st) &&
+         first_pass(&state, wanted, st) && pen_accuracy_make_reference(&state, st) &&
+         further_passes(&state, st) && make_cost(&state, st);
+    if (ok && task->progress)
+        task->progress(task->user, state.total, state.total);
+    out->spent_ms = (double)(pen_clock_ns() - state.begun_ns) * 1e-6;
+    pen_scene_free(state.scene);
+    free(state.target);
+    return ok;
+}
+
+void pen_accuracy_release(struct pen_accuracy *accuracy)
+{
+    for (int i = 0; accuracy->row && i < accuracy->task->row_count; i++) {
+        free(accuracy->row[i].run);
+        free(accuracy->row[i].rgb);
+    }
+    free(accuracy->row);
+    free(accuracy->reference.rgb);
+    free(accuracy->cost);
+    free(accuracy->stats.tile_ms);
+    json_decref(accuracy->left_out);
+    *accuracy = (struct pen_accuracy){0};
+}

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT */
+/* The reference of an accuracy study: its settings, and how long it may take.
+ *
+ * It has the camera rays of the row that has most of them, times a factor; and so many points on
+ * lights and rays of cones for each camera ray that their sum over a pixel grows by that factor,
+ * too. A scene that is seen through the pixels' centres in every row is so in the reference: then
+ * its edges are not part of the error. */
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "film/encode.h"
+#include "study/internal/accuracy_run.h"
+
+enum { FACTOR = 8, FACTOR_MORE = 4, FACTOR_MAX = 128 };
+/* The samples of a pixel that count for a row with a target error, whatever they will be. */
+enum { ADAPTIVE_CAMERA = 32, ADAPTIVE_LIGHT = 16, ADAPTIVE_BLUR = 4 };
+enum { SEED_STEP = 1000000 }; /* beyond all seeds of rows */
+
+static const double most_of_best = 0.2; /* the reference's error over that of the best row */
+
+/* The most samples that a pixel has in a row. */
+struct samples {
+    double camera, light, blur; /* light, blur: of all its camera rays */
+    bool area;                  /* of the pixel's area, not of its centre alone */
+};
+
+static void add_row(struct samples *most, const struct pen_settings *s, bool lens)
+{
+    double camera = s->samples_per_pixel, light = s->light_samples, blur = s->blur_samples;
+    if (lens && s->lens_samples > camera)
+        camera = s->lens_samples;
+    if (pen_settings_adaptive(s)) {
+        camera = ADAPTIVE_CAMERA;
+        light = ADAPTIVE_LIGHT;
+        blur = ADAPTIVE_BLUR;
+    }
+    most->area |= camera > 1;
+    most->camera = fmax(most->camera, camera);
+    most->light = fmax(most->light, camera * light);
+    most->blur = fmax(most->blur, camera * blur);
+}
+
+static int count_of(double samples)
+{
+    return samples < 1 ? 1 : samples < INT_MAX ? (int)ceil(samples) : INT_MAX;
+}
+
+/* Whether rows differ in a setting. */
+static bool is_varied(const struct pen_accuracy_task *task, const char *key)
+{
+    return json_object_get(task->rows[0].varied, key) != NULL;
+}
+
+/* The cut-offs: beyond those of all rows, if rows differ in them. */
+static void set_cutoffs(const struct pen_accuracy_task *task, struct pen_settings *s)
+{
+    struct pen_status ignored;
+    for (int i = 0; i < task->row_count; i++) {
+        const struct pen_settings *row = &task->rows[i].settings;
+        s->max_depth = row->max_depth > s->max_depth ? row->max_depth : s->max_depth;
+        s->min_contribution = fmin(s->min_contribution, row->min_contribution);
+    }
+    if (is_varied(task, "min_contribution"))
+        s->min_contribution /= FACTOR;
+    if (!is_varied(task, "max_depth"))
+        return;
+    struct pen_settings deeper = *s;
+    deeper.max_depth = 2 * s->max_depth;
+    if (pen_limits_check(&task->limits, task->desc, &deeper, 1, "", &ignored))
+        *s = deeper;
+}
+
+/* The settings of a reference with so many times the samples of the longest row that was run. Those
+ * that are given by the task override them. */
+static struct pen_settings settings_for(const struct pen_accuracy_state *state, int factor)
+{
+    const struct pen_accuracy_task *task = state->task;
+    struct pen_settings s = *task->settings;
+    struct samples most = {0};
+    struct pen_errors ignored = {0};
+    unsigned effects = 0;
+    for (int i = 0; i < task->row_count; i++)
+        effects |= pen_desc_effects(task->desc, &task->rows[i].settings);
+    const bool lens = effects & PEN_FX_DEPTH_OF_FIELD;
+    for (int i = 0; i < task->row_count; i++)
+        if (state->out->row[i].runs > 0)
+            add_row(&most, &task->rows[i].settings, lens);
+    s.target_error = 0;
+    s.light_pattern = PEN_PATTERN_SOBOL;
+    s.samples_per_pixel = most.area ? count_of(most.camera * factor) : 1;
+    s.lens_samples = lens ? s.samples_per_pixel : s.lens_samples;
+    if (effects & PEN_FX_SOFT_SHADOWS)
+        s.light_samples = count_of(most.light * factor / s.samples_per_pixel);
+    if (pen_effects_blur(effects))
+        s.blur_samples = count_of(most.blur * factor / s.samples_per_pixel);
+    set_cutoffs(task, &s);
+    if (task->reference)
+        pen_settings_read(task->reference, "", &s, &ignored); /* checked by the caller */
+    s.target_error = 0;
+    return s;
+}
+
+/* The rays of a pixel by their counts, as a measure of time. */
+static double work_of(const struct pen_accuracy_task *task, const struct pen_settings *s)
+{
+    return pen_work_per_pixel(task->desc, s);
+}
+
+/* The settings of a row; of one with a target error, fixed numbers of samples that come to as many
+ * camera rays as its first run took. */
+static struct pen_settings fixed_settings(const struct pen_accuracy_state *state, int row)
+{
+    const struct pen_settings *asked = &state->task->rows[row].settings;
+    struct pen_settings s = pen_settings_sampling(asked);
+    if (pen_settings_adaptive(asked))
+        s.samples_per_pixel = s.lens_samples =
+            count_of((double)state->out->row[row].rays.primary * 3 / (double)state->values);
+    return s;
+}
+
+/* The time that both renders of a reference are expected to take, by that of the row with the most
+ * rays. */
+static double expected_ms(const struct pen_accuracy_state *state, const struct pen_settings *s)
+{
+    double most = 0, ms = 0;
+    for (int i = 0; i < state->task->row_count; i++) {
+        const struct pen_accuracy_row_result *result = &state->out->row[i];
+        if (result->runs == 0)
+            continue;
+        const struct pen_settings fixed = fixed_settings(state, i);
+        const double work = work_of(state->task, &fixed);
+        if (work > most) {
+            most = work;
+            ms = result->run[0].render_ms;
+        }
+    }
+    return 2 * ms / most * work_of(state->task, s);
+}
+
+/* Whether a reference may be made: it has half of the time that is left. Limits of a render's work
+ * do not apply, since the budget bounds the whole study. */
+static bool fits(const struct pen_accuracy_state *state, int factor)
+{
+    const struct pen_settings s = settings_for(state, factor);
+    return expected_ms(state, &s) <= pen_accuracy_left_ms(state) / 2;
+}
+
+/* The root mean square of the differences of two pictures' encoded values. */
+static double difference(const float *a, const float *b, size_t values)
+{
+    double sum = 0;
+    for (size_t i = 0; i < values; i++) {
+        const double d = pen_encode_unit((double)a[i], PEN_TRANSFER_SRGB) -
+                         pen_encode_unit((double)b[i], PEN_TRANSFER_SRGB);
+        sum += d * d;
+    }
+    return sqrt(sum / (double)values);
+}
+
+/* Renders the reference with so many times the samples, in place of an earlier one. */
+static bool render(struct pen_accuracy_state *state, int factor, struct pen_status *st)
+{
+    struct pen_accuracy_reference *r = &state->out->reference;
+    struct pen_render_stats first, second;
+    r->factor = factor;
+    r->settings = settings_for(state, factor);
+    struct pen_settings other = r->settings;
+    r->settings.seed = state->task->settings->seed + SEED_STEP + (uint64_t)factor;
+    other.seed = r->settings.seed + SEED_STEP;
+    if (!pen_accuracy_render(state, &r->settings, r->rgb, false, &first, st) ||
+        !pen_accuracy_render(state, &other, state->target, false, &second, st))
+        return false;
+    r->error = difference(r->rgb, state->target, state->values) / 2;
+    r->render_ms = first.render_ms + second.render_ms;
+    for (size_t i = 0; i < state->values; i++)
+        r->rgb[i] = (float)(((double)r->rgb[i] + (double)state->target[i]) / 2);
+    return true;
+}
+
+/* Compares the first picture of every row with the reference. Sets the least error of a row. */
+static bool measure_rows(const struct pen_accuracy_state *state, double *best,
+                         struct pen_status *st)
+{
+    *best = HUGE_VAL;
+    for (int i = 0; i < state->task->row_count; i++) {
+        struct pen_accuracy_row_result *row = &state->out->row[i];
+        if (row->runs == 0)
+            continue;
+        if (!pen_accuracy_measure(state, row->rgb, row->run[0].error, st))
+            return false;
+        *best = fmin(*best, row->run[0].error[PEN_METRIC_RMSE]);
+    }
+    return true;
+}
+
+static bool note_short(const struct pen_accuracy_state *state, double best, struct pen_status *st)
+{
+    const struct pen_accuracy_reference *r = &state->out->reference;
+    return r->error <= most_of_best * best ||
+           pen_accuracy_left_out(
+               state->out,
+               json_sprintf("a better reference: the error of this one, with %d times the samples "
+                            "of the longest row, is %.2g, which is more than a fifth of the best "
+                            "row's, %.2g",
+                            r->factor, r->error, best),
+               st);
+}
+
+/* Whether a reference of more samples can be made. */
+static bool can_be_better(const struct pen_accuracy_state *state)
+{
+    const struct pen_accuracy_reference *r = &state->out->reference;
+    const int factor = r->factor * FACTOR_MORE;
+    const struct pen_settings s = settings_for(state, factor);
+    return factor <= FACTOR_MAX && fits(state, factor) &&
+           work_of(state->task, &s) > work_of(state->task, &r->settings);
+}
+
+bool pen_accuracy_make_reference(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    struct pen_accuracy_reference *r = &state->out->reference;
+    double best;
+    int factor = FACTOR;
+    while (factor > 1 && !fits(state, factor))
+        factor /= 2;
+    if (!render(state, factor, st) || !measure_rows(state, &best, st))
+        return false;
+    while (r->error > most_of_best * best && can_be_better(state)) {
+        factor *= FACTOR_MORE;
+        if (!render(state, factor, st) || !measure_rows(state, &best, st))
+            return false;
+    }
+    return note_short(state, best, st);
+}

@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: MIT */
+#include "study/internal/accuracy_words.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "study/accuracy.h"
+
+static const char *const titles[PEN_METRIC_COUNT] = {
+    [PEN_METRIC_RMSE] = "RMSE", [PEN_METRIC_RELATIVE_MSE] = "relative MSE",
+    [PEN_METRIC_PSNR] = "PSNR", [PEN_METRIC_SSIM] = "SSIM",
+    [PEN_METRIC_FLIP] = "FLIP", [PEN_METRIC_MAX_ERROR] = "largest error"};
+
+const char *pen_accuracy_metric_title(const char *metric)
+{
+    for (int m = 0; m < PEN_METRIC_COUNT; m++)
+        if (strcmp(pen_accuracy_metrics[m], metric) == 0)
+            return titles[m];
+    return metric;
+}
+
+static bool rises(const char *metric)
+{
+    for (int m = 0; m < PEN_METRIC_COUNT; m++)
+        if (strcmp(pen_accuracy_metrics[m], metric) == 0)
+            return pen_accuracy_metric_rises((enum pen_accuracy_metric)m);
+    return false;
+}
+
+void pen_accuracy_write_settings(const json_t *settings, struct pen_buf *out)
+{
+    const char *key, *separator = "";
+    json_t *value;
+    json_object_foreach((json_t *)(uintptr_t)settings, key, value)
+    {
+        pen_buf_printf(out, "%s%s ", separator, key);
+        pen_bench_write_value(value, out);
+        separator = ", ";
+    }
+}
+
+/* "--set light_samples=64 --set light_pattern=grid" */
+static void write_options(const json_t *settings, struct pen_buf *out)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)(uintptr_t)settings, key, value)
+    {
+        pen_buf_printf(out, " --set %s=", key);
+        pen_bench_write_value(value, out);
+    }
+}
+
+static bool was_run(const json_t *row)
+{
+    return pen_bench_report_number(row, "runs") > 0;
+}
+
+bool pen_accuracy_is_recommended(const json_t *report, const json_t *row)
+{
+    const json_t *number = pen_bench_report_member(report, "recommended.row");
+    return number && pen_bench_report_number(row, "row") == json_number_value(number);
+}
+
+void pen_accuracy_write_error(double error, struct pen_buf *out)
+{
+    pen_buf_printf(out, "%.3g", error);
+}
+
+/* The row that comes nearest to the target; NULL if no row's error is known. */
+static const json_t *nearest(const json_t *report, const char *metric)
+{
+    const json_t *best = NULL;
+    for (size_t i = 0; i < pen_bench_report_row_count(report); i++) {
+        const json_t *row = pen_bench_report_row(report, i);
+        if (!json_is_number(json_object_get(row, metric)))
+            continue;
+        const double here = pen_bench_report_number(row, metric),
+                     there = pen_bench_report_number(best, metric);
+        if (!best || (rises(metric) ? here > there : here < there))
+            best = row;
+    }
+    return best;
+}
+
+static void write_row(const json_t *row, struct pen_buf *out)
+{
+    pen_accuracy_write_settings(json_object_get(row, "settings"), out);
+    pen_buf_printf(out, " (row %.0f, ", pen_bench_report_number(row, "row"));
+    pen_bench_write_number(pen_bench_report_number(row, "median_ms"), " ", out);
+    pen_buf_puts(out, " ms)");
+}
+
+void pen_accuracy_write_answer(const json_t *report, struct pen_buf *out)
+{
+    const char *metric = pen_bench_report_string(report, "target.metric");
+    const double target = pen_bench_report_number(report, "target.value");
+    const json_t *number = pen_bench_report_member(report, "recommended.row");
+    const char *bound = rises(metric) ? "at least" : "at most";
+    if (json_is_integer(number) && json_integer_value(number) >= 0) {
+        const json_t *row = pen_bench_report_row(report, (size_t)json_integer_value(number));
+        pen_buf_printf(out, "The cheapest row with %s %s %g in 95 %% of its runs: ",
+                       pen_accuracy_metric_title(metric), bound, target);
+        write_row(row, out);
+        pen_buf_puts(out, ". To get it:");
+        write_options(json_object_get(row, "settings"), out);
+        return;
+    }
+    const json_t *row = nearest(report, metric);
+    pen_buf_printf(out, "No row has %s %s %g in 95 %% of its runs",
+                   pen_accuracy_metric_title(metric), bound, target);
+    if (row) {
+        pen_buf_puts(out, "; the nearest, with ");
+        pen_accuracy_write_error(pen_bench_report_number(row, metric), out);
+        pen_buf_puts(out, ", is ");
+        write_row(row, out);
+    }
+    pen_buf_puts(out, ".");
+}
+
+void pen_accuracy_write_method(const json_t *report, struct pen_buf *out)
+{
+    pen_buf_printf(out,
+                   "Times are of rendering, without building the tree: medians of up to %.0f runs "
+                   "with different seeds, interleaved in a random order. Errors are medians over "
+                   "the seeds, against the reference; spreads are from 5 to 95 %%. Efficiency is "
+                   "1 / (MSE · s).",
+                   pen_bench_report_number(report, "seeds"));
+}
+
+void pen_accuracy_write_reference(const json_t *report, struct pen_buf *out)
+{
+    static const char *const keys[] = {"samples_per_pixel", "light_samples", "blur_samples",
+                                       "lens_samples",      "max_depth",     "min_contribution"};
+    const double error = pen_bench_report_number(report, "reference.error");
+    const char *separator = "";
+    pen_buf_puts(out, "Reference: the mean of two renders with seeds of their own and ");
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "reference.settings.%s", keys[i]);
+        pen_buf_printf(out, "%s%s %g", separator, keys[i], pen_bench_report_number(report, path));
+        separator = ", ";
+    }
+    if (error > 0) {
+        pen_buf_printf(out,
+                       ". Its own error, half of the difference of the two, is %.2g (RMSE); rows "
+                       "below twice that are unresolved.",
+                       error);
+    } else {
+        pen_buf_puts(out, ". The two are equal: nothing in it is sampled at random.");
+    }
+    if (pen_bench_report_number(report, "reference.settings.samples_per_pixel") == 1)
+        pen_buf_puts(out, " All rows and the reference see the scene through the pixels' centres: "
+                          "jagged edges are not part of the error.");
+}
+
+void pen_accuracy_write_forecast(const json_t *report, struct pen_buf *out)
+{
+    pen_buf_printf(out, "Expected to take %.3g s (%.3g to %.3g); took %.3g s, of at most %g s.",
+                   pen_bench_report_number(report, "forecast.expected_seconds"),
+                   pen_bench_report_number(report, "forecast.low"),
+                   pen_bench_report_number(report, "forecast.high"),
+                   pen_bench_report_number(report, "forecast.actual"),
+                   pen_bench_report_number(report, "budget_seconds"));
+}
+
+void pen_accuracy_write_slope(const json_t *series, struct pen_buf *out)
+{
+    const json_t *with = json_object_get(series, "with"),
+                 *interval = json_object_get(series, "interval");
+    const double slope = pen_bench_report_number(series, "slope"),
+                 digit = slope < 0 ? pow(10, -1 / slope) : HUGE_VAL;
+    pen_buf_puts(out, pen_bench_report_string(series, "setting"));
+    if (json_object_size(with) > 0) {
+        pen_buf_puts(out, " with ");
+        pen_accuracy_write_settings(with, out);
+    }
+    pen_buf_printf(out,
+                   ": the error is proportional to N to the power of %.2f (95 %%: %.2f to %.2f; "
+                   "expected: %.2f)",
+                   slope, json_number_value(json_array_get(interval, 0)),
+                   json_number_value(json_array_get(interval, 1)),
+                   pen_bench_report_number(series, "expected"));
+    if (digit < 1e6)
+        pen_buf_printf(out, "; one more digit takes %.2g times the samples", digit);
+    pen_buf_puts(out, ".");
+}
+
+static void write_times(const json_t *row, struct pen_buf *out)
+{
+    if (!was_run(row))
+        return;
+    pen_bench_write_number(pen_bench_report_number(row, "min_ms"), " ", out);
+    pen_buf_puts(out, "\xE2\x80\x93");
+    pen_bench_write_number(pen_bench_report_number(row, "max_ms"), " ", out);
+}
+
+static void write_metric(const json_t *row, const char *metric, struct pen_buf *out)
+{
+    const json_t *value = json_object_get(row, metric);
+    if (json_is_number(value))
+        pen_accuracy_write_error(json_number_value(value), out);
+}
+
+static void write_rmse(const json_t *row, struct pen_buf *out)
+{
+    if (json_is_false(json_object_get(row, "resolved")))
+        pen_buf_puts(out, "below ");
+    write_metric(row, json_is_false(json_object_get(row, "resolved")) ? "rmse_below" : "rmse", out);
+}
+
+static void write_spread(const json_t *row, struct pen_buf *out)
+{
+    const json_t *spread = pen_bench_report_member(row, "spread.rmse");
+    if (json_array_size(spread) != 2)
+        return;
+    pen_accuracy_write_error(json_number_value(json_array_get(spread, 0)), out);
+    pen_buf_puts(out, "\xE2\x80\x93");
+    pen_accuracy_write_error(json_number_value(json_array_get(spread, 1)), out);
+}
+
+static void write_flip(const json_t *row, struct pen_buf *out)
+{
+    write_metric(row, "flip", out);
+}
+
+static void write_psnr(const json_t *row, struct pen_buf *out)
+{
+    const json_t *value = json_object_get(row, "psnr");
+    if (json_is_number(value))
+        pen_buf_printf(out, "%.1f", json_number_value(value));
+}
+
+static void write_ssim(const json_t *row, struct pen_buf *out)
+{
+    const json_t *value = json_object_get(row, "ssim");
+    if (json_is_number(value))
+        pen_buf_printf(out, "%.4f", json_number_value(value));
+}
+
+static void write_largest(const json_t *row, struct pen_buf *out)
+{
+    write_metric(row, "max_error", out);
+}
+
+static void write_relative(const json_t *row, struct pen_buf *out)
+{
+    write_metric(row, "relative_mse", out);
+}
+
+static void write_remark(const json_t *row, struct pen_buf *out)
+{
+    if (!was_run(row))
+        pen_buf_puts(out, "left out");
+    else if (json_is_false(json_object_get(row, "resolved")))
+        pen_buf_puts(out, "unresolved");
+    if (json_is_true(json_object_get(row, "pareto")))
+        pen_buf_puts(out, json_is_false(json_object_get(row, "resolved")) ? ", on the front"
+                                                                          : "on the front");
+}
+
+const struct pen_bench_column pen_accuracy_columns[] = {
+    {"ms", .number = "median_ms"},
+    {"range", .write = write_times},
+    {"RMSE", .write = write_rmse},
+    {"5\xE2\x80\x93"
+     "95 %",
+     .write = write_spread},
+    {"FLIP", .write = write_flip},
+    {"SSIM", .write = write_ssim},
+    {"PSNR", .write = write_psnr},
+    {"largest", .write = write_largest},
+    {"relative MSE", .write = write_relative},
+    {"efficiency", .number = "efficiency"},
+    {"rays", .count = "rays.total"},
+    {"remark", .write = write_remark, .words = true},
+    {0}};

@@ -1,0 +1,105 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Accuracy studies: `penumbra accuracy` without a daemon, and jobs of that kind.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+
+small="--set width=40 --set height=30 --set samples_per_pixel=1 --set light_samples=16 --seeds 2"
+ladder="--ladder light_samples=1,4,16"
+
+# Without a daemon
+exits "a study" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder
+expect "has a line for each row, and a title" "$(sed '/^$/q' stdout | wc -l | tr -d ' ')" 5
+prints "says which row meets the target" stdout "FLIP at most 0.02 in 95 % of its runs"
+prints "and how fast errors fall" stdout "light_samples: the error is proportional to N to the power of -"
+prints "it says beforehand what it will take" stderr "3 rows, 2 seeds: expected to take"
+for form in json csv md html; do
+    exits "the study as $form" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder -q -o "r.$form"
+    expect "accuracy -q prints nothing" "$(cat stdout stderr)" ""
+done
+expect "JSON has the rows" "$(jq -c '[.kind, .rows[].settings.light_samples]' r.json)" '["accuracy",1,4,16]'
+expect "rows have times, rays and metrics" "$(jq '[.rows[] | (.min_ms <= .median_ms and .median_ms <= .max_ms
+    and .rays.primary == 1200 and .runs == 2 and .resolved and .pareto != null and .efficiency > 0
+    and .rmse > 0 and .relative_mse > 0 and .psnr > 0 and .ssim < 1 and .flip > 0 and .max_error >= .rmse
+    and .spread.rmse[0] <= .rmse and .rmse <= .spread.rmse[1])] | all' r.json)" true
+expect "errors fall from row to row" "$(jq '[.rows[].rmse] == ([.rows[].rmse] | sort | reverse)' r.json)" true
+expect "the reference is at least five times as good" "$(jq '.reference.error <= ([.rows[].rmse] | min) / 5' r.json)" true
+expect "its samples are several times those of the longest row" "$(jq '.reference.settings.light_samples >= 128' r.json)" true
+expect "nothing is left out" "$(jq -c .left_out r.json)" "[]"
+expect "CSV has a line for each row" "$(wc -l <r.csv | tr -d ' ')" 4
+expect "Markdown has a table" "$(grep -c '^|' r.md)" 5
+expect "HTML has the pictures of three rows and the reference" "$(($(grep -o 'data:image/png;base64,' r.html | wc -l) >= 13))" 1
+expect "HTML has no script" "$(grep -c '<script' r.html)" 0
+exits "the plot alone" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder -q --svg r.svg
+expect "is an SVG file" "$(head -c 5 r.svg)" "<svg "
+expect "that is well-formed" "$(python3 -c 'import sys, xml.dom.minidom as x; x.parse("r.svg"); print("yes")' 2>&1 | tail -n 1)" yes
+exits "standard output as JSON" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder --json
+expect "is the report" "$(jq -r .kind stdout)" accuracy
+
+exits "a target that no row meets" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder --target psnr=200 -q -o t.json
+expect "recommends none" "$(jq -c .recommended t.json)" null
+exits "the cheapest row for a target" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder --target flip=0.9 -q -o t.json
+row=$(jq .recommended.row t.json)
+expect "is the quickest" "$(jq "[.rows[].median_ms] | .[$row] == min" t.json)" true
+exits "a product" 0 "$penumbra" accuracy builtin:soft-shadow $small --ladder light_samples=1,4,9 --ladder \
+    light_pattern=sobol,random --product -q -o p.json
+expect "has all combinations" "$(jq '.rows | length' p.json)" 6
+expect "and two slopes" "$(jq -c '[.convergence[].with.light_pattern]' p.json)" '["sobol","random"]'
+exits "a study without a ladder" 0 "$penumbra" accuracy builtin:lens $small --set width=12 --set height=9 -q -o l.json
+expect "takes the samples that the scene calls for" "$(jq '.rows[0].settings | has("lens_samples")' l.json)" true
+exits "a scene where nothing is random" 0 "$penumbra" accuracy builtin:room $small --ladder max_depth=1,2,14 -q -o d.json
+expect "has a reference without error" "$(jq .reference.error d.json)" 0
+
+exits "a key on which accuracy does not depend" 2 "$penumbra" accuracy builtin:soft-shadow --ladder threads=1,2
+prints "the error names the option" stderr "--ladder threads: must be a setting on which accuracy depends"
+exits "a wrong value" 2 "$penumbra" accuracy builtin:soft-shadow --ladder light_samples=1,0
+prints "the error names the option" stderr "--ladder light_samples: must be an integer of at least 1, found 0"
+exits "a ladder without values" 2 "$penumbra" accuracy builtin:soft-shadow --ladder light_samples
+prints "the error shows the form" stderr "allowed is KEY=VALUE,…"
+exits "a wrong target" 2 "$penumbra" accuracy builtin:soft-shadow --target flop=1
+prints "the error lists the metrics" stderr "must be one of rmse"
+exits "a target without a value" 2 "$penumbra" accuracy builtin:soft-shadow --target flip
+prints "the error shows the form" stderr "allowed is METRIC=VALUE"
+exits "a reference with a target error" 2 "$penumbra" accuracy builtin:soft-shadow --reference target_error=0.1
+prints "the error says why" stderr "fixed numbers of samples"
+
+# As jobs
+daemon_start
+PENUMBRA_URL=$url
+export PENUMBRA_URL
+study="--kind accuracy $small $ladder"
+for form in html json csv md; do
+    exits "submit and fetch as $form" 0 "$penumbra" submit builtin:soft-shadow $study -q -o "j.$form"
+done
+facts='.rows | map({settings, rays, rmse, flip, resolved})'
+expect "gives the same errors" "$(jq -cS "$facts" j.json)" "$(jq -cS "$facts" r.json)"
+job=$("$penumbra" submit builtin:soft-shadow $study --budget 50 --product)
+exits "wait for a study" 0 "$penumbra" wait "$job"
+call "/v1/jobs/$job"
+expect "its progress counts all runs" "$(body '.progress | [.done, .total] | tostring')" "[9,9]"
+expect "the job says what it was asked" "$(body '[.kind, .seeds, .budget_seconds, .product, .ladder.light_samples, .target.metric] | tostring')" \
+    '["accuracy",2,50,true,[1,4,16],"flip"]'
+call "/v1/jobs/$job/report"
+expect "GET report gives the page" "$status $(header content-type)" "200 text/html; charset=utf-8"
+call "/v1/jobs/$job/report" -H 'Accept: text/csv'
+expect "or CSV" "$status $(header content-type)" "200 text/csv; charset=utf-8"
+call "/v1/jobs/$job/stats"
+expect "statistics are those of a row" "$(body .rays.primary)" 1200
+submit '{"scene": "builtin:spheres", "kind": "accuracy", "ladder": {"tile": [1]}}'
+expect_problem "a wrong ladder" 422 '*on which accuracy depends*'
+submit '{"scene": "builtin:spheres", "ladder": {"light_samples": [1]}}'
+expect_problem "a ladder in a render" 422 '*belongs to jobs of kind*accuracy*'
+
+# Cancelled, and begun again when its worker dies
+done_runs() { curl -s "$url/v1/jobs/$1" | jq .progress.done; }
+has_runs() { [ "$(done_runs "$1")" -ge "$2" ]; }
+lengthy="--kind accuracy --set width=200 --set height=150 --ladder light_samples=256,257,258,259 --seeds 64"
+job=$("$penumbra" submit builtin:soft-shadow $lengthy)
+within 60 has_runs "$job" 2 || not_ok "progress counts runs during a study" "$(done_runs "$job")"
+kill -KILL "$(child work)"
+within 60 has_runs "$job" 3 && ok "a study whose worker was killed runs again" || not_ok "a study whose worker was killed runs again" "$(done_runs "$job")"
+"$penumbra" cancel "$job" >/dev/null
+render=$("$penumbra" submit builtin:spheres --set width=20 --set height=20)
+exits "after a cancelled study the next job runs" 0 "$penumbra" wait "$render" -q
+
+finish

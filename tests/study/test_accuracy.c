@@ -1,0 +1,341 @@
+/* SPDX-License-Identifier: MIT */
+/* Accuracy studies: what their figures say is compared with pictures that are rendered here, on a
+ * small room with soft shadows. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "film/encode.h"
+#include "jobs/accuracy_spec.h"
+#include "study/accuracy.h"
+#include "study/accuracy_summary.h"
+#include "support/kit.h"
+#include "support/suite.h"
+
+enum { THREADS = 2 };
+
+static struct kit kit;
+static struct pen_accuracy_spec spec;
+static struct pen_accuracy accuracy;
+static struct pen_thread_pool *pool;
+static struct pen_status st;
+
+/* A sphere over a floor, below a light with a radius: its shadow is all that is sampled. */
+static void make_scene(void)
+{
+    kit_init(&kit);
+    kit.settings.width = 48;
+    kit.settings.height = 36;
+    kit.settings.seed = 7;
+    kit.view.camera.position = pen_vec3(0, 3, 8);
+    kit.view.camera.direction = pen_vec3(0, -0.4, -1);
+    kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 1, 0), kit_material(&kit, kit_matte(0.75)));
+    kit_sphere(&kit, pen_vec3(0, 1.5, 0), 1, kit_material(&kit, kit_matte(0.5)));
+    kit_point(&kit, pen_vec3(2, 6, 2), pen_vec3(1, 1, 1))->radius = 1.5;
+}
+
+static struct pen_accuracy_task task_of(const char *members)
+{
+    struct pen_errors errors = {0};
+    json_t *json = json_loads(members, 0, NULL);
+    ck_assert_msg(json != NULL, "%s", members);
+    if (!pen_accuracy_spec_read(json, &kit.desc, &kit.settings, &spec, &errors))
+        ck_abort_msg("%s: %s", errors.item[0].at, errors.item[0].msg);
+    json_decref(json);
+    pool = pen_thread_pool_new(THREADS, &st);
+    ck_assert_ptr_nonnull(pool);
+    struct pen_accuracy_task task = pen_accuracy_of_spec(&spec);
+    task.desc = &kit.desc;
+    task.settings = &kit.settings;
+    task.limits = pen_limits_default();
+    task.pool = pool;
+    return task;
+}
+
+static void make(const struct pen_accuracy_task *task)
+{
+    ck_assert_msg(pen_accuracy_make(task, &accuracy, &st), "%s", st.msg);
+}
+
+static void release(void)
+{
+    pen_accuracy_release(&accuracy);
+    pen_accuracy_spec_release(&spec);
+    pen_thread_pool_free(pool);
+}
+
+static float *render(struct pen_settings settings, uint64_t seed)
+{
+    settings.seed = seed;
+    struct pen_scene *scene = kit_freeze(&kit);
+    float *film = kit_film(scene, &settings, THREADS);
+    pen_scene_free(scene);
+    return film;
+}
+
+static double rmse_of(const float *a, const float *b)
+{
+    const int values = 3 * kit.settings.width * kit.settings.height;
+    double sum = 0;
+    for (int i = 0; i < values; i++) {
+        const double d = pen_encode_unit((double)a[i], PEN_TRANSFER_SRGB) -
+                         pen_encode_unit((double)b[i], PEN_TRANSFER_SRGB);
+        sum += d * d;
+    }
+    return sqrt(sum / values);
+}
+
+START_TEST(test_accuracy__rows_are_what_their_settings_render)
+{
+    make_scene();
+    const struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"light_samples\": [1, 4, 16]}, \"seeds\": 3}");
+    make(&task);
+    for (int i = 0; i < 3; i++) {
+        const struct pen_accuracy_row_result *row = &accuracy.row[i];
+        ck_assert_int_eq(row->runs, 3);
+        for (int run = 0; run < 3; run++) {
+            float *film = render(spec.rows[i].settings, 7 + (uint64_t)run);
+            const double error = row->run[run].error[PEN_METRIC_RMSE];
+            if (run == 0)
+                ck_assert_mem_eq(film, row->rgb, 3 * 48 * 36 * sizeof *film);
+            ck_assert_msg(fabs(rmse_of(film, accuracy.reference.rgb) - error) < 1e-12,
+                          "row %d, run %d", i, run);
+            free(film);
+        }
+    }
+    release();
+}
+END_TEST
+
+/* The reference's error, as it estimates it, against that from another one of 16 times its samples.
+ */
+START_TEST(test_accuracy__reference_knows_its_error)
+{
+    make_scene();
+    const struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"light_samples\": [1, 4, 16]}, \"seeds\": 1}");
+    make(&task);
+    struct pen_settings far = accuracy.reference.settings;
+    const double best = pen_accuracy_error_of(&accuracy.row[2], PEN_METRIC_RMSE).median;
+    ck_assert_int_ge(far.light_samples, 8 * 16);
+    ck_assert_msg(accuracy.reference.error <= best / 5, "%g of %g", accuracy.reference.error, best);
+    far.light_samples *= 16;
+    float *film = render(far, 99);
+    const double error = rmse_of(film, accuracy.reference.rgb);
+    ck_assert_msg(error > 0.7 * accuracy.reference.error && error < 1.4 * accuracy.reference.error,
+                  "estimated %g, found %g", accuracy.reference.error, error);
+    free(film);
+    release();
+}
+END_TEST
+
+START_TEST(test_accuracy__given_reference_is_kept_and_resolves_what_it_can)
+{
+    make_scene();
+    const struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"light_samples\": [1, 64]}, \"seeds\": 2,"
+                " \"reference\": {\"light_samples\": 64}}");
+    make(&task);
+    ck_assert_int_eq(accuracy.reference.settings.light_samples, 64);
+    ck_assert(pen_accuracy_resolved(&accuracy, &accuracy.row[1]));
+    ck_assert(!pen_accuracy_resolved(&accuracy, &accuracy.row[2])); /* as good as the reference */
+    json_t *report = pen_accuracy_json(&accuracy, "s"), *rows = json_object_get(report, "rows");
+    const json_t *row = json_array_get(rows, 2);
+    ck_assert(json_is_false(json_object_get(row, "resolved")));
+    ck_assert(json_is_null(json_object_get(row, "rmse")));
+    ck_assert(fabs(json_number_value(json_object_get(row, "rmse_below")) /
+                       (2 * accuracy.reference.error) -
+                   1) < 1e-3);
+    ck_assert_uint_eq(json_array_size(json_object_get(report, "left_out")), 1);
+    json_decref(report);
+    release();
+}
+END_TEST
+
+/* Rows whose times and errors are given, to see what follows from them. */
+static struct pen_accuracy_row_result row_of(struct pen_accuracy_run *run, double ms, double rmse)
+{
+    *run = (struct pen_accuracy_run){
+        .render_ms = ms, .error = {[PEN_METRIC_RMSE] = rmse, [PEN_METRIC_PSNR] = -log10(rmse)}};
+    return (struct pen_accuracy_row_result){.runs = 1, .run = run};
+}
+
+START_TEST(test_accuracy__front_and_target)
+{
+    struct pen_accuracy_task task = {.row_count = 6, .metric = PEN_METRIC_RMSE, .target = 0.035};
+    struct pen_accuracy_run run[6];
+    struct pen_accuracy_row_result row[6] = {
+        row_of(&run[0], 10, 0.10),  row_of(&run[1], 20, 0.03),   row_of(&run[2], 25, 0.04),
+        row_of(&run[3], 40, 0.001), row_of(&run[4], 50, 0.0005), row_of(&run[5], 20, 0.03)};
+    const struct pen_accuracy a = {.task = &task, .row = row, .reference.error = 0.001};
+    static const bool wanted[] = {true, true, false, true, false, false};
+    bool front[PEN_ACCURACY_ROWS_MAX];
+    pen_accuracy_front(&a, front);
+    for (int i = 0; i < 6; i++) /* 3 and 4 are unresolved, 5 equals 1 */
+        ck_assert_msg(front[i] == wanted[i], "row %d", i);
+    ck_assert_int_eq(pen_accuracy_recommended(&a), 1);
+    task.target = 0.0001;
+    ck_assert_int_eq(pen_accuracy_recommended(&a), -1);
+    task.metric = PEN_METRIC_PSNR; /* more is better */
+    task.target = 1.45;
+    ck_assert_int_eq(pen_accuracy_recommended(&a), 1);
+    row[1].runs = row[5].runs = 0; /* left out */
+    ck_assert_int_eq(pen_accuracy_recommended(&a), 3);
+}
+END_TEST
+
+START_TEST(test_accuracy__fitted_slope_and_its_interval)
+{
+    /* y = 3 x^-0.75 without noise; then points whose line and interval are known: x = e^0..e^4,
+     * log y = 0, 1, 0, 1, 0 has slope 0 and a residual variance of 1.2 / 3, and the sum of squares
+     * of log x is 10, so the half-width is 3.182 sqrt(0.04). */
+    double x[5], y[5];
+    for (int i = 0; i < 5; i++) {
+        x[i] = pow(4, i);
+        y[i] = 3 * pow(x[i], -0.75);
+    }
+    struct pen_accuracy_line line = pen_accuracy_fit(x, y, 5);
+    ck_assert(line.known && fabs(line.slope + 0.75) < 1e-12 && fabs(line.at_1 - 3) < 1e-12);
+    ck_assert(fabs(line.high - line.low) < 1e-6);
+    for (int i = 0; i < 5; i++) {
+        x[i] = exp(i);
+        y[i] = exp(i % 2);
+    }
+    line = pen_accuracy_fit(x, y, 5);
+    ck_assert(fabs(line.slope) < 1e-12);
+    ck_assert(fabs(line.high - 3.182 * 0.2) < 1e-12 && fabs(line.low + 3.182 * 0.2) < 1e-12);
+    ck_assert(!pen_accuracy_fit(x, y, 2).known);
+}
+END_TEST
+
+START_TEST(test_accuracy__convergence_of_the_study)
+{
+    make_scene();
+    const struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"light_pattern\": [\"random\", \"sobol\"],"
+                " \"light_samples\": [1, 4, 16, 64]}, \"product\": true, \"seeds\": 3}");
+    make(&task);
+    json_t *report = pen_accuracy_json(&accuracy, "s"),
+           *series = json_object_get(report, "convergence");
+    ck_assert_uint_eq(json_array_size(series), 2);
+    for (size_t i = 0; i < 2; i++) {
+        const json_t *one = json_array_get(series, i);
+        const double slope = json_number_value(json_object_get(one, "slope")),
+                     expected = json_number_value(json_object_get(one, "expected"));
+        ck_assert(expected == (i == 0 ? -0.5 : -0.75));
+        ck_assert_msg(fabs(slope - expected) < 0.12, "%g, expected %g", slope, expected);
+        ck_assert_uint_eq(json_array_size(json_object_get(one, "points")), 4);
+    }
+    json_decref(report);
+    release();
+}
+END_TEST
+
+START_TEST(test_accuracy__budget_leaves_out_the_dearest_and_says_so)
+{
+    make_scene();
+    kit.settings.light_samples = 1;
+    struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"light_samples\": [100000000]}, \"budget_seconds\": 20}");
+    task.seeds = 2;
+    make(&task);
+    ck_assert_int_ge(accuracy.row[0].runs, 1);
+    ck_assert_int_eq(accuracy.row[1].runs, 0);
+    const char *text = json_string_value(json_array_get(accuracy.left_out, 0));
+    ck_assert_ptr_nonnull(text);
+    ck_assert_ptr_nonnull(strstr(text, "light_samples 100000000: one run is expected to take"));
+    json_t *report = pen_accuracy_json(&accuracy, "s");
+    struct pen_buf out = {0};
+    ck_assert(pen_accuracy_write(report, "text", &out, &st));
+    ck_assert_ptr_nonnull(strstr((const char *)out.data, "left out: light_samples 100000000"));
+    pen_buf_release(&out);
+    ck_assert(pen_accuracy_write_html(&accuracy, report, &out, &st));
+    pen_buf_release(&out);
+    json_decref(report);
+    release();
+}
+END_TEST
+
+START_TEST(test_accuracy__formats)
+{
+    static const struct {
+        const char *format, *words;
+    } formats[] = {{"text", "The cheapest row with FLIP at most"},
+                   {"csv", "row,light_samples,runs,median_ms"},
+                   {"md", "# Accuracy: a\\<b\\>"},
+                   {"json", "\"kind\": \"accuracy\""}};
+    make_scene();
+    const struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"light_samples\": [1, 16, 256]}, \"seeds\": 2,"
+                " \"target\": {\"metric\": \"flip\", \"value\": 0.5}}");
+    make(&task);
+    json_t *report = pen_accuracy_json(&accuracy, "a<b>");
+    struct pen_buf out = {0};
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        ck_assert(pen_accuracy_write(report, formats[i].format, &out, &st));
+        const char *words =
+            strcmp(formats[i].format, "md") == 0 ? "# Accuracy: a&lt;b\\>" : formats[i].words;
+        ck_assert_msg(strstr((const char *)out.data, words) != NULL, "%s: %s", formats[i].format,
+                      (const char *)out.data);
+        pen_buf_release(&out);
+    }
+    ck_assert(pen_accuracy_write_html(&accuracy, report, &out, &st));
+    const char *page = (const char *)out.data;
+    ck_assert_ptr_nonnull(strstr(page, "<h1>Accuracy: a&lt;b&gt;</h1>"));
+    ck_assert_ptr_null(strstr(page, "<script"));
+    ck_assert_ptr_null(strstr(page, "http://") == strstr(page, "http://www.w3.org/2000/svg")
+                           ? NULL
+                           : strstr(page, "http://"));
+    ck_assert_ptr_null(strstr(page, "https://"));
+    ck_assert_ptr_nonnull(strstr(page, "id=\"time-flip\""));
+    ck_assert_ptr_nonnull(strstr(page, "id=\"convergence\""));
+    pen_buf_release(&out);
+    json_decref(report);
+    release();
+}
+END_TEST
+
+static void cancel_after_two(void *user, int done, int total)
+{
+    (void)total;
+    if (done >= 2)
+        atomic_store((atomic_bool *)user, true);
+}
+
+START_TEST(test_accuracy__can_be_cancelled)
+{
+    make_scene();
+    struct pen_accuracy_task task = task_of("{\"ladder\": {\"light_samples\": [1, 4, 16]}}");
+    atomic_bool cancel = false;
+    task.cancel = &cancel;
+    task.progress = cancel_after_two;
+    task.user = &cancel;
+    ck_assert(!pen_accuracy_make(&task, &accuracy, &st));
+    ck_assert_int_eq(st.code, PEN_CANCELLED);
+    release();
+}
+END_TEST
+
+START_TEST(test_accuracy__targets_and_depths_are_rows)
+{
+    make_scene();
+    const struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"target_error\": [0.05], \"max_depth\": [1]}, \"seeds\": 1}");
+    make(&task);
+    ck_assert(pen_settings_adaptive(&spec.rows[1].settings));
+    ck_assert(accuracy.reference.settings.target_error == 0);
+    ck_assert_int_gt(accuracy.reference.settings.samples_per_pixel, 32);
+    const double error = pen_accuracy_error_of(&accuracy.row[1], PEN_METRIC_RMSE).median;
+    ck_assert_msg(error <= 0.05, "%g", error);
+    release();
+}
+END_TEST
+
+PEN_SUITE("accuracy", test_accuracy__rows_are_what_their_settings_render,
+          test_accuracy__reference_knows_its_error,
+          test_accuracy__given_reference_is_kept_and_resolves_what_it_can,
+          test_accuracy__front_and_target, test_accuracy__fitted_slope_and_its_interval,
+          test_accuracy__convergence_of_the_study,
+          test_accuracy__budget_leaves_out_the_dearest_and_says_so, test_accuracy__formats,
+          test_accuracy__can_be_cancelled, test_accuracy__targets_and_depths_are_rows)
