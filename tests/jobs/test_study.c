@@ -444,7 +444,7 @@ START_TEST(test_study__stopping_worker_gives_it_back)
 }
 END_TEST
 
-START_TEST(test_study__killed_worker_leaves_no_times_behind)
+START_TEST(test_study__benchmark_of_a_killed_worker_goes_on)
 {
     static const char some[] = "\"render\": {\"width\": 200, \"height\": 150, \"tile\": 8,"
                                " \"samples_per_pixel\": 36}, \"repeats\": 4,"
@@ -466,8 +466,10 @@ START_TEST(test_study__killed_worker_leaves_no_times_behind)
     jobs_worker_start(&bed);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
     json_t *report = report_json();
-    ck_assert_msg(strcmp(text_of(report, "began_at"), killed) >= 0, "%s before %s",
+    ck_assert_msg(strcmp(text_of(report, "began_at"), killed) <= 0, "%s after %s",
                   text_of(report, "began_at"), killed);
+    const char *note = json_string_value(json_array_get(json_object_get(report, "notes"), 0));
+    ck_assert_msg(note && strstr(note, "interrupted 1 time"), "%s", note ? note : "no note");
     size_t i;
     json_t *row;
     json_array_foreach(json_object_get(report, "rows"), i, row)
@@ -488,4 +490,4 @@ PEN_SUITE("study", test_study__bill_has_a_row_for_each_effect_and_every_format,
           test_study__statistics_are_those_of_the_baseline, test_study__missing_results_are_refused,
           test_study__cancel_stops_a_run, test_study__time_limit_ends_it,
           test_study__stopping_worker_gives_it_back,
-          test_study__killed_worker_leaves_no_times_behind)
+          test_study__benchmark_of_a_killed_worker_goes_on)

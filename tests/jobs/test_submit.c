@@ -47,8 +47,6 @@ static const struct bad bad_bodies[] = {
     {"{\"scene\": S, \"kind\": \"accuracy\", \"ladder\": {\"max_depth\": [1, 2, 3]},"
      " \"render\": {\"width\": 5000, \"height\": 5000}}",
      PEN_TOO_LARGE, "/render", "pictures to be compared have"},
-    {"{\"scene\": S, \"kind\": \"accuracy\", \"views\": [\"a\", \"b\"]}", PEN_NOT_FOUND, "/views",
-     "view"},
     {"{\"scene\": S, \"kind\": \"explain\"}", PEN_INVALID, "/kind", "POST /v1/explain"},
     {"{\"scene\": S, \"analyze\": true}", PEN_INVALID, "/analyze",
      "belongs to jobs of kind \"explain\""},

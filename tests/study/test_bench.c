@@ -454,6 +454,137 @@ static void cancel_at_five(void *user, int done, int all)
         atomic_store(&cancel, true);
 }
 
+/* What an interrupted benchmark has kept, and after how many runs it is interrupted. */
+static json_t *kept;
+static int runs_left;
+
+static bool keep(void *user, const struct pen_bench_state *state)
+{
+    (void)user;
+    json_decref(kept);
+    kept = pen_bench_state_json(state);
+    ck_assert_ptr_nonnull(kept);
+    return --runs_left > 0;
+}
+
+/* Runs the benchmark, interrupted after every `each` runs, until it ends. Returns how often it was
+ * interrupted. */
+static int run_in_parts(int each)
+{
+    for (int interruptions = 0;; interruptions++) {
+        json_t *before = kept;
+        kept = NULL;
+        bench.kept = before;
+        bench.between = keep;
+        runs_left = each;
+        const bool ok = pen_bench_run(&bench, &result, &st);
+        json_decref(before);
+        if (ok) {
+            json_decref(kept);
+            kept = NULL;
+            return interruptions;
+        }
+        ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
+        pen_bench_result_release(&bench, &result);
+    }
+}
+
+START_TEST(test_bench__interrupted_benchmark_makes_the_runs_of_a_whole_one)
+{
+    int whole[SEEN_MAX], whole_count;
+    set_up(2);
+    add_none_and_auto();
+    bench.tamper = note_row;
+    bench.order_seed = 9;
+    run();
+    whole_count = seen_count;
+    memcpy(whole, seen, sizeof whole);
+    const uint64_t hash = result.rows[0].picture_hash, boxes = result.rows[1].stats.tests.boxes;
+    pen_bench_result_release(&bench, &result);
+    seen_count = 0;
+    const int interruptions = run_in_parts(3);
+    ck_assert_int_ge(interruptions, 2);
+    ck_assert_int_eq(result.breaks, interruptions);
+    ck_assert_int_eq(seen_count, whole_count + interruptions); /* each throws its first run away */
+    for (int i = 0, at = 0; i < seen_count; i++) {
+        if (i > 0 && i % 4 == 3 && at < whole_count) {
+            ck_assert_int_eq(seen[i], 0); /* of the baseline */
+            continue;
+        }
+        ck_assert_msg(seen[i] == whole[at], "run %d", i);
+        at++;
+    }
+    ck_assert_int_eq(result.repeats, 3);
+    ck_assert(result.rows[0].picture_hash == hash && result.rows[1].stats.tests.boxes == boxes);
+    for (int row = 0; row < 2; row++)
+        for (int i = 0; i < 3; i++)
+            ck_assert(result.rows[row].runs[i].render_ms > 0);
+    json_t *report = pen_bench_report_new(&bench, &result, json_object());
+    const char *note = json_string_value(json_array_get(json_object_get(report, "notes"), 0));
+    ck_assert_msg(note && strstr(note, "was interrupted"), "%s", note ? note : "none");
+    json_decref(report);
+    tear_down();
+}
+END_TEST
+
+START_TEST(test_bench__what_is_kept_of_another_benchmark_is_not_used)
+{
+    static const struct {
+        const char *key, *value;
+    } changes[] = {{"version", "99"},    {"order_seed", "5"},  {"warmup", "2"},
+                   {"slots", "3"},       {"host", "{}"},       {"pool_threads", "7"},
+                   {"passes", "100"},    {"passes", "-1"},     {"place", "2"},
+                   {"repeats", "3"},     {"runs", "[]"},       {"rows", "[1]"},
+                   {"runs", "[[1],[]]"}, {"calibration", "1"}, {"elapsed_ms", "-1"}};
+    set_up(1);
+    add_none_and_auto();
+    bench.between = keep;
+    runs_left = 4;
+    ck_assert(!pen_bench_run(&bench, &result, &st));
+    pen_bench_result_release(&bench, &result);
+    json_t *good = kept;
+    kept = NULL;
+    bench.between = NULL;
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+        json_t *bad = json_deep_copy(good);
+        json_object_set_new(bad, changes[i].key,
+                            json_loads(changes[i].value, JSON_DECODE_ANY, NULL));
+        bench.kept = bad;
+        run();
+        ck_assert_msg(result.breaks == 0, "%s %s", changes[i].key, changes[i].value);
+        pen_bench_result_release(&bench, &result);
+        json_decref(bad);
+    }
+    bench.kept = good;
+    run();
+    ck_assert_int_eq(result.breaks, 1);
+    json_decref(good);
+    bench.kept = NULL;
+    tear_down();
+}
+END_TEST
+
+START_TEST(test_bench__pictures_must_stay_the_same_over_an_interruption)
+{
+    set_up(1);
+    add_none_and_auto();
+    bench.between = keep;
+    runs_left = 4;
+    ck_assert(!pen_bench_run(&bench, &result, &st));
+    pen_bench_result_release(&bench, &result);
+    json_object_set_new(json_array_get(json_object_get(kept, "rows"), 0), "hash",
+                        json_string("0123456789abcdef"));
+    bench.between = NULL;
+    bench.kept = kept;
+    ck_assert(!pen_bench_run(&bench, &result, &st));
+    ck_assert_int_eq(st.code, PEN_DIFFERENT);
+    json_decref(kept);
+    kept = NULL;
+    bench.kept = NULL;
+    tear_down();
+}
+END_TEST
+
 START_TEST(test_bench__cancel_ends_it_between_runs_and_within_one)
 {
     set_up(1);
@@ -515,5 +646,8 @@ PEN_SUITE("bench", test_bench__runs_are_interleaved_after_the_warm_up,
           test_bench__threads_beyond_the_pool_are_capped_and_noted,
           test_bench__other_pictures_are_measured_against_the_first_of_their_size,
           test_bench__one_bit_of_difference_fails_it_and_is_named,
+          test_bench__interrupted_benchmark_makes_the_runs_of_a_whole_one,
+          test_bench__what_is_kept_of_another_benchmark_is_not_used,
+          test_bench__pictures_must_stay_the_same_over_an_interruption,
           test_bench__cancel_ends_it_between_runs_and_within_one,
           test_bench__report_has_the_members_of_the_api)
