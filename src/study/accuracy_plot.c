@@ -10,7 +10,7 @@
 #include "study/internal/html.h"
 
 enum { WIDTH = 420, HEIGHT = 330, LEFT = 58, RIGHT = 408, TOP = 28, BOTTOM = 276 };
-enum { COLOURS = 6 };
+enum { COLOURS = 6, EDGE = 36 };
 
 static const char file_style[] =
     "<style>text{font:12px system-ui,sans-serif;fill:#1b1f24}.tick{fill:#5a6370;font-size:11px}"
@@ -214,7 +214,9 @@ static void write_point(const struct plot *plot, const json_t *row, struct pen_b
                        front ? "front" : "dot", x - 4, y);
     if (pen_accuracy_is_recommended(plot->report, row))
         pen_buf_printf(out, "<circle class=\"best\" cx=\"%.1f\" cy=\"%.1f\" r=\"8\"/>", x, y);
-    pen_buf_printf(out, "<text x=\"%.1f\" y=\"%.1f\">", x + 7, y - 7);
+    const bool at_edge = x > RIGHT - EDGE; /* there is room to the left */
+    pen_buf_printf(out, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">", at_edge ? x + 5 : x + 7,
+                   at_edge ? y - 10 : y - 7, at_edge ? "end" : "start");
     write_label(row, out);
     pen_buf_puts(out, "</text>");
 }

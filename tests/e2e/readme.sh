@@ -24,7 +24,9 @@ expect same-scene-queued "$(answer 4 '.render | [.width, .height, .samples_per_p
 expect list-names-the-job "$(grep -c '^[0-9a-f-]\{36\} succeeded$' session.out)" 1
 expect picture-is-png "$(head -c 8 room.png | od -An -tx1 | tr -d ' ')" 89504e470d0a1a0a
 expect pixels-are-pfm "$(head -c 12 room.pfm | tr '\n' ' ')" "PF 1000 1400"
-expect benchmark-and-effects-succeeded "$(grep -c '^"succeeded"$' session.out)" 3
+expect studies-succeeded "$(grep -c '^"succeeded"$' session.out)" 4
+expect accuracy-recommends "$(grep -c '"light_samples": [0-9]*$' session.out)" 1
+expect study-is-a-page "$(head -n 1 study.html)" "<!doctype html>"
 expect explanation "$(grep -c '^\["refraction","objects glass, ' session.out)" 1
 expect bill-is-a-page "$(head -n 1 effects.html)" "<!doctype html>"
 expect report-is-a-page "$(head -n 1 report.html)" "<!doctype html>"
