@@ -329,6 +329,11 @@ calibration: all $(BENCHES)
 accuracy-promise: all $(BENCHES)
 	@TARGETS="0.02 0.01 0.005" sh tests/bench/calibration.sh $(BUILD) $(BUILD)/accuracy-promise
 
+# What a target error costs beside fixed numbers of samples, at equal true error: some 20 minutes.
+.PHONY: equal-error
+equal-error: all
+	@sh tests/bench/equal_error.sh $(BUILD)
+
 # What the presets of `quality` cost, and how their pictures look.
 .PHONY: presets
 presets: all

@@ -88,8 +88,9 @@ static bool end_picture(struct pen_batch_context *context, struct pen_batch_outp
 }
 
 /* Renders, while the compressor's thread compresses the tiles that are finished. */
-static bool run_task(struct pen_batch_context *context, const struct pen_render_task *task,
-                     struct pen_render_stats *stats, struct pen_status *st)
+static bool run_task(struct pen_batch_context *context, const struct pen_claim *claim,
+                     const struct pen_render_task *task, struct pen_render_stats *stats,
+                     struct pen_status *st)
 {
     struct pen_tile_run run = {.settings = task->settings,
                                .first = task->first_tile,
@@ -99,8 +100,7 @@ static bool run_task(struct pen_batch_context *context, const struct pen_render_
         return false;
     bool ok;
     if (pen_settings_adaptive(task->settings))
-        ok = (context->adaptive = pen_adaptive_new(task->settings, st)) &&
-             pen_render_rounds(context->pool, task, context->adaptive, stats, st);
+        ok = pen_batch_rounds(context, claim, task, stats, st);
     else
         ok = pen_render_run(context->pool, task, stats, st);
     if (!ok)
@@ -140,7 +140,7 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .keep_tile_ms = true};
     if (task.view < 0)
         return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
-    return run_task(context, &task, stats, st);
+    return run_task(context, claim, &task, stats, st);
 }
 
 /* Waits for the compressor and takes its result. */

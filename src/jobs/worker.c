@@ -300,6 +300,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
     const struct pen_worker_options *o = w->options;
     w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
     w->context.trace = o->trace;
+    w->context.keep_ms = o->keep_ms;
     w->context.fault = o->fault;
     w->store = w->context.store = pen_store_open(o->store_url, st);
     if (gethostname(w->host, sizeof w->host - 1) != 0 || !w->host[0])

@@ -59,7 +59,6 @@ struct pen_adaptive {
     float *unseen;         /* mean square errors of edges that no sample may have seen */
     float *errors;         /* those of estimates, but at least unseen */
     unsigned char *wanted; /* pixels that the next round refines */
-    int rounds;            /* rendered so far */
 };
 
 /* The state before the pilot, which wants all pixels. It borrows the settings.

@@ -92,6 +92,13 @@ struct pen_render_task {
      * round_done after each, from the calling thread. */
     struct pen_adaptive *adaptive;
     void (*round_done)(void *user, const struct pen_round *round); /* may be NULL */
+    /* Called after each round but the last, from the calling thread, with what has been rendered so
+     * far, which it may keep (render/adaptive_state.h); may be NULL. Returns whether to go on. */
+    bool (*between_rounds)(void *user, const struct pen_adaptive *adaptive,
+                           const struct pen_render_stats *stats);
+    void *between_user;
+    /* What an earlier render has told of the rounds that `adaptive` has behind it; NULL: none. */
+    const struct pen_render_stats *earlier;
     /* Rounds end by this time of pen_clock_ns, but for the first, which is always whole; 0: they
      * end when the target is met. What is rendered by then depends on the machine and its load. */
     int64_t deadline_ns;
@@ -112,9 +119,10 @@ struct pen_render_task {
 bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *task,
                     struct pen_render_stats *stats, struct pen_status *st);
 
-/* Renders all rounds of a view with a target error, from a state that is new, and leaves the last
- * state to the caller; as pen_render_run, which does the same without a state. Fails: PEN_CONFLICT:
- * the rounds to be repeated are not of this scene and these settings. */
+/* Renders all rounds of a view with a target error, from a state that is new or one that an earlier
+ * render has kept, and leaves the last state to the caller; as pen_render_run, which does the same
+ * without a state. Fails: PEN_CONFLICT: the rounds to be repeated are not of this scene and these
+ * settings; PEN_UNAVAILABLE: between_rounds has ended it. */
 bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_task *task,
                        struct pen_adaptive *adaptive, struct pen_render_stats *stats,
                        struct pen_status *st);

@@ -16,7 +16,8 @@ struct rounds {
     struct pen_render_stats *stats;
     int tiles;
     int64_t begun_ns;
-    double ray_ns; /* the time of a camera ray and what follows from it, in the last round */
+    double earlier_ms; /* that an earlier render took for the rounds before */
+    double ray_ns;     /* the time of a camera ray and what follows from it, in the last round */
 };
 
 /* Adds what some tiles took in a round to the statistics of the render. Takes its tile_ms. */
@@ -139,6 +140,26 @@ static bool select_next(struct rounds *r, const struct pen_decision *d, struct p
                     (unsigned long long)repeat->round[done].pixels);
 }
 
+/* Lets the caller keep what has been rendered, and asks whether to go on. */
+static bool ask_between(struct rounds *r, struct pen_status *st)
+{
+    const struct pen_render_task *task = r->task;
+    r->stats->render_ms = r->earlier_ms + (double)(pen_clock_ns() - r->begun_ns) * 1e-6;
+    return !task->between_rounds ||
+           task->between_rounds(task->between_user, r->adaptive, r->stats) ||
+           pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d rounds", r->stats->adaptive.rounds);
+}
+
+/* Decides again after the last round of an earlier render: a decision is a function of the sums. */
+static bool go_on(struct rounds *r, struct pen_decision *d, struct pen_round *round,
+                  struct pen_status *st)
+{
+    const struct pen_adaptive_stats *a = &r->stats->adaptive;
+    const struct pen_goal goal = {a->target, UINT64_MAX};
+    *round = a->round[a->rounds - 1];
+    return pen_adaptive_decide(r->adaptive, r->pool, &goal, d, st);
+}
+
 static bool run_rounds(struct rounds *r, struct pen_status *st)
 {
     const struct pen_settings *s = r->task->settings;
@@ -147,9 +168,11 @@ static bool run_rounds(struct rounds *r, struct pen_status *st)
     struct pen_decision d;
     bool last = false;
     double samples = 0;
+    if (r->task->earlier && (!go_on(r, &d, &round, st) || !select_next(r, &d, &round, &last, st)))
+        return false;
     while (!last) {
         if (!run_round(r, &round, samples, st) || !decide(r, &round, &d, st) ||
-            !select_next(r, &d, &round, &last, st))
+            !select_next(r, &d, &round, &last, st) || (!last && !ask_between(r, st)))
             return false;
         samples = (double)affordable(r);
     }
@@ -167,6 +190,29 @@ static void finish(const struct rounds *r)
         task->rows_done(task->rows_user, s->height);
 }
 
+/* The statistics before the first round, or those of an earlier render. */
+static bool begin_stats(struct rounds *r, struct pen_status *st)
+{
+    const struct pen_render_task *task = r->task;
+    const struct pen_render_stats *earlier = task->earlier;
+    struct pen_render_stats *stats = r->stats;
+    *stats = earlier ? *earlier : (struct pen_render_stats){.tile_count = (uint32_t)r->tiles};
+    r->earlier_ms = stats->render_ms;
+    stats->tile_ms = NULL;
+    stats->adaptive.target = task->settings->target_error;
+    stats->adaptive.timed = task->deadline_ns != 0 || (task->repeat && task->repeat->timed);
+    if (task->first_tile != 0 || (task->tile_count >= 0 && task->tile_count != r->tiles))
+        return pen_fail(st, PEN_INTERNAL, "an adaptive render of a part of the image");
+    if (!task->keep_tile_ms)
+        return true;
+    stats->tile_ms = calloc((size_t)r->tiles, sizeof *stats->tile_ms);
+    if (!stats->tile_ms)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory for the times of %d tiles", r->tiles);
+    if (earlier && earlier->tile_ms)
+        memcpy(stats->tile_ms, earlier->tile_ms, (size_t)r->tiles * sizeof *stats->tile_ms);
+    return true;
+}
+
 bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_task *task,
                        struct pen_adaptive *adaptive, struct pen_render_stats *stats,
                        struct pen_status *st)
@@ -178,20 +224,15 @@ bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_tas
                        .stats = stats,
                        .tiles = pen_tile_count(s->width, s->height, s->tile),
                        .begun_ns = pen_clock_ns()};
-    *stats = (struct pen_render_stats){.tile_count = (uint32_t)r.tiles};
-    stats->adaptive.target = s->target_error;
-    stats->adaptive.timed = task->deadline_ns != 0 || (task->repeat && task->repeat->timed);
-    if (task->first_tile != 0 || (task->tile_count >= 0 && task->tile_count != r.tiles))
-        return pen_fail(st, PEN_INTERNAL, "an adaptive render of a part of the image");
-    if (task->keep_tile_ms && !(stats->tile_ms = calloc((size_t)r.tiles, sizeof *stats->tile_ms)))
-        return pen_fail(st, PEN_NO_MEMORY, "out of memory for the times of %d tiles", r.tiles);
+    if (!begin_stats(&r, st))
+        return false;
     if (!run_rounds(&r, st)) {
         free(stats->tile_ms);
         stats->tile_ms = NULL;
         return false;
     }
     stats->done_ns = pen_clock_ns();
-    stats->render_ms = (double)(stats->done_ns - r.begun_ns) * 1e-6;
+    stats->render_ms = r.earlier_ms + (double)(stats->done_ns - r.begun_ns) * 1e-6;
     stats->adaptive.samples = pen_adaptive_spread(adaptive);
     finish(&r);
     return true;

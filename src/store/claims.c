@@ -157,7 +157,7 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
         .job = batch.job, .view = batch.view, .layer = PEN_KEPT_LAYER, .format = PEN_KEPT_FORMAT};
     progress.job = batch.job;
     store->changed = true;
-    return driver->ops->job_progress(driver, &progress, st) &&
+    return (keep->kept->done < 0 || driver->ops->job_progress(driver, &progress, st)) &&
            pen_put_artefact(store, &key, keep->kept->data, keep->kept->bytes, st) &&
            driver->ops->open_above(driver, keep->claim->batch, progress.now_ms, &keep->outranked,
                                    st);

@@ -83,6 +83,17 @@ static bool count_down(struct pen_store *store, const struct commit *commit, str
     return batches == 1 ? end_view(store, commit, st) : add_assemble_batch(store, commit, st);
 }
 
+/* What the batch kept while it ran is of no more use. */
+static bool drop_kept(struct pen_store *store, const struct commit *commit, struct pen_status *st)
+{
+    const struct pen_artefact_key key = {.job = commit->batch.job,
+                                         .view = commit->batch.view,
+                                         .layer = PEN_KEPT_LAYER,
+                                         .format = PEN_KEPT_FORMAT};
+    return commit->batch.kind == PEN_BATCH_ASSEMBLE ||
+           store->driver->ops->artefact_drop(store->driver, &key, st);
+}
+
 static bool write_result(struct pen_store *store, const struct commit *commit,
                          struct pen_status *st)
 {
@@ -98,7 +109,8 @@ static bool write_result(struct pen_store *store, const struct commit *commit,
     if (!done)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its result was refused");
     if ((kind == PEN_BATCH_RENDER && !add_pixels(store, commit, st)) ||
-        (commit->result->artefact && !add_artefact(store, commit, st)))
+        (commit->result->artefact && !add_artefact(store, commit, st)) ||
+        !drop_kept(store, commit, st))
         return false;
     return kind == PEN_BATCH_ASSEMBLE ? end_view(store, commit, st) : count_down(store, commit, st);
 }

@@ -256,6 +256,17 @@ bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
            leave(store, &start, pen_policy_keep(store, claim, kept, outranked, st));
 }
 
+bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
+                         struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    int64_t now_ms;
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL,
+                 driver->ops->now(driver, &now_ms, st) &&
+                     driver->ops->open_above(driver, claim->batch, now_ms, outranked, st));
+}
+
 bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, struct pen_buf *out,
                     struct pen_status *st)
 {

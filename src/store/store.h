@@ -292,20 +292,25 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                         struct pen_status *st);
 
-/* What a study keeps, so that the next worker to claim it goes on from there. */
+/* What a study or a view with a target error keeps, so that the next worker to claim it goes on
+ * from there. */
 struct pen_kept {
-    int64_t done; /* runs, as for pen_store_progress */
+    int64_t done; /* runs, as for pen_store_progress; below 0: the progress stays as it is */
     const void *data;
     size_t bytes;
 };
 
-/* Stores what a study keeps, in place of what it kept before, with its progress, in one
- * transaction. *outranked tells whether a batch of higher priority is open: then the holder should
- * release the claim. Fails: PEN_STALE (nothing is stored). */
+/* Stores what the claim's batch keeps until its commit, in place of what it kept before, with its
+ * progress, in one transaction. *outranked tells whether a batch of higher priority is open: then
+ * the holder should release the claim. Fails: PEN_STALE (nothing is stored). */
 bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 
-/* Appends what the claim's study has kept. Fails: PEN_NOT_FOUND (nothing yet), PEN_STORAGE
+/* Whether a batch of higher priority than the claim's is open. */
+bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
+                         struct pen_status *st);
+
+/* Appends what the claim's batch has kept. Fails: PEN_NOT_FOUND (nothing yet), PEN_STORAGE
  * (damaged). */
 bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, struct pen_buf *out,
                     struct pen_status *st);

@@ -15,7 +15,10 @@
 #include "study/accuracy_summary.h"
 #include "study/internal/accuracy_run.h"
 #include "study/internal/accuracy_words.h"
+#include "study/internal/calibration.h"
 #include "study/internal/random_order.h"
+
+enum { CALIBRATIONS = 11 };
 
 const char *const pen_accuracy_metrics[] = {"rmse", "relative_mse", "psnr", "ssim",
                                             "flip", "max_error",    NULL};
@@ -136,7 +139,10 @@ static bool run_row(struct pen_accuracy_state *state, int number, struct pen_sta
     }
     if (!first)
         return pen_accuracy_measure(state, state->target, run->error, st);
+    const struct pen_film film = film_of(state, row->rgb);
     row->rays = stats.rays;
+    row->threads = stats.threads;
+    row->picture_hash = pen_film_hash(&film);
     return true;
 }
 
@@ -416,6 +422,21 @@ bool pen_accuracy_check(const struct pen_accuracy_task *task, const char *at, st
                        task->row_count + 2, kept, (unsigned long long)task->limits.pixels_per_view);
 }
 
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double calibrate(void)
+{
+    double ms[CALIBRATIONS];
+    for (int i = 0; i < CALIBRATIONS; i++)
+        ms[i] = pen_calibration_run();
+    qsort(ms, CALIBRATIONS, sizeof *ms, by_value);
+    return ms[CALIBRATIONS / 2];
+}
+
 bool pen_accuracy_make(const struct pen_accuracy_task *task, struct pen_accuracy *out,
                        struct pen_status *st)
 {
@@ -426,7 +447,8 @@ bool pen_accuracy_make(const struct pen_accuracy_task *task, struct pen_accuracy
                                        .begun_ns = pen_clock_ns(),
                                        .total = pen_accuracy_runs(task)};
     bool wanted[PEN_ACCURACY_ROWS_MAX];
-    *out = (struct pen_accuracy){.task = task};
+    *out = (struct pen_accuracy){.task = task, .began_ms = pen_clock_wall_ms()};
+    out->calibration_ms = calibrate();
     bool ok = allocate(&state, st) && freeze(&state, st);
     if (ok && task->progress)
         task->progress(task->user, 0, state.total);

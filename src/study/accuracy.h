@@ -63,7 +63,9 @@ struct pen_accuracy_row_result {
     struct pen_accuracy_run *run;
     double expected_ms; /* of one run, as the forecast had it */
     struct pen_ray_counts rays;
-    float *rgb; /* the picture of the first run */
+    int threads;           /* that worked on the first run */
+    uint64_t picture_hash; /* of the picture of the first run: pen_film_hash */
+    float *rgb;            /* that picture */
 };
 
 struct pen_accuracy_reference {
@@ -116,11 +118,14 @@ struct pen_accuracy {
     struct pen_accuracy_reference reference;
     struct pen_accuracy_forecast forecast;
     double spent_ms;
-    json_t *left_out; /* sentences, as an array */
-    float *cost;      /* the layer `cost` of a row, as colours; NULL: left out */
-    int cost_row;     /* the recommended one, or else the first */
-    double cost_most; /* what its white stands for: nanoseconds */
-    int stats_row;    /* the first row that is not left out; what its last render has told: */
+    int64_t began_ms;      /* wall clock */
+    double calibration_ms; /* the time of a fixed computation, by which hosts can be compared: the
+                            * median of several */
+    json_t *left_out;      /* sentences, as an array */
+    float *cost;           /* the layer `cost` of a row, as colours; NULL: left out */
+    int cost_row;          /* the recommended one, or else the first */
+    double cost_most;      /* what its white stands for: nanoseconds */
+    int stats_row;         /* the first row that is not left out; what its last render has told: */
     struct pen_render_stats stats;
     struct pen_accel_stats accel;
     double build_ms;

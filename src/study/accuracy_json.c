@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The report of an accuracy study as JSON; all other formats are made from it. */
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "io/figures.h"
 #include "io/json_build.h"
 #include "io/settings_json.h"
@@ -13,6 +15,9 @@
 /* The settings that are numbers of samples, over which errors converge. */
 static const char *const sample_keys[] = {"samples_per_pixel", "light_samples", "blur_samples",
                                           "lens_samples", NULL};
+
+/* The smallest difference of times that counts when two reports are compared. */
+static const double least_effect = 0.02;
 
 /* Four significant digits; null if it is not finite. */
 static json_t *rounded(double value)
@@ -57,6 +62,15 @@ static json_t *with_errors(json_t *json, const struct pen_accuracy *accuracy,
     return pen_json_with(json, "efficiency", rounded(1 / (rmse * rmse * seconds)));
 }
 
+/* In the order of their seeds. */
+static json_t *runs_json(const struct pen_accuracy_row_result *row)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < row->runs; i++)
+        json_array_append_new(list, pen_figure(row->run[i].render_ms));
+    return pen_json_all(list, (size_t)row->runs);
+}
+
 static json_t *row_json(const struct pen_accuracy *accuracy, int number, bool front)
 {
     const struct pen_accuracy_row_result *row = &accuracy->row[number];
@@ -66,6 +80,9 @@ static json_t *row_json(const struct pen_accuracy *accuracy, int number, bool fr
     if (row->runs == 0)
         return json;
     const struct pen_accuracy_spread time = pen_accuracy_time_of(row);
+    json = pen_json_with(json, "threads", json_integer(row->threads));
+    json = pen_json_with(json, "runs_ms", runs_json(row));
+    json = pen_json_with(json, "picture_hash", json_sprintf("%016" PRIx64, row->picture_hash));
     json = pen_json_with(json, "median_ms", pen_figure(time.median));
     json = pen_json_with(json, "min_ms", pen_figure(time.low));
     json = pen_json_with(json, "max_ms", pen_figure(time.high));
@@ -185,6 +202,13 @@ static json_t *reference_json(const struct pen_accuracy_reference *r)
                      r->factor, "error", rounded(r->error), "render_ms", pen_figure(r->render_ms));
 }
 
+static json_t *began_json(const struct pen_accuracy *accuracy)
+{
+    char text[25];
+    pen_clock_format(accuracy->began_ms, text);
+    return json_string(text);
+}
+
 /* Units: seconds. */
 static json_t *seconds(double ms)
 {
@@ -196,9 +220,10 @@ json_t *pen_accuracy_json(const struct pen_accuracy *accuracy, const char *scene
     const struct pen_accuracy_task *task = accuracy->task;
     const struct pen_accuracy_forecast *f = &accuracy->forecast;
     return json_pack(
-        "{s:s, s:s, s:s, s:i, s:f, s:{s:s, s:f}, s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o, s:o}, s:O, "
-        "s:o, s:i, s:o}",
-        "kind", "accuracy", "scene", scene, "view", task->desc->views[task->view].name, "seeds",
+        "{s:s, s:s, s:I, s:o, s:s, s:i, s:f, s:{s:s, s:f}, s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o, "
+        "s:o}, s:O, s:o, s:i, s:f, s:{s:o}, s:o}",
+        "kind", "accuracy", "scene", scene, "primitives", (json_int_t)task->desc->primitive_count,
+        "began_at", began_json(accuracy), "view", task->desc->views[task->view].name, "seeds",
         task->seeds, "budget_seconds", task->budget_ms / 1000, "target", "metric",
         pen_accuracy_metrics[task->metric], "value", task->target, "recommended",
         recommended_json(accuracy), "rows", rows_json(accuracy), "reference",
@@ -206,5 +231,6 @@ json_t *pen_accuracy_json(const struct pen_accuracy *accuracy, const char *scene
         "expected_seconds", seconds(f->expected_ms), "low", seconds(f->low_ms), "high",
         seconds(f->high_ms), "actual", seconds(accuracy->spent_ms), "left_out", accuracy->left_out,
         "render", pen_settings_json(task->settings), "pool_threads",
-        pen_thread_pool_size(task->pool), "host", pen_host_json());
+        pen_thread_pool_size(task->pool), "least_effect", least_effect, "calibration", "median_ms",
+        pen_figure(accuracy->calibration_ms), "host", pen_host_json());
 }

@@ -18,11 +18,12 @@ bool pen_comparison_check(const json_t *report, struct pen_status *st)
     const char *kind = pen_bench_report_string(report, "kind");
     if (!json_is_object(report) || !*kind)
         return pen_fail(st, PEN_INVALID,
-                        "must be a report as JSON, an object with \"kind\": \"benchmark\"");
-    if (strcmp(kind, "benchmark") != 0)
+                        "must be a report as JSON, an object with \"kind\": \"benchmark\" or "
+                        "\"accuracy\"");
+    if (strcmp(kind, "benchmark") != 0 && strcmp(kind, "accuracy") != 0)
         return pen_fail_at(st, PEN_INVALID, "/kind",
-                           "must be \"benchmark\": reports of no other kind can be compared yet, "
-                           "found \"%.60s\"",
+                           "must be \"benchmark\" or \"accuracy\": reports of no other kind can be "
+                           "compared, found \"%.60s\"",
                            kind);
     return pen_bench_report_row_count(report) > 0 ||
            pen_fail_at(st, PEN_INVALID, "/rows", "must have one row or more, found none");
@@ -163,6 +164,25 @@ static enum pen_verdict judge(const struct pair *pair, const struct pen_confiden
     return PEN_VERDICT_UNDECIDED;
 }
 
+/* {rmse: [before, after], flip: […]} of rows of accuracy studies; null: without any. */
+static json_t *errors_json(const struct pair *pair)
+{
+    static const char *const metrics[] = {"rmse", "flip"};
+    json_t *errors = json_object();
+    for (int i = 0; i < 2; i++) {
+        const json_t *before = json_object_get(pair->row_before, metrics[i]),
+                     *after = json_object_get(pair->row_after, metrics[i]);
+        /* A benchmark's rmse is against another row. */
+        if (pen_bench_report_member(pair->row_before, "runs") && json_is_number(before) &&
+            json_is_number(after))
+            errors = pen_json_with(errors, metrics[i], json_pack("[O, O]", before, after));
+    }
+    if (json_object_size(errors) > 0)
+        return errors;
+    json_decref(errors);
+    return json_null();
+}
+
 static json_t *compare_rows(const struct pair *pair)
 {
     const struct pen_confidence before = pen_bench_row_times(pair->row_before, alpha),
@@ -178,20 +198,24 @@ static json_t *compare_rows(const struct pair *pair)
         verdict = PEN_VERDICT_DIFFERENT_PICTURE;
     else
         reason = undecided;
-    return json_pack("{s:o, s:o, s:f, s:f, s:o, s:o, s:s, s:s, s:s, s:o}", "settings",
-                     settings_of(pair->row_after), "threads",
-                     json_integer((json_int_t)pen_bench_report_number(pair->row_after, "threads")),
-                     "before_ms", before.median, "after_ms", after.median, "ratio",
-                     interval_json(&ratio), "calibrated_ratio",
-                     host > 0 ? json_real(ratio.median / host) : json_null(), "verdict",
-                     pen_verdict_name(verdict), "reason", reason, "picture", picture, "differences",
-                     counter_differences(pair->row_before, pair->row_after));
+    return json_pack(
+        "{s:o, s:o, s:f, s:f, s:o, s:o, s:s, s:s, s:s, s:o, s:o}", "settings",
+        settings_of(pair->row_after), "threads",
+        json_integer((json_int_t)pen_bench_report_number(pair->row_after, "threads")), "before_ms",
+        before.median, "after_ms", after.median, "ratio", interval_json(&ratio), "calibrated_ratio",
+        host > 0 ? json_real(ratio.median / host) : json_null(), "verdict",
+        pen_verdict_name(verdict), "reason", reason, "picture", picture, "differences",
+        counter_differences(pair->row_before, pair->row_after), "errors", errors_json(pair));
 }
 
 static bool check_same_scene(const json_t *before, const json_t *after, struct pen_status *st)
 {
-    static const char *const members[] = {"scene", "primitives", "views"};
-    for (int i = 0; i < 3; i++) {
+    static const char *const members[] = {"scene", "primitives", "views", "view"};
+    const char *kind = pen_bench_report_string(before, "kind");
+    if (strcmp(kind, pen_bench_report_string(after, "kind")) != 0)
+        return pen_fail(st, PEN_INVALID, "the reports are of different kinds: %.80s and %.80s",
+                        kind, pen_bench_report_string(after, "kind"));
+    for (int i = 0; i < 4; i++) {
         struct pen_buf a = {0}, b = {0};
         const json_t *in_before = json_object_get(before, members[i]);
         const json_t *in_after = json_object_get(after, members[i]);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Compares two reports of benchmarks of one scene, made by different builds or on different hosts.
+/* Compares two reports of benchmarks, or two accuracy studies, of one scene, made by different
+ * builds or on different hosts.
  *
  * Rows are matched by their settings: those that both reports state must be equal. What a run
  * counts (rays by kind, box and primitive tests) and its pictures must be exactly equal, on any
@@ -16,7 +17,7 @@
 #include "base/buf.h"
 #include "base/status.h"
 
-/* Checks that a document is a report of a benchmark. Fails: PEN_INVALID. */
+/* Checks that a document is a report of a benchmark or an accuracy study. Fails: PEN_INVALID. */
 bool pen_comparison_check(const json_t *report, struct pen_status *st);
 
 /* Compares two reports that pen_comparison_check accepts. Returns an object:
@@ -25,11 +26,11 @@ bool pen_comparison_check(const json_t *report, struct pen_status *st);
  *   before, after   {began_at, version, build}
  *   host_differences   the members of `host` in which they differ; empty: one host
  *   rows      [{settings, threads, before_ms, after_ms, ratio, calibrated_ratio, verdict, reason,
- * picture, differences: [{counter, before, after}]}]; picture "same", "different", "unknown"
- *   missing, added   the settings of rows that only one report has
- *   counters  "same" or "different"; pictures  "same", "different" or "unknown"; slower  rows
- * Owns: the caller json_decref()s. Fails: NULL; PEN_INVALID (different scenes, views or numbers of
- * primitives; no row in common), PEN_NO_MEMORY. */
+ * picture, differences: [{counter, before, after}], errors: {rmse: [before, after], flip}}];
+ * picture "same", "different", "unknown"; errors of accuracy studies, else null missing, added the
+ * settings of rows that only one report has counters  "same" or "different"; pictures  "same",
+ * "different" or "unknown"; slower  rows Owns: the caller json_decref()s. Fails: NULL; PEN_INVALID
+ * (different scenes, views or numbers of primitives; no row in common), PEN_NO_MEMORY. */
 json_t *pen_comparison_new(const json_t *before, const json_t *after, struct pen_status *st);
 
 /* What a comparison finds that a build must not change: counters, pictures, and rows if `time` that

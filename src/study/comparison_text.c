@@ -34,6 +34,36 @@ static void write_verdict(const json_t *row, struct pen_buf *out)
     pen_buf_puts(out, pen_bench_report_string(row, "verdict"));
 }
 
+/* "0.0123 to 0.0045" of a metric of an accuracy study. */
+static void write_errors(const json_t *row, const char *metric, struct pen_buf *out)
+{
+    const json_t *pair = json_object_get(json_object_get(row, "errors"), metric);
+    if (json_array_size(pair) == 2)
+        pen_buf_printf(out, "%.3g to %.3g", json_number_value(json_array_get(pair, 0)),
+                       json_number_value(json_array_get(pair, 1)));
+}
+
+static void write_rmse(const json_t *row, struct pen_buf *out)
+{
+    write_errors(row, "rmse", out);
+}
+
+static void write_flip(const json_t *row, struct pen_buf *out)
+{
+    write_errors(row, "flip", out);
+}
+
+static const struct pen_bench_column accuracy_columns[] = {
+    {"before ms", .number = "before_ms"},
+    {"after ms", .number = "after_ms"},
+    {"time ratio", .write = write_row_ratio},
+    {"RMSE", .write = write_rmse},
+    {"FLIP", .write = write_flip},
+    {"counters", .write = write_work, .words = true},
+    {"picture", .write = write_picture, .words = true},
+    {"verdict", .write = write_verdict, .words = true},
+    {0}};
+
 static const struct pen_bench_column columns[] = {
     {"before ms", .number = "before_ms"},
     {"after ms", .number = "after_ms"},
@@ -108,7 +138,9 @@ void pen_comparison_write_text(const json_t *comparison, struct pen_buf *out)
 {
     size_t i;
     json_t *row;
-    pen_bench_write_text_table(comparison, columns, out);
+    const json_t *first = pen_bench_report_row(comparison, 0);
+    const bool accuracy = json_is_object(json_object_get(first, "errors"));
+    pen_bench_write_text_table(comparison, accuracy ? accuracy_columns : columns, out);
     pen_buf_puts(out, "\n");
     write_identity(comparison, "before", out);
     write_identity(comparison, "after", out);

@@ -37,6 +37,15 @@ expect "that is well-formed" "$(python3 -c 'import sys, xml.dom.minidom as x; x.
 exits "standard output as JSON" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder --json
 expect "is the report" "$(jq -r .kind stdout)" accuracy
 
+exits "two studies are compared" 0 "$penumbra" compare r.json r.json
+prints "with their errors" stdout "RMSE"
+exits "the same study again gives the same pictures" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder -q -o again.json
+exits "and is equal but for times" 0 "$penumbra" compare r.json again.json --json
+expect "the errors are the same" "$(jq '[.rows[].errors | .rmse[0] == .rmse[1] and .flip[0] == .flip[1]] | all' stdout)" true
+exits "a study of another pattern" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder --set seed=9 -q -o other.json
+jq 'del(.render.seed)' other.json >seedless.json
+exits "other pictures are told" 7 "$penumbra" compare r.json seedless.json
+exits "a study and a picture" 3 "$penumbra" compare r.json r.svg
 exits "a target that no row meets" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder --target psnr=200 -q -o t.json
 expect "recommends none" "$(jq -c .recommended t.json)" null
 exits "the cheapest row for a target" 0 "$penumbra" accuracy builtin:soft-shadow $small $ladder --target flip=0.9 -q -o t.json

@@ -81,6 +81,46 @@ START_TEST(test_comparison__verdict_is_that_of_the_interval_of_both_medians)
 }
 END_TEST
 
+/* The report of an accuracy study with one row. */
+static json_t *study(double rmse, const char *hash)
+{
+    return json_pack("{s:s, s:s, s:i, s:s, s:{s:i}, s:f, s:{s:s}, s:[{s:{s:i}, s:i, s:i, s:[f, f], "
+                     "s:{s:i}, s:s, s:f, s:f}]}",
+                     "kind", "accuracy", "scene", "room", "primitives", 7, "view", "main", "render",
+                     "width", 80, "least_effect", 0.02, "host", "cpu", "A", "rows", "settings",
+                     "light_samples", 4, "threads", 2, "runs", 2, "runs_ms", 10.0, 11.0, "rays",
+                     "primary", 100, "picture_hash", hash, "rmse", rmse, "flip", 2 * rmse);
+}
+
+START_TEST(test_comparison__accuracy_studies_have_errors_of_both)
+{
+    json_t *before = study(0.25, "0a"), *after = study(0.125, "0b");
+    ck_assert(pen_comparison_check(before, &st));
+    json_t *comparison = compare(before, after);
+    json_t *wanted = json_pack("{s:[f, f], s:[f, f]}", "rmse", 0.25, 0.125, "flip", 0.5, 0.25);
+    ck_assert(json_equal(json_object_get(row_of(comparison, 0), "errors"), wanted));
+    ck_assert(!pen_comparison_judge(comparison, false, &st)); /* other pictures */
+    struct pen_buf text = {0};
+    pen_comparison_write_text(comparison, &text);
+    ck_assert_ptr_nonnull(strstr((const char *)text.data, "0.25 to 0.125"));
+    pen_buf_release(&text);
+    json_decref(comparison);
+    comparison = compare(before, before);
+    ck_assert(pen_comparison_judge(comparison, true, &st));
+    json_t *benchmark = report(100, 20);
+    ck_assert_ptr_null(pen_comparison_new(before, benchmark, &st));
+    ck_assert_ptr_nonnull(strstr(st.msg, "of different kinds: accuracy and benchmark"));
+    json_t *same = compare(benchmark, benchmark);
+    ck_assert(json_is_null(json_object_get(row_of(same, 0), "errors")));
+    json_decref(same);
+    json_decref(benchmark);
+    json_decref(comparison);
+    json_decref(wanted);
+    json_decref(after);
+    json_decref(before);
+}
+END_TEST
+
 START_TEST(test_comparison__interval_has_the_extremes_of_both_at_half_the_error)
 {
     json_t *before = report(100, 10), *after = report(200, 10);
@@ -255,6 +295,7 @@ START_TEST(test_comparison__any_json_can_be_compared)
 END_TEST
 
 PEN_SUITE("comparison", test_comparison__verdict_is_that_of_the_interval_of_both_medians,
+          test_comparison__accuracy_studies_have_errors_of_both,
           test_comparison__interval_has_the_extremes_of_both_at_half_the_error,
           test_comparison__hosts_that_differ_have_a_calibrated_ratio_and_no_verdict,
           test_comparison__times_and_calibrated_times_must_agree,

@@ -27,7 +27,8 @@ void jobs_bed_close(struct jobs_bed *bed)
 static void *work(void *user)
 {
     struct jobs_bed *bed = user;
-    struct pen_worker_options options = {.store_url = bed->bed.url, .id = "test:1:1", .threads = 2};
+    struct pen_worker_options options = {
+        .store_url = bed->bed.url, .id = "test:1:1", .threads = 2, .keep_ms = 1};
     struct pen_status st;
     bool ok = pen_worker_run(&options, &bed->stop, &st);
     if (!ok)
@@ -58,7 +59,7 @@ pid_t jobs_worker_fork(const struct jobs_bed *bed)
     ck_assert_int_ge(pid, 0);
     if (pid == 0) {
         struct pen_worker_options options = {
-            .store_url = bed->bed.url, .id = "doomed:1:1", .threads = 2};
+            .store_url = bed->bed.url, .id = "doomed:1:1", .threads = 2, .keep_ms = 1};
         atomic_bool stop = false;
         struct pen_status st;
         pen_worker_run(&options, &stop, &st);

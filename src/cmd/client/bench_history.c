@@ -38,6 +38,19 @@ static bool add_report(struct reports *reports, json_t *report, struct pen_statu
     return true;
 }
 
+/* Whether a report is of a benchmark: an accuracy study has no history. */
+static bool check_kind(const json_t *report, struct pen_errors *errors)
+{
+    struct pen_status st;
+    const char *kind = json_string_value(json_object_get(report, "kind"));
+    if (strcmp(kind ? kind : "", "benchmark") == 0)
+        return true;
+    pen_fail_at(&st, PEN_INVALID, "/kind", "must be \"benchmark\", found \"%.60s\"",
+                kind ? kind : "");
+    pen_errors_add(errors, &st);
+    return false;
+}
+
 /* Reads a file of the folder. One that is no report is named and left out. */
 static bool read_file(const struct pen_bench_history *h, const char *name, struct reports *reports,
                       struct pen_status *st)
@@ -48,7 +61,8 @@ static bool read_file(const struct pen_bench_history *h, const char *name, struc
     pen_buf_printf(&path, "%s/%s", h->folder, name);
     if (path.failed)
         return out_of_memory(st);
-    const bool read = pen_report_source_read((const char *)path.data, NULL, &report, &errors);
+    const bool read = pen_report_source_read((const char *)path.data, NULL, &report, &errors) &&
+                      check_kind(report, &errors);
     if (!read)
         pen_report_errors("penumbra: left out", (const char *)path.data, &errors);
     pen_buf_release(&path);

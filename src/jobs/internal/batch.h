@@ -28,6 +28,13 @@ pen_batch_run_fn pen_batch_assemble;
 bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim *claim,
                       struct pen_status *st);
 
+/* batch_rounds.c: renders a view with a target error, as pen_render_rounds does, and leaves its
+ * state in the context; goes on from the round that an earlier worker has kept. Fails: also
+ * PEN_UNAVAILABLE, when a batch of higher priority waits. */
+bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
+                      const struct pen_render_task *task, struct pen_render_stats *stats,
+                      struct pen_status *st);
+
 /* batch_audit.c: audits the picture of the claim's view, which the film has, if the job asks for
  * that; then *done is true. Fails: as pen_batch_run. */
 bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *claim,
@@ -45,6 +52,8 @@ pen_batch_run_fn pen_batch_benchmark;
 
 /* batch_effects.c: makes the bill of a scene's effects; the artefact is the report as JSON. */
 pen_batch_run_fn pen_batch_effects;
+
+/* batch_accuracy.c: makes an accuracy study; the artefact is the report as JSON. */
 pen_batch_run_fn pen_batch_accuracy;
 
 /* batch_explain.c: explains a scene; the artefact is the explanation. */

@@ -32,6 +32,7 @@ struct pen_batch_context {
     struct pen_png_writer *picture; /* of the view being rendered, from `image`; else NULL */
     int64_t deadline_ns;            /* of that view's rounds, by pen_clock_ns; 0: none */
     struct pen_adaptive *adaptive;  /* of that view, with a target error; else NULL */
+    int64_t keep_ms;                /* as in pen_worker_options */
     double store_ms; /* time spent waiting for the store and for compression; not in the job's
                         statistics yet */
 };

@@ -55,7 +55,7 @@ bool pen_blob_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t n
 bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t number, size_t bytes,
                    struct pen_status *st);
 
-/* What a study keeps is an artefact of its view, under these names. */
+/* What a batch keeps is an artefact of its view, under these names. */
 #define PEN_KEPT_LAYER "kept"
 #define PEN_KEPT_FORMAT "state"
 

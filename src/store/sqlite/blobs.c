@@ -170,6 +170,14 @@ bool pen_sqlite_artefact_put(struct pen_driver *driver, const struct pen_artefac
     return pen_sqlite_run(&query, st) && write_start(driver, PEN_BLOB_ARTEFACT, *number, data, st);
 }
 
+bool pen_sqlite_artefact_drop(struct pen_driver *driver, const struct pen_artefact_key *key,
+                              struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_ARTEFACT_DROP);
+    bind_artefact(&query, key);
+    return pen_sqlite_run(&query, st);
+}
+
 bool pen_sqlite_artefact_find(struct pen_driver *driver, const struct pen_artefact_key *key,
                               struct pen_artefact_row *artefact, bool *found, struct pen_status *st)
 {

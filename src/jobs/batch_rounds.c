@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+/* The rounds of a view with a target error. The store keeps the state after a round, so that a
+ * worker that ends loses the rounds since, and no more; and between two rounds the view gives way
+ * to a batch of higher priority, and goes on after it. The picture gets the same bytes.
+ *
+ * A state has 64 bytes for each pixel. So it is kept at most every ten seconds, and not for more
+ * than a twentieth of the time. With a budget of time there is none: that runs from the claim. */
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "jobs/internal/batch.h"
+#include "render/adaptive_state.h"
+#include "study/host.h"
+
+enum { KEEP_MS = 10000, KEEP_TIMES = 20 };
+
+static const size_t keep_bytes_max = (size_t)1 << 30; /* a row of the store */
+
+struct keeper {
+    struct pen_batch_context *context;
+    const struct pen_claim *claim;
+    json_t *host;
+    int64_t kept_ns, took_ns; /* when it was last kept, and how long that took */
+};
+
+static const char *build_of(const struct keeper *k)
+{
+    const char *build = json_string_value(json_object_get(k->host, "build"));
+    return build ? build : "";
+}
+
+static bool is_due(const struct keeper *k)
+{
+    const int64_t now_ns = pen_clock_ns(),
+                  wait_ms = k->context->keep_ms > 0 ? k->context->keep_ms : KEEP_MS;
+    return now_ns - k->kept_ns >= wait_ms * 1000000 &&
+           now_ns - k->kept_ns >= KEEP_TIMES * k->took_ns;
+}
+
+/* Stores the state. A failure is ignored: the next time may succeed. Returns whether it is kept. */
+static bool store_state(struct keeper *k, const struct pen_adaptive *adaptive,
+                        const struct pen_render_stats *stats, bool *outranked)
+{
+    struct pen_buf state = {0};
+    struct pen_status ignored;
+    const int64_t begun_ns = pen_clock_ns();
+    pen_adaptive_save(adaptive, stats, build_of(k), &state);
+    const struct pen_kept kept = {-1, state.data, state.bytes};
+    const bool ok =
+        !state.failed && pen_store_keep(k->context->store, k->claim, &kept, outranked, &ignored);
+    pen_buf_release(&state);
+    k->kept_ns = pen_clock_ns();
+    k->took_ns = k->kept_ns - begun_ns;
+    k->context->store_ms += (double)k->took_ns * 1e-6;
+    return ok;
+}
+
+static bool keep(void *user, const struct pen_adaptive *adaptive,
+                 const struct pen_render_stats *stats)
+{
+    struct keeper *k = user;
+    struct pen_status ignored;
+    bool outranked = false;
+    if (pen_adaptive_state_bytes(adaptive->settings) > keep_bytes_max ||
+        !pen_store_outranked(k->context->store, k->claim, &outranked, &ignored) ||
+        (!outranked && !is_due(k)))
+        return true;
+    return !store_state(k, adaptive, stats, &outranked) || !outranked;
+}
+
+/* Reads what an earlier worker has kept into a new state. Returns whether there was something. */
+static bool read_kept(struct keeper *k, const struct pen_render_task *task,
+                      struct pen_adaptive *adaptive, struct pen_render_stats *earlier)
+{
+    struct pen_buf state = {0};
+    struct pen_status ignored;
+    const bool ok = pen_store_kept(k->context->store, k->claim, &state, &ignored) &&
+                    pen_adaptive_load(adaptive, state.data, state.bytes, build_of(k), earlier,
+                                      task->rgb, &ignored);
+    pen_buf_release(&state);
+    if (ok) {
+        const struct pen_log_about about = pen_claim_about(k->claim);
+        pen_log_about(PEN_LOG_INFO, &about, "goes on after %d rounds", earlier->adaptive.rounds);
+    }
+    return ok;
+}
+
+bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
+                      const struct pen_render_task *task, struct pen_render_stats *stats,
+                      struct pen_status *st)
+{
+    struct keeper k = {.context = context, .claim = claim, .kept_ns = pen_clock_ns()};
+    struct pen_render_stats earlier = {0};
+    struct pen_render_task rounds = *task;
+    context->adaptive = pen_adaptive_new(task->settings, st);
+    if (!context->adaptive)
+        return false;
+    if (task->deadline_ns == 0) {
+        k.host = pen_host_json();
+        if (read_kept(&k, task, context->adaptive, &earlier))
+            rounds.earlier = &earlier;
+        rounds.between_rounds = keep;
+        rounds.between_user = &k;
+    }
+    const bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
+    free(earlier.tile_ms);
+    json_decref(k.host);
+    return ok;
+}

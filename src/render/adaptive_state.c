@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/adaptive_state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char magic[8] = "PENADP1";
+
+/* What comes before the build's text, the times of tiles, and the sums. */
+struct header {
+    char magic[8];
+    uint32_t width, height, tiles, build_bytes;
+    int32_t threads, float_resets;
+    double render_ms, cpu_ms;
+    struct pen_ray_counts rays;
+    struct pen_adaptive_stats adaptive;
+};
+
+static size_t pixels_of(const struct pen_settings *s)
+{
+    return (size_t)s->width * (size_t)s->height;
+}
+
+static size_t tiles_of(const struct pen_settings *s)
+{
+    return (size_t)pen_tile_count(s->width, s->height, s->tile);
+}
+
+size_t pen_adaptive_state_bytes(const struct pen_settings *settings)
+{
+    return sizeof(struct header) + 256 + tiles_of(settings) * sizeof(double) +
+           pixels_of(settings) * sizeof(struct pen_pixel_sums);
+}
+
+void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_render_stats *stats,
+                       const char *build, struct pen_buf *out)
+{
+    const struct pen_settings *s = adaptive->settings;
+    struct header h;
+    memset(&h, 0, sizeof h);
+    memcpy(h.magic, magic, sizeof h.magic);
+    h.width = (uint32_t)s->width;
+    h.height = (uint32_t)s->height;
+    h.tiles = stats->tile_ms ? (uint32_t)tiles_of(s) : 0;
+    h.build_bytes = (uint32_t)strlen(build);
+    h.threads = stats->threads;
+    h.float_resets = stats->float_resets;
+    h.render_ms = stats->render_ms;
+    h.cpu_ms = stats->cpu_ms;
+    h.rays = stats->rays;
+    h.adaptive = stats->adaptive;
+    pen_buf_add(out, &h, sizeof h);
+    pen_buf_add(out, build, h.build_bytes);
+    if (h.tiles > 0)
+        pen_buf_add(out, stats->tile_ms, h.tiles * sizeof *stats->tile_ms);
+    pen_buf_add(out, adaptive->sums, pixels_of(s) * sizeof *adaptive->sums);
+}
+
+/* Whether a header and what follows it are of these settings and this build. */
+static bool is_usable(const struct header *h, const unsigned char *rest, size_t count,
+                      const struct pen_settings *s, const char *build)
+{
+    const size_t tiles = h->tiles * sizeof(double),
+                 sums = pixels_of(s) * sizeof(struct pen_pixel_sums);
+    return memcmp(h->magic, magic, sizeof magic) == 0 && h->width == (uint32_t)s->width &&
+           h->height == (uint32_t)s->height && (h->tiles == 0 || h->tiles == tiles_of(s)) &&
+           h->build_bytes == strlen(build) && count == h->build_bytes + tiles + sums &&
+           memcmp(rest, build, h->build_bytes) == 0 && h->adaptive.rounds > 0 &&
+           h->adaptive.rounds < PEN_ROUNDS_MAX && h->adaptive.target == s->target_error;
+}
+
+bool pen_adaptive_load(struct pen_adaptive *adaptive, const void *bytes, size_t count,
+                       const char *build, struct pen_render_stats *stats, float *rgb,
+                       struct pen_status *st)
+{
+    const struct pen_settings *s = adaptive->settings;
+    const unsigned char *rest = (const unsigned char *)bytes + sizeof(struct header);
+    struct header h;
+    if (count < sizeof h)
+        return pen_fail(st, PEN_NOT_FOUND, "no state of an adaptive render");
+    memcpy(&h, bytes, sizeof h);
+    if (!is_usable(&h, rest, count - sizeof h, s, build))
+        return pen_fail(st, PEN_NOT_FOUND, "the state is of another build or another picture");
+    *stats = (struct pen_render_stats){.render_ms = h.render_ms,
+                                       .cpu_ms = h.cpu_ms,
+                                       .threads = h.threads,
+                                       .float_resets = h.float_resets,
+                                       .rays = h.rays,
+                                       .tile_count = (uint32_t)tiles_of(s),
+                                       .adaptive = h.adaptive};
+    rest += h.build_bytes;
+    if (h.tiles > 0) {
+        stats->tile_ms = malloc(h.tiles * sizeof *stats->tile_ms);
+        if (!stats->tile_ms)
+            return pen_fail(st, PEN_NO_MEMORY, "out of memory for the times of %u tiles", h.tiles);
+        memcpy(stats->tile_ms, rest, h.tiles * sizeof *stats->tile_ms);
+        rest += h.tiles * sizeof *stats->tile_ms;
+    }
+    memcpy(adaptive->sums, rest, pixels_of(s) * sizeof *adaptive->sums);
+    for (size_t i = 0; i < pixels_of(s); i++) {
+        double mean[3];
+        pen_adaptive_estimate(adaptive, i);
+        pen_pixel_mean(&adaptive->sums[i], mean);
+        for (size_t c = 0; c < 3; c++)
+            rgb[3 * i + c] = (float)mean[c];
+    }
+    return true;
+}
