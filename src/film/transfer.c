@@ -78,19 +78,35 @@ static const double srgb_16_error = 0x1p-11;
  * whole. The whole is below A = 69139.5: 2.66e-4 codes. Roundings, of this and of the formula, take
  * less than 1e-10 codes. So the code is right if the value is 2^-11 = 4.9e-4 away from a step; one
  * value in a thousand is not. */
+static double srgb_power(double value)
+{
+    enum { FRACTION_BITS = 52, PART_BITS = 7, BIAS = 1023 };
+    _Static_assert(SRGB_ROOTS == 1 << PART_BITS, "the parts of [1, 2)");
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    const int exponent = (int)(bits >> FRACTION_BITS) - BIAS;
+    const unsigned part = bits >> (FRACTION_BITS - PART_BITS) & (SRGB_ROOTS - 1);
+    const uint64_t fraction = (bits & ((UINT64_C(1) << FRACTION_BITS) - 1)) | (uint64_t)BIAS
+                                                                                  << FRACTION_BITS;
+    double m;
+    memcpy(&m, &fraction, sizeof m);
+    const double t = m * srgb_roots[part].inverse - 1;
+    const double root = srgb_roots[part].root * (1 + t * (5.0 / 12 - t * (35.0 / 288)));
+    return srgb_powers[exponent - SRGB_FIRST_POWER] * root;
+}
+
+double pen_encode_unit_near(double linear, enum pen_transfer transfer)
+{
+    if (transfer == PEN_TRANSFER_SRGB && linear > 0.0031308 && linear < 1)
+        return srgb_power(linear) / 65535 - 0.055;
+    return pen_encode_unit(linear, transfer);
+}
+
 static uint16_t srgb_16(float value)
 {
     const double offset = 65535 * 0.055 - 0.5;
     if ((double)value > 0.0031308 && value < 1) {
-        uint32_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        const unsigned exponent = bits >> 23, part = bits >> 16 & (SRGB_ROOTS - 1);
-        const uint32_t fraction = (bits & 0x7FFFFF) | 0x3F800000;
-        float m;
-        memcpy(&m, &fraction, sizeof m);
-        const double t = (double)m * srgb_roots[part].inverse - 1;
-        const double root = srgb_roots[part].root * (1 + t * (5.0 / 12 - t * (35.0 / 288)));
-        const double code = srgb_powers[(int)exponent - 127 - SRGB_FIRST_POWER] * root - offset;
+        const double code = srgb_power((double)value) - offset;
         const double above = code - (int)code;
         if (above > srgb_16_error && above < 1 - srgb_16_error)
             return (uint16_t)code;

@@ -81,11 +81,11 @@ void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel)
     double mean[3], error = 0;
     pen_pixel_mean(sums, mean);
     for (int c = 0; c < 3; c++) {
-        const double value = pen_encode_unit(mean[c], transfer);
+        const double value = pen_encode_unit_near(mean[c], transfer);
         double encoded[PEN_REPLICATES];
         for (int r = 0; r < PEN_REPLICATES; r++)
             encoded[r] = sums->kept[r] > 0
-                             ? pen_encode_unit(sums->sum[r][c] / sums->kept[r], transfer)
+                             ? pen_encode_unit_near(sums->sum[r][c] / sums->kept[r], transfer)
                              : value;
         error += channel_error(encoded, value) / 3;
         a->estimates[pixel].value[c] = (float)value;

@@ -198,6 +198,21 @@ END_TEST
 /* Both floats at each step, where an approximation that is wrong by more than its bound gives the
  * wrong code on one side; the ends of the parts of [1, 2) that the table has, where it is worst;
  * and the floats where the curve begins. */
+START_TEST(test_transfer__the_quick_formula_is_near)
+{
+    static const double edge[] = {-1, 0, 0.0031308, 0.00313081, 0.00390625, 0.5, 1, 1.5};
+    for (size_t i = 0; i < sizeof edge / sizeof *edge; i++)
+        ck_assert(fabs(pen_encode_unit_near(edge[i], PEN_TRANSFER_SRGB) -
+                       pen_encode_unit(edge[i], PEN_TRANSFER_SRGB)) < 5e-9);
+    for (int i = 0; i < 1000000; i++) {
+        const double v = (i + 0.37) * 1e-6;
+        ck_assert(fabs(pen_encode_unit_near(v, PEN_TRANSFER_SRGB) -
+                       pen_encode_unit(v, PEN_TRANSFER_SRGB)) < 5e-9);
+        ck_assert(pen_encode_unit_near(v, PEN_TRANSFER_LINEAR) == v);
+    }
+}
+END_TEST
+
 START_TEST(test_transfer__codes_of_16_bits_follow_the_formula)
 {
     struct random r = random_begin(2);
@@ -277,6 +292,7 @@ END_TEST
 
 PEN_SUITE("transfer", test_transfer__table_equals_its_derivation,
           test_transfer__codes_of_8_bits_follow_the_formula,
+          test_transfer__the_quick_formula_is_near,
           test_transfer__codes_of_16_bits_follow_the_formula,
           test_transfer__values_outside_the_range_are_clamped,
           test_transfer__srgb_follows_the_standard)

@@ -204,13 +204,17 @@ static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
         return; /* no kernel for replicates */
     struct pen_block_scratch *b = scratch->block;
     struct block_points at;
+    struct pixel_scrambling scrambling = {0, 0};
     block_no_points(input, &at, fx);
     for (int i = 0; i < count; i++) {
         b->x[i] = samples[i].x;
         b->y[i] = samples[i].y;
         b->pixel_sample[i] = PEN_SAMPLE_REPLICATE + samples[i].replicate;
         b->ray[i] = samples[i].index;
-        block_set_point(&at, i, replicate_point(input, &samples[i], fx), has_lens(input, fx));
+        if (i == 0 || !same_replicate(&samples[i - 1], &samples[i]))
+            scrambling = replicate_scrambling(input, &samples[i], fx);
+        block_set_point(&at, i, replicate_point(input, &scrambling, &samples[i], fx),
+                        has_lens(input, fx));
     }
     if (fx & FX_SAMPLED)
         scratch->key = replicate_key(input, &samples[0]);

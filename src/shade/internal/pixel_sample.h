@@ -73,15 +73,29 @@ static ALWAYS_INLINE struct pen_camera_point camera_point(const struct pen_kerne
     return point;
 }
 
+enum { SEVERAL_SAMPLES = 2 }; /* any number above 1: a replicate's points are never the centre */
+
+static ALWAYS_INLINE bool same_replicate(const struct pen_camera_sample *a,
+                                         const struct pen_camera_sample *b)
+{
+    return a->x == b->x && a->y == b->y && a->replicate == b->replicate;
+}
+
+/* The scramblings that all samples of a replicate share. */
+static ALWAYS_INLINE struct pixel_scrambling
+replicate_scrambling(const struct pen_kernel_input *input, const struct pen_camera_sample *sample,
+                     const unsigned fx)
+{
+    return scrambling_of(input, replicate_key(input, sample), SEVERAL_SAMPLES, fx);
+}
+
 /* Where the camera ray of a sample of a replicate crosses the image and the lens. */
 static ALWAYS_INLINE struct pen_camera_point replicate_point(const struct pen_kernel_input *input,
+                                                             const struct pixel_scrambling *s,
                                                              const struct pen_camera_sample *sample,
                                                              const unsigned fx)
 {
-    enum { SEVERAL = 2 };
-    const struct pixel_scrambling s =
-        scrambling_of(input, replicate_key(input, sample), SEVERAL, fx);
-    struct pen_camera_point point = camera_point(input, &s, SEVERAL, (int)sample->index, fx);
+    struct pen_camera_point point = camera_point(input, s, SEVERAL_SAMPLES, (int)sample->index, fx);
     point.x += sample->x;
     point.y += sample->y;
     return point;
