@@ -77,7 +77,9 @@ static const double srgb_16_error = 0x1p-11;
  * below |t| times the one before, the rest is below 1.004 * 665/10368 * 2^-24 = 3.84e-9 of the
  * whole. The whole is below A = 69139.5: 2.66e-4 codes. Roundings, of this and of the formula, take
  * less than 1e-10 codes. So the code is right if the value is 2^-11 = 4.9e-4 away from a step; one
- * value in a thousand is not. */
+ * value in a thousand is not.
+ *
+ * Returns A v^(1 / 2.4), with that error. */
 static double srgb_power(double value)
 {
     enum { FRACTION_BITS = 52, PART_BITS = 7, BIAS = 1023 };

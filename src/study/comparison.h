@@ -25,12 +25,18 @@ bool pen_comparison_check(const json_t *report, struct pen_status *st);
  *   scene     its name
  *   before, after   {began_at, version, build}
  *   host_differences   the members of `host` in which they differ; empty: one host
- *   rows      [{settings, threads, before_ms, after_ms, ratio, calibrated_ratio, verdict, reason,
- * picture, differences: [{counter, before, after}], errors: {rmse: [before, after], flip}}];
- * picture "same", "different", "unknown"; errors of accuracy studies, else null missing, added the
- * settings of rows that only one report has counters  "same" or "different"; pictures  "same",
- * "different" or "unknown"; slower  rows Owns: the caller json_decref()s. Fails: NULL; PEN_INVALID
- * (different scenes, views or numbers of primitives; no row in common), PEN_NO_MEMORY. */
+ *   rows      [{settings, threads, before_ms, after_ms, ratio, calibrated_ratio, verdict,
+ *             reason, picture, differences, errors}], where
+ *             picture is "same", "different" or "unknown",
+ *             differences is [{counter, before, after}],
+ *             errors is {rmse: [before, after], flip: [before, after]} of accuracy studies, or null
+ *   missing, added   the settings of rows that only one report has
+ *   counters  "same" or "different"
+ *   pictures  "same", "different" or "unknown"
+ *   slower    rows
+ *
+ * Owns: the caller json_decref()s. Fails: NULL; PEN_INVALID (different scenes, views or numbers of
+ * primitives; no row in common), PEN_NO_MEMORY. */
 json_t *pen_comparison_new(const json_t *before, const json_t *after, struct pen_status *st);
 
 /* What a comparison finds that a build must not change: counters, pictures, and rows if `time` that

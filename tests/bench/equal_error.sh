@@ -6,7 +6,7 @@
 # numbers of samples that the scene calls for. The time of fixed samples at the error that a target reached
 # is read off their Pareto front, between neighbouring rows on logarithmic axes. Prints a table of the ratios
 # time with a target / time with the best fixed samples, to FOLDER/equal-error.md as well. The environment may set
-# SCENES, TARGETS (0.02,0.01,0.005), SEEDS (3), SIZE of rooms and of others (150x210, 200x150).
+# SCENES, TARGETS (0.02,0.01,0.005) and SEEDS (3).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}

@@ -195,9 +195,6 @@ START_TEST(test_transfer__codes_of_8_bits_follow_the_formula)
 }
 END_TEST
 
-/* Both floats at each step, where an approximation that is wrong by more than its bound gives the
- * wrong code on one side; the ends of the parts of [1, 2) that the table has, where it is worst;
- * and the floats where the curve begins. */
 START_TEST(test_transfer__the_quick_formula_is_near)
 {
     static const double edge[] = {-1, 0, 0.0031308, 0.00313081, 0.00390625, 0.5, 1, 1.5};
@@ -213,6 +210,9 @@ START_TEST(test_transfer__the_quick_formula_is_near)
 }
 END_TEST
 
+/* Both floats at each step, where an approximation that is wrong by more than its bound gives the
+ * wrong code on one side; the ends of the parts of [1, 2) that the table has, where it is worst;
+ * and the floats where the curve begins. */
 START_TEST(test_transfer__codes_of_16_bits_follow_the_formula)
 {
     struct random r = random_begin(2);

@@ -269,9 +269,8 @@ const struct pen_command pen_command_compare = {
         "a value. The relative mean square error is about linear values; B is its reference. "
         "Without a bound (--max-rmse, --max-flip, --min-ssim, --max-error) the command accepts "
         "any difference. Two reports of benchmarks or accuracy studies, as JSON, are compared row "
-        "by row: what the "
-        "runs counted and their pictures must be equal, or the command ends with code 7; times "
-        "advise, and have a verdict if both reports are of one host.",
+        "by row: what the runs counted and their pictures must be equal, or the command ends with "
+        "code 7; times advise, and have a verdict if both reports are of one host.",
     .options = options,
     .min_args = 2,
     .max_args = 2,
