@@ -1,12 +1,32 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads and resets the kernel's peak of the resident set through /proc. */
+/* Asks for huge pages; reads and resets the kernel's peak of the resident set through /proc. */
 #include "base/memory.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+enum { LARGE_BYTES = 1 << 20, HUGE_PAGE = 1 << 21 }; /* of x86-64 and most others */
+
+void *pen_memory_large(size_t bytes)
+{
+    if (bytes < LARGE_BYTES || bytes > SIZE_MAX / 2)
+        return malloc(bytes > 0 ? bytes : 1);
+    const size_t whole = (bytes + HUGE_PAGE - 1) & ~(size_t)(HUGE_PAGE - 1);
+    void *memory = aligned_alloc(HUGE_PAGE, whole);
+    if (memory)
+        (void)madvise(memory, whole, MADV_HUGEPAGE); /* without huge pages it is only slower */
+    return memory;
+}
+
+void *pen_memory_large_zeroed(size_t bytes)
+{
+    void *memory = pen_memory_large(bytes);
+    return memory ? memset(memory, 0, bytes) : NULL;
+}
 
 void pen_memory_peak_reset(void)
 {

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+
 struct pen_film *pen_film_new(int width, int height, struct pen_status *st)
 {
     if (width < 1 || height < 1) {
@@ -17,7 +19,7 @@ struct pen_film *pen_film_new(int width, int height, struct pen_status *st)
         return NULL;
     }
     struct pen_film *film = malloc(sizeof *film);
-    float *rgb = calloc((size_t)width * (size_t)height, 3 * sizeof *rgb);
+    float *rgb = pen_memory_large_zeroed((size_t)width * (size_t)height * 3 * sizeof *rgb);
     if (!film || !rgb) {
         free(film);
         free(rgb);

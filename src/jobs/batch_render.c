@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "io/figures.h"
 #include "io/stats_json.h"
 #include "jobs/internal/jobs.h"
@@ -32,7 +33,7 @@ static bool reserve_image(struct pen_batch_context *context, struct pen_status *
     free(context->image);
     context->image_pixels = 0;
     context->image = wanted < SIZE_MAX / 3 / sizeof *context->image
-                         ? malloc(wanted * 3 * sizeof *context->image)
+                         ? pen_memory_large(wanted * 3 * sizeof *context->image)
                          : NULL;
     if (!context->image)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu pixels", wanted);

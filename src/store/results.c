@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "store/internal/policy.h"
 
 enum { PAGE = 128 };
@@ -19,7 +20,7 @@ static bool reserve_pixels(struct pen_store *store, int64_t pixels, struct pen_s
         return true;
     free(store->rgb);
     store->rgb_pixels = 0;
-    store->rgb = malloc((size_t)pixels * 3 * sizeof *store->rgb);
+    store->rgb = pen_memory_large((size_t)pixels * 3 * sizeof *store->rgb);
     if (!store->rgb)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %lld pixels", (long long)pixels);
     store->rgb_pixels = (size_t)pixels;

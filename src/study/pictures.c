@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "film/film.h"
 #include "film/metrics.h"
 
@@ -110,7 +111,7 @@ struct pen_bench_pictures *pen_bench_pictures_new(const struct pen_bench *bench)
     }
     bool ok = pictures->target && pictures->reference;
     for (size_t i = 0; ok && i < views; i++) {
-        pictures->target[i] = malloc(pictures->capacity * sizeof(float));
+        pictures->target[i] = pen_memory_large(pictures->capacity * sizeof(float));
         ok = pictures->target[i] != NULL;
     }
     if (ok)
