@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "film/encode.h"
 
 static size_t pixels_of(const struct pen_adaptive *a)
@@ -13,24 +14,31 @@ static size_t pixels_of(const struct pen_adaptive *a)
     return (size_t)a->settings->width * (size_t)a->settings->height;
 }
 
+/* What the arrays of a state take for each pixel, the ones with the strictest alignment first. */
+enum {
+    BYTES_PER_PIXEL = sizeof(struct pen_pixel_sums) + sizeof(struct pen_pixel_estimate) +
+                      2 * sizeof(float) + sizeof(uint16_t) + sizeof(unsigned char)
+};
+
 struct pen_adaptive *pen_adaptive_new(const struct pen_settings *settings, struct pen_status *st)
 {
     struct pen_adaptive *a = calloc(1, sizeof *a);
-    if (a) {
+    const size_t pixels = (size_t)settings->width * (size_t)settings->height;
+    void *arrays = pen_memory_large_zeroed(pixels * BYTES_PER_PIXEL);
+    if (a && arrays) {
         a->settings = settings;
         a->sampling = pen_settings_sampling(settings);
-        const size_t pixels = pixels_of(a);
-        a->sums = calloc(pixels, sizeof *a->sums);
-        a->estimates = calloc(pixels, sizeof *a->estimates);
-        a->errors = calloc(pixels, sizeof *a->errors);
-        a->unseen = calloc(pixels, sizeof *a->unseen);
-        a->wanted = malloc(pixels);
-        if (a->sums && a->estimates && a->errors && a->unseen && a->wanted) {
-            memset(a->wanted, 1, pixels);
-            return a;
-        }
+        a->sums = arrays;
+        a->estimates = (struct pen_pixel_estimate *)(a->sums + pixels);
+        a->errors = (float *)(a->estimates + pixels);
+        a->unseen = a->errors + pixels;
+        a->priority = (uint16_t *)(a->unseen + pixels);
+        a->wanted = (unsigned char *)(a->priority + pixels);
+        memset(a->wanted, 1, pixels);
+        return a;
     }
-    pen_adaptive_free(a);
+    free(a);
+    free(arrays);
     pen_fail(st, PEN_NO_MEMORY, "out of memory for the samples of %d x %d pixels", settings->width,
              settings->height);
     return NULL;
@@ -41,10 +49,7 @@ void pen_adaptive_free(struct pen_adaptive *a)
     if (!a)
         return;
     free(a->sums);
-    free(a->estimates);
-    free(a->errors);
-    free(a->unseen);
-    free(a->wanted);
+    free(a->slices);
     free(a);
 }
 
@@ -93,9 +98,9 @@ void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel)
     a->estimates[pixel].error = (float)error;
 }
 
-uint32_t pen_adaptive_more(const struct pen_pixel_sums *sums)
+uint32_t pen_adaptive_more(const struct pen_adaptive *a, const struct pen_pixel_sums *sums)
 {
-    return sums->samples > 0 ? sums->samples : PEN_PILOT_SAMPLES;
+    return sums->samples > 0 ? sums->samples : pen_settings_pilot(a->settings);
 }
 
 struct pen_sample_spread pen_adaptive_spread(const struct pen_adaptive *a)

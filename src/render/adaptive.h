@@ -7,9 +7,9 @@
  * samples does not, since its points are not independent (Owen, "Monte Carlo theory, methods and
  * examples", 17.3).
  *
- * Rendering goes in rounds. The first, the pilot, takes PEN_PILOT_SAMPLES samples of each replicate
- * of every pixel. After a round the error of the whole picture is estimated. While that is above
- * the target, the next round doubles the samples of the pixels that lower it most, so that
+ * Rendering goes in rounds. The first, the pilot, takes pen_settings_pilot samples of each
+ * replicate of every pixel. After a round the error of the whole picture is estimated. While that
+ * is above the target, the next round doubles the samples of the pixels that lower it most, so that
  * estimates are looked at only after doublings. A decision is a pure function of the sums of all
  * pixels, and these are a pure function of scene, settings and decisions. So the picture has the
  * same bits for any number of threads and any order of tiles.
@@ -50,15 +50,18 @@ struct pen_pixel_estimate {
     float error;    /* mean square error of the three values, estimated from the replicates */
 };
 
-/* The state of one view between rounds. Arrays have a value for each pixel, row by row. */
+/* The state of one view between rounds. Arrays have a value for each pixel, row by row; one
+ * allocation holds them all. */
 struct pen_adaptive {
     const struct pen_settings *settings; /* those of the render */
     struct pen_settings sampling;        /* what kernels get instead */
-    struct pen_pixel_sums *sums;
+    struct pen_pixel_sums *sums;         /* at the start of the allocation */
     struct pen_pixel_estimate *estimates;
     float *unseen;         /* mean square errors of edges that no sample may have seen */
     float *errors;         /* those of estimates, but at least unseen */
+    uint16_t *priority;    /* 1 + that of pen_adaptive_select; 0: no more samples are allowed */
     unsigned char *wanted; /* pixels that the next round refines */
+    void *slices; /* for pen_adaptive_decide, which makes them; NULL before its first call */
 };
 
 /* The state before the pilot, which wants all pixels. It borrows the settings.
@@ -73,7 +76,7 @@ void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3]);
 void pen_adaptive_estimate(struct pen_adaptive *adaptive, size_t pixel);
 
 /* The samples of each replicate that the next round adds to a pixel. */
-uint32_t pen_adaptive_more(const struct pen_pixel_sums *sums);
+uint32_t pen_adaptive_more(const struct pen_adaptive *adaptive, const struct pen_pixel_sums *sums);
 
 /* The probability with which the interval of an estimated error covers it. */
 #define PEN_ADAPTIVE_CONFIDENCE 0.99
@@ -103,10 +106,9 @@ bool pen_adaptive_decide(struct pen_adaptive *adaptive, struct pen_thread_pool *
                          struct pen_status *st);
 
 /* Selects the pixels of the next round, those whose priority is at least of that level: the error
- * of their neighbourhood for each sample, in eighths of powers of two. Sets how many they are.
- * Threads, Fails: as pen_adaptive_decide, which must have been called before. */
-bool pen_adaptive_select(struct pen_adaptive *adaptive, struct pen_thread_pool *pool, int level,
-                         uint64_t *selected, struct pen_status *st);
+ * of their neighbourhood for each sample, in eighths of powers of two. Returns how many they are.
+ * pen_adaptive_decide must have been called after the round. */
+uint64_t pen_adaptive_select(struct pen_adaptive *adaptive, int level);
 
 /* The distribution of samples: camera rays for each pixel. */
 struct pen_sample_spread {

@@ -4,9 +4,9 @@
  * machine. */
 #include <math.h>
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "math/fn.h"
 #include "render/adaptive.h"
 
@@ -23,6 +23,10 @@ static const double UNSEEN = 0.3;
 /* Where samples are limited, a round aims at this part of the error. */
 static const double STEP = 0.6;
 
+/* A round takes at least this part of the samples taken so far. It costs a pass over the picture,
+ * whatever it refines, and without this the last rounds would refine a few pixels each. */
+static const double LEAST_ROUND = 1.0 / 32;
+
 enum { SLICES = 64 };
 
 /* Levels of priority: eighths of powers of two, from 0 on; below 2^LOWEST all are 0. */
@@ -36,15 +40,14 @@ struct slice {
     double at_level[LEVELS];  /* of those with that priority, */
     uint64_t samples[LEVELS]; /* whose next round takes so many samples, */
     double capped_error;      /* and of those that may have no more samples */
-    uint64_t capped, selected;
+    uint64_t capped;
 };
 
 /* What the threads do with each slice. */
 struct pass {
     struct pen_adaptive *adaptive;
     struct slice *slices;
-    void (*visit)(struct pen_adaptive *adaptive, struct slice *slice, int level);
-    int level;
+    void (*visit)(struct pen_adaptive *adaptive, struct slice *slice);
     atomic_int next;
 };
 
@@ -54,7 +57,7 @@ static void visit_slices(void *user, int thread)
     int i;
     (void)thread;
     while ((i = atomic_fetch_add_explicit(&pass->next, 1, memory_order_relaxed)) < SLICES)
-        pass->visit(pass->adaptive, &pass->slices[i], pass->level);
+        pass->visit(pass->adaptive, &pass->slices[i]);
 }
 
 static void run_pass(struct pen_thread_pool *pool, struct pass *pass)
@@ -65,12 +68,19 @@ static void run_pass(struct pen_thread_pool *pool, struct pass *pass)
     pen_thread_pool_run(pool, threads, visit_slices, pass);
 }
 
-static struct slice *slices_new(const struct pen_adaptive *a, struct pen_status *st)
+/* The slices of a state, and one more for their sum; all empty. They have a megabyte, so they are
+ * made once. Fails: NULL; PEN_NO_MEMORY. */
+static struct slice *slices_of(struct pen_adaptive *a, struct pen_status *st)
 {
-    struct slice *slices = calloc(SLICES, sizeof *slices);
-    if (!slices)
+    const size_t bytes = (SLICES + 1) * sizeof(struct slice);
+    if (!a->slices)
+        a->slices = pen_memory_large(bytes);
+    if (!a->slices) {
         pen_fail(st, PEN_NO_MEMORY, "out of memory for the decision after a round");
-    for (int i = 0; slices && i < SLICES; i++) {
+        return NULL;
+    }
+    struct slice *slices = memset(a->slices, 0, bytes);
+    for (int i = 0; i < SLICES; i++) {
         slices[i].first_row = (int)((int64_t)a->settings->height * i / SLICES);
         slices[i].end_row = (int)((int64_t)a->settings->height * (i + 1) / SLICES);
     }
@@ -119,10 +129,9 @@ static double unseen_edge(const struct pen_adaptive *a, int x, int y)
 }
 
 /* Sets what is known of each pixel by itself. */
-static void visit_own(struct pen_adaptive *a, struct slice *slice, int level)
+static void visit_own(struct pen_adaptive *a, struct slice *slice)
 {
     size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
-    (void)level;
     for (int y = slice->first_row; y < slice->end_row; y++)
         for (int x = 0; x < a->settings->width; x++, at++) {
             a->unseen[at] = (float)unseen_edge(a, x, y);
@@ -179,19 +188,20 @@ static int priority_of(const struct pen_adaptive *a, size_t at, double around)
 }
 
 /* Sorts the errors by what can be done about them. */
-static void visit_around(struct pen_adaptive *a, struct slice *slice, int level)
+static void visit_around(struct pen_adaptive *a, struct slice *slice)
 {
     size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
-    (void)level;
     for (int y = slice->first_row; y < slice->end_row; y++)
         for (int x = 0; x < a->settings->width; x++, at++) {
             const double around = error_around(a, x, y);
             slice->around += around;
             if (is_capped(a, at)) {
+                a->priority[at] = 0;
                 slice->capped_error += around;
                 slice->capped += around > 0;
             } else {
                 const int priority = priority_of(a, at, around);
+                a->priority[at] = (uint16_t)(1 + priority);
                 slice->at_level[priority] += around;
                 slice->samples[priority] += (uint64_t)PEN_REPLICATES * a->sums[at].samples;
             }
@@ -208,7 +218,6 @@ static void add_slices(const struct slice *slices, struct slice *all)
         all->around += s->around;
         all->capped_error += s->capped_error;
         all->capped += s->capped;
-        all->selected += s->selected;
         for (int level = 0; level < LEVELS; level++) {
             all->at_level[level] += s->at_level[level];
             all->samples[level] += s->samples[level];
@@ -242,6 +251,21 @@ static int level_for(const struct slice *all, double goal)
     return level;
 }
 
+/* The level at which a round takes its least number of samples, or the given one if that is lower.
+ * Level 0 has pixels whose error is zero, which stay as they are. */
+static int level_of_least(const struct slice *all, int level)
+{
+    uint64_t sum = 0, total = 0;
+    for (int i = 0; i < LEVELS; i++)
+        total += all->samples[i];
+    for (int i = LEVELS - 1; i >= 1; i--) {
+        sum += all->samples[i];
+        if ((double)sum >= LEAST_ROUND * (double)total)
+            return i < level ? i : level;
+    }
+    return level < 1 ? level : 1;
+}
+
 /* The lowest level, from `level` on, such that doubling all pixels at it or above takes no more
  * samples than are allowed. */
 static int level_within(const struct slice *all, int level, uint64_t samples)
@@ -269,7 +293,7 @@ static struct pen_decision decision_of(const struct slice *all, double pixels,
      * neighbours tell add up to the pixels' own, but for chance. */
     const double sum = high > 0 ? aim / high * all->around - all->capped_error : 0;
     bool any = false;
-    d.level = level_within(all, level_for(all, sum), goal->samples);
+    d.level = level_within(all, level_of_least(all, level_for(all, sum)), goal->samples);
     for (int i = d.level; i < LEVELS; i++)
         any |= all->at_level[i] > 0;
     d.done = d.met || !any;
@@ -281,45 +305,26 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
                          const struct pen_goal *goal, struct pen_decision *decision,
                          struct pen_status *st)
 {
-    struct pass pass = {.adaptive = a, .slices = slices_new(a, st)};
-    struct slice *all = calloc(1, sizeof *all);
-    const bool ok =
-        pass.slices &&
-        (all || pen_fail(st, PEN_NO_MEMORY, "out of memory for the decision after a round"));
-    if (ok) {
-        pass.visit = visit_own;
-        run_pass(pool, &pass);
-        pass.visit = visit_around;
-        run_pass(pool, &pass);
-        add_slices(pass.slices, all);
-        *decision = decision_of(all, (double)a->settings->width * a->settings->height, goal);
-    }
-    free(pass.slices);
-    free(all);
-    return ok;
-}
-
-static void visit_select(struct pen_adaptive *a, struct slice *slice, int level)
-{
-    size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
-    for (int y = slice->first_row; y < slice->end_row; y++)
-        for (int x = 0; x < a->settings->width; x++, at++) {
-            a->wanted[at] = !is_capped(a, at) && priority_of(a, at, error_around(a, x, y)) >= level;
-            slice->selected += a->wanted[at];
-        }
-}
-
-bool pen_adaptive_select(struct pen_adaptive *a, struct pen_thread_pool *pool, int level,
-                         uint64_t *selected, struct pen_status *st)
-{
-    struct pass pass = {
-        .adaptive = a, .slices = slices_new(a, st), .visit = visit_select, .level = level};
-    *selected = 0;
+    struct pass pass = {.adaptive = a, .slices = slices_of(a, st)};
     if (!pass.slices)
         return false;
+    struct slice *all = &pass.slices[SLICES];
+    pass.visit = visit_own;
     run_pass(pool, &pass);
-    for (int i = 0; i < SLICES; i++)
-        *selected += pass.slices[i].selected;
-    free(pass.slices);
+    pass.visit = visit_around;
+    run_pass(pool, &pass);
+    add_slices(pass.slices, all);
+    *decision = decision_of(all, (double)a->settings->width * a->settings->height, goal);
     return true;
+}
+
+uint64_t pen_adaptive_select(struct pen_adaptive *a, int level)
+{
+    const size_t pixels = (size_t)a->settings->width * (size_t)a->settings->height;
+    uint64_t selected = 0;
+    for (size_t at = 0; at < pixels; at++) {
+        a->wanted[at] = a->priority[at] > level;
+        selected += a->wanted[at];
+    }
+    return selected;
 }

@@ -10,9 +10,6 @@
 #include "render/internal/forecast_adaptive.h"
 #include "render/render.h"
 
-/* Camera rays of the pilot for each pixel. */
-static const double PILOT = PEN_REPLICATES * PEN_PILOT_SAMPLES;
-
 /* The pixels of the larger of the two pictures. */
 static const double SMALL_PIXELS = 4096;
 
@@ -69,7 +66,8 @@ bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast
     if (!render_small(pool, task, shrink / 2, &small, ray_ms, st) ||
         !render_small(pool, task, shrink, &large, ray_ms, st))
         return false;
-    const double more = large / PILOT - 1, ratio = more > 0 ? (small / PILOT - 1) / more : 1;
+    const double pilot = (double)PEN_REPLICATES * pen_settings_pilot(task->settings);
+    const double more = large / pilot - 1, ratio = more > 0 ? (small / pilot - 1) / more : 1;
     const double power = within(0, log2_of(ratio), LARGEST_POWER);
     growth->expected = 1 + more * pen_pow(shrink, power);
     growth->low = 1 - PILOT_OFF + more * pen_pow(shrink, power + UPWARDS);

@@ -95,8 +95,12 @@ void pen_refine_block(const struct pen_render_task *task, const struct pen_kerne
             task->pixel_begins(task->pixel_user, thread, x, y);
         struct pen_pixel_sums *sums = &task->adaptive->sums[at];
         const uint32_t first = sums->samples;
-        ranges[count] = (struct pen_sample_range){
-            .x = x, .y = y, .first = first, .end = first + pen_adaptive_more(sums), .sums = sums};
+        ranges[count] =
+            (struct pen_sample_range){.x = x,
+                                      .y = y,
+                                      .first = first,
+                                      .end = first + pen_adaptive_more(task->adaptive, sums),
+                                      .sums = sums};
         if (task->pixel_by_pixel)
             pen_trace_samples(kernel, input, scratch, &ranges[count], 1, rays);
         count++;

@@ -127,8 +127,7 @@ static bool select_next(struct rounds *r, const struct pen_decision *d, struct p
         return true;
     round->level = repeat ? repeat->round[done].level : d->level;
     round->tiles = repeat ? repeat->round[done].tiles : r->tiles;
-    if (!pen_adaptive_select(r->adaptive, r->pool, round->level, &round->pixels, st))
-        return false;
+    round->pixels = pen_adaptive_select(r->adaptive, round->level);
     if (!repeat || repeat->round[done].pixels == round->pixels)
         return round->tiles <= r->tiles ||
                pen_fail(st, PEN_CONFLICT, "round %d has %d tiles, the picture only %d", done,

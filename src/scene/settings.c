@@ -50,13 +50,19 @@ void pen_settings_set_quality(struct pen_settings *s, enum pen_quality quality)
  * path. */
 enum { ADAPTIVE_LIGHT_SAMPLES = 16, ADAPTIVE_BLUR_SAMPLES = 4 };
 
+uint32_t pen_settings_pilot(const struct pen_settings *settings)
+{
+    static const double fine = 0.01;
+    return settings->target_error < fine ? 2 : 1;
+}
+
 struct pen_settings pen_settings_sampling(const struct pen_settings *settings)
 {
     struct pen_settings s = *settings;
     if (!pen_settings_adaptive(settings))
         return s;
     s.target_error = 0;
-    s.samples_per_pixel = s.lens_samples = PEN_REPLICATES * PEN_PILOT_SAMPLES;
+    s.samples_per_pixel = s.lens_samples = PEN_REPLICATES * (int)pen_settings_pilot(settings);
     s.light_samples = ADAPTIVE_LIGHT_SAMPLES;
     s.blur_samples = ADAPTIVE_BLUR_SAMPLES;
     return s;

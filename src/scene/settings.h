@@ -47,8 +47,13 @@ static inline int pen_tree_surfaces_max(const struct pen_settings *settings, boo
 }
 
 /* With a target error, the camera rays of a pixel are PEN_REPLICATES independent sequences, its
- * replicates, which begin with PEN_PILOT_SAMPLES samples each. */
-enum { PEN_REPLICATES = 2, PEN_PILOT_SAMPLES = 2 };
+ * replicates. */
+enum { PEN_REPLICATES = 2 };
+
+/* The samples of each replicate with which every pixel begins: one, or two with a target below
+ * 0.01. A finer picture is to miss fewer of the things that are smaller than a pixel; for a coarse
+ * one, two samples more would take as long as all the rest. */
+uint32_t pen_settings_pilot(const struct pen_settings *settings);
 
 /* The target of a render that has only a time: out of reach. */
 #define PEN_TARGET_NONE 1e-9

@@ -76,8 +76,16 @@ START_TEST(test_limits__a_target_error_goes_with_some_settings_only)
                              "target_error asks; allowed with it are \"sobol\" and \"random\"");
     settings.light_pattern = PEN_PATTERN_RANDOM;
     ck_assert(!pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
-    ck_assert_str_eq(st.msg, "max_samples is 3; allowed with target_error is 4 or more, with which "
-                             "each pixel begins");
+    ck_assert(pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
+    settings.max_samples = 1;
+    ck_assert(!pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
+    ck_assert_str_eq(st.msg, "max_samples is 1; allowed with this target_error is 2 or more, with "
+                             "which each pixel begins");
+    settings.target_error = 0.0099;
+    settings.max_samples = 3;
+    ck_assert(!pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
+    ck_assert_str_eq(st.msg, "max_samples is 3; allowed with this target_error is 4 or more, with "
+                             "which each pixel begins");
     settings.max_samples = 4;
     ck_assert(pen_limits_check(&limits, &desc, &settings, 1, "/render", &st));
 }

@@ -96,18 +96,19 @@ static bool fail_forks(const struct pen_limits *limits, const struct pen_setting
 static bool check_together(const struct pen_settings *settings, const char *at,
                            struct pen_status *st)
 {
-    enum { PILOT = PEN_REPLICATES * PEN_PILOT_SAMPLES };
+    const int pilot = PEN_REPLICATES * (int)pen_settings_pilot(settings);
     if (!pen_settings_adaptive(settings))
         return true;
     if (settings->light_pattern == PEN_PATTERN_GRID)
         return pen_fail_at(st, PEN_INVALID, at,
                            "light_pattern is \"grid\", whose points cannot be continued as "
                            "target_error asks; allowed with it are \"sobol\" and \"random\"");
-    if (settings->max_samples < PILOT)
-        return pen_fail_at(st, PEN_INVALID, at,
-                           "max_samples is %d; allowed with target_error is %d or more, with which "
-                           "each pixel begins",
-                           settings->max_samples, PILOT);
+    if (settings->max_samples < pilot)
+        return pen_fail_at(
+            st, PEN_INVALID, at,
+            "max_samples is %d; allowed with this target_error is %d or more, with which "
+            "each pixel begins",
+            settings->max_samples, pilot);
     return true;
 }
 
