@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The rounds of a view with a target error. The store keeps the state after a round, so that a
- * worker that ends loses the rounds since, and no more; and between two rounds the view gives way
- * to a batch of higher priority, and goes on after it. The picture gets the same bytes.
+/* The rounds of a view with a target error. The store keeps the state between two rounds and, as a
+ * round may take hours, between two tiles of a round: so a worker that ends loses the tiles since,
+ * and no more; and there the view gives way to a batch of higher priority, and goes on after it.
+ * The picture gets the same bytes.
  *
- * A state has 64 bytes for each pixel. So it is kept at most every ten seconds, and not for more
- * than a twentieth of the time. With a budget of time there is none: that runs from the claim. */
+ * A state has 65 bytes for each pixel. So it is kept at most every ten seconds, and not for more
+ * than a twentieth of the time. With a budget of time there is none: that runs from the claim.
+ *
+ * Before each tile a render thread asks whether there is a reason to pause: that a state is due, or
+ * twice a second whether the store has a batch of higher priority. Only then the threads stop. To
+ * stop them at regular times to look would cost more, as they have to wait for the slowest. */
 #include <stdlib.h>
 
 #include "base/clock.h"
@@ -13,15 +18,17 @@
 #include "render/adaptive_state.h"
 #include "study/host.h"
 
-enum { KEEP_MS = 10000, KEEP_TIMES = 20 };
+enum { KEEP_MS = 10000, KEEP_TIMES = 20, LOOK_MS = 500 };
 
 static const size_t keep_bytes_max = (size_t)1 << 30; /* a row of the store */
 
+/* Used by the worker's thread, and by render threads while that one waits for them. */
 struct keeper {
     struct pen_batch_context *context;
     const struct pen_claim *claim;
     json_t *host;
     int64_t kept_ns, took_ns; /* when it was last kept, and how long that took */
+    int64_t looked_ns;        /* when the store was last asked for batches of higher priority */
 };
 
 static const char *build_of(const struct keeper *k)
@@ -36,6 +43,26 @@ static bool is_due(const struct keeper *k)
                   wait_ms = k->context->keep_ms > 0 ? k->context->keep_ms : KEEP_MS;
     return now_ns - k->kept_ns >= wait_ms * 1000000 &&
            now_ns - k->kept_ns >= KEEP_TIMES * k->took_ns;
+}
+
+static bool is_outranked(struct keeper *k)
+{
+    struct pen_status ignored;
+    bool outranked = false;
+    k->looked_ns = pen_clock_ns();
+    return pen_store_outranked(k->context->store, k->claim, &outranked, &ignored) && outranked;
+}
+
+static bool can_keep(const struct pen_batch_context *context)
+{
+    return pen_adaptive_state_bytes(&context->request.settings) <= keep_bytes_max;
+}
+
+static bool pause_round(void *user)
+{
+    struct keeper *k = user;
+    return is_due(k) ||
+           (pen_clock_ns() - k->looked_ns >= (int64_t)LOOK_MS * 1000000 && is_outranked(k));
 }
 
 /* Stores the state. A failure is ignored: the next time may succeed. Returns whether it is kept. */
@@ -60,11 +87,8 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
                  const struct pen_render_stats *stats)
 {
     struct keeper *k = user;
-    struct pen_status ignored;
-    bool outranked = false;
-    if (pen_adaptive_state_bytes(adaptive->settings) > keep_bytes_max ||
-        !pen_store_outranked(k->context->store, k->claim, &outranked, &ignored) ||
-        (!outranked && !is_due(k)))
+    bool outranked = is_outranked(k);
+    if (!outranked && !is_due(k))
         return true;
     return !store_state(k, adaptive, stats, &outranked) || !outranked;
 }
@@ -81,7 +105,9 @@ static bool read_kept(struct keeper *k, const struct pen_render_task *task,
     pen_buf_release(&state);
     if (ok) {
         const struct pen_log_about about = pen_claim_about(k->claim);
-        pen_log_about(PEN_LOG_INFO, &about, "goes on after %d rounds", earlier->adaptive.rounds);
+        const struct pen_adaptive_stats *a = &earlier->adaptive;
+        pen_log_about(PEN_LOG_INFO, &about, "goes on after %d rounds and %d tiles", a->rounds,
+                      a->round[a->rounds].tiles);
     }
     return ok;
 }
@@ -90,18 +116,20 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
                       const struct pen_render_task *task, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
-    struct keeper k = {.context = context, .claim = claim, .kept_ns = pen_clock_ns()};
+    const int64_t now_ns = pen_clock_ns();
+    struct keeper k = {.context = context, .claim = claim, .kept_ns = now_ns, .looked_ns = now_ns};
     struct pen_render_stats earlier = {0};
     struct pen_render_task rounds = *task;
     context->adaptive = pen_adaptive_new(task->settings, st);
     if (!context->adaptive)
         return false;
-    if (task->deadline_ns == 0) {
+    if (task->deadline_ns == 0 && can_keep(context)) {
         k.host = pen_host_json();
         if (read_kept(&k, task, context->adaptive, &earlier))
             rounds.earlier = &earlier;
-        rounds.between_rounds = keep;
-        rounds.between_user = &k;
+        rounds.pause = pause_round;
+        rounds.paused = keep;
+        rounds.pause_user = &k;
     }
     const bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
     free(earlier.tile_ms);

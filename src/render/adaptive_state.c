@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[8] = "PENADP1";
+static const char magic[8] = "PENADP2";
 
-/* What comes before the build's text, the times of tiles, and the sums. */
+/* What comes before the build's text, the times of tiles, the sums, and the wanted pixels. */
 struct header {
     char magic[8];
     uint32_t width, height, tiles, build_bytes;
@@ -29,7 +29,7 @@ static size_t tiles_of(const struct pen_settings *s)
 size_t pen_adaptive_state_bytes(const struct pen_settings *settings)
 {
     return sizeof(struct header) + 256 + tiles_of(settings) * sizeof(double) +
-           pixels_of(settings) * sizeof(struct pen_pixel_sums);
+           pixels_of(settings) * (sizeof(struct pen_pixel_sums) + 1);
 }
 
 void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_render_stats *stats,
@@ -54,6 +54,14 @@ void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_ren
     if (h.tiles > 0)
         pen_buf_add(out, stats->tile_ms, h.tiles * sizeof *stats->tile_ms);
     pen_buf_add(out, adaptive->sums, pixels_of(s) * sizeof *adaptive->sums);
+    pen_buf_add(out, adaptive->wanted, pixels_of(s));
+}
+
+/* Whether statistics are of rounds with this target, one of which goes on. */
+static bool goes_on(const struct pen_adaptive_stats *a, const struct pen_settings *s)
+{
+    return a->target == s->target_error && a->rounds >= 0 && a->rounds < PEN_ROUNDS_MAX &&
+           a->round[a->rounds].tiles >= 0 && (size_t)a->round[a->rounds].tiles < tiles_of(s);
 }
 
 /* Whether a header and what follows it are of these settings and this build. */
@@ -61,12 +69,11 @@ static bool is_usable(const struct header *h, const unsigned char *rest, size_t 
                       const struct pen_settings *s, const char *build)
 {
     const size_t tiles = h->tiles * sizeof(double),
-                 sums = pixels_of(s) * sizeof(struct pen_pixel_sums);
+                 pixels = pixels_of(s) * (sizeof(struct pen_pixel_sums) + 1);
     return memcmp(h->magic, magic, sizeof magic) == 0 && h->width == (uint32_t)s->width &&
            h->height == (uint32_t)s->height && (h->tiles == 0 || h->tiles == tiles_of(s)) &&
-           h->build_bytes == strlen(build) && count == h->build_bytes + tiles + sums &&
-           memcmp(rest, build, h->build_bytes) == 0 && h->adaptive.rounds > 0 &&
-           h->adaptive.rounds < PEN_ROUNDS_MAX && h->adaptive.target == s->target_error;
+           h->build_bytes == strlen(build) && count == h->build_bytes + tiles + pixels &&
+           memcmp(rest, build, h->build_bytes) == 0 && goes_on(&h->adaptive, s);
 }
 
 bool pen_adaptive_load(struct pen_adaptive *adaptive, const void *bytes, size_t count,
@@ -97,6 +104,7 @@ bool pen_adaptive_load(struct pen_adaptive *adaptive, const void *bytes, size_t 
         rest += h.tiles * sizeof *stats->tile_ms;
     }
     memcpy(adaptive->sums, rest, pixels_of(s) * sizeof *adaptive->sums);
+    memcpy(adaptive->wanted, rest + pixels_of(s) * sizeof *adaptive->sums, pixels_of(s));
     for (size_t i = 0; i < pixels_of(s); i++) {
         double mean[3];
         pen_adaptive_estimate(adaptive, i);

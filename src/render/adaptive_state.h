@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The state of an adaptive render as bytes, so that another process can go on after its last round:
- * the sums of all pixels, and the statistics of the rounds. The picture gets the same bits.
+/* The state of an adaptive render as bytes, so that another process can go on between two rounds,
+ * or between two tiles of a round. The picture gets the same bits.
+ *
+ * It has the sums of all pixels, the statistics of the rounds with the number of tiles that are
+ * finished of the one that goes on, and the pixels that this round refines. The latter are kept,
+ * not selected again: they were chosen by the sums before the round, and those of finished tiles
+ * have changed. The decision after the round needs the sums alone, so that it is the same again.
  *
  * The bytes are for this build of the program alone, since another one may decide or round
  * otherwise; they carry a text that tells builds apart. */

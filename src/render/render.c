@@ -177,7 +177,7 @@ static int sum_work(const struct run *run, struct pen_render_stats *stats)
 static bool make_queue(struct run *run, struct pen_status *st)
 {
     const struct pen_render_task *task = run->task;
-    run->queue = pen_tile_queue_new(task->settings, task->first_tile, run->end_tile, run->threads);
+    run->queue = pen_tile_queue_new(task, run->end_tile, run->threads);
     if (task->rows_done)
         run->rows = pen_row_order_new(task->settings, task->rows_done, task->rows_user);
     return (run->queue && (run->rows || !task->rows_done)) ||
@@ -229,6 +229,7 @@ static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_
     run->called_ns = pen_clock_ns();
     stats->float_resets = pen_thread_pool_run(pool, run->threads, render_blocks, run);
     stats->tile_count = (uint32_t)sum_work(run, stats);
+    tiles = pen_tile_queue_end(run->queue) - run->task->first_tile;
     if (stats->tile_count < (uint32_t)tiles)
         return pen_fail(st, PEN_CANCELLED, "cancelled after %u of %d tiles", stats->tile_count,
                         tiles);

@@ -24,7 +24,8 @@ struct pen_rect pen_tile_rect(int width, int height, int tile, int index);
 /* A round of an adaptive render. */
 struct pen_round {
     int level;               /* pen_adaptive_select; 0 for the pilot */
-    int tiles;               /* finished, from the first on: all but in a round that time ended */
+    int tiles;               /* finished, from the first on: all but in a round that time ended, or
+                              * that goes on */
     uint64_t pixels;         /* selected to be refined */
     double error, low, high; /* of the picture after it, estimated */
 };
@@ -34,9 +35,10 @@ struct pen_adaptive_stats {
     double target;
     bool met;
     bool timed; /* the render had a deadline */
-    int rounds; /* 0: the render was not adaptive */
-    struct pen_round round[PEN_ROUNDS_MAX];
-    uint64_t capped; /* pixels that max_samples kept from being refined */
+    int rounds; /* that are decided; 0 after a render: it was not adaptive */
+    struct pen_round round[PEN_ROUNDS_MAX]; /* between rounds and in them, the next is the one that
+                                             * goes on */
+    uint64_t capped;                        /* pixels that max_samples kept from being refined */
     struct pen_sample_spread samples;
 };
 
@@ -92,12 +94,17 @@ struct pen_render_task {
      * round_done after each, from the calling thread. */
     struct pen_adaptive *adaptive;
     void (*round_done)(void *user, const struct pen_round *round); /* may be NULL */
-    /* Called after each round but the last, from the calling thread, with what has been rendered so
-     * far, which it may keep (render/adaptive_state.h); may be NULL. Returns whether to go on. */
-    bool (*between_rounds)(void *user, const struct pen_adaptive *adaptive,
-                           const struct pen_render_stats *stats);
-    void *between_user;
-    /* What an earlier render has told of the rounds that `adaptive` has behind it; NULL: none. */
+    /* Asked before each tile but the first, from a render thread, one call at a time; may be NULL.
+     * When it returns true no more tiles are begun, and those that are begun are finished. Then
+     * stats->tile_count tells how many these are; of all rounds, `paused` is called. */
+    bool (*pause)(void *user);
+    /* Called between two rounds, and where `pause` has stopped one, from the calling thread, with
+     * what has been rendered so far, which it may keep (render/adaptive_state.h); may be NULL.
+     * Returns whether to go on. */
+    bool (*paused)(void *user, const struct pen_adaptive *adaptive,
+                   const struct pen_render_stats *stats);
+    void *pause_user; /* of both */
+    /* What an earlier render has told `paused` of the state `adaptive`; NULL: that is new. */
     const struct pen_render_stats *earlier;
     /* Rounds end by this time of pen_clock_ns, but for the first, which is always whole; 0: they
      * end when the target is met. What is rendered by then depends on the machine and its load. */
@@ -122,7 +129,7 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
 /* Renders all rounds of a view with a target error, from a state that is new or one that an earlier
  * render has kept, and leaves the last state to the caller; as pen_render_run, which does the same
  * without a state. Fails: PEN_CONFLICT: the rounds to be repeated are not of this scene and these
- * settings; PEN_UNAVAILABLE: between_rounds has ended it. */
+ * settings; PEN_UNAVAILABLE: `paused` has ended it. */
 bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_task *task,
                        struct pen_adaptive *adaptive, struct pen_render_stats *stats,
                        struct pen_status *st);

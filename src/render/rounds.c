@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Renders a whole view in rounds, in this process: until a target is met, until a time, or as an
- * earlier render did. Up to a time, a round takes the tiles in groups of a few hundredths of the
- * time that is left, and looks at the clock between groups. */
+ * earlier render did. A round takes the tiles in order. It can end or pause between two of them:
+ * then no more tiles are begun, threads share the rest of those that are, and what has been done is
+ * a number of tiles from the first on. So nothing waits as long as there is no pause. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,13 @@ struct rounds {
     double earlier_ms; /* that an earlier render took for the rounds before */
     double ray_ns;     /* the time of a camera ray and what follows from it, in the last round */
 };
+
+/* Whether the deadline has passed. The first round is whole. */
+static bool is_over(const struct rounds *r)
+{
+    const int64_t deadline_ns = r->task->deadline_ns;
+    return deadline_ns != 0 && r->stats->adaptive.rounds > 0 && pen_clock_ns() >= deadline_ns;
+}
 
 /* Adds what some tiles took in a round to the statistics of the render. Takes its tile_ms. */
 static void add_tiles(struct rounds *r, struct pen_render_stats *more, int first_tile)
@@ -38,52 +46,61 @@ static void add_tiles(struct rounds *r, struct pen_render_stats *more, int first
     free(more->tile_ms);
 }
 
-static bool run_tiles(struct rounds *r, int first, int count, struct pen_status *st)
+/* Whether to begin no more tiles of a round. */
+static bool pauses(void *user)
+{
+    const struct rounds *r = user;
+    const struct pen_render_task *task = r->task;
+    return is_over(r) || (task->pause && task->pause(task->pause_user));
+}
+
+/* Renders tiles of a round from number *done on, to `end` or until there is a pause. */
+static bool run_tiles(struct rounds *r, int *done, int end, struct pen_status *st)
 {
     struct pen_render_stats more;
     struct pen_render_task task = *r->task;
     task.adaptive = r->adaptive;
     task.tile_done = NULL;
     task.rows_done = NULL;
-    task.first_tile = first;
-    task.tile_count = count;
+    task.first_tile = *done;
+    task.tile_count = end - *done;
+    task.pause = pauses;
+    task.pause_user = r;
     if (!pen_render_run(r->pool, &task, &more, st))
         return false;
-    add_tiles(r, &more, first);
+    *done += (int)more.tile_count;
+    add_tiles(r, &more, task.first_tile);
     return true;
 }
 
-/* The tiles that are rendered between looks at the clock, of a round that is expected to take so
- * long. */
-static int group_of(const struct rounds *r, double round_ns, double left_ns)
+/* Lets the caller keep what has been rendered, and asks whether to go on. */
+static bool ask_to_go_on(struct rounds *r, struct pen_status *st)
 {
-    static const double part = 0.03, least_ns = 1e7;
-    const double wanted_ns = part * left_ns > least_ns ? part * left_ns : least_ns;
-    const double tiles = round_ns > 0 ? r->tiles * wanted_ns / round_ns : r->tiles;
-    return tiles < 1 ? 1 : tiles < r->tiles ? (int)tiles : r->tiles;
+    const struct pen_render_task *task = r->task;
+    const struct pen_adaptive_stats *a = &r->stats->adaptive;
+    r->stats->render_ms = r->earlier_ms + (double)(pen_clock_ns() - r->begun_ns) * 1e-6;
+    return !task->paused || task->paused(task->pause_user, r->adaptive, r->stats) ||
+           pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d rounds and %d tiles", a->rounds,
+                    a->round[a->rounds].tiles);
 }
 
-/* Runs a round, up to its recorded tile or the deadline; sets round->tiles. `samples` are those
- * that it takes. */
-static bool run_round(struct rounds *r, struct pen_round *round, double samples,
-                      struct pen_status *st)
+/* Runs the round that goes on, up to its recorded tile or the deadline. */
+static bool run_round(struct rounds *r, struct pen_status *st)
 {
-    const bool pilot = r->stats->adaptive.rounds == 0;
-    const int64_t deadline = pilot ? 0 : r->task->deadline_ns, begun = pen_clock_ns();
+    const struct pen_adaptive_stats *a = &r->stats->adaptive, *repeat = r->task->repeat;
+    const int end = repeat && a->rounds > 0 ? repeat->round[a->rounds].tiles : r->tiles;
+    int *done = &r->stats->adaptive.round[a->rounds].tiles;
+    const int64_t begun = pen_clock_ns();
     const uint64_t before = r->stats->rays.primary;
-    const int end = r->task->repeat ? round->tiles : r->tiles;
-    const int group = deadline ? group_of(r, samples * r->ray_ns, (double)(deadline - begun)) : end;
-    int done = 0;
-    while (done < end && (!deadline || pen_clock_ns() < deadline)) {
-        const int count = end - done < group ? end - done : group;
-        if (!run_tiles(r, done, count, st))
+    while (*done < end && !is_over(r)) {
+        if (!run_tiles(r, done, end, st))
             return false;
-        done += count;
+        if (*done < end && !is_over(r) && !ask_to_go_on(r, st))
+            return false;
     }
     const double rays = (double)(r->stats->rays.primary - before);
     if (rays > 0)
         r->ray_ns = (double)(pen_clock_ns() - begun) / rays;
-    round->tiles = done;
     return true;
 }
 
@@ -97,17 +114,17 @@ static uint64_t affordable(const struct rounds *r)
 }
 
 /* Decides after a round, and notes what is found. */
-static bool decide(struct rounds *r, struct pen_round *round, struct pen_decision *d,
-                   struct pen_status *st)
+static bool decide(struct rounds *r, struct pen_decision *d, struct pen_status *st)
 {
     struct pen_adaptive_stats *a = &r->stats->adaptive;
+    struct pen_round *round = &a->round[a->rounds];
     const struct pen_goal goal = {a->target, affordable(r)};
     if (!pen_adaptive_decide(r->adaptive, r->pool, &goal, d, st))
         return false;
     round->error = d->error;
     round->low = d->low;
     round->high = d->high;
-    a->round[a->rounds++] = *round;
+    a->rounds++;
     a->met = d->met;
     a->capped = d->capped;
     if (r->task->round_done)
@@ -116,22 +133,23 @@ static bool decide(struct rounds *r, struct pen_round *round, struct pen_decisio
 }
 
 /* Whether a round was the last; else selects the pixels of the next one. */
-static bool select_next(struct rounds *r, const struct pen_decision *d, struct pen_round *round,
-                        bool *last, struct pen_status *st)
+static bool select_next(struct rounds *r, const struct pen_decision *d, bool *last,
+                        struct pen_status *st)
 {
     const struct pen_adaptive_stats *repeat = r->task->repeat;
-    const int done = r->stats->adaptive.rounds;
+    struct pen_adaptive_stats *a = &r->stats->adaptive;
+    const int done = a->rounds;
     *last = repeat ? done >= repeat->rounds
-                   : d->done || done == PEN_ROUNDS_MAX || round->tiles < r->tiles;
+                   : d->done || done == PEN_ROUNDS_MAX || a->round[done - 1].tiles < r->tiles;
     if (*last)
         return true;
-    round->level = repeat ? repeat->round[done].level : d->level;
-    round->tiles = repeat ? repeat->round[done].tiles : r->tiles;
+    struct pen_round *round = &a->round[done];
+    *round = (struct pen_round){.level = repeat ? repeat->round[done].level : d->level};
     round->pixels = pen_adaptive_select(r->adaptive, round->level);
     if (!repeat || repeat->round[done].pixels == round->pixels)
-        return round->tiles <= r->tiles ||
+        return !repeat || repeat->round[done].tiles <= r->tiles ||
                pen_fail(st, PEN_CONFLICT, "round %d has %d tiles, the picture only %d", done,
-                        round->tiles, r->tiles);
+                        repeat->round[done].tiles, r->tiles);
     return pen_fail(st, PEN_CONFLICT,
                     "the rounds to be repeated are not of this scene, these settings and this "
                     "version: round %d refines %llu pixels instead of %llu",
@@ -139,42 +157,13 @@ static bool select_next(struct rounds *r, const struct pen_decision *d, struct p
                     (unsigned long long)repeat->round[done].pixels);
 }
 
-/* Lets the caller keep what has been rendered, and asks whether to go on. */
-static bool ask_between(struct rounds *r, struct pen_status *st)
-{
-    const struct pen_render_task *task = r->task;
-    r->stats->render_ms = r->earlier_ms + (double)(pen_clock_ns() - r->begun_ns) * 1e-6;
-    return !task->between_rounds ||
-           task->between_rounds(task->between_user, r->adaptive, r->stats) ||
-           pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d rounds", r->stats->adaptive.rounds);
-}
-
-/* Decides again after the last round of an earlier render: a decision is a function of the sums. */
-static bool go_on(struct rounds *r, struct pen_decision *d, struct pen_round *round,
-                  struct pen_status *st)
-{
-    const struct pen_adaptive_stats *a = &r->stats->adaptive;
-    const struct pen_goal goal = {a->target, UINT64_MAX};
-    *round = a->round[a->rounds - 1];
-    return pen_adaptive_decide(r->adaptive, r->pool, &goal, d, st);
-}
-
 static bool run_rounds(struct rounds *r, struct pen_status *st)
 {
-    const struct pen_settings *s = r->task->settings;
-    struct pen_round round = {.tiles = r->tiles,
-                              .pixels = (uint64_t)s->width * (uint64_t)s->height};
     struct pen_decision d;
-    bool last = false;
-    double samples = 0;
-    if (r->task->earlier && (!go_on(r, &d, &round, st) || !select_next(r, &d, &round, &last, st)))
-        return false;
-    while (!last) {
-        if (!run_round(r, &round, samples, st) || !decide(r, &round, &d, st) ||
-            !select_next(r, &d, &round, &last, st) || (!last && !ask_between(r, st)))
+    for (bool last = false; !last;)
+        if (!run_round(r, st) || !decide(r, &d, st) || !select_next(r, &d, &last, st) ||
+            (!last && !ask_to_go_on(r, st)))
             return false;
-        samples = (double)affordable(r);
-    }
     return true;
 }
 
@@ -194,11 +183,14 @@ static bool begin_stats(struct rounds *r, struct pen_status *st)
 {
     const struct pen_render_task *task = r->task;
     const struct pen_render_stats *earlier = task->earlier;
+    const struct pen_settings *s = task->settings;
     struct pen_render_stats *stats = r->stats;
     *stats = earlier ? *earlier : (struct pen_render_stats){.tile_count = (uint32_t)r->tiles};
+    if (!earlier)
+        stats->adaptive.round[0].pixels = (uint64_t)s->width * (uint64_t)s->height;
     r->earlier_ms = stats->render_ms;
     stats->tile_ms = NULL;
-    stats->adaptive.target = task->settings->target_error;
+    stats->adaptive.target = s->target_error;
     stats->adaptive.timed = task->deadline_ns != 0 || (task->repeat && task->repeat->timed);
     if (task->first_tile != 0 || (task->tile_count >= 0 && task->tile_count != r->tiles))
         return pen_fail(st, PEN_INTERNAL, "an adaptive render of a part of the image");

@@ -27,6 +27,7 @@ struct pen_begun_tile {
 enum { BLOCK_BITS = 32 };
 
 struct pen_tile_queue {
+    const struct pen_render_task *task;
     const struct pen_settings *settings;
     int threads;
     pthread_mutex_t lock;
@@ -76,8 +77,8 @@ static struct pen_rect block_rect(struct pen_rect tile, int block)
 /* A place without a tile: one whose blocks are all taken. */
 static const uint64_t no_tile = INT32_MAX;
 
-struct pen_tile_queue *pen_tile_queue_new(const struct pen_settings *settings, int first_tile,
-                                          int end_tile, int threads)
+struct pen_tile_queue *pen_tile_queue_new(const struct pen_render_task *task, int end_tile,
+                                          int threads)
 {
     struct pen_tile_queue *queue = calloc(1, sizeof *queue);
     struct pen_begun_tile *begun =
@@ -87,9 +88,10 @@ struct pen_tile_queue *pen_tile_queue_new(const struct pen_settings *settings, i
         free(begun);
         return NULL;
     }
-    queue->settings = settings;
+    queue->task = task;
+    queue->settings = task->settings;
     queue->threads = threads;
-    queue->next_tile = first_tile;
+    queue->next_tile = task->first_tile;
     queue->end_tile = end_tile;
     queue->begun = begun;
     pthread_mutex_init(&queue->lock, NULL);
@@ -129,11 +131,20 @@ static bool take_from(const struct pen_tile_queue *queue, int thread, struct pen
                     block);
 }
 
+/* Whether the task pauses before the next tile. Called with the lock held. */
+static bool pauses(const struct pen_tile_queue *queue)
+{
+    const struct pen_render_task *task = queue->task;
+    return task->pause && queue->next_tile > task->first_tile && task->pause(task->pause_user);
+}
+
 /* Begins the next tile. Returns false if there is none. */
 static bool begin_tile(struct pen_tile_queue *queue, int thread)
 {
     struct pen_begun_tile *begun = &queue->begun[thread];
     pthread_mutex_lock(&queue->lock);
+    if (queue->next_tile < queue->end_tile && pauses(queue))
+        queue->end_tile = queue->next_tile;
     const bool any = queue->next_tile < queue->end_tile;
     if (any) {
         const int tile = queue->next_tile++;
@@ -167,4 +178,9 @@ bool pen_tile_queue_done(struct pen_tile_block *block, int64_t block_ns, int64_t
         return false;
     *tile_ns = atomic_load_explicit(&of->spent_ns, memory_order_relaxed);
     return true;
+}
+
+int pen_tile_queue_end(const struct pen_tile_queue *queue)
+{
+    return queue->end_tile;
 }

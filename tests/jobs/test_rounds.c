@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs with a target error: when their worker dies, the next one goes on after the last round that
- * was kept; and a job of higher priority comes between two rounds. */
+/* Jobs with a target error: when their worker dies, the next one goes on with what was kept, also
+ * within a round; and a job of higher priority comes between two rounds or tiles. */
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "render/adaptive_state.h"
+#include "study/host.h"
 #include "support/jobs.h"
 #include "support/store_sql.h"
 #include "support/suite.h"
@@ -17,7 +19,8 @@ static struct pen_status st;
 
 static const char lengthy[] =
     "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"render\": {\"width\": 64,"
-    " \"height\": 48, \"target_error\": 0.001, \"max_samples\": 65536}}";
+    " \"height\": 48, \"tile\": 8, \"target_error\": 0.001, \"max_samples\": 65536}}";
+enum { WIDTH = 64, HEIGHT = 48, TILE = 8 };
 static const char urgent[] = "{\"scene\": \"builtin:spheres\", \"priority\": 5,"
                              " \"render\": {\"width\": 16, \"height\": 12}}";
 
@@ -100,8 +103,9 @@ START_TEST(test_rounds__next_worker_goes_on_with_what_is_kept)
 {
     for (int cut = 0; cut < 2; cut++) {
         struct pen_buf state = begin_and_kill();
-        double *red = (double *)(void *)(state.data + state.bytes - 64); /* of the last pixel */
-        *red += 1000;
+        /* The last pixel's first sum comes before the pixels' marks. */
+        double *red = (double *)(void *)(state.data + state.bytes - WIDTH * HEIGHT - 64);
+        *red += 0.01;
         store_must(pen_store_artefact_put(bed.bed.store, id, 0, "kept", "state", state.data,
                                           state.bytes - (size_t)cut, &st),
                    &st, "put");
@@ -114,6 +118,120 @@ START_TEST(test_rounds__next_worker_goes_on_with_what_is_kept)
         pen_buf_release(&whole);
         jobs_bed_close(&bed);
     }
+}
+END_TEST
+
+/* Workers of a test wait at gates: before the pixels of the third row of tiles and of the last,
+ * until that gate is open. They are closed again in each process that is forked. */
+enum gate { NO_GATE, MIDDLE_GATE, LAST_GATE };
+static atomic_int open_gate, at_gate;
+
+static bool wants_gates(void *user, const char *job_name)
+{
+    (void)user;
+    (void)job_name;
+    return true;
+}
+
+static bool pass_gates(void *user, int x, int y)
+{
+    const int row = y / TILE;
+    const int gate = row >= HEIGHT / TILE - 1 ? LAST_GATE : row >= 2 ? MIDDLE_GATE : NO_GATE;
+    (void)user;
+    (void)x;
+    while (gate > atomic_load(&open_gate)) {
+        atomic_store(&at_gate, gate);
+        usleep(1000);
+    }
+    return true;
+}
+
+static const struct pen_worker_fault gates = {.wanted = wants_gates, .pixel = pass_gates};
+
+static void wait_for_gate(enum gate gate)
+{
+    for (int i = 0; i < 60000 && atomic_load(&at_gate) < (int)gate; i++)
+        usleep(1000);
+    ck_assert_int_eq(atomic_load(&at_gate), gate);
+}
+
+/* What a state tells of the rounds. */
+static struct pen_adaptive_stats rounds_of(const struct pen_buf *state)
+{
+    struct pen_settings settings = pen_settings_default();
+    settings.width = WIDTH;
+    settings.height = HEIGHT;
+    settings.tile = TILE;
+    settings.target_error = 0.001;
+    struct pen_adaptive *adaptive = pen_adaptive_new(&settings, &st);
+    struct pen_render_stats stats;
+    float *rgb = calloc((size_t)3 * WIDTH * HEIGHT, sizeof *rgb);
+    json_t *host = pen_host_json();
+    const char *build = json_string_value(json_object_get(host, "build"));
+    store_must(pen_adaptive_load(adaptive, state->data, state->bytes, build, &stats, rgb, &st), &st,
+               "load");
+    json_decref(host);
+    free(rgb);
+    free(stats.tile_ms);
+    pen_adaptive_free(adaptive);
+    return stats.adaptive;
+}
+
+/* A state that was kept in the first round, when some tiles were done and not the last row. */
+static void assert_within_the_first_round(const struct pen_buf *state)
+{
+    const struct pen_adaptive_stats a = rounds_of(state);
+    ck_assert_int_eq(a.rounds, 0);
+    ck_assert_int_gt(a.round[0].tiles, 0);
+    ck_assert_int_le(a.round[0].tiles, WIDTH / TILE * (HEIGHT / TILE - 1));
+}
+
+/* If the next worker began the round again, tiles that are done would get other samples; if it did
+ * not use the state, a change of that would not be seen. */
+START_TEST(test_rounds__worker_killed_within_a_round_goes_on_inside_it)
+{
+    for (int changed = 0; changed < 2; changed++) {
+        bed.fault = &gates;
+        struct pen_buf state = begin_and_kill();
+        assert_within_the_first_round(&state);
+        if (changed)
+            *(double *)(void *)(state.data + state.bytes - WIDTH * HEIGHT - 64) += 0.01;
+        store_must(pen_store_artefact_put(bed.bed.store, id, 0, "kept", "state", state.data,
+                                          state.bytes, &st),
+                   &st, "put");
+        pen_buf_release(&state);
+        bed.fault = NULL;
+        jobs_worker_start(&bed);
+        struct pen_buf picture = finish(), whole = whole_picture();
+        ck_assert_uint_eq(picture.bytes, whole.bytes);
+        ck_assert((memcmp(picture.data, whole.data, whole.bytes) == 0) == !changed);
+        pen_buf_release(&picture);
+        pen_buf_release(&whole);
+        jobs_bed_close(&bed);
+    }
+}
+END_TEST
+
+START_TEST(test_rounds__job_of_higher_priority_comes_between_two_tiles)
+{
+    atomic_store(&open_gate, NO_GATE);
+    atomic_store(&at_gate, NO_GATE);
+    bed.fault = &gates;
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, lengthy, id);
+    wait_for_gate(MIDDLE_GATE);
+    jobs_submit(&bed, urgent, other);
+    usleep(600000); /* a worker looks for such jobs every half second */
+    atomic_store(&open_gate, MIDDLE_GATE);
+    ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
+    struct pen_buf state = wait_for_state();
+    assert_within_the_first_round(&state);
+    pen_buf_release(&state);
+    atomic_store(&open_gate, LAST_GATE);
+    check_finished_picture();
+    jobs_bed_close(&bed);
+    bed.fault = NULL;
 }
 END_TEST
 
@@ -134,4 +252,6 @@ END_TEST
 
 PEN_SUITE("rounds", test_rounds__killed_worker_loses_no_round_that_is_kept,
           test_rounds__next_worker_goes_on_with_what_is_kept,
-          test_rounds__job_of_higher_priority_comes_between_two_rounds)
+          test_rounds__worker_killed_within_a_round_goes_on_inside_it,
+          test_rounds__job_of_higher_priority_comes_between_two_rounds,
+          test_rounds__job_of_higher_priority_comes_between_two_tiles)

@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/buf.h"
-#include "render/adaptive_state.h"
 #include "render/forecast.h"
 #include "render/layers.h"
 #include "support/isa.h"
@@ -201,102 +199,6 @@ START_TEST(test_adaptive__points_on_lights_go_on_from_camera_ray_to_camera_ray)
     }
     pen_scene_free(scene);
     ck_assert_msg(sqrt(squares / pixels) < 0.004, "%g", sqrt(squares / pixels));
-}
-END_TEST
-
-/* What an interrupted render has kept. */
-static struct pen_buf kept;
-
-static bool interrupt(void *user, const struct pen_adaptive *adaptive,
-                      const struct pen_render_stats *stats)
-{
-    (void)user;
-    pen_buf_release(&kept);
-    pen_adaptive_save(adaptive, stats, "this build", &kept);
-    ck_assert(!kept.failed && kept.bytes <= pen_adaptive_state_bytes(adaptive->settings));
-    return false;
-}
-
-/* Renders the next round of what is kept. Returns whether it was the last. */
-static bool next_round(const struct pen_scene *scene, struct picture *p)
-{
-    struct pen_status st;
-    struct pen_render_stats earlier = {0};
-    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
-    *p = (struct picture){.adaptive = pen_adaptive_new(&kit.settings, &st),
-                          .rgb = calloc(values_of(&kit.settings), sizeof *p->rgb)};
-    const bool loaded =
-        pen_adaptive_load(p->adaptive, kept.data, kept.bytes, "this build", &earlier, p->rgb, &st);
-    ck_assert(loaded == (kept.bytes > 0));
-    const struct pen_render_task task = {.scene = scene,
-                                         .settings = &kit.settings,
-                                         .tile_count = -1,
-                                         .rgb = p->rgb,
-                                         .adaptive = NULL,
-                                         .earlier = loaded ? &earlier : NULL,
-                                         .between_rounds = interrupt,
-                                         .keep_tile_ms = true};
-    const bool ok = pen_render_rounds(pool, &task, p->adaptive, &p->stats, &st);
-    ck_assert_msg(ok || st.code == PEN_UNAVAILABLE, "%s", st.msg);
-    free(earlier.tile_ms);
-    pen_thread_pool_free(pool);
-    return ok;
-}
-
-START_TEST(test_adaptive__interrupted_after_each_round_it_gives_the_same_film)
-{
-    kit_medley(&kit);
-    kit.settings.target_error = 0.01;
-    struct pen_scene *scene = kit_freeze(&kit);
-    struct picture whole = picture_of(scene, &kit.settings, 1), part;
-    int rounds = 1;
-    pen_buf_release(&kept);
-    for (; !next_round(scene, &part); rounds++)
-        picture_free(&part);
-    ck_assert_int_ge(rounds, 3);
-    ck_assert_int_eq(rounds, whole.stats.adaptive.rounds);
-    ck_assert_mem_eq(part.rgb, whole.rgb, values_of(&kit.settings) * sizeof *whole.rgb);
-    ck_assert_mem_eq(&part.stats.rays, &whole.stats.rays, sizeof whole.stats.rays);
-    ck_assert_int_eq(part.stats.adaptive.rounds, rounds);
-    for (int i = 0; i < rounds; i++) {
-        ck_assert(part.stats.adaptive.round[i].pixels == whole.stats.adaptive.round[i].pixels);
-        ck_assert(part.stats.adaptive.round[i].error == whole.stats.adaptive.round[i].error);
-    }
-    ck_assert(part.stats.adaptive.samples.mean == whole.stats.adaptive.samples.mean);
-    picture_free(&part);
-    picture_free(&whole);
-    pen_buf_release(&kept);
-    pen_scene_free(scene);
-}
-END_TEST
-
-START_TEST(test_adaptive__states_of_other_builds_and_pictures_are_refused)
-{
-    kit_medley(&kit);
-    kit.settings.target_error = 0.01;
-    struct pen_scene *scene = kit_freeze(&kit);
-    struct pen_render_stats stats;
-    struct pen_status st;
-    struct picture p;
-    pen_buf_release(&kept);
-    ck_assert(!next_round(scene, &p));
-    struct pen_adaptive *other = pen_adaptive_new(&kit.settings, &st);
-    for (size_t bytes = 0; bytes < kept.bytes; bytes += bytes < 300 ? 1 : 9973)
-        ck_assert(!pen_adaptive_load(other, kept.data, bytes, "this build", &stats, p.rgb, &st));
-    ck_assert(!pen_adaptive_load(other, kept.data, kept.bytes, "that build", &stats, p.rgb, &st));
-    ck_assert(!pen_adaptive_load(other, kept.data, kept.bytes, "", &stats, p.rgb, &st));
-    kit.settings.target_error = 0.02;
-    ck_assert(!pen_adaptive_load(other, kept.data, kept.bytes, "this build", &stats, p.rgb, &st));
-    kit.settings.target_error = 0.01;
-    kit.settings.width--;
-    ck_assert(!pen_adaptive_load(other, kept.data, kept.bytes, "this build", &stats, p.rgb, &st));
-    kit.settings.width++;
-    ck_assert(pen_adaptive_load(other, kept.data, kept.bytes, "this build", &stats, p.rgb, &st));
-    free(stats.tile_ms);
-    pen_adaptive_free(other);
-    picture_free(&p);
-    pen_buf_release(&kept);
-    pen_scene_free(scene);
 }
 END_TEST
 
@@ -506,8 +408,6 @@ END_TEST
 PEN_SUITE("adaptive", test_adaptive__same_film_for_threads_tiles_accelerators_and_instruction_sets,
           test_adaptive__edges_against_their_areas,
           test_adaptive__points_on_lights_go_on_from_camera_ray_to_camera_ray,
-          test_adaptive__interrupted_after_each_round_it_gives_the_same_film,
-          test_adaptive__states_of_other_builds_and_pictures_are_refused,
           test_adaptive__what_is_constant_stays_with_the_pilot,
           test_adaptive__max_samples_caps_every_pixel_and_says_so,
           test_adaptive__film_pixels_and_layers_tell_of_the_same_samples,

@@ -8,7 +8,7 @@
 
 void jobs_bed_open(struct jobs_bed *bed)
 {
-    *bed = (struct jobs_bed){.bed = bed->bed};
+    *bed = (struct jobs_bed){.bed = bed->bed, .fault = bed->fault};
     store_bed_open(&bed->bed);
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
@@ -27,8 +27,11 @@ void jobs_bed_close(struct jobs_bed *bed)
 static void *work(void *user)
 {
     struct jobs_bed *bed = user;
-    struct pen_worker_options options = {
-        .store_url = bed->bed.url, .id = "test:1:1", .threads = 2, .keep_ms = 1};
+    struct pen_worker_options options = {.store_url = bed->bed.url,
+                                         .id = "test:1:1",
+                                         .threads = 2,
+                                         .keep_ms = 1,
+                                         .fault = bed->fault};
     struct pen_status st;
     bool ok = pen_worker_run(&options, &bed->stop, &st);
     if (!ok)
@@ -58,8 +61,11 @@ pid_t jobs_worker_fork(const struct jobs_bed *bed)
     pid_t pid = fork();
     ck_assert_int_ge(pid, 0);
     if (pid == 0) {
-        struct pen_worker_options options = {
-            .store_url = bed->bed.url, .id = "doomed:1:1", .threads = 2, .keep_ms = 1};
+        struct pen_worker_options options = {.store_url = bed->bed.url,
+                                             .id = "doomed:1:1",
+                                             .threads = 2,
+                                             .keep_ms = 1,
+                                             .fault = bed->fault};
         atomic_bool stop = false;
         struct pen_status st;
         pen_worker_run(&options, &stop, &st);

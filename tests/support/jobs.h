@@ -17,9 +17,10 @@ struct jobs_bed {
     pthread_t thread;
     atomic_bool stop;
     bool working;
+    const struct pen_worker_fault *fault; /* of the workers that are started; may be NULL */
 };
 
-/* Opens the bed, in the folder of store_bed_make if that was called before. */
+/* Opens the bed, in the folder of store_bed_make if that was called before. Keeps bed->fault. */
 void jobs_bed_open(struct jobs_bed *bed);
 
 /* Stops the worker if one runs, audits the store and closes the bed. */

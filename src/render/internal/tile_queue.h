@@ -15,10 +15,10 @@
 struct pen_tile_queue;
 struct pen_begun_tile;
 
-/* Tiles first_tile to end_tile - 1 of an image, for that many threads. Owns: free with
- * pen_tile_queue_free. Fails: NULL when out of memory. */
-struct pen_tile_queue *pen_tile_queue_new(const struct pen_settings *settings, int first_tile,
-                                          int end_tile, int threads);
+/* The tiles of a task up to end_tile - 1, or until it pauses, for that many threads. Owns: free
+ * with pen_tile_queue_free. Fails: NULL when out of memory. */
+struct pen_tile_queue *pen_tile_queue_new(const struct pen_render_task *task, int end_tile,
+                                          int threads);
 void pen_tile_queue_free(struct pen_tile_queue *queue);
 
 /* A block that a thread has taken. */
@@ -35,6 +35,10 @@ bool pen_tile_queue_take(struct pen_tile_queue *queue, int thread, struct pen_ti
  * then *tile_ns is the time that all its blocks took together, and the pixels of all of them can be
  * read. */
 bool pen_tile_queue_done(struct pen_tile_block *block, int64_t block_ns, int64_t *tile_ns);
+
+/* The first tile that is not handed out: end_tile, or the one before which the task has paused.
+ * Threads: call it when no other thread uses the queue. */
+int pen_tile_queue_end(const struct pen_tile_queue *queue);
 
 /* How many threads these tiles can keep busy: as many as they have blocks, and at most `most`. */
 int pen_tile_queue_threads(const struct pen_settings *settings, int first_tile, int end_tile,
