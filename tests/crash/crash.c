@@ -25,7 +25,7 @@
 #include "jobs/jobs.h"
 #include "kinds.h"
 
-enum { LEASE_MS = 600, ROUND_JOBS = 6, KEY_BYTES = 48, JOBS_END_MS = 120000 };
+enum { LEASE_MS = 600, KEEP_MS = 20, ROUND_JOBS = 6, KEY_BYTES = 48, JOBS_END_MS = 120000 };
 
 struct job {
     int kind, priority;
@@ -347,9 +347,9 @@ static int count_log(const struct test *t, const char *what)
 static void print_effects(const struct test *t)
 {
     printf("leases of dead workers released %d times, leases run out %d times; results refused "
-           "as stale %d times\n",
+           "as stale %d times; rounds went on from what was kept %d times\n",
            count_log(t, "released"), count_log(t, "their leases ran out"),
-           count_log(t, "no longer held"));
+           count_log(t, "no longer held"), count_log(t, "goes on after"));
 }
 
 static int report(const struct test *t, int rounds, int64_t begin_ns)
@@ -372,7 +372,7 @@ static int report(const struct test *t, int rounds, int64_t begin_ns)
 static void set_up(struct test *t, const char *build, char folder[])
 {
     static char program[4096], store[128], log[128];
-    char lease[16];
+    char lease[16], keep[16];
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     if (!mkdtemp(folder)) {
@@ -383,7 +383,9 @@ static void set_up(struct test *t, const char *build, char folder[])
     snprintf(store, sizeof store, "%s/penumbra.db", folder);
     snprintf(log, sizeof log, "%s/log", folder);
     snprintf(lease, sizeof lease, "%d", LEASE_MS);
+    snprintf(keep, sizeof keep, "%d", KEEP_MS);
     setenv("PENUMBRA_LEASE_MS", lease, 1);
+    setenv("PENUMBRA_KEEP_MS", keep, 1);
     t->daemon = (struct daemon){.program = program, .store = store, .log = log};
     prctl(PR_SET_CHILD_SUBREAPER, 1); /* adopts the children of a killed supervisor */
     start(t);

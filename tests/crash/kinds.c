@@ -38,6 +38,11 @@ static const struct kind {
      .scene_more = views,
      .render = "{\"width\": 64, \"height\": 40, \"samples_per_pixel\": 289, \"tile\": 8}",
      .views = 3},
+    /* Rendered in rounds, whose state is kept. */
+    {.name = "rounds",
+     .scene_more = "",
+     .render = "{\"width\": 160, \"height\": 120, \"target_error\": 0.0005, \"tile\": 8}",
+     .views = 1},
 };
 
 void kind_body(int kind, int priority, char *out, size_t bytes)

@@ -254,13 +254,17 @@ static size_t limit_memory(int mib)
 #endif
 }
 
-/* Reads what tests set in a worker's environment: the length of leases, and a fault. */
+/* Reads what tests set in a worker's environment: the length of leases, the time between states
+ * that are kept, and a fault. */
 static bool take_test_settings(struct pen_worker_options *options, struct pen_fault_hook *hook,
                                struct pen_status *st)
 {
-    const char *lease = getenv("PENUMBRA_LEASE_MS"), *fault = getenv("PENUMBRA_TEST_FAULT");
+    const char *lease = getenv("PENUMBRA_LEASE_MS"), *keep = getenv("PENUMBRA_KEEP_MS"),
+               *fault = getenv("PENUMBRA_TEST_FAULT");
     if (lease)
         options->lease_ms = strtol(lease, NULL, 10);
+    if (keep)
+        options->keep_ms = strtol(keep, NULL, 10);
     if (!fault || !*fault)
         return true;
     if (!pen_fault_parse(fault, hook, st))
