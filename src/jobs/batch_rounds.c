@@ -9,7 +9,9 @@
  *
  * Before each tile a render thread asks whether there is a reason to pause: that a state is due, or
  * twice a second whether the store has a batch of higher priority. Only then the threads stop. To
- * stop them at regular times to look would cost more, as they have to wait for the slowest. */
+ * stop them at regular times to look would cost more, as they have to wait for the slowest.
+ *
+ * With the state goes the progress of the job: the view's pixels times the share of its rays. */
 #include <stdlib.h>
 
 #include "base/clock.h"
@@ -73,7 +75,9 @@ static bool store_state(struct keeper *k, const struct pen_adaptive *adaptive,
     struct pen_status ignored;
     const int64_t begun_ns = pen_clock_ns();
     pen_adaptive_save(adaptive, stats, build_of(k), &state);
-    const struct pen_kept kept = {-1, state.data, state.bytes};
+    const double share = pen_adaptive_share(&stats->adaptive, (int)stats->tile_count);
+    const struct pen_kept kept = {(int64_t)(share * (double)k->claim->pixels), state.data,
+                                  state.bytes};
     const bool ok =
         !state.failed && pen_store_keep(k->context->store, k->claim, &kept, outranked, &ignored);
     pen_buf_release(&state);

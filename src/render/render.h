@@ -134,6 +134,11 @@ bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_tas
                        struct pen_adaptive *adaptive, struct pen_render_stats *stats,
                        struct pen_status *st);
 
+/* Roughly the share of its rays that a render with a target error has traced, from 0 to 0.99: told
+ * by the error after a round, which falls about as n^-(5/8) with n rays, and in a round by the
+ * tiles that are done, as if it made half as many rays again. 0 in the first round. */
+double pen_adaptive_share(const struct pen_adaptive_stats *adaptive, int tiles);
+
 /* Renders one pixel on the calling thread, to inspect it. rgb has the doubles that the film is
  * rounded from; *rays counts its rays. Fails: PEN_NO_MEMORY. */
 bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_settings *settings,

@@ -3,6 +3,7 @@
  * earlier render did. A round takes the tiles in order. It can end or pause between two of them:
  * then no more tiles are begun, threads share the rest of those that are, and what has been done is
  * a number of tiles from the first on. So nothing waits as long as there is no pause. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -227,6 +228,15 @@ bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_tas
     stats->adaptive.samples = pen_adaptive_spread(adaptive);
     finish(&r);
     return true;
+}
+
+double pen_adaptive_share(const struct pen_adaptive_stats *a, int tiles)
+{
+    if (a->rounds == 0)
+        return 0;
+    const double before = pow(fmin(1, a->target / a->round[a->rounds - 1].high), 8.0 / 5);
+    const int done = a->rounds < PEN_ROUNDS_MAX ? a->round[a->rounds].tiles : 0;
+    return fmin(0.99, before * (1 + 0.5 * done / tiles));
 }
 
 bool pen_render_to_target(struct pen_thread_pool *pool, const struct pen_render_task *task,

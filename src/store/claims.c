@@ -156,6 +156,7 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
     const struct pen_artefact_key key = {
         .job = batch.job, .view = batch.view, .layer = PEN_KEPT_LAYER, .format = PEN_KEPT_FORMAT};
     progress.job = batch.job;
+    progress.raise = batch.kind == PEN_BATCH_RENDER;
     store->changed = true;
     return (keep->kept->done < 0 || driver->ops->job_progress(driver, &progress, st)) &&
            pen_put_artefact(store, &key, keep->kept->data, keep->kept->bytes, st) &&

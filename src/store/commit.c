@@ -22,6 +22,9 @@ static bool add_progress(struct pen_driver *driver, const struct commit *commit,
         .now_ms = commit->now_ms,
         .add = batch->kind != PEN_BATCH_STUDY, /* a study has stored its progress already */
         .forgive = true,
+        /* A batch that has a view for itself may have told a part of its pixels (pen_store_keep).
+         */
+        .raise = batch->kind == PEN_BATCH_RENDER && commit->claim->view_batches <= 1,
     };
     return driver->ops->job_progress(driver, &progress, st);
 }

@@ -295,7 +295,9 @@ bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, 
 /* What a study or a view with a target error keeps, so that the next worker to claim it goes on
  * from there. */
 struct pen_kept {
-    int64_t done; /* runs, as for pen_store_progress; below 0: the progress stays as it is */
+    /* Runs, as for pen_store_progress; of a view that is one batch, pixels: readers see them as
+     * done. Progress does not go back. Below 0: it stays as it is. */
+    int64_t done;
     const void *data;
     size_t bytes;
 };

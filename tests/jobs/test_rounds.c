@@ -124,7 +124,8 @@ END_TEST
 /* Workers of a test wait at gates: before the pixels of the third row of tiles and of the last,
  * until that gate is open. They are closed again in each process that is forked. */
 enum gate { NO_GATE, MIDDLE_GATE, LAST_GATE };
-static atomic_int open_gate, at_gate;
+static atomic_int open_gate, at_gate, pixels_begun;
+static int free_pixels; /* that pass all gates first */
 
 static bool wants_gates(void *user, const char *job_name)
 {
@@ -139,6 +140,8 @@ static bool pass_gates(void *user, int x, int y)
     const int gate = row >= HEIGHT / TILE - 1 ? LAST_GATE : row >= 2 ? MIDDLE_GATE : NO_GATE;
     (void)user;
     (void)x;
+    if (atomic_fetch_add(&pixels_begun, 1) < free_pixels)
+        return true;
     while (gate > atomic_load(&open_gate)) {
         atomic_store(&at_gate, gate);
         usleep(1000);
@@ -177,13 +180,23 @@ static struct pen_adaptive_stats rounds_of(const struct pen_buf *state)
     return stats.adaptive;
 }
 
-/* A state that was kept in the first round, when some tiles were done and not the last row. */
-static void assert_within_the_first_round(const struct pen_buf *state)
+/* A state that was kept within a round, when some tiles were done and not the last row. */
+static void assert_within_round(const struct pen_buf *state, int round)
 {
     const struct pen_adaptive_stats a = rounds_of(state);
-    ck_assert_int_eq(a.rounds, 0);
-    ck_assert_int_gt(a.round[0].tiles, 0);
-    ck_assert_int_le(a.round[0].tiles, WIDTH / TILE * (HEIGHT / TILE - 1));
+    ck_assert_int_eq(a.rounds, round);
+    ck_assert_int_gt(a.round[round].tiles, 0);
+    ck_assert_int_le(a.round[round].tiles, WIDTH / TILE * (HEIGHT / TILE - 1));
+}
+
+/* How many pixels the job tells that it has done. */
+static int pixels_done(void)
+{
+    json_t *job = jobs_get(&bed, id), *progress = json_object_get(job, "progress");
+    const int done = (int)json_integer_value(json_object_get(progress, "done"));
+    ck_assert_int_eq(json_integer_value(json_object_get(progress, "total")), WIDTH * HEIGHT);
+    json_decref(job);
+    return done;
 }
 
 /* If the next worker began the round again, tiles that are done would get other samples; if it did
@@ -193,7 +206,7 @@ START_TEST(test_rounds__worker_killed_within_a_round_goes_on_inside_it)
     for (int changed = 0; changed < 2; changed++) {
         bed.fault = &gates;
         struct pen_buf state = begin_and_kill();
-        assert_within_the_first_round(&state);
+        assert_within_round(&state, 0);
         if (changed)
             *(double *)(void *)(state.data + state.bytes - WIDTH * HEIGHT - 64) += 0.01;
         store_must(pen_store_artefact_put(bed.bed.store, id, 0, "kept", "state", state.data,
@@ -212,8 +225,10 @@ START_TEST(test_rounds__worker_killed_within_a_round_goes_on_inside_it)
 }
 END_TEST
 
-START_TEST(test_rounds__job_of_higher_priority_comes_between_two_tiles)
+static void check_between_two_tiles(int round)
 {
+    free_pixels = round * WIDTH * HEIGHT; /* the first round takes all */
+    atomic_store(&pixels_begun, 0);
     atomic_store(&open_gate, NO_GATE);
     atomic_store(&at_gate, NO_GATE);
     bed.fault = &gates;
@@ -226,12 +241,21 @@ START_TEST(test_rounds__job_of_higher_priority_comes_between_two_tiles)
     atomic_store(&open_gate, MIDDLE_GATE);
     ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
     struct pen_buf state = wait_for_state();
-    assert_within_the_first_round(&state);
+    assert_within_round(&state, round);
     pen_buf_release(&state);
+    ck_assert((pixels_done() > 0) == (round > 0));
+    ck_assert_int_lt(pixels_done(), WIDTH * HEIGHT);
     atomic_store(&open_gate, LAST_GATE);
     check_finished_picture();
+    ck_assert_int_eq(pixels_done(), WIDTH * HEIGHT);
     jobs_bed_close(&bed);
     bed.fault = NULL;
+}
+
+START_TEST(test_rounds__job_of_higher_priority_comes_between_two_tiles)
+{
+    check_between_two_tiles(0);
+    check_between_two_tiles(1);
 }
 END_TEST
 

@@ -318,7 +318,8 @@ END_TEST
 
 static void progress(int64_t job, int64_t pixels, bool add, bool forgive, int64_t now_ms)
 {
-    struct pen_progress in = {job, pixels, now_ms, add, forgive, 0};
+    struct pen_progress in = {
+        .job = job, .pixels = pixels, .now_ms = now_ms, .add = add, .forgive = forgive};
     DRIVER_RUN(bed.driver, begin_write);
     DRIVER_DO(bed.driver, job_progress, &in);
     DRIVER_RUN(bed.driver, commit);
@@ -353,6 +354,36 @@ START_TEST(test_driver_jobs__progress_is_added_or_set_and_may_forgive_charges)
     expect_progress(32, 2, 6);
     progress(job, 0, false, true, 70);
     expect_progress(0, 0, 7);
+    driver_bed_close(&bed);
+}
+END_TEST
+
+/* Two batches of 16 pixels: one tells of a part of its own, then the other is done, then the first.
+ */
+START_TEST(test_driver_jobs__progress_is_raised_and_never_lowered)
+{
+    bool done;
+    driver_bed_open(&bed, _i);
+    struct driver_job job = driver_submit_new(bed.driver, 1, 1, 2, 0);
+    const int64_t batch[] = {job.batch[0], job.batch[1]};
+    static const struct {
+        int64_t pixels, expected;
+        int done; /* the batch that is done with it; -1: none */
+    } steps[] = {{5, 5, -1}, {3, 5, -1}, {16, 16, 1}, {4, 20, -1}, {16, 32, 0}};
+    for (int i = 0; i < 2; i++)
+        driver_lease(bed.driver, batch[i], 1, "w", 1000);
+    for (int i = 0; i < 5; i++) {
+        struct pen_progress in = {
+            .job = job.number, .pixels = steps[i].pixels, .add = true, .raise = true};
+        DRIVER_RUN(bed.driver, begin_write);
+        DRIVER_DO(bed.driver, job_progress, &in);
+        if (steps[i].done >= 0)
+            DRIVER_DO(bed.driver, batch_done, batch[steps[i].done], 1, "{}", 9, &done);
+        DRIVER_RUN(bed.driver, commit);
+        struct pen_job_row row = driver_job_row(bed.driver, 1);
+        ck_assert_int_eq(row.record.done_pixels, steps[i].expected);
+        pen_job_record_release(&row.record);
+    }
     driver_bed_close(&bed);
 }
 END_TEST
@@ -457,6 +488,7 @@ DRIVER_SUITE("driver: jobs", test_driver_jobs__job_is_read_as_written,
              test_driver_jobs__only_a_running_job_fails,
              test_driver_jobs__open_and_leased_batches_are_ended_and_done_ones_stay,
              test_driver_jobs__progress_is_added_or_set_and_may_forgive_charges,
+             test_driver_jobs__progress_is_raised_and_never_lowered,
              test_driver_jobs__progress_keeps_the_last_estimate,
              test_driver_jobs__views_are_counted_off,
              test_driver_jobs__removed_job_leaves_nothing_and_others_stay)

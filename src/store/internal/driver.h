@@ -114,6 +114,9 @@ struct pen_progress {
     bool add;     /* true: add `pixels` to done_pixels. false: set it, to the job's total at most */
     bool forgive; /* set the job's deaths and charges to 0, and end its pause */
     int64_t estimate_ms; /* above 0: what the job is expected to take */
+    /* Instead of `add`: raise done_pixels to the pixels of the batches that are done and these, if
+     * it is below. */
+    bool raise;
 };
 
 /* Which leases are lost: those of `worker` (NULL: of none), and those that end before before_ms. */

@@ -241,6 +241,7 @@ bool pen_sqlite_job_progress(struct pen_driver *driver, const struct pen_progres
     pen_sqlite_int(&query, progress->now_ms);
     pen_sqlite_int(&query, progress->forgive);
     pen_sqlite_int(&query, progress->estimate_ms);
+    pen_sqlite_int(&query, progress->raise);
     return pen_sqlite_run(&query, st);
 }
 

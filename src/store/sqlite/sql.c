@@ -79,13 +79,16 @@ static const char *const sql_text[] = {
                          " (SELECT count(*) FROM batch WHERE state = 1)",
     [SQL_JOB_START] = "UPDATE job SET state = 1, started_ms = ?2, updated_ms = ?2,"
                       " revision = revision + 1 WHERE number = ?1 AND state = 0",
-    [SQL_JOB_PROGRESS] = "UPDATE job SET done_pixels = CASE WHEN ?3 THEN done_pixels + ?2"
-                         " ELSE min(?2, total_pixels) END, updated_ms = ?4,"
-                         " charges = CASE WHEN ?5 THEN 0 ELSE charges END,"
-                         " deaths = CASE WHEN ?5 THEN 0 ELSE deaths END,"
-                         " paused_until_ms = CASE WHEN ?5 THEN 0 ELSE paused_until_ms END,"
-                         " estimate_ms = CASE WHEN ?6 > 0 THEN ?6 ELSE estimate_ms END,"
-                         " revision = revision + 1 WHERE number = ?1",
+    [SQL_JOB_PROGRESS] =
+        "UPDATE job SET done_pixels = CASE WHEN ?7 THEN"
+        " max(done_pixels, ?2 + (SELECT coalesce(sum(pixels), 0) FROM batch"
+        " WHERE job = ?1 AND kind <> 1 AND state = 2))"
+        " WHEN ?3 THEN done_pixels + ?2 ELSE min(?2, total_pixels) END, updated_ms = ?4,"
+        " charges = CASE WHEN ?5 THEN 0 ELSE charges END,"
+        " deaths = CASE WHEN ?5 THEN 0 ELSE deaths END,"
+        " paused_until_ms = CASE WHEN ?5 THEN 0 ELSE paused_until_ms END,"
+        " estimate_ms = CASE WHEN ?6 > 0 THEN ?6 ELSE estimate_ms END,"
+        " revision = revision + 1 WHERE number = ?1",
     [SQL_JOB_VIEW_ENDED] = "UPDATE job SET open_views = open_views - 1 WHERE number = ?"
                            " RETURNING open_views",
     [SQL_JOB_SUCCEED] = "UPDATE job SET state = 2, finished_ms = ?2"
