@@ -3,11 +3,11 @@
  * earlier render did. A round takes the tiles in order. It can end or pause between two of them:
  * then no more tiles are begun, threads share the rest of those that are, and what has been done is
  * a number of tiles from the first on. So nothing waits as long as there is no pause. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "math/fn.h"
 #include "render/internal/refine.h"
 
 /* The rounds of one view. */
@@ -234,9 +234,11 @@ double pen_adaptive_share(const struct pen_adaptive_stats *a, int tiles)
 {
     if (a->rounds == 0)
         return 0;
-    const double before = pow(fmin(1, a->target / a->round[a->rounds - 1].high), 8.0 / 5);
+    const double most = 0.99, high = a->round[a->rounds - 1].high;
+    const double before = high > a->target ? pen_pow(a->target / high, 8.0 / 5) : 1;
     const int done = a->rounds < PEN_ROUNDS_MAX ? a->round[a->rounds].tiles : 0;
-    return fmin(0.99, before * (1 + 0.5 * done / tiles));
+    const double share = before * (1 + 0.5 * done / tiles);
+    return share < most ? share : most;
 }
 
 bool pen_render_to_target(struct pen_thread_pool *pool, const struct pen_render_task *task,

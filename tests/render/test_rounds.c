@@ -271,6 +271,28 @@ START_TEST(test_rounds__states_with_impossible_rounds_are_refused)
 }
 END_TEST
 
+/* Half the error takes 2^(8/5) = 3.03 times the rays. */
+START_TEST(test_rounds__share_of_rays_that_are_traced)
+{
+    struct pen_adaptive_stats a = {.target = 0.01};
+    ck_assert(pen_adaptive_share(&a, 10) == 0);
+    a.round[0].tiles = 5;
+    ck_assert(pen_adaptive_share(&a, 10) == 0);
+    a.rounds = 1;
+    a.round[0].high = 0.02;
+    ck_assert_double_eq_tol(pen_adaptive_share(&a, 10), 0.3299, 1e-4);
+    a.round[1].tiles = 8;
+    ck_assert_double_eq_tol(pen_adaptive_share(&a, 10), 0.3299 * 1.4, 1e-4);
+    a.round[0].high = 0.01;
+    ck_assert(pen_adaptive_share(&a, 10) == 0.99);
+    a.round[0].high = 0;
+    ck_assert(pen_adaptive_share(&a, 10) == 0.99);
+    a.rounds = PEN_ROUNDS_MAX;
+    a.round[PEN_ROUNDS_MAX - 1].high = 0.02;
+    ck_assert_double_eq_tol(pen_adaptive_share(&a, 10), 0.3299, 1e-4);
+}
+END_TEST
+
 /* Pauses when it is asked for the fifth time, and notes the tiles that are done. */
 struct fifth {
     int asked, done;
@@ -328,4 +350,5 @@ PEN_SUITE("rounds", test_rounds__interrupted_after_each_round_it_gives_the_same_
           test_rounds__pauses_anywhere_give_the_same_film,
           test_rounds__states_of_other_builds_and_pictures_are_refused,
           test_rounds__states_with_impossible_rounds_are_refused,
+          test_rounds__share_of_rays_that_are_traced,
           test_rounds__a_pause_finishes_the_tiles_that_are_begun_and_no_more)
