@@ -32,7 +32,8 @@ cp -a Makefile src "$dir/control"
 [ -n "$edits" ] || {
     cp -a include scenes api deploy "$dir/control"
     mkdir "$dir/control/tests"
-    cp -a tests/property tests/support tests/golden tests/accel tests/shade "$dir/control/tests"
+    cp -a tests/property tests/support tests/golden tests/accel tests/shade tests/scene tests/math \
+        tests/render tests/study "$dir/control/tests"
     (cd "$dir/control" && $make -s -j"${JOBS:-$(nproc)}" $stability $films) >"$dir/control.log" 2>&1 || {
         tail -n 20 "$dir/control.log"
         echo "mutants: the source as it is does not build" >&2
@@ -57,17 +58,21 @@ fact() { # OUTCOME FIGURES
           row_cases: $cases}' >>"$facts"
 }
 
-# mutant NAME ROW CASES WHAT: a copy of the built tree, to be edited.
+# mutant NAME ROW CASES WHAT: a copy of the built tree, to be edited; with --edits only of what is edited.
 mutant() {
     name=$1 row=$2 cases=$3 what=$4
     case $only in "  " | *" $name "*) skip= ;; *) skip=1 ;; esac
-    [ -n "$skip" ] || cp -a "$dir/control" "$dir/$name"
+    [ -n "$skip$edits" ] || cp -a "$dir/control" "$dir/$name"
 }
 
 # edit FILE LINES SED-SCRIPT
 edit() {
     [ -z "$skip" ] || return
     file=$dir/$name/$1
+    [ -f "$file" ] || {
+        mkdir -p "$(dirname "$file")"
+        cp "$dir/control/$1" "$file"
+    }
     sed -E "$3" "$file" >"$dir/edited"
     changed=$(diff "$file" "$dir/edited" | grep -c '^>')
     [ "$changed" -eq "$2" ] || {
@@ -87,7 +92,7 @@ run_row() {
         {cases, failures, crashed, why: (.failed[0].why // "")}' "$dir/$1/build/$3/report.json" 2>>"$dir/$1.out"
 }
 
-# Builds what was edited, with the variables of make that are given.
+# Builds the targets, with the variables of make that are given among them.
 build_mutant() {
     [ -z "$skip" ] || return
     [ -z "$edits" ] || {
@@ -95,7 +100,7 @@ build_mutant() {
         skip=1 fit=$((fit + 1))
         return
     }
-    (cd "$dir/$name" && $make -s -j"${JOBS:-$(nproc)}" $stability $films "$@") >"$dir/$name.log" 2>&1 ||
+    (cd "$dir/$name" && $make -s -j"${JOBS:-$(nproc)}" "$@") >"$dir/$name.log" 2>&1 ||
         wrong "does not compile: $(grep -m1 -E 'error|Error' "$dir/$name.log")"
 }
 
@@ -114,7 +119,7 @@ verdict() { # KILLED FIGURES
 
 # judge [VARIABLE=VALUE…]: builds the mutant and runs the row on it and on the control.
 judge() {
-    build_mutant "$@"
+    build_mutant $stability "$@"
     [ -z "$skip" ] || return
     control=$(run_row control "$cases" "$row")
     [ "$(printf '%s' "$control" | jq '.failures + .crashed == 0 and .cases > 0')" = true ] || {
@@ -140,7 +145,11 @@ judge_test() {
         wrong "$row does not pass without it"
         return
     }
-    if (cd "$dir/$name" && timeout 300 "build/tests/$row") >"$dir/$name.out" 2>&1; then
+    (cd "$dir/$name" && timeout 300 "build/tests/$row") >"$dir/$name.out" 2>&1
+    status=$?
+    if [ $status -eq 124 ]; then
+        wrong "$row came to no end in five minutes"
+    elif [ $status -eq 0 ]; then
         verdict no "passes"
     else
         verdict yes "$(grep -m1 -E '^[0-9]+%' "$dir/$name.out")"
@@ -149,7 +158,7 @@ judge_test() {
 
 # Compares the accumulators of all golden films, which a film of floats would hide, with ours.
 judge_films() {
-    build_mutant "$@"
+    build_mutant $films "$@"
     [ -z "$skip" ] || return
     for tree in control "$name"; do
         (cd "$dir/$tree" && $films) >"$dir/$tree.plain" 2>/dev/null
@@ -166,7 +175,7 @@ judge_films() {
 
 # judge_libm: the accumulators of the golden films, beside the control's and without FMA and AVX2.
 judge_libm() {
-    build_mutant
+    build_mutant $films
     [ -z "$skip" ] || return
     for tree in control "$name"; do
         (cd "$dir/$tree" && $films) >"$dir/$tree.plain" 2>/dev/null
@@ -537,6 +546,207 @@ mutant libm_pow h104_libm 0 "highlights are glibc's pow"
 edit src/math/lanes_fn.h 7 \
     's/^    const lane_mask nothing = lanes_at_most\(x, .*$/    double p[LANES], q[LANES];\n    lanes_store(p, x);\n    lanes_store(q, y);\n    for (int i = 0; i < LANES; i++)\n        p[i] = pow(p[i], q[i]);\n    if (1)\n        return lanes_load(p);\n&/'
 judge_libm
+
+# Adaptive rendering: estimates, decisions and rounds.
+mutant adaptive_own render/test_adaptive 0 "what is refined is chosen by a pixel's own estimate, not by its neighbours'"
+edit src/render/decide.c 1 's/^            const double around = error_around\(a, x, y\);$/            const double around = (double)a->errors[at] + 0 * error_around(a, x, y);/'
+edit src/render/decide.c 1 's/priority_of\(a, at, error_around\(a, x, y\)\) >= level/priority_of(a, at, (double)a->errors[at]) >= level/'
+judge_test
+
+mutant adaptive_unseen render/test_decide 0 "an edge that no sample has seen does not exist"
+edit src/render/decide.c 1 's/^(static const double UNSEEN = ).*$/\10;/'
+judge_test
+
+mutant adaptive_unseen_rate render/test_decide 0 "an unseen edge is as uncertain as independent samples leave it"
+edit src/render/decide.c 1 's/UNSEEN \* most \/ \(n \* n\)/UNSEEN * most \/ n/'
+judge_test
+
+mutant adaptive_variance render/test_decide 0 "the variance of a mean is divided by n n, not by n (n - 1)"
+edit src/render/adaptive.c 1 's/\(PEN_REPLICATES \* \(PEN_REPLICATES - 1\)\)/(PEN_REPLICATES * PEN_REPLICATES)/'
+judge_test
+
+mutant adaptive_one render/test_decide 0 "the variance of one replicate is taken for that of the mean"
+edit src/render/adaptive.c 1 's/\(PEN_REPLICATES \* \(PEN_REPLICATES - 1\)\)/(PEN_REPLICATES - 1)/'
+judge_test
+
+mutant adaptive_curve render/test_decide 0 "what the curve of the transfer function adds to an error is left out"
+edit src/render/adaptive.c 1 's/ \+ \(of_mean - mean\) \* \(of_mean - mean\);/ + 0 * of_mean;/'
+judge_test
+
+mutant adaptive_linear render/test_decide 0 "errors are those of linear values"
+edit src/render/adaptive.c 1 's/^        a->settings->transfer == PEN_SETTING_LINEAR \? /        true ? /'
+judge_test
+
+mutant adaptive_clamp render/test_decide 0 "values that are estimated are not clamped"
+edit src/render/adaptive.c 2 's/pen_encode_unit_near\((.*), transfer\)/(transfer == PEN_TRANSFER_LINEAR ? (\1) : pen_encode_unit_near(\1, transfer))/'
+judge_test
+
+mutant adaptive_narrow render/test_decide 0 "the interval of an error has 68 %"
+edit src/render/decide.c 1 's/^(static const double SPREAD = ).*$/\11;/'
+judge_test
+
+mutant adaptive_below render/test_decide 0 "the interval of an error has no upper side"
+edit src/render/decide.c 1 's/ high = mean \+ off, / high = mean + 0 * off, /'
+judge_test
+
+mutant adaptive_lucky render/test_decide 0 "the target is met when the estimate meets it"
+edit src/render/decide.c 1 's/\.met = high <= goal/.met = mean <= goal/'
+judge_test
+
+mutant adaptive_capped render/test_decide 0 "pixels that may have no more samples are not counted"
+edit src/render/decide.c 1 's/^( *slice->capped \+= )around > 0;/\10;/'
+judge_test
+
+mutant adaptive_left render/test_decide 0 "the error that capped pixels leave is forgotten"
+edit src/render/decide.c 1 's/^( *slice->capped_error \+= )around;/\10;/'
+judge_test
+
+mutant adaptive_most render/test_adaptive 0 "pixels may have twice max_samples"
+edit src/render/decide.c 1 's/return 2\.0 \* PEN_REPLICATES/return 1.0 * PEN_REPLICATES/'
+judge_test
+
+mutant adaptive_half render/test_adaptive 0 "pixels may have half of max_samples"
+edit src/render/decide.c 1 's/return 2\.0 \* PEN_REPLICATES/return 4.0 * PEN_REPLICATES/'
+judge_test
+
+mutant adaptive_order render/test_decide 0 "each thread adds up the slices that it takes, and the order is that of threads"
+edit src/render/decide.c 7 's/^        pass->visit\(pass->adaptive, &pass->slices\[i\], pass->level\);$/    {\n        struct slice *mine = \&pass->slices[thread];\n        const int height = pass->adaptive->settings->height;\n        mine->first_row = (int)((int64_t)height * i \/ SLICES);\n        mine->end_row = (int)((int64_t)height * (i + 1) \/ SLICES);\n        pass->visit(pass->adaptive, mine, pass->level);\n    }/'
+judge_test
+
+mutant adaptive_priority render/test_decide 0 "pixels with the largest error are refined, whatever that takes"
+edit src/render/decide.c 1 's/return level_of\(around \/ a->sums\[at\]\.samples\);/return level_of(around + 0 * a->sums[at].samples);/'
+judge_test
+
+mutant adaptive_all render/test_adaptive 0 "a round refines every pixel"
+edit src/render/refine.c 1 's/!task->adaptive->wanted\[at\]\)/false)/'
+judge_test
+
+mutant adaptive_level render/test_adaptive 0 "a round refines pixels whatever their priority"
+edit src/render/rounds.c 1 's/(round->level = repeat .*) : d->level;/\1 : 0 * d->level;/'
+judge_test
+
+mutant adaptive_again render/test_adaptive 0 "a doubling takes the samples again that were taken"
+edit src/render/refine.c 1 's/r->replicate \+ k, i\};/r->replicate + k, i - r->first};/'
+judge_test
+
+mutant adaptive_lights render/test_adaptive 0 "each camera ray takes the same points on a light"
+edit src/shade/internal/block_body.h 1 's/b->ray\[i\] = samples\[i\]\.index;/b->ray[i] = 0 * samples[i].index;/'
+judge_test
+
+mutant adaptive_shared render/test_adaptive 0 "replicates share their scrambling"
+edit src/shade/internal/pixel_sample.h 1 's/PEN_SAMPLE_REPLICATE \+ sample->replicate,/PEN_SAMPLE_REPLICATE,/'
+edit src/shade/internal/block_body.h 1 's/PEN_SAMPLE_REPLICATE \+ samples\[i\]\.replicate;/PEN_SAMPLE_REPLICATE;/'
+judge_test
+
+mutant adaptive_triple render/test_adaptive 0 "a round triples the samples"
+edit src/render/adaptive.c 1 's/return sums->samples > 0 \? sums->samples :/return sums->samples > 0 ? 2 * sums->samples :/'
+judge_test
+
+mutant adaptive_rays render/test_adaptive 0 "the statistics have the rays of the last round only"
+edit src/render/rounds.c 1 's/^    pen_ray_counts_add\(&sum->rays, &more->rays\);$/    sum->rays = more->rays;/'
+judge_test
+
+mutant adaptive_spread render/test_decide 0 "95 % of the pixels is what half of them is"
+edit src/render/adaptive.c 1 's/if \(20 \* seen < 19 \* pixels\)/if (20 * seen < 10 * pixels)/'
+judge_test
+
+# Audits.
+mutant audit_undecided render/test_audit 0 "undecided pixels count as right"
+edit src/render/audit.c 1 's/not_right = audit->wrong \+ audit->undecided;/not_right = audit->wrong;/'
+judge_test
+
+mutant audit_two_sided render/test_audit 0 "the bound is two-sided"
+edit src/render/audit.c 1 's/chance = 0\.05,/chance = 0.025,/'
+judge_test
+
+mutant audit_share render/test_audit 0 "the bound is the share that was found"
+edit src/render/audit.c 1 's/^    audit->bound = job\.count == pixels \? /    audit->bound = true ? /'
+judge_test
+
+mutant audit_narrow render/test_audit 0 "the interval of a pixel has 95 %"
+edit src/render/audit.c 1 's/^(static const double STUDENT = ).*$/\12.3646;/'
+judge_test
+
+mutant audit_wide render/test_audit 0 "the interval is that of one replicate, not of their mean"
+edit src/render/audit.c 1 's/ \/ \(PEN_AUDIT_REPLICATES - 1\) \/ PEN_AUDIT_REPLICATES\);/ \/ (PEN_AUDIT_REPLICATES - 1));/'
+judge_test
+
+mutant audit_linear render/test_audit 0 "linear values are compared"
+edit src/render/audit.c 1 's/^( *const enum pen_transfer transfer = )job->task->settings->transfer == PEN_SETTING_LINEAR$/\1job->task->settings->transfer != -1/'
+judge_test
+
+mutant audit_replaced render/test_audit 0 "pixels are drawn again"
+edit src/render/audit.c 1 's/^        if \(!taken\[at\]\)$/        if (true)/'
+judge_test
+
+mutant audit_same render/test_audit 0 "the same pixels are drawn, whatever the seed"
+edit src/render/audit.c 1 's/first = pen_mix64\(job->task->seed\);/first = pen_mix64(0);/'
+judge_test
+
+mutant audit_few render/test_audit 0 "pixels are rendered again with their own number of samples"
+edit src/render/audit.h 1 's/PEN_AUDIT_TIMES = 64,/PEN_AUDIT_TIMES = 1,/'
+judge_test
+
+mutant audit_seed study/test_hash 0 "the seed is that of a part of the picture"
+edit src/study/hash.c 1 's/\(const unsigned char \*\)film->rgb, values \* sizeof \*film->rgb\)/(const unsigned char *)film->rgb, values)/'
+judge_test
+
+mutant audit_seed_fixed study/test_hash 0 "the seed is that of no picture"
+edit src/study/hash.c 1 's/\(const unsigned char \*\)film->rgb, values \* sizeof \*film->rgb\)/(const unsigned char *)film->rgb, 0 * values)/'
+judge_test
+
+# Verdicts on times.
+mutant verdict_rank study/test_verdict 0 "the interval of a median is one rank too narrow"
+edit src/study/verdict.c 1 's/2 \* \(below \+ term\) <= alpha/2 * below <= alpha/'
+judge_test
+
+mutant verdict_wide study/test_verdict 0 "the interval of a median is one rank too wide"
+edit src/study/verdict.c 1 's/^(    const int k = pen_median_rank\(count, alpha\) - spoiled);/\1 - 1;/'
+judge_test
+
+mutant verdict_high study/test_verdict 0 "the upper end of the interval is one rank off"
+edit src/study/verdict.c 1 's/out\.high = values\[count - k\];/out.high = values[count - k - 1];/'
+judge_test
+
+mutant verdict_side study/test_verdict 0 "the interval may err on either side as often as on both"
+edit src/study/verdict.c 1 's/2 \* \(below \+ term\) <= alpha/below + term <= alpha/'
+judge_test
+
+mutant verdict_looks study/test_verdict 0 "each look may err as often as all together"
+edit src/study/verdict.c 1 's/return ldexp\(0\.05, -\(look \+ 1\)\);/return 0.05 + 0 * look;/'
+judge_test
+
+mutant verdict_doublings study/test_verdict 0 "looks are at every ten values"
+edit src/study/verdict.c 1 's/pairs < count; pairs \*= 2\)/pairs < count; pairs += PEN_PAIRS_MIN)/'
+judge_test
+
+mutant verdict_spoiled study/test_verdict 0 "spoiled values move no ranks"
+edit src/study/verdict.c 1 's/pen_median_rank\(count, alpha\) - spoiled;/pen_median_rank(count, alpha);/'
+judge_test
+
+mutant verdict_effect study/test_verdict 0 "half of the least effect is enough"
+edit src/study/verdict.c 1 's/above = 1 \+ least_effect,/above = 1 + least_effect \/ 2,/'
+judge_test
+
+mutant verdict_quotient study/test_verdict 0 "a quotient of intervals is that of their ends"
+edit src/study/verdict.c 1 's/out\.low = a->low \/ b->high;/out.low = a->low \/ b->low;/'
+judge_test
+
+mutant bench_looks study/test_bench 0 "a benchmark ends whenever its interval is narrow enough"
+edit src/study/bench.c 1 's/pairs <= PEN_PAIRS_MAX; pairs \*= 2\)/pairs <= PEN_PAIRS_MAX; pairs += PEN_PAIRS_MIN)/'
+judge_test
+
+mutant calibrated_ratio study/test_comparison 0 "times of a slower host are multiplied by its slowness"
+edit src/study/comparison.c 1 's/return before > 0 && after > 0 \? after \/ before : 0;/return before > 0 \&\& after > 0 ? before \/ after : 0;/'
+judge_test
+
+mutant calibrated_verdict study/test_comparison 0 "a verdict stands though the host itself has become slower"
+edit src/study/comparison.c 1 's/if \(pen_verdict_of\(&calibrated, least\) == verdict\)/if (true)/'
+judge_test
+
+mutant calibration_part study/test_bench 0 "a calibration takes no rays"
+edit src/study/calibration.c 1 's/i < RAYS; i\+\+/i < 0 * RAYS; i++/'
+judge_test
 
 [ -z "$edits" ] || {
     echo "$fit mutants fit the source, $errors do not"

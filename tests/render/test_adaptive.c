@@ -223,6 +223,33 @@ START_TEST(test_adaptive__what_is_constant_stays_with_the_pilot)
 }
 END_TEST
 
+/* Pixels that are more than two away from any that the edge crosses have nothing to gain. */
+START_TEST(test_adaptive__what_is_far_from_an_edge_stays_with_the_pilot)
+{
+    half_plane();
+    kit.settings.target_error = 1e-3;
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct picture p = picture_of(scene, &kit.settings, 1);
+    int far = 0;
+    for (int i = 0; i < 24 * 24; i++) {
+        double least = 1, most = 0;
+        for (int y = i / 24 - 3; y <= i / 24 + 3; y++)
+            for (int x = i % 24 - 3; x <= i % 24 + 3; x++) {
+                const double share = covered(x, y);
+                least = fmin(least, share);
+                most = fmax(most, share);
+            }
+        if (least < most)
+            continue;
+        far++;
+        ck_assert_uint_eq(p.adaptive->sums[i].samples, PEN_PILOT_SAMPLES);
+    }
+    ck_assert(far > 24 * 24 / 2 && p.stats.adaptive.met && p.stats.adaptive.rounds > 3);
+    picture_free(&p);
+    pen_scene_free(scene);
+}
+END_TEST
+
 START_TEST(test_adaptive__max_samples_caps_every_pixel_and_says_so)
 {
     static const int most[] = {4, 5, 16, 31};
@@ -409,6 +436,7 @@ PEN_SUITE("adaptive", test_adaptive__same_film_for_threads_tiles_accelerators_an
           test_adaptive__edges_against_their_areas,
           test_adaptive__points_on_lights_go_on_from_camera_ray_to_camera_ray,
           test_adaptive__what_is_constant_stays_with_the_pilot,
+          test_adaptive__what_is_far_from_an_edge_stays_with_the_pilot,
           test_adaptive__max_samples_caps_every_pixel_and_says_so,
           test_adaptive__film_pixels_and_layers_tell_of_the_same_samples,
           test_adaptive__forecasts_cover_the_rays_of_all_rounds,

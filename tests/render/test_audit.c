@@ -176,10 +176,71 @@ START_TEST(test_audit__few_samples_leave_pixels_undecided)
     ck_assert(pen_audit_run(pool, &task, &a, &st));
     ck_assert_msg(a.undecided > SIDE / 2 && a.undecided <= 3 * SIDE, "%llu",
                   (unsigned long long)a.undecided);
-    task.samples = 65536;
+    ck_assert_double_eq(a.bound, (double)(a.wrong + a.undecided) / PIXELS); /* audited whole */
+    task.samples = 16384;
     ck_assert(pen_audit_run(pool, &task, &a, &st));
     ck_assert(a.wrong == 0 && a.undecided == 0);
     free(film);
+    end();
+}
+END_TEST
+
+/* A floor under a light of which a half-plane hides a part: a share of 1/2 is seen, by independent
+ * points. So what a pixel is rendered as again is normal, of known mean and deviation. */
+static void half_light(void)
+{
+    begin();
+    pen_scene_free(scene);
+    kit_init(&kit);
+    kit.settings.width = kit.settings.height = SIDE;
+    kit.settings.transfer = PEN_SETTING_LINEAR;
+    kit.settings.light_pattern = PEN_PATTERN_RANDOM;
+    kit.settings.light_samples = 16;
+    kit.view.camera.fov_degrees = 1e-5;
+    kit.view.camera.position = pen_vec3(0, -6, 3);
+    kit.view.camera.direction = pen_vec3(0, 6, -3);
+    kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), kit_material(&kit, kit_matte(0.8)));
+    kit_point(&kit, pen_vec3(0, 0, 8), pen_vec3(1, 1, 1))->radius = 1;
+    const struct pen_vec3 v[] = {{0, -100, 4}, {0, 100, 4}, {-100, 100, 4}, {-100, -100, 4}};
+    kit_polygon(&kit, v, 4, kit_material(&kit, kit_matte(0)));
+    scene = kit_freeze(&kit);
+    samples = 64;
+}
+
+static void show(double value)
+{
+    for (int i = 0; i < 3 * PIXELS; i++)
+        rgb[i] = (float)value;
+}
+
+/* An interval of 99.99 % misses what is right in one of 10000 pixels, and one of 95 % in 80 of
+ * 1600. It is as wide as 7.9 deviations of the mean, so that what is off by 12 more than the
+ * threshold is wrong, unless the deviation comes out 1.5 times as large, in one of 40. */
+START_TEST(test_audit__intervals_are_neither_too_narrow_nor_too_wide)
+{
+    half_light();
+    show(0.4);
+    struct pen_audit a = audit(PIXELS, 1e-9, 7);
+    ck_assert_msg(a.wrong <= 3 && a.wrong + a.undecided == PIXELS, "%llu wrong",
+                  (unsigned long long)a.wrong);
+    show(0.4 + 0.01 + 12 * 0.8 * 0.5 / sqrt(64 * 16));
+    a = audit(PIXELS, 0.01, 7);
+    ck_assert_msg(a.wrong > PIXELS * 9 / 10, "%llu wrong", (unsigned long long)a.wrong);
+    end();
+}
+END_TEST
+
+/* A picture with few samples is audited with more than its own: of a pixel that had 2048 with 64
+ * times as many, so that what is off by 12 deviations of their mean more than the threshold is
+ * found. */
+START_TEST(test_audit__takes_64_times_the_samples_of_the_picture)
+{
+    half_light();
+    samples = 0;
+    kit.settings.samples_per_pixel = 128;
+    show(0.4 + 0.01 + 12 * 0.8 * 0.5 / sqrt(64 * 128 * 16));
+    const struct pen_audit a = audit(40, 0.01, 7);
+    ck_assert_msg(a.wrong >= 34, "%llu wrong", (unsigned long long)a.wrong);
     end();
 }
 END_TEST
@@ -188,4 +249,6 @@ PEN_SUITE("audit", test_audit__bounds_are_those_of_clopper_and_pearson,
           test_audit__counts_what_is_off_by_more_than_the_threshold,
           test_audit__pixels_are_drawn_without_replacement_by_the_seed, test_audit__bounds_hold,
           test_audit__pixel_centres_at_an_edge_are_wrong,
-          test_audit__few_samples_leave_pixels_undecided)
+          test_audit__few_samples_leave_pixels_undecided,
+          test_audit__intervals_are_neither_too_narrow_nor_too_wide,
+          test_audit__takes_64_times_the_samples_of_the_picture)
