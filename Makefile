@@ -298,6 +298,11 @@ $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/librender
 bench-frames: all $(BENCHES)
 	@sh tests/bench/frames.sh $(BUILD)
 
+# Soft shadows beside POV-Ray's adaptive area lights, at equal or lower true error (tests/bench/soft_lights.sh).
+.PHONY: bench-povray-soft
+bench-povray-soft: all $(BENCHES)
+	@sh tests/bench/soft_lights.sh $(BUILD)
+
 # This tree against revision BASE, which is built in a worktree below BUILD.
 bench-compare: all $(BENCHES)
 	$(if $(BASE),,$(error say BASE=revision))
