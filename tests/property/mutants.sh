@@ -613,8 +613,8 @@ mutant adaptive_order render/test_decide 0 "each thread adds up the slices that 
 edit src/render/decide.c 7 's/^        pass->visit\(pass->adaptive, &pass->slices\[i\], pass->level\);$/    {\n        struct slice *mine = \&pass->slices[thread];\n        const int height = pass->adaptive->settings->height;\n        mine->first_row = (int)((int64_t)height * i \/ SLICES);\n        mine->end_row = (int)((int64_t)height * (i + 1) \/ SLICES);\n        pass->visit(pass->adaptive, mine, pass->level);\n    }/'
 judge_test
 
-mutant adaptive_priority render/test_decide 0 "pixels with the largest error are refined, whatever that takes"
-edit src/render/decide.c 1 's/return level_of\(around \/ a->sums\[at\]\.samples\);/return level_of(around + 0 * a->sums[at].samples);/'
+mutant adaptive_uniform render/test_decide 0 "all pixels get the same number of samples"
+edit src/render/decide.c 1 's/(a->wanted\[at\] = !is_capped\(a, at\)) && .*$/\1 \&\& level > -1;/'
 judge_test
 
 mutant adaptive_all render/test_adaptive 0 "a round refines every pixel"
