@@ -11,18 +11,12 @@
 static const char *const stored_formats[] = {"html", "csv", "md", NULL};
 
 struct accuracy {
-    struct pen_study study;
+    struct pen_study study; /* the first member: progress and keep take it for the study */
     struct pen_accuracy_spec spec;
     struct pen_accuracy_task task;
     struct pen_accuracy accuracy;
     json_t *report;
 };
-
-static void progress(void *user, int done, int total)
-{
-    struct accuracy *a = user;
-    pen_study_progress(&a->study, done, total);
-}
 
 /* Stores what the study will take, so that readers of the job know it. A failure is ignored. */
 static void forecast(void *user, const struct pen_accuracy_forecast *forecast)
@@ -52,7 +46,9 @@ static bool read_spec(struct accuracy *a, struct pen_status *st)
     a->task.pool = context->pool;
     a->task.cancel = pen_heartbeat_cancel_flag(context->heart);
     a->task.forecast = forecast;
-    a->task.progress = progress;
+    a->task.progress = pen_study_progress;
+    a->task.between = pen_study_keep;
+    a->task.kept = pen_study_kept(&a->study);
     a->task.user = a;
     a->task.pixel_begins = pen_batch_pixel_hook(context);
     a->task.pixel_user = context;

@@ -2,58 +2,27 @@
 /* A benchmark in the worker. It keeps what it has measured in the store, so that a worker that ends
  * loses a run and not the benchmark; and gives the batch back, to go on later, when a job of higher
  * priority waits. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/clock.h"
 #include "jobs/bench_spec.h"
 #include "jobs/internal/study.h"
 #include "study/report.h"
 
-enum { KEEP_MS = 250 }; /* the shortest time between two writes of what is measured */
-
 struct benchmark {
-    struct pen_study study; /* the first member: the progress function takes it for the study */
-    int64_t kept_ns;        /* when it was last written */
-    json_t *kept;           /* what an earlier worker has written; NULL: nothing */
+    struct pen_study study; /* the first member: progress and keep take it for the study */
     struct pen_bench_spec spec;
     struct pen_bench bench;
     struct pen_bench_result result;
 };
 
-/* Writes what is measured. A failure is ignored: the next write may succeed, and the heartbeat
- * notices a lost lease. Returns false if a job of higher priority waits. */
-static bool keep(void *user, const struct pen_bench_state *state)
+static json_t *state_json(const void *state)
 {
-    struct benchmark *benchmark = user;
-    struct pen_store *store = benchmark->study.context->store;
-    struct pen_status ignored;
-    bool outranked = false;
-    const int64_t now_ns = pen_clock_ns();
-    if (now_ns - benchmark->kept_ns < (int64_t)KEEP_MS * 1000000)
-        return true;
-    benchmark->kept_ns = now_ns;
-    json_t *json = pen_bench_state_json(state);
-    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-    if (text) {
-        const struct pen_kept kept = {pen_bench_state_done(state), text, strlen(text)};
-        pen_store_keep(store, benchmark->study.claim, &kept, &outranked, &ignored);
-    }
-    free(text);
-    json_decref(json);
-    return !outranked;
+    return pen_bench_state_json(state);
 }
 
-/* Reads what an earlier worker has written. What is damaged counts as nothing: the benchmark begins
- * again. */
-static void read_kept(struct benchmark *benchmark)
+static bool keep(void *user, const struct pen_bench_state *state)
 {
-    struct pen_buf text = {0};
-    struct pen_status ignored;
-    if (pen_store_kept(benchmark->study.context->store, benchmark->study.claim, &text, &ignored))
-        benchmark->kept = json_loadb((const char *)text.data, text.bytes, 0, NULL);
-    pen_buf_release(&text);
-    benchmark->bench.kept = benchmark->kept;
+    const struct pen_unfinished unfinished = {
+        .done = pen_bench_state_done(state), .study = state, .state = state_json};
+    return pen_study_keep(user, &unfinished);
 }
 
 static bool read_spec(struct benchmark *benchmark, struct pen_status *st)
@@ -75,7 +44,7 @@ static bool read_spec(struct benchmark *benchmark, struct pen_status *st)
     benchmark->bench.progress = pen_study_progress;
     benchmark->bench.between = keep;
     benchmark->bench.user = benchmark;
-    read_kept(benchmark);
+    benchmark->bench.kept = pen_study_kept(&benchmark->study)->state;
     return true;
 }
 
@@ -120,7 +89,6 @@ bool pen_batch_benchmark(struct pen_batch_context *context, const struct pen_cla
               write_stats(&benchmark, output, st);
     pen_bench_result_release(&benchmark.bench, &benchmark.result);
     pen_bench_spec_release(&benchmark.spec);
-    json_decref(benchmark.kept);
     pen_study_end(&benchmark.study);
     return ok;
 }

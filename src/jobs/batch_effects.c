@@ -44,6 +44,8 @@ static bool make_bill(struct pen_study *study, struct pen_batch_output *output,
                                        .pool = context->pool,
                                        .cancel = pen_heartbeat_cancel_flag(context->heart),
                                        .progress = pen_study_progress,
+                                       .between = pen_study_keep,
+                                       .kept = pen_study_kept(study),
                                        .user = study,
                                        .pixel_begins = pen_batch_pixel_hook(context),
                                        .pixel_user = context};

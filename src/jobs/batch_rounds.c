@@ -17,42 +17,25 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "jobs/internal/batch.h"
+#include "jobs/internal/keep.h"
 #include "render/adaptive_state.h"
 #include "study/host.h"
 
-enum { KEEP_MS = 10000, KEEP_TIMES = 20, LOOK_MS = 500 };
+enum { KEEP_MS = 10000, ASK_MS = 500 };
 
 static const size_t keep_bytes_max = (size_t)1 << 30; /* a row of the store */
 
 /* Used by the worker's thread, and by render threads while that one waits for them. */
-struct keeper {
-    struct pen_batch_context *context;
-    const struct pen_claim *claim;
+struct rounds {
+    struct pen_keeper keeper;
     json_t *host;
-    int64_t kept_ns, took_ns; /* when it was last kept, and how long that took */
-    int64_t looked_ns;        /* when the store was last asked for batches of higher priority */
+    bool outranked; /* the reason for which the render threads were last stopped */
 };
 
-static const char *build_of(const struct keeper *k)
+static const char *build_of(const struct rounds *r)
 {
-    const char *build = json_string_value(json_object_get(k->host, "build"));
+    const char *build = json_string_value(json_object_get(r->host, "build"));
     return build ? build : "";
-}
-
-static bool is_due(const struct keeper *k)
-{
-    const int64_t now_ns = pen_clock_ns(),
-                  wait_ms = k->context->keep_ms > 0 ? k->context->keep_ms : KEEP_MS;
-    return now_ns - k->kept_ns >= wait_ms * 1000000 &&
-           now_ns - k->kept_ns >= KEEP_TIMES * k->took_ns;
-}
-
-static bool is_outranked(struct keeper *k)
-{
-    struct pen_status ignored;
-    bool outranked = false;
-    k->looked_ns = pen_clock_ns();
-    return pen_store_outranked(k->context->store, k->claim, &outranked, &ignored) && outranked;
 }
 
 static bool can_keep(const struct pen_batch_context *context)
@@ -62,53 +45,45 @@ static bool can_keep(const struct pen_batch_context *context)
 
 static bool pause_round(void *user)
 {
-    struct keeper *k = user;
-    return is_due(k) ||
-           (pen_clock_ns() - k->looked_ns >= (int64_t)LOOK_MS * 1000000 && is_outranked(k));
+    struct rounds *r = user;
+    return pen_keeper_is_due(&r->keeper, &r->outranked);
 }
 
-/* Stores the state. A failure is ignored: the next time may succeed. Returns whether it is kept. */
-static bool store_state(struct keeper *k, const struct pen_adaptive *adaptive,
-                        const struct pen_render_stats *stats, bool *outranked)
-{
-    struct pen_buf state = {0};
-    struct pen_status ignored;
-    const int64_t begun_ns = pen_clock_ns();
-    pen_adaptive_save(adaptive, stats, build_of(k), &state);
-    const double share = pen_adaptive_share(&stats->adaptive, (int)stats->tile_count);
-    const struct pen_kept kept = {(int64_t)(share * (double)k->claim->pixels), state.data,
-                                  state.bytes};
-    const bool ok =
-        !state.failed && pen_store_keep(k->context->store, k->claim, &kept, outranked, &ignored);
-    pen_buf_release(&state);
-    k->kept_ns = pen_clock_ns();
-    k->took_ns = k->kept_ns - begun_ns;
-    k->context->store_ms += (double)k->took_ns * 1e-6;
-    return ok;
-}
-
+/* Keeps the state, if that is due. Returns whether the rounds go on. */
 static bool keep(void *user, const struct pen_adaptive *adaptive,
                  const struct pen_render_stats *stats)
 {
-    struct keeper *k = user;
-    bool outranked = is_outranked(k);
-    if (!outranked && !is_due(k))
+    struct rounds *r = user;
+    struct pen_buf state = {0};
+    bool outranked;
+    if (!pen_keeper_is_due(&r->keeper, &outranked) && !r->outranked)
         return true;
-    return !store_state(k, adaptive, stats, &outranked) || !outranked;
+    const int64_t begun_ns = pen_clock_ns();
+    const double share = pen_adaptive_share(&stats->adaptive, (int)stats->tile_count);
+    pen_adaptive_save(adaptive, stats, build_of(r), &state);
+    const struct pen_kept kept = {.done = (int64_t)(share * (double)r->keeper.claim->pixels),
+                                  .data = state.data,
+                                  .bytes = state.bytes};
+    const bool ok = !state.failed && pen_keeper_keep(&r->keeper, &kept, begun_ns, &outranked);
+    pen_buf_release(&state);
+    r->outranked = false;
+    return !ok || !outranked;
 }
 
 /* Reads what an earlier worker has kept into a new state. Returns whether there was something. */
-static bool read_kept(struct keeper *k, const struct pen_render_task *task,
+static bool read_kept(struct rounds *r, const struct pen_render_task *task,
                       struct pen_adaptive *adaptive, struct pen_render_stats *earlier)
 {
     struct pen_buf state = {0};
     struct pen_status ignored;
-    const bool ok = pen_store_kept(k->context->store, k->claim, &state, &ignored) &&
-                    pen_adaptive_load(adaptive, state.data, state.bytes, build_of(k), earlier,
-                                      task->rgb, &ignored);
+    const struct pen_claim *claim = r->keeper.claim;
+    const bool ok =
+        pen_store_kept(r->keeper.context->store, claim, PEN_KEPT_STATE, &state, &ignored) &&
+        pen_adaptive_load(adaptive, state.data, state.bytes, build_of(r), earlier, task->rgb,
+                          &ignored);
     pen_buf_release(&state);
     if (ok) {
-        const struct pen_log_about about = pen_claim_about(k->claim);
+        const struct pen_log_about about = pen_claim_about(claim);
         const struct pen_adaptive_stats *a = &earlier->adaptive;
         pen_log_about(PEN_LOG_INFO, &about, "goes on after %d rounds and %d tiles", a->rounds,
                       a->round[a->rounds].tiles);
@@ -120,23 +95,22 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
                       const struct pen_render_task *task, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
-    const int64_t now_ns = pen_clock_ns();
-    struct keeper k = {.context = context, .claim = claim, .kept_ns = now_ns, .looked_ns = now_ns};
+    struct rounds r = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS)};
     struct pen_render_stats earlier = {0};
     struct pen_render_task rounds = *task;
     context->adaptive = pen_adaptive_new(task->settings, st);
     if (!context->adaptive)
         return false;
     if (task->deadline_ns == 0 && can_keep(context)) {
-        k.host = pen_host_json();
-        if (read_kept(&k, task, context->adaptive, &earlier))
+        r.host = pen_host_json();
+        if (read_kept(&r, task, context->adaptive, &earlier))
             rounds.earlier = &earlier;
         rounds.pause = pause_round;
         rounds.paused = keep;
-        rounds.pause_user = &k;
+        rounds.pause_user = &r;
     }
     const bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
     free(earlier.tile_ms);
-    json_decref(k.host);
+    json_decref(r.host);
     return ok;
 }

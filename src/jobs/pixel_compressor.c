@@ -160,8 +160,9 @@ static bool reserve(struct pen_pixel_compressor *p, const struct pen_tile_run *r
     size_t pixels = (size_t)tiles * (size_t)tile_pixels(run->settings);
     if (pixels > p->tiles_pixels) {
         free(p->tiles);
-        p->tiles = pixels <= SIZE_MAX / 3 / sizeof *p->tiles ? pen_memory_large(pixels * 3 * sizeof *p->tiles)
-                                                             : NULL;
+        p->tiles = pixels <= SIZE_MAX / 3 / sizeof *p->tiles
+                       ? pen_memory_large(pixels * 3 * sizeof *p->tiles)
+                       : NULL;
         p->tiles_pixels = p->tiles ? pixels : 0;
     }
     if (run->count > p->done_capacity) {

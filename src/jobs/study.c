@@ -1,14 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 #include "jobs/internal/study.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "film/film.h"
 #include "io/stats_json.h"
 #include "jobs/internal/stats.h"
 
-enum { PROGRESS_MS = 250 }; /* the shortest time between two reports of progress */
+enum { PROGRESS_MS = 250 };          /* the shortest time between two reports of progress */
+enum { KEEP_MS = 250, ASK_MS = 50 }; /* the shortest time between two states that are kept */
+
+static size_t picture_bytes(int width, int height)
+{
+    return 3 * (size_t)width * (size_t)height * sizeof(float);
+}
 
 static bool read_scene(struct pen_study *study, struct pen_status *st)
 {
@@ -45,13 +53,16 @@ static bool find_views(struct pen_study *study, struct pen_status *st)
 bool pen_study_begin(struct pen_study *study, struct pen_batch_context *context,
                      const struct pen_claim *claim, struct pen_status *st)
 {
-    *study = (struct pen_study){.context = context, .claim = claim};
+    *study = (struct pen_study){.context = context,
+                                .claim = claim,
+                                .keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS)};
     return read_scene(study, st) && find_views(study, st);
 }
 
 void pen_study_end(struct pen_study *study)
 {
     free(study->views);
+    json_decref(study->kept_state);
     pen_arena_free(study->arena);
 }
 
@@ -67,6 +78,88 @@ void pen_study_progress(void *user, int done, int total)
     pen_store_progress(store, study->claim, done, &ignored);
     if (pen_store_checkpoint_due(store)) /* no run is timed at this moment */
         pen_store_checkpoint(store, &ignored);
+}
+
+struct part_name {
+    char text[24];
+};
+
+static struct part_name name_of(int place)
+{
+    struct part_name name;
+    snprintf(name.text, sizeof name.text, "picture-%d", place);
+    return name;
+}
+
+/* Keeps a state with the pictures that the store does not have yet. */
+static bool keep_state(struct pen_study *study, const struct pen_unfinished *u, const char *state,
+                       int64_t begun_ns, bool *outranked)
+{
+    struct pen_kept_part parts[PEN_STUDY_PICTURES_MAX];
+    struct part_name names[PEN_STUDY_PICTURES_MAX];
+    struct pen_kept kept = {.done = u->done, .data = state, .bytes = strlen(state), .parts = parts};
+    for (int i = 0; i < u->picture_count; i++) {
+        const struct pen_study_picture *picture = &u->picture[i];
+        if (!picture->rgb || picture->hash == study->picture_hash[i])
+            continue;
+        names[i] = name_of(i);
+        parts[kept.part_count++] =
+            (struct pen_kept_part){.name = names[i].text,
+                                   .data = picture->rgb,
+                                   .bytes = picture_bytes(u->width, u->height)};
+    }
+    if (!pen_keeper_keep(&study->keeper, &kept, begun_ns, outranked))
+        return false;
+    for (int i = 0; i < u->picture_count; i++)
+        if (u->picture[i].rgb)
+            study->picture_hash[i] = u->picture[i].hash;
+    return true;
+}
+
+bool pen_study_keep(void *user, const struct pen_unfinished *unfinished)
+{
+    struct pen_study *study = user;
+    bool outranked;
+    if (!pen_keeper_is_due(&study->keeper, &outranked))
+        return true;
+    const int64_t begun_ns = pen_clock_ns();
+    json_t *json = unfinished->state(unfinished->study);
+    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    const bool ok = text && keep_state(study, unfinished, text, begun_ns, &outranked);
+    free(text);
+    json_decref(json);
+    return !ok || !outranked;
+}
+
+static bool read_picture(void *user, int place, uint64_t hash, int width, int height, float *rgb)
+{
+    struct pen_study *study = user;
+    struct pen_status ignored;
+    struct pen_buf picture = {0};
+    const struct pen_film film = {width, height, rgb};
+    const bool there = pen_store_kept(study->context->store, study->claim, name_of(place).text,
+                                      &picture, &ignored) &&
+                       picture.bytes == picture_bytes(width, height);
+    if (there)
+        memcpy(rgb, picture.data, picture.bytes);
+    pen_buf_release(&picture);
+    if (!there || pen_film_hash(&film) != hash)
+        return false;
+    study->picture_hash[place] = hash;
+    return true;
+}
+
+const struct pen_kept_study *pen_study_kept(struct pen_study *study)
+{
+    struct pen_buf text = {0};
+    struct pen_status ignored;
+    if (!study->kept_state &&
+        pen_store_kept(study->context->store, study->claim, PEN_KEPT_STATE, &text, &ignored))
+        study->kept_state = json_loadb((const char *)text.data, text.bytes, 0, NULL);
+    pen_buf_release(&text);
+    study->kept =
+        (struct pen_kept_study){.state = study->kept_state, .picture = read_picture, .user = study};
+    return &study->kept;
 }
 
 void pen_study_set_report(struct pen_batch_output *output)

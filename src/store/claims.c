@@ -141,6 +141,20 @@ struct keep {
     bool outranked;
 };
 
+/* Stores the state and the parts that come with it. */
+static bool put_kept(struct pen_store *store, const struct pen_batch_row *batch,
+                     const struct pen_kept *kept, struct pen_status *st)
+{
+    struct pen_artefact_key key = {
+        .job = batch->job, .view = batch->view, .layer = PEN_KEPT_LAYER, .format = PEN_KEPT_STATE};
+    bool ok = pen_put_artefact(store, &key, kept->data, kept->bytes, st);
+    for (int i = 0; ok && i < kept->part_count; i++) {
+        key.format = kept->parts[i].name;
+        ok = pen_put_artefact(store, &key, kept->parts[i].data, kept->parts[i].bytes, st);
+    }
+    return ok;
+}
+
 static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st)
 {
     struct keep *keep = arg;
@@ -153,13 +167,11 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
         return false;
     if (!held)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; what it kept was refused");
-    const struct pen_artefact_key key = {
-        .job = batch.job, .view = batch.view, .layer = PEN_KEPT_LAYER, .format = PEN_KEPT_FORMAT};
     progress.job = batch.job;
     progress.raise = batch.kind == PEN_BATCH_RENDER;
     store->changed = true;
     return (keep->kept->done < 0 || driver->ops->job_progress(driver, &progress, st)) &&
-           pen_put_artefact(store, &key, keep->kept->data, keep->kept->bytes, st) &&
+           put_kept(store, &batch, keep->kept, st) &&
            driver->ops->open_above(driver, keep->claim->batch, progress.now_ms, &keep->outranked,
                                    st);
 }

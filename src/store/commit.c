@@ -89,12 +89,10 @@ static bool count_down(struct pen_store *store, const struct commit *commit, str
 /* What the batch kept while it ran is of no more use. */
 static bool drop_kept(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
-    const struct pen_artefact_key key = {.job = commit->batch.job,
-                                         .view = commit->batch.view,
-                                         .layer = PEN_KEPT_LAYER,
-                                         .format = PEN_KEPT_FORMAT};
+    const struct pen_artefact_key key = {
+        .job = commit->batch.job, .view = commit->batch.view, .layer = PEN_KEPT_LAYER};
     return commit->batch.kind == PEN_BATCH_ASSEMBLE ||
-           store->driver->ops->artefact_drop(store->driver, &key, st);
+           store->driver->ops->artefacts_drop(store->driver, &key, st);
 }
 
 static bool write_result(struct pen_store *store, const struct commit *commit,

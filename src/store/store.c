@@ -267,11 +267,10 @@ bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim,
                      driver->ops->open_above(driver, claim->batch, now_ms, outranked, st));
 }
 
-bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, struct pen_buf *out,
-                    struct pen_status *st)
+bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, const char *name,
+                    struct pen_buf *out, struct pen_status *st)
 {
-    return pen_store_artefact(store, claim->job_id, claim->view, PEN_KEPT_LAYER, PEN_KEPT_FORMAT,
-                              out, st);
+    return pen_store_artefact(store, claim->job_id, claim->view, PEN_KEPT_LAYER, name, out, st);
 }
 
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,

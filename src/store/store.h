@@ -292,15 +292,25 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                         struct pen_status *st);
 
+/* A part of what a batch keeps that is written when it has changed, and not with every state. */
+struct pen_kept_part {
+    const char *name; /* anything but PEN_KEPT_STATE */
+    const void *data;
+    size_t bytes;
+};
+
 /* What a study or a view with a target error keeps, so that the next worker to claim it goes on
- * from there. */
+ * from there: a state, and parts, each of which stays until one of its name replaces it. */
 struct pen_kept {
     /* Runs, as for pen_store_progress; of a view that is one batch, pixels: readers see them as
      * done. Progress does not go back. Below 0: it stays as it is. */
     int64_t done;
     const void *data;
     size_t bytes;
+    const struct pen_kept_part *parts;
+    int part_count;
 };
+#define PEN_KEPT_STATE "state"
 
 /* Stores what the claim's batch keeps until its commit, in place of what it kept before, with its
  * progress, in one transaction. *outranked tells whether a batch of higher priority is open: then
@@ -312,10 +322,10 @@ bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
 
-/* Appends what the claim's batch has kept. Fails: PEN_NOT_FOUND (nothing yet), PEN_STORAGE
- * (damaged). */
-bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, struct pen_buf *out,
-                    struct pen_status *st);
+/* Appends what the claim's batch has kept: the part of that name, or PEN_KEPT_STATE. Fails:
+ * PEN_NOT_FOUND (nothing yet), PEN_STORAGE (damaged). */
+bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, const char *name,
+                    struct pen_buf *out, struct pen_status *st);
 
 /* Stores what rendering the claim's job is expected to take in all, for readers. Fails: PEN_STALE.
  */

@@ -10,9 +10,9 @@
 #include "film/flip.h"
 #include "film/metrics.h"
 #include "film/ssim.h"
-#include "render/forecast.h"
 #include "render/layers.h"
 #include "study/accuracy_summary.h"
+#include "study/host.h"
 #include "study/internal/accuracy_run.h"
 #include "study/internal/accuracy_words.h"
 #include "study/internal/calibration.h"
@@ -39,9 +39,8 @@ bool pen_accuracy_left_out(struct pen_accuracy *accuracy, json_t *text, struct p
            pen_fail(st, PEN_NO_MEMORY, "out of memory for a report");
 }
 
-/* Adds "ROW: WHY" to what was left out. */
-static bool leave_out(struct pen_accuracy_state *state, int row, const char *why,
-                      struct pen_status *st)
+bool pen_accuracy_leave_out(struct pen_accuracy_state *state, int row, const char *why,
+                            struct pen_status *st)
 {
     struct pen_buf name = {0};
     pen_accuracy_write_settings(state->task->rows[row].varied, &name);
@@ -67,24 +66,22 @@ static void count_run(struct pen_accuracy_state *state)
                        state->total);
 }
 
-bool pen_accuracy_render(struct pen_accuracy_state *state, const struct pen_settings *settings,
-                         float *rgb, bool tile_ms, struct pen_render_stats *stats,
-                         struct pen_status *st)
+bool pen_accuracy_end_run(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    count_run(state);
+    return pen_accuracy_between(state, st);
+}
+
+bool pen_accuracy_render(struct pen_accuracy_state *state, struct pen_render_task *render,
+                         struct pen_render_stats *stats, struct pen_status *st)
 {
     const struct pen_accuracy_task *task = state->task;
-    const struct pen_render_task render = {.scene = state->scene,
-                                           .view = task->view,
-                                           .settings = settings,
-                                           .tile_count = -1,
-                                           .rgb = rgb,
-                                           .cancel = task->cancel,
-                                           .pixel_begins = task->pixel_begins,
-                                           .pixel_user = task->pixel_user,
-                                           .keep_tile_ms = tile_ms};
-    if (!check_cancel(state, st) || !pen_render_run(task->pool, &render, stats, st))
-        return false;
-    count_run(state);
-    return true;
+    render->scene = state->scene;
+    render->view = task->view;
+    render->cancel = task->cancel;
+    render->pixel_begins = task->pixel_begins;
+    render->pixel_user = task->pixel_user;
+    return check_cancel(state, st) && pen_render_run(task->pool, render, stats, st);
 }
 
 /* A film on a picture's pixels. */
@@ -93,6 +90,12 @@ static struct pen_film film_of(const struct pen_accuracy_state *state, const flo
     return (struct pen_film){.width = state->task->settings->width,
                              .height = state->task->settings->height,
                              .rgb = (float *)(uintptr_t)rgb};
+}
+
+uint64_t pen_accuracy_hash(const struct pen_accuracy_state *state, const float *rgb)
+{
+    const struct pen_film film = film_of(state, rgb);
+    return pen_film_hash(&film);
 }
 
 bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *rgb,
@@ -119,44 +122,63 @@ bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *r
     return true;
 }
 
+/* Renders a row with the seed after its base seed by so many. The first picture is kept. */
+static bool render_row(struct pen_accuracy_state *state, int number, int seed,
+                       struct pen_render_stats *stats, struct pen_status *st)
+{
+    struct pen_settings settings = state->task->rows[number].settings;
+    settings.seed += (uint64_t)seed;
+    struct pen_render_task render = {.settings = &settings,
+                                     .tile_count = -1,
+                                     .rgb = seed == 0 ? state->out->row[number].rgb : state->target,
+                                     .keep_tile_ms = number == state->out->stats_row};
+    if (!pen_accuracy_render(state, &render, stats, st))
+        return false;
+    if (number == state->out->stats_row) {
+        free(state->out->stats.tile_ms);
+        state->out->stats = *stats;
+    }
+    return true;
+}
+
 /* One run of a row, with the seed after that of its last one. */
 static bool run_row(struct pen_accuracy_state *state, int number, struct pen_status *st)
 {
     struct pen_accuracy_row_result *row = &state->out->row[number];
-    struct pen_settings settings = state->task->rows[number].settings;
     struct pen_accuracy_run *run = &row->run[row->runs];
     struct pen_render_stats stats;
-    const bool first = row->runs == 0;
-    settings.seed += (uint64_t)row->runs;
-    if (!pen_accuracy_render(state, &settings, first ? row->rgb : state->target, number == 0,
-                             &stats, st))
+    if (!render_row(state, number, row->runs, &stats, st))
         return false;
     run->render_ms = stats.render_ms;
     row->runs++;
-    if (number == state->out->stats_row) {
-        free(state->out->stats.tile_ms);
-        state->out->stats = stats;
-    }
-    if (!first)
-        return pen_accuracy_measure(state, state->target, run->error, st);
-    const struct pen_film film = film_of(state, row->rgb);
+    if (row->runs > 1)
+        return pen_accuracy_measure(state, state->target, run->error, st) &&
+               pen_accuracy_end_run(state, st);
     row->rays = stats.rays;
     row->threads = stats.threads;
-    row->picture_hash = pen_film_hash(&film);
-    return true;
+    row->picture_hash = pen_accuracy_hash(state, row->rgb);
+    return pen_accuracy_end_run(state, st);
+}
+
+/* The first run of a process that goes on where another has ended; its time is thrown away. It is
+ * the last run of the row whose statistics are those of the study. */
+static bool go_on(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    const int row = state->out->stats_row, runs = state->out->row[row].runs;
+    struct pen_render_stats stats;
+    return runs == 0 || render_row(state, row, runs - 1, &stats, st);
 }
 
 /* The first pass: the rows that are not left out, without errors, since there is no reference yet.
- */
-static bool first_pass(struct pen_accuracy_state *state, const bool *wanted, struct pen_status *st)
+ * An earlier process may have made a part of it, or all. */
+static bool first_pass(struct pen_accuracy_state *state, struct pen_status *st)
 {
     int order[PEN_ACCURACY_ROWS_MAX];
     uint64_t random = state->task->settings->seed;
-    while (!wanted[state->out->stats_row]) /* one row is wanted */
-        state->out->stats_row++;
     pen_random_order(order, state->task->row_count, &random);
     for (int i = 0; i < state->task->row_count; i++) {
-        if (wanted[order[i]] && !run_row(state, order[i], st))
+        if (state->wanted[order[i]] && state->out->row[order[i]].runs == 0 &&
+            !run_row(state, order[i], st))
             return false;
     }
     return true;
@@ -185,154 +207,48 @@ static void put_front_first(const struct pen_accuracy *accuracy, int *order, int
     memcpy(order, sorted, (size_t)count * sizeof *order);
 }
 
-/* A further pass. If not all rows fit the time that is left, those of the front come first. */
-static bool next_pass(struct pen_accuracy_state *state, int pass, struct pen_status *st)
+/* Draws the order of a further pass. If not all rows fit the time that is left, those of the front
+ * come first. */
+static void draw_order(struct pen_accuracy_state *state)
 {
     const struct pen_accuracy_task *task = state->task;
-    int order[PEN_ACCURACY_ROWS_MAX];
-    uint64_t random = task->settings->seed + (uint64_t)pass * 0x632be59bd9b4e019u;
+    uint64_t random = task->settings->seed + (uint64_t)state->pass * 0x632be59bd9b4e019u;
     double all_ms = 0;
-    pen_random_order(order, task->row_count, &random);
+    pen_random_order(state->order, task->row_count, &random);
     for (int i = 0; i < task->row_count; i++)
         all_ms += state->out->row[i].runs > 0 ? run_ms(&state->out->row[i]) : 0;
     if (all_ms > pen_accuracy_left_ms(state))
-        put_front_first(state->out, order, task->row_count);
-    for (int i = 0; i < task->row_count; i++) {
-        const struct pen_accuracy_row_result *row = &state->out->row[order[i]];
-        if (row->runs > 0 && run_ms(row) <= pen_accuracy_left_ms(state) &&
-            !run_row(state, order[i], st))
+        put_front_first(state->out, state->order, task->row_count);
+}
+
+/* A further pass, or what an earlier process has left of it. */
+static bool make_pass(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    if (state->place == 0)
+        draw_order(state);
+    while (state->place < state->task->row_count) {
+        const int number = state->order[state->place++];
+        const struct pen_accuracy_row_result *row = &state->out->row[number];
+        if (row->runs > 0 && row->runs <= state->pass &&
+            run_ms(row) <= pen_accuracy_left_ms(state) && !run_row(state, number, st))
             return false;
     }
+    state->place = 0;
+    state->pass++;
     return true;
 }
 
 static bool further_passes(struct pen_accuracy_state *state, struct pen_status *st)
 {
     const struct pen_accuracy_task *task = state->task;
-    for (int pass = 1; pass < task->seeds; pass++)
-        if (!next_pass(state, pass, st))
+    while (state->pass < task->seeds)
+        if (!make_pass(state, st))
             return false;
     for (int i = 0; i < task->row_count; i++) {
         char why[64];
         const int runs = state->out->row[i].runs;
         snprintf(why, sizeof why, "%d of %d runs", task->seeds - runs, task->seeds);
-        if (runs > 0 && runs < task->seeds && !leave_out(state, i, why, st))
-            return false;
-    }
-    return true;
-}
-
-/* A forecast of one row's run, and what it has cost. */
-struct row_forecast {
-    struct pen_estimate ms;
-    double spent_ms;
-};
-
-static bool forecast_row(struct pen_accuracy_state *state, int row, struct row_forecast *out,
-                         struct pen_status *st)
-{
-    const struct pen_accuracy_task *task = state->task;
-    const struct pen_forecast_task forecast_task = {.scene = state->scene,
-                                                    .view = task->view,
-                                                    .settings = &task->rows[row].settings,
-                                                    .quick = true,
-                                                    .cancel = task->cancel,
-                                                    .pixel_begins = task->pixel_begins,
-                                                    .pixel_user = task->pixel_user};
-    struct pen_forecast forecast;
-    if (!pen_forecast_make(task->pool, &forecast_task, &forecast, st))
-        return false;
-    *out = (struct row_forecast){forecast.time_ms, forecast.spent_ms};
-    pen_forecast_release(&forecast);
-    return true;
-}
-
-/* The rays of a row by its counts; of one with a target error, those of its pilot. */
-static double work_of(const struct pen_accuracy_task *task, int row)
-{
-    const struct pen_settings s = pen_settings_sampling(&task->rows[row].settings);
-    return pen_work_per_pixel(task->desc, &s);
-}
-
-/* The rows by their work, the least first. */
-static void order_by_work(const struct pen_accuracy_task *task, int *order)
-{
-    for (int i = 0; i < task->row_count; i++) {
-        int at = i;
-        for (; at > 0 && work_of(task, order[at - 1]) > work_of(task, i); at--)
-            order[at] = order[at - 1];
-        order[at] = i;
-    }
-}
-
-/* What a row is expected to take if another took so long and it has so many times its work. */
-static struct row_forecast scaled(const struct row_forecast *forecast, double times)
-{
-    return (struct row_forecast){
-        {forecast->ms.expected * times, forecast->ms.low * times, forecast->ms.high * times},
-        forecast->spent_ms * times};
-}
-
-static void add_forecast(struct pen_accuracy_forecast *sum, const struct pen_estimate *ms,
-                         int times)
-{
-    sum->expected_ms += times * ms->expected;
-    sum->low_ms += times * ms->low;
-    sum->high_ms += times * ms->high;
-}
-
-/* Forecasts all rows, and the reference as so many times the dearest of them. A row whose forecast
- * alone would cost more than a tenth of the budget is expected to take as much longer than the one
- * before as it has more work. */
-static bool make_forecast(struct pen_accuracy_state *state, struct pen_status *st)
-{
-    const struct pen_accuracy_task *task = state->task;
-    struct row_forecast last = {{0, 0, 0}, 0}, dearest = last;
-    int order[PEN_ACCURACY_ROWS_MAX];
-    order_by_work(task, order);
-    for (int i = 0; i < task->row_count; i++) {
-        const int row = order[i];
-        struct row_forecast here =
-            i > 0 ? scaled(&last, work_of(task, row) / work_of(task, order[i - 1])) : last;
-        if (here.spent_ms <= task->budget_ms / 10 && !forecast_row(state, row, &here, st))
-            return false;
-        state->out->row[row].expected_ms = here.ms.expected;
-        add_forecast(&state->out->forecast, &here.ms, task->seeds);
-        if (here.ms.expected > dearest.ms.expected)
-            dearest = here;
-        last = here;
-    }
-    add_forecast(&state->out->forecast, &dearest.ms, PEN_ACCURACY_REFERENCE_RUNS);
-    if (task->forecast)
-        task->forecast(task->user, &state->out->forecast);
-    return true;
-}
-
-/* Chooses the rows that fit the budget, if each is run once and the reference takes as long as two
- * runs of the dearest: the dearest rows are left out, until that is so. One row stays. */
-static bool choose_rows(struct pen_accuracy_state *state, bool *wanted, struct pen_status *st)
-{
-    const struct pen_accuracy_task *task = state->task;
-    const struct pen_accuracy_row_result *rows = state->out->row;
-    for (int i = 0; i < task->row_count; i++)
-        wanted[i] = true;
-    for (int left = task->row_count; left > 1; left--) {
-        double sum = 0;
-        int dearest = -1;
-        for (int i = 0; i < task->row_count; i++) {
-            if (!wanted[i])
-                continue;
-            sum += rows[i].expected_ms;
-            if (dearest < 0 || rows[i].expected_ms > rows[dearest].expected_ms)
-                dearest = i;
-        }
-        if (sum + 2 * rows[dearest].expected_ms <= pen_accuracy_left_ms(state))
-            return true;
-        char why[80];
-        snprintf(why, sizeof why, "one run is expected to take %.3g s",
-                 rows[dearest].expected_ms / 1000);
-        wanted[dearest] = false;
-        if (!leave_out(state, dearest, why, st))
+        if (runs > 0 && runs < task->seeds && !pen_accuracy_leave_out(state, i, why, st))
             return false;
     }
     return true;
@@ -385,7 +301,8 @@ static bool allocate(struct pen_accuracy_state *state, struct pen_status *st)
     out->left_out = json_array();
     out->reference.rgb = malloc(bytes);
     state->target = malloc(bytes);
-    bool ok = out->row && out->left_out && out->reference.rgb && state->target;
+    state->host = task->between || task->kept ? pen_host_json() : json_null();
+    bool ok = out->row && out->left_out && out->reference.rgb && state->target && state->host;
     for (int i = 0; ok && i < task->row_count; i++) {
         out->row[i].run = calloc((size_t)task->seeds, sizeof *out->row[i].run);
         out->row[i].rgb = malloc(bytes);
@@ -437,6 +354,23 @@ static double calibrate(void)
     return ms[CALIBRATIONS / 2];
 }
 
+/* Plans the study, or goes on with what an earlier process has kept. */
+static bool begin(struct pen_accuracy_state *state, struct pen_status *st)
+{
+    const struct pen_accuracy_task *task = state->task;
+    const bool goes_on = task->kept && pen_accuracy_state_read(state, task->kept);
+    if (task->progress)
+        task->progress(task->user, state->done, state->total);
+    if (!goes_on) {
+        state->out->calibration_ms = calibrate();
+        if (!pen_accuracy_plan(state, st))
+            return false;
+    }
+    while (!state->wanted[state->out->stats_row]) /* one row is wanted */
+        state->out->stats_row++;
+    return !goes_on || go_on(state, st);
+}
+
 bool pen_accuracy_make(const struct pen_accuracy_task *task, struct pen_accuracy *out,
                        struct pen_status *st)
 {
@@ -446,19 +380,15 @@ bool pen_accuracy_make(const struct pen_accuracy_task *task, struct pen_accuracy
                                                  (size_t)task->settings->height,
                                        .begun_ns = pen_clock_ns(),
                                        .total = pen_accuracy_runs(task)};
-    bool wanted[PEN_ACCURACY_ROWS_MAX];
     *out = (struct pen_accuracy){.task = task, .began_ms = pen_clock_wall_ms()};
-    out->calibration_ms = calibrate();
-    bool ok = allocate(&state, st) && freeze(&state, st);
-    if (ok && task->progress)
-        task->progress(task->user, 0, state.total);
-    ok = ok && make_forecast(&state, st) && choose_rows(&state, wanted, st) &&
-         first_pass(&state, wanted, st) && pen_accuracy_make_reference(&state, st) &&
-         further_passes(&state, st) && make_cost(&state, st);
+    const bool ok = allocate(&state, st) && freeze(&state, st) && begin(&state, st) &&
+                    first_pass(&state, st) && pen_accuracy_make_reference(&state, st) &&
+                    further_passes(&state, st) && make_cost(&state, st);
     if (ok && task->progress)
         task->progress(task->user, state.total, state.total);
     out->spent_ms = (double)(pen_clock_ns() - state.begun_ns) * 1e-6;
     pen_scene_free(state.scene);
+    json_decref(state.host);
     free(state.target);
     return ok;
 }

@@ -30,6 +30,7 @@
 #include "base/buf.h"
 #include "io/scene_json.h"
 #include "render/render.h"
+#include "study/unfinished.h"
 
 /* How far a picture is from the reference: see film/metrics.h, ssim.h, flip.h. */
 enum pen_accuracy_metric {
@@ -102,6 +103,11 @@ struct pen_accuracy_task {
     /* Called between runs, with done = 0 before the first; may be NULL. */
     void (*progress)(void *user, int done, int total);
     void *user;
+    /* Called after each run and some times within the reference, also with `user`; may be NULL. */
+    pen_between_fn *between;
+    /* What an earlier process has kept; it is not used if it is of another study, host or build, or
+     * damaged. May be NULL. A process that goes on throws its first run away. */
+    const struct pen_kept_study *kept;
     /* As in pen_render_task; may be NULL. */
     void (*pixel_begins)(void *user, int thread, int x, int y);
     void *pixel_user;
@@ -140,8 +146,9 @@ int pen_accuracy_runs(const struct pen_accuracy_task *task);
 bool pen_accuracy_check(const struct pen_accuracy_task *task, const char *at,
                         struct pen_status *st);
 
-/* Makes the study. Owns: release *out in any case. Fails: PEN_NO_MEMORY, PEN_CANCELLED; as
- * pen_scene_freeze. Threads: one study per pool, and nothing else on that pool. */
+/* Makes the study. Owns: release *out in any case. Fails: PEN_NO_MEMORY, PEN_CANCELLED,
+ * PEN_UNAVAILABLE (`between` has ended it); as pen_scene_freeze. Threads: one study per pool, and
+ * nothing else on that pool. */
 bool pen_accuracy_make(const struct pen_accuracy_task *task, struct pen_accuracy *out,
                        struct pen_status *st);
 void pen_accuracy_release(struct pen_accuracy *accuracy);

@@ -13,10 +13,11 @@
 #include "film/encode.h"
 #include "study/internal/accuracy_run.h"
 
-enum { FACTOR = 8, FACTOR_MORE = 4, FACTOR_MAX = 128 };
+enum { FACTOR = 8, FACTOR_MORE = 4 };
 /* The samples of a pixel that count for a row with a target error, whatever they will be. */
 enum { ADAPTIVE_CAMERA = 32, ADAPTIVE_LIGHT = 16, ADAPTIVE_BLUR = 4 };
 enum { SEED_STEP = 1000000 }; /* beyond all seeds of rows */
+enum { AT_ONCE_MS = 5000 };   /* of a render, as long as it is expected to take */
 
 static const double most_of_best = 0.2; /* the reference's error over that of the best row */
 
@@ -102,6 +103,14 @@ static struct pen_settings settings_for(const struct pen_accuracy_state *state, 
     return s;
 }
 
+/* The same with the seed of the first of the two renders. */
+static struct pen_settings settings_of(const struct pen_accuracy_state *state, int factor)
+{
+    struct pen_settings s = settings_for(state, factor);
+    s.seed = state->task->settings->seed + SEED_STEP + (uint64_t)factor;
+    return s;
+}
+
 /* The rays of a pixel by their counts, as a measure of time. */
 static double work_of(const struct pen_accuracy_task *task, const struct pen_settings *s)
 {
@@ -159,24 +168,74 @@ static double difference(const float *a, const float *b, size_t values)
     return sqrt(sum / (double)values);
 }
 
-/* Renders the reference with so many times the samples, in place of an earlier one. */
+/* How many tiles of one render come between two times at which the study may be kept or end. */
+static int tiles_at_once(const struct pen_accuracy_state *state, int tiles)
+{
+    const double groups =
+        ceil(expected_ms(state, &state->out->reference.settings) / 2 / AT_ONCE_MS);
+    return groups > 1 && groups < tiles ? (int)ceil(tiles / groups) : groups > 1 ? 1 : tiles;
+}
+
+/* One of the two renders, or what an earlier process has left of it. It is cut into groups of
+ * tiles, since it may take longer than anything else in the study, and is not timed against other
+ * renders. */
+static bool render_half(struct pen_accuracy_state *state, const struct pen_settings *s, float *rgb,
+                        struct pen_status *st)
+{
+    const int all = pen_tile_count(s->width, s->height, s->tile),
+              at_once = tiles_at_once(state, all);
+    if (state->tiles == 0)
+        memset(rgb, 0, state->values * sizeof *rgb);
+    while (state->tiles < all) {
+        const int left = all - state->tiles;
+        struct pen_render_task render = {.settings = s,
+                                         .rgb = rgb,
+                                         .first_tile = state->tiles,
+                                         .tile_count = left < at_once ? left : at_once};
+        struct pen_render_stats stats;
+        if (!pen_accuracy_render(state, &render, &stats, st))
+            return false;
+        state->out->reference.render_ms += stats.render_ms;
+        state->tiles += render.tile_count;
+        state->half_hash[state->halves] = pen_accuracy_hash(state, rgb);
+        if (state->tiles < all && !pen_accuracy_between(state, st))
+            return false;
+    }
+    state->tiles = 0;
+    state->halves++;
+    return true;
+}
+
+/* Makes the mean of both renders, and estimates its error. */
+static void join_halves(struct pen_accuracy_state *state)
+{
+    struct pen_accuracy_reference *r = &state->out->reference;
+    r->error = difference(r->rgb, state->target, state->values) / 2;
+    for (size_t i = 0; i < state->values; i++)
+        r->rgb[i] = (float)(((double)r->rgb[i] + (double)state->target[i]) / 2);
+    state->half_hash[0] = pen_accuracy_hash(state, r->rgb);
+}
+
+/* Renders the reference with so many times the samples, in place of an earlier one; or what is left
+ * of it. */
 static bool render(struct pen_accuracy_state *state, int factor, struct pen_status *st)
 {
     struct pen_accuracy_reference *r = &state->out->reference;
-    struct pen_render_stats first, second;
     r->factor = factor;
-    r->settings = settings_for(state, factor);
+    r->settings = settings_of(state, factor);
     struct pen_settings other = r->settings;
-    r->settings.seed = state->task->settings->seed + SEED_STEP + (uint64_t)factor;
     other.seed = r->settings.seed + SEED_STEP;
-    if (!pen_accuracy_render(state, &r->settings, r->rgb, false, &first, st) ||
-        !pen_accuracy_render(state, &other, state->target, false, &second, st))
+    if (state->halves == 0 && state->tiles == 0)
+        r->render_ms = 0;
+    if (state->halves == 0 &&
+        (!render_half(state, &r->settings, r->rgb, st) || !pen_accuracy_end_run(state, st)))
         return false;
-    r->error = difference(r->rgb, state->target, state->values) / 2;
-    r->render_ms = first.render_ms + second.render_ms;
-    for (size_t i = 0; i < state->values; i++)
-        r->rgb[i] = (float)(((double)r->rgb[i] + (double)state->target[i]) / 2);
-    return true;
+    if (state->halves == 2)
+        return true;
+    if (!render_half(state, &other, state->target, st))
+        return false;
+    join_halves(state);
+    return pen_accuracy_end_run(state, st);
 }
 
 /* Compares the first picture of every row with the reference. Sets the least error of a row. */
@@ -214,23 +273,36 @@ static bool can_be_better(const struct pen_accuracy_state *state)
     const struct pen_accuracy_reference *r = &state->out->reference;
     const int factor = r->factor * FACTOR_MORE;
     const struct pen_settings s = settings_for(state, factor);
-    return factor <= FACTOR_MAX && fits(state, factor) &&
+    return factor <= PEN_ACCURACY_FACTOR_MAX && fits(state, factor) &&
            work_of(state->task, &s) > work_of(state->task, &r->settings);
+}
+
+/* The first factor to try; that of an earlier process, if it has begun. */
+static int first_factor(const struct pen_accuracy_state *state)
+{
+    int factor = FACTOR;
+    if (state->halves > 0 || state->tiles > 0)
+        return state->out->reference.factor;
+    while (factor > 1 && !fits(state, factor))
+        factor /= 2;
+    return factor;
 }
 
 bool pen_accuracy_make_reference(struct pen_accuracy_state *state, struct pen_status *st)
 {
     struct pen_accuracy_reference *r = &state->out->reference;
     double best;
-    int factor = FACTOR;
-    while (factor > 1 && !fits(state, factor))
-        factor /= 2;
-    if (!render(state, factor, st) || !measure_rows(state, &best, st))
+    if (state->pass > 0) {
+        r->settings = settings_of(state, r->factor);
+        return true;
+    }
+    if (!render(state, first_factor(state), st) || !measure_rows(state, &best, st))
         return false;
     while (r->error > most_of_best * best && can_be_better(state)) {
-        factor *= FACTOR_MORE;
-        if (!render(state, factor, st) || !measure_rows(state, &best, st))
+        state->halves = 0;
+        if (!render(state, r->factor * FACTOR_MORE, st) || !measure_rows(state, &best, st))
             return false;
     }
+    state->pass = 1;
     return note_short(state, best, st);
 }

@@ -4,13 +4,9 @@
  * process of the same host and build goes on, so no report mixes the times of two. */
 #include "study/internal/bench_state.h"
 
-#include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/clock.h"
 #include "io/json_build.h"
+#include "study/internal/kept_state.h"
 
 enum { VERSION = 1, TIMES = 6 };
 
@@ -54,22 +50,13 @@ static json_t *runs_json(const struct pen_bench_state *s)
     return pen_json_all(list, (size_t)s->slots);
 }
 
-static json_t *calibration_json(const struct pen_bench_state *s)
-{
-    const int count = run_count(s);
-    json_t *list = json_array();
-    for (int i = 0; i < count; i++)
-        json_array_append_new(list, json_real(s->result->calibration_ms[i]));
-    return pen_json_all(list, (size_t)count);
-}
-
 static json_t *rows_json(const struct pen_bench_state *s)
 {
     json_t *list = json_array();
     for (int row = 0; row < s->bench->row_count; row++)
         json_array_append_new(list,
                               json_pack("{s:i, s:o}", "threads", s->result->rows[row].stats.threads,
-                                        "hash", json_sprintf("%016" PRIx64, s->hash[row])));
+                                        "hash", pen_kept_hash(s->hash[row])));
     return pen_json_all(list, (size_t)s->bench->row_count);
 }
 
@@ -84,7 +71,8 @@ json_t *pen_bench_state_json(const struct pen_bench_state *s)
         s->slots, "passes", s->passes, "place", s->place, "repeats", result->repeats, "elapsed_ms",
         (double)(pen_clock_ns() - s->begun_ns) * 1e-6, "began_ms", (json_int_t)result->began_ms,
         "load_before", result->load_before, "breaks", result->breaks, "calibration",
-        calibration_json(s), "runs", runs_json(s), "rows", rows_json(s));
+        pen_kept_numbers(result->calibration_ms, run_count(s)), "runs", runs_json(s), "rows",
+        rows_json(s));
 }
 
 int pen_bench_state_done(const struct pen_bench_state *state)
@@ -92,40 +80,13 @@ int pen_bench_state_done(const struct pen_bench_state *state)
     return state->done;
 }
 
-/* A whole number from 0 to `most`; -1 if there is none. */
-static int whole(const json_t *kept, const char *key, int most)
-{
-    const json_t *value = json_object_get(kept, key);
-    const json_int_t number = json_integer_value(value);
-    return json_is_integer(value) && number >= 0 && number <= most ? (int)number : -1;
-}
-
 static bool is_same_benchmark(const struct pen_bench_state *s, const json_t *kept)
 {
     const json_int_t seed = json_integer_value(json_object_get(kept, "order_seed"));
-    return whole(kept, "version", VERSION) == VERSION &&
-           whole(kept, "warmup", s->bench->warmup) == s->bench->warmup &&
-           whole(kept, "slots", s->slots) == s->slots && seed == (json_int_t)s->bench->order_seed;
-}
-
-static bool is_same_host(const struct pen_bench_state *s, const json_t *kept)
-{
-    const int threads = pen_thread_pool_size(s->bench->pool);
-    return json_equal(json_object_get(kept, "host"), s->host) &&
-           whole(kept, "pool_threads", threads) == threads;
-}
-
-/* Whether a list has so many numbers. */
-static bool is_numbers(const json_t *list, int count)
-{
-    size_t i;
-    json_t *value;
-    json_array_foreach(list, i, value)
-    {
-        if (!json_is_number(value))
-            return false;
-    }
-    return json_is_array(list) && json_array_size(list) == (size_t)count;
+    return pen_kept_whole(kept, "version", VERSION) == VERSION &&
+           pen_kept_whole(kept, "warmup", s->bench->warmup) == s->bench->warmup &&
+           pen_kept_whole(kept, "slots", s->slots) == s->slots &&
+           seed == (json_int_t)s->bench->order_seed;
 }
 
 /* How far a kept benchmark is. */
@@ -137,9 +98,9 @@ struct counts {
 static bool read_counts(const struct pen_bench_state *s, const json_t *kept, struct counts *out)
 {
     const int warmup = s->bench->warmup;
-    *out = (struct counts){.passes = whole(kept, "passes", warmup + s->repeats_max),
-                           .place = whole(kept, "place", s->slots - 1),
-                           .repeats = whole(kept, "repeats", s->repeats_max)};
+    *out = (struct counts){.passes = pen_kept_whole(kept, "passes", warmup + s->repeats_max),
+                           .place = pen_kept_whole(kept, "place", s->slots - 1),
+                           .repeats = pen_kept_whole(kept, "repeats", s->repeats_max)};
     out->runs = out->repeats + is_within_repeat(out->passes, warmup, out->place);
     const int past = out->passes > warmup ? out->passes - warmup : 0;
     return out->passes >= 0 && out->place >= 0 && out->repeats == past &&
@@ -151,9 +112,9 @@ static bool has_lists(const struct pen_bench_state *s, const json_t *kept, int r
     const json_t *slots = json_object_get(kept, "runs"), *rows = json_object_get(kept, "rows");
     bool ok = json_array_size(slots) == (size_t)s->slots &&
               json_array_size(rows) == (size_t)s->bench->row_count &&
-              is_numbers(json_object_get(kept, "calibration"), runs);
+              pen_kept_is_numbers(json_object_get(kept, "calibration"), runs, false);
     for (int slot = 0; ok && slot < s->slots; slot++)
-        ok = is_numbers(json_array_get(slots, (size_t)slot), runs * TIMES);
+        ok = pen_kept_is_numbers(json_array_get(slots, (size_t)slot), runs * TIMES, false);
     return ok;
 }
 
@@ -178,9 +139,8 @@ static void read_rows(struct pen_bench_state *s, const json_t *rows)
 {
     for (int row = 0; row < s->bench->row_count; row++) {
         const json_t *kept = json_array_get(rows, (size_t)row);
-        const char *hash = json_string_value(json_object_get(kept, "hash"));
-        const int threads = whole(kept, "threads", pen_thread_pool_size(s->bench->pool));
-        s->hash[row] = hash ? strtoull(hash, NULL, 16) : 0;
+        const int threads = pen_kept_whole(kept, "threads", pen_thread_pool_size(s->bench->pool));
+        pen_kept_read_hash(json_object_get(kept, "hash"), &s->hash[row]);
         s->result->rows[row].stats.threads = threads > 0 ? threads : 0;
     }
 }
@@ -190,8 +150,9 @@ bool pen_bench_state_read(struct pen_bench_state *s, const json_t *kept)
     struct counts counts;
     struct pen_bench_result *result = s->result;
     const double elapsed_ms = json_number_value(json_object_get(kept, "elapsed_ms"));
-    if (!is_same_benchmark(s, kept) || !is_same_host(s, kept) || !read_counts(s, kept, &counts) ||
-        !has_lists(s, kept, counts.runs) || !(elapsed_ms >= 0 && elapsed_ms < 1e12))
+    if (!is_same_benchmark(s, kept) || !pen_kept_is_of_host(kept, s->host, s->bench->pool) ||
+        !read_counts(s, kept, &counts) || !has_lists(s, kept, counts.runs) ||
+        !(elapsed_ms >= 0 && elapsed_ms < 1e12))
         return false;
     s->passes = counts.passes;
     s->place = counts.place;
@@ -200,7 +161,7 @@ bool pen_bench_state_read(struct pen_bench_state *s, const json_t *kept)
     result->repeats = counts.repeats;
     result->began_ms = json_integer_value(json_object_get(kept, "began_ms"));
     result->load_before = json_number_value(json_object_get(kept, "load_before"));
-    result->breaks = whole(kept, "breaks", 1 << 30) + 1;
+    result->breaks = pen_kept_whole(kept, "breaks", 1 << 30) + 1;
     for (int i = 0; i < counts.runs; i++)
         result->calibration_ms[i] =
             json_number_value(json_array_get(json_object_get(kept, "calibration"), (size_t)i));

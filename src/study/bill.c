@@ -7,7 +7,14 @@
 #include "base/clock.h"
 #include "film/flip.h"
 #include "film/metrics.h"
+#include "study/host.h"
+#include "study/internal/bill_state.h"
 #include "study/leave_out.h"
+
+static int runs_of(const struct pen_bill *bill)
+{
+    return bill->rows * (bill->task->repeats + 1);
+}
 
 /* The bytes of a film. */
 static size_t film_bytes(const struct pen_settings *s)
@@ -52,7 +59,7 @@ static bool render_row(struct pen_bill *bill, const struct pen_scene *scene,
     return true;
 }
 
-/* Renders a row once; pass -1 is the one to warm up. */
+/* Renders a row once; pass -1 is to warm up. */
 static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
                     struct pen_status *st)
 {
@@ -189,21 +196,46 @@ static bool finish_rows(struct pen_bill *bill, struct pen_status *st)
     return true;
 }
 
+/* Makes the next run, counts it, and asks whether to go on. A row's picture is the same in every
+ * pass, so it has its hash from the first. */
+static bool next_run(struct pen_bill *bill, struct pen_status *st)
+{
+    const struct pen_bill_task *task = bill->task;
+    const int pass = bill->done / bill->rows - 1;
+    struct pen_bill_row *row = &bill->row[bill->done % bill->rows];
+    if (!run_row(bill, row, pass, st))
+        return false;
+    if (pass < 0 && task->between) {
+        const struct pen_film film = {task->settings->width, task->settings->height, row->rgb};
+        row->hash = pen_film_hash(&film);
+    }
+    bill->done++;
+    if (task->progress)
+        task->progress(task->user, bill->done, runs_of(bill));
+    return pen_bill_between(bill, st);
+}
+
+/* Goes on with what an earlier process has kept, if it is of use. Then the first run, of the whole
+ * scene, is thrown away. */
+static bool begin(struct pen_bill *bill, struct pen_status *st)
+{
+    const struct pen_bill_task *task = bill->task;
+    bill->host = task->between || task->kept ? pen_host_json() : json_null();
+    if (!bill->host)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory for a bill");
+    const bool goes_on = task->kept && pen_bill_state_read(bill, task->kept);
+    if (task->progress)
+        task->progress(task->user, bill->done, runs_of(bill));
+    return !goes_on || run_row(bill, &bill->row[0], -1, st);
+}
+
 bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, struct pen_status *st)
 {
     *bill = (struct pen_bill){.task = task};
-    if (!add_rows(bill, st))
-        return false;
-    const int total = bill->rows * (task->repeats + 1);
-    for (int i = 0; i < total; i++) {
-        if (task->progress)
-            task->progress(task->user, i, total);
-        if (!run_row(bill, &bill->row[i % bill->rows], i / bill->rows - 1, st))
-            return false;
-    }
-    if (task->progress)
-        task->progress(task->user, total, total);
-    return finish_rows(bill, st);
+    bool ok = add_rows(bill, st) && begin(bill, st);
+    while (ok && bill->done < runs_of(bill))
+        ok = next_run(bill, st);
+    return ok && finish_rows(bill, st);
 }
 
 void pen_bill_release(struct pen_bill *bill)
@@ -214,5 +246,7 @@ void pen_bill_release(struct pen_bill *bill)
     }
     free(bill->whole.tile_ms);
     bill->whole.tile_ms = NULL;
+    json_decref(bill->host);
+    bill->host = NULL;
     bill->rows = 0;
 }

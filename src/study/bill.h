@@ -10,6 +10,7 @@
 #include "base/buf.h"
 #include "io/scene_json.h"
 #include "render/render.h"
+#include "study/unfinished.h"
 
 struct pen_bill_row {
     unsigned effect; /* the one that is left out; 0: none */
@@ -19,7 +20,8 @@ struct pen_bill_row {
     const char *kernel;
     /* From the whole picture: film/metrics.h, and the mean of film/flip.h. */
     double rmse, max_error, flip;
-    float *rgb; /* the picture */
+    float *rgb;    /* the picture */
+    uint64_t hash; /* of it: pen_film_hash; only where it is kept */
 };
 
 /* What to do; everything is borrowed. */
@@ -33,6 +35,11 @@ struct pen_bill_task {
     /* Called between runs, with done = 0 before the first; may be NULL. */
     void (*progress)(void *user, int done, int total);
     void *user;
+    /* Called after each run, also with `user`; may be NULL. */
+    pen_between_fn *between;
+    /* What an earlier process has kept; it is not used if it is of another bill, host or build, or
+     * damaged. May be NULL. A process that goes on throws its first run away. */
+    const struct pen_kept_study *kept;
     /* As in pen_render_task; may be NULL. */
     void (*pixel_begins)(void *user, int thread, int x, int y);
     void *pixel_user;
@@ -42,6 +49,8 @@ struct pen_bill {
     const struct pen_bill_task *task;
     struct pen_bill_row row[PEN_FX_COUNT + 1]; /* row 0 has all effects */
     int rows;
+    int done;     /* runs, also those to warm up */
+    json_t *host; /* of this process; null unless the bill may be kept */
     /* Of the last render with all effects. */
     struct pen_render_stats whole;
     struct pen_accel_stats accel;
@@ -69,8 +78,8 @@ bool pen_bill_check(const struct pen_limits *limits, const struct pen_scene_desc
                     const struct pen_settings *settings, int repeats, const char *at,
                     struct pen_status *st);
 
-/* Makes the bill. Owns: release *bill in any case. Fails: PEN_NO_MEMORY, PEN_CANCELLED; as
- * pen_scene_freeze. */
+/* Makes the bill. Owns: release *bill in any case. Fails: PEN_NO_MEMORY, PEN_CANCELLED,
+ * PEN_UNAVAILABLE (`between` has ended it); as pen_scene_freeze. */
 bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, struct pen_status *st);
 void pen_bill_release(struct pen_bill *bill);
 

@@ -232,6 +232,34 @@ START_TEST(test_driver_blobs__artefact_is_replaced_by_another_of_its_key)
 }
 END_TEST
 
+START_TEST(test_driver_blobs__artefacts_of_a_layer_are_dropped_together)
+{
+    driver_bed_open(&bed, _i);
+    const int64_t job = driver_submit_new(bed.driver, 1, 2, 1, 0).number;
+    const struct pen_artefact_key layer = {.job = job, .view = 0, .layer = "depth"};
+    const struct pen_artefact_key gone[] = {{job, 0, "depth", "pfm"}, {job, 0, "depth", "png"}};
+    const struct pen_artefact_key left[] = {{job, 1, "depth", "pfm"}, {job, 0, "beauty", "pfm"}};
+    struct pen_artefact_row row;
+    int64_t number[2];
+    bool found = true;
+    fill(16);
+    for (int i = 0; i < 2; i++) {
+        put(&gone[i], i, RANGE + 3);
+        number[i] = put(&left[i], i, 30);
+    }
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, artefacts_drop, &layer);
+    DRIVER_DO(bed.driver, artefacts_drop, &layer); /* nothing is there */
+    DRIVER_RUN(bed.driver, commit);
+    for (int i = 0; i < 2; i++) {
+        DRIVER_DO(bed.driver, artefact_find, &gone[i], &row, &found);
+        ck_assert(!found);
+        expect_artefact(&left[i], number[i], i, 30);
+    }
+    driver_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_driver_blobs__scene_of_a_job_is_found)
 {
     struct store_job in;
@@ -365,6 +393,7 @@ DRIVER_SUITE("driver: blobs", test_driver_blobs__scenes_are_read_as_written,
              test_driver_blobs__range_beyond_the_end_is_not_written,
              test_driver_blobs__unfinished_blob_is_rolled_back,
              test_driver_blobs__artefact_is_replaced_by_another_of_its_key,
+             test_driver_blobs__artefacts_of_a_layer_are_dropped_together,
              test_driver_blobs__scene_of_a_job_is_found,
              test_driver_blobs__pixels_of_a_view_are_listed_in_order,
              test_driver_blobs__statistics_are_listed_in_order,

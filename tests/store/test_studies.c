@@ -164,19 +164,30 @@ END_TEST
 
 static bool keep(const struct pen_claim *claim, int64_t done, const char *text)
 {
-    const struct pen_kept kept = {done, text, strlen(text)};
+    const struct pen_kept kept = {.done = done, .data = text, .bytes = strlen(text)};
     bool outranked = false;
     store_must(pen_store_keep(bed.store, claim, &kept, &outranked, &st), &st, "keep");
     return outranked;
 }
 
-static void expect_kept(const struct pen_claim *claim, const char *text)
+/* What is kept under a name; NULL: nothing. */
+static void expect_part(const struct pen_claim *claim, const char *name, const char *text)
 {
     struct pen_buf kept = {0};
-    store_must(pen_store_kept(bed.store, claim, &kept, &st), &st, "kept");
+    if (!text) {
+        ck_assert(!pen_store_kept(bed.store, claim, name, &kept, &st));
+        ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+        return;
+    }
+    store_must(pen_store_kept(bed.store, claim, name, &kept, &st), &st, name);
     ck_assert_uint_eq(kept.bytes, strlen(text));
     ck_assert_mem_eq(kept.data, text, kept.bytes);
     pen_buf_release(&kept);
+}
+
+static void expect_kept(const struct pen_claim *claim, const char *text)
+{
+    expect_part(claim, PEN_KEPT_STATE, text);
 }
 
 START_TEST(test_studies__what_is_kept_is_there_for_the_next_worker)
@@ -185,7 +196,7 @@ START_TEST(test_studies__what_is_kept_is_there_for_the_next_worker)
     store_bed_open(&bed);
     submit_study(1);
     struct pen_claim claim = store_claim(bed.store, "w");
-    ck_assert(!pen_store_kept(bed.store, &claim, &none, &st));
+    ck_assert(!pen_store_kept(bed.store, &claim, PEN_KEPT_STATE, &none, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert(!keep(&claim, 3, "three"));
     ck_assert(!keep(&claim, 5, "five"));
@@ -195,13 +206,41 @@ START_TEST(test_studies__what_is_kept_is_there_for_the_next_worker)
     store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
     struct pen_claim again = store_claim(bed.store, "v");
     expect_kept(&again, "five");
-    const struct pen_kept late = {7, "late", 4};
+    const struct pen_kept late = {.done = 7, .data = "late", .bytes = 4};
     bool outranked;
     ck_assert(!pen_store_keep(bed.store, &claim, &late, &outranked, &st));
     ck_assert_int_eq(st.code, PEN_STALE);
     expect_kept(&again, "five");
     store_audit_clean(bed.store);
     ck_assert_int_eq(store_commit(bed.store, &again), PEN_OK);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_studies__parts_stay_until_they_are_replaced_or_committed)
+{
+    const struct pen_kept_part both[] = {{"a", "one", 3}, {"b", "two", 3}};
+    const struct pen_kept_part later[] = {{"b", "three", 5}};
+    struct pen_kept kept = {.data = "1", .bytes = 1, .parts = both, .part_count = 2};
+    bool outranked;
+    store_bed_open(&bed);
+    submit_study(1);
+    const struct pen_claim claim = store_claim(bed.store, "w");
+    store_must(pen_store_keep(bed.store, &claim, &kept, &outranked, &st), &st, "keep");
+    kept = (struct pen_kept){.data = "2", .bytes = 1, .parts = later, .part_count = 1};
+    store_must(pen_store_keep(bed.store, &claim, &kept, &outranked, &st), &st, "keep");
+    store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+    const struct pen_claim again = store_claim(bed.store, "v");
+    kept.parts = both;
+    ck_assert(!pen_store_keep(bed.store, &claim, &kept, &outranked, &st));
+    ck_assert_int_eq(st.code, PEN_STALE);
+    expect_kept(&again, "2");
+    expect_part(&again, "a", "one");
+    expect_part(&again, "b", "three");
+    ck_assert_int_eq(store_commit(bed.store, &again), PEN_OK);
+    expect_part(&again, PEN_KEPT_STATE, NULL);
+    expect_part(&again, "a", NULL);
+    expect_part(&again, "b", NULL);
     store_bed_close(&bed);
 }
 END_TEST
@@ -294,6 +333,7 @@ PEN_SUITE("studies", test_studies__commit_stores_the_report_and_ends_the_job,
           test_studies__next_claim_of_a_commit_may_be_one,
           test_studies__progress_is_seen_and_fenced,
           test_studies__what_is_kept_is_there_for_the_next_worker,
+          test_studies__parts_stay_until_they_are_replaced_or_committed,
           test_studies__keeping_tells_of_batches_of_higher_priority,
           test_studies__cancel_in_the_middle_leaves_a_sound_store,
           test_studies__crashes_are_charged_although_progress_was_stored,

@@ -2,13 +2,17 @@
 /* What the studies of a worker have in common: they describe the job's scene and find its views
  * themselves, instead of taking a frozen scene from the cache, and store their progress in runs.
  *
- * A study is one batch. A benchmark keeps what it has measured in the store; of other studies the
- * times are lost when a worker dies, and the next worker measures again. Progress is stored between
- * runs, never during one. */
+ * A study is one batch. Between two runs, never during one, its progress is stored, and what it has
+ * measured is kept (study/unfinished.h), so that a worker that ends loses a run and not the study.
+ * When a batch of higher priority waits, a study that is kept is given back, to go on later. An
+ * explanation, which is short, is not kept. Runs may last milliseconds: so nothing is kept more
+ * than four times a second, nor for more than a twentieth of the time. */
 #ifndef PEN_JOBS_INTERNAL_STUDY_H
 #define PEN_JOBS_INTERNAL_STUDY_H
 
 #include "jobs/internal/batch.h"
+#include "jobs/internal/keep.h"
+#include "study/unfinished.h"
 
 struct pen_study {
     struct pen_batch_context *context;
@@ -18,6 +22,10 @@ struct pen_study {
     int *views; /* of the job, numbers of views of desc: context->request.view_count */
     double parse_ms;
     int64_t progress_ns; /* when progress was last stored */
+    struct pen_keeper keeper;
+    struct pen_kept_study kept;                    /* by an earlier worker */
+    json_t *kept_state;                            /* kept.state */
+    uint64_t picture_hash[PEN_STUDY_PICTURES_MAX]; /* by place: of what the store has; 0: nothing */
 };
 
 /* Reads the scene and finds the views. Owns: end *study after success and failure alike. Fails: as
@@ -29,6 +37,14 @@ void pen_study_end(struct pen_study *study);
 /* Stores how many runs are done; `user` is the study. A failure is ignored: the next call may
  * succeed, and the heartbeat notices a lost lease. */
 void pen_study_progress(void *user, int done, int total);
+
+/* Keeps the study, if that is due: pen_between_fn; `user` is the study. A failure is ignored, as
+ * above. */
+bool pen_study_keep(void *user, const struct pen_unfinished *unfinished);
+
+/* What an earlier worker has kept of the study. What is damaged counts as nothing, for which
+ * `state` is NULL. Owns: the study. */
+const struct pen_kept_study *pen_study_kept(struct pen_study *study);
 
 /* Names output->artefact as the report that is stored with the commit. */
 void pen_study_set_report(struct pen_batch_output *output);

@@ -334,9 +334,9 @@ struct pen_driver_ops {
                          struct pen_status *st);
     bool (*artefact_find)(struct pen_driver *driver, const struct pen_artefact_key *key,
                           struct pen_artefact_row *artefact, bool *found, struct pen_status *st);
-    /* Removes an artefact, if there is one. */
-    bool (*artefact_drop)(struct pen_driver *driver, const struct pen_artefact_key *key,
-                          struct pen_status *st);
+    /* Removes the artefacts of a layer of a view, in any format. */
+    bool (*artefacts_drop)(struct pen_driver *driver, const struct pen_artefact_key *key,
+                           struct pen_status *st);
     bool (*scene_of_job)(struct pen_driver *driver, const char *id, int64_t *number, size_t *bytes,
                          bool *found, struct pen_status *st);
     bool (*stats_page)(struct pen_driver *driver, int64_t job, int64_t after,

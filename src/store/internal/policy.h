@@ -55,9 +55,8 @@ bool pen_blob_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t n
 bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t number, size_t bytes,
                    struct pen_status *st);
 
-/* What a batch keeps is an artefact of its view, under these names. */
+/* What a batch keeps are artefacts of its view, in this layer; each part's name is its format. */
 #define PEN_KEPT_LAYER "kept"
-#define PEN_KEPT_FORMAT "state"
 
 /* Stores an artefact; inside a transaction. */
 bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key, const void *data,

@@ -145,11 +145,16 @@ bool pen_sqlite_pixels_page(struct pen_driver *driver, int64_t job, int view, in
     return ok;
 }
 
-static void bind_artefact(struct pen_sqlite_query *query, const struct pen_artefact_key *key)
+static void bind_layer(struct pen_sqlite_query *query, const struct pen_artefact_key *key)
 {
     pen_sqlite_int(query, key->job);
     pen_sqlite_int(query, key->view);
     pen_sqlite_text(query, key->layer);
+}
+
+static void bind_artefact(struct pen_sqlite_query *query, const struct pen_artefact_key *key)
+{
+    bind_layer(query, key);
     pen_sqlite_text(query, key->format);
 }
 
@@ -170,11 +175,11 @@ bool pen_sqlite_artefact_put(struct pen_driver *driver, const struct pen_artefac
     return pen_sqlite_run(&query, st) && write_start(driver, PEN_BLOB_ARTEFACT, *number, data, st);
 }
 
-bool pen_sqlite_artefact_drop(struct pen_driver *driver, const struct pen_artefact_key *key,
-                              struct pen_status *st)
+bool pen_sqlite_artefacts_drop(struct pen_driver *driver, const struct pen_artefact_key *key,
+                               struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_ARTEFACT_DROP);
-    bind_artefact(&query, key);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_ARTEFACTS_DROP);
+    bind_layer(&query, key);
     return pen_sqlite_run(&query, st);
 }
 

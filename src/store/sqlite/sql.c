@@ -145,8 +145,7 @@ static const char *const sql_text[] = {
                          " RETURNING id",
     [SQL_ARTEFACT_FIND] = "SELECT id, checksum, length(data) FROM artefact"
                           " WHERE job = ? AND view = ? AND layer = ? AND format = ?",
-    [SQL_ARTEFACT_DROP] = "DELETE FROM artefact WHERE job = ? AND view = ? AND layer = ?"
-                          " AND format = ?",
+    [SQL_ARTEFACTS_DROP] = "DELETE FROM artefact WHERE job = ? AND view = ? AND layer = ?",
     [SQL_STATS_PAGE] = "SELECT id, view, kind, done_ms, stats FROM batch"
                        " WHERE job = ? AND id > ? AND state = 2 AND stats IS NOT NULL"
                        " ORDER BY id LIMIT ?",

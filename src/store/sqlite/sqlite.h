@@ -68,7 +68,7 @@ enum pen_sqlite_sql {
     SQL_PIXELS_PAGE,
     SQL_ARTEFACT_PUT,
     SQL_ARTEFACT_FIND,
-    SQL_ARTEFACT_DROP,
+    SQL_ARTEFACTS_DROP,
     SQL_STATS_PAGE,
     SQL_BATCH_PAGE,
     SQL_COMMIT_PAGE,
@@ -294,7 +294,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(pixels_page)                                                                                \
     OP(artefact_put)                                                                               \
     OP(artefact_find)                                                                              \
-    OP(artefact_drop)                                                                              \
+    OP(artefacts_drop)                                                                             \
     OP(scene_of_job)                                                                               \
     OP(stats_page)                                                                                 \
     OP(batch_page)                                                                                 \

@@ -5,6 +5,9 @@
 
 #include "study/accuracy.h"
 
+/* The most times the samples of the longest row that a reference may have. */
+enum { PEN_ACCURACY_FACTOR_MAX = 128 };
+
 /* A study that is being made. */
 struct pen_accuracy_state {
     const struct pen_accuracy_task *task;
@@ -12,26 +15,54 @@ struct pen_accuracy_state {
     struct pen_scene *scene;
     size_t values; /* of a picture: 3 * width * height */
     float *target; /* to render into: so many values */
+    json_t *host;  /* of this process; null unless the study may be kept */
     int64_t begun_ns;
-    int done, total; /* runs */
+    int done, total;                    /* runs */
+    bool wanted[PEN_ACCURACY_ROWS_MAX]; /* by row: it is not left out */
+    /* Of the reference: its whole renders, 0 to 2, and the finished tiles of the one after these.
+     * The first is rendered into the reference's rgb, the second into target; when it is whole, the
+     * reference's rgb is the mean. */
+    int halves, tiles;
+    uint64_t half_hash[2]; /* of what these pictures have, once there are halves or tiles */
+    int pass;  /* the further one that is being made; 0: the reference is not finished */
+    int place; /* the rows that it has visited */
+    int order[PEN_ACCURACY_ROWS_MAX]; /* of that pass, if place is not 0 */
 };
 
 /* The time that is left of the budget, which may be below 0. Units: ms. */
 double pen_accuracy_left_ms(const struct pen_accuracy_state *state);
 
-/* Renders the view into rgb, and counts a run. *stats has no times of tiles unless they are asked
- * for. Fails: PEN_CANCELLED, PEN_NO_MEMORY. */
-bool pen_accuracy_render(struct pen_accuracy_state *state, const struct pen_settings *settings,
-                         float *rgb, bool tile_ms, struct pen_render_stats *stats,
-                         struct pen_status *st);
+/* Renders tiles of the view: the task has settings, tiles and rgb. Fails: PEN_CANCELLED,
+ * PEN_NO_MEMORY. */
+bool pen_accuracy_render(struct pen_accuracy_state *state, struct pen_render_task *render,
+                         struct pen_render_stats *stats, struct pen_status *st);
+
+/* Lets the caller keep the study, outside of runs, and counts a run before that. Fails:
+ * PEN_UNAVAILABLE, if the study is to end here. */
+bool pen_accuracy_between(struct pen_accuracy_state *state, struct pen_status *st);
+bool pen_accuracy_end_run(struct pen_accuracy_state *state, struct pen_status *st);
+
+/* Takes over what an earlier process has kept, if it is of this study, host, build and number of
+ * threads, and whole; else the state stays new. Returns whether it did. */
+bool pen_accuracy_state_read(struct pen_accuracy_state *state, const struct pen_kept_study *kept);
+
+/* pen_film_hash of a picture. */
+uint64_t pen_accuracy_hash(const struct pen_accuracy_state *state, const float *rgb);
+
+/* Forecasts all rows, and chooses those that fit the budget. Fails: as pen_forecast_make. */
+bool pen_accuracy_plan(struct pen_accuracy_state *state, struct pen_status *st);
 
 /* Compares a picture with the reference by all metrics. Fails: PEN_NO_MEMORY. */
 bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *rgb,
                           double error[PEN_METRIC_COUNT], struct pen_status *st);
 
-/* Makes the reference, and sets the errors of all rows' first runs. Fails: PEN_CANCELLED,
- * PEN_NO_MEMORY. */
+/* Makes the reference, or what an earlier process has left of it, and sets the errors of all rows'
+ * first runs. Fails: PEN_CANCELLED, PEN_UNAVAILABLE, PEN_NO_MEMORY. */
 bool pen_accuracy_make_reference(struct pen_accuracy_state *state, struct pen_status *st);
+
+/* Adds "ROW: WHY" to what was left out. Fails: PEN_NO_MEMORY. */
+bool pen_accuracy_leave_out(struct pen_accuracy_state *state, int row, const char *why,
+                            struct pen_status *st);
 
 /* Adds a sentence about what was left out. Takes the reference to `text`. Fails: PEN_NO_MEMORY. */
 bool pen_accuracy_left_out(struct pen_accuracy *accuracy, json_t *text, struct pen_status *st);
