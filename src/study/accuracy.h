@@ -108,6 +108,9 @@ struct pen_accuracy_task {
     /* What an earlier process has kept; it is not used if it is of another study, host or build, or
      * damaged. May be NULL. A process that goes on throws its first run away. */
     const struct pen_kept_study *kept;
+    /* How long the reference is rendered between two calls of `between`, as it is expected; 0: 5 s.
+     */
+    double at_once_ms;
     /* As in pen_render_task; may be NULL. */
     void (*pixel_begins)(void *user, int thread, int x, int y);
     void *pixel_user;

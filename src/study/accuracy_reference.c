@@ -17,8 +17,8 @@ enum { FACTOR = 8, FACTOR_MORE = 4 };
 /* The samples of a pixel that count for a row with a target error, whatever they will be. */
 enum { ADAPTIVE_CAMERA = 32, ADAPTIVE_LIGHT = 16, ADAPTIVE_BLUR = 4 };
 enum { SEED_STEP = 1000000 }; /* beyond all seeds of rows */
-enum { AT_ONCE_MS = 5000 };   /* of a render, as long as it is expected to take */
 
+static const double default_at_once_ms = 5000;
 static const double most_of_best = 0.2; /* the reference's error over that of the best row */
 
 /* The most samples that a pixel has in a row. */
@@ -171,9 +171,11 @@ static double difference(const float *a, const float *b, size_t values)
 /* How many tiles of one render come between two times at which the study may be kept or end. */
 static int tiles_at_once(const struct pen_accuracy_state *state, int tiles)
 {
-    const double groups =
-        ceil(expected_ms(state, &state->out->reference.settings) / 2 / AT_ONCE_MS);
-    return groups > 1 && groups < tiles ? (int)ceil(tiles / groups) : groups > 1 ? 1 : tiles;
+    const double asked_ms = state->task->at_once_ms,
+                 at_once_ms = asked_ms > 0 ? asked_ms : default_at_once_ms,
+                 ms = expected_ms(state, &state->out->reference.settings) / 2,
+                 groups = fmin(ceil(ms / at_once_ms), tiles);
+    return groups > 1 ? (int)ceil(tiles / groups) : tiles;
 }
 
 /* One of the two renders, or what an earlier process has left of it. It is cut into groups of

@@ -11,6 +11,7 @@
 #include "study/accuracy_summary.h"
 #include "support/kit.h"
 #include "support/suite.h"
+#include "support/unfinished.h"
 
 enum { THREADS = 2 };
 
@@ -332,10 +333,152 @@ START_TEST(test_accuracy__targets_and_depths_are_rows)
 }
 END_TEST
 
+static const char steps[] = "{\"ladder\": {\"light_samples\": [1, 4, 16]}, \"seeds\": 3}";
+
+/* A study that is never short of time, whose reference may be interrupted after each tile. */
+static struct pen_accuracy_task patient_task(void)
+{
+    make_scene();
+    kit.settings.tile = 16;
+    struct pen_accuracy_task task = task_of(steps);
+    task.budget_ms = 1e9;
+    task.at_once_ms = 1e-6;
+    task.metric = PEN_METRIC_RMSE;
+    return task;
+}
+
+static void check_same_row(const struct pen_accuracy_row_result *a,
+                           const struct pen_accuracy_row_result *b)
+{
+    ck_assert_int_eq(b->runs, a->runs);
+    ck_assert_uint_eq(b->picture_hash, a->picture_hash);
+    ck_assert_int_eq(b->threads, a->threads);
+    ck_assert_mem_eq(&b->rays, &a->rays, sizeof a->rays);
+    ck_assert_mem_eq(b->rgb, a->rgb, 3 * 48 * 36 * sizeof *a->rgb);
+    for (int run = 0; run < a->runs; run++) {
+        ck_assert(b->run[run].render_ms > 0);
+        for (int m = 0; m < PEN_METRIC_COUNT; m++)
+            ck_assert_msg(b->run[run].error[m] == a->run[run].error[m], "run %d: %s", run,
+                          pen_accuracy_metrics[m]);
+    }
+}
+
+START_TEST(test_accuracy__interrupted_study_has_the_results_of_a_whole_one)
+{
+    struct unfinished_bed bed = {0};
+    struct pen_accuracy_task task = patient_task();
+    struct pen_accuracy whole;
+    int interruptions = 0;
+    make(&task);
+    whole = accuracy;
+    /* The best row alone meets the target, so times do not decide which one is recommended. */
+    task.target = 1.01 * whole.row[2].run[0].error[PEN_METRIC_RMSE];
+    const struct pen_accuracy_task whole_task = task;
+    whole.task = &whole_task;
+    task.between = unfinished_keep;
+    task.user = &bed;
+    for (bed.runs_left = 1; !pen_accuracy_make(&task, &accuracy, &st); bed.runs_left = 1) {
+        ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
+        pen_accuracy_release(&accuracy);
+        task.kept = &bed.kept;
+        interruptions++;
+    }
+    /* The runs of three rows with three seeds, and two renders of 9 tiles or more. */
+    ck_assert_int_ge(interruptions, 3 * 3 + 2 * 9);
+    for (int i = 0; i < 3; i++)
+        check_same_row(&whole.row[i], &accuracy.row[i]);
+    ck_assert_int_eq(accuracy.reference.factor, whole.reference.factor);
+    ck_assert(accuracy.reference.error == whole.reference.error);
+    ck_assert_mem_eq(accuracy.reference.rgb, whole.reference.rgb, 3 * 48 * 36 * sizeof(float));
+    ck_assert_mem_eq(&accuracy.reference.settings, &whole.reference.settings,
+                     sizeof whole.reference.settings);
+    ck_assert_mem_eq(&accuracy.stats.rays, &whole.stats.rays, sizeof whole.stats.rays);
+    ck_assert_int_eq(pen_accuracy_recommended(&accuracy), 2);
+    ck_assert_int_eq(pen_accuracy_recommended(&whole), 2);
+    ck_assert(json_equal(accuracy.left_out, whole.left_out));
+    ck_assert_int_ge(accuracy.began_ms, whole.began_ms);
+    unfinished_release(&bed);
+    pen_accuracy_release(&whole);
+    release();
+}
+END_TEST
+
+/* Whether the study goes on with a state, whose first row took this long with the first seed. */
+static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_study *kept)
+{
+    task->kept = kept;
+    make(task);
+    const bool goes_on = accuracy.row[0].run[0].render_ms == 1e6;
+    pen_accuracy_release(&accuracy);
+    return goes_on;
+}
+
+START_TEST(test_accuracy__what_is_kept_of_another_study_is_not_used)
+{
+    static const char *const changes[][2] = {{"/version", "99"},
+                                             {"/seeds", "2"},
+                                             {"/pool_threads", "7"},
+                                             {"/host", "{}"},
+                                             {"/elapsed_ms", "-1"},
+                                             {"/forecast", "[1, 2]"},
+                                             {"/left_out", "1"},
+                                             {"/done", "-1"},
+                                             {"/pass", "4"},
+                                             {"/pass", "0"},
+                                             {"/place", "4"},
+                                             {"/order", "[0, 1, 1]"},
+                                             {"/order", "[0, 1, 3]"},
+                                             {"/reference", "null"},
+                                             {"/reference/halves", "1"},
+                                             {"/reference/tiles", "1"},
+                                             {"/reference/factor", "0"},
+                                             {"/reference/hashes/0", "\"0123456789abcdef\""},
+                                             {"/rows", "[]"},
+                                             {"/rows/2/wanted", "false"},
+                                             {"/rows/2/runs", "[]"},
+                                             {"/rows/2/runs", "[[1, 1, 1, 1, 1, 1, 1], [1]]"},
+                                             {"/rows/2/threads", "9"},
+                                             {"/rows/2/rays", "[-1, 1, 1, 1, 1, 1, 1]"},
+                                             {"/rows/2/hash", "\"\""},
+                                             {"/rows/2/expected_ms", "\"\""}};
+    struct unfinished_bed bed = {0};
+    struct pen_accuracy_task task = patient_task(), first = task;
+    task.at_once_ms = 0;
+    first.at_once_ms = 0;
+    first.between = unfinished_keep;
+    first.user = &bed;
+    make(&first);
+    pen_accuracy_release(&accuracy);
+    bed.runs_left = bed.calls - 2; /* before the last two runs of the last pass */
+    ck_assert(!pen_accuracy_make(&first, &accuracy, &st));
+    pen_accuracy_release(&accuracy);
+    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/0", "1e6");
+    struct pen_kept_study kept = bed.kept;
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+        json_t *changed = unfinished_changed(marked, changes[i][0], changes[i][1]);
+        kept.state = changed;
+        ck_assert_msg(!goes_on_with(&task, &kept), "%s: %s", changes[i][0], changes[i][1]);
+        json_decref(changed);
+    }
+    kept.state = NULL;
+    ck_assert(!goes_on_with(&task, &kept));
+    kept.state = marked;
+    ck_assert(goes_on_with(&task, &kept));
+    bed.picture[3][7] += 1; /* of the reference */
+    ck_assert(!goes_on_with(&task, &kept));
+    json_decref(marked);
+    unfinished_release(&bed);
+    pen_accuracy_spec_release(&spec);
+    pen_thread_pool_free(pool);
+}
+END_TEST
+
 PEN_SUITE("accuracy", test_accuracy__rows_are_what_their_settings_render,
           test_accuracy__reference_knows_its_error,
           test_accuracy__given_reference_is_kept_and_resolves_what_it_can,
           test_accuracy__front_and_target, test_accuracy__fitted_slope_and_its_interval,
           test_accuracy__convergence_of_the_study,
           test_accuracy__budget_leaves_out_the_dearest_and_says_so, test_accuracy__formats,
-          test_accuracy__can_be_cancelled, test_accuracy__targets_and_depths_are_rows)
+          test_accuracy__can_be_cancelled, test_accuracy__targets_and_depths_are_rows,
+          test_accuracy__interrupted_study_has_the_results_of_a_whole_one,
+          test_accuracy__what_is_kept_of_another_study_is_not_used)

@@ -9,6 +9,7 @@
 #include "study/leave_out.h"
 #include "support/kit.h"
 #include "support/suite.h"
+#include "support/unfinished.h"
 
 static struct kit kit;
 
@@ -199,5 +200,108 @@ START_TEST(test_bill__comparing_can_be_cancelled)
 }
 END_TEST
 
+/* Makes the bill, interrupted after each run, until it ends. Returns how often it was. */
+static int make_in_parts(struct pen_bill_task *task, struct pen_bill *bill)
+{
+    struct unfinished_bed bed = {0};
+    struct pen_status st;
+    int interruptions = 0;
+    task->between = unfinished_keep;
+    task->user = &bed;
+    for (bed.runs_left = 1; !pen_bill_make(task, bill, &st); bed.runs_left = 1) {
+        ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
+        pen_bill_release(bill);
+        task->kept = &bed.kept;
+        interruptions++;
+    }
+    unfinished_release(&bed);
+    return interruptions;
+}
+
+START_TEST(test_bill__interrupted_one_is_that_of_a_whole_one)
+{
+    struct pen_status st;
+    struct pen_bill parts;
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
+    everything();
+    struct pen_bill_task task = task_of(pool);
+    struct pen_bill whole = bill_of(&task);
+    struct pen_bill_task again = task;
+    ck_assert_int_eq(make_in_parts(&again, &parts), 3 * whole.rows);
+    ck_assert_int_eq(parts.rows, whole.rows);
+    for (int i = 0; i < whole.rows; i++) {
+        const struct pen_bill_row *a = &whole.row[i], *b = &parts.row[i];
+        ck_assert_mem_eq(a->rgb, b->rgb, 3 * 20 * 15 * sizeof *a->rgb);
+        ck_assert_mem_eq(&a->rays, &b->rays, sizeof a->rays);
+        ck_assert(a->effect == b->effect && strcmp(a->kernel, b->kernel) == 0);
+        ck_assert(a->rmse == b->rmse && a->max_error == b->max_error && a->flip == b->flip);
+        ck_assert(b->min_ms > 0 && b->min_ms <= b->median_ms && b->median_ms <= b->max_ms);
+    }
+    ck_assert_mem_eq(&whole.whole.rays, &parts.whole.rays, sizeof whole.whole.rays);
+    ck_assert_ptr_nonnull(parts.whole.tile_ms);
+    pen_bill_release(&whole);
+    pen_bill_release(&parts);
+    pen_thread_pool_free(pool);
+}
+END_TEST
+
+/* Whether the bill goes on with a state, whose first row took this long in the first pass. */
+static bool goes_on_with(struct pen_bill_task *task, const struct pen_kept_study *kept)
+{
+    task->kept = kept;
+    struct pen_bill bill = bill_of(task);
+    const bool goes_on = bill.row[0].max_ms == 1e9;
+    pen_bill_release(&bill);
+    return goes_on;
+}
+
+START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
+{
+    static const char *const changes[][2] = {{"/version", "99"},
+                                             {"/repeats", "3"},
+                                             {"/pool_threads", "7"},
+                                             {"/host", "{}"},
+                                             {"/done", "-1"},
+                                             {"/done", "100"},
+                                             {"/done", "34"},
+                                             {"/rows", "[]"},
+                                             {"/rows/3/runs", "[1, 2]"},
+                                             {"/rows/3/rays", "[1]"},
+                                             {"/rows/3/hash", "1"},
+                                             {"/rows/3/hash", "\"0123456789abcdef\""},
+                                             {"/rows/3/runs", "[\"\"]"},
+                                             {"/rows/3/kernel", "\"none\""}};
+    struct pen_status st;
+    struct pen_bill bill;
+    struct unfinished_bed bed = {.runs_left = 33};
+    struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
+    everything();
+    struct pen_bill_task task = task_of(pool), first = task;
+    first.between = unfinished_keep;
+    first.user = &bed;
+    ck_assert(!pen_bill_make(&first, &bill, &st)); /* after three runs of the second repeat */
+    pen_bill_release(&bill);
+    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0", "1e9");
+    struct pen_kept_study kept = bed.kept;
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+        json_t *changed = unfinished_changed(marked, changes[i][0], changes[i][1]);
+        kept.state = changed;
+        ck_assert_msg(!goes_on_with(&task, &kept), "%s: %s", changes[i][0], changes[i][1]);
+        json_decref(changed);
+    }
+    kept.state = NULL;
+    ck_assert(!goes_on_with(&task, &kept));
+    kept.state = marked;
+    ck_assert(goes_on_with(&task, &kept));
+    bed.picture[4][7] += 1;
+    ck_assert(!goes_on_with(&task, &kept));
+    json_decref(marked);
+    unfinished_release(&bed);
+    pen_thread_pool_free(pool);
+}
+END_TEST
+
 PEN_SUITE("bill", test_bill__each_effect_can_be_left_out, test_bill__rows_are_the_scene_changed,
-          test_bill__opaque_shadows, test_bill__reports, test_bill__comparing_can_be_cancelled)
+          test_bill__opaque_shadows, test_bill__reports, test_bill__comparing_can_be_cancelled,
+          test_bill__interrupted_one_is_that_of_a_whole_one,
+          test_bill__what_is_kept_of_another_one_is_not_used)
