@@ -8,9 +8,11 @@ enum { KEEP_TIMES = 20 };
 struct pen_keeper pen_keeper_make(struct pen_batch_context *context, const struct pen_claim *claim,
                                   int64_t wait_ms, int64_t ask_ms)
 {
+    const bool given = context->keep_ms > 0;
     return (struct pen_keeper){.context = context,
                                .claim = claim,
-                               .wait_ms = context->keep_ms > 0 ? context->keep_ms : wait_ms,
+                               .wait_ms = given ? context->keep_ms : wait_ms,
+                               .times = given ? 0 : KEEP_TIMES,
                                .ask_ms = ask_ms,
                                .kept_ns = pen_clock_ns()};
 }
@@ -25,7 +27,7 @@ bool pen_keeper_is_due(struct pen_keeper *k, bool *outranked)
         if (!pen_store_outranked(k->context->store, k->claim, outranked, &ignored))
             *outranked = false;
     }
-    return *outranked || (since_ns >= k->wait_ms * 1000000 && since_ns >= KEEP_TIMES * k->took_ns);
+    return *outranked || (since_ns >= k->wait_ms * 1000000 && since_ns >= k->times * k->took_ns);
 }
 
 bool pen_keeper_keep(struct pen_keeper *k, const struct pen_kept *kept, int64_t begun_ns,

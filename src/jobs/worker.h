@@ -28,8 +28,8 @@ struct pen_worker_options {
     int threads;             /* 0: one per processor */
     size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
     int64_t lease_ms;        /* 0: 15 s */
-    int64_t keep_ms;         /* the shortest time between two states of an adaptive view that are
-                              * kept; 0: 10 s */
+    int64_t keep_ms;         /* for tests: the shortest time between two states of a batch that are
+                              * kept; 0: as the kind of batch has it, and what keeping takes */
     struct pen_trace *trace; /* where the worker notes what it is doing; may be NULL */
     /* Called when render threads do not stop although their claim has ended. The store is up to
      * date then, and only the end of the process can end the threads. Must not return; NULL: the

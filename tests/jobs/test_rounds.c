@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Jobs with a target error: when their worker dies, the next one goes on with what was kept, also
  * within a round; and a job of higher priority comes between two rounds or tiles. */
-#include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "render/adaptive_state.h"
@@ -15,7 +14,6 @@
 
 static struct jobs_bed bed;
 static char id[PEN_ID_BYTES], other[PEN_ID_BYTES];
-static struct pen_status st;
 
 static const char lengthy[] =
     "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"render\": {\"width\": 64,"
@@ -24,50 +22,11 @@ enum { WIDTH = 64, HEIGHT = 48, TILE = 8 };
 static const char urgent[] = "{\"scene\": \"builtin:spheres\", \"priority\": 5,"
                              " \"render\": {\"width\": 16, \"height\": 12}}";
 
-/* What the job has kept. The test fails if there is nothing within a minute, or the job ends. */
-static struct pen_buf wait_for_state(void)
-{
-    struct pen_buf state = {0};
-    for (int i = 0; i < 6000; i++) {
-        if (pen_store_artefact(bed.bed.store, id, 0, "kept", "state", &state, &st))
-            return state;
-        ck_assert_msg(!pen_job_state_ended(store_job_state(bed.bed.store, id)), "it has ended");
-        usleep(10000);
-    }
-    ck_abort_msg("nothing is kept");
-}
-
-static bool has_state(void)
-{
-    struct pen_buf state = {0};
-    const bool has = pen_store_artefact(bed.bed.store, id, 0, "kept", "state", &state, &st);
-    pen_buf_release(&state);
-    return has;
-}
-
-/* Begins the job in a worker that is killed when it has kept something. */
-static struct pen_buf begin_and_kill(void)
-{
-    int status, opened;
-    store_bed_make(&bed.bed);
-    const pid_t pid = jobs_worker_fork(&bed);
-    jobs_bed_open(&bed);
-    jobs_submit(&bed, lengthy, id);
-    struct pen_buf state = wait_for_state();
-    kill(pid, SIGKILL);
-    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
-    pen_buf_release(&state);
-    state = wait_for_state(); /* it may have kept more since */
-    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st, "expire");
-    ck_assert_int_eq(opened, 1);
-    return state;
-}
-
 /* The pixels of the job when it is done. */
 static struct pen_buf finish(void)
 {
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
-    ck_assert(!has_state()); /* is of no more use */
+    ck_assert(!jobs_has_kept(&bed, id, PEN_KEPT_STATE)); /* is of no more use */
     return jobs_image(&bed, id, "middle", "pfm");
 }
 
@@ -89,7 +48,7 @@ static void check_finished_picture(void)
 
 START_TEST(test_rounds__killed_worker_loses_no_round_that_is_kept)
 {
-    struct pen_buf state = begin_and_kill();
+    struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, NULL);
     pen_buf_release(&state);
     jobs_worker_start(&bed);
     check_finished_picture();
@@ -102,13 +61,11 @@ END_TEST
 START_TEST(test_rounds__next_worker_goes_on_with_what_is_kept)
 {
     for (int cut = 0; cut < 2; cut++) {
-        struct pen_buf state = begin_and_kill();
+        struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, NULL);
         /* The last pixel's first sum comes before the pixels' marks. */
         double *red = (double *)(void *)(state.data + state.bytes - WIDTH * HEIGHT - 64);
         *red += 0.01;
-        store_must(pen_store_artefact_put(bed.bed.store, id, 0, "kept", "state", state.data,
-                                          state.bytes - (size_t)cut, &st),
-                   &st, "put");
+        jobs_put_kept(&bed, id, PEN_KEPT_STATE, state.data, state.bytes - (size_t)cut);
         pen_buf_release(&state);
         jobs_worker_start(&bed);
         struct pen_buf picture = finish(), whole = whole_picture();
@@ -205,13 +162,11 @@ START_TEST(test_rounds__worker_killed_within_a_round_goes_on_inside_it)
 {
     for (int changed = 0; changed < 2; changed++) {
         bed.fault = &gates;
-        struct pen_buf state = begin_and_kill();
+        struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, NULL);
         assert_within_round(&state, 0);
         if (changed)
             *(double *)(void *)(state.data + state.bytes - WIDTH * HEIGHT - 64) += 0.01;
-        store_must(pen_store_artefact_put(bed.bed.store, id, 0, "kept", "state", state.data,
-                                          state.bytes, &st),
-                   &st, "put");
+        jobs_put_kept(&bed, id, PEN_KEPT_STATE, state.data, state.bytes);
         pen_buf_release(&state);
         bed.fault = NULL;
         jobs_worker_start(&bed);
@@ -240,7 +195,7 @@ static void check_between_two_tiles(int round)
     usleep(600000); /* a worker looks for such jobs every half second */
     atomic_store(&open_gate, MIDDLE_GATE);
     ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
-    struct pen_buf state = wait_for_state();
+    struct pen_buf state = jobs_wait_kept(&bed, id, PEN_KEPT_STATE);
     assert_within_round(&state, round);
     pen_buf_release(&state);
     ck_assert((pixels_done() > 0) == (round > 0));
@@ -264,7 +219,7 @@ START_TEST(test_rounds__job_of_higher_priority_comes_between_two_rounds)
     jobs_bed_open(&bed);
     jobs_worker_start(&bed);
     jobs_submit(&bed, lengthy, id);
-    struct pen_buf state = wait_for_state();
+    struct pen_buf state = jobs_wait_kept(&bed, id, PEN_KEPT_STATE);
     pen_buf_release(&state);
     jobs_submit(&bed, urgent, other);
     ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);

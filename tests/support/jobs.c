@@ -2,8 +2,10 @@
 #include "support/jobs.h"
 
 #include <check.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 void jobs_bed_open(struct jobs_bed *bed)
@@ -83,6 +85,68 @@ void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES])
         ck_abort_msg("refused: %s: %s", errors.item[0].at, errors.item[0].msg);
     memcpy(id, out.id, PEN_ID_BYTES);
     pen_buf_release(&out.answer);
+}
+
+bool jobs_has_kept(struct jobs_bed *bed, const char *id, const char *name)
+{
+    struct pen_buf kept = {0};
+    struct pen_status st;
+    const bool has = pen_store_artefact(bed->bed.store, id, 0, "kept", name, &kept, &st);
+    pen_buf_release(&kept);
+    return has;
+}
+
+struct pen_buf jobs_wait_kept(struct jobs_bed *bed, const char *id, const char *name)
+{
+    struct pen_buf kept = {0};
+    struct pen_status st;
+    for (int i = 0; i < 6000; i++) {
+        if (pen_store_artefact(bed->bed.store, id, 0, "kept", name, &kept, &st))
+            return kept;
+        ck_assert_msg(!pen_job_state_ended(store_job_state(bed->bed.store, id)), "it has ended");
+        usleep(10000);
+    }
+    ck_abort_msg("nothing is kept");
+}
+
+void jobs_put_kept(struct jobs_bed *bed, const char *id, const char *name, const void *data,
+                   size_t bytes)
+{
+    struct pen_status st;
+    store_must(pen_store_artefact_put(bed->bed.store, id, 0, "kept", name, data, bytes, &st), &st,
+               "put");
+}
+
+/* Waits until a state is enough, for four minutes at most. */
+static void wait_enough(struct jobs_bed *bed, const char *id,
+                        bool (*enough)(const struct pen_buf *state))
+{
+    for (int i = 0; i < 24000; i++) {
+        struct pen_buf state = jobs_wait_kept(bed, id, PEN_KEPT_STATE);
+        const bool done = !enough || enough(&state);
+        pen_buf_release(&state);
+        if (done)
+            return;
+        usleep(10000);
+    }
+    ck_abort_msg("not enough is kept");
+}
+
+struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES],
+                                   bool (*enough)(const struct pen_buf *state))
+{
+    struct pen_status st;
+    int status, opened;
+    store_bed_make(&bed->bed);
+    const pid_t pid = jobs_worker_fork(bed);
+    jobs_bed_open(bed);
+    jobs_submit(bed, body, id);
+    wait_enough(bed, id, enough);
+    kill(pid, SIGKILL);
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    store_must(pen_store_expire_leases(bed->bed.store, "doomed:1:1", &opened, &st), &st, "expire");
+    ck_assert_int_eq(opened, 1);
+    return jobs_wait_kept(bed, id, PEN_KEPT_STATE); /* it may have kept more since */
 }
 
 enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)

@@ -34,6 +34,21 @@ void jobs_worker_stop(struct jobs_bed *bed);
  * jobs_bed_open: the new process must not inherit a handle on the store. */
 pid_t jobs_worker_fork(const struct jobs_bed *bed);
 
+/* What the job's first view has kept under a name (struct pen_kept); false: nothing. */
+bool jobs_has_kept(struct jobs_bed *bed, const char *id, const char *name);
+
+/* The same, to be released. The test fails if there is nothing within a minute, or the job ends. */
+struct pen_buf jobs_wait_kept(struct jobs_bed *bed, const char *id, const char *name);
+
+/* Puts something else in the place of what is kept. */
+void jobs_put_kept(struct jobs_bed *bed, const char *id, const char *name, const void *data,
+                   size_t bytes);
+
+/* Opens the bed, and begins a job in a worker process, which is killed as soon as what it has kept
+ * is enough; NULL: anything is. Returns the state that is left, to be released. */
+struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES],
+                                   bool (*enough)(const struct pen_buf *state));
+
 /* Submits a job and writes its id. The test fails with the errors if the job is refused. */
 void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES]);
 

@@ -12,12 +12,14 @@ struct pen_keeper {
     struct pen_batch_context *context;
     const struct pen_claim *claim;
     int64_t wait_ms;          /* the shortest time between two states */
+    int times;                /* and how many times as long as keeping one takes */
     int64_t ask_ms;           /* the shortest time between questions for a higher priority */
     int64_t asked_ns;         /* when it was last asked whether a batch of higher priority waits */
     int64_t kept_ns, took_ns; /* when the state was last kept, and how long that took */
 };
 
-/* Both times are those of the kind of batch; the worker's options may have another `wait_ms`. */
+/* Both times are those of the kind of batch; the worker's options may have another `wait_ms`
+ * (keep_ms). */
 struct pen_keeper pen_keeper_make(struct pen_batch_context *context, const struct pen_claim *claim,
                                   int64_t wait_ms, int64_t ask_ms);
 
