@@ -14,12 +14,6 @@ small="--kind benchmark --set width=40 --set height=30 --repeats 2 -m accelerato
 run="--kind benchmark --set width=200 --set height=150 --set tile=8"
 run="$run --set samples_per_pixel=$(jq '200 / (.timing.render_ms + 1) | floor + 1' stats.json)"
 lengthy="$run --repeats 100"
-done_runs() { # ID
-    curl -s "$url/v1/jobs/$1" | jq .progress.done
-}
-has_runs() { # ID COUNT
-    [ "$(done_runs "$1")" -ge "$2" ]
-}
 idle() {
     [ "$(curl -s "$url/v1/workers" | jq '[.workers[].batches[]] | length')" = 0 ]
 }
@@ -119,12 +113,7 @@ expect "a killed worker is not charged to its benchmark" "$(curl -s "$url/v1/job
 
 # A job of higher priority comes between two runs, a job of the same priority waits
 job=$("$penumbra" submit builtin:spheres $lengthy)
-within 30 has_runs "$job" 3 || not_ok "the benchmark that is outranked" "does not run"
-exits "a job of higher priority does not wait for a benchmark" 0 "$penumbra" submit builtin:spheres --set width=20 \
-    --set height=20 --priority 5 --wait -q
-expect "which is not done" "$(curl -s "$url/v1/jobs/$job" | jq -r .state)" running
-within 30 has_runs "$job" 6 && ok "the benchmark goes on after it" || not_ok "the benchmark goes on after it" "$(done_runs "$job")"
-expect "the interruption is not charged to the benchmark" "$(curl -s "$url/v1/jobs/$job" | jq .attempts)" 1
+check_gives_way "$job" 3
 "$penumbra" cancel "$job" >/dev/null
 within 20 idle || not_ok "the worker is idle after a cancel" "$(curl -s "$url/v1/workers")"
 

@@ -70,3 +70,41 @@ gone() {
         esac
     done
 }
+
+# done_runs ID: prints how many runs of a study are done; has_runs ID COUNT: whether they are so many.
+done_runs() {
+    curl -s "$url/v1/jobs/$1" | jq .progress.done
+}
+has_runs() {
+    [ "$(done_runs "$1")" -ge "$2" ]
+}
+
+# check_goes_on ID COUNT: kills the worker of a study after COUNT runs, more than one of which it must have
+# kept, and checks that the next worker does not begin with the first again.
+check_goes_on() {
+    within 60 has_runs "$1" "$2" || not_ok "the study whose worker is killed" "does not run: $(done_runs "$1")"
+    kill -KILL "$(child work)"
+    least=$2
+    tries=3000
+    while now=$(done_runs "$1") && [ "$now" -le "$2" ] && [ "$tries" -gt 0 ]; do
+        [ "$now" -ge "$least" ] || least=$now
+        tries=$((tries - 1))
+        sleep 0.02
+    done
+    if [ "$least" -ge 1 ] && [ "$now" -gt "$2" ]; then
+        ok "the next worker goes on with the study"
+    else
+        not_ok "the next worker goes on with the study" "killed after $2 runs, then $least, then $now"
+    fi
+    expect "a killed worker is not charged to its study" "$(curl -s "$url/v1/jobs/$1" | jq .attempts)" 1
+}
+
+# check_gives_way ID COUNT: a job of higher priority comes between two runs of a study, after COUNT of them.
+check_gives_way() {
+    within 60 has_runs "$1" "$2" || not_ok "the study that is outranked" "does not run: $(done_runs "$1")"
+    exits "a job of higher priority does not wait for the study" 0 "$penumbra" submit builtin:spheres --set width=20 \
+        --set height=20 --priority 5 --wait -q
+    expect "which is not done" "$(curl -s "$url/v1/jobs/$1" | jq -r .state)" running
+    within 60 has_runs "$1" $(($2 + 2)) && ok "the study goes on after it" || not_ok "the study goes on after it" "$(done_runs "$1")"
+    expect "the interruption is not charged to the study" "$(curl -s "$url/v1/jobs/$1" | jq .attempts)" 1
+}
