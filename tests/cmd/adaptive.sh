@@ -102,11 +102,11 @@ expect_problem "a budget of 0" 422 '*must be a number above 0*'
 
 # Audits
 audit="pixels threshold wrong undecided bound seed"
-exits "a render with an audit" 0 "$penumbra" render builtin:lens $small --set target_error=0.02 -q -o a.pfm --stats a.json \
+exits "a render with an audit" 0 "$penumbra" render builtin:lens $small --view middle --set target_error=0.02 -q -o a.pfm --stats a.json \
     --audit 0.05 --audit-pixels 200
 expect "has what it found" "$(jq -r '.audit | keys_unsorted | join(" ")' a.json)" "$audit"
 expect "of so many pixels" "$(jq -c '.audit | [.pixels, .threshold, .wrong + .undecided < 100]' a.json)" "[200,0.05,true]"
-exits "a job with an audit" 0 "$penumbra" submit builtin:lens $small --set target_error=0.02 -q -o job.pfm --json \
+exits "a job with an audit" 0 "$penumbra" submit builtin:lens $small --view middle --set target_error=0.02 -q -o job.pfm --json \
     --audit 0.05 --audit-pixels 200
 call "/v1/jobs/$(jq -r .id stdout)/stats"
 expect "finds the same" "$(body '.audit | tostring')" "$(jq -c .audit a.json)"

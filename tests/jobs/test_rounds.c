@@ -123,6 +123,7 @@ static struct pen_adaptive_stats rounds_of(const struct pen_buf *state)
     settings.height = HEIGHT;
     settings.tile = TILE;
     settings.target_error = 0.001;
+    struct pen_status st;
     struct pen_adaptive *adaptive = pen_adaptive_new(&settings, &st);
     struct pen_render_stats stats;
     float *rgb = calloc((size_t)3 * WIDTH * HEIGHT, sizeof *rgb);

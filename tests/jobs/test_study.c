@@ -311,7 +311,7 @@ START_TEST(test_study__explanation_has_actual_figures_where_asked)
 }
 END_TEST
 
-START_TEST(test_study__bill_of_a_killed_worker_begins_again)
+START_TEST(test_study__bill_of_a_killed_worker_is_finished)
 {
     static const char some[] = "\"render\": {\"width\": 200, \"height\": 150, \"tile\": 8,"
                                " \"samples_per_pixel\": 36}, \"repeats\": 1,";
@@ -489,7 +489,7 @@ END_TEST
 PEN_SUITE("study", test_study__bill_has_a_row_for_each_effect_and_every_format,
           test_study__bill_is_of_the_view_that_is_named,
           test_study__explanation_has_actual_figures_where_asked,
-          test_study__bill_of_a_killed_worker_begins_again,
+          test_study__bill_of_a_killed_worker_is_finished,
           test_study__answer_to_a_submit_shows_what_was_accepted,
           test_study__report_has_every_format, test_study__all_views_of_the_job_are_rendered,
           test_study__statistics_are_those_of_the_baseline, test_study__missing_results_are_refused,

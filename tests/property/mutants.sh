@@ -550,7 +550,6 @@ judge_libm
 # Adaptive rendering: estimates, decisions and rounds.
 mutant adaptive_own render/test_adaptive 0 "what is refined is chosen by a pixel's own estimate, not by its neighbours'"
 edit src/render/decide.c 1 's/^            const double around = error_around\(a, x, y\);$/            const double around = (double)a->errors[at] + 0 * error_around(a, x, y);/'
-edit src/render/decide.c 1 's/priority_of\(a, at, error_around\(a, x, y\)\) >= level/priority_of(a, at, (double)a->errors[at]) >= level/'
 judge_test
 
 mutant adaptive_unseen render/test_decide 0 "an edge that no sample has seen does not exist"
@@ -610,11 +609,19 @@ edit src/render/decide.c 1 's/return 2\.0 \* PEN_REPLICATES/return 4.0 * PEN_REP
 judge_test
 
 mutant adaptive_order render/test_decide 0 "each thread adds up the slices that it takes, and the order is that of threads"
-edit src/render/decide.c 7 's/^        pass->visit\(pass->adaptive, &pass->slices\[i\], pass->level\);$/    {\n        struct slice *mine = \&pass->slices[thread];\n        const int height = pass->adaptive->settings->height;\n        mine->first_row = (int)((int64_t)height * i \/ SLICES);\n        mine->end_row = (int)((int64_t)height * (i + 1) \/ SLICES);\n        pass->visit(pass->adaptive, mine, pass->level);\n    }/'
+edit src/render/decide.c 7 's/^        pass->visit\(pass->adaptive, &pass->slices\[i\]\);$/    {\n        struct slice *mine = \&pass->slices[thread];\n        const int height = pass->adaptive->settings->height;\n        mine->first_row = (int)((int64_t)height * i \/ SLICES);\n        mine->end_row = (int)((int64_t)height * (i + 1) \/ SLICES);\n        pass->visit(pass->adaptive, mine);\n    }/'
 judge_test
 
 mutant adaptive_uniform render/test_decide 0 "all pixels get the same number of samples"
-edit src/render/decide.c 1 's/(a->wanted\[at\] = !is_capped\(a, at\)) && .*$/\1 \&\& level > -1;/'
+edit src/render/decide.c 1 's/(a->wanted\[at\] = a->priority\[at\] > )level;/\1 0 * level;/'
+judge_test
+
+mutant adaptive_least render/test_decide 0 "rounds have no least size"
+edit src/render/decide.c 1 's/^(static const double LEAST_ROUND = )1\.0 \/ 32;/\10;/'
+judge_test
+
+mutant adaptive_pilot io/test_limits 0 "fine pictures begin with as few samples as coarse ones"
+edit src/scene/settings.c 1 's/return settings->target_error < fine \? 2 : 1;/return settings->target_error < fine ? 1 : 1;/'
 judge_test
 
 mutant adaptive_all render/test_adaptive 0 "a round refines every pixel"
@@ -622,7 +629,7 @@ edit src/render/refine.c 1 's/!task->adaptive->wanted\[at\]\)/false)/'
 judge_test
 
 mutant adaptive_level render/test_adaptive 0 "a round refines pixels whatever their priority"
-edit src/render/rounds.c 1 's/(round->level = repeat .*) : d->level;/\1 : 0 * d->level;/'
+edit src/render/rounds.c 1 's/(\.level = repeat .*) : d->level\};/\1 : 0 * d->level};/'
 judge_test
 
 mutant adaptive_again render/test_adaptive 0 "a doubling takes the samples again that were taken"

@@ -242,7 +242,7 @@ START_TEST(test_adaptive__what_is_far_from_an_edge_stays_with_the_pilot)
         if (least < most)
             continue;
         far++;
-        ck_assert_uint_eq(p.adaptive->sums[i].samples, PEN_PILOT_SAMPLES);
+        ck_assert_uint_eq(p.adaptive->sums[i].samples, pen_settings_pilot(&kit.settings));
     }
     ck_assert(far > 24 * 24 / 2 && p.stats.adaptive.met && p.stats.adaptive.rounds > 3);
     picture_free(&p);

@@ -119,9 +119,7 @@ START_TEST(test_decide__an_edge_between_pixels_is_as_uncertain_as_what_samples_c
         ck_assert_msg(d.error >= least && d.error <= 2 * least, "%g: %g, not %g to %g", n, d.error,
                       least, 2 * least);
         ck_assert(!d.met && !d.done);
-        struct pen_status st;
-        uint64_t selected;
-        ck_assert(pen_adaptive_select(a, pool, d.level, &selected, &st));
+        ck_assert_uint_gt(pen_adaptive_select(a, d.level), 0);
         for (int i = 0; i < SIDE * SIDE; i++) /* at least both columns; nothing that is far away */
             ck_assert(i % SIDE == SIDE / 2 - 1 || i % SIDE == SIDE / 2
                           ? a->wanted[i]
@@ -147,7 +145,7 @@ static void take_samples(struct pen_adaptive *a, struct random *random, deviatio
     const int width = a->settings->width;
     for (int i = 0; i < width * a->settings->height; i++) {
         struct pen_pixel_sums *sums = &a->sums[i];
-        const uint32_t more = pen_adaptive_more(sums);
+        const uint32_t more = pen_adaptive_more(a, sums);
         if (!a->wanted[i])
             continue;
         for (int r = 0; r < PEN_REPLICATES; r++) {
@@ -165,16 +163,13 @@ static void take_samples(struct pen_adaptive *a, struct random *random, deviatio
 static struct pen_decision refine(struct pen_adaptive *a, struct random *random,
                                   deviation_fn *deviation, double target)
 {
-    struct pen_status st;
     struct pen_decision d;
-    uint64_t selected;
     for (;;) {
         take_samples(a, random, deviation);
         d = decide(a, target);
         if (d.done)
             return d;
-        ck_assert(pen_adaptive_select(a, pool, d.level, &selected, &st));
-        ck_assert_uint_gt(selected, 0);
+        ck_assert_uint_gt(pen_adaptive_select(a, d.level), 0);
     }
 }
 
@@ -220,14 +215,14 @@ START_TEST(test_decide__is_the_same_to_the_bit_for_any_number_of_threads)
     struct pen_adaptive *a = begin(64, 64, PEN_SETTING_SRGB);
     for (int picture = 0; picture < 30; picture++) {
         struct pen_decision want = {.level = 0};
-        uint64_t selected, first = 0;
+        uint64_t first = 0;
         memset(a->wanted, 1, 64 * 64);
         take_samples(a, &random, of_all_sizes);
         for (int threads = 1; threads <= 5; threads += 2) {
             pen_thread_pool_free(pool);
             pool = pen_thread_pool_new(threads, &st);
             const struct pen_decision d = decide(a, 1e-3);
-            ck_assert(pen_adaptive_select(a, pool, d.level, &selected, &st));
+            const uint64_t selected = pen_adaptive_select(a, d.level);
             if (threads == 1) {
                 want = d;
                 first = selected;
@@ -297,6 +292,27 @@ START_TEST(test_decide__samples_go_where_they_lower_the_error_most)
 }
 END_TEST
 
+static double noisy_spot(int x, int y)
+{
+    return x == 32 && y == 32 ? 0.5 : 0.001;
+}
+
+/* One pixel and its neighbours would do, round after round. A round costs a pass over the picture,
+ * so it takes a thirty-second of the samples at least. */
+START_TEST(test_decide__rounds_have_a_least_size)
+{
+    struct random random = random_begin(20261128);
+    struct pen_adaptive *a = begin(64, 64, PEN_SETTING_LINEAR);
+    take_samples(a, &random, noisy_spot);
+    const struct pen_decision d = decide(a, decide(a, 1).error / 2);
+    ck_assert(!d.done);
+    const uint64_t selected = pen_adaptive_select(a, d.level);
+    ck_assert_msg(a->wanted[32 * 64 + 32] && selected >= 64 * 64 / 32 && selected < 64 * 64 / 8,
+                  "%llu, seed %llu", (unsigned long long)selected, (unsigned long long)random.seed);
+    end(a);
+}
+END_TEST
+
 START_TEST(test_decide__spread_tells_of_how_many_samples_pixels_have)
 {
     struct pen_adaptive *a = begin(10, 10, PEN_SETTING_LINEAR);
@@ -320,4 +336,5 @@ PEN_SUITE("decide", test_decide__estimates_are_right_in_the_mean_over_all_cases,
           test_decide__is_the_same_to_the_bit_for_any_number_of_threads,
           test_decide__what_capped_pixels_leave_is_made_up_for_by_others,
           test_decide__samples_go_where_they_lower_the_error_most,
+          test_decide__rounds_have_a_least_size,
           test_decide__spread_tells_of_how_many_samples_pixels_have)
