@@ -34,7 +34,8 @@ struct pen_heartbeat {
     struct pen_claim claim;   /* guarded by lock; of the active claim */
     const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
     uint64_t claims;          /* guarded by lock; the number of claims so far */
-    int64_t deadline_ns;      /* guarded by lock; INT64_MAX: none */
+    int64_t spent_ns;         /* guarded by lock; on the active claim, before since_ns */
+    int64_t since_ns;         /* guarded by lock; when its clock was started; 0: it is stopped */
     enum pen_claim_end ended; /* guarded by lock */
     int64_t ended_ns;         /* guarded by lock; when it ended */
     bool failed;              /* guarded by lock; the job is stored as failed by its timeout */
@@ -49,6 +50,21 @@ static void end_claim(struct pen_heartbeat *heart, uint64_t claim_number, enum p
     heart->ended = ended;
     heart->ended_ns = pen_clock_ns();
     atomic_store_explicit(&heart->cancel, true, memory_order_relaxed);
+}
+
+/* How long the worker has worked on the active claim. Called with the lock held. */
+static int64_t spent_ns(const struct pen_heartbeat *heart)
+{
+    return heart->spent_ns + (heart->since_ns ? pen_clock_ns() - heart->since_ns : 0);
+}
+
+/* Whether all workers together have worked on the job for longer than its timeout. Called with the
+ * lock held. */
+static bool is_late(const struct pen_heartbeat *heart)
+{
+    const struct pen_claim *claim = &heart->claim;
+    return claim->timeout_ms &&
+           claim->job_spent_us + spent_ns(heart) / 1000 >= claim->timeout_ms * 1000;
 }
 
 /* Fails the job in the store, unless the worker has done so. Returns whether the store has it as
@@ -101,6 +117,7 @@ static void log_failure(struct pen_heartbeat *heart, const struct pen_log_about 
 static void check_claim(struct pen_heartbeat *heart)
 {
     struct pen_claim claim = heart->claim;
+    claim.spent_us = spent_ns(heart) / 1000;
     struct pen_log_about about = pen_claim_about(&claim);
     uint64_t claim_number = heart->claims;
     struct pen_status st;
@@ -109,7 +126,7 @@ static void check_claim(struct pen_heartbeat *heart)
         handle_ended_claim(heart, &claim, claim_number);
         return;
     }
-    if (pen_clock_ns() >= heart->deadline_ns)
+    if (is_late(heart))
         end_claim(heart, claim_number, PEN_CLAIM_TIMED_OUT);
     if (heart->stop && atomic_load_explicit(heart->stop, memory_order_relaxed))
         end_claim(heart, claim_number, PEN_CLAIM_STOPPED);
@@ -119,6 +136,8 @@ static void check_claim(struct pen_heartbeat *heart)
     pthread_mutex_lock(&heart->lock);
     if (!held)
         end_claim(heart, claim_number, PEN_CLAIM_LOST);
+    if (heart->claims == claim_number)
+        heart->claim.job_spent_us = claim.job_spent_us;
 }
 
 /* Makes a checkpoint of the store while the render threads work. Called and returns with the lock
@@ -229,7 +248,6 @@ void pen_heartbeat_free(struct pen_heartbeat *heart)
 void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *claim,
                          const atomic_bool *stop)
 {
-    int64_t left_ms = claim->started_ms + claim->timeout_ms - claim->claimed_ms;
     pthread_mutex_lock(&heart->lock);
     heart->claim = *claim;
     heart->stop = stop;
@@ -237,7 +255,8 @@ void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *cl
     heart->claims++;
     heart->ended = PEN_CLAIM_HELD;
     heart->failed = false;
-    heart->deadline_ns = claim->timeout_ms ? pen_clock_ns() + left_ms * 1000000 : INT64_MAX;
+    heart->spent_ns = 0;
+    heart->since_ns = pen_clock_ns();
     atomic_store_explicit(&heart->cancel, false, memory_order_relaxed);
     if (heart->asleep)
         pthread_cond_signal(&heart->change);
@@ -254,10 +273,33 @@ void pen_heartbeat_cancel(struct pen_heartbeat *heart)
     atomic_store_explicit(&heart->cancel, true, memory_order_relaxed);
 }
 
+void pen_heartbeat_pause(struct pen_heartbeat *heart)
+{
+    pthread_mutex_lock(&heart->lock);
+    heart->spent_ns = spent_ns(heart);
+    heart->since_ns = 0;
+    pthread_mutex_unlock(&heart->lock);
+}
+
+void pen_heartbeat_resume(struct pen_heartbeat *heart)
+{
+    pthread_mutex_lock(&heart->lock);
+    heart->since_ns = pen_clock_ns();
+    pthread_mutex_unlock(&heart->lock);
+}
+
+int64_t pen_heartbeat_spent_us(struct pen_heartbeat *heart)
+{
+    pthread_mutex_lock(&heart->lock);
+    int64_t spent_us = spent_ns(heart) / 1000;
+    pthread_mutex_unlock(&heart->lock);
+    return spent_us;
+}
+
 bool pen_heartbeat_is_late(struct pen_heartbeat *heart)
 {
     pthread_mutex_lock(&heart->lock);
-    if (pen_clock_ns() >= heart->deadline_ns)
+    if (is_late(heart))
         end_claim(heart, heart->claims, PEN_CLAIM_TIMED_OUT);
     bool late = heart->ended == PEN_CLAIM_TIMED_OUT;
     pthread_mutex_unlock(&heart->lock);

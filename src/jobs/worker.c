@@ -153,7 +153,7 @@ static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen
  * time is up later. */
 static bool is_late(const struct pen_claim *claim)
 {
-    return claim->timeout_ms && claim->claimed_ms - claim->started_ms >= claim->timeout_ms;
+    return claim->timeout_ms && claim->job_spent_us >= claim->timeout_ms * 1000;
 }
 
 /* Waits until the store takes writes. Returns false if the worker must stop, or if the store fails
@@ -161,11 +161,13 @@ static bool is_late(const struct pen_claim *claim)
 static bool wait_for_store(struct worker *w)
 {
     struct pen_status st;
-    while (!pen_store_probe(w->store, &st)) {
-        if (!wait_to_retry(w, "reading what a batch needs", &st))
-            return false;
+    bool ok;
+    pen_heartbeat_pause(w->context.heart);
+    while (!(ok = pen_store_probe(w->store, &st)) &&
+           wait_to_retry(w, "reading what a batch needs", &st)) {
     }
-    return true;
+    pen_heartbeat_resume(w->context.heart);
+    return ok;
 }
 
 /* Runs the batch. If memory runs out, the caches of earlier jobs are dropped, since this job is not
@@ -196,8 +198,9 @@ static bool run_batch_with_retries(struct worker *w, const struct pen_claim *cla
 }
 
 /* Handles a claim: runs the batch and commits the result. *next becomes the next claim if the
- * commit has taken one. */
-static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_next *next,
+ * commit has taken one. The job is not charged for the time of the commit, which waits for a store
+ * that fails. */
+static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *next,
                     struct pen_status *st)
 {
     struct pen_batch_output output;
@@ -215,6 +218,8 @@ static bool work_on(struct worker *w, const struct pen_claim *claim, struct pen_
     /* A stop does not wait for a study, which may take long. */
     pen_heartbeat_begin(w->context.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
     bool done = run_batch_with_retries(w, claim, &output, &why);
+    pen_heartbeat_pause(w->context.heart);
+    claim->spent_us = pen_heartbeat_spent_us(w->context.heart);
     if (done && pen_heartbeat_is_late(w->context.heart)) {
         pen_batch_output_release(&output);
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");

@@ -106,6 +106,13 @@ bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
     return true;
 }
 
+bool pen_charge_time(struct pen_store *store, const struct pen_claim *claim, struct pen_status *st)
+{
+    return claim->spent_us <= 0 ||
+           store->driver->ops->batch_spend(store->driver, claim->batch, claim->attempt,
+                                           claim->spent_us, st);
+}
+
 struct progress {
     const struct pen_claim *claim;
     struct pen_progress what;
@@ -197,7 +204,8 @@ bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,
 static bool write_release(struct pen_store *store, void *arg, struct pen_status *st)
 {
     const struct pen_claim *claim = arg;
-    return store->driver->ops->batch_open(store->driver, claim->batch, claim->attempt, &store->work,
+    return pen_charge_time(store, claim, st) &&
+           store->driver->ops->batch_open(store->driver, claim->batch, claim->attempt, &store->work,
                                           st);
 }
 
@@ -221,7 +229,8 @@ static bool write_failure(struct pen_store *store, void *arg, struct pen_status 
         return false;
     if (!held)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its job was left as it is");
-    return pen_end_job(store, batch.job, PEN_JOB_FAILED, failure->error, st);
+    return pen_charge_time(store, failure->claim, st) &&
+           pen_end_job(store, batch.job, PEN_JOB_FAILED, failure->error, st);
 }
 
 bool pen_policy_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
@@ -240,12 +249,13 @@ struct extension {
 static bool write_extension(struct pen_store *store, void *arg, struct pen_status *st)
 {
     struct extension *extension = arg;
-    return store->driver->ops->batch_extend(store->driver, extension->claim->batch,
+    return pen_charge_time(store, extension->claim, st) &&
+           store->driver->ops->batch_extend(store->driver, extension->claim->batch,
                                             extension->claim->attempt, extension->until_ms,
                                             &extension->held, st);
 }
 
-bool pen_policy_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
+bool pen_policy_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
                           bool *held, struct pen_status *st)
 {
     struct pen_batch_row batch;
@@ -253,6 +263,8 @@ bool pen_policy_heartbeat(struct pen_store *store, const struct pen_claim *claim
     if (!pen_check_fence(store, claim, &batch, held, st) ||
         !store->driver->ops->now(store->driver, &now_ms, st))
         return false;
+    if (*held)
+        claim->job_spent_us = batch.job_spent_us - batch.spent_us;
     if (!*held || batch.lease_until_ms - now_ms >= lease_ms - lease_ms / 3)
         return true;
     struct extension extension = {.claim = claim, .until_ms = now_ms + lease_ms};

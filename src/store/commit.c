@@ -103,7 +103,7 @@ static bool write_result(struct pen_store *store, const struct commit *commit,
     bool done;
     store->changed = true;
     /* Progress comes first: it gives the job the revision that batch_done stores with the batch. */
-    if (!add_progress(driver, commit, st) ||
+    if (!pen_charge_time(store, commit->claim, st) || !add_progress(driver, commit, st) ||
         !driver->ops->batch_done(driver, commit->claim->batch, commit->claim->attempt,
                                  commit->result->stats, commit->now_ms, &done, st))
         return false;

@@ -297,7 +297,7 @@ bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, cons
            leave(store, &start, pen_policy_fail(store, claim, error, st));
 }
 
-bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
+bool pen_store_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st)
 {
     struct call_start start = begin(store, "heartbeat");

@@ -244,7 +244,11 @@ struct pen_claim {
     int64_t submitted_ms;
     int64_t started_ms; /* the job's first claim */
     int64_t claimed_ms;
-    int64_t timeout_ms; /* of the job, counted from started_ms; 0: none */
+    int64_t timeout_ms;   /* of the job: how long workers may work on it in all; 0: none */
+    int64_t job_spent_us; /* how long they have worked on it, without this claim */
+    int64_t spent_us; /* set by the holder, 0 at first: how long it has worked on this claim, by a
+                         monotonic clock. Heartbeat, commit, release and fail add to the job what
+                         they have not added yet */
 };
 
 /* Claims the next batch by priority and age, with the exceptions for quarantined batches and paused
@@ -332,7 +336,8 @@ bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, cons
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
                         struct pen_status *st);
 
-/* Gives a batch back without a result or a charge. Does nothing if it is no longer held. */
+/* Gives a batch back without a result or a charge, and adds claim->spent_us to the job. Does
+ * nothing if the batch is no longer held. */
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 
@@ -342,8 +347,10 @@ bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, cons
 
 /* Tells whether the claim still holds, and extends its lease once a third of it has gone. Most
  * calls only read, so it may be called often. *held = false: the job has ended, or the batch was
- * opened again; stop working on it. */
-bool pen_store_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
+ * opened again; stop working on it. Else claim->job_spent_us is brought up to date: other workers
+ * may work on the job. A call that extends the lease adds claim->spent_us to the job: if the worker
+ * dies, the job has spent what it told last. */
+bool pen_store_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st);
 
 /* Opens the batches whose lease has expired, and those that `dead_worker` holds (NULL: none), and

@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "film/picture.h"
 #include "support/jobs.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct jobs_bed bed;
@@ -248,21 +249,39 @@ START_TEST(test_worker__short_job_that_takes_longer_than_its_timeout_fails)
 }
 END_TEST
 
-/* The timeout counts from the first claim, also while no worker has the job. */
-START_TEST(test_worker__job_whose_time_ran_out_between_batches_fails)
+/* The timeout counts what workers have told of their time, under earlier attempts too. */
+START_TEST(test_worker__job_whose_time_was_spent_by_other_workers_fails)
 {
     struct pen_status st;
     char body[4200];
     jobs_bed_open(&bed);
-    snprintf(body, sizeof body, "{\"timeout_seconds\": 0.02, \"scene\": %s}",
+    snprintf(body, sizeof body, "{\"timeout_seconds\": 3600, \"scene\": %s}",
              jobs_scene(one_batch));
     jobs_submit(&bed, body, id);
     struct pen_claim claim = store_claim(bed.bed.store, "w");
-    usleep(40000);
+    claim.spent_us = (int64_t)3600 * 1000000;
     store_must(pen_store_release(bed.bed.store, &claim, &st), &st, "release");
     jobs_worker_start(&bed);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_FAILED);
     check_error("urn:penumbra:problem:timeout", 504);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* Time in which no worker has the job, and steps of the clock, are not counted. */
+START_TEST(test_worker__job_that_was_started_long_ago_has_its_time_left)
+{
+    struct pen_status st;
+    char body[4200];
+    jobs_bed_open(&bed);
+    snprintf(body, sizeof body, "{\"timeout_seconds\": 3600, \"scene\": %s}",
+             jobs_scene(one_batch));
+    jobs_submit(&bed, body, id);
+    struct pen_claim claim = store_claim(bed.bed.store, "w");
+    store_must(pen_store_release(bed.bed.store, &claim, &st), &st, "release");
+    store_run_sql(&bed.bed, "UPDATE job SET started_ms = started_ms - 86400000", NULL, 0);
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
     jobs_bed_close(&bed);
 }
 END_TEST
@@ -345,7 +364,8 @@ PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__each_view_is_rendered_from_its_camera,
           test_worker__cancel_reaches_a_running_batch, test_worker__job_that_takes_too_long_fails,
           test_worker__short_job_that_takes_longer_than_its_timeout_fails,
-          test_worker__job_whose_time_ran_out_between_batches_fails,
+          test_worker__job_whose_time_was_spent_by_other_workers_fails,
+          test_worker__job_that_was_started_long_ago_has_its_time_left,
           test_worker__scene_beyond_the_memory_cap_fails_its_job_alone,
           test_worker__stop_leaves_the_rest_to_the_next_worker,
           test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)

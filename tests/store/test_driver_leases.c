@@ -415,6 +415,44 @@ START_TEST(test_driver_leases__race_for_batches_leases_each_once)
 }
 END_TEST
 
+static void spend(int64_t batch, int64_t attempt, int64_t spent_us)
+{
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, batch_spend, batch, attempt, spent_us);
+    DRIVER_RUN(bed.driver, commit);
+}
+
+static void expect_spent(int64_t batch, int64_t spent_us, int64_t job_spent_us)
+{
+    struct pen_batch_row row = driver_batch_row(bed.driver, batch);
+    ck_assert_int_eq(row.spent_us, spent_us);
+    ck_assert_int_eq(row.job_spent_us, job_spent_us);
+}
+
+START_TEST(test_driver_leases__time_is_spent_under_a_lease_and_added_to_the_job)
+{
+    driver_bed_open(&bed, _i);
+    struct driver_job job = driver_submit_new(bed.driver, 1, 1, 2, 0);
+    spend(job.batch[0], 0, 10); /* open */
+    expect_spent(job.batch[0], 0, 0);
+    ck_assert(driver_lease(bed.driver, job.batch[0], 1, "a", 1000));
+    ck_assert(driver_lease(bed.driver, job.batch[1], 1, "b", 1000));
+    spend(job.batch[0], 1, 10);
+    spend(job.batch[0], 2, 50); /* another attempt */
+    expect_spent(job.batch[0], 10, 10);
+    spend(job.batch[1], 1, 5);
+    spend(job.batch[0], 1, 30);
+    spend(job.batch[0], 1, 20); /* less than before */
+    expect_spent(job.batch[0], 30, 35);
+    ck_assert(make_change(CHANGE_OPEN, job.batch[0], 1));
+    ck_assert(driver_lease(bed.driver, job.batch[0], 2, "b", 1000));
+    expect_spent(job.batch[0], 0, 35);
+    spend(job.batch[0], 2, 7);
+    expect_spent(job.batch[0], 7, 42);
+    driver_bed_close(&bed);
+}
+END_TEST
+
 DRIVER_SUITE("driver: leases", test_driver_leases__next_is_by_priority_then_job_then_batch,
              test_driver_leases__batch_added_later_comes_by_the_age_of_its_job,
              test_driver_leases__claim_tells_all_of_its_batch,
@@ -425,5 +463,6 @@ DRIVER_SUITE("driver: leases", test_driver_leases__next_is_by_priority_then_job_
              test_driver_leases__stale_attempt_changes_nothing,
              test_driver_leases__released_batch_is_found_again_with_its_attempt,
              test_driver_leases__done_takes_the_revision_of_its_job,
+             test_driver_leases__time_is_spent_under_a_lease_and_added_to_the_job,
              test_driver_leases__batches_are_counted_off_their_view,
              test_driver_leases__race_for_batches_leases_each_once)

@@ -42,7 +42,7 @@ static int expire(const char *dead_worker)
     return opened;
 }
 
-static bool held(const struct pen_claim *claim)
+static bool held(struct pen_claim *claim)
 {
     struct pen_status st;
     bool answer = false;
@@ -503,6 +503,78 @@ START_TEST(test_leases__picture_put_again_replaces_the_first)
 }
 END_TEST
 
+/* The time that has been added to a job, as its next claim is told. */
+static int64_t spent_before(const struct store_job *in)
+{
+    struct pen_claim claim = store_claim(bed.store, "other");
+    struct pen_status st;
+    ck_assert_str_eq(claim.job_id, in->id);
+    ck_assert_int_eq(claim.spent_us, 0);
+    store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+    return claim.job_spent_us;
+}
+
+START_TEST(test_leases__time_is_added_once_by_heartbeats_commits_and_releases)
+{
+    struct store_job in;
+    struct pen_status st;
+    open_with_job(&in, 1, 3);
+    struct pen_claim claim = claim_for("w", 1);
+    ck_assert_int_eq(claim.job_spent_us, 0);
+    claim.spent_us = 4000;
+    ck_assert(held(&claim)); /* the lease is short, so it is extended */
+    ck_assert_int_eq(spent_before(&in), 4000);
+    claim.spent_us = 9000;
+    ck_assert(held(&claim)); /* only read */
+    ck_assert_int_eq(spent_before(&in), 4000);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    ck_assert_int_eq(spent_before(&in), 9000);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK); /* a duplicate */
+    ck_assert_int_eq(spent_before(&in), 9000);
+    claim = claim_for("w", 1000);
+    claim.spent_us = 500;
+    store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+    store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+    ck_assert_int_eq(spent_before(&in), 9500);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_leases__time_of_a_lost_claim_is_what_its_last_heartbeat_told)
+{
+    struct store_job in;
+    open_with_job(&in, 1, 1);
+    struct pen_claim claim = claim_for("w", 1);
+    claim.spent_us = 7000;
+    ck_assert(held(&claim));
+    ck_assert_int_eq(expire("w"), 1);
+    ck_assert_int_eq(spent_before(&in), 7000);
+    claim.spent_us = 90000;
+    ck_assert(!held(&claim));
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_STALE);
+    ck_assert_int_eq(spent_before(&in), 7000);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_leases__heartbeat_tells_the_time_of_other_workers)
+{
+    struct store_job in;
+    open_with_job(&in, 1, 2);
+    struct pen_claim claim = claim_for("w", 1), other = claim_for("v", 1);
+    claim.spent_us = 3000;
+    ck_assert(held(&claim));
+    ck_assert_int_eq(claim.job_spent_us, 0);
+    ck_assert(held(&other));
+    ck_assert_int_eq(other.job_spent_us, 3000);
+    other.spent_us = 50;
+    ck_assert_int_eq(store_commit(bed.store, &other), PEN_OK);
+    ck_assert(held(&claim));
+    ck_assert_int_eq(claim.job_spent_us, 50);
+    store_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("store leases", test_leases__claim_describes_its_batch,
           test_leases__larger_priority_first_then_older_jobs,
           test_leases__assemble_batch_comes_before_younger_jobs,
@@ -521,4 +593,7 @@ PEN_SUITE("store leases", test_leases__claim_describes_its_batch,
           test_leases__commit_also_claims_the_next_batch, test_leases__stale_commit_claims_nothing,
           test_leases__pixels_come_back_bit_for_bit_in_order_of_tiles,
           test_leases__statistics_of_finished_batches_are_listed,
-          test_leases__picture_put_again_replaces_the_first)
+          test_leases__picture_put_again_replaces_the_first,
+          test_leases__time_is_added_once_by_heartbeats_commits_and_releases,
+          test_leases__time_of_a_lost_claim_is_what_its_last_heartbeat_told,
+          test_leases__heartbeat_tells_the_time_of_other_workers)

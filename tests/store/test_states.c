@@ -109,7 +109,7 @@ static void end_worker(struct pen_store *store, const struct store_job *in)
 
 /* Applies an operation to the job, or under its last claim. The store may refuse it. */
 static void apply(struct pen_store *store, const char *operation, const struct store_job *in,
-                  const struct pen_claim *last)
+                  struct pen_claim *last)
 {
     struct pen_status st;
     struct pen_claim claim;

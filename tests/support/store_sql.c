@@ -35,6 +35,7 @@ static const char *const undo[] = {
     " STRICT, WITHOUT ROWID",
     "ALTER TABLE worker DROP COLUMN lock_file",
     "ALTER TABLE job DROP COLUMN estimate_ms",
+    "ALTER TABLE job DROP COLUMN spent_us; ALTER TABLE batch DROP COLUMN spent_us",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The heartbeat: a thread that extends a worker's lease while its render threads work, and tells
  * them to stop when the job was cancelled, the batch was leased to another worker, or the job's
- * time is up. It fails a job whose time is up. Render threads that do not stop are reported as
- * stuck: one pixel may take without end.
+ * time is up. It measures how long the worker works on its claim, tells the store with each
+ * extension, and fails a job on which all workers together have worked longer than its timeout.
+ * Render threads that do not stop are reported as stuck: one pixel may take without end.
  *
  * Threads: the worker's own thread makes all calls, except pen_heartbeat_cancel (any thread). */
 #ifndef PEN_JOBS_INTERNAL_HEARTBEAT_H
@@ -28,8 +29,8 @@ struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options
                                         struct pen_status *st);
 void pen_heartbeat_free(struct pen_heartbeat *heart);
 
-/* Makes a claim the active one, and clears the cancel flag. The flag becomes true when the claim
- * ends; a claim also ends when *stop becomes true. stop may be NULL. */
+/* Makes a claim the active one, starts its clock, and clears the cancel flag. The flag becomes true
+ * when the claim ends; a claim also ends when *stop becomes true. stop may be NULL. */
 void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *claim,
                          const atomic_bool *stop);
 
@@ -41,6 +42,13 @@ void pen_heartbeat_cancel(struct pen_heartbeat *heart);
 
 /* Makes the thread call pen_store_checkpoint at its next check. */
 void pen_heartbeat_request_checkpoint(struct pen_heartbeat *heart);
+
+/* Stops the clock of the active claim while the worker waits for the store, and starts it again. */
+void pen_heartbeat_pause(struct pen_heartbeat *heart);
+void pen_heartbeat_resume(struct pen_heartbeat *heart);
+
+/* How long the worker has worked on the active claim. */
+int64_t pen_heartbeat_spent_us(struct pen_heartbeat *heart);
 
 /* Whether the job's time is up now; a short batch may end between two checks of the thread. */
 bool pen_heartbeat_is_late(struct pen_heartbeat *heart);

@@ -100,6 +100,7 @@ struct pen_batch_row {
     enum pen_batch_state state;
     enum pen_batch_kind kind;
     int64_t job, attempt, pixels, lease_until_ms;
+    int64_t spent_us, job_spent_us; /* the time spent under this attempt; on the job in all */
     int view;
 };
 
@@ -283,7 +284,7 @@ struct pen_driver_ops {
     /* Locks the batch. */
     bool (*batch_get)(struct pen_driver *driver, int64_t batch, struct pen_batch_row *row,
                       bool *found, struct pen_status *st);
-    /* Makes an open batch leased; *changed = false: it was not open. */
+    /* Makes an open batch leased, with no time spent; *changed = false: it was not open. */
     bool (*batch_lease)(struct pen_driver *driver, int64_t batch, int64_t attempt,
                         const char *worker, int64_t until_ms, bool *changed, struct pen_status *st);
     /* Make a batch open or done, or extend its lease, if it is leased under that attempt; otherwise
@@ -294,6 +295,11 @@ struct pen_driver_ops {
                        int64_t now_ms, bool *changed, struct pen_status *st);
     bool (*batch_extend)(struct pen_driver *driver, int64_t batch, int64_t attempt,
                          int64_t until_ms, bool *changed, struct pen_status *st);
+    /* Raises the time spent under the attempt of a leased batch to spent_us, and adds the
+     * difference to its job's time. Does nothing if it is not leased under that attempt, or has
+     * spent more. */
+    bool (*batch_spend)(struct pen_driver *driver, int64_t batch, int64_t attempt, int64_t spent_us,
+                        struct pen_status *st);
     /* Subtracts one from the view's open batches. *batches is the number of its batches, *open the
      * rest. Locks the view: of two concurrent last commits only one gets 0. */
     bool (*view_batch_done)(struct pen_driver *driver, int64_t job, int view, int64_t *batches,

@@ -47,6 +47,10 @@ bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_st
 bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
                      struct pen_batch_row *row, bool *held, struct pen_status *st);
 
+/* Adds to the job the time that the claim's holder has told (pen_claim.spent_us) and that was not
+ * added before; inside a transaction. Does nothing if the batch is not leased under the claim. */
+bool pen_charge_time(struct pen_store *store, const struct pen_claim *claim, struct pen_status *st);
+
 /* Blobs. pen_blob_begin gives the first range, which is stored with its row; pen_blob_finish writes
  * the other ranges; pen_blob_load reads a whole blob into store->blob. */
 struct pen_blob_start pen_blob_begin(const void *data, size_t bytes);
@@ -90,7 +94,7 @@ bool pen_policy_release(struct pen_store *store, const struct pen_claim *claim,
                         struct pen_status *st);
 bool pen_policy_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                      struct pen_status *st);
-bool pen_policy_heartbeat(struct pen_store *store, const struct pen_claim *claim, int64_t lease_ms,
+bool pen_policy_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
                           bool *held, struct pen_status *st);
 bool pen_policy_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
                               struct pen_status *st);

@@ -47,6 +47,9 @@ static const struct rule rules[] = {
      " ON v.job = b.job AND v.view = b.view WHERE b.job = number AND b.kind <> 1"
      " AND (b.state = 2 OR v.batches = 1)) AND NOT EXISTS"
      " (SELECT 1 FROM batch WHERE job = number AND kind = 2 AND state <> 2)"},
+    {"a job on which less time was spent than on its batches",
+     "SELECT id FROM job WHERE spent_us <"
+     " (SELECT coalesce(sum(spent_us), 0) FROM batch WHERE job = number)"},
     {"a job whose views' pixels are not those of its batches",
      "SELECT id FROM job WHERE total_pixels <>"
      " (SELECT sum(width * height) FROM view WHERE job = number)"

@@ -60,6 +60,7 @@ static void read_claim(const struct pen_sqlite_query *row, struct pen_claim *cla
         .submitted_ms = pen_sqlite_column_int(row, CLAIM_submitted_ms),
         .started_ms = pen_sqlite_column_int(row, CLAIM_started_ms),
         .timeout_ms = pen_sqlite_column_int(row, CLAIM_timeout_ms),
+        .job_spent_us = pen_sqlite_column_int(row, CLAIM_job_spent_us),
     };
     *job = pen_sqlite_column_int(row, CLAIM_job);
     const char *id = pen_sqlite_column_text(row, CLAIM_job_id);
@@ -132,6 +133,8 @@ bool pen_sqlite_batch_get(struct pen_driver *driver, int64_t batch, struct pen_b
         .attempt = pen_sqlite_column_int(&query, 4),
         .pixels = pen_sqlite_column_int(&query, 5),
         .lease_until_ms = pen_sqlite_column_int(&query, 6),
+        .spent_us = pen_sqlite_column_int(&query, 7),
+        .job_spent_us = pen_sqlite_column_int(&query, 8),
     };
     pen_sqlite_end(&query);
     return true;
@@ -177,6 +180,22 @@ bool pen_sqlite_batch_extend(struct pen_driver *driver, int64_t batch, int64_t a
     pen_sqlite_int(&query, attempt);
     pen_sqlite_int(&query, until_ms);
     return pen_sqlite_run_changed(&query, changed, st);
+}
+
+bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t attempt,
+                            int64_t spent_us, struct pen_status *st)
+{
+    /* The job comes first: its statement reads what the batch had spent before. */
+    const enum pen_sqlite_sql statements[] = {SQL_JOB_SPEND, SQL_BATCH_SPEND};
+    for (int i = 0; i < 2; i++) {
+        struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), statements[i]);
+        pen_sqlite_int(&query, batch);
+        pen_sqlite_int(&query, attempt);
+        pen_sqlite_int(&query, spent_us);
+        if (!pen_sqlite_run(&query, st))
+            return false;
+    }
+    return true;
 }
 
 bool pen_sqlite_view_batch_done(struct pen_driver *driver, int64_t job, int view, int64_t *batches,

@@ -20,6 +20,8 @@
  * job.deaths           workers lost over the job since its last commit
  * job.charges          those of them that crashed by the job's fault
  * job.paused_until_ms  until then other jobs go first
+ * job.spent_us         how long workers have worked on the job, by their monotonic clocks
+ * batch.spent_us       the part of that which was spent under the batch's present attempt
  * batch.quarantined    a worker was lost while it held the batch
  * batch.revision       the revision that the commit gave the job; a reader that knows an older one
  *                      asks for the commits since */
@@ -173,8 +175,13 @@ static const char step_9[] = "ALTER TABLE worker ADD COLUMN lock_file INTEGER;";
  * than benchmarks, for which builds of earlier schemas would take them. */
 static const char step_10[] = "ALTER TABLE job ADD COLUMN estimate_ms INTEGER NOT NULL DEFAULT 0;";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4, step_5,
-                                    step_6, step_7, step_8, step_9, step_10};
+/* The time that workers spend on jobs, which timeouts are judged by. Of jobs that run already it
+ * counts from now on. */
+static const char step_11[] = "ALTER TABLE job ADD COLUMN spent_us INTEGER NOT NULL DEFAULT 0;"
+                              "ALTER TABLE batch ADD COLUMN spent_us INTEGER NOT NULL DEFAULT 0;";
+
+static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5, step_6,
+                                    step_7, step_8, step_9, step_10, step_11};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,

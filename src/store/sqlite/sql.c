@@ -110,10 +110,12 @@ static const char *const sql_text[] = {
                     " WHERE state = 1 AND worker = ?",
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
                        " WHERE b.state = 1 AND b.worker = ? ORDER BY b.id LIMIT 1",
-    [SQL_BATCH_GET] = "SELECT job, view, kind, state, attempt, pixels, lease_until_ms FROM batch"
-                      " WHERE id = ?",
-    [SQL_BATCH_LEASE] = "UPDATE batch SET state = 1, attempt = ?2, worker = ?3, lease_until_ms = ?4"
-                        " WHERE id = ?1 AND state = 0",
+    [SQL_BATCH_GET] = "SELECT b.job, b.view, b.kind, b.state, b.attempt, b.pixels,"
+                      " b.lease_until_ms, b.spent_us, j.spent_us FROM batch b"
+                      " JOIN job j ON j.number = b.job WHERE b.id = ?",
+    [SQL_BATCH_LEASE] =
+        "UPDATE batch SET state = 1, attempt = ?2, worker = ?3, lease_until_ms = ?4,"
+        " spent_us = 0 WHERE id = ?1 AND state = 0",
     [SQL_BATCH_OPEN] = "UPDATE batch SET " OPEN " WHERE id = ? AND attempt = ? AND state = 1",
     [SQL_BATCH_DONE] =
         "UPDATE batch SET state = 2, worker = NULL, lease_until_ms = NULL, stats = ?3,"
@@ -122,6 +124,11 @@ static const char *const sql_text[] = {
         " WHERE id = ?1 AND attempt = ?2 AND state = 1",
     [SQL_BATCH_EXTEND] = "UPDATE batch SET lease_until_ms = ?3"
                          " WHERE id = ?1 AND attempt = ?2 AND state = 1",
+    [SQL_JOB_SPEND] = "UPDATE job SET spent_us = job.spent_us + ?3 - b.spent_us FROM batch b"
+                      " WHERE job.number = b.job AND b.id = ?1 AND b.attempt = ?2 AND b.state = 1"
+                      " AND b.spent_us < ?3",
+    [SQL_BATCH_SPEND] = "UPDATE batch SET spent_us = ?3 WHERE id = ?1 AND attempt = ?2"
+                        " AND state = 1 AND spent_us < ?3",
     [SQL_VIEW_BATCH_DONE] = "UPDATE view SET open_batches = open_batches - 1"
                             " WHERE job = ? AND view = ? RETURNING batches, open_batches",
 

@@ -58,6 +58,8 @@ enum pen_sqlite_sql {
     SQL_BATCH_OPEN,
     SQL_BATCH_DONE,
     SQL_BATCH_EXTEND,
+    SQL_JOB_SPEND,
+    SQL_BATCH_SPEND,
     SQL_VIEW_BATCH_DONE,
     SQL_ANY_LOST,
     SQL_LOST_JOBS,
@@ -119,6 +121,7 @@ enum pen_sqlite_sql {
     NEXT(submitted_ms, j.created_ms)                                                               \
     NEXT(started_ms, j.started_ms)                                                                 \
     NEXT(timeout_ms, j.timeout_ms)                                                                 \
+    NEXT(job_spent_us, j.spent_us)                                                                 \
     NEXT(scene_sha256, s.sha256)
 
 struct pen_wake;
@@ -282,6 +285,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(batch_open)                                                                                 \
     OP(batch_done)                                                                                 \
     OP(batch_extend)                                                                               \
+    OP(batch_spend)                                                                                \
     OP(view_batch_done)                                                                            \
     OP(any_lost)                                                                                   \
     OP(lost_jobs)                                                                                  \
