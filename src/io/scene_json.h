@@ -31,6 +31,10 @@ struct pen_limits {
     uint32_t views;
     double work;         /* rays of all views together; see pen_limits_check */
     int timeout_seconds; /* of a job */
+    int samples;         /* of a pixel; 0: as many as the format allows */
+    int priority;        /* the largest that a job may ask for */
+    /* How long all rays together may be expected to take at so many a second; 0: any time. */
+    double seconds, rays_per_second;
 };
 
 struct pen_limits pen_limits_default(void);
@@ -67,6 +71,12 @@ bool pen_settings_set(struct pen_settings *settings, const char *assignment, str
 bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_desc *desc,
                       const struct pen_settings *settings, uint32_t views, const char *at,
                       struct pen_status *st);
+
+/* Checks how long so many primary and shadow rays are expected to take, which counts alone tell.
+ * What paths add by their forks and by blur is left out: it is known only as a bound, which is far
+ * above what most scenes take. Fails: PEN_TOO_LARGE. */
+bool pen_limits_check_time(const struct pen_limits *limits, double rays, const char *at,
+                           struct pen_status *st);
 
 /* An upper bound of the primary rays of one pixel and of the shadow rays from what these hit, from
  * the counts of samples and lights alone. */

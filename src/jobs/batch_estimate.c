@@ -3,16 +3,32 @@
  * once, before the job's first batch, where the bound of the job's rays means more than ten
  * seconds, which its batches tell (batch_layout.c). It is left out where it would cost more than a
  * thirtieth of the pixels, or more than ten seconds itself by that bound: then the first batches,
- * of a second each, tell soon enough. */
+ * of a second each, tell soon enough.
+ *
+ * A job that is expected to take longer than the operator allows fails: by this estimate if even
+ * the lower end of its interval is above, and later by the time that its first batches took. */
 #include "jobs/internal/batch.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "base/log.h"
 #include "jobs/internal/jobs.h"
 #include "render/forecast.h"
 
-enum { LONG_BATCHES = 10 }; /* of about a second each */
+enum {
+    LONG_BATCHES = 10, /* of about a second each */
+    TELLING_S = 10     /* the time after which what a job has done tells how long the rest takes */
+};
+
+static bool fail_expected(double seconds, const char *from, int max_seconds, struct pen_status *st)
+{
+    return pen_fail(st, PEN_TOO_LARGE,
+                    "the job is expected to take %.0f s (%.3g hours), %s; this daemon allows %d s: "
+                    "take fewer pixels, samples or lights, or ask its operator for more "
+                    "(--max-seconds)",
+                    seconds, seconds / 3600, from, max_seconds);
+}
 
 static bool is_wanted(const struct pen_batch_context *context, const struct pen_claim *claim)
 {
@@ -48,10 +64,30 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
         return true;
     if (!pen_batch_hook_done(context, pen_forecast_make(context->pool, &task, &forecast, st), st))
         return false;
-    const double all_ms = forecast.time_ms.expected * request->view_count;
+    const double all_ms = forecast.time_ms.expected * request->view_count,
+                 least_ms = forecast.time_ms.low * request->view_count;
     const struct pen_log_about about = pen_claim_about(claim);
     pen_log_about(PEN_LOG_DEBUG, &about, "expected to take %.1f s", all_ms / 1000);
     pen_forecast_release(&forecast);
+    if (context->max_seconds > 0 && least_ms > 1000.0 * context->max_seconds)
+        return fail_expected(all_ms / 1000, "from some of its pixels", context->max_seconds, st);
     pen_store_estimate(context->store, claim, (int64_t)ceil(all_ms), &ignored);
     return true;
+}
+
+bool pen_batch_expected(struct pen_batch_context *context, const struct pen_claim *claim,
+                        struct pen_status *st)
+{
+    const double spent_s = (double)claim->job_spent_us * 1e-6;
+    struct pen_job_record job;
+    struct pen_status ignored;
+    if (context->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER || spent_s < TELLING_S ||
+        !pen_store_job(context->store, claim->job_id, &job, &ignored))
+        return true;
+    const double share = (double)job.done_pixels / (double)job.total_pixels;
+    pen_job_record_release(&job);
+    char from[80];
+    snprintf(from, sizeof from, "from its first %.3g %%, which took %.0f s", 100 * share, spent_s);
+    return share <= 0 || spent_s <= share * context->max_seconds ||
+           fail_expected(spent_s / share, from, context->max_seconds, st);
 }

@@ -263,6 +263,8 @@ bool pen_bench_spec_check(const struct pen_bench_spec *spec, const struct pen_li
                            "all runs of %d rows together take up to %.3g primary and shadow rays, "
                            "at most %.3g are allowed",
                            spec->row_count, work, limits->work);
+    if (!pen_limits_check_time(limits, work, matrix_at, st))
+        return false;
     if (kept > (double)limits->pixels_per_view)
         return pen_fail_at(st, PEN_TOO_LARGE, matrix_at,
                            "the pictures to be compared have %.0f pixels together, at most %llu "

@@ -190,7 +190,10 @@ static void check_limits(struct pen_request *request, const struct pen_limits *l
                          struct pen_errors *errors)
 {
     struct pen_status st;
-    if (is_within_limits(request, limits, &st))
+    struct pen_limits allowed = *limits;
+    if (request->explain && !request->analyze)
+        allowed.seconds = 0; /* it is not rendered, and may be asked how long it would take */
+    if (is_within_limits(request, &allowed, &st))
         return;
     pen_document_locate(&request->document, &st);
     pen_errors_add(errors, &st);
@@ -228,7 +231,8 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
     *out = (struct pen_request){.explain = in->explain,
                                 .kind = in->explain ? PEN_KIND_EXPLAIN : PEN_KIND_RENDER,
                                 .max_attempts = 3,
-                                .timeout_max_s = timeout_s};
+                                .timeout_max_s = timeout_s,
+                                .priority_max = limits->priority};
     out->timeout_ms = (int64_t)1000 * (timeout_s < TIMEOUT_S ? timeout_s : TIMEOUT_S);
     bool parsed = pen_document_parse(in->body, in->bytes, in->xml, limits, &out->document, &st);
     out->body = parsed ? out->document.json : NULL;
@@ -246,6 +250,8 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
         pen_request_budget_read(out, errors);
     if (out->explain && !json_object_get(out->body, "priority"))
         out->priority = out->analyze ? 0 : EXPLAIN_PRIORITY;
+    if (out->priority > limits->priority)
+        out->priority = limits->priority; /* of an explanation, or of a job without the key */
     if (out->scene)
         read_scene(out, limits, errors);
     return errors->count == 0;

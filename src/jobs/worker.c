@@ -207,6 +207,8 @@ static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *
     struct pen_status why;
     if (is_late(claim))
         return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
+    if (!pen_batch_expected(&w->context, claim, &why))
+        return fail_job(w, claim, pen_failure_status_json(w->store, claim, &why), st);
     struct pen_log_about about = pen_claim_about(claim);
     if (claim->kind == PEN_BATCH_STUDY)
         pen_log_about(PEN_LOG_INFO, &about, "%lld runs", (long long)claim->pixels);
@@ -306,6 +308,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
     w->context.trace = o->trace;
     w->context.keep_ms = o->keep_ms;
+    w->context.max_seconds = o->max_seconds;
     w->context.fault = o->fault;
     w->store = w->context.store = pen_store_open(o->store_url, st);
     if (gethostname(w->host, sizeof w->host - 1) != 0 || !w->host[0])

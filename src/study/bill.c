@@ -151,6 +151,8 @@ bool pen_bill_check(const struct pen_limits *limits, const struct pen_scene_desc
                            "all %d renders together take up to %.3g primary and shadow rays, at "
                            "most %.3g are allowed",
                            pen_bill_runs(effects, repeats), work, limits->work);
+    if (!pen_limits_check_time(limits, work, at, st))
+        return false;
     if (kept > (double)limits->pixels_per_view)
         return pen_fail_at(st, PEN_TOO_LARGE, at,
                            "the %d pictures to be compared have %.0f pixels together, at most "

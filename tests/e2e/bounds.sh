@@ -62,5 +62,32 @@ echo '{"max_timeout": 30}' >"$work/config.json"
 daemon_start --config "$work/config.json"
 submit "$small"
 expect maximum-from-the-file "$(body .timeout_seconds)" 30
+daemon_stop
+
+# What counts alone tell to take days is refused; the operator may bound jobs further.
+days='{"scene": "builtin:spheres", "render": {"max_depth": 1, "width": 8000, "height": 8000, "samples_per_pixel": 10000}}'
+daemon_start
+submit "$days"
+expect_problem a-job-of-days-is-refused 413 '*expected to take at least * s (* hours)*allows 86400 s*--max-seconds*'
+daemon_stop
+daemon_start --max-seconds 0
+submit "$days"
+expect any-time-if-the-operator-says-so "$status" 202
+call "$job/cancel" -X POST
+daemon_stop
+echo '{"max_seconds": 5, "max_pixels": 10000, "max_samples": 16, "max_priority": 0}' >"$work/config.json"
+daemon_start --config "$work/config.json"
+submit '{"scene": "builtin:spheres", "render": {"width": 101, "height": 100}}'
+expect_problem too-many-pixels 413 '*10100 pixels in a view, at most 10000*'
+submit '{"scene": "builtin:spheres", "render": {"width": 100, "height": 100, "samples_per_pixel": 17}}'
+expect_problem too-many-samples 413 '*samples_per_pixel is 17, this daemon allows at most 16*'
+submit '{"scene": "builtin:spheres", "render": {"width": 100, "height": 100, "target_error": 0.01}}'
+expect_problem too-many-samples-in-rounds 413 '*max_samples is 4096, this daemon allows at most 16*'
+submit '{"scene": "builtin:spheres", "priority": 1, "render": {"width": 100, "height": 100}}'
+expect_problem too-large-a-priority 422 '*at most 0, which this daemon allows, found 1*'
+submit '{"scene": "builtin:spheres", "priority": 0, "render": {"width": 100, "height": 100, "samples_per_pixel": 16}}'
+expect what-is-allowed "$status" 202
+call "/v1/explain" -H 'Content-Type: application/json' -d '{"scene": "builtin:spheres", "render": {"width": 100, "height": 100}}'
+expect explained-at-an-allowed-priority "$status" 200
 
 finish

@@ -286,6 +286,41 @@ START_TEST(test_worker__job_that_was_started_long_ago_has_its_time_left)
 }
 END_TEST
 
+/* Stops a job of several batches once some are done, as if they had taken so long. */
+static void stop_after(int64_t spent_us)
+{
+    char sql[80];
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, jobs_scene(several_batches), id);
+    wait_for_progress();
+    jobs_worker_stop(&bed);
+    ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_RUNNING);
+    snprintf(sql, sizeof sql, "UPDATE job SET spent_us = %lld", (long long)spent_us);
+    store_run_sql(&bed.bed, sql, NULL, 0);
+}
+
+START_TEST(test_worker__job_whose_first_batches_tell_that_it_takes_too_long_fails)
+{
+    stop_after(INT64_C(40000000));
+    bed.max_seconds = 40; /* the rest would take longer */
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_FAILED);
+    check_error("urn:penumbra:problem:too-large", 413);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_worker__job_that_is_expected_to_take_what_is_allowed_succeeds)
+{
+    stop_after(INT64_C(40000000));
+    bed.max_seconds = 10000000;
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 static void *stop_when_ended(void *stop)
 {
     jobs_wait(&bed, id);
@@ -366,6 +401,8 @@ PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__short_job_that_takes_longer_than_its_timeout_fails,
           test_worker__job_whose_time_was_spent_by_other_workers_fails,
           test_worker__job_that_was_started_long_ago_has_its_time_left,
+          test_worker__job_whose_first_batches_tell_that_it_takes_too_long_fails,
+          test_worker__job_that_is_expected_to_take_what_is_allowed_succeeds,
           test_worker__scene_beyond_the_memory_cap_fails_its_job_alone,
           test_worker__stop_leaves_the_rest_to_the_next_worker,
           test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)

@@ -33,6 +33,7 @@ static void *work(void *user)
                                          .id = "test:1:1",
                                          .threads = 2,
                                          .keep_ms = 1,
+                                         .max_seconds = bed->max_seconds,
                                          .fault = bed->fault};
     struct pen_status st;
     bool ok = pen_worker_run(&options, &bed->stop, &st);

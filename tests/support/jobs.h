@@ -17,6 +17,7 @@ struct jobs_bed {
     pthread_t thread;
     atomic_bool stop;
     bool working;
+    int max_seconds;                      /* as in pen_worker_options */
     const struct pen_worker_fault *fault; /* of the workers that are started; may be NULL */
 };
 

@@ -23,7 +23,7 @@ static const int64_t stable_ns = INT64_C(10) * 1000000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
 static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
 
-enum { ARGUMENTS_MAX = 40 };
+enum { ARGUMENTS_MAX = 60, LIMITS = 5 };
 
 void pen_child_init(struct pen_child *child, const char *role)
 {
@@ -48,7 +48,8 @@ static void close_fd(int *fd)
 struct arguments {
     int count;
     char *list[ARGUMENTS_MAX + 1];
-    char threads[16], listen[16], control[16], memory[16], timeout[16], trace[16], dead_trace[16];
+    char threads[16], listen[16], control[16], memory[16], trace[16], dead_trace[16];
+    char limit[LIMITS][16];
 };
 
 static void add(struct arguments *arguments, const char *option, const char *value)
@@ -82,6 +83,22 @@ static void add_worker(struct arguments *arguments, const struct pen_child *chil
     add_fd(arguments, "--internal-dead-trace-fd", child->dead.trace_fd, arguments->dead_trace);
 }
 
+static void add_limits(struct arguments *arguments, const struct pen_job_limits *max)
+{
+    const struct {
+        const char *option;
+        int value;
+    } limit[LIMITS] = {{"--max-timeout", max->timeout},
+                       {"--max-seconds", max->seconds},
+                       {"--max-pixels", max->pixels},
+                       {"--max-samples", max->samples},
+                       {"--max-priority", max->priority}};
+    for (int i = 0; i < LIMITS; i++) {
+        snprintf(arguments->limit[i], sizeof arguments->limit[i], "%d", limit[i].value);
+        add(arguments, limit[i].option, arguments->limit[i]);
+    }
+}
+
 static void make_arguments(struct arguments *arguments, const struct pen_child *child,
                            const struct pen_config *config, int control_fd, int listen_fd)
 {
@@ -90,7 +107,6 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     snprintf(arguments->threads, sizeof arguments->threads, "%d", config->threads);
     snprintf(arguments->control, sizeof arguments->control, "%d", control_fd);
     snprintf(arguments->listen, sizeof arguments->listen, "%d", listen_fd);
-    snprintf(arguments->timeout, sizeof arguments->timeout, "%d", config->max_timeout);
     add(arguments, "--role", child->role);
     add(arguments, "--store", config->store);
     add(arguments, "--threads", arguments->threads);
@@ -100,10 +116,9 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     add(arguments, "--internal-control-fd", arguments->control);
     if (listen_fd >= 0)
         add(arguments, "--internal-listen-fd", arguments->listen);
+    add_limits(arguments, &config->max);
     if (is_worker(child))
         add_worker(arguments, child, config);
-    else
-        add(arguments, "--max-timeout", arguments->timeout);
     arguments->list[arguments->count] = NULL;
 }
 

@@ -12,10 +12,19 @@
 #include "cmd/daemon/listen.h"
 #include "cmd/options.h"
 
+/* Bounds of jobs that the operator sets. 0: none, or that of pen_limits_default. */
+struct pen_job_limits {
+    int timeout; /* seconds */
+    int seconds; /* that it may be expected to take */
+    int pixels;  /* of a view */
+    int samples; /* of a pixel */
+    int priority;
+};
+
 struct pen_config {
     const char *listen, *store, *role, *tokens, *file, *log_file, *log_format, *log_level;
     int threads, memory_limit; /* memory_limit: MiB; 0: three quarters of the machine's */
-    int max_timeout;           /* of a job, seconds; 0: as pen_limits_default */
+    struct pen_job_limits max; /* what a job may ask for */
     /* Set by a supervisor for its children only. Such a process reads neither environment nor file:
      * its command line has the whole configuration. */
     int listen_fd, control_fd;   /* -1: none */

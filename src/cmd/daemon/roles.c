@@ -102,6 +102,27 @@ static void raise_descriptor_limit(void)
     setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+/* Rays that a thread traces in a second in scenes that are quick to render. From what it tells a
+ * job takes longer, rather than shorter. */
+static const double thread_rays_per_second = 4e6;
+
+static struct pen_limits limits_of(const struct pen_config *config)
+{
+    const struct pen_job_limits *max = &config->max;
+    struct pen_limits limits = pen_limits_default();
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    const double threads = config->threads ? config->threads : cores > 0 ? (double)cores : 1;
+    if (max->timeout)
+        limits.timeout_seconds = max->timeout;
+    if (max->pixels)
+        limits.pixels_per_view = (uint64_t)max->pixels;
+    limits.samples = max->samples;
+    limits.priority = max->priority;
+    limits.seconds = max->seconds;
+    limits.rays_per_second = threads * thread_rays_per_second;
+    return limits;
+}
+
 int pen_role_api(const struct pen_config *config, int listen_fd)
 {
     struct pen_event_source events;
@@ -113,9 +134,7 @@ int pen_role_api(const struct pen_config *config, int listen_fd)
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
     struct pen_http_options options = {
-        .listen_fd = listen_fd, .store_url = config->store, .limits = pen_limits_default()};
-    if (config->max_timeout)
-        options.limits.timeout_seconds = config->max_timeout;
+        .listen_fd = listen_fd, .store_url = config->store, .limits = limits_of(config)};
     struct pen_http *http = pen_http_start(&options, &st);
     if (!http) {
         pen_event_source_close(&events);
@@ -282,6 +301,7 @@ static int run_worker_process(const struct pen_config *config, struct pen_event_
                     .id = id,
                     .threads = config->threads,
                     .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
+                    .max_seconds = config->max.seconds,
                     .trace = pen_crash_record_map(config->trace_fd),
                     .stuck = end_stuck_threads}};
     struct pen_fault_hook hook;

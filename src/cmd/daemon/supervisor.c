@@ -127,14 +127,15 @@ static void reload(struct supervisor *s)
         return;
     }
     if (strcmp(s->first->listen, fresh.listen) != 0 || strcmp(s->first->store, fresh.store) != 0 ||
-        strcmp(s->first->role, fresh.role) != 0 || s->first->max_timeout != fresh.max_timeout)
-        pen_log(PEN_LOG_WARN, "listen, store, role and max_timeout change only when the daemon is "
-                              "started again");
+        strcmp(s->first->role, fresh.role) != 0 ||
+        memcmp(&s->first->max, &fresh.max, sizeof fresh.max) != 0)
+        pen_log(PEN_LOG_WARN, "listen, store, role and the bounds of jobs (max_…) change only when "
+                              "the daemon is started again");
     bool other_threads = s->now.threads != fresh.threads;
     pen_config_release(&s->reloaded);
     s->reloaded = s->now = fresh;
     s->now.store = s->first->store;
-    s->now.max_timeout = s->first->max_timeout;
+    s->now.max = s->first->max;
     struct pen_log_target target = {
         .level = fresh.log_level, .format = fresh.log_format, .file = fresh.log_file};
     if (!pen_config_log(&target, &st))

@@ -15,7 +15,8 @@ struct pen_limits pen_limits_default(void)
                                .pixels_per_view = 64000000,
                                .views = 64,
                                .work = 1e13,
-                               .timeout_seconds = 1000000000};
+                               .timeout_seconds = 1000000000,
+                               .priority = 100};
 }
 
 /* The most shadow rays to one light per shaded point. */
@@ -112,12 +113,37 @@ static bool check_together(const struct pen_settings *settings, const char *at,
     return true;
 }
 
+bool pen_limits_check_time(const struct pen_limits *limits, double rays, const char *at,
+                           struct pen_status *st)
+{
+    if (limits->seconds <= 0 || rays <= limits->seconds * limits->rays_per_second)
+        return true;
+    const double seconds = rays / limits->rays_per_second;
+    return pen_fail_at(
+        st, PEN_TOO_LARGE, at,
+        "it is expected to take at least %.0f s (%.3g hours): %.3g primary and shadow "
+        "rays at %.2g a second; this daemon allows %.0f s; take fewer pixels, samples "
+        "or lights, or ask its operator for more (--max-seconds)",
+        seconds, seconds / 3600, rays, limits->rays_per_second, limits->seconds);
+}
+
+/* Checks the number of samples of a pixel that the operator allows. */
+static bool check_samples(const struct pen_limits *limits, const struct pen_settings *settings,
+                          const char *at, struct pen_status *st)
+{
+    const bool adaptive = pen_settings_adaptive(settings);
+    const int samples = adaptive ? settings->max_samples : settings->samples_per_pixel;
+    return limits->samples == 0 || samples <= limits->samples ||
+           pen_fail_at(st, PEN_TOO_LARGE, at, "%s is %d, this daemon allows at most %d",
+                       adaptive ? "max_samples" : "samples_per_pixel", samples, limits->samples);
+}
+
 bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_desc *desc,
                       const struct pen_settings *settings, uint32_t views, const char *at,
                       struct pen_status *st)
 {
     double pixels = (double)settings->width * settings->height;
-    if (!check_together(settings, at, st))
+    if (!check_together(settings, at, st) || !check_samples(limits, settings, at, st))
         return false;
     double rays = views * pixels * pen_work_per_pixel(desc, settings);
     if (pixels > (double)limits->pixels_per_view)
@@ -136,6 +162,8 @@ bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_de
     const struct pen_settings sampling = pen_settings_sampling(settings);
     const double tree = tree_surfaces(settings), blurred = sampling.blur_samples;
     rays = views * pixels * pen_work_per_pixel(desc, &sampling);
+    if (!pen_limits_check_time(limits, rays, at, st))
+        return false;
     if (rays * tree > limits->work && pen_desc_forks(desc))
         return fail_forks(limits, settings, rays, at, st);
     if (rays * tree * blurred > limits->work &&

@@ -42,10 +42,15 @@ bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *
                      struct pen_status *st);
 
 /* batch_estimate.c: before the first batch of a job that may take long, estimates what it will
- * take, and stores that. A small job is left as it is. Fails: as
- * pen_forecast_make. */
+ * take, and stores that. A small job is left as it is. Fails: as pen_forecast_make; PEN_TOO_LARGE
+ * if that is longer than the operator allows. */
 bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
                         const struct pen_scene *scene, struct pen_status *st);
+
+/* batch_estimate.c: tells from what is done of the job, and how long that took, whether all of it
+ * is expected to take longer than the operator allows. Fails: PEN_TOO_LARGE, if so. */
+bool pen_batch_expected(struct pen_batch_context *context, const struct pen_claim *claim,
+                        struct pen_status *st);
 
 /* batch_benchmark.c: runs a whole benchmark; the artefact is the report as JSON. */
 pen_batch_run_fn pen_batch_benchmark;

@@ -33,6 +33,7 @@ struct pen_batch_context {
     int64_t deadline_ns;            /* of that view's rounds, by pen_clock_ns; 0: none */
     struct pen_adaptive *adaptive;  /* of that view, with a target error; else NULL */
     int64_t keep_ms;                /* as in pen_worker_options */
+    int max_seconds;                /* the same */
     double store_ms; /* time spent waiting for the store and for compression; not in the job's
                         statistics yet */
 };

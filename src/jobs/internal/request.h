@@ -28,7 +28,7 @@ struct pen_request {
     struct pen_scene_desc desc;
     struct pen_settings settings; /* the scene's, overridden by the job's */
     int priority, max_attempts;
-    int timeout_max_s; /* what the operator allows */
+    int timeout_max_s, priority_max; /* what the operator allows */
     int64_t timeout_ms;
     const json_t *name;   /* NULL: none */
     const json_t *labels; /* NULL: none */
