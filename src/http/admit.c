@@ -126,6 +126,13 @@ static bool check_drain(const struct request *request, struct pen_status *st)
     return true;
 }
 
+/* How much of a refused request's body is read and dropped. Without that the connection would be
+ * closed with unread bytes, which resets it: a client that is still sending may lose its answer. */
+static uint64_t discard_max(const struct request *request)
+{
+    return 2 * (uint64_t)request->http->limits.body_bytes;
+}
+
 /* Whether to read and discard the body of a refused request. The length of a chunked body is not
  * known yet; pen_http_request_receive bounds it. */
 static bool wants_discard(const struct request *request)
@@ -136,7 +143,7 @@ static bool wants_discard(const struct request *request)
         return false;
     if (fields->transfer_encoding)
         return !fields->content_length && strcasecmp(fields->transfer_encoding, "chunked") == 0;
-    return fields->content_length && request->declared_bytes <= request->http->limits.body_bytes;
+    return fields->content_length && request->declared_bytes <= discard_max(request);
 }
 
 void pen_http_request_admit(struct request *request)
@@ -164,7 +171,9 @@ void pen_http_request_admit(struct request *request)
 bool pen_http_request_receive(struct request *request, const char *data, size_t bytes)
 {
     request->received_bytes += bytes;
-    if (request->received_bytes > request->http->limits.body_bytes)
+    const bool dropped = request->phase == PHASE_DISCARD;
+    if (request->received_bytes >
+        (dropped ? discard_max(request) : request->http->limits.body_bytes))
         return false;
     if (request->phase != PHASE_BODY || !request->route->takes_body)
         return true;
