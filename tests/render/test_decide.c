@@ -17,7 +17,7 @@ static struct pen_adaptive *begin(int width, int height, enum pen_transfer_name 
     settings = pen_settings_default();
     settings.width = width;
     settings.height = height;
-    settings.transfer = transfer;
+    settings.transfer = (int)transfer;
     settings.max_samples = 1 << 20;
     struct pen_adaptive *a = pen_adaptive_new(&settings, &st);
     pool = pen_thread_pool_new(2, &st);
