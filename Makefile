@@ -34,7 +34,9 @@ WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmis
     -Wswitch-enum $(WERROR)
 PIXEL_FLAGS := -std=c11 -ffp-contract=off -fno-math-errno
 HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
-CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc -Iinclude $(CPPFLAGS)
+# All kernels of a build with sanitizers are one (src/shade/internal/surface.h).
+SHARED_KERNELS ?= $(if $(SAN),-DPEN_SHARED_KERNELS)
+CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc -Iinclude $(SHARED_KERNELS) $(CPPFLAGS)
 COMPILE = $(CC) $(CPP) $(OPT) $(ROOM_OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
 # The build id is in the reports of benchmarks (src/study/host.c).
 LINK = $(CC) $(SAN) -pthread -Wl,--build-id=sha1 $(LDFLAGS)
@@ -375,14 +377,15 @@ lint:
 
 # Sanitizers find undefined behaviour with a part of the cases of heavy tests as well.
 FEWER ?= 10
+FEWER_ENV := PEN_FEWER=$(FEWER) CK_TIMEOUT_MULTIPLIER=4
 CHECKED := OPT="-O1 -g1" PIXEL_OPT=-O2
 ASAN := BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" $(CHECKED)
 asan-build:
 	$(MAKE) $(ASAN) tests
 asan:
-	PEN_FEWER=$(FEWER) $(MAKE) $(ASAN) run-tests
+	$(FEWER_ENV) $(MAKE) $(ASAN) run-tests
 tsan:
-	PEN_FEWER=$(FEWER) $(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" $(CHECKED) run-tests
+	$(FEWER_ENV) $(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" $(CHECKED) run-tests
 
 # Feeds inputs made by libFuzzer to the XML reader, for SECONDS; needs clang.
 SECONDS ?= 120

@@ -44,9 +44,10 @@ prints() {
     fi
 }
 
-# within SECONDS COMMAND…: repeats the command until it succeeds; fails after that time.
+# within SECONDS COMMAND…: repeats the command until it succeeds; fails after that time ($patience times
+# that time).
 within() {
-    tries=$(($1 * 50))
+    tries=$(($1 * 50 * patience))
     shift
     while ! "$@" >/dev/null 2>&1; do
         tries=$((tries - 1))
@@ -85,7 +86,7 @@ check_goes_on() {
     within 60 has_runs "$1" "$2" || not_ok "the study whose worker is killed" "does not run: $(done_runs "$1")"
     kill -KILL "$(child work)"
     least=$2
-    tries=3000
+    tries=$((3000 * patience))
     while now=$(done_runs "$1") && [ "$now" -le "$2" ] && [ "$tries" -gt 0 ]; do
         [ "$now" -ge "$least" ] || least=$now
         tries=$((tries - 1))

@@ -13,11 +13,14 @@ url=
 checks=0
 failures=0
 status= # of the last call
+# The seconds of a deadline are so many on a build with sanitizers, which runs several times slower.
+patience=1
+[ -z "${PEN_FEWER:-}" ] || patience=4 # see tests/support/random.h
 
 daemon_stop() { # [SIGNAL]: stops the daemon, and sets $stopped to its exit code
     [ -n "$daemon" ] || return 0
     kill "-${1:-TERM}" "$daemon" 2>/dev/null
-    for _ in $(seq 500); do
+    for _ in $(seq $((500 * patience))); do
         kill -0 "$daemon" 2>/dev/null || break
         sleep 0.02
     done
@@ -44,7 +47,7 @@ daemon_start() {
     "$build/penumbrad" --listen 127.0.0.1:0 --store "$store" --threads "${threads:-2}" "$@" \
         >"$work/out" 2>>"$work/log" &
     daemon=$!
-    for _ in $(seq 500); do
+    for _ in $(seq $((500 * patience))); do
         url=$(sed -n 's/^listening on \(http:.*\)$/\1/p' "$work/out")
         if [ -n "$url" ] && [ "$(curl -s -o /dev/null -w '%{http_code}' "$url/readyz")" = 200 ]; then
             return 0

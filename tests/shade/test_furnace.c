@@ -198,6 +198,14 @@ START_TEST(test_furnace__h113_flat_faces)
 }
 END_TEST
 
+/* The lengths of paths that are compared: from 2 to 11, and 2000. */
+static int next_length(int surfaces)
+{
+    if (surfaces >= 11)
+        return surfaces < 2000 ? 2000 : 2001;
+    return surfaces + random_stride() < 11 ? surfaces + random_stride() : 11;
+}
+
 /* Deeper paths lack less, and nothing shows more than there is. Edges and corners do not matter:
  * every pixel goes to 1. */
 START_TEST(test_furnace__h113_deeper_paths_lack_less)
@@ -205,7 +213,7 @@ START_TEST(test_furnace__h113_deeper_paths_lack_less)
     static double last[SIDE * SIDE];
     for (int shape = 0; shape < SHAPES; shape++) {
         int trapped = 0;
-        for (int surfaces = 2; surfaces <= 2000; surfaces = surfaces == 11 ? 2000 : surfaces + 1) {
+        for (int surfaces = 2; surfaces <= 2000; surfaces = next_length(surfaces)) {
             struct convex unused;
             furnace_begin(surfaces);
             add_shape((enum shape)shape, 1.5, &unused);
