@@ -17,7 +17,7 @@ static char id[PEN_ID_BYTES], other[PEN_ID_BYTES];
 
 static const char lengthy[] =
     "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"render\": {\"width\": 64,"
-    " \"height\": 48, \"tile\": 8, \"target_error\": 0.001, \"max_samples\": 65536}}";
+    " \"height\": 48, \"tile\": 8, \"target_error\": 0.003, \"max_samples\": 65536}}";
 enum { WIDTH = 64, HEIGHT = 48, TILE = 8 };
 static const char urgent[] = "{\"scene\": \"builtin:spheres\", \"priority\": 5,"
                              " \"render\": {\"width\": 16, \"height\": 12}}";
@@ -122,7 +122,7 @@ static struct pen_adaptive_stats rounds_of(const struct pen_buf *state)
     settings.width = WIDTH;
     settings.height = HEIGHT;
     settings.tile = TILE;
-    settings.target_error = 0.001;
+    settings.target_error = 0.003;
     struct pen_status st;
     struct pen_adaptive *adaptive = pen_adaptive_new(&settings, &st);
     struct pen_render_stats stats;

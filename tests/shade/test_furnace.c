@@ -203,7 +203,7 @@ static int next_length(int surfaces)
 {
     if (surfaces >= 11)
         return surfaces < 2000 ? 2000 : 2001;
-    return surfaces + random_stride() < 11 ? surfaces + random_stride() : 11;
+    return surfaces + random_fewer() < 11 ? surfaces + random_fewer() : 11;
 }
 
 /* Deeper paths lack less, and nothing shows more than there is. Edges and corners do not matter:

@@ -8,6 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "support/random.h"
+
 void jobs_bed_open(struct jobs_bed *bed)
 {
     *bed = (struct jobs_bed){.bed = bed->bed, .fault = bed->fault};
@@ -32,7 +34,7 @@ static void *work(void *user)
     struct pen_worker_options options = {.store_url = bed->bed.url,
                                          .id = "test:1:1",
                                          .threads = 2,
-                                         .keep_ms = 1,
+                                         .keep_ms = random_fewer(),
                                          .max_seconds = bed->max_seconds,
                                          .fault = bed->fault};
     struct pen_status st;
@@ -67,7 +69,7 @@ pid_t jobs_worker_fork(const struct jobs_bed *bed)
         struct pen_worker_options options = {.store_url = bed->bed.url,
                                              .id = "doomed:1:1",
                                              .threads = 2,
-                                             .keep_ms = 1,
+                                             .keep_ms = random_fewer(),
                                              .fault = bed->fault};
         atomic_bool stop = false;
         struct pen_status st;
