@@ -28,6 +28,27 @@ static bool is_file(const char *url, struct pen_status *st)
     return url[0] != '\0' || pen_fail(st, PEN_USAGE, "the store needs the path of a file");
 }
 
+/* The path in a URL; copies the identity in it, "" if there is none. */
+static const char *read_url(const char *url, char identity[PEN_STORE_IDENTITY_BYTES])
+{
+    static const char prefix[] = "store:";
+    const size_t digits = PEN_STORE_IDENTITY_BYTES - 1;
+    const char *at = url + sizeof prefix - 1;
+    identity[0] = '\0';
+    if (!has_prefix(url, prefix) || strlen(at) <= digits || at[digits] != ':')
+        return url;
+    memcpy(identity, at, digits);
+    identity[digits] = '\0';
+    return at + digits + 1;
+}
+
+static struct pen_driver *open_driver(struct pen_store *store, const char *url,
+                                      struct pen_status *st)
+{
+    const char *path = read_url(url, store->identity);
+    return pen_sqlite_open(path, store->identity[0] ? store->identity : NULL, st);
+}
+
 struct pen_store *pen_store_open(const char *url, struct pen_status *st)
 {
     if (!is_file(url, st))
@@ -38,7 +59,7 @@ struct pen_store *pen_store_open(const char *url, struct pen_status *st)
     if (!store || !store->compressor)
         pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     else
-        store->driver = pen_sqlite_open(url, st);
+        store->driver = open_driver(store, url, st);
     if (!store || !store->driver) {
         pen_store_close(store);
         return NULL;
@@ -155,6 +176,17 @@ bool pen_store_check(struct pen_store *store, struct pen_status *st)
         return false;
     pen_health_check_passed(store);
     return true;
+}
+
+const char *pen_store_identity(const struct pen_store *store)
+{
+    return store->driver->ops->identity(store->driver);
+}
+
+bool pen_store_settle(struct pen_store *store, struct pen_status *st)
+{
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, NULL, store->driver->ops->settle(store->driver, st));
 }
 
 bool pen_store_probe(struct pen_store *store, struct pen_status *st)

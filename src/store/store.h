@@ -33,7 +33,11 @@
 #include "base/status.h"
 #include "store/pixels.h"
 
-enum { PEN_ID_BYTES = 37, /* UUID text and its end */ PEN_WORKER_ID_BYTES = 33 };
+enum {
+    PEN_ID_BYTES = 37, /* UUID text and its end */
+    PEN_WORKER_ID_BYTES = 33,
+    PEN_STORE_IDENTITY_BYTES = 33
+};
 
 enum pen_job_state {
     PEN_JOB_QUEUED,
@@ -70,13 +74,26 @@ static inline bool pen_job_state_ended(enum pen_job_state state)
 
 struct pen_store;
 
-/* Opens a store by the path of its file; makes the file and its folders, and migrates an older
- * schema. Owns: pen_store_close. Fails: PEN_STORAGE (not a Penumbra store, damaged, newer schema,
- * no permission: the message says what to do, and the file is as it was), PEN_UNSUPPORTED (a
- * postgres:// URL, for which there is no driver), PEN_USAGE (no path, or too long),
- * PEN_STORAGE_FULL, PEN_UNAVAILABLE, PEN_NO_MEMORY. */
+/* Opens a store and migrates an older schema. `url` is one of
+ *   PATH                 the path of its file. If there is no trace of a store, the file and its
+ *                        folders are made.
+ *   store:IDENTITY:PATH  the store that has this identity. No file is made, and no other store is
+ *                        opened: a process that works for another one cannot end up elsewhere.
+ * Owns: pen_store_close. Fails: PEN_STORAGE (not a Penumbra store, damaged, newer schema, gone,
+ * another store, a log that is missing or another store's, no permission: the message says what to
+ * do, and the file is as it was), PEN_UNSUPPORTED (a postgres:// URL, for which there is no
+ * driver), PEN_USAGE (no path, or too long), PEN_STORAGE_FULL, PEN_UNAVAILABLE (also: another
+ * process holds the lock for opening), PEN_NO_MEMORY. */
 struct pen_store *pen_store_open(const char *url, struct pen_status *st);
 void pen_store_close(struct pen_store *store);
+
+/* The store's identity: 32 hexadecimal digits, random, made with the store and never changed. A
+ * backup has one of its own. */
+const char *pen_store_identity(const struct pen_store *store);
+
+/* Brings everything into the store's own file, so that it is complete without the files beside it.
+ * To be called before the last handle is closed. */
+bool pen_store_settle(struct pen_store *store, struct pen_status *st);
 
 /* Looks for damage in the whole store and its log. The daemon does so once at its start.
  * Fails: PEN_STORAGE with the first damage found. Cost: reads every page. */

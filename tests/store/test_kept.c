@@ -145,13 +145,17 @@ START_TEST(test_kept__expired_lease_is_claimed_again)
 }
 END_TEST
 
-/* Makes the lease in the file last, as if the daemon had been killed just now. The file in which
- * its worker held a lock, known by its inode since schema 9, is another one here. */
+/* Makes the lease in the file last and its job young, as if the daemon had been killed just now: a
+ * job's time would be up a day after the store was made. The file in which its worker held a lock,
+ * known by its inode since schema 9, is another one here. */
 static void renew_lease(const struct store_bed *bed, int schema)
 {
     char sql[100];
     snprintf(sql, sizeof sql, "UPDATE batch SET lease_until_ms = %lld WHERE state = 1",
              (long long)pen_clock_wall_ms() + 3600000);
+    store_run_sql(bed, sql, NULL, 0);
+    snprintf(sql, sizeof sql, "UPDATE job SET started_ms = %lld WHERE state = 1",
+             (long long)pen_clock_wall_ms());
     store_run_sql(bed, sql, NULL, 0);
     if (schema >= FIRST_WITH_LOCK_FILES)
         store_run_sql(bed, "UPDATE worker SET lock_file = NULL", NULL, 0);

@@ -27,6 +27,11 @@ static void sqlite_remove(const char *place)
     ck_assert_int_eq(system(command), 0);
 }
 
+static struct pen_driver *sqlite_open(const char *place, struct pen_status *st)
+{
+    return pen_sqlite_open(place, NULL, st);
+}
+
 static void sqlite_break(enum driver_failure failure)
 {
     static const struct fault_plan plans[] = {
@@ -42,8 +47,7 @@ static void sqlite_heal(void)
 }
 
 const struct driver_kind driver_kinds[] = {
-    {"sqlite", sqlite_make, pen_sqlite_open, sqlite_remove, faults_install, sqlite_break,
-     sqlite_heal},
+    {"sqlite", sqlite_make, sqlite_open, sqlite_remove, faults_install, sqlite_break, sqlite_heal},
 };
 const int driver_kind_count = (int)(sizeof driver_kinds / sizeof driver_kinds[0]);
 

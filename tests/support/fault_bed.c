@@ -72,6 +72,8 @@ void fault_bed_open(struct fault_bed *b)
     store_job_init(&in, FAULT_QUEUED, 1, 1);
     store_job_submit(b->bed.store, &in);
     store_worker_seen(b->bed.store, "w");
+    struct pen_status st;
+    store_must(pen_store_settle(b->bed.store, &st), &st, "settle");
     pen_store_close(b->bed.store);
     copy_file(b->bed.url, b->template);
 }

@@ -36,6 +36,8 @@ static const char *const undo[] = {
     "ALTER TABLE worker DROP COLUMN lock_file",
     "ALTER TABLE job DROP COLUMN estimate_ms",
     "ALTER TABLE job DROP COLUMN spent_us; ALTER TABLE batch DROP COLUMN spent_us",
+    "DROP TABLE meta; DROP TABLE removed; DROP TABLE cached; DROP INDEX job_removed;"
+    "DROP INDEX job_by_end; ALTER TABLE job DROP COLUMN removed_ms",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

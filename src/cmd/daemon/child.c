@@ -109,6 +109,7 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     snprintf(arguments->listen, sizeof arguments->listen, "%d", listen_fd);
     add(arguments, "--role", child->role);
     add(arguments, "--store", config->store);
+    add(arguments, "--internal-store-identity", config->store_identity);
     add(arguments, "--threads", arguments->threads);
     add(arguments, "--log-level", config->log_level);
     add(arguments, "--log-format", config->log_format);

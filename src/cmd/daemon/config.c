@@ -142,6 +142,11 @@ static const struct pen_option options[] = {
      .value = "FD",
      .max = 1 << 20,
      .hidden = true},
+    {.name = "internal-store-identity",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, store_identity),
+     .value = "DIGITS",
+     .hidden = true},
     {.name = "internal-worker-name",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, worker_name),
@@ -313,7 +318,20 @@ static bool check(struct pen_config *config, struct pen_status *st)
         return pen_fail(st, PEN_USAGE, "--tokens: known, not supported yet");
     if (!pen_address_parse(config->listen, &config->address, st))
         return false;
-    return (config->store && *config->store) || make_default_store(config, st);
+    if (!(config->store && *config->store) && !make_default_store(config, st))
+        return false;
+    config->store_url = config->store;
+    return !config->store_identity || pen_config_know_store(config, config->store_identity, st);
+}
+
+bool pen_config_know_store(struct pen_config *config, const char *identity, struct pen_status *st)
+{
+    char *url;
+    if (asprintf(&url, "store:%s:%s", identity, config->store) < 0)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    free(config->known_store);
+    config->store_url = config->known_store = url;
+    return true;
 }
 
 int pen_config_load(struct pen_config *config, int argc, char **argv)
@@ -354,6 +372,7 @@ void pen_config_release(struct pen_config *config)
 {
     json_decref(config->document);
     free(config->default_store);
+    free(config->known_store);
     *config = (struct pen_config){.listen_fd = -1, .control_fd = -1};
 }
 

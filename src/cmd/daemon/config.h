@@ -30,12 +30,14 @@ struct pen_config {
     int listen_fd, control_fd;   /* -1: none */
     int trace_fd, dead_trace_fd; /* -1: none */
     const char *worker_name;     /* a worker's id in the store */
+    const char *store_identity;  /* of the store that the supervisor has opened; NULL: any */
     /* Of its predecessor: the id, the end as text, and "crashed" or "died". NULL: none. */
     const char *dead_worker, *dead_how, *dead_end;
 
+    const char *store_url; /* for pen_store_open: `store`, with the identity once it is known */
     struct pen_address address; /* of `listen` */
     json_t *document;           /* the file; texts from it point into this */
-    char *default_store;
+    char *default_store, *known_store;
 };
 
 /* The options of penumbrad. */
@@ -46,6 +48,9 @@ extern const struct pen_command pen_command_daemon;
  * arguments, to read environment and file again. Owns: release *config in any case. */
 int pen_config_load(struct pen_config *config, int argc, char **argv);
 void pen_config_release(struct pen_config *config);
+
+/* Makes store_url name the store by its identity, too. Fails: PEN_NO_MEMORY. */
+bool pen_config_know_store(struct pen_config *config, const char *identity, struct pen_status *st);
 
 struct pen_log_target {
     const char *level, *format, *file; /* file NULL or "": standard error as it is */

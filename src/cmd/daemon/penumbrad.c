@@ -15,24 +15,55 @@
 
 static const char program[] = "penumbrad";
 
-/* Opens and checks the store once before any child does. So the terminal shows at once that a store
- * is damaged or cannot be opened, instead of a log in which children fail again and again; and the
- * folder and tables exist before two processes use them. */
-static bool check_store(const char *url, struct pen_status *st)
+static bool is_supervisor(const struct pen_config *config)
 {
-    struct pen_store *store = pen_store_open(url, st);
-    bool ok = store && pen_store_check(store, st);
-    pen_store_close(store);
-    return ok;
+    return strcmp(config->role, "all") == 0;
 }
 
-static int serve(const struct pen_config *config, int argc, char **argv)
+/* Of all supervisors only one may use a store: two would start each other's work again. */
+static bool take_supervision(const struct pen_config *config, struct pen_store *store,
+                             struct pen_status *st)
+{
+    if (!is_supervisor(config) || pen_store_worker_lock(store, "supervisor", st))
+        return true;
+    return st->code == PEN_CONFLICT
+               ? pen_fail(st, PEN_UNAVAILABLE,
+                          "another penumbrad uses this store; stop it, give this one another "
+                          "--store, or start it with --role worker")
+               : false;
+}
+
+/* Opens and checks the store before any child does, and notes its identity: this is the only
+ * opening that may make a store, and the processes that follow open no other one. So the terminal
+ * shows at once that a store is damaged or cannot be opened, instead of a log in which children
+ * fail again and again. */
+static struct pen_store *open_store(struct pen_config *config, struct pen_status *st)
+{
+    struct pen_store *store = pen_store_open(config->store_url, st);
+    if (store && take_supervision(config, store, st) && pen_store_check(store, st) &&
+        pen_config_know_store(config, pen_store_identity(store), st)) {
+        config->store_identity = pen_store_identity(store);
+        return store;
+    }
+    pen_store_close(store);
+    return NULL;
+}
+
+/* The supervisor keeps its handle, and so its lock, until all children have ended. */
+static int supervise(struct pen_config *config, struct pen_store *store, int argc, char **argv,
+                     int fd)
 {
     struct pen_status st;
-    int port;
-    if (!check_store(config->store, &st))
-        return pen_report(program, config->store, &st);
-    int fd = pen_address_listen(&config->address, &port, &st);
+    int code = pen_supervisor_run(config, argc, argv, fd);
+    if (!pen_store_settle(store, &st))
+        pen_log(PEN_LOG_WARN, "%s", st.msg);
+    return code;
+}
+
+static int serve_store(struct pen_config *config, struct pen_store *store, int argc, char **argv)
+{
+    struct pen_status st;
+    int port, fd = pen_address_listen(&config->address, &port, &st);
     if (fd < 0)
         return pen_report(program, NULL, &st);
     pen_signals_hold();
@@ -41,13 +72,36 @@ static int serve(const struct pen_config *config, int argc, char **argv)
             config->store);
     int code = pen_report_finish(program, 0);
     if (code == 0)
-        code = strcmp(config->role, "all") == 0 ? pen_supervisor_run(config, argc, argv, fd)
-                                                : pen_role_api(config, fd);
+        code = is_supervisor(config) ? supervise(config, store, argc, argv, fd)
+                                     : pen_role_api(config, fd);
     close(fd);
     return code;
 }
 
-static int run(const struct pen_config *config, int argc, char **argv)
+static int serve(struct pen_config *config, int argc, char **argv)
+{
+    struct pen_status st;
+    struct pen_store *store = open_store(config, &st);
+    if (!store)
+        return pen_report(program, config->store, &st);
+    int code = serve_store(config, store, argc, argv);
+    pen_store_close(store);
+    return code;
+}
+
+/* A worker without a supervisor checks the store itself. */
+static int work(struct pen_config *config)
+{
+    struct pen_status st;
+    struct pen_store *store = NULL;
+    if (config->control_fd < 0 && !(store = open_store(config, &st)))
+        return pen_report(program, config->store, &st);
+    int code = pen_role_worker(config);
+    pen_store_close(store);
+    return code;
+}
+
+static int run(struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
     struct pen_log_target target = {
@@ -55,11 +109,8 @@ static int run(const struct pen_config *config, int argc, char **argv)
     pen_log_set_name("supervisor");
     if (!pen_config_log(&target, &st))
         return pen_report(program, NULL, &st);
-    if (strcmp(config->role, "worker") == 0) {
-        if (config->control_fd < 0 && !check_store(config->store, &st))
-            return pen_report(program, config->store, &st);
-        return pen_role_worker(config);
-    }
+    if (strcmp(config->role, "worker") == 0)
+        return work(config);
     if (config->listen_fd >= 0)
         return pen_role_api(config, config->listen_fd);
     return serve(config, argc, argv);

@@ -17,6 +17,7 @@
 #include "cmd/daemon/control.h"
 #include "cmd/daemon/crash_record.h"
 #include "cmd/daemon/fault_injection.h"
+#include "cmd/daemon/stand_in.h"
 #include "http/server.h"
 #include "jobs/worker.h"
 #include "jobs/worker_report.h"
@@ -27,6 +28,10 @@ static const char api_process[] = "penumbrad-api", worker_process[] = "penumbrad
 
 /* How long the api may take for its last answers before SIGALRM ends it. */
 enum { STOP_API_S = 3 };
+
+/* How long an api process that cannot open the store answers in its place, before the supervisor
+ * starts the next one, which tries again. */
+enum { STAND_IN_MS = 2000 };
 
 /* Opens the log anew. text: "LEVEL FORMAT FILE" from the supervisor; after SIGHUP it is empty, and
  * the configuration's values stay. */
@@ -134,11 +139,14 @@ int pen_role_api(const struct pen_config *config, int listen_fd)
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
     struct pen_http_options options = {
-        .listen_fd = listen_fd, .store_url = config->store, .limits = limits_of(config)};
+        .listen_fd = listen_fd, .store_url = config->store_url, .limits = limits_of(config)};
     struct pen_http *http = pen_http_start(&options, &st);
     if (!http) {
+        int code = fail(&st);
+        if (events.supervised)
+            pen_stand_in(listen_fd, &events, &st, STAND_IN_MS);
         pen_event_source_close(&events);
-        return fail(&st);
+        return code;
     }
     pen_log(PEN_LOG_INFO, "serving");
     pen_control_send(events.control_fd, "ready");
@@ -297,7 +305,7 @@ static int run_worker_process(const struct pen_config *config, struct pen_event_
 {
     struct worker_thread worker = {
         .events = events,
-        .options = {.store_url = config->store,
+        .options = {.store_url = config->store_url,
                     .id = id,
                     .threads = config->threads,
                     .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
@@ -337,7 +345,7 @@ int pen_role_worker(const struct pen_config *config)
         return fail(&st);
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
-    struct pen_store *store = pen_store_open(config->store, &st);
+    struct pen_store *store = pen_store_open(config->store_url, &st);
     int code = store ? run_worker_process(config, &events, store, id ? id : made) : fail(&st);
     pen_store_close(store);
     pen_event_source_close(&events);

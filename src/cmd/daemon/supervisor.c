@@ -135,6 +135,7 @@ static void reload(struct supervisor *s)
     pen_config_release(&s->reloaded);
     s->reloaded = s->now = fresh;
     s->now.store = s->first->store;
+    s->now.store_identity = s->first->store_identity;
     s->now.max = s->first->max;
     struct pen_log_target target = {
         .level = fresh.log_level, .format = fresh.log_format, .file = fresh.log_file};

@@ -170,6 +170,10 @@ struct pen_driver_ops {
     bool (*space)(struct pen_driver *driver, struct pen_status *st);
     /* Copies the log's changes to their place. PostgreSQL: does nothing. */
     bool (*checkpoint)(struct pen_driver *driver, struct pen_status *st);
+    /* The store's identity. PostgreSQL: a row. */
+    const char *(*identity)(struct pen_driver *driver);
+    /* As pen_store_settle. PostgreSQL: does nothing. */
+    bool (*settle)(struct pen_driver *driver, struct pen_status *st);
     /* Returns free space to the file system, in short transactions of its own. */
     bool (*reclaim)(struct pen_driver *driver, struct pen_status *st);
     /* Looks for rows that contradict each other. Appends a sentence with its terminating zero to
@@ -378,8 +382,9 @@ struct pen_driver_ops {
                          struct pen_status *st);
 };
 
-/* Opens the SQLite driver on a file. Owns: free with its `close`. Fails: as pen_store_open. */
-struct pen_driver *pen_sqlite_open(const char *path, struct pen_status *st);
+/* Opens the SQLite driver on a file. identity: that of the store, which is then not made; NULL: any
+ * store. Owns: free with its `close`. Fails: as pen_store_open. */
+struct pen_driver *pen_sqlite_open(const char *path, const char *identity, struct pen_status *st);
 
 /* As pen_store_backup. */
 bool pen_sqlite_backup(const char *path, const char *file, bool replace, struct pen_backup *out,

@@ -4,7 +4,7 @@
  *    transaction, which writers do not restart.
  *  - It is made under another name, checked, synced and then renamed. So the name always stands
  *    for a complete backup, or for the file that was there before.
- *  - It has no log: it is one file.
+ *  - It has no log: it is one file. It has an identity of its own (meta.c).
  *  - The store itself is only read. A store of an older schema is copied as it is. */
 #include <errno.h>
 #include <fcntl.h>
@@ -168,6 +168,8 @@ static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_st
     if (!pen_sqlite_open_to_read(&copy->from, st) || !open_copy(copy, st) ||
         !copy_pages(copy, st) || !check_copy(copy, &out->jobs, st))
         return false;
+    if (!pen_sqlite_make_independent(copy->to.db))
+        return copy_failed(copy, sqlite3_extended_errcode(copy->to.db), st);
     if (sqlite3_close(copy->to.db) == SQLITE_OK)
         copy->to.db = NULL;
     return sync_file(copy->path, &out->bytes, st) && name_copy(copy, st);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Renaming a complete file to its final name, and syncing the folder to make the name durable. */
+/* Renaming a complete file to its final name, syncing the folder to make the name durable, and who
+ * holds the lock of a file. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -35,4 +36,35 @@ bool pen_sqlite_name_new_file(const char *from, const char *to)
         return rename(from, to) == 0;
     errno = EEXIST;
     return false;
+}
+
+/* The process that holds a lock (flock) on the file; 0: it is not known, for it may run in another
+ * namespace. Each line of /proc/locks is like "1: FLOCK ADVISORY WRITE 4711 08:01:123456 0 EOF",
+ * whose third last word has device and inode. */
+static long holder_of(int fd)
+{
+    char line[256], kind[16];
+    struct stat info;
+    unsigned long inode;
+    long pid, found = 0;
+    FILE *locks = fopen("/proc/locks", "re");
+    if (!locks)
+        return 0;
+    while (fstat(fd, &info) == 0 && !found && fgets(line, sizeof line, locks)) {
+        if (sscanf(line, "%*s %15s %*s %*s %ld %*x:%*x:%lu", kind, &pid, &inode) == 3 &&
+            strcmp(kind, "FLOCK") == 0 && inode == (unsigned long)info.st_ino)
+            found = pid;
+    }
+    fclose(locks);
+    return found;
+}
+
+bool pen_sqlite_lock_is_held(int fd, const char *path, struct pen_status *st)
+{
+    char who[48] = "another process";
+    long pid = holder_of(fd);
+    if (pid > 0)
+        snprintf(who, sizeof who, "process %ld", pid);
+    return pen_fail(st, PEN_UNAVAILABLE, "the store cannot be opened: %s holds the lock on %s", who,
+                    path);
 }

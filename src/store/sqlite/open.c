@@ -63,13 +63,18 @@ void pen_sqlite_close(struct pen_driver *driver)
 static bool open_database(struct pen_sqlite_store *store, struct pen_status *st);
 static bool cannot_open(const char *path, int error, struct pen_status *st);
 
-/* Checks that the path still names the same file: another one must not be opened with the first
- * one's log. Fails: PEN_STORAGE. */
+/* Checks that the path still names the same file, and that its log is there: another one must not
+ * be opened with the first one's log, nor the same one with a new log. Fails: PEN_STORAGE. */
 static bool is_same_file(const struct pen_sqlite_store *store, struct pen_status *st)
 {
     struct stat now;
     if (stat(store->path, &now) != 0)
         return cannot_open(store->path, errno, st);
+    if (!pen_sqlite_has_log(store))
+        return pen_fail(st, PEN_STORAGE,
+                        "the log %s-wal was moved or removed while it was in use; put it back, or "
+                        "stop Penumbra",
+                        store->path);
     return (now.st_dev == store->opened.st_dev && now.st_ino == store->opened.st_ino) ||
            pen_fail(st, PEN_STORAGE,
                     "another file was put in the place of the store %s while it was in use: stop "
@@ -203,6 +208,8 @@ static bool connect(struct pen_sqlite_store *store, const char *path, struct pen
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     if (rc != SQLITE_OK)
         return pen_sqlite_error(store, rc, st);
+    int persist = 1;
+    sqlite3_file_control(store->db, "main", SQLITE_FCNTL_PERSIST_WAL, &persist);
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     return true;
 }
@@ -218,6 +225,8 @@ static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
         sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
         ok = pen_sqlite_prepare(store, st);
     }
+    if (ok)
+        pen_sqlite_note_log(store);
     store->sound = ok;
     if (!ok)
         close_database(store);
@@ -229,8 +238,9 @@ bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *
     struct stat info;
     if (stat(store->path, &info) != 0 && errno == ENOENT)
         return pen_fail(st, PEN_NOT_FOUND, "there is no store %s", store->path);
-    return check_kind(store->path, st) && connect(store, store->path, st) &&
-           check_header(store, st) && configure(store, st) && pen_sqlite_check_log(store, st);
+    return check_kind(store->path, st) && pen_sqlite_check_company(store, st) &&
+           connect(store, store->path, st) && check_header(store, st) && configure(store, st) &&
+           pen_sqlite_check_log(store, st);
 }
 
 void pen_sqlite_close_unwritten(struct pen_sqlite_store *store)
@@ -269,8 +279,43 @@ static bool make_missing(struct pen_sqlite_store *store, struct pen_status *st)
         return true;
     if (errno != ENOENT)
         return cannot_open(store->path, errno, st);
+    if (!pen_sqlite_may_make(store, st))
+        return false;
     snprintf(path, sizeof path, "%s-new", store->path);
     return make_store(store, path, st);
+}
+
+/* Waits for the lock on the file ending in -wake. */
+static bool take_lock(const struct pen_sqlite_store *store, int lock, const char *lock_path,
+                      struct pen_status *st)
+{
+    const struct timespec pause = {.tv_nsec = 5000000};
+    int64_t until = pen_clock_ns() + store->patience_ms * 1000000;
+    while (flock(lock, LOCK_EX | LOCK_NB) != 0) {
+        if (errno != EWOULDBLOCK && errno != EINTR)
+            return cannot_open(lock_path, errno, st);
+        if (pen_clock_ns() >= until)
+            return pen_sqlite_lock_is_held(lock, lock_path, st);
+        nanosleep(&pause, NULL);
+    }
+    return true;
+}
+
+static bool open_in_company(struct pen_sqlite_store *store, const char *lock_path,
+                            struct pen_status *st)
+{
+    store->wake = pen_wake_open(lock_path);
+    if (!store->wake)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    if (!make_missing(store, st) || !check_kind(store->path, st) ||
+        !pen_sqlite_check_company(store, st) || !open_database(store, st))
+        return false;
+    if (stat(store->path, &store->opened) != 0)
+        return cannot_open(store->path, errno, st);
+    if (!pen_sqlite_join_company(store, st))
+        return false;
+    pen_sqlite_note_log(store); /* a new store has one by now */
+    return true;
 }
 
 /* The steps of opening that only one process may do at a time. */
@@ -285,21 +330,14 @@ static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
         lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (lock < 0)
         return cannot_open(lock_path, errno, st);
-    while (flock(lock, LOCK_EX) != 0 && errno == EINTR)
-        continue;
-    bool ok = make_missing(store, st) && open_database(store, st);
-    if (ok && stat(store->path, &store->opened) != 0)
-        ok = cannot_open(store->path, errno, st);
+    bool ok = take_lock(store, lock, lock_path, st) && open_in_company(store, lock_path, st);
     if (!ok && made) /* no new file stays beside a file that is not a store */
         unlink(lock_path);
     close(lock);
-    if (!ok)
-        return false;
-    store->wake = pen_wake_open(lock_path);
-    return store->wake || pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    return ok;
 }
 
-struct pen_driver *pen_sqlite_open(const char *path, struct pen_status *st)
+struct pen_driver *pen_sqlite_open(const char *path, const char *identity, struct pen_status *st)
 {
     char lock_path[4096];
     if ((size_t)snprintf(lock_path, sizeof lock_path, "%s-wake", path) >= sizeof lock_path) {
@@ -314,6 +352,7 @@ struct pen_driver *pen_sqlite_open(const char *path, struct pen_status *st)
     store->base.ops = pen_sqlite_ops();
     store->patience_ms = PATIENCE_MS;
     store->lock_fd = -1;
+    store->wanted = identity;
     store->base.name = store->path = strdup(path);
     if (!store->path)
         pen_fail(st, PEN_NO_MEMORY, "no memory for the store");

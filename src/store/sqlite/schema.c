@@ -10,6 +10,10 @@
  * idempotency       keys of submits, hashes of their bodies, and the answers. They outlive their
  *                   jobs: deleting a job does not revoke what its client was promised. The row with
  *                   the empty key belongs to the trial writes
+ * meta              what the store knows about itself (meta.c)
+ * removed           jobs that were removed, with their statistics, which stay
+ * cached            artefacts that may be dropped, because they can be made again; when each was
+ *                   last used
  * worker            the list of workers, for readers, and the inode of the file that each locked
  *
  * Numbers of jobs and batches are never reused (AUTOINCREMENT): a claim names a batch by number and
@@ -21,7 +25,8 @@
  * job.charges          those of them that crashed by the job's fault
  * job.paused_until_ms  until then other jobs go first
  * job.spent_us         how long workers have worked on the job, by their monotonic clocks
- * batch.spent_us       the part of that which was spent under the batch's present attempt
+ * job.removed_ms       when it was removed; its rows go in slices, the job's own row last
+ * batch.spent_us       the part of the job's time that was spent under the batch's present attempt
  * batch.quarantined    a worker was lost while it held the batch
  * batch.revision       the revision that the commit gave the job; a reader that knows an older one
  *                      asks for the commits since */
@@ -180,8 +185,33 @@ static const char step_10[] = "ALTER TABLE job ADD COLUMN estimate_ms INTEGER NO
 static const char step_11[] = "ALTER TABLE job ADD COLUMN spent_us INTEGER NOT NULL DEFAULT 0;"
                               "ALTER TABLE batch ADD COLUMN spent_us INTEGER NOT NULL DEFAULT 0;";
 
+/* What the store knows about itself; jobs that were removed, and what stays of them; stored forms
+ * of pictures that may be dropped. */
+static const char step_12[] =
+    "CREATE TABLE meta (name TEXT PRIMARY KEY, value ANY NOT NULL) STRICT, WITHOUT ROWID;"
+    "INSERT INTO meta VALUES ('identity', lower(hex(randomblob(16)))), ('log', 0);"
+    "ALTER TABLE job ADD COLUMN removed_ms INTEGER NOT NULL DEFAULT 0;"
+    "CREATE INDEX job_removed ON job(number) WHERE removed_ms > 0;"
+    "CREATE INDEX job_by_end ON job(finished_ms, number)"
+    " WHERE finished_ms > 0 AND removed_ms = 0;"
+    "CREATE TABLE removed ("
+    " id TEXT PRIMARY KEY,"
+    " removed_ms INTEGER NOT NULL,"
+    " stats TEXT"
+    ") STRICT;"
+    "CREATE INDEX removed_by_age ON removed(removed_ms);"
+    "CREATE TABLE cached ("
+    " artefact INTEGER PRIMARY KEY REFERENCES artefact(id) ON DELETE CASCADE,"
+    " bytes INTEGER NOT NULL,"
+    " used_ms INTEGER NOT NULL"
+    ") STRICT;"
+    "CREATE INDEX cached_by_use ON cached(used_ms, bytes);"
+    "INSERT INTO cached SELECT id, length(data), 0 FROM artefact"
+    " WHERE view < 0 OR format = 'png16' OR (format = 'pfm' AND layer = 'beauty')"
+    " OR (format = 'png' AND layer IN ('cost', 'samples', 'depth', 'normal', 'albedo'));";
+
 static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5, step_6,
-                                    step_7, step_8, step_9, step_10, step_11};
+                                    step_7, step_8, step_9, step_10, step_11, step_12};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,

@@ -34,6 +34,9 @@ static const char *const sql_text[] = {
     [SQL_BEGIN_WRITE] = "BEGIN IMMEDIATE",
     [SQL_COMMIT] = "COMMIT",
     [SQL_ROLLBACK] = "ROLLBACK",
+    [SQL_META_GET] = "SELECT value FROM meta WHERE name = ?",
+    [SQL_META_PUT] = "INSERT INTO meta (name, value) VALUES (?1, ?2) ON CONFLICT (name)"
+                     " DO UPDATE SET value = ?2",
     /* Any change will do that is written and synced; no caller's key is empty. */
     [SQL_PROBE] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
                   " VALUES ('', zeroblob(32), '', ?) ON CONFLICT (key)"

@@ -22,6 +22,8 @@ enum pen_sqlite_sql {
     SQL_BEGIN_WRITE,
     SQL_COMMIT,
     SQL_ROLLBACK,
+    SQL_META_GET,
+    SQL_META_PUT,
     SQL_PROBE,
     SQL_PROBE_LARGE,
     SQL_KEY_ADD,
@@ -126,17 +128,24 @@ enum pen_sqlite_sql {
 
 struct pen_wake;
 
+/* The longest path of a store's file, its ending included. */
+enum { PEN_SQLITE_PATH_BYTES = 4112 };
+
 struct pen_sqlite_store {
     struct pen_driver base;
     sqlite3 *db;
     char *path;
+    const char *wanted; /* the identity that the store must have; NULL: any */
+    char identity[PEN_STORE_IDENTITY_BYTES];
     struct pen_wake *wake;
     int64_t patience_ms; /* how long to wait for locks of other handles */
     int wal_pages;       /* length of the write-ahead log after the last commit */
     struct stat opened;  /* the file when it was first opened, for device and inode */
-    bool sound;          /* opened without a fault, and none met since: closing may write */
-    int lock_fd;         /* holds the lock of a worker; -1: none */
-    ino_t lock_file;     /* the inode of lock_fd */
+    bool has_log;        /* `log` is that of the log when this connection was opened */
+    struct stat log;
+    bool sound;      /* opened without a fault, and none met since: closing may write */
+    int lock_fd;     /* holds the lock of a worker; -1: none */
+    ino_t lock_file; /* the inode of lock_fd */
     sqlite3_stmt *stmt[SQL_COUNT];
 };
 
@@ -219,10 +228,28 @@ bool pen_sqlite_guard_states(struct pen_sqlite_store *store, struct pen_status *
 bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *st);
 void pen_sqlite_close_unwritten(struct pen_sqlite_store *store);
 
+/* files.c: a lock that was waited for in vain is held by another process. Fails: always, with its
+ * number. */
+bool pen_sqlite_lock_is_held(int fd, const char *path, struct pen_status *st);
+
 /* files.c: renames a file, unless the new name exists (EEXIST); syncs the folder of a path. Fail
  * with errno. */
 bool pen_sqlite_name_new_file(const char *from, const char *to);
 bool pen_sqlite_sync_folder(const char *path);
+
+/* meta.c: tells whether a new store may be made; whether the files beside the store are its own,
+ * before it is opened; enters the store in the -wake file, after it was opened. Fail: PEN_STORAGE,
+ * and as any read or write. */
+bool pen_sqlite_may_make(const struct pen_sqlite_store *store, struct pen_status *st);
+bool pen_sqlite_check_company(struct pen_sqlite_store *store, struct pen_status *st);
+bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *st);
+
+/* meta.c: gives a copy an identity of its own, and notes that it needs no log. */
+bool pen_sqlite_make_independent(sqlite3 *db);
+
+/* meta.c: notes which file is the log; tells whether that file still has its name. */
+void pen_sqlite_note_log(struct pen_sqlite_store *store);
+bool pen_sqlite_has_log(const struct pen_sqlite_store *store);
 
 /* check.c: look for damage in the pages; in the log and the pages. For a store of any schema. */
 bool pen_sqlite_check_pages(struct pen_sqlite_store *store, struct pen_status *st);
@@ -243,6 +270,8 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(probe)                                                                                      \
     OP(space)                                                                                      \
     OP(checkpoint)                                                                                 \
+    OP(identity)                                                                                   \
+    OP(settle)                                                                                     \
     OP(reclaim)                                                                                    \
     OP(audit)                                                                                      \
     OP(now)                                                                                        \

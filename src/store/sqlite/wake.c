@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The counters only grow. A waiter reads a counter, then the store, then waits: if a signal comes
- * in between, the counter has another value; if it comes later, the futex wakes the waiter. The
- * file is extended when it is short and never truncated, because access to a mapping beyond the end
- * of its file kills the process. */
+ * in between, the counter has another value; if it comes later, the futex wakes the waiter.
+ *
+ * The file is extended when it is short and never truncated, because access to a mapping beyond the
+ * end of its file kills the process. Someone else may truncate it while it is mapped, so its length
+ * is looked up before each access: it is filled again, or, where that fails, memory of the process
+ * takes the place of the mapping. */
 #include "store/sqlite/wake.h"
 
 #include <errno.h>
@@ -10,6 +13,7 @@
 #include <limits.h>
 #include <linux/futex.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -20,18 +24,21 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/log.h"
 
-enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, FILE_BYTES = 4096 };
+enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, IDENTITY_AT = 256, FILE_BYTES = 4096 };
 _Static_assert((int)PEN_SIGNAL_CHANGES + 1 == SIGNAL_COUNT && (int)SIGNAL_COUNT <= (int)FIRST_WORD,
                "a counter for each signal, before the health words");
-_Static_assert((FIRST_WORD + PEN_HEALTH_WORDS) * sizeof(uint32_t) <= FILE_BYTES,
-               "the file has space for all words");
+_Static_assert((FIRST_WORD + PEN_HEALTH_WORDS) * sizeof(uint32_t) <= IDENTITY_AT &&
+                   IDENTITY_AT + PEN_STORE_IDENTITY_BYTES <= FILE_BYTES,
+               "the file has space for all words and the identity");
 
 struct pen_wake {
     char *path;
     _Atomic uint32_t *counter; /* SIGNAL_COUNT of them; atomic: release in the wake, acquire in
                                   the wait. The health words follow at FIRST_WORD */
-    _Atomic uint32_t own[FIRST_WORD + PEN_HEALTH_WORDS]; /* used if the file cannot be mapped */
+    int fd;                    /* of the mapped file; -1: there is none, and `own` is used */
+    _Atomic uint32_t own[(IDENTITY_AT + PEN_STORE_IDENTITY_BYTES) / sizeof(uint32_t) + 1];
 };
 
 /* Extends a short file by writing zeros. A hole could not be filled on a full disk, and storing to
@@ -59,31 +66,68 @@ struct pen_wake *pen_wake_open(const char *path)
         return NULL;
     }
     wake->counter = wake->own;
+    wake->fd = -1;
     int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (fd < 0)
         return wake;
     if (fill_file(fd)) {
         void *map = mmap(NULL, FILE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-        if (map != MAP_FAILED)
+        if (map != MAP_FAILED) {
             wake->counter = map;
+            wake->fd = fd;
+            return wake;
+        }
     }
     close(fd);
     return wake;
+}
+
+/* The mapped words, after filling a file that someone has truncated. What it had is lost: signals,
+ * which may be lost, and faults, which are met again. */
+static _Atomic uint32_t *words_of(struct pen_wake *wake)
+{
+    struct stat info;
+    if (wake->fd < 0 || fstat(wake->fd, &info) != 0 || info.st_size >= FILE_BYTES)
+        return wake->counter;
+    bool filled = fill_file(wake->fd);
+    pen_log(PEN_LOG_ERROR, "the file %s was truncated while it was in use; it %s", wake->path,
+            filled ? "was filled again" : "could not be filled again: signals come late");
+    if (!filled)
+        mmap(wake->counter, FILE_BYTES, PROT_READ | PROT_WRITE,
+             MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+    return wake->counter;
 }
 
 void pen_wake_close(struct pen_wake *wake)
 {
     if (!wake)
         return;
-    if (wake->counter != wake->own)
+    if (wake->fd >= 0) {
         munmap(wake->counter, FILE_BYTES);
+        close(wake->fd);
+    }
     free(wake->path);
     free(wake);
 }
 
 _Atomic uint32_t *pen_wake_words(struct pen_wake *wake)
 {
-    return wake->counter + FIRST_WORD;
+    return words_of(wake) + FIRST_WORD;
+}
+
+char *pen_wake_identity(struct pen_wake *wake)
+{
+    return (char *)words_of(wake) + IDENTITY_AT;
+}
+
+void pen_wake_set_identity(struct pen_wake *wake, const char *identity)
+{
+    char *to = pen_wake_identity(wake);
+    if (strcmp(to, identity) == 0)
+        return;
+    snprintf(to, PEN_STORE_IDENTITY_BYTES, "%s", identity);
+    if (wake->fd >= 0)
+        fdatasync(wake->fd);
 }
 
 bool pen_wake_try_lock(struct pen_wake *wake, int *lock)
@@ -103,9 +147,9 @@ void pen_wake_unlock(int lock)
 
 void pen_wake_wait(struct pen_wake *wake, enum pen_signal signal, uint32_t *seen, int timeout_ms)
 {
-    _Atomic uint32_t *counter = &wake->counter[signal];
     int64_t end = pen_clock_ns() + (int64_t)timeout_ms * 1000000;
     for (;;) {
+        _Atomic uint32_t *counter = words_of(wake) + signal;
         uint32_t now = atomic_load_explicit(counter, memory_order_acquire);
         int64_t left = end - pen_clock_ns();
         if (now != *seen || left <= 0) {
@@ -120,6 +164,7 @@ void pen_wake_wait(struct pen_wake *wake, enum pen_signal signal, uint32_t *seen
 
 void pen_wake_all(struct pen_wake *wake, enum pen_signal signal)
 {
-    atomic_fetch_add_explicit(&wake->counter[signal], 1, memory_order_release);
-    syscall(SYS_futex, (uint32_t *)&wake->counter[signal], FUTEX_WAKE, INT_MAX, NULL, NULL, 0);
+    _Atomic uint32_t *counter = words_of(wake) + signal;
+    atomic_fetch_add_explicit(counter, 1, memory_order_release);
+    syscall(SYS_futex, (uint32_t *)counter, FUTEX_WAKE, INT_MAX, NULL, NULL, 0);
 }

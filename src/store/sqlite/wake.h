@@ -2,7 +2,8 @@
 /* Signals between processes that share a store on one host: two counters in a small file that all
  * of them map, and futexes to wait on. Nothing depends on a signal: where the file cannot be made
  * or mapped, a wait is a sleep. The same page has the words in which processes share the faults of
- * the store (store/internal/health.h); without the file every handle has its own. */
+ * the store (store/internal/health.h), and the identity of the store that the file belongs to
+ * (meta.c); without the file every handle has its own. */
 #ifndef PEN_STORE_SQLITE_WAKE_H
 #define PEN_STORE_SQLITE_WAKE_H
 
@@ -24,6 +25,11 @@ void pen_wake_all(struct pen_wake *wake, enum pen_signal signal);
 
 /* The words of health.h, zero in a new file. */
 _Atomic uint32_t *pen_wake_words(struct pen_wake *wake);
+
+/* The identity of the store, "" in a new file; PEN_STORE_IDENTITY_BYTES are its own. Setting it
+ * writes and syncs the file, if it is another one. */
+char *pen_wake_identity(struct pen_wake *wake);
+void pen_wake_set_identity(struct pen_wake *wake, const char *identity);
 
 /* Takes the lock on the file; returns false if another handle has it. *lock is for pen_wake_unlock.
  * Returns true without a lock if the file cannot be opened. */

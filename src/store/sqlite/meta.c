@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT */
+/* What a store knows about itself, and whether the files beside it belong to it.
+ *
+ * Rows of the table meta
+ *   identity   32 hexadecimal digits, random, made with the store. A backup gets one of its own.
+ *   log        1: the file is complete only together with its log, the file ending in -wal. That is
+ *              so from the first opening on. 0: it is complete by itself, as a new store, a backup,
+ *              and a store after pen_store_settle are.
+ *
+ * The file ending in -wake keeps the identity, too. So these cases are told apart before anything
+ * is written:
+ *  - No store, and no trace of one: a new store may be made.
+ *  - No store, but its identity or its log is there: the store was moved away or removed.
+ *  - A store whose row `log` is 1, without its log: the changes since the last checkpoint are gone.
+ *    A handle never removes the log (SQLITE_FCNTL_PERSIST_WAL), so someone else did.
+ *  - A store with another identity than the -wake file has, and a log with content: the log belongs
+ *    to the store that was here before. SQLite would apply it to this one.
+ *
+ * Not noticed: a log that was emptied, which looks like one after a checkpoint; a store that was
+ * replaced by an older copy of itself with its log. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/log.h"
+#include "store/sqlite/sqlite.h"
+#include "store/sqlite/wake.h"
+
+/* What the file says without its log. */
+struct facts {
+    char identity[PEN_STORE_IDENTITY_BYTES]; /* "": none, as before schema 11 */
+    bool needs_log;
+};
+
+static void log_path(const struct pen_sqlite_store *store, char path[PEN_SQLITE_PATH_BYTES])
+{
+    snprintf(path, PEN_SQLITE_PATH_BYTES, "%s-wal", store->path);
+}
+
+/* The length of the log; -1: there is none. */
+static int64_t log_bytes(const struct pen_sqlite_store *store)
+{
+    char path[PEN_SQLITE_PATH_BYTES];
+    struct stat info;
+    log_path(store, path);
+    return stat(path, &info) == 0 ? (int64_t)info.st_size : -1;
+}
+
+/* The URI of the file, for reading it without its log and without making one. */
+static char *plain_uri(const char *path)
+{
+    struct pen_buf uri = {0};
+    pen_buf_puts(&uri, "file:");
+    for (; *path; path++)
+        pen_buf_printf(&uri, strchr("%?#", *path) ? "%%%02x" : "%c", (unsigned char)*path);
+    pen_buf_puts(&uri, "?immutable=1");
+    if (!uri.failed)
+        return (char *)uri.data;
+    pen_buf_release(&uri);
+    return NULL;
+}
+
+/* Reads the file as it is without its log. A file that cannot be read so says nothing; opening it
+ * properly tells why. */
+static void read_facts(const struct pen_sqlite_store *store, struct facts *facts)
+{
+    sqlite3 *db = NULL;
+    sqlite3_stmt *stmt = NULL;
+    char *uri = plain_uri(store->path);
+    *facts = (struct facts){0};
+    if (uri &&
+        sqlite3_open_v2(uri, &db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX,
+                        NULL) == SQLITE_OK &&
+        sqlite3_prepare_v2(db, "SELECT name, value FROM meta", -1, &stmt, NULL) == SQLITE_OK) {
+        while (sqlite3_step(stmt) == SQLITE_ROW) {
+            const char *name = (const char *)sqlite3_column_text(stmt, 0);
+            if (name && strcmp(name, "log") == 0)
+                facts->needs_log = sqlite3_column_int(stmt, 1) != 0;
+            else if (name && strcmp(name, "identity") == 0)
+                snprintf(facts->identity, sizeof facts->identity, "%s",
+                         (const char *)sqlite3_column_text(stmt, 1));
+        }
+    }
+    sqlite3_finalize(stmt);
+    sqlite3_close(db);
+    free(uri);
+}
+
+bool pen_sqlite_may_make(const struct pen_sqlite_store *store, struct pen_status *st)
+{
+    if (store->wanted)
+        return pen_fail(st, PEN_STORAGE,
+                        "the store %s is gone, and no new one is made in its place while Penumbra "
+                        "runs: put it back, or stop Penumbra",
+                        store->path);
+    bool known = store->wake && pen_wake_identity(store->wake)[0];
+    if (!known && log_bytes(store) <= 0)
+        return true;
+    return pen_fail(st, PEN_STORAGE,
+                    "the store %s is missing, but its file ending in %s is there: put the store "
+                    "back, or restore a backup. To begin anew, remove the files whose names begin "
+                    "with the store's",
+                    store->path, known ? "-wake" : "-wal");
+}
+
+bool pen_sqlite_check_company(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    struct facts facts;
+    int64_t log = log_bytes(store);
+    read_facts(store, &facts);
+    if (facts.needs_log && log < 0)
+        return pen_fail(st, PEN_STORAGE,
+                        "%s-wal, the log of the store's last changes, is missing: put it back, or "
+                        "restore a backup. To go on without these changes, make an empty file of "
+                        "that name",
+                        store->path);
+    const char *known = store->wake ? pen_wake_identity(store->wake) : "";
+    if (facts.identity[0] && known[0] && log > 0 && strcmp(facts.identity, known) != 0)
+        return pen_fail(st, PEN_STORAGE,
+                        "%s-wal is the log of another store than %s, which was put in its place: "
+                        "put the other one back, or remove the files ending in -wal, -shm and "
+                        "-wake",
+                        store->path, store->path);
+    return true;
+}
+
+static bool get_meta(struct pen_sqlite_store *store, const char *name, char *text, size_t bytes,
+                     struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_META_GET);
+    bool row;
+    pen_sqlite_text(&query, name);
+    if (!pen_sqlite_next(&query, &row, st))
+        return false;
+    const char *value = row ? pen_sqlite_column_text(&query, 0) : NULL;
+    snprintf(text, bytes, "%s", value ? value : "");
+    pen_sqlite_end(&query);
+    return value || pen_sqlite_damaged(store, st, "the store %s is damaged (it has no %s)",
+                                       store->path, name);
+}
+
+/* Sets whether the file needs its log, and takes care that the file itself says so. */
+static bool set_needs_log(struct pen_sqlite_store *store, bool needs, struct pen_status *st)
+{
+    if (!pen_sqlite_begin_write(&store->base, st))
+        return false;
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_META_PUT);
+    pen_sqlite_text(&query, "log");
+    pen_sqlite_int(&query, needs);
+    if (!pen_sqlite_run(&query, st) || !pen_sqlite_commit(&store->base, st)) {
+        pen_sqlite_rollback(&store->base);
+        return false;
+    }
+    return pen_sqlite_checkpoint(&store->base, st);
+}
+
+bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    char log[8], *known = pen_wake_identity(store->wake);
+    if (!get_meta(store, "identity", store->identity, sizeof store->identity, st) ||
+        !get_meta(store, "log", log, sizeof log, st))
+        return false;
+    if (store->wanted && strcmp(store->wanted, store->identity) != 0)
+        return pen_fail(st, PEN_STORAGE,
+                        "another store was put in the place of %s while it was in use: put the "
+                        "first one back, or stop Penumbra",
+                        store->path);
+    if (known[0] && strcmp(known, store->identity) != 0)
+        pen_log(PEN_LOG_WARN, "the store %s is another one than before", store->path);
+    pen_wake_set_identity(store->wake, store->identity);
+    return log[0] != '0' || set_needs_log(store, true, st);
+}
+
+bool pen_sqlite_settle(struct pen_driver *driver, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    if (!set_needs_log(store, false, st))
+        return false;
+    pen_sqlite_truncate_log(store);
+    return true;
+}
+
+const char *pen_sqlite_identity(struct pen_driver *driver)
+{
+    return pen_sqlite_of(driver)->identity;
+}
+
+bool pen_sqlite_make_independent(sqlite3 *db)
+{
+    sqlite3_stmt *stmt = NULL;
+    bool any = sqlite3_prepare_v2(db, "SELECT 1 FROM meta", -1, &stmt, NULL) == SQLITE_OK;
+    sqlite3_finalize(stmt);
+    return !any || sqlite3_exec(db,
+                                "UPDATE meta SET value = 0 WHERE name = 'log';"
+                                "UPDATE meta SET value = lower(hex(randomblob(16)))"
+                                " WHERE name = 'identity'",
+                                NULL, NULL, NULL) == SQLITE_OK;
+}
+
+void pen_sqlite_note_log(struct pen_sqlite_store *store)
+{
+    char path[PEN_SQLITE_PATH_BYTES];
+    log_path(store, path);
+    store->has_log = stat(path, &store->log) == 0;
+}
+
+bool pen_sqlite_has_log(const struct pen_sqlite_store *store)
+{
+    char path[PEN_SQLITE_PATH_BYTES];
+    struct stat now;
+    log_path(store, path);
+    return !store->has_log || (stat(path, &now) == 0 && now.st_dev == store->log.st_dev &&
+                               now.st_ino == store->log.st_ino);
+}

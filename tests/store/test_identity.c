@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: MIT */
+/* A store is never replaced by an empty one, or by another one, unnoticed: files that are moved
+ * away, removed, put beside the wrong store, locked or truncated. */
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/log.h"
+#include "support/store.h"
+#include "support/suite.h"
+
+static struct store_bed bed;
+
+static const char *beside(const char *end)
+{
+    static char path[4][160];
+    static int next;
+    char *to = path[next++ % 4];
+    snprintf(to, sizeof path[0], "%s%s", bed.url, end);
+    return to;
+}
+
+static bool is_there(const char *end)
+{
+    return access(beside(end), F_OK) == 0;
+}
+
+static void remove_bed(void)
+{
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf %s", bed.folder);
+    ck_assert_int_eq(system(command), 0);
+}
+
+/* Opening must fail with this code and a message that contains `hint`. */
+static void refuse(const char *url, enum pen_code code, const char *hint)
+{
+    struct pen_status st = {0};
+    struct pen_store *store = pen_store_open(url, &st);
+    ck_assert_msg(!store, "%s was opened", url);
+    ck_assert_msg(st.code == code, "%s: %s", pen_code_name(st.code), st.msg);
+    ck_assert_msg(strstr(st.msg, hint) != NULL, "\"%s\" lacks \"%s\"", st.msg, hint);
+}
+
+/* The URL that names the bed's store by its identity; the store stays open. */
+static const char *known_url(void)
+{
+    static char url[160];
+    snprintf(url, sizeof url, "store:%s:%s", pen_store_identity(bed.store), bed.url);
+    return url;
+}
+
+static void submit(struct pen_store *store, int n)
+{
+    struct store_job in;
+    store_job_init(&in, n, 1, 1);
+    store_job_submit(store, &in);
+}
+
+/* Leaves the files of a process that was killed: its jobs are in the log only. */
+static void make_killed_store(void)
+{
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_make(&bed);
+    pid_t pid = fork();
+    if (pid == 0) {
+        bed.store = store_bed_handle(&bed);
+        for (int n = 0; n < 3; n++)
+            submit(bed.store, n);
+        _exit(0);
+    }
+    int status;
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+}
+
+static int64_t count_jobs(struct pen_store *store)
+{
+    struct pen_counts counts;
+    struct pen_status st;
+    int64_t sum = 0;
+    store_must(pen_store_counts(store, &counts, &st), &st, "counts");
+    for (int i = 0; i < PEN_JOB_STATE_COUNT; i++)
+        sum += counts.jobs[i];
+    return sum;
+}
+
+START_TEST(test_identity__is_made_once_and_a_backup_has_another)
+{
+    char identity[PEN_STORE_IDENTITY_BYTES];
+    struct pen_backup backup;
+    struct pen_status st;
+    store_bed_open(&bed);
+    snprintf(identity, sizeof identity, "%s", pen_store_identity(bed.store));
+    ck_assert_uint_eq(strspn(identity, "0123456789abcdef"), 32);
+    struct pen_store *other = pen_store_open(known_url(), &st);
+    store_must(other != NULL, &st, "open");
+    ck_assert_str_eq(pen_store_identity(other), identity);
+    pen_store_close(other);
+    store_must(pen_store_backup(bed.url, beside(".backup"), false, &backup, &st), &st, "backup");
+    other = pen_store_open(beside(".backup"), &st);
+    store_must(other != NULL, &st, "open");
+    ck_assert_str_ne(pen_store_identity(other), identity);
+    pen_store_close(other);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_identity__a_store_that_is_gone_is_not_made_anew)
+{
+    static const char *const ends[] = {"-wake", "-wal"};
+    store_bed_open(&bed);
+    const char *url = known_url();
+    pen_store_close(bed.store);
+    ck_assert_int_eq(rename(bed.url, beside(".away")), 0);
+    refuse(url, PEN_STORAGE, "is gone, and no new one is made");
+    ck_assert(!is_there(""));
+    refuse(bed.url, PEN_STORAGE, "is missing, but its file ending in -wake is there");
+    ck_assert(!is_there(""));
+    for (int i = 0; i < 2; i++)
+        unlink(beside(ends[i]));
+    refuse(url, PEN_STORAGE, "is gone");
+    ck_assert(!is_there("") && !is_there("-wake"));
+    bed.store = store_bed_handle(&bed); /* to begin anew, its files were removed */
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_identity__a_log_without_its_store_keeps_a_new_one_from_being_made)
+{
+    make_killed_store();
+    ck_assert_int_eq(rename(bed.url, beside(".away")), 0);
+    unlink(beside("-wake"));
+    refuse(bed.url, PEN_STORAGE, "its file ending in -wal is there");
+    ck_assert_int_eq(rename(beside(".away"), bed.url), 0);
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(count_jobs(bed.store), 3);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_identity__another_store_is_refused)
+{
+    struct pen_status st;
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    const char *url = known_url();
+    pen_store_close(bed.store);
+    struct pen_store *other = pen_store_open(beside(".other"), &st);
+    store_must(other && pen_store_settle(other, &st), &st, "settle");
+    pen_store_close(other);
+    ck_assert_int_eq(rename(beside(".other"), bed.url), 0);
+    refuse(url, PEN_STORAGE, "another store was put in the place of");
+    bed.store = store_bed_handle(&bed);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_identity__a_missing_log_is_noticed)
+{
+    make_killed_store();
+    ck_assert_int_eq(rename(beside("-wal"), beside(".wal")), 0);
+    unlink(beside("-shm"));
+    struct pen_status st;
+    struct pen_backup backup;
+    refuse(bed.url, PEN_STORAGE, "-wal, the log of the store's last changes, is missing");
+    ck_assert(!is_there("-wal"));
+    ck_assert(!pen_store_backup(bed.url, beside(".backup"), false, &backup, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE);
+    ck_assert_int_eq(rename(beside(".wal"), beside("-wal")), 0);
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(count_jobs(bed.store), 3);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_identity__an_empty_log_is_the_operators_consent)
+{
+    make_killed_store();
+    unlink(beside("-wal"));
+    unlink(beside("-shm"));
+    refuse(bed.url, PEN_STORAGE, "make an empty file of that name");
+    close(open(beside("-wal"), O_WRONLY | O_CREAT, 0600));
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(count_jobs(bed.store), 0);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_identity__a_settled_store_needs_no_other_file)
+{
+    struct pen_status st;
+    store_bed_open(&bed);
+    submit(bed.store, 1);
+    store_must(pen_store_settle(bed.store, &st), &st, "settle");
+    pen_store_close(bed.store);
+    ck_assert_int_eq(rename(bed.url, beside(".moved")), 0);
+    struct pen_store *moved = pen_store_open(beside(".moved"), &st);
+    store_must(moved != NULL, &st, "open");
+    ck_assert_int_eq(count_jobs(moved), 1);
+    pen_store_close(moved);
+    remove_bed();
+}
+END_TEST
+
+/* SQLite would take the log for this store's own. */
+START_TEST(test_identity__the_log_of_another_store_is_not_applied)
+{
+    struct pen_status st;
+    make_killed_store();
+    struct pen_store *other = pen_store_open(beside(".other"), &st);
+    store_must(other && pen_store_settle(other, &st), &st, "settle");
+    pen_store_close(other);
+    ck_assert_int_eq(rename(bed.url, beside(".away")), 0);
+    ck_assert_int_eq(rename(beside(".other"), bed.url), 0);
+    refuse(bed.url, PEN_STORAGE, "-wal is the log of another store than");
+    ck_assert_int_eq(rename(beside(".away"), bed.url), 0);
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(count_jobs(bed.store), 3);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Submits until the call fails with this message or succeeds. */
+static void expect_submit(int n, const char *hint)
+{
+    struct pen_status st = {0};
+    bool as_expected = false;
+    for (int i = 0; i < 100 && !as_expected; i++) {
+        struct store_job in;
+        struct pen_buf answer = {0};
+        enum pen_submit_result result;
+        store_job_init(&in, n, 1, 1);
+        bool ok = pen_store_submit(bed.store, &in.job, &result, &answer, &st);
+        pen_buf_release(&answer);
+        as_expected = hint ? !ok && strstr(st.msg, hint) : ok;
+        ck_assert(!hint || !ok);
+        if (!as_expected)
+            usleep(50000);
+    }
+    ck_assert_msg(as_expected, "%s", st.msg);
+}
+
+START_TEST(test_identity__a_log_that_is_removed_in_use_takes_no_jobs)
+{
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    submit(bed.store, 1);
+    ck_assert_int_eq(rename(beside("-wal"), beside(".wal")), 0);
+    expect_submit(2, "-wal was moved or removed while it was in use");
+    refuse(known_url(), PEN_STORAGE, "is missing");
+    ck_assert_int_eq(rename(beside(".wal"), beside("-wal")), 0);
+    expect_submit(2, NULL);
+    ck_assert_int_eq(count_jobs(bed.store), 2);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* What it had is copied into the store, so that nothing is lost with its last descriptor. */
+START_TEST(test_identity__what_a_removed_log_had_is_saved)
+{
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    submit(bed.store, 1);
+    unlink(beside("-wal"));
+    expect_submit(2, "-wal was moved or removed while it was in use");
+    pen_store_close(bed.store);
+    close(open(beside("-wal"), O_WRONLY | O_CREAT, 0600));
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(count_jobs(bed.store), 1);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_identity__a_held_lock_is_an_error_that_names_its_holder)
+{
+    store_bed_open(&bed);
+    int fd = open(beside("-wake"), O_RDWR);
+    char hint[64];
+    ck_assert_int_ge(fd, 0);
+    ck_assert_int_eq(flock(fd, LOCK_EX), 0);
+    snprintf(hint, sizeof hint, "process %ld holds the lock on", (long)getpid());
+    refuse(bed.url, PEN_UNAVAILABLE, hint);
+    close(fd);
+    pen_store_close(store_bed_handle(&bed));
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Access to a mapped file beyond its end would kill the process. */
+START_TEST(test_identity__a_truncated_wake_file_is_filled_again)
+{
+    struct stat info;
+    uint32_t seen = 0;
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    submit(bed.store, 1);
+    ck_assert_int_eq(truncate(beside("-wake"), 0), 0);
+    submit(bed.store, 2);
+    ck_assert_int_eq(truncate(beside("-wake"), 0), 0);
+    pen_store_wait(bed.store, PEN_SIGNAL_WORK, &seen, 10);
+    ck_assert_int_eq(truncate(beside("-wake"), 10), 0);
+    pen_store_wake(bed.store, PEN_SIGNAL_WORK);
+    ck_assert_int_eq(stat(beside("-wake"), &info), 0);
+    ck_assert_int_eq(info.st_size, 4096);
+    ck_assert_int_eq(count_jobs(bed.store), 2);
+    pen_store_close(store_bed_handle(&bed));
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("identity of a store", test_identity__is_made_once_and_a_backup_has_another,
+          test_identity__a_store_that_is_gone_is_not_made_anew,
+          test_identity__a_log_without_its_store_keeps_a_new_one_from_being_made,
+          test_identity__another_store_is_refused, test_identity__a_missing_log_is_noticed,
+          test_identity__an_empty_log_is_the_operators_consent,
+          test_identity__a_settled_store_needs_no_other_file,
+          test_identity__the_log_of_another_store_is_not_applied,
+          test_identity__a_log_that_is_removed_in_use_takes_no_jobs,
+          test_identity__what_a_removed_log_had_is_saved,
+          test_identity__a_held_lock_is_an_error_that_names_its_holder,
+          test_identity__a_truncated_wake_file_is_filled_again)
