@@ -39,6 +39,7 @@ static const struct code_row table[PEN_CODE_COUNT] = {
     [PEN_UNAUTHORIZED] = {"unauthorized", "Token missing", 401, EXIT_PERMISSION},
     [PEN_FORBIDDEN] = {"forbidden", "Not allowed", 403, EXIT_PERMISSION},
     [PEN_NOT_FOUND] = {"not-found", "Not found", 404, EXIT_STATE},
+    [PEN_GONE] = {"gone", "Removed", 410, EXIT_STATE},
     [PEN_METHOD] = {"method-not-allowed", "Method not allowed", 405, EXIT_USAGE},
     [PEN_CONFLICT] = {"conflict", "Wrong state", 409, EXIT_STATE},
     [PEN_LENGTH] = {"length-required", "Length required", 411, EXIT_INPUT},

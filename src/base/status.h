@@ -22,6 +22,7 @@ enum pen_code {
     PEN_UNAUTHORIZED,  /* no token */
     PEN_FORBIDDEN,     /* token lacks the scope; Host not allowed */
     PEN_NOT_FOUND,     /* no such job, view, scene, file, route */
+    PEN_GONE,          /* the job was removed */
     PEN_METHOD,        /* the route does not have this HTTP method */
     PEN_CONFLICT,      /* the object's state does not allow the operation */
     PEN_LENGTH,        /* no Content-Length */

@@ -180,7 +180,8 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
         pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);
     if ((request->reply.status == 200 && !request->reply.failed) ||
         snapshot->state == PEN_JOB_CANCELLED)
-        pen_jobs_delete(jobs, request->job_id, &st); /* if it fails, the list has one job more */
+        pen_jobs_delete(jobs, request->job_id, false,
+                        &st); /* if it fails, the list has one job more */
 }
 
 /* Makes the job. Returns whether it is there; otherwise the request is answered. */
@@ -283,7 +284,9 @@ enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jo
 enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
-    if (!pen_jobs_delete(jobs, request->job_id, &st))
+    const char *stats = pen_http_request_param(request, "stats");
+    bool keep_stats = !stats || strcmp(stats, "true") != 0;
+    if (!pen_jobs_delete(jobs, request->job_id, keep_stats, &st))
         return answer_status(request, &st);
     request->reply.status = 204;
     return OUTCOME_ANSWERED;

@@ -27,6 +27,8 @@ static const struct param_rule image_params[] = {{.name = "view", .longest = 200
                                                  {.name = "layer", .allowed = pen_layer_names},
                                                  {.name = "format", .allowed = pen_image_formats},
                                                  {0}};
+static const char *const booleans[] = {"false", "true", NULL};
+static const struct param_rule delete_params[] = {{.name = "stats", .allowed = booleans}, {0}};
 static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};
 
 static const struct route table[] = {
@@ -50,7 +52,8 @@ static const struct route table[] = {
     {.method = "DELETE",
      .path = "/v1/jobs/{id}",
      .handle = pen_http_handle_delete,
-     .queue = QUEUE_STORE},
+     .queue = QUEUE_STORE,
+     .params = delete_params},
     {.method = "GET",
      .path = "/v1/jobs/{id}/events",
      .handle = pen_http_handle_events,

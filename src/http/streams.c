@@ -233,7 +233,7 @@ static void write_update(struct streams *streams, struct update *update, struct 
     struct pen_buf text = {0};
     if (!pen_http_snapshot_cache_read(streams->cache, changes, jobs, update->job_id, &snapshot,
                                       &st)) {
-        update->over = st.code == PEN_NOT_FOUND;
+        update->over = st.code == PEN_NOT_FOUND || st.code == PEN_GONE;
         return;
     }
     if (!pen_http_events_write(&snapshot, jobs, &update->to, &text, &st))

@@ -120,9 +120,20 @@ bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snaps
     return pen_store_cancel(jobs->store, id, st) && pen_jobs_get(jobs, id, out, st);
 }
 
-bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, struct pen_status *st)
 {
-    return pen_store_delete(jobs->store, id, st);
+    struct pen_status why;
+    json_t *stats = keep_stats ? pen_jobs_stats(jobs, id, &why) : NULL;
+    char *text = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
+    json_decref(stats);
+    bool no_memory = keep_stats && !text && (stats || why.code == PEN_NO_MEMORY);
+    if (no_memory)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
+    /* Where they cannot be read the job has none: the store tells what is the matter with it, or
+     * they are damaged and not worth keeping. */
+    bool ok = pen_store_delete(jobs->store, id, keep_stats && !text ? "{}" : text, st);
+    free(text);
+    return ok;
 }
 
 bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,

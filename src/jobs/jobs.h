@@ -48,7 +48,7 @@ struct pen_submitted {
 
 /* Accepts a job (an object with `scene`), or a bare scene (an object with `format`, or XML). When
  * it returns true, the job is on disk. Fails: errors->count > 0; an idempotency key that was used
- * with another body is PEN_INVALID, without a place. */
+ * with another body is PEN_INVALID, without a place; one whose job was removed is PEN_GONE. */
 bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
                      struct pen_submitted *out, struct pen_errors *errors);
 
@@ -64,7 +64,7 @@ struct pen_job_snapshot {
     int64_t revision;
 };
 
-/* Reads a job. Fails: PEN_NOT_FOUND. */
+/* Reads a job. Fails: PEN_NOT_FOUND; PEN_GONE (it was removed), as every other call about a job. */
 bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                   struct pen_status *st);
 
@@ -84,9 +84,10 @@ json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
 bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                      struct pen_status *st);
 
-/* Removes a job that has ended, and its results. Fails: PEN_NOT_FOUND; PEN_CONFLICT (it has not
- * ended). */
-bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, struct pen_status *st);
+/* Removes a job that has ended, and its results. With keep_stats its statistics stay readable for
+ * years; without it they go, too, also those of a job that was removed before. Fails:
+ * PEN_NOT_FOUND; PEN_GONE (nothing is left to remove); PEN_CONFLICT (it has not ended). */
+bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, struct pen_status *st);
 
 struct pen_image_query {
     const char *view;   /* "all": a contact sheet of all views; NULL: the first view */
@@ -126,8 +127,8 @@ typedef bool pen_job_tile_fn(void *user, const struct pen_job_tile *tile);
 bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_job_tile_fn *each,
                     void *user, struct pen_status *st);
 
-/* The statistics object of a job that has ended. Owns: the caller. Fails: PEN_NOT_FOUND;
- * PEN_CONFLICT (it has not ended). */
+/* The statistics object of a job that has ended, also if it was removed since. Owns: the caller.
+ * Fails: PEN_NOT_FOUND; PEN_GONE (removed with its statistics); PEN_CONFLICT (it has not ended). */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
 /* The report of a job in one of the formats of pen_bench_report_formats. Fails: PEN_CONFLICT

@@ -311,11 +311,25 @@ bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
     return ok;
 }
 
+/* The statistics that a removed job has left. */
+static json_t *removed_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+{
+    struct pen_buf text = {0};
+    json_t *stats = NULL;
+    if (pen_store_removed_stats(jobs->store, id, &text, st)) {
+        stats = json_loadb((const char *)text.data, text.bytes, 0, NULL);
+        if (!stats)
+            pen_fail(st, PEN_STORAGE, "the stored statistics of job %s are damaged", id);
+    }
+    pen_buf_release(&text);
+    return stats;
+}
+
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st)
 {
     struct pen_job_record job;
     if (!pen_store_job(jobs->store, id, &job, st))
-        return NULL;
+        return st->code == PEN_GONE ? removed_stats(jobs, id, st) : NULL;
     json_t *stats = NULL;
     if (pen_job_state_ended(job.state))
         stats = pen_stats_of_job(jobs->store, &job, st);

@@ -235,6 +235,24 @@ static bool try_submit(struct pen_store *store, const struct pen_job_new *job,
             pen_store_submit(store, job, result, first_answer, st));
 }
 
+/* The answer to an earlier submit holds as long as its job does. */
+static bool repeat_answer(struct pen_jobs *jobs, struct pen_submitted *out, struct pen_status *st)
+{
+    struct pen_job_record job;
+    if (!take_first_answer(out, st))
+        return false;
+    if (pen_store_job(jobs->store, out->id, &job, st)) {
+        pen_job_record_release(&job);
+        return true;
+    }
+    if (st->code != PEN_GONE && st->code != PEN_NOT_FOUND)
+        return false;
+    return pen_fail(st, PEN_GONE,
+                    "job %s, which this Idempotency-Key made, was removed; take a new key for a "
+                    "new job",
+                    out->id);
+}
+
 static bool store_job(struct pen_jobs *jobs, const struct prepared *job, struct pen_submitted *out,
                       struct pen_status *st)
 {
@@ -245,7 +263,7 @@ static bool store_job(struct pen_jobs *jobs, const struct prepared *job, struct 
         return pen_fail(st, PEN_INVALID,
                         "this Idempotency-Key was used with another body; take a new key");
     if (result == PEN_SUBMIT_REPEATED)
-        return take_first_answer(out, st);
+        return repeat_answer(jobs, out, st);
     memcpy(out->id, job->id, sizeof out->id);
     return pen_buf_puts(&out->answer, job->answer) ||
            pen_fail(st, PEN_NO_MEMORY, "no memory for an answer");

@@ -21,19 +21,18 @@
 #include "base/log.h"
 #include "jobs/internal/batch.h"
 #include "jobs/internal/failure.h"
+#include "jobs/internal/housekeeper.h"
 #include "jobs/internal/jobs.h"
 
 enum {
     LEASE_MS = 15000,
-    IDLE_MS = 1000,       /* until an idle worker tries to claim without a wake-up */
-    RETRY_MS = 250,       /* between tries of a busy or failing store */
-    LOG_MS = 10000,       /* between log lines about the same failure */
-    READ_TRIES = 5,       /* times that a batch is tried if the store cannot be read for it */
-    MEMORY_TRIES = 20,    /* times that a store call is tried while memory is short */
-    EXPIRE_MS = 1000,     /* between calls of pen_store_expire_leases */
-    PURGE_MS = 600000,    /* between calls of pen_store_purge */
-    SEEN_MS = 15000,      /* between updates of this worker's row in the list of workers */
-    KEY_AGE_MS = 86400000 /* idempotency keys hold for 24 hours */
+    IDLE_MS = 1000,    /* until an idle worker tries to claim without a wake-up */
+    RETRY_MS = 250,    /* between tries of a busy or failing store */
+    LOG_MS = 10000,    /* between log lines about the same failure */
+    READ_TRIES = 5,    /* times that a batch is tried if the store cannot be read for it */
+    MEMORY_TRIES = 20, /* times that a store call is tried while memory is short */
+    EXPIRE_MS = 1000,  /* between calls of pen_store_expire_leases */
+    SEEN_MS = 15000    /* between updates of this worker's row in the list of workers */
 };
 
 struct worker {
@@ -43,11 +42,12 @@ struct worker {
     char host[65];
     struct pen_store *store;
     struct pen_batch_context context;
-    int64_t expired_ns, purged_ns, seen_ns; /* when each was last done, see maintain */
-    int memory_tries;                       /* in a row */
-    int64_t logged_ns;                      /* when a failure of the store was last logged */
-    enum pen_code logged;                   /* the code of that failure */
-    uint32_t wakeups;                       /* the store's PEN_SIGNAL_WORK counter, as last seen */
+    struct pen_housekeeper *housekeeper;
+    int64_t expired_ns, seen_ns; /* when each was last done, see maintain */
+    int memory_tries;            /* in a row */
+    int64_t logged_ns;           /* when a failure of the store was last logged */
+    enum pen_code logged;        /* the code of that failure */
+    uint32_t wakeups;            /* the store's PEN_SIGNAL_WORK counter, as last seen */
 };
 
 static bool stopped(const struct worker *w)
@@ -138,7 +138,8 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
 static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen_claim_end ended,
                        const struct pen_status *why, struct pen_status *st)
 {
-    if (ended == PEN_CLAIM_LOST || why->code == PEN_NOT_FOUND || why->code == PEN_STALE)
+    if (ended == PEN_CLAIM_LOST || why->code == PEN_NOT_FOUND || why->code == PEN_GONE ||
+        why->code == PEN_STALE)
         return true;
     if (ended == PEN_CLAIM_TIMED_OUT)
         return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
@@ -250,7 +251,7 @@ static void update_row(struct worker *w, int64_t now_ns)
     pen_store_worker_seen(w->store, &worker, &ignored);
 }
 
-/* Periodic work: updates this worker's row, opens batches whose leases have expired, purges. */
+/* Periodic work: updates this worker's row, opens batches whose leases have expired. */
 static bool maintain(struct worker *w, struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
@@ -262,11 +263,6 @@ static bool maintain(struct worker *w, struct pen_status *st)
             return is_temporary(st);
         if (opened > 0)
             pen_log(PEN_LOG_WARN, "%d batches are open again: their leases ran out", opened);
-    }
-    if (now_ns - w->purged_ns >= (int64_t)PURGE_MS * 1000000) {
-        w->purged_ns = now_ns;
-        if (!pen_store_purge(w->store, KEY_AGE_MS, st))
-            return is_temporary(st);
     }
     return true;
 }
@@ -286,7 +282,6 @@ static bool run(struct worker *w, struct pen_status *st)
 {
     struct pen_next next = {.worker = w->options->id, .lease_ms = w->lease_ms};
     pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, 0);
-    w->purged_ns = pen_clock_ns();
     while (!stopped(w)) {
         if (!maintain(w, st) || !claim_or_wait(w, &next, st))
             return false;
@@ -322,11 +317,15 @@ static bool set_up(struct worker *w, struct pen_status *st)
     if (!(w->context.compressor = pen_pixel_compressor_new(o->observer, st)))
         return false;
     w->context.scenes = pen_scene_cache_new(o->scene_cap_bytes);
-    return w->context.scenes || pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
+    if (!w->context.scenes)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
+    w->housekeeper = pen_housekeeper_new(o->store_url, st);
+    return w->housekeeper != NULL;
 }
 
 static void tear_down(struct worker *w)
 {
+    pen_housekeeper_free(w->housekeeper);
     pen_heartbeat_free(w->context.heart);
     pen_pixel_compressor_free(w->context.compressor);
     pen_thread_pool_free(w->context.pool);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs for readers, and their end on request: get, list, scene, cancel, delete, purge. */
+/* Jobs for readers, and their end on request: get, list, scene, cancel. */
 #include <stdlib.h>
 
 #include "store/internal/policy.h"
@@ -9,7 +9,7 @@ bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *j
 {
     bool found;
     return store->driver->ops->job_find(store->driver, id, job, &found, st) &&
-           (found || pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id));
+           (found || pen_fail_missing(store, id, st));
 }
 
 /* Sets the attempt that the job is on: one more than its charges, unless the last one ended it. */
@@ -28,7 +28,7 @@ bool pen_policy_job(struct pen_store *store, const char *id, struct pen_job_reco
     if (!store->driver->ops->job_get(store->driver, id, &row, &found, st))
         return false;
     if (!found)
-        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
+        return pen_fail_missing(store, id, st);
     set_attempts(&row);
     *job = row.record;
     return true;
@@ -71,7 +71,7 @@ static bool read_scene(struct pen_store *store, void *arg, struct pen_status *st
     if (!store->driver->ops->scene_of_job(store->driver, in->id, &number, &bytes, &found, st))
         return false;
     if (!found)
-        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", in->id);
+        return pen_fail_missing(store, in->id, st);
     return pen_blob_load(store, PEN_BLOB_SCENE, number, bytes, st);
 }
 
@@ -112,42 +112,4 @@ static bool write_cancel(struct pen_store *store, void *arg, struct pen_status *
 bool pen_policy_cancel(struct pen_store *store, const char *id, struct pen_status *st)
 {
     return pen_store_write(store, write_cancel, (void *)(uintptr_t)id, st);
-}
-
-static bool write_delete(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    const char *id = arg;
-    struct pen_job_key job;
-    if (!pen_find_job(store, id, &job, st))
-        return false;
-    if (!pen_job_state_ended(job.state))
-        return pen_fail(st, PEN_CONFLICT, "job %s is %s; cancel it before deleting it", id,
-                        pen_job_state_name(job.state));
-    store->changed = true;
-    return driver->ops->job_remove(driver, job.number, st) &&
-           driver->ops->scene_remove_unused(driver, job.scene, st);
-}
-
-bool pen_policy_delete(struct pen_store *store, const char *id, struct pen_status *st)
-{
-    return pen_store_write(store, write_delete, (void *)(uintptr_t)id, st);
-}
-
-static bool write_purge(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    int64_t before_ms;
-    if (!driver->ops->now(driver, &before_ms, st))
-        return false;
-    before_ms -= *(const int64_t *)arg;
-    return driver->ops->keys_remove(driver, before_ms, st) &&
-           driver->ops->workers_remove(driver, before_ms, st) &&
-           driver->ops->scene_remove_unused(driver, 0, st);
-}
-
-bool pen_policy_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
-{
-    return pen_store_write(store, write_purge, &key_age_ms, st) &&
-           store->driver->ops->reclaim(store->driver, st);
 }

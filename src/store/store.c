@@ -240,11 +240,19 @@ bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status
            leave(store, &start, pen_policy_cancel(store, id, st));
 }
 
-bool pen_store_delete(struct pen_store *store, const char *id, struct pen_status *st)
+bool pen_store_delete(struct pen_store *store, const char *id, const char *stats,
+                      struct pen_status *st)
 {
     struct call_start start = begin(store, "delete");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &start, pen_policy_delete(store, id, st));
+           leave(store, &start, pen_policy_delete(store, id, stats, st));
+}
+
+bool pen_store_removed_stats(struct pen_store *store, const char *id, struct pen_buf *stats,
+                             struct pen_status *st)
+{
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, pen_policy_removed_stats(store, id, stats, st));
 }
 
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
@@ -449,11 +457,19 @@ bool pen_store_checkpoint(struct pen_store *store, struct pen_status *st)
            leave(store, &start, store->driver->ops->checkpoint(store->driver, st));
 }
 
-bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st)
+bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_age_ms,
+                     struct pen_status *st)
 {
     struct call_start start = begin(store, "purge");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &start, pen_policy_purge(store, key_age_ms, st));
+           leave(store, &start, pen_policy_purge(store, key_age_ms, stats_age_ms, st));
+}
+
+bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_status *st)
+{
+    struct call_start start = begin(store, "purge_slice");
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &start, pen_policy_purge_slice(store, more, st));
 }
 
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

@@ -213,7 +213,7 @@ struct pen_job_record {
 
 void pen_job_record_release(struct pen_job_record *job);
 
-/* Fails: PEN_NOT_FOUND. */
+/* Fails: PEN_NOT_FOUND; PEN_GONE (the job was removed), as every other call about a job. */
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st);
 
@@ -245,9 +245,16 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
  * stays as it is. Fails: PEN_NOT_FOUND. */
 bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st);
 
-/* Removes an ended job and everything that belongs to it. Fails: PEN_NOT_FOUND, PEN_CONFLICT (it
- * has not ended). */
-bool pen_store_delete(struct pen_store *store, const char *id, struct pen_status *st);
+/* Removes an ended job. Only `stats`, a text, stays readable, by pen_store_removed_stats (NULL:
+ * nothing; on a job that was removed before, its text is dropped). Space is freed later, by
+ * pen_store_purge_slice. Fails: PEN_NOT_FOUND, PEN_GONE, PEN_CONFLICT (it has not ended). */
+bool pen_store_delete(struct pen_store *store, const char *id, const char *stats,
+                      struct pen_status *st);
+
+/* Appends what a removed job left. Fails: PEN_NOT_FOUND (no such job, or not removed), PEN_GONE (it
+ * left nothing). */
+bool pen_store_removed_stats(struct pen_store *store, const char *id, struct pen_buf *stats,
+                             struct pen_status *st);
 
 /* A claim: a batch leased to a worker under an attempt number. */
 struct pen_claim {
@@ -440,9 +447,17 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st);
 
-/* Removes idempotency keys and workers older than key_age_ms, and scene documents that no job uses;
- * returns free space to the file system. */
-bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+/* Removes idempotency keys, workers and removed jobs without statistics that are older than
+ * key_age_ms, statistics of removed jobs older than stats_age_ms, and scene documents that no job
+ * uses. In several transactions, each of a bounded number of rows. */
+bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_age_ms,
+                     struct pen_status *st);
+
+/* Does a little of what deletes have left to do, in one short transaction: removes some megabytes
+ * of a removed job, or returns a megabyte of free space to the file system. *more is false if there
+ * was nothing to do. A caller that repeats it should pause between, so that other writers get their
+ * turn. */
+bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_status *st);
 
 /* Checkpoints. A database writes changes to a log first and later copies them to their place. That
  * copying, a checkpoint, makes some commits slow. A handle can leave it to another handle:

@@ -21,6 +21,7 @@ START_TEST(test_status__codes_map_to_http_and_exit_codes)
         {PEN_UNAUTHORIZED, 401, 11},
         {PEN_FORBIDDEN, 403, 11},
         {PEN_NOT_FOUND, 404, 4},
+        {PEN_GONE, 410, 4},
         {PEN_METHOD, 405, 2},
         {PEN_CONFLICT, 409, 4},
         {PEN_LENGTH, 411, 3},

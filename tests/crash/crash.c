@@ -297,7 +297,7 @@ static void check_round(struct test *t)
         const struct job *job = find_job(t, records[i].id);
         found_jobs += job != NULL;
         check_job(t, &records[i], job);
-        must(pen_store_delete(store, records[i].id, &st), &st, "delete");
+        must(pen_store_delete(store, records[i].id, NULL, &st), &st, "delete");
     }
     pen_job_records_free(records, count);
     int acknowledged = 0;
@@ -326,7 +326,7 @@ static void run_undisturbed(struct test *t)
         struct pen_status st;
         check(t, submit(t, &job) && wait_for_all(t), "an undisturbed job succeeds", kind_name(k));
         t->wanted[k] = outcome_of(t->jobs, job.id, k);
-        must(pen_store_delete(pen_jobs_store(t->jobs), job.id, &st), &st, "delete");
+        must(pen_store_delete(pen_jobs_store(t->jobs), job.id, NULL, &st), &st, "delete");
     }
 }
 

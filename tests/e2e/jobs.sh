@@ -199,16 +199,43 @@ expect list-of-another-kind "$status $(body '.jobs | length')" "200 0"
 call "/v1/jobs?cursor=nonsense"
 expect_problem foreign-cursor 400
 
-# Removal.
+# Removal: the statistics stay, everything else is gone.
+call "$first/stats"
+cp "$work/body" "$work/stats"
 call "$first" -X DELETE
 expect delete "$status" 204
 expect delete-is-empty "$(wc -c <"$work/body" | tr -d ' ')" 0
 call "$first"
-expect_problem deleted-job 404
-call "$first/image"
-expect_problem deleted-image 404
+expect_problem deleted-job 410 '*was removed; only its statistics are left*'
+for part in image preview scene events report; do
+    call "$first/$part"
+    expect_problem "deleted-$part" 410
+done
+call "$first/cancel" -X POST
+expect_problem cancel-deleted 410
 call "$first" -X DELETE
-expect_problem delete-again 404
+expect_problem delete-again 410
+call "$first/stats"
+expect stats-stay "$status $(cmp "$work/body" "$work/stats" && echo same)" "200 same"
+call "$first?stats=1" -X DELETE
+expect_problem delete-parameter 400 '*allowed are false, true*'
+call "$first?stats=true" -X DELETE
+expect delete-stats "$status" 204
+call "$first/stats"
+expect_problem deleted-stats 410
+call "$first?stats=true" -X DELETE
+expect_problem delete-stats-again 410
+
+# A key holds for 24 hours, but its job is gone.
+last=$job
+submit "$small" -H 'Idempotency-Key: brief'
+expect key-of-a-job "$status" 202
+call "$job?wait=60"
+call "$job" -X DELETE
+expect delete-with-key "$status" 204
+submit "$small" -H 'Idempotency-Key: brief'
+expect_problem key-of-a-deleted-job 410 '*which this Idempotency-Key made, was removed*'
+job=$last
 
 # What was accepted is still there after a restart.
 daemon_stop

@@ -126,8 +126,12 @@ def judge(operation, status, answer):
 
 done = submit(SMALL)
 gone = submit(SMALL)
+kept = submit(SMALL)
+removed = json.loads(ask("POST", "/v1/jobs", SMALL, Idempotency_Key="removed").content)["id"]
 ask("GET", f"/v1/jobs/{done}?wait=60")
-ask("GET", f"/v1/jobs/{gone}?wait=60")
+for one in (gone, kept, removed):
+    ask("GET", f"/v1/jobs/{one}?wait=60")
+ask("DELETE", f"/v1/jobs/{removed}")
 measured = submit(BENCHMARK)
 ask("GET", f"/v1/jobs/{measured}?wait=60")
 billed = submit(BILL)
@@ -151,30 +155,31 @@ body_samples = [
 samples = {
     "submitJob": [("202", "", {"body": SMALL}), ("202", "", {"body": BENCHMARK}),
                   ("202", "", {"body": XML}), *body_samples,
-                  ("422", "", {"body": SMALL + " ", "Idempotency_Key": "k"})],
+                  ("422", "", {"body": SMALL + " ", "Idempotency_Key": "k"}),
+                  ("410", "", {"body": SMALL, "Idempotency_Key": "removed"})],
     "listJobs": [("200", "", {}), ("200", "?limit=1", {}), ("400", "?limit=0", {}),
                  ("400", "?cursor=x", {})],
     "getJob": [("200", done, {}), ("200", busy, {}), ("200", measured, {}), ("200", billed, {}), ("304", done, everything),
-               ("400", done + "?wait=99", {}), ("404", NOBODY, {})],
-    "getEvents": [("200", done, {}), ("204", done, known), ("404", NOBODY, {})],
-    "cancelJob": [("404", NOBODY, {})],
+               ("400", done + "?wait=99", {}), ("404", NOBODY, {}), ("410", gone, {})],
+    "getEvents": [("200", done, {}), ("204", done, known), ("404", NOBODY, {}), ("410", gone, {})],
+    "cancelJob": [("404", NOBODY, {}), ("410", gone, {})],
     "getImage": [("200", done, {}), ("404", measured, {}), ("200", done + "?format=pfm", {}),
                  ("206", done, {"Range": "bytes=0-9"}), ("304", done, everything),
                  ("400", done + "?format=gif", {}), ("404", done + "?view=x", {}),
-                 ("404", done + "?layer=depth", {}), ("404", NOBODY, {}), ("409", busy, {}),
+                 ("404", done + "?layer=depth", {}), ("404", NOBODY, {}), ("409", busy, {}), ("410", gone, {}),
                  ("416", done, {"Range": "bytes=9999999-"})],
     "getPreview": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
-                   ("400", done + "?x", {}), ("404", NOBODY, {}), ("404", done + "?view=x", {})],
+                   ("400", done + "?x", {}), ("404", NOBODY, {}), ("404", done + "?view=x", {}), ("410", gone, {})],
     "getStatistics": [("200", done, {}), ("200", measured, {}), ("304", done, everything), ("404", NOBODY, {}),
-                      ("409", busy, {})],
+                      ("409", busy, {}), ("200", kept, {}), ("410", gone, {})],
     "getReport": [("200", billed, {}), ("200", billed, {"Accept": "application/json"}),
                   ("200", billed, {"Accept": "text/csv"}), ("200", measured, {}), ("200", measured, {"Accept": "application/json"}),
                   ("200", measured, {"Accept": "text/csv"}),
                   ("200", measured, {"Accept": "text/markdown;q=0.5, image/*"}),
                   ("304", measured, everything), ("404", NOBODY, {}), ("404", done, {}),
-                  ("406", measured, {"Accept": "image/png"}), ("409", late, {})],
+                  ("406", measured, {"Accept": "image/png"}), ("409", late, {}), ("410", gone, {})],
     "getScene": [("200", done, {}), ("200", submit(XML), {}), ("304", done, everything),
-                 ("404", NOBODY, {})],
+                 ("404", NOBODY, {}), ("410", gone, {})],
     "validate": [("200", "", {"body": SMALL}), ("200", "", {"body": XML}), *body_samples],
     "explain": [("200", "", {"body": SMALL}), ("200", "", {"body": '{"analyze": true, ' + SMALL[1:]}),
                 *body_samples,
@@ -187,7 +192,8 @@ samples = {
     "readiness": [("200", "", {})],
     "definition": [("200", "", {}), ("304", "", everything)],
     "sceneSchema": [("200", "", {}), ("304", "", everything)],
-    "deleteJob": [("204", gone, {}), ("404", gone, {}), ("409", busy, {})],
+    "deleteJob": [("204", gone + "?stats=true", {}), ("410", gone, {}), ("204", kept, {}), ("400", busy + "?stats=1", {}),
+                  ("404", NOBODY, {}), ("409", busy, {})],
 }
 samples["cancelJob"].append(("202", busy, {}))
 order = ["deleteJob", "getReport", "getImage", "getStatistics", "getPreview", "getJob"]  # while `busy` is busy

@@ -112,7 +112,7 @@ START_TEST(test_list__cancel_and_delete_follow_the_state)
     struct pen_status st;
     jobs_bed_open(&bed);
     submit_named('a');
-    ck_assert(!pen_jobs_delete(bed.jobs, id, &st));
+    ck_assert(!pen_jobs_delete(bed.jobs, id, true, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     for (int i = 0; i < 2; i++) {
         store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
@@ -121,11 +121,11 @@ START_TEST(test_list__cancel_and_delete_follow_the_state)
         ck_assert_ptr_nonnull(json_string_value(json_object_get(snapshot.json, "finished_at")));
         json_decref(snapshot.json);
     }
-    store_must(pen_jobs_delete(bed.jobs, id, &st), &st, "delete");
+    store_must(pen_jobs_delete(bed.jobs, id, true, &st), &st, "delete");
     ck_assert(!pen_jobs_get(bed.jobs, id, &snapshot, &st));
-    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    ck_assert_int_eq(st.code, PEN_GONE);
     ck_assert(!pen_jobs_cancel(bed.jobs, id, &snapshot, &st));
-    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    ck_assert_int_eq(st.code, PEN_GONE);
     jobs_bed_close(&bed);
 }
 END_TEST

@@ -51,12 +51,12 @@ END_TEST
 START_TEST(test_driver_submit__keys_older_than_a_time_are_removed)
 {
     unsigned char body[32];
-    bool found;
+    bool found, more;
     driver_bed_open(&bed, _i);
     DRIVER_RUN(bed.driver, begin_write);
     add_key(bed.driver, "old", 1, 999);
     add_key(bed.driver, "young", 2, 1000);
-    DRIVER_DO(bed.driver, keys_remove, 1000);
+    DRIVER_DO(bed.driver, keys_remove, 1000, 100, &more);
     DRIVER_RUN(bed.driver, commit);
     DRIVER_DO(bed.driver, key_get, "old", body, NULL, &found);
     ck_assert(!found);

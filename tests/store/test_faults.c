@@ -127,7 +127,7 @@ static bool work_cancel(struct pen_status *st)
 
 static bool work_delete(struct pen_status *st)
 {
-    return pen_store_delete(disk.bed.store, fault_bed_id(FAULT_ENDED), st);
+    return pen_store_delete(disk.bed.store, fault_bed_id(FAULT_ENDED), NULL, st);
 }
 
 static bool work_fail(struct pen_status *st)
@@ -155,7 +155,7 @@ static bool work_picture(struct pen_status *st)
 
 static bool work_purge(struct pen_status *st)
 {
-    return pen_store_purge(disk.bed.store, 0, st);
+    return pen_store_purge(disk.bed.store, 0, 0, st);
 }
 
 static bool work_open(struct pen_status *st)
@@ -170,18 +170,12 @@ static const struct scenario {
     work_fn *work;
     enum pen_code again; /* the code of a repeat after the first call had its effect */
 } scenarios[] = {
-    {"submit", work_submit, PEN_OK},
-    {"claim", work_claim, PEN_OK},
-    {"commit", work_commit, PEN_OK},
-    {"commit and claim", work_commit_and_claim, PEN_OK},
-    {"assemble", work_assemble, PEN_OK},
-    {"cancel", work_cancel, PEN_OK},
-    {"delete", work_delete, PEN_NOT_FOUND},
-    {"fail", work_fail, PEN_STALE},
-    {"release", work_release, PEN_OK},
-    {"expire", work_expire, PEN_OK},
-    {"picture", work_picture, PEN_OK},
-    {"purge", work_purge, PEN_OK},
+    {"submit", work_submit, PEN_OK},     {"claim", work_claim, PEN_OK},
+    {"commit", work_commit, PEN_OK},     {"commit and claim", work_commit_and_claim, PEN_OK},
+    {"assemble", work_assemble, PEN_OK}, {"cancel", work_cancel, PEN_OK},
+    {"delete", work_delete, PEN_GONE},   {"fail", work_fail, PEN_STALE},
+    {"release", work_release, PEN_OK},   {"expire", work_expire, PEN_OK},
+    {"picture", work_picture, PEN_OK},   {"purge", work_purge, PEN_OK},
     {"open", work_open, PEN_OK},
 };
 enum { SCENARIOS = (int)(sizeof scenarios / sizeof scenarios[0]) };

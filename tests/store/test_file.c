@@ -214,7 +214,7 @@ static void check_log(void)
     struct pen_status st;
     ck_assert_msg(largest_log < LOG_LIMIT, "the log grew to %lld bytes", (long long)largest_log);
     ck_assert_msg(largest_log > 4 << 20, "the log only grew to %lld bytes", (long long)largest_log);
-    store_must(pen_store_purge(bed.store, 0, &st), &st, "purge");
+    store_must(pen_store_purge(bed.store, 0, 0, &st), &st, "purge");
     ck_assert_msg(file_bytes("-wal") <= 9 << 20, "the log is left at %lld bytes",
                   (long long)file_bytes("-wal"));
 }
@@ -342,10 +342,9 @@ START_TEST(test_file__space_of_deleted_jobs_is_given_back)
     for (int n = 0; n < 8; n++) {
         store_job_init(&in, n, 1, 1);
         store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-        store_must(pen_store_delete(bed.store, in.id, &st), &st, "delete");
+        store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
     }
-    store_must(pen_store_purge(bed.store, 0, &st), &st, "purge");
-    store_must(pen_store_purge(bed.store, 0, &st), &st, "purge");
+    store_purge_slices(bed.store);
     ck_assert_msg(file_bytes("") < 1 << 20, "the store still has %lld bytes",
                   (long long)file_bytes(""));
     store_bed_close(&bed);

@@ -299,7 +299,7 @@ START_TEST(test_leases__deleted_job_leaves_its_worker_stale)
     struct pen_status st;
     struct pen_claim claim = store_claim(bed.store, "w");
     store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-    store_must(pen_store_delete(bed.store, in.id, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
     ck_assert(!held(&claim));
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_STALE);
     /* Numbers are never used twice, so the old claim does not fit the next job's batch. */

@@ -133,9 +133,9 @@ static void apply(struct pen_store *store, const char *operation, const struct s
     else if (strcmp(operation, "pen_store_cancel") == 0)
         pen_store_cancel(store, in->id, &st);
     else if (strcmp(operation, "pen_store_delete") == 0)
-        pen_store_delete(store, in->id, &st);
+        pen_store_delete(store, in->id, NULL, &st);
     else if (strcmp(operation, "pen_store_purge") == 0)
-        pen_store_purge(store, 0, &st);
+        pen_store_purge(store, 0, 0, &st);
     else if (strcmp(operation, "pen_store_worker_ended") == 0)
         end_worker(store, in);
     else
@@ -201,7 +201,7 @@ static void try_one(struct pen_store *store, int number, const struct situation 
     compare(&before, &after, operation, situation->name);
     store_audit_clean(store);
     pen_store_cancel(store, in.id, &st);
-    pen_store_delete(store, in.id, &st);
+    pen_store_delete(store, in.id, NULL, &st);
 }
 
 START_TEST(test_states__every_change_is_an_arrow_and_every_arrow_is_seen)

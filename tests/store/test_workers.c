@@ -118,9 +118,9 @@ START_TEST(test_workers__are_removed_by_id_or_by_age)
     store_must(pen_store_worker_gone(bed.store, "a", &st), &st, "gone");
     store_must(pen_store_worker_gone(bed.store, "nobody", &st), &st, "gone");
     ck_assert_int_eq(list(bed.store).count, 1);
-    store_must(pen_store_purge(bed.store, 3600000, &st), &st, "purge");
+    store_must(pen_store_purge(bed.store, 3600000, 3600000, &st), &st, "purge");
     ck_assert_int_eq(list(bed.store).count, 1);
-    store_must(pen_store_purge(bed.store, -1000, &st), &st, "purge");
+    store_must(pen_store_purge(bed.store, -1000, -1000, &st), &st, "purge");
     ck_assert_int_eq(list(bed.store).count, 0);
     store_bed_close(&bed);
 }

@@ -175,6 +175,15 @@ int store_work_off(struct pen_store *store, const char *worker)
     }
 }
 
+int store_purge_slices(struct pen_store *store)
+{
+    struct pen_status st;
+    int slices = 0;
+    for (bool more = true; more; slices += more)
+        store_must(pen_store_purge_slice(store, &more, &st), &st, "slice");
+    return slices;
+}
+
 void store_worker_seen(struct pen_store *store, const char *id)
 {
     struct pen_status st;

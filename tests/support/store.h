@@ -59,6 +59,9 @@ enum pen_code store_commit(struct pen_store *store, const struct pen_claim *clai
 /* Claims and commits until nothing is left; returns the number of batches. */
 int store_work_off(struct pen_store *store, const char *worker);
 
+/* Does all that deletes have left to do, in slices; returns their number. */
+int store_purge_slices(struct pen_store *store);
+
 /* Puts a worker with two threads on the list of workers. */
 void store_worker_seen(struct pen_store *store, const char *id);
 

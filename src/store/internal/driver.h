@@ -174,8 +174,9 @@ struct pen_driver_ops {
     const char *(*identity)(struct pen_driver *driver);
     /* As pen_store_settle. PostgreSQL: does nothing. */
     bool (*settle)(struct pen_driver *driver, struct pen_status *st);
-    /* Returns free space to the file system, in short transactions of its own. */
-    bool (*reclaim)(struct pen_driver *driver, struct pen_status *st);
+    /* Returns a little free space to the file system, in a short transaction of its own. *more:
+     * there was some, and there may be more. PostgreSQL: does nothing. */
+    bool (*reclaim)(struct pen_driver *driver, bool *more, struct pen_status *st);
     /* Looks for rows that contradict each other. Appends a sentence with its terminating zero to
      * `findings` for each; *found is their number. In a transaction of its own. */
     bool (*audit)(struct pen_driver *driver, struct pen_buf *findings, int *found,
@@ -261,9 +262,34 @@ struct pen_driver_ops {
     bool (*job_end_batches)(struct pen_driver *driver, int64_t job, struct pen_status *st);
     /* Removes it with its views, batches, pixels and artefacts. */
     bool (*job_remove)(struct pen_driver *driver, int64_t job, struct pen_status *st);
+    /* Marks an ended job as removed: from then on job_get, job_find, job_page, job_counts and
+     * scene_of_job do not see it. */
+    bool (*job_mark_removed)(struct pen_driver *driver, int64_t job, int64_t now_ms,
+                             struct pen_status *st);
+    /* The job that was submitted first of those marked as removed. */
+    bool (*removed_next)(struct pen_driver *driver, struct pen_job_key *job, bool *found,
+                         struct pen_status *st);
+    /* Removes artefacts, batches and pixels of such a job, about so many bytes and one row at
+     * least; *emptied: none is left. */
+    bool (*job_shrink)(struct pen_driver *driver, int64_t job, int64_t bytes, bool *emptied,
+                       struct pen_status *st);
+    /* What stays of a removed job: its id, when it was removed, and its statistics (NULL: none).
+     * removed_get appends the statistics to `stats`, unless that is NULL. */
+    bool (*removed_add)(struct pen_driver *driver, const char *id, int64_t now_ms,
+                        const char *stats, struct pen_status *st);
+    bool (*removed_get)(struct pen_driver *driver, const char *id, struct pen_buf *stats,
+                        bool *has_stats, bool *found, struct pen_status *st);
+    bool (*removed_drop_stats)(struct pen_driver *driver, const char *id, struct pen_status *st);
+    /* Removes at most `limit` such rows of jobs whose own rows are all gone: those from before
+     * before_ms, and those without statistics from before bare_before_ms. *more: there may be more.
+     */
+    bool (*removed_purge)(struct pen_driver *driver, int64_t bare_before_ms, int64_t before_ms,
+                          int limit, bool *more, struct pen_status *st);
     /* Removes the scene unless a job names it; number 0: all scenes that no job names. */
     bool (*scene_remove_unused)(struct pen_driver *driver, int64_t number, struct pen_status *st);
-    bool (*keys_remove)(struct pen_driver *driver, int64_t before_ms, struct pen_status *st);
+    /* Removes at most `limit` keys; *more: there may be more. */
+    bool (*keys_remove)(struct pen_driver *driver, int64_t before_ms, int limit, bool *more,
+                        struct pen_status *st);
 
     /* Batches and leases. */
 

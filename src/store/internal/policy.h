@@ -32,7 +32,10 @@ bool pen_store_write(struct pen_store *store, pen_body *body, void *arg, struct 
 /* Runs `body` on one unchanging state of the database. */
 bool pen_store_read(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st);
 
-/* Finds a job. Fails: PEN_NOT_FOUND. */
+/* Fails with PEN_GONE if the job was removed, else with PEN_NOT_FOUND. Fails: always. */
+bool pen_fail_missing(struct pen_store *store, const char *id, struct pen_status *st);
+
+/* Finds a job. Fails: PEN_NOT_FOUND, PEN_GONE. */
 bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *job,
                   struct pen_status *st);
 
@@ -78,8 +81,13 @@ bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filte
 bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                       struct pen_status *st);
 bool pen_policy_cancel(struct pen_store *store, const char *id, struct pen_status *st);
-bool pen_policy_delete(struct pen_store *store, const char *id, struct pen_status *st);
-bool pen_policy_purge(struct pen_store *store, int64_t key_age_ms, struct pen_status *st);
+bool pen_policy_delete(struct pen_store *store, const char *id, const char *stats,
+                       struct pen_status *st);
+bool pen_policy_removed_stats(struct pen_store *store, const char *id, struct pen_buf *stats,
+                              struct pen_status *st);
+bool pen_policy_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_age_ms,
+                      struct pen_status *st);
+bool pen_policy_purge_slice(struct pen_store *store, bool *more, struct pen_status *st);
 bool pen_policy_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                       struct pen_claim *claim, bool *found, struct pen_status *st);
 bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,

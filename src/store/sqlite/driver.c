@@ -4,9 +4,6 @@
 #include "store/sqlite/sqlite.h"
 #include "store/sqlite/wake.h"
 
-/* Transactions of one reclaim, each of SQL_VACUUM's 2048 pages (8 MiB). */
-enum { RECLAIM_STEPS = 128 };
-
 bool pen_sqlite_now(struct pen_driver *driver, int64_t *now_ms, struct pen_status *st)
 {
     (void)driver;
@@ -78,22 +75,22 @@ static bool count_free_pages(struct pen_sqlite_store *store, int64_t *count, str
     return true;
 }
 
-/* Moves pages from the end of the file into free pages, a bounded number at a time, so that writers
- * get their turn. The file shrinks when the log is copied into it and truncated. */
-bool pen_sqlite_reclaim(struct pen_driver *driver, struct pen_status *st)
+/* Moves pages from the end of the file into free pages: those of SQL_VACUUM, 1 MiB, so that writers
+ * get their turn. The file shrinks when the log is copied into it. */
+bool pen_sqlite_reclaim(struct pen_driver *driver, bool *more, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    for (int i = 0; i < RECLAIM_STEPS; i++) {
-        int64_t pages;
-        if (!count_free_pages(store, &pages, st))
-            return false;
-        if (pages == 0)
-            break;
-        struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
-        if (!pen_sqlite_run(&vacuum, st))
-            return false;
-        pen_sqlite_truncate_log(store);
-    }
-    pen_sqlite_truncate_log(store);
-    return true;
+    int64_t pages;
+    if (!count_free_pages(store, &pages, st))
+        return false;
+    *more = pages > 0;
+    if (!*more)
+        return pen_sqlite_checkpoint(driver, st);
+    if (!pen_sqlite_begin_write(driver, st))
+        return false;
+    struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
+    if (pen_sqlite_run(&vacuum, st) && pen_sqlite_commit(driver, st))
+        return true;
+    pen_sqlite_rollback(driver);
+    return false;
 }

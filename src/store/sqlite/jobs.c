@@ -37,11 +37,17 @@ bool pen_sqlite_key_get(struct pen_driver *driver, const char *key, unsigned cha
     return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for the answer");
 }
 
-bool pen_sqlite_keys_remove(struct pen_driver *driver, int64_t before_ms, struct pen_status *st)
+bool pen_sqlite_keys_remove(struct pen_driver *driver, int64_t before_ms, int limit, bool *more,
+                            struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_KEYS_REMOVE);
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_KEYS_REMOVE);
     pen_sqlite_int(&query, before_ms);
-    return pen_sqlite_run(&query, st);
+    pen_sqlite_int(&query, limit);
+    if (!pen_sqlite_run(&query, st))
+        return false;
+    *more = sqlite3_changes(store->db) >= limit;
+    return true;
 }
 
 bool pen_sqlite_scene_find(struct pen_driver *driver, const unsigned char sha256[32],

@@ -49,12 +49,13 @@ static const char *const sql_text[] = {
     [SQL_KEY_ADD] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
                     " VALUES (?, ?, ?, ?) ON CONFLICT (key) DO NOTHING",
     [SQL_KEY_GET] = "SELECT body_sha256, answer FROM idempotency WHERE key = ?",
-    [SQL_KEYS_REMOVE] = "DELETE FROM idempotency WHERE created_ms < ?",
+    [SQL_KEYS_REMOVE] = "DELETE FROM idempotency WHERE key IN (SELECT key FROM idempotency"
+                        " WHERE created_ms < ? LIMIT ?)",
     [SQL_SCENE_FIND] = "SELECT id FROM scene WHERE sha256 = ?",
     [SQL_SCENE_ADD] = "INSERT INTO scene (sha256, document) VALUES (?, ?)"
                       " ON CONFLICT (sha256) DO NOTHING",
     [SQL_SCENE_OF_JOB] = "SELECT s.id, length(s.document) FROM job j JOIN scene s ON s.id = j.scene"
-                         " WHERE j.id = ?",
+                         " WHERE j.id = ? AND j.removed_ms = 0",
     [SQL_SCENE_REMOVE_UNUSED] = "DELETE FROM scene WHERE id = ?1"
                                 " AND NOT EXISTS (SELECT 1 FROM job WHERE scene = ?1)",
     [SQL_SCENES_REMOVE_UNUSED] = "DELETE FROM scene WHERE NOT EXISTS"
@@ -70,14 +71,16 @@ static const char *const sql_text[] = {
         " VALUES (?1, ?2, ?3, ?4, ?5, ?6, (SELECT priority FROM job"
         " WHERE number = ?1)) ON CONFLICT (job, view) WHERE kind = 1 DO NOTHING",
 
-    [SQL_JOB_GET] = "SELECT " JOB_COLUMNS " FROM job WHERE id = ?",
-    [SQL_JOB_LIST] = "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1"
-                     " AND (?2 IS NULL OR kind = ?2) ORDER BY number DESC LIMIT ?3",
+    [SQL_JOB_GET] = "SELECT " JOB_COLUMNS " FROM job WHERE id = ? AND removed_ms = 0",
+    [SQL_JOB_LIST] =
+        "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1"
+        " AND removed_ms = 0 AND (?2 IS NULL OR kind = ?2) ORDER BY number DESC LIMIT ?3",
     [SQL_JOB_LIST_STATE] = "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1"
-                           " AND (?2 IS NULL OR kind = ?2) AND state = ?4"
+                           " AND removed_ms = 0 AND (?2 IS NULL OR kind = ?2) AND state = ?4"
                            " ORDER BY number DESC LIMIT ?3",
-    [SQL_JOB_FIND] = "SELECT number, state, scene FROM job WHERE id = ?",
-    [SQL_JOB_COUNTS] = "SELECT state, count(*) FROM job GROUP BY state",
+    [SQL_JOB_FIND] = "SELECT number, state, scene FROM job WHERE id = ? AND removed_ms = 0",
+    [SQL_JOB_COUNTS] = "SELECT state, count(*) - (SELECT count(*) FROM job r WHERE r.removed_ms > 0"
+                       " AND r.state = job.state) FROM job GROUP BY state",
     [SQL_BATCH_COUNTS] = "SELECT (SELECT count(*) FROM batch WHERE state = 0),"
                          " (SELECT count(*) FROM batch WHERE state = 1)",
     [SQL_JOB_START] = "UPDATE job SET state = 1, started_ms = ?2, updated_ms = ?2,"
@@ -101,6 +104,21 @@ static const char *const sql_text[] = {
     [SQL_JOB_END_BATCHES] = "UPDATE batch SET state = 3, worker = NULL, lease_until_ms = NULL,"
                             " quarantined = 0 WHERE job = ? AND state IN (0, 1)",
     [SQL_JOB_REMOVE] = "DELETE FROM job WHERE number = ?",
+    [SQL_JOB_MARK_REMOVED] = "UPDATE job SET removed_ms = ?2 WHERE number = ?1",
+    [SQL_REMOVED_NEXT] = "SELECT number, state, scene FROM job WHERE removed_ms > 0"
+                         " ORDER BY number LIMIT 1",
+    [SQL_ARTEFACTS_OF_JOB] = "SELECT id, length(data) FROM artefact WHERE job = ? LIMIT ?",
+    [SQL_ARTEFACT_REMOVE] = "DELETE FROM artefact WHERE id = ?",
+    [SQL_BATCHES_OF_JOB] = "SELECT b.id, coalesce(length(p.data), 0) FROM batch b"
+                           " LEFT JOIN pixels p ON p.batch = b.id WHERE b.job = ? LIMIT ?",
+    [SQL_BATCH_REMOVE] = "DELETE FROM batch WHERE id = ?",
+    [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats) VALUES (?, ?, ?)",
+    [SQL_REMOVED_GET] = "SELECT stats FROM removed WHERE id = ?",
+    [SQL_REMOVED_DROP_STATS] = "UPDATE removed SET stats = NULL WHERE id = ?",
+    [SQL_REMOVED_PURGE] = "DELETE FROM removed WHERE rowid IN (SELECT rowid FROM removed"
+                          " WHERE ((stats IS NULL AND removed_ms < ?1) OR removed_ms < ?2)"
+                          " AND NOT EXISTS (SELECT 1 FROM job WHERE job.id = removed.id)"
+                          " LIMIT ?3)",
 
     [SQL_ANY_OPEN] = "SELECT 1 FROM batch WHERE state = 0 LIMIT 1",
     [SQL_NEXT_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
@@ -183,7 +201,7 @@ static const char *const sql_text[] = {
                        " ORDER BY 1 LIMIT ?2",
 
     [SQL_FREE_PAGES] = "PRAGMA freelist_count",
-    [SQL_VACUUM] = "PRAGMA incremental_vacuum(2048)",
+    [SQL_VACUUM] = "PRAGMA incremental_vacuum(256)",
 };
 _Static_assert(sizeof sql_text / sizeof sql_text[0] == SQL_COUNT, "a text for each statement");
 

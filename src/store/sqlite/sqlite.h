@@ -50,6 +50,16 @@ enum pen_sqlite_sql {
     SQL_JOB_END,
     SQL_JOB_END_BATCHES,
     SQL_JOB_REMOVE,
+    SQL_JOB_MARK_REMOVED,
+    SQL_REMOVED_NEXT,
+    SQL_ARTEFACTS_OF_JOB,
+    SQL_ARTEFACT_REMOVE,
+    SQL_BATCHES_OF_JOB,
+    SQL_BATCH_REMOVE,
+    SQL_REMOVED_ADD,
+    SQL_REMOVED_GET,
+    SQL_REMOVED_DROP_STATS,
+    SQL_REMOVED_PURGE,
     SQL_ANY_OPEN,
     SQL_OPEN_ABOVE,
     SQL_NEXT_OPEN,
@@ -302,6 +312,13 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(job_end)                                                                                    \
     OP(job_end_batches)                                                                            \
     OP(job_remove)                                                                                 \
+    OP(job_mark_removed)                                                                           \
+    OP(job_shrink)                                                                                 \
+    OP(removed_next)                                                                               \
+    OP(removed_add)                                                                                \
+    OP(removed_get)                                                                                \
+    OP(removed_drop_stats)                                                                         \
+    OP(removed_purge)                                                                              \
     OP(scene_remove_unused)                                                                        \
     OP(keys_remove)                                                                                \
     OP(any_open)                                                                                   \

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "jobs/internal/housekeeper.h"
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "store/store.h"
+
+enum {
+    ROUND_MS = 1000,       /* between rounds, if there is nothing to do */
+    PURGE_MS = 600000,     /* between calls of pen_store_purge */
+    LOG_MS = 60000,        /* between log lines about a store that fails */
+    PAUSE_MS = 5,          /* the shortest pause after a slice */
+    KEY_AGE_MS = 86400000, /* idempotency keys hold for 24 hours */
+    STATS_AGE_DAYS = 1827  /* statistics of removed jobs stay for five years */
+};
+
+struct pen_housekeeper {
+    struct pen_store *store; /* used by the thread alone */
+    pthread_t thread;
+    pthread_mutex_t lock;
+    pthread_cond_t change;
+    bool quit;                    /* guarded by lock */
+    int64_t purged_ns, logged_ns; /* used by the thread alone */
+};
+
+/* Waits; returns false if the thread has to end. */
+static bool pause_for(struct pen_housekeeper *keeper, int64_t ms)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    int64_t ns = until.tv_nsec + ms * 1000000;
+    until.tv_sec += (time_t)(ns / 1000000000);
+    until.tv_nsec = (long)(ns % 1000000000);
+    pthread_mutex_lock(&keeper->lock);
+    int rc = 0;
+    while (!keeper->quit && rc == 0)
+        rc = pthread_cond_timedwait(&keeper->change, &keeper->lock, &until);
+    bool go_on = !keeper->quit;
+    pthread_mutex_unlock(&keeper->lock);
+    return go_on;
+}
+
+/* A failure is no more than a delay: the next round tries again. */
+static bool note_failure(struct pen_housekeeper *keeper, const struct pen_status *st)
+{
+    int64_t now_ns = pen_clock_ns();
+    if (!keeper->logged_ns || now_ns - keeper->logged_ns >= (int64_t)LOG_MS * 1000000) {
+        keeper->logged_ns = now_ns;
+        pen_log(PEN_LOG_WARN, "housekeeping: %s; trying again", st->msg);
+    }
+    return false;
+}
+
+/* Does one slice of work. Returns whether there was any. */
+static bool do_slice(struct pen_housekeeper *keeper)
+{
+    struct pen_status st;
+    bool more = false;
+    return pen_store_purge_slice(keeper->store, &more, &st) ? more : note_failure(keeper, &st);
+}
+
+static void purge_if_due(struct pen_housekeeper *keeper)
+{
+    struct pen_status st;
+    int64_t now_ns = pen_clock_ns();
+    if (now_ns - keeper->purged_ns < (int64_t)PURGE_MS * 1000000)
+        return;
+    keeper->purged_ns = now_ns;
+    if (!pen_store_purge(keeper->store, KEY_AGE_MS, (int64_t)STATS_AGE_DAYS * 86400000, &st))
+        note_failure(keeper, &st);
+}
+
+/* After a slice it pauses for as long as the slice took: others have the store half of the time. */
+static void *run(void *user)
+{
+    struct pen_housekeeper *keeper = user;
+    int64_t pause_ms = ROUND_MS;
+    while (pause_for(keeper, pause_ms)) {
+        int64_t begun_ns = pen_clock_ns();
+        purge_if_due(keeper);
+        bool more = do_slice(keeper);
+        int64_t took_ms = (pen_clock_ns() - begun_ns) / 1000000;
+        pause_ms = more ? (took_ms > PAUSE_MS ? took_ms : PAUSE_MS) : ROUND_MS;
+    }
+    return NULL;
+}
+
+static void release(struct pen_housekeeper *keeper)
+{
+    pthread_cond_destroy(&keeper->change);
+    pthread_mutex_destroy(&keeper->lock);
+    pen_store_close(keeper->store);
+    free(keeper);
+}
+
+struct pen_housekeeper *pen_housekeeper_new(const char *store_url, struct pen_status *st)
+{
+    pthread_condattr_t monotonic;
+    struct pen_housekeeper *keeper = calloc(1, sizeof *keeper);
+    if (!keeper) {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the housekeeping");
+        return NULL;
+    }
+    keeper->purged_ns = pen_clock_ns();
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_cond_init(&keeper->change, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+    pthread_mutex_init(&keeper->lock, NULL);
+    keeper->store = pen_store_open(store_url, st);
+    if (keeper->store && pthread_create(&keeper->thread, NULL, run, keeper) == 0)
+        return keeper;
+    if (keeper->store)
+        pen_fail(st, PEN_NO_MEMORY, "the housekeeping's thread cannot be started");
+    release(keeper);
+    return NULL;
+}
+
+void pen_housekeeper_free(struct pen_housekeeper *keeper)
+{
+    if (!keeper)
+        return;
+    pthread_mutex_lock(&keeper->lock);
+    keeper->quit = true;
+    pthread_cond_signal(&keeper->change);
+    pthread_mutex_unlock(&keeper->lock);
+    pthread_join(keeper->thread, NULL);
+    release(keeper);
+}

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/* Removing jobs in slices, and the statistics that stay of them. */
+#include "store/sqlite/sqlite.h"
+
+bool pen_sqlite_job_mark_removed(struct pen_driver *driver, int64_t job, int64_t now_ms,
+                                 struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_MARK_REMOVED);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, now_ms > 0 ? now_ms : 1);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_removed_next(struct pen_driver *driver, struct pen_job_key *job, bool *found,
+                             struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_REMOVED_NEXT);
+    if (!pen_sqlite_next(&query, found, st))
+        return false;
+    if (!*found)
+        return true;
+    *job = (struct pen_job_key){.number = pen_sqlite_column_int(&query, 0),
+                                .state = (enum pen_job_state)pen_sqlite_column_int(&query, 1),
+                                .scene = pen_sqlite_column_int(&query, 2)};
+    pen_sqlite_end(&query);
+    return true;
+}
+
+/* The next rows of a job: `list` selects their numbers and lengths, `drop` removes one. */
+struct shrink {
+    enum pen_sqlite_sql list, drop;
+};
+
+enum { ROWS = 64, ROW_BYTES = 8192 /* that a row counts for, beside its value */ };
+
+/* Removes rows until about *bytes are gone; *bytes is what is left to do, *emptied: no row is left.
+ */
+static bool shrink_by(struct pen_sqlite_store *store, const struct shrink *shrink, int64_t job,
+                      int64_t *bytes, bool *emptied, struct pen_status *st)
+{
+    *emptied = false;
+    while (*bytes > 0 && !*emptied) {
+        int64_t number[ROWS], length[ROWS];
+        int count = 0;
+        bool ok;
+        struct pen_sqlite_query query = pen_sqlite_query(store, shrink->list);
+        pen_sqlite_int(&query, job);
+        pen_sqlite_int(&query, ROWS);
+        while (pen_sqlite_next_row(&query, &ok, st)) {
+            number[count] = pen_sqlite_column_int(&query, 0);
+            length[count++] = pen_sqlite_column_int(&query, 1);
+        }
+        *emptied = count == 0;
+        for (int i = 0; ok && i<count && * bytes> 0; i++) {
+            struct pen_sqlite_query drop = pen_sqlite_query(store, shrink->drop);
+            pen_sqlite_int(&drop, number[i]);
+            ok = pen_sqlite_run(&drop, st);
+            *bytes -= length[i] + ROW_BYTES;
+        }
+        if (!ok)
+            return false;
+    }
+    return true;
+}
+
+bool pen_sqlite_job_shrink(struct pen_driver *driver, int64_t job, int64_t bytes, bool *emptied,
+                           struct pen_status *st)
+{
+    static const struct shrink artefacts = {SQL_ARTEFACTS_OF_JOB, SQL_ARTEFACT_REMOVE};
+    static const struct shrink batches = {SQL_BATCHES_OF_JOB, SQL_BATCH_REMOVE};
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    return shrink_by(store, &artefacts, job, &bytes, emptied, st) &&
+           (!*emptied || shrink_by(store, &batches, job, &bytes, emptied, st));
+}
+
+bool pen_sqlite_removed_add(struct pen_driver *driver, const char *id, int64_t now_ms,
+                            const char *stats, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_REMOVED_ADD);
+    pen_sqlite_text(&query, id);
+    pen_sqlite_int(&query, now_ms);
+    pen_sqlite_text(&query, stats);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_removed_get(struct pen_driver *driver, const char *id, struct pen_buf *stats,
+                            bool *has_stats, bool *found, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_REMOVED_GET);
+    pen_sqlite_text(&query, id);
+    *has_stats = false;
+    if (!pen_sqlite_next(&query, found, st))
+        return false;
+    if (!*found)
+        return true;
+    const char *text = pen_sqlite_column_text(&query, 0);
+    *has_stats = text != NULL;
+    bool ok = !text || !stats || pen_buf_puts(stats, text);
+    pen_sqlite_end(&query);
+    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
+}
+
+bool pen_sqlite_removed_drop_stats(struct pen_driver *driver, const char *id, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_REMOVED_DROP_STATS);
+    pen_sqlite_text(&query, id);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_removed_purge(struct pen_driver *driver, int64_t bare_before_ms, int64_t before_ms,
+                              int limit, bool *more, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_REMOVED_PURGE);
+    pen_sqlite_int(&query, bare_before_ms);
+    pen_sqlite_int(&query, before_ms);
+    pen_sqlite_int(&query, limit);
+    if (!pen_sqlite_run(&query, st))
+        return false;
+    *more = sqlite3_changes(store->db) >= limit;
+    return true;
+}
