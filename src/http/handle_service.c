@@ -98,7 +98,7 @@ static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_statu
     if (fresh)
         return st->code == PEN_OK;
     *st = (struct pen_status){.code = PEN_OK};
-    pen_store_probe(pen_jobs_store(jobs), st);
+    pen_store_intake(pen_jobs_store(jobs), st);
     pthread_mutex_lock(&http->ready_lock);
     http->ready_ns = now;
     http->ready = *st;

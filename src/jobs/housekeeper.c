@@ -8,19 +8,21 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "store/store.h"
+#include "jobs/jobs.h"
 
 enum {
     ROUND_MS = 1000,       /* between rounds, if there is nothing to do */
     PURGE_MS = 600000,     /* between calls of pen_store_purge */
     LOG_MS = 60000,        /* between log lines about a store that fails */
     PAUSE_MS = 5,          /* the shortest pause after a slice */
+    EXPIRED_AT_ONCE = 16,  /* jobs that retention removes between two pauses */
     KEY_AGE_MS = 86400000, /* idempotency keys hold for 24 hours */
     STATS_AGE_DAYS = 1827  /* statistics of removed jobs stay for five years */
 };
 
 struct pen_housekeeper {
-    struct pen_store *store; /* used by the thread alone */
+    struct pen_jobs *jobs;   /* used by the thread alone */
+    struct pen_store *store; /* the one of `jobs` */
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
@@ -56,12 +58,32 @@ static bool note_failure(struct pen_housekeeper *keeper, const struct pen_status
     return false;
 }
 
-/* Does one slice of work. Returns whether there was any. */
+/* Removes jobs that retention no longer keeps; their statistics stay. Returns whether there may be
+ * more. A job that a client removes meanwhile is as good as removed here. */
+static bool expire_jobs(struct pen_housekeeper *keeper)
+{
+    char id[PEN_ID_BYTES];
+    struct pen_status st;
+    bool found = true;
+    for (int i = 0; i < EXPIRED_AT_ONCE && found; i++) {
+        if (!pen_store_expired(keeper->store, id, &found, &st))
+            return note_failure(keeper, &st);
+        if (found && !pen_jobs_delete(keeper->jobs, id, true, &st) && st.code != PEN_GONE)
+            return note_failure(keeper, &st);
+    }
+    return found;
+}
+
+/* Does one slice of each kind of work. Returns whether there was any. */
 static bool do_slice(struct pen_housekeeper *keeper)
 {
     struct pen_status st;
-    bool more = false;
-    return pen_store_purge_slice(keeper->store, &more, &st) ? more : note_failure(keeper, &st);
+    bool evicted = false, purged = false;
+    bool expired = expire_jobs(keeper);
+    if (!pen_store_evict(keeper->store, &evicted, &st) ||
+        !pen_store_purge_slice(keeper->store, &purged, &st))
+        return note_failure(keeper, &st);
+    return expired || evicted || purged;
 }
 
 static void purge_if_due(struct pen_housekeeper *keeper)
@@ -94,7 +116,7 @@ static void release(struct pen_housekeeper *keeper)
 {
     pthread_cond_destroy(&keeper->change);
     pthread_mutex_destroy(&keeper->lock);
-    pen_store_close(keeper->store);
+    pen_jobs_close(keeper->jobs);
     free(keeper);
 }
 
@@ -112,7 +134,9 @@ struct pen_housekeeper *pen_housekeeper_new(const char *store_url, struct pen_st
     pthread_cond_init(&keeper->change, &monotonic);
     pthread_condattr_destroy(&monotonic);
     pthread_mutex_init(&keeper->lock, NULL);
-    keeper->store = pen_store_open(store_url, st);
+    const struct pen_limits limits = pen_limits_default(); /* it reads no documents */
+    keeper->jobs = pen_jobs_open(store_url, &limits, st);
+    keeper->store = keeper->jobs ? pen_jobs_store(keeper->jobs) : NULL;
     if (keeper->store && pthread_create(&keeper->thread, NULL, run, keeper) == 0)
         return keeper;
     if (keeper->store)

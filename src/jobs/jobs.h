@@ -30,7 +30,7 @@ struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *l
                                struct pen_status *st);
 void pen_jobs_close(struct pen_jobs *jobs);
 
-/* The store behind the handle, for pen_store_wait and pen_store_probe. Owns: the handle. */
+/* The store behind the handle, for pen_store_wait and pen_store_intake. Owns: the handle. */
 struct pen_store *pen_jobs_store(struct pen_jobs *jobs);
 
 struct pen_submission {

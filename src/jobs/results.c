@@ -2,7 +2,7 @@
 /* Pictures of jobs.
  *   - The PNG of a view is stored with the view's last commit.
  *   - Other formats, and the contact sheet of all views, are made from the committed pixels at the
- *     first request for them, and then stored.
+ *     first request for them, and then stored as long as there is space for them.
  *   - The preview is made at each request, because the committed pixels may have changed. */
 #include <stdlib.h>
 #include <string.h>
@@ -237,8 +237,8 @@ static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct
         return true;
     if (st->code != PEN_NOT_FOUND || !make_picture(jobs, want, out, st))
         return false;
-    pen_store_artefact_put(jobs->store, want->id, want->view, layer, format, out->data, out->bytes,
-                           &ignored);
+    pen_store_cache_put(jobs->store, want->id, want->view, layer, format, out->data, out->bytes,
+                        &ignored);
     return true;
 }
 

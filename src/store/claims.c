@@ -154,10 +154,11 @@ static bool put_kept(struct pen_store *store, const struct pen_batch_row *batch,
 {
     struct pen_artefact_key key = {
         .job = batch->job, .view = batch->view, .layer = PEN_KEPT_LAYER, .format = PEN_KEPT_STATE};
-    bool ok = pen_put_artefact(store, &key, kept->data, kept->bytes, st);
+    int64_t number;
+    bool ok = pen_put_artefact(store, &key, kept->data, kept->bytes, &number, st);
     for (int i = 0; ok && i < kept->part_count; i++) {
         key.format = kept->parts[i].name;
-        ok = pen_put_artefact(store, &key, kept->parts[i].data, kept->parts[i].bytes, st);
+        ok = pen_put_artefact(store, &key, kept->parts[i].data, kept->parts[i].bytes, &number, st);
     }
     return ok;
 }
@@ -168,6 +169,7 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
     struct pen_driver *driver = store->driver;
     struct pen_batch_row batch;
     struct pen_progress progress = {.pixels = keep->kept->done};
+    int64_t number;
     bool held;
     if (!pen_check_fence(store, keep->claim, &batch, &held, st) ||
         !driver->ops->now(driver, &progress.now_ms, st))

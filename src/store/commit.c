@@ -46,7 +46,8 @@ static bool add_artefact(struct pen_store *store, const struct commit *commit,
                                    .view = commit->batch.view,
                                    .layer = result->layer,
                                    .format = result->format};
-    return pen_put_artefact(store, &key, result->artefact, result->artefact_bytes, st);
+    int64_t number;
+    return pen_put_artefact(store, &key, result->artefact, result->artefact_bytes, &number, st);
 }
 
 /* If the view has an assemble batch already, the unique index on these leaves it the only one. */

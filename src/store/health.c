@@ -168,7 +168,7 @@ static bool try_recovery(struct pen_store *store, enum pen_need need, struct pen
         return false;
     note_recovery(store, PEN_FAULT_IO, seen[PEN_FAULT_IO]);
     note_recovery(store, PEN_FAULT_DAMAGE, seen[PEN_FAULT_DAMAGE]);
-    if (need < PEN_NEED_SPACE || !is_faulty(store, PEN_FAULT_FULL))
+    if (need < PEN_NEED_GROW || !is_faulty(store, PEN_FAULT_FULL))
         return true;
     if (!store->driver->ops->space(store->driver, st))
         return false;
@@ -199,7 +199,9 @@ static bool needs_recovery(const struct pen_store *store, enum pen_need need)
 {
     return (need >= PEN_NEED_READ && is_faulty(store, PEN_FAULT_DAMAGE)) ||
            (need >= PEN_NEED_WRITE && is_faulty(store, PEN_FAULT_IO)) ||
-           (need >= PEN_NEED_SPACE && is_faulty(store, PEN_FAULT_FULL));
+           (need >= PEN_NEED_SPACE && is_faulty(store, PEN_FAULT_FULL)) ||
+           (need == PEN_NEED_GROW && is_faulty(store, PEN_FAULT_FULL) &&
+            store->driver->ops->reserve_is_out(store->driver));
 }
 
 bool pen_health_enter(struct pen_store *store, enum pen_need need, struct pen_status *st)

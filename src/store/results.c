@@ -224,26 +224,28 @@ bool pen_policy_artefact(struct pen_store *store, const char *id, int view, cons
         pen_log(PEN_LOG_ERROR, "%s", st->msg);
         return false;
     }
-    return pen_buf_add(out, blob->data, blob->bytes) ||
-           pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
+    if (!pen_buf_add(out, blob->data, blob->bytes))
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
+    pen_note_use(store, &artefact.row);
+    return true;
 }
 
 bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key, const void *data,
-                      size_t bytes, struct pen_status *st)
+                      size_t bytes, int64_t *number, struct pen_status *st)
 {
     struct pen_blob_start start = pen_blob_begin(data, bytes);
-    int64_t number;
     return store->driver->ops->artefact_put(store->driver, key, pen_checksum(data, bytes), &start,
-                                            &number, st) &&
-           pen_blob_finish(store, PEN_BLOB_ARTEFACT, number, data, bytes, st);
+                                            number, st) &&
+           pen_blob_finish(store, PEN_BLOB_ARTEFACT, *number, data, bytes, st);
 }
 
 static bool write_artefact(struct pen_store *store, void *arg, struct pen_status *st)
 {
     const struct artefact *artefact = arg;
     struct pen_artefact_key key;
+    int64_t number;
     return artefact_key(store, artefact, &key, st) &&
-           pen_put_artefact(store, &key, artefact->data, artefact->bytes, st);
+           pen_put_artefact(store, &key, artefact->data, artefact->bytes, &number, st);
 }
 
 bool pen_policy_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "store/internal/health.h"
 #include "store/internal/policy.h"
 
@@ -195,13 +196,27 @@ bool pen_store_probe(struct pen_store *store, struct pen_status *st)
            leave(store, NULL, store->driver->ops->probe(store->driver, st));
 }
 
+bool pen_store_intake(struct pen_store *store, struct pen_status *st)
+{
+    return enter(store, PEN_NEED_SPACE, st) &&
+           leave(store, NULL,
+                 pen_policy_intake(store, st) && store->driver->ops->probe(store->driver, st));
+}
+
+bool pen_store_reserve(struct pen_store *store, struct pen_status *st)
+{
+    return store->driver->ops->reserve_make(store->driver, st);
+}
+
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st)
 {
     struct call_start start = begin(store, "submit");
     return enter(store, PEN_NEED_SPACE, st) &&
-           leave(store, &start, pen_policy_submit(store, job, result, first_answer, st));
+           leave(store, &start,
+                 pen_policy_intake(store, st) &&
+                     pen_policy_submit(store, job, result, first_answer, st));
 }
 
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
@@ -233,19 +248,60 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
            leave(store, &start, pen_policy_scene(store, id, scene, st));
 }
 
-bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st)
+/* After a call that frees space, or leads to it, has failed: whether the disk is full, and the call
+ * may be repeated. First the log is copied into the store, so that it can be written from its
+ * beginning again, which takes no space. Then the reserve is given up, a part each time: others may
+ * take at once what becomes free. */
+static bool may_repeat(struct pen_store *store, int *tries, const struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    struct pen_status ignored;
+    if (st->code != PEN_STORAGE_FULL || store->outcome_unknown || driver->closed)
+        return false;
+    if ((*tries)++ > 0) {
+        if (!driver->ops->reserve_release(driver))
+            return false;
+        pen_log(PEN_LOG_WARN, "the disk of the store %s is full: its reserve is used to free space",
+                driver->name);
+    }
+    driver->ops->checkpoint(driver, &ignored);
+    return true;
+}
+
+static bool cancel(struct pen_store *store, const char *id, struct pen_status *st)
 {
     struct call_start start = begin(store, "cancel");
     return enter(store, PEN_NEED_WRITE, st) &&
            leave(store, &start, pen_policy_cancel(store, id, st));
 }
 
-bool pen_store_delete(struct pen_store *store, const char *id, const char *stats,
-                      struct pen_status *st)
+bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    int tries = 0;
+    bool ok;
+    do
+        ok = cancel(store, id, st);
+    while (!ok && may_repeat(store, &tries, st));
+    return ok;
+}
+
+static bool remove_job(struct pen_store *store, const char *id, const char *stats,
+                       struct pen_status *st)
 {
     struct call_start start = begin(store, "delete");
     return enter(store, PEN_NEED_WRITE, st) &&
            leave(store, &start, pen_policy_delete(store, id, stats, st));
+}
+
+bool pen_store_delete(struct pen_store *store, const char *id, const char *stats,
+                      struct pen_status *st)
+{
+    int tries = 0;
+    bool ok;
+    do
+        ok = remove_job(store, id, stats, st);
+    while (!ok && may_repeat(store, &tries, st));
+    return ok;
 }
 
 bool pen_store_removed_stats(struct pen_store *store, const char *id, struct pen_buf *stats,
@@ -267,7 +323,7 @@ bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
                       const struct pen_result *result, struct pen_status *st)
 {
     struct call_start start = begin(store, "commit");
-    return enter(store, PEN_NEED_WRITE, st) &&
+    return enter(store, PEN_NEED_GROW, st) &&
            leave(store, &start, pen_policy_commit(store, claim, result, NULL, st));
 }
 
@@ -276,7 +332,7 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
                                 struct pen_status *st)
 {
     struct call_start start = begin(store, "commit");
-    return enter(store, PEN_NEED_WRITE, st) &&
+    return enter(store, PEN_NEED_GROW, st) &&
            leave(store, &start, pen_policy_commit(store, claim, result, next, st));
 }
 
@@ -292,7 +348,7 @@ bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st)
 {
     struct call_start start = begin(store, "keep");
-    return enter(store, PEN_NEED_WRITE, st) &&
+    return enter(store, PEN_NEED_GROW, st) &&
            leave(store, &start, pen_policy_keep(store, claim, kept, outranked, st));
 }
 
@@ -435,7 +491,7 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st)
 {
-    return enter(store, PEN_NEED_WRITE, st) &&
+    return enter(store, PEN_NEED_GROW, st) &&
            leave(store, NULL,
                  pen_policy_artefact_put(store, id, view, layer, format, data, bytes, st));
 }
@@ -465,11 +521,61 @@ bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_
            leave(store, &start, pen_policy_purge(store, key_age_ms, stats_age_ms, st));
 }
 
-bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_status *st)
+static bool purge_slice(struct pen_store *store, bool *more, struct pen_status *st)
 {
     struct call_start start = begin(store, "purge_slice");
     return enter(store, PEN_NEED_WRITE, st) &&
            leave(store, &start, pen_policy_purge_slice(store, more, st));
+}
+
+bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_status *st)
+{
+    int tries = 0;
+    bool ok;
+    do
+        ok = purge_slice(store, more, st);
+    while (!ok && may_repeat(store, &tries, st));
+    return ok;
+}
+
+bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,
+                             struct pen_status *st)
+{
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, NULL, pen_policy_set_retention(store, retention, st));
+}
+
+bool pen_store_retention(struct pen_store *store, struct pen_retention *out, struct pen_status *st)
+{
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, pen_policy_retention(store, out, st));
+}
+
+bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
+                       struct pen_status *st)
+{
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, NULL, pen_policy_expired(store, id, found, st));
+}
+
+bool pen_store_cache_put(struct pen_store *store, const char *id, int view, const char *layer,
+                         const char *format, const void *data, size_t bytes, struct pen_status *st)
+{
+    const struct pen_artefact_key key = {.view = view, .layer = layer, .format = format};
+    return enter(store, PEN_NEED_GROW, st) &&
+           leave(store, NULL, pen_policy_cache_put(store, id, &key, data, bytes, st));
+}
+
+bool pen_store_evict(struct pen_store *store, bool *more, struct pen_status *st)
+{
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, NULL, pen_policy_evict(store, more, st));
+}
+
+void pen_store_set_clock(struct pen_store *store, int64_t (*now_ms)(void *user), void *user)
+{
+    store->driver->clock = now_ms;
+    store->driver->clock_user = user;
 }
 
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

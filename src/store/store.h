@@ -103,6 +103,18 @@ bool pen_store_check(struct pen_store *store, struct pen_status *st);
  * PEN_STORAGE, PEN_UNAVAILABLE, with the reason. */
 bool pen_store_probe(struct pen_store *store, struct pen_status *st);
 
+/* Whether a new job would be accepted now: as pen_store_probe, and there is enough space on the
+ * disk, and below keep_bytes. Fails: as pen_store_submit. */
+bool pen_store_intake(struct pen_store *store, struct pen_status *st);
+
+/* Sets a part of the disk aside, which is given up when the disk is full, so that jobs can still be
+ * cancelled and deleted. To be called once, by the daemon; it is set aside again by itself. Fails:
+ * PEN_STORAGE_FULL, PEN_STORAGE. */
+bool pen_store_reserve(struct pen_store *store, struct pen_status *st);
+
+/* Makes a handle use another clock; for tests. */
+void pen_store_set_clock(struct pen_store *store, int64_t (*now_ms)(void *user), void *user);
+
 /* The store's clock. Units: ms since 1970. Fails: as any read. */
 bool pen_store_now(struct pen_store *store, int64_t *now_ms, struct pen_status *st);
 
@@ -186,7 +198,8 @@ enum pen_submit_result {
 };
 
 /* Stores a job. A caller that does not know the outcome repeats the call with the same job. The
- * first answer is appended to *first_answer. Fails: PEN_STORAGE_FULL, PEN_STORAGE, PEN_UNAVAILABLE
+ * first answer is appended to *first_answer. Fails: PEN_STORAGE_FULL (the disk is nearly full, or
+ * the store holds keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE
  * (busy too long), PEN_CONFLICT (another job has this id), PEN_INTERNAL (a view without a batch),
  * PEN_NO_MEMORY. */
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
@@ -446,6 +459,30 @@ bool pen_store_artefact(struct pen_store *store, const char *id, int view, const
 bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st);
+
+/* What the store keeps. Ended jobs beyond these limits are removed, those that ended first before
+ * others; a live job never. The limits are stored. 0: no limit. */
+struct pen_retention {
+    int64_t keep_ms;    /* since the job's end */
+    int64_t keep_bytes; /* of the store; at this length no new job is accepted */
+    int64_t keep_jobs;  /* ended ones */
+};
+bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,
+                             struct pen_status *st);
+bool pen_store_retention(struct pen_store *store, struct pen_retention *out, struct pen_status *st);
+
+/* Finds the next job that retention removes; the caller makes its statistics and deletes it. If
+ * there is no ended job left and the store is still too large, drops statistics of removed jobs. */
+bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
+                       struct pen_status *st);
+
+/* As pen_store_artefact_put, for an artefact that can be made again. It is dropped when others are
+ * used later, or space runs short; it is not stored at all if it is too large or space is short. */
+bool pen_store_cache_put(struct pen_store *store, const char *id, int view, const char *layer,
+                         const char *format, const void *data, size_t bytes, struct pen_status *st);
+
+/* Drops one such artefact if they are too large together, or the disk runs short; *more: it did. */
+bool pen_store_evict(struct pen_store *store, bool *more, struct pen_status *st);
 
 /* Removes idempotency keys, workers and removed jobs without statistics that are older than
  * key_age_ms, statistics of removed jobs older than stats_age_ms, and scene documents that no job

@@ -168,7 +168,20 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
     submit "$small"
     first=$(basename "$job")
     PENUMBRA_URL=$url "$penumbra" wait "$first" >/dev/null
+    # Jobs to be deleted, one that runs and one that waits
+    ended=
+    for i in $(seq 30); do
+        submit "$small"
+        ended="$ended $(basename "$job")"
+    done
+    # shellcheck disable=SC2086
+    PENUMBRA_URL=$url "$penumbra" wait $ended >/dev/null
+    long=$(PENUMBRA_URL=$url "$penumbra" submit builtin:room --set samples_per_pixel=256)
+    submit "$small"
+    waiting=$(basename "$job")
+    expect "the reserve is set aside" "$(($(wc -c <"$store-reserve") > 100000))" 1
     dd if=/dev/zero of="$full/ballast" bs=64k 2>/dev/null
+    dd if=/dev/zero of="$full/crumbs" bs=1k 2>/dev/null
     # Every scene is different, so each takes space
     taken=0
     for i in $(seq 200); do
@@ -183,8 +196,25 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
     expect_problem "a really full disk: the daemon is not ready" 503 '*no space left*'
     call "/v1/jobs/$first"
     expect "a really full disk: a job is served" "$status" 200
-    rm "$full/ballast"
+    for one in $waiting $long; do
+        call "/v1/jobs/$one/cancel" -X POST
+        expect "a really full disk: a job is cancelled" "$status $(body .state)" "202 cancelled"
+    done
+    refused=0
+    for one in $ended; do
+        call "/v1/jobs/$one" -X DELETE
+        [ "$status" = 204 ] || refused=$((refused + 1))
+        # Others take what becomes free
+        dd if=/dev/zero of="$full/more.$one" bs=1k 2>/dev/null
+    done
+    expect "a really full disk: every job is deleted" "$refused" 0
+    call "/v1/jobs/$one"
+    expect "a really full disk: a deleted job is gone" "$status" 410
+    call "/v1/jobs/$one/stats"
+    expect "a really full disk: its statistics are there" "$status" 200
+    rm "$full"/ballast "$full"/crumbs "$full"/more.*
     within 10 is_ready && ok "with space on the disk the daemon is ready" || not_ok "with space on the disk the daemon is ready" "$(cat ready.json)"
+    expect "and the reserve is set aside again" "$(($(wc -c <"$store-reserve") > 100000))" 1
     submit "$small"
     expect "with space on the disk jobs are accepted" "$status" 202
     expect "by the same processes" "$(child api) $(child work)" "$children"

@@ -98,6 +98,30 @@ static const struct pen_option options[] = {
      .max = 100,
      .env = "PENUMBRA_MAX_PRIORITY",
      .help = "the largest priority that a job may have, 100 by default"},
+    {.name = "keep-days",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, keep_days),
+     .value = "N",
+     .max = 36500,
+     .env = "PENUMBRA_KEEP_DAYS",
+     .help = "remove jobs that ended more than N days ago; 0, the default, keeps them. Of every "
+             "job that is removed the statistics stay for five years"},
+    {.name = "keep-bytes",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, keep_bytes),
+     .value = "SIZE",
+     .env = "PENUMBRA_KEEP_BYTES",
+     .help = "the most that the store may hold, in bytes, or with K, M, G or T (powers of 1024): "
+             "jobs that ended first are removed first, and a submit that finds it full is refused"},
+    {.name = "keep-jobs",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, keep_jobs),
+     .value = "N",
+     .max = 1000000000,
+     .env = "PENUMBRA_KEEP_JOBS",
+     .help =
+         "keep the N jobs that ended last; 0, the default, keeps all. These three are limits of "
+         "the store: every start sets them, except that of a --role api or worker"},
     {.name = "tokens",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, tokens),
@@ -312,10 +336,31 @@ static bool make_default_store(struct pen_config *config, struct pen_status *st)
     return made >= 0 || pen_fail(st, PEN_NO_MEMORY, "out of memory");
 }
 
+/* Reads a size like 500M; at least a MiB, since a store has some pages of its own. */
+static bool read_size(const char *text, int64_t *bytes, struct pen_status *st)
+{
+    static const char units[] = "KMGT";
+    char *end = NULL;
+    errno = 0;
+    long long number = text[0] >= '0' && text[0] <= '9' ? strtoll(text, &end, 10) : 0;
+    const char *unit = end && *end ? strchr(units, *end) : NULL;
+    int shift = unit ? 10 * (int)(unit - units + 1) : 0;
+    bool ok = end && errno == 0 && !end[unit != NULL] && number <= INT64_MAX >> shift;
+    *bytes = ok ? (int64_t)number << shift : 0;
+    return (ok && (*bytes == 0 || *bytes >= 1 << 20)) ||
+           pen_fail(st, PEN_USAGE,
+                    "--keep-bytes: found \"%.60s\", allowed is a number of bytes from 1M on, with "
+                    "K, M, G or T, or 0 for no limit",
+                    text);
+}
+
 static bool check(struct pen_config *config, struct pen_status *st)
 {
     if (config->tokens)
         return pen_fail(st, PEN_USAGE, "--tokens: known, not supported yet");
+    config->keep_bytes_max = 0;
+    if (config->keep_bytes && !read_size(config->keep_bytes, &config->keep_bytes_max, st))
+        return false;
     if (!pen_address_parse(config->listen, &config->address, st))
         return false;
     if (!(config->store && *config->store) && !make_default_store(config, st))

@@ -7,6 +7,7 @@
 
 #include <jansson.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "base/log.h"
 #include "cmd/daemon/listen.h"
@@ -25,6 +26,8 @@ struct pen_config {
     const char *listen, *store, *role, *tokens, *file, *log_file, *log_format, *log_level;
     int threads, memory_limit; /* memory_limit: MiB; 0: three quarters of the machine's */
     struct pen_job_limits max; /* what a job may ask for */
+    int keep_days, keep_jobs;  /* 0: without limit */
+    const char *keep_bytes;    /* a number of bytes, with K, M, G or T; NULL: without limit */
     /* Set by a supervisor for its children only. Such a process reads neither environment nor file:
      * its command line has the whole configuration. */
     int listen_fd, control_fd;   /* -1: none */
@@ -34,7 +37,8 @@ struct pen_config {
     /* Of its predecessor: the id, the end as text, and "crashed" or "died". NULL: none. */
     const char *dead_worker, *dead_how, *dead_end;
 
-    const char *store_url; /* for pen_store_open: `store`, with the identity once it is known */
+    const char *store_url;  /* for pen_store_open: `store`, with the identity once it is known */
+    int64_t keep_bytes_max; /* keep_bytes as a number; 0: without limit */
     struct pen_address address; /* of `listen` */
     json_t *document;           /* the file; texts from it point into this */
     char *default_store, *known_store;

@@ -49,11 +49,31 @@ static struct pen_store *open_store(struct pen_config *config, struct pen_status
     return NULL;
 }
 
+/* What only a supervisor does with the store: it sets what is kept, and makes the reserve. */
+static bool equip_store(const struct pen_config *config, struct pen_store *store,
+                        struct pen_status *st)
+{
+    const struct pen_retention keep = {.keep_ms = (int64_t)config->keep_days * 86400000,
+                                       .keep_bytes = config->keep_bytes_max,
+                                       .keep_jobs = config->keep_jobs};
+    struct pen_status why;
+    if (!pen_store_reserve(store, &why))
+        pen_log(PEN_LOG_WARN, "%s", why.msg);
+    if (pen_store_set_retention(store, &keep, st))
+        return true;
+    if (st->code != PEN_STORAGE_FULL)
+        return false;
+    pen_log(PEN_LOG_WARN, "%s: what is kept stays as it was set before", st->msg);
+    return true;
+}
+
 /* The supervisor keeps its handle, and so its lock, until all children have ended. */
 static int supervise(struct pen_config *config, struct pen_store *store, int argc, char **argv,
                      int fd)
 {
     struct pen_status st;
+    if (!equip_store(config, store, &st))
+        return pen_report(program, config->store, &st);
     int code = pen_supervisor_run(config, argc, argv, fd);
     if (!pen_store_settle(store, &st))
         pen_log(PEN_LOG_WARN, "%s", st.msg);

@@ -128,9 +128,12 @@ static void reload(struct supervisor *s)
     }
     if (strcmp(s->first->listen, fresh.listen) != 0 || strcmp(s->first->store, fresh.store) != 0 ||
         strcmp(s->first->role, fresh.role) != 0 ||
-        memcmp(&s->first->max, &fresh.max, sizeof fresh.max) != 0)
-        pen_log(PEN_LOG_WARN, "listen, store, role and the bounds of jobs (max_…) change only when "
-                              "the daemon is started again");
+        memcmp(&s->first->max, &fresh.max, sizeof fresh.max) != 0 ||
+        s->first->keep_days != fresh.keep_days || s->first->keep_jobs != fresh.keep_jobs ||
+        s->first->keep_bytes_max != fresh.keep_bytes_max)
+        pen_log(PEN_LOG_WARN,
+                "listen, store, role, the bounds of jobs (max_…), keep_days, keep_bytes and "
+                "keep_jobs change only when the daemon is started again");
     bool other_threads = s->now.threads != fresh.threads;
     pen_config_release(&s->reloaded);
     s->reloaded = s->now = fresh;

@@ -59,6 +59,8 @@ struct pen_driver {
     int64_t transactions;       /* out: number of write transactions committed */
     unsigned faults; /* out: faults met since the caller cleared it, as 1 << enum pen_fault */
     int fault_errno; /* out: errno of the last fault, 0 if unknown */
+    int64_t (*clock)(void *user); /* in: for tests, the clock instead of the driver's; NULL: none */
+    void *clock_user;
 };
 
 /* The most bytes of a blob that one call reads or writes. */
@@ -151,8 +153,16 @@ struct pen_artefact_key {
 
 struct pen_artefact_row {
     int64_t number, checksum;
+    bool cached;       /* it can be made again */
+    int64_t used_ms;   /* then: when it was last used, about */
     bool has_checksum; /* false: stored under a schema without checksums */
     size_t bytes;
+};
+
+/* How much space there is. */
+struct pen_room {
+    int64_t used_bytes;                  /* of the store, without what is free in it */
+    int64_t disk_bytes, disk_free_bytes; /* of its disk; 0: not known */
 };
 
 struct pen_driver_ops {
@@ -168,6 +178,19 @@ struct pen_driver_ops {
     bool (*probe)(struct pen_driver *driver, struct pen_status *st);
     /* Fails unless there is space for about a MiB, which is written and removed again. */
     bool (*space)(struct pen_driver *driver, struct pen_status *st);
+    bool (*room)(struct pen_driver *driver, struct pen_room *room, struct pen_status *st);
+    /* A part of the disk that is set aside for the calls that free space. `make` sets it aside, or
+     * what is missing of it, and fails with PEN_STORAGE_FULL; `release` gives a part of it up, and
+     * returns whether there was any; `is_out`: it is wanted, and not all there. PostgreSQL: does
+     * nothing. */
+    bool (*reserve_make)(struct pen_driver *driver, struct pen_status *st);
+    bool (*reserve_release)(struct pen_driver *driver);
+    bool (*reserve_is_out)(struct pen_driver *driver);
+    /* A number that is stored under a name; 0 if there is none. */
+    bool (*meta_get)(struct pen_driver *driver, const char *name, int64_t *value,
+                     struct pen_status *st);
+    bool (*meta_put)(struct pen_driver *driver, const char *name, int64_t value,
+                     struct pen_status *st);
     /* Copies the log's changes to their place. PostgreSQL: does nothing. */
     bool (*checkpoint)(struct pen_driver *driver, struct pen_status *st);
     /* The store's identity. PostgreSQL: a row. */
@@ -273,6 +296,9 @@ struct pen_driver_ops {
      * least; *emptied: none is left. */
     bool (*job_shrink)(struct pen_driver *driver, int64_t job, int64_t bytes, bool *emptied,
                        struct pen_status *st);
+    /* Counts the ended jobs, and finds the one that ended first. */
+    bool (*first_ended)(struct pen_driver *driver, char id[PEN_ID_BYTES], int64_t *ended_ms,
+                        int64_t *count, bool *found, struct pen_status *st);
     /* What stays of a removed job: its id, when it was removed, and its statistics (NULL: none).
      * removed_get appends the statistics to `stats`, unless that is NULL. */
     bool (*removed_add)(struct pen_driver *driver, const char *id, int64_t now_ms,
@@ -373,6 +399,14 @@ struct pen_driver_ops {
     /* Removes the artefacts of a layer of a view, in any format. */
     bool (*artefacts_drop)(struct pen_driver *driver, const struct pen_artefact_key *key,
                            struct pen_status *st);
+    /* Artefacts that can be made again. cached_put marks one, with its length; cached_evict removes
+     * the one that was used longest ago, and subtracts its length from *bytes. */
+    bool (*cached_put)(struct pen_driver *driver, int64_t artefact, int64_t bytes, int64_t now_ms,
+                       struct pen_status *st);
+    bool (*cached_touch)(struct pen_driver *driver, int64_t artefact, int64_t now_ms,
+                         struct pen_status *st);
+    bool (*cached_bytes)(struct pen_driver *driver, int64_t *bytes, struct pen_status *st);
+    bool (*cached_evict)(struct pen_driver *driver, int64_t *bytes, struct pen_status *st);
     bool (*scene_of_job)(struct pen_driver *driver, const char *id, int64_t *number, size_t *bytes,
                          bool *found, struct pen_status *st);
     bool (*stats_page)(struct pen_driver *driver, int64_t job, int64_t after,

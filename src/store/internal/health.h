@@ -7,8 +7,11 @@
  * the store has recovered. A fault lasts while the two differ.
  *
  *   fault      refused until recovery                    recovered when
- *   no space   submits (507). Calls that finish,         about a MiB could be written.
- *              cancel or delete jobs are tried.
+ *   no space   submits (507). Calls that cancel or       about a MiB could be written, and the
+ *              delete jobs are tried, with the reserve   reserve is there again.
+ *              of the disk if it must be. Calls that
+ *              store results are tried until the
+ *              reserve is given up for those.
  *   I/O        writes (503, or 507 if the cause was a    the store was reopened, a trial write is
  *              full disk). Reads are tried on a          synced, and a check of the whole file
  *              reopened handle.                          finds nothing.
@@ -54,6 +57,7 @@ enum pen_need {
     PEN_NEED_CHECK, /* the call looks for damage, and is never refused */
     PEN_NEED_READ,
     PEN_NEED_WRITE,
+    PEN_NEED_GROW, /* the call stores results */
     PEN_NEED_SPACE /* the call accepts new work */
 };
 

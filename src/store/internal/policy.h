@@ -66,9 +66,12 @@ bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t num
 /* What a batch keeps are artefacts of its view, in this layer; each part's name is its format. */
 #define PEN_KEPT_LAYER "kept"
 
-/* Stores an artefact; inside a transaction. */
+/* Notes that a form of a picture was used, if it can be made again. */
+void pen_note_use(struct pen_store *store, const struct pen_artefact_row *artefact);
+
+/* Stores an artefact, whose number is *number; inside a transaction. */
 bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key, const void *data,
-                      size_t bytes, struct pen_status *st);
+                      size_t bytes, int64_t *number, struct pen_status *st);
 
 /* The calls of store.h, see there. */
 bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,
@@ -87,6 +90,17 @@ bool pen_policy_removed_stats(struct pen_store *store, const char *id, struct pe
                               struct pen_status *st);
 bool pen_policy_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_age_ms,
                       struct pen_status *st);
+bool pen_policy_set_retention(struct pen_store *store, const struct pen_retention *retention,
+                              struct pen_status *st);
+bool pen_policy_retention(struct pen_store *store, struct pen_retention *out,
+                          struct pen_status *st);
+bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
+                        struct pen_status *st);
+bool pen_policy_intake(struct pen_store *store, struct pen_status *st);
+bool pen_policy_cache_put(struct pen_store *store, const char *id,
+                          const struct pen_artefact_key *key, const void *data, size_t bytes,
+                          struct pen_status *st);
+bool pen_policy_evict(struct pen_store *store, bool *more, struct pen_status *st);
 bool pen_policy_purge_slice(struct pen_store *store, bool *more, struct pen_status *st);
 bool pen_policy_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                       struct pen_claim *claim, bool *found, struct pen_status *st);

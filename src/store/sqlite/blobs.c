@@ -191,11 +191,13 @@ bool pen_sqlite_artefact_find(struct pen_driver *driver, const struct pen_artefa
     if (!pen_sqlite_next(&query, found, st))
         return false;
     if (*found) {
-        *artefact = (struct pen_artefact_row){.number = pen_sqlite_column_int(&query, 0),
-                                              .checksum = pen_sqlite_column_int(&query, 1),
-                                              .has_checksum =
-                                                  sqlite3_column_type(query.stmt, 1) != SQLITE_NULL,
-                                              .bytes = (size_t)pen_sqlite_column_int(&query, 2)};
+        *artefact = (struct pen_artefact_row){
+            .number = pen_sqlite_column_int(&query, 0),
+            .checksum = pen_sqlite_column_int(&query, 1),
+            .has_checksum = sqlite3_column_type(query.stmt, 1) != SQLITE_NULL,
+            .bytes = (size_t)pen_sqlite_column_int(&query, 2),
+            .cached = sqlite3_column_type(query.stmt, 3) != SQLITE_NULL,
+            .used_ms = pen_sqlite_column_int(&query, 3)};
         pen_sqlite_end(&query);
     }
     return true;

@@ -6,9 +6,8 @@
 
 bool pen_sqlite_now(struct pen_driver *driver, int64_t *now_ms, struct pen_status *st)
 {
-    (void)driver;
     (void)st;
-    *now_ms = pen_clock_wall_ms();
+    *now_ms = driver->clock ? driver->clock(driver->clock_user) : pen_clock_wall_ms();
     return true;
 }
 
@@ -57,11 +56,13 @@ bool pen_sqlite_probe(struct pen_driver *driver, struct pen_status *st)
 }
 
 /* Writes a large row and then a small one in its place. Overwriting an existing log would prove
- * nothing about space on the disk, so the log is truncated first. */
+ * nothing about space on the disk, so the log is truncated first. A reserve that was given up is
+ * set aside again. */
 bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
 {
     pen_sqlite_truncate_log(pen_sqlite_of(driver));
-    return write_probe(driver, SQL_PROBE_LARGE, st) && write_probe(driver, SQL_PROBE, st);
+    return write_probe(driver, SQL_PROBE_LARGE, st) && write_probe(driver, SQL_PROBE, st) &&
+           (!pen_sqlite_reserve_is_out(driver) || pen_sqlite_reserve_make(driver, st));
 }
 
 static bool count_free_pages(struct pen_sqlite_store *store, int64_t *count, struct pen_status *st)

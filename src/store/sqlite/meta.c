@@ -30,7 +30,7 @@
 
 /* What the file says without its log. */
 struct facts {
-    char identity[PEN_STORE_IDENTITY_BYTES]; /* "": none, as before schema 11 */
+    char identity[PEN_STORE_IDENTITY_BYTES]; /* "": none, as before schema 12 */
     bool needs_log;
 };
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Removing jobs in slices, and the statistics that stay of them. */
+#include <stdio.h>
+
 #include "store/sqlite/sqlite.h"
 
 bool pen_sqlite_job_mark_removed(struct pen_driver *driver, int64_t job, int64_t now_ms,
@@ -119,4 +121,26 @@ bool pen_sqlite_removed_purge(struct pen_driver *driver, int64_t bare_before_ms,
         return false;
     *more = sqlite3_changes(store->db) >= limit;
     return true;
+}
+
+bool pen_sqlite_first_ended(struct pen_driver *driver, char id[PEN_ID_BYTES], int64_t *ended_ms,
+                            int64_t *count, bool *found, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query counting = pen_sqlite_query(store, SQL_COUNT_ENDED);
+    bool row;
+    if (!pen_sqlite_next(&counting, &row, st))
+        return false;
+    *count = row ? pen_sqlite_column_int(&counting, 0) : 0;
+    pen_sqlite_end(&counting);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_FIRST_ENDED);
+    if (!pen_sqlite_next(&query, found, st))
+        return false;
+    if (!*found)
+        return true;
+    const char *text = pen_sqlite_column_text(&query, 0);
+    snprintf(id, PEN_ID_BYTES, "%s", text ? text : "");
+    *ended_ms = pen_sqlite_column_int(&query, 1);
+    pen_sqlite_end(&query);
+    return text || pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
 }

@@ -210,7 +210,7 @@ static const char step_12[] =
     " WHERE view < 0 OR format = 'png16' OR (format = 'pfm' AND layer = 'beauty')"
     " OR (format = 'png' AND layer IN ('cost', 'samples', 'depth', 'normal', 'albedo'));";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5, step_6,
+static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5,  step_6,
                                     step_7, step_8, step_9, step_10, step_11, step_12};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 

@@ -112,13 +112,16 @@ static const char *const sql_text[] = {
     [SQL_BATCHES_OF_JOB] = "SELECT b.id, coalesce(length(p.data), 0) FROM batch b"
                            " LEFT JOIN pixels p ON p.batch = b.id WHERE b.job = ? LIMIT ?",
     [SQL_BATCH_REMOVE] = "DELETE FROM batch WHERE id = ?",
+    [SQL_FIRST_ENDED] = "SELECT id, finished_ms FROM job WHERE finished_ms > 0 AND removed_ms = 0"
+                        " ORDER BY finished_ms, number LIMIT 1",
+    [SQL_COUNT_ENDED] = "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0",
     [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats) VALUES (?, ?, ?)",
     [SQL_REMOVED_GET] = "SELECT stats FROM removed WHERE id = ?",
     [SQL_REMOVED_DROP_STATS] = "UPDATE removed SET stats = NULL WHERE id = ?",
     [SQL_REMOVED_PURGE] = "DELETE FROM removed WHERE rowid IN (SELECT rowid FROM removed"
                           " WHERE ((stats IS NULL AND removed_ms < ?1) OR removed_ms < ?2)"
                           " AND NOT EXISTS (SELECT 1 FROM job WHERE job.id = removed.id)"
-                          " LIMIT ?3)",
+                          " ORDER BY removed_ms LIMIT ?3)",
 
     [SQL_ANY_OPEN] = "SELECT 1 FROM batch WHERE state = 0 LIMIT 1",
     [SQL_NEXT_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
@@ -171,9 +174,15 @@ static const char *const sql_text[] = {
                          " VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (job, view, layer, format)"
                          " DO UPDATE SET data = excluded.data, checksum = excluded.checksum"
                          " RETURNING id",
-    [SQL_ARTEFACT_FIND] = "SELECT id, checksum, length(data) FROM artefact"
-                          " WHERE job = ? AND view = ? AND layer = ? AND format = ?",
+    [SQL_ARTEFACT_FIND] = "SELECT a.id, a.checksum, length(a.data), c.used_ms FROM artefact a"
+                          " LEFT JOIN cached c ON c.artefact = a.id WHERE job = ? AND view = ? AND "
+                          "layer = ? AND format = ?",
     [SQL_ARTEFACTS_DROP] = "DELETE FROM artefact WHERE job = ? AND view = ? AND layer = ?",
+    [SQL_CACHED_PUT] = "INSERT INTO cached (artefact, bytes, used_ms) VALUES (?1, ?2, ?3)"
+                       " ON CONFLICT (artefact) DO UPDATE SET bytes = ?2, used_ms = ?3",
+    [SQL_CACHED_TOUCH] = "UPDATE cached SET used_ms = ?2 WHERE artefact = ?1",
+    [SQL_CACHED_BYTES] = "SELECT coalesce(sum(bytes), 0) FROM cached",
+    [SQL_CACHED_FIRST] = "SELECT artefact, bytes FROM cached ORDER BY used_ms LIMIT 1",
     [SQL_STATS_PAGE] = "SELECT id, view, kind, done_ms, stats FROM batch"
                        " WHERE job = ? AND id > ? AND state = 2 AND stats IS NOT NULL"
                        " ORDER BY id LIMIT ?",
@@ -201,6 +210,7 @@ static const char *const sql_text[] = {
                        " ORDER BY 1 LIMIT ?2",
 
     [SQL_FREE_PAGES] = "PRAGMA freelist_count",
+    [SQL_PAGES] = "PRAGMA page_count",
     [SQL_VACUUM] = "PRAGMA incremental_vacuum(256)",
 };
 _Static_assert(sizeof sql_text / sizeof sql_text[0] == SQL_COUNT, "a text for each statement");

@@ -56,6 +56,8 @@ enum pen_sqlite_sql {
     SQL_ARTEFACT_REMOVE,
     SQL_BATCHES_OF_JOB,
     SQL_BATCH_REMOVE,
+    SQL_FIRST_ENDED,
+    SQL_COUNT_ENDED,
     SQL_REMOVED_ADD,
     SQL_REMOVED_GET,
     SQL_REMOVED_DROP_STATS,
@@ -83,6 +85,10 @@ enum pen_sqlite_sql {
     SQL_ARTEFACT_PUT,
     SQL_ARTEFACT_FIND,
     SQL_ARTEFACTS_DROP,
+    SQL_CACHED_PUT,
+    SQL_CACHED_TOUCH,
+    SQL_CACHED_BYTES,
+    SQL_CACHED_FIRST,
     SQL_STATS_PAGE,
     SQL_BATCH_PAGE,
     SQL_COMMIT_PAGE,
@@ -93,6 +99,7 @@ enum pen_sqlite_sql {
     SQL_WORKER_LIST,
     SQL_WORKER_IDS,
     SQL_FREE_PAGES,
+    SQL_PAGES,
     SQL_VACUUM,
     SQL_COUNT
 };
@@ -279,6 +286,12 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(check)                                                                                      \
     OP(probe)                                                                                      \
     OP(space)                                                                                      \
+    OP(room)                                                                                       \
+    OP(reserve_make)                                                                               \
+    OP(reserve_release)                                                                            \
+    OP(reserve_is_out)                                                                             \
+    OP(meta_get)                                                                                   \
+    OP(meta_put)                                                                                   \
     OP(checkpoint)                                                                                 \
     OP(identity)                                                                                   \
     OP(settle)                                                                                     \
@@ -315,6 +328,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(job_mark_removed)                                                                           \
     OP(job_shrink)                                                                                 \
     OP(removed_next)                                                                               \
+    OP(first_ended)                                                                                \
     OP(removed_add)                                                                                \
     OP(removed_get)                                                                                \
     OP(removed_drop_stats)                                                                         \
@@ -345,6 +359,10 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(artefact_put)                                                                               \
     OP(artefact_find)                                                                              \
     OP(artefacts_drop)                                                                             \
+    OP(cached_put)                                                                                 \
+    OP(cached_touch)                                                                               \
+    OP(cached_bytes)                                                                               \
+    OP(cached_evict)                                                                               \
     OP(scene_of_job)                                                                               \
     OP(stats_page)                                                                                 \
     OP(batch_page)                                                                                 \

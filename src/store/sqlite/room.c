@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT */
+/* The space that the store and its disk have, and the reserve: a file beside the store, ending in
+ * -reserve, whose only use is to be cut when the disk is full. Then there is space for what frees
+ * more: cancelling and removing jobs. It is made whole again before new jobs are taken. Its size
+ * lets a log of the length that query.c allows be copied into the store. */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "store/sqlite/sqlite.h"
+
+enum { RESERVE_PART = 64 /* of the disk, within these bounds */, RELEASES = 8 };
+static const int64_t reserve_min_bytes = INT64_C(256) << 10, reserve_max_bytes = INT64_C(32) << 20;
+
+static bool pragma_value(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t *value,
+                         struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
+    bool row;
+    if (!pen_sqlite_next(&query, &row, st))
+        return false;
+    *value = row ? pen_sqlite_column_int(&query, 0) : 0;
+    pen_sqlite_end(&query);
+    return true;
+}
+
+static bool disk_room(const struct pen_sqlite_store *store, struct pen_room *room)
+{
+    struct statvfs info;
+    if (statvfs(store->path, &info) != 0)
+        return false;
+    room->disk_bytes = (int64_t)info.f_blocks * (int64_t)info.f_frsize;
+    room->disk_free_bytes = (int64_t)info.f_bavail * (int64_t)info.f_frsize;
+    return true;
+}
+
+bool pen_sqlite_room(struct pen_driver *driver, struct pen_room *room, struct pen_status *st)
+{
+    enum { PAGE_BYTES = 4096 };
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    int64_t pages, unused;
+    *room = (struct pen_room){0};
+    if (!pragma_value(store, SQL_PAGES, &pages, st) ||
+        !pragma_value(store, SQL_FREE_PAGES, &unused, st))
+        return false;
+    room->used_bytes = (pages - unused) * PAGE_BYTES;
+    disk_room(store, room); /* if that is not known, the disk does not count */
+    return true;
+}
+
+/* Opens the reserve; *bytes is its length. Returns -1 with errno. */
+static int open_reserve(const struct pen_sqlite_store *store, int flags, int64_t *bytes)
+{
+    char path[PEN_SQLITE_PATH_BYTES];
+    struct stat info;
+    snprintf(path, sizeof path, "%s-reserve", store->path);
+    int fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW | flags, 0600);
+    if (fd < 0)
+        return -1;
+    if (fstat(fd, &info) != 0) {
+        close(fd);
+        return -1;
+    }
+    *bytes = (int64_t)info.st_size;
+    return fd;
+}
+
+static int64_t wanted_bytes(const struct pen_sqlite_store *store)
+{
+    struct pen_room room = {0};
+    disk_room(store, &room);
+    int64_t part = room.disk_bytes / RESERVE_PART;
+    if (part < reserve_min_bytes)
+        return reserve_min_bytes;
+    return part < reserve_max_bytes ? part : reserve_max_bytes;
+}
+
+bool pen_sqlite_reserve_make(struct pen_driver *driver, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    int64_t bytes = 0, wanted = wanted_bytes(store);
+    int fd = open_reserve(store, O_CREAT, &bytes);
+    int error = fd < 0 ? errno : 0;
+    if (fd >= 0 && bytes < wanted) {
+        error = posix_fallocate(fd, 0, (off_t)wanted);
+        if (error && ftruncate(fd, (off_t)bytes) != 0)
+            error = errno;
+    }
+    if (fd >= 0)
+        close(fd);
+    if (!error)
+        return true;
+    bool full = error == ENOSPC || error == EDQUOT;
+    return pen_fail(st, full ? PEN_STORAGE_FULL : PEN_STORAGE,
+                    full ? "the store %s has no space left: its reserve, %lld KiB, is used up"
+                         : "the reserve of the store %s, of %lld KiB, cannot be made",
+                    store->path, (long long)(wanted >> 10));
+}
+
+bool pen_sqlite_reserve_release(struct pen_driver *driver)
+{
+    int64_t bytes = 0;
+    int fd = open_reserve(pen_sqlite_of(driver), 0, &bytes);
+    int64_t left = bytes - wanted_bytes(pen_sqlite_of(driver)) / RELEASES;
+    bool released = fd >= 0 && bytes > 0 && ftruncate(fd, left > 0 ? (off_t)left : 0) == 0;
+    if (fd >= 0)
+        close(fd);
+    return released;
+}
+
+bool pen_sqlite_reserve_is_out(struct pen_driver *driver)
+{
+    int64_t bytes = 0;
+    int fd = open_reserve(pen_sqlite_of(driver), 0, &bytes);
+    if (fd >= 0)
+        close(fd);
+    return fd >= 0 && bytes < wanted_bytes(pen_sqlite_of(driver));
+}
+
+bool pen_sqlite_meta_get(struct pen_driver *driver, const char *name, int64_t *value,
+                         struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_META_GET);
+    bool row;
+    pen_sqlite_text(&query, name);
+    if (!pen_sqlite_next(&query, &row, st))
+        return false;
+    *value = row ? pen_sqlite_column_int(&query, 0) : 0;
+    pen_sqlite_end(&query);
+    return true;
+}
+
+bool pen_sqlite_meta_put(struct pen_driver *driver, const char *name, int64_t value,
+                         struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_META_PUT);
+    pen_sqlite_text(&query, name);
+    pen_sqlite_int(&query, value);
+    return pen_sqlite_run(&query, st);
+}

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: MIT */
+/* What a store keeps: by age, number and bytes, over a week of a clock that the test sets; when new
+ * jobs are refused; and forms of pictures that are dropped for others. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "support/random.h"
+#include "support/store.h"
+#include "support/suite.h"
+
+static const int64_t hour_ms = 3600000;
+static struct store_bed bed;
+static int64_t time_ms;
+
+static int64_t read_time(void *user)
+{
+    return *(const int64_t *)user;
+}
+
+static void open_bed(const struct pen_retention *keep)
+{
+    struct pen_status st;
+    time_ms = INT64_C(1800000000000);
+    store_bed_open(&bed);
+    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_must(pen_store_set_retention(bed.store, keep, &st), &st, "retention");
+}
+
+static bool try_submit(int n, struct pen_status *st)
+{
+    struct store_job in;
+    struct pen_buf answer = {0};
+    enum pen_submit_result result;
+    store_job_init(&in, n, 1, 1);
+    in.job.created_ms = time_ms;
+    bool ok = pen_store_submit(bed.store, &in.job, &result, &answer, st);
+    pen_buf_release(&answer);
+    return ok;
+}
+
+/* A job that has ended, with a picture of so many bytes. */
+static void add_job(int n, size_t bytes)
+{
+    static char picture[1 << 20];
+    struct store_job in;
+    struct pen_status st;
+    store_must(try_submit(n, &st), &st, "submit");
+    store_work_off(bed.store, "w");
+    store_job_init(&in, n, 1, 1);
+    picture[0] = (char)n;
+    if (bytes)
+        store_must(pen_store_artefact_put(bed.store, in.id, 0, "depth", "pfm", picture, bytes, &st),
+                   &st, "picture");
+}
+
+/* What the worker's housekeeping does: removes what is too much, then in slices what that had. */
+static int keep_house(void)
+{
+    char id[PEN_ID_BYTES];
+    struct pen_status st;
+    bool found = true;
+    int removed = 0;
+    for (;;) {
+        store_must(pen_store_expired(bed.store, id, &found, &st), &st, "expired");
+        if (found)
+            store_must(pen_store_delete(bed.store, id, "{\"rays\": 1}", &st), &st, "delete");
+        removed += found;
+        if (store_purge_slices(bed.store) == 0 && !found)
+            return removed;
+    }
+}
+
+static bool is_kept(int n)
+{
+    struct store_job in;
+    struct pen_job_record job;
+    struct pen_status st;
+    store_job_init(&in, n, 1, 1);
+    if (pen_store_job(bed.store, in.id, &job, &st)) {
+        pen_job_record_release(&job);
+        return true;
+    }
+    ck_assert_msg(st.code == PEN_GONE, "%s", st.msg);
+    return false;
+}
+
+START_TEST(test_retention__without_limits_nothing_is_removed)
+{
+    open_bed(&(struct pen_retention){0});
+    for (int n = 0; n < 5; n++)
+        add_job(n, 1 << 18);
+    time_ms += 10000 * 24 * hour_ms;
+    ck_assert_int_eq(keep_house(), 0);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_retention__by_age_counts_from_the_end_of_a_job)
+{
+    open_bed(&(struct pen_retention){.keep_ms = 48 * hour_ms});
+    for (int n = 0; n < 6; n++) {
+        add_job(n, 0);
+        time_ms += 12 * hour_ms;
+    }
+    /* 72 hours after the first end, 12 after the last one */
+    ck_assert_int_eq(keep_house(), 2);
+    for (int n = 0; n < 6; n++)
+        ck_assert_int_eq(is_kept(n), n >= 2);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_retention__by_number_keeps_those_that_ended_last)
+{
+    struct pen_status st;
+    struct store_job in;
+    open_bed(&(struct pen_retention){.keep_jobs = 3});
+    store_must(try_submit(9, &st), &st, "submit");
+    struct pen_claim late = store_claim(bed.store, "late"); /* the oldest job ends last */
+    for (int n = 0; n < 5; n++) {
+        time_ms += hour_ms;
+        add_job(n, 0);
+    }
+    ck_assert_int_eq(keep_house(), 2);
+    ck_assert(is_kept(9)); /* it is running */
+    time_ms += hour_ms;
+    ck_assert_int_eq(store_commit(bed.store, &late), PEN_OK);
+    ck_assert_int_eq(keep_house(), 1);
+    store_job_init(&in, 9, 1, 1);
+    ck_assert_int_eq(store_job_state(bed.store, in.id), PEN_JOB_SUCCEEDED);
+    for (int n = 0; n < 5; n++)
+        ck_assert_int_eq(is_kept(n), n >= 3);
+    store_bed_close(&bed);
+}
+END_TEST
+
+static int64_t bytes_on_disk(void)
+{
+    char log[160];
+    struct stat file, info;
+    snprintf(log, sizeof log, "%s-wal", bed.url);
+    ck_assert_int_eq(stat(bed.url, &file), 0);
+    return (int64_t)file.st_size + (stat(log, &info) == 0 ? (int64_t)info.st_size : 0);
+}
+
+/* Every hour some jobs of random size; the store and its log stay within the limit. */
+START_TEST(test_retention__a_week_of_load_stays_within_the_bytes)
+{
+    enum { MIB = 1 << 20, LIMIT = 40 * MIB, HOURS = 7 * 24, JOBS = 8 };
+    struct random random = random_begin(14);
+    struct pen_retention keep = {.keep_bytes = LIMIT}, read;
+    struct pen_status st;
+    int64_t longest = 0, stored = 0;
+    int removed = 0;
+    open_bed(&keep);
+    store_must(pen_store_retention(bed.store, &read, &st), &st, "retention");
+    ck_assert_mem_eq(&read, &keep, sizeof keep);
+    for (int hour = 0, n = 0; hour < HOURS; hour++) {
+        for (int i = 0; i < JOBS; i++, n++) {
+            size_t bytes = (size_t)random_in(&random, 0, MIB);
+            time_ms += hour_ms / JOBS;
+            add_job(n, bytes);
+            stored += (int64_t)bytes;
+            removed += keep_house();
+        }
+        store_must(pen_store_purge(bed.store, 24 * hour_ms, 1827 * 24 * hour_ms, &st), &st,
+                   "purge");
+        longest = bytes_on_disk() > longest ? bytes_on_disk() : longest;
+    }
+    printf("a week: %d jobs, %lld MiB stored, %d removed, at most %lld of %d MiB on disk\n",
+           HOURS * JOBS, (long long)(stored / MIB), removed, (long long)(longest / MIB),
+           LIMIT / MIB);
+    ck_assert_int_gt(stored, 5 * (int64_t)LIMIT);
+    ck_assert_int_gt(longest, LIMIT / 2);
+    ck_assert_int_le(longest, LIMIT);
+    ck_assert(is_kept(HOURS * JOBS - 1) && !is_kept(0));
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Live jobs are never removed: new ones are refused instead, until they have ended. */
+START_TEST(test_retention__intake_is_refused_at_the_limit_and_returns_by_itself)
+{
+    enum { MIB = 1 << 20 };
+    static char picture[MIB];
+    struct store_job in;
+    struct pen_status st;
+    open_bed(&(struct pen_retention){.keep_bytes = 4 * MIB});
+    store_must(try_submit(1, &st), &st, "submit");
+    struct pen_claim claim = store_claim(bed.store, "w");
+    for (int view = 0; view < 5; view++)
+        store_must(pen_store_artefact_put(bed.store, claim.job_id, view, "depth", "pfm", picture,
+                                          sizeof picture, &st),
+                   &st, "picture");
+    ck_assert_int_eq(keep_house(), 0);
+    ck_assert(!try_submit(2, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    ck_assert_msg(strstr(st.msg, "(--keep-bytes)") != NULL, "%s", st.msg);
+    ck_assert(!pen_store_intake(bed.store, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK); /* what runs is finished */
+    ck_assert_int_eq(keep_house(), 1);
+    store_must(pen_store_intake(bed.store, &st), &st, "intake");
+    store_must(try_submit(2, &st), &st, "submit");
+    store_job_init(&in, 2, 1, 1);
+    ck_assert_int_eq(store_job_state(bed.store, in.id), PEN_JOB_QUEUED);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* If nothing else is left, statistics go, too, those of jobs that were removed first before others.
+ */
+START_TEST(test_retention__statistics_are_within_the_bytes_too)
+{
+    enum { MIB = 1 << 20, JOBS = 150 };
+    static char stats[64 << 10];
+    struct store_job in;
+    struct pen_status st;
+    struct pen_buf out = {0};
+    open_bed(&(struct pen_retention){.keep_bytes = 8 * MIB});
+    memset(stats, 'x', sizeof stats - 1);
+    for (int n = 0; n < JOBS; n++) {
+        time_ms += hour_ms;
+        store_must(try_submit(n, &st) || st.code == PEN_STORAGE_FULL, &st, "submit");
+        store_work_off(bed.store, "w");
+        store_job_init(&in, n, 1, 1);
+        pen_store_delete(bed.store, in.id, stats, &st);
+        store_purge_slices(bed.store);
+        if (n % 10 == 9)
+            keep_house();
+    }
+    store_must(pen_store_removed_stats(bed.store, in.id, &out, &st), &st, "statistics");
+    store_job_init(&in, 0, 1, 1);
+    ck_assert(!pen_store_removed_stats(bed.store, in.id, &out, &st));
+    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+    ck_assert_int_le(bytes_on_disk(), 8 * MIB + 4 * MIB);
+    pen_buf_release(&out);
+    store_bed_close(&bed);
+}
+END_TEST
+
+static bool has_form(const char *id, int view)
+{
+    struct pen_buf out = {0};
+    struct pen_status st;
+    bool ok = pen_store_artefact(bed.store, id, view, "beauty", "pfm", &out, &st);
+    ck_assert(ok || st.code == PEN_NOT_FOUND);
+    pen_buf_release(&out);
+    return ok;
+}
+
+START_TEST(test_retention__cached_forms_are_bounded_and_the_least_used_go)
+{
+    enum { MIB = 1 << 20, FORMS = 8 }; /* an eighth of 32 MiB is 4 forms */
+    static char picture[MIB + MIB / 4];
+    struct store_job in;
+    struct pen_status st;
+    open_bed(&(struct pen_retention){.keep_bytes = 32 * MIB});
+    add_job(1, 0);
+    store_job_init(&in, 1, 1, 1);
+    for (int view = 0; view < FORMS; view++) {
+        time_ms += hour_ms;
+        store_must(pen_store_cache_put(bed.store, in.id, view, "beauty", "pfm", picture, MIB, &st),
+                   &st, "form");
+        time_ms += hour_ms;
+        ck_assert(has_form(in.id, 0)); /* it is used all the time */
+    }
+    for (int view = 0; view < FORMS; view++)
+        ck_assert_int_eq(has_form(in.id, view), view == 0 || view >= FORMS - 3);
+    /* One that is larger than all may be is not stored; another limit lets others go */
+    static char large[5 * MIB];
+    store_must(pen_store_cache_put(bed.store, in.id, 20, "beauty", "pfm", large, sizeof large, &st),
+               &st, "large form");
+    ck_assert(!has_form(in.id, 20));
+    store_must(
+        pen_store_set_retention(bed.store, &(struct pen_retention){.keep_bytes = 16 * MIB}, &st),
+        &st, "retention");
+    int evicted = 0;
+    for (bool more = true; more; evicted += more)
+        store_must(pen_store_evict(bed.store, &more, &st), &st, "evict");
+    ck_assert_int_eq(evicted, 2);
+    struct pen_buf out = {0};
+    store_must(pen_store_artefact(bed.store, in.id, 0, "beauty", "png", &out, &st), &st,
+               "the job's own picture");
+    pen_buf_release(&out);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_removed,
+          test_retention__by_age_counts_from_the_end_of_a_job,
+          test_retention__by_number_keeps_those_that_ended_last,
+          test_retention__a_week_of_load_stays_within_the_bytes,
+          test_retention__intake_is_refused_at_the_limit_and_returns_by_itself,
+          test_retention__statistics_are_within_the_bytes_too,
+          test_retention__cached_forms_are_bounded_and_the_least_used_go)
