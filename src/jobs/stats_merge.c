@@ -181,12 +181,24 @@ static json_t *timing_json(const struct sum *sum, const struct pen_job_record *j
                      pen_figure(sum->cpu_ms));
 }
 
-/* A member is null if it is not known, because no batch was committed. */
+/* Gives the members that every statistics object has their empty values if they are not known,
+ * because no batch was committed. */
+static bool fill_unknown(struct sum *sum)
+{
+    sum->accelerator = sum->accelerator ? sum->accelerator : json_object();
+    sum->kernel = sum->kernel ? sum->kernel : json_string("");
+    sum->effects = sum->effects ? sum->effects : json_array();
+    sum->host = sum->host ? sum->host : json_object();
+    return sum->accelerator && sum->kernel && sum->effects && sum->host;
+}
+
 static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
 {
+    if (!fill_unknown(sum))
+        return NULL;
     struct pen_percentiles tiles = pen_percentiles_weighted(sum->times, sum->time_count);
-    return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O?, s:O?, s:O?, s:{s:I}, s:I, s:I, s:I, s:I, "
-                     "s:O?, s:O*, s:O*, s:O*, s:O*, s:O*, s:O*}",
+    return json_pack("{s:o, s:o, s:o, s:i, s:o, s:O, s:O, s:O, s:{s:I}, s:I, s:I, s:I, s:I, "
+                     "s:O, s:O*, s:O*, s:O*, s:O*, s:O*, s:O*}",
                      "timing", timing_json(sum, job), "rays", pen_figure_rays(&sum->rays),
                      "mrays_per_second", pen_figure_rate(&sum->rays, sum->render_ms), "threads",
                      sum->threads, "tiles", pen_stats_tiles(sum->tile_count, &tiles), "accelerator",

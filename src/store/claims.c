@@ -169,7 +169,6 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
     struct pen_driver *driver = store->driver;
     struct pen_batch_row batch;
     struct pen_progress progress = {.pixels = keep->kept->done};
-    int64_t number;
     bool held;
     if (!pen_check_fence(store, keep->claim, &batch, &held, st) ||
         !driver->ops->now(driver, &progress.now_ms, st))

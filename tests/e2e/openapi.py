@@ -138,6 +138,8 @@ billed = submit(BILL)
 ask("GET", f"/v1/jobs/{billed}?wait=60")
 busy = submit(LONG)
 late = submit(BENCHMARK)  # has to wait for `busy`
+unrendered = submit(SMALL)
+ask("POST", f"/v1/jobs/{unrendered}/cancel", b"")
 ask("POST", "/v1/jobs", SMALL, Idempotency_Key="k")
 everything = {"If_None_Match": "*"}
 known = {"Last_Event_ID": None}
@@ -170,7 +172,7 @@ samples = {
                  ("416", done, {"Range": "bytes=9999999-"})],
     "getPreview": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
                    ("400", done + "?x", {}), ("404", NOBODY, {}), ("404", done + "?view=x", {}), ("410", gone, {})],
-    "getStatistics": [("200", done, {}), ("200", measured, {}), ("304", done, everything), ("404", NOBODY, {}),
+    "getStatistics": [("200", done, {}), ("200", measured, {}), ("200", unrendered, {}), ("304", done, everything), ("404", NOBODY, {}),
                       ("409", busy, {}), ("200", kept, {}), ("410", gone, {})],
     "getReport": [("200", billed, {}), ("200", billed, {"Accept": "application/json"}),
                   ("200", billed, {"Accept": "text/csv"}), ("200", measured, {}), ("200", measured, {"Accept": "application/json"}),
