@@ -16,6 +16,7 @@
 #include "base/log.h"
 #include "cmd/daemon/crash_record.h"
 #include "cmd/daemon/oom.h"
+#include "cmd/daemon/signals.h"
 #include "cmd/daemon/worker_exit.h"
 
 /* A process that lived this long did not crash at its start. */
@@ -145,6 +146,7 @@ static _Noreturn void exec_child(const struct arguments *arguments, const struct
             fcntl(kept[i], F_SETFD, 0);
     }
     sigprocmask(SIG_SETMASK, &none, NULL);
+    pen_signals_hold();
     execv("/proc/self/exe", arguments->list);
     _exit(PEN_EXEC_FAILED);
 }

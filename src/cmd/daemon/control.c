@@ -57,7 +57,7 @@ static bool take_signal(const struct pen_event_source *source, struct pen_event 
     struct signalfd_siginfo info;
     if (read(source->signal_fd, &info, sizeof info) != (ssize_t)sizeof info)
         return false;
-    if (info.ssi_signo == SIGINT && source->supervised)
+    if (info.ssi_signo != SIGHUP && source->supervised)
         return false;
     event->kind = info.ssi_signo == SIGHUP ? PEN_EVENT_LOG : PEN_EVENT_STOP;
     return true;

@@ -25,7 +25,7 @@ void pen_control_send(int fd, const char *text);
 
 enum pen_event_kind {
     PEN_EVENT_TIMEOUT,
-    PEN_EVENT_STOP,    /* SIGTERM, SIGINT, or "stop" */
+    PEN_EVENT_STOP,    /* "stop"; without a supervisor SIGTERM or SIGINT */
     PEN_EVENT_DRAIN,   /* "drain" */
     PEN_EVENT_LOG,     /* "log TEXT"; SIGHUP: text is empty */
     PEN_EVENT_STATE,   /* "state TEXT" */
@@ -45,8 +45,9 @@ struct pen_event_source {
 };
 
 /* Opens the source, and blocks the signals that it reports, for this thread and all threads started
- * later. control_fd -1: no supervisor. A supervised process ignores SIGINT, which a terminal sends
- * to all processes: the supervisor handles it. Owns: control_fd. Fails: PEN_IO. */
+ * later. control_fd -1: no supervisor. A supervised process ignores SIGINT and SIGTERM, which a
+ * terminal and systemd send to all processes: the supervisor handles them, so that the api answers
+ * until the worker has ended. Owns: control_fd. Fails: PEN_IO. */
 bool pen_event_source_open(struct pen_event_source *source, int control_fd, struct pen_status *st);
 void pen_event_source_close(struct pen_event_source *source);
 

@@ -5,7 +5,7 @@
 #define PEN_CMD_DAEMON_SIGNALS_H
 
 /* Keeps these signals pending until pen_signals_open, so that a SIGTERM drains the daemon as soon
- * as it has said that it listens. The supervisor starts its children with no signal blocked. */
+ * as it has said that it listens. The supervisor starts its children so. */
 void pen_signals_hold(void);
 
 /* Blocks these signals, and signal `also` unless it is 0, in the calling thread, and ignores
