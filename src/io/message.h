@@ -9,9 +9,10 @@
 
 #include "base/status.h"
 
-/* The entry of names[] (NULL-terminated) nearest to `word`; of equally near ones the first; NULL
- * if none is near. Near means an edit distance, with transpositions, of at most 2 and of less than
- * half the word's length. Upper and lower case compare equal, and so do - and _. */
+/* The entry of names[] (NULL-terminated) that `word` most likely means: what other programs call
+ * so, or else the nearest; of equally near ones the first; NULL if none is near. Near means an edit
+ * distance, with transpositions, of at most 2 and of less than half the word's length. Upper and
+ * lower case compare equal, and so do - and _. */
 const char *pen_nearest_name(const char *word, const char *const *names);
 
 /* Describes a value for "found …": `the string "x"`, `an array of 3`, `2.5`. Cut to fit. */

@@ -31,6 +31,15 @@ for xml in "$golden"/xml/*.xml "$corpus"/xml-good/*.xml; do
     check "$name: converted again, the same text" cmp converted.json again.json
 done
 
+# Comments are kept
+"$penumbra" convert "$corpus/xml-good/comments.xml" converted.json
+expect "all comments of XML are there" "$(jq -c '[.. | objects | .comment? | strings] | sort' converted.json)" \
+    '["all","c","g","k","l","m","n","o","r","s","t","v","w"]'
+"$penumbra" convert "$corpus/good/comments.json" converted.json
+expect "all comments of JSON are there" "$(jq '[.. | objects | .comment? | strings] | length' converted.json)" \
+    "$(jq '[.. | objects | .comment? | strings] | length' "$corpus/good/comments.json")"
+expect "and the schema" "$(jq -r '."$schema"' converted.json)" "https://example.org/scene.schema.json"
+
 # Ways to name input and output
 classroom=$corpus/xml-good/classroom.xml
 "$penumbra" convert "$classroom" want.json

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The valid name that a misspelt word most likely means. */
+#include <stdbool.h>
 #include <string.h>
 
 #include "io/message.h"
@@ -39,13 +40,94 @@ static int distance(const char *a, size_t na, const char *b, size_t nb)
     return row[(na + 1) % 3][nb];
 }
 
+static bool equal(const char *a, const char *b)
+{
+    while (*a && fold(*a) == fold(*b))
+        a++, b++;
+    return fold(*a) == fold(*b);
+}
+
+/* What other programs call a key of the format. A word may have several rows: the first key counts
+ * that is a name at the place in question. */
+static const struct {
+    const char *word, *key;
+} others[] = {
+    {"fov", "fov_degrees"},
+    {"fovy", "fov_degrees"},
+    {"vfov", "fov_degrees"},
+    {"field_of_view", "fov_degrees"},
+    {"eye", "position"},
+    {"origin", "position"},
+    {"location", "position"},
+    {"position", "center"},
+    {"target", "look_at"},
+    {"aperture", "aperture_radius"},
+    {"lens_radius", "aperture_radius"},
+    {"focal_distance", "focus_distance"},
+    {"spp", "samples_per_pixel"},
+    {"samples", "samples_per_pixel"},
+    {"antialiasing", "samples_per_pixel"},
+    {"shadow_samples", "light_samples"},
+    {"depth", "max_depth"},
+    {"bounces", "max_depth"},
+    {"max_bounces", "max_depth"},
+    {"noise_threshold", "target_error"},
+    {"gamma", "transfer"},
+    {"color", "intensity"},
+    {"colour", "intensity"},
+    {"color", "kd"},
+    {"colour", "kd"},
+    {"power", "intensity"},
+    {"strength", "intensity"},
+    {"brightness", "intensity"},
+    {"angle", "angular_radius"},
+    {"diffuse", "kd"},
+    {"albedo", "kd"},
+    {"base_color", "kd"},
+    {"specular", "ks"},
+    {"ambient", "ka"},
+    {"emissive", "emission"},
+    {"exponent", "shininess"},
+    {"roughness", "reflection_blur"},
+    {"glossiness", "reflection_blur"},
+    {"reflection", "kr"},
+    {"reflectivity", "kr"},
+    {"mirror", "kr"},
+    {"transmission", "kt"},
+    {"transparency", "kt"},
+    {"refraction", "ior"},
+    {"refractive_index", "ior"},
+    {"index_of_refraction", "ior"},
+    {"points", "vertices"},
+    {"geometry", "objects"},
+    {"shapes", "objects"},
+    {"children", "objects"},
+    {"prio", "priority"},
+    {"timeout", "timeout_seconds"},
+    {"retries", "max_attempts"},
+    {"tags", "labels"},
+    {"settings", "render"},
+};
+
+static const char *name_of_other(const char *word, const char *const *names)
+{
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        if (!equal(word, others[i].word))
+            continue;
+        for (const char *const *name = names; *name; name++)
+            if (equal(*name, others[i].key))
+                return *name;
+    }
+    return NULL;
+}
+
 const char *pen_nearest_name(const char *word, const char *const *names)
 {
-    const char *nearest = NULL;
+    const char *nearest = name_of_other(word, names);
     int best = FARTHEST + 1;
     size_t length = strnlen(word, LONGEST + 1);
-    if (length > LONGEST)
-        return NULL;
+    if (nearest || length > LONGEST)
+        return nearest;
     for (; *names; names++) {
         size_t other = strnlen(*names, LONGEST + 1);
         if (other > LONGEST || other > length + FARTHEST || length > other + FARTHEST)

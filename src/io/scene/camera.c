@@ -89,11 +89,11 @@ static bool read_move(struct pen_reader *r, const struct pen_place *at, const js
     bool ok = pen_fields_read(r, at, json, move_fields, move);
     if (!ok)
         return false;
-    if (json_object_size(json) != 1)
+    if (pen_fields_count(json) != 1)
         return pen_reader_fail(r, at, PEN_INVALID,
                                "must hold exactly one of \"translate\", \"rotate\", \"orbit\", "
                                "found %zu",
-                               json_object_size(json));
+                               pen_fields_count(json));
     const json_t *rotate = json_object_get(json, "rotate"), *orbit = json_object_get(json, "orbit");
     struct pen_place place = pen_place_key(at, rotate ? "rotate" : "orbit");
     if (rotate)
@@ -144,8 +144,8 @@ static bool check_lens(struct pen_reader *r, const struct pen_place *at,
                            pen_reader_name(r, at, "aperture_radius").text);
 }
 
-/* Reports a camera that has no valid frame, at the wrong key if this object has it; a view may lack
- * it, because it overrides only some keys. */
+/* Reports a camera that has no valid frame, at the wrong key if this object has it. A camera may
+ * lack `up`, and a view any key, because it overrides only some; the message then names the key. */
 static bool check_frame(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                         const struct pen_camera_desc *camera)
 {
@@ -155,8 +155,14 @@ static bool check_frame(struct pen_reader *r, const struct pen_place *at, const 
         return true;
     const char *key = st.at[0] == '/' ? st.at + 1 : NULL;
     struct pen_place place = pen_place_key(at, key);
-    bool here = key && json_object_get(json, key);
-    return pen_reader_fail(r, here ? &place : at, st.code, "%s", st.msg);
+    if (!key)
+        return pen_reader_fail(r, at, st.code, "%s", st.msg);
+    if (json_object_get(json, key))
+        return pen_reader_fail(r, &place, st.code, "%s", st.msg);
+    const struct pen_vec3 *found = strcmp(key, "up") == 0 ? &camera->up : &camera->look_at;
+    return pen_reader_fail(r, at, st.code, "%s %s, found [%.30s, %.30s, %.30s]",
+                           pen_reader_name(r, at, key).text, st.msg, pen_text_number(found->x).text,
+                           pen_text_number(found->y).text, pen_text_number(found->z).text);
 }
 
 /* Reads the keys that the table does not read. Of two keys that exclude each other (look_at and

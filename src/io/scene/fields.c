@@ -28,12 +28,22 @@ static bool read_bool(struct pen_reader *r, const struct pen_place *at, const js
     return pen_reader_fail(r, at, PEN_INVALID, "must be true or false, found %s", found.text);
 }
 
+static bool read_note(struct pen_reader *r, const struct pen_place *at, const json_t *value)
+{
+    if (json_is_string(value))
+        return true;
+    struct pen_text found = pen_reader_found(r, at, value);
+    return pen_reader_fail(r, at, PEN_INVALID, "must be a string, found %s", found.text);
+}
+
 static bool read_field(struct pen_reader *r, const struct pen_place *at, const json_t *value,
                        const struct pen_field *field, void *out)
 {
     switch (field->type) {
     case PEN_FIELD_OTHER:
         return true;
+    case PEN_FIELD_NOTE:
+        return read_note(r, at, value);
     case PEN_FIELD_NUMBER:
         return read_number_field(r, at, value, field, out);
     case PEN_FIELD_INTEGER:
@@ -72,8 +82,13 @@ static bool read_field(struct pen_reader *r, const struct pen_place *at, const j
 static void list_keys(const struct pen_field *fields, char *out, size_t bytes)
 {
     size_t used = (size_t)snprintf(out, bytes, "; the keys here are ");
-    for (const struct pen_field *f = fields; f->key && used < bytes; f++)
-        used += (size_t)snprintf(out + used, bytes - used, "%s%s", f == fields ? "" : ", ", f->key);
+    const char *comma = "";
+    for (const struct pen_field *f = fields; f->key && used < bytes; f++) {
+        if (f->type == PEN_FIELD_NOTE)
+            continue;
+        used += (size_t)snprintf(out + used, bytes - used, "%s%s", comma, f->key);
+        comma = ", ";
+    }
 }
 
 static bool refuse_unknown(struct pen_reader *r, const struct pen_place *at, const char *key,
@@ -83,9 +98,11 @@ static bool refuse_unknown(struct pen_reader *r, const struct pen_place *at, con
     struct pen_place place = pen_place_key(at, key);
     if (!pen_reader_wants_message(r))
         return pen_reader_fail(r, &place, PEN_INVALID, "unknown key");
-    const char *names[KEYS_MAX + 1] = {NULL};
-    for (int i = 0; i < KEYS_MAX && fields[i].key; i++)
-        names[i] = fields[i].key;
+    const char *names[KEYS_MAX + 2] = {NULL};
+    int count = 0;
+    for (; count < KEYS_MAX && fields[count].key; count++)
+        names[count] = fields[count].key;
+    names[count] = PEN_COMMENT_KEY;
     struct pen_text quoted = pen_text_quote(key), near = pen_text_nearest(key, names);
     char keys[384] = "";
     if (!near.text[0])
@@ -111,6 +128,19 @@ bool pen_fields_read_member(struct pen_reader *r, const struct pen_place *at, co
     return read_field(r, &place, value, field, (char *)target + field->offset);
 }
 
+size_t pen_fields_count(const json_t *object)
+{
+    return json_object_size(object) - (json_object_get(object, PEN_COMMENT_KEY) ? 1 : 0);
+}
+
+/* Reads the comment that the object may have. */
+static bool read_comment(struct pen_reader *r, const struct pen_place *at, const json_t *object)
+{
+    const json_t *comment = json_object_get(object, PEN_COMMENT_KEY);
+    struct pen_place place = pen_place_key(at, PEN_COMMENT_KEY);
+    return !comment || read_note(r, &place, comment);
+}
+
 bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *object,
                      const struct pen_field *fields, void *target)
 {
@@ -130,10 +160,12 @@ bool pen_fields_read(struct pen_reader *r, const struct pen_place *at, const jso
     }
     if (present == json_object_size(object))
         return ok;
+    ok &= read_comment(r, at, object);
     json_t *members = (json_t *)object; /* jansson's iterator takes no const; nothing changes */
     for (void *i = json_object_iter(members); i; i = json_object_iter_next(members, i)) {
-        if (!pen_field_find(fields, json_object_iter_key(i)))
-            ok = refuse_unknown(r, at, json_object_iter_key(i), fields);
+        const char *key = json_object_iter_key(i);
+        if (!pen_field_find(fields, key) && strcmp(key, PEN_COMMENT_KEY) != 0)
+            ok = refuse_unknown(r, at, key, fields);
     }
     return ok;
 }

@@ -112,6 +112,7 @@ extern const struct pen_range pen_range_count;        /* 1 to INT_MAX */
 
 enum pen_field_type {
     PEN_FIELD_OTHER, /* a known key that code reads, not the table */
+    PEN_FIELD_NOTE,  /* a string for editors or people: checked, not kept */
     PEN_FIELD_NUMBER,
     PEN_FIELD_INTEGER,           /* int */
     PEN_FIELD_SEED,              /* uint64_t */
@@ -147,6 +148,12 @@ struct pen_field {
     const char *unsupported;
     double off;
 };
+
+/* The key that any object may have, with text for people. No table lists it. */
+#define PEN_COMMENT_KEY "comment"
+
+/* The number of an object's members without its comment. */
+size_t pen_fields_count(const json_t *object);
 
 /* Reads the fields that the object has into *target, leaves the others unchanged, and refuses
  * unknown keys. Fields of type PEN_FIELD_OTHER are accepted but not read. */

@@ -7,7 +7,7 @@
 #include "io/scene/reader.h"
 #include "io/scene/tables.h"
 
-enum { FORMAT_1 = 1 };
+enum { FORMAT_1 = 1, VIEW_NAME_BYTES = 200 };
 static const struct pen_word formats[] = {{"penumbra-scene/1", FORMAT_1, NULL}, {0}};
 
 /* The target of pen_scene_fields. */
@@ -19,6 +19,7 @@ struct target {
 };
 
 const struct pen_field pen_scene_fields[] = {
+    {"$schema", .type = PEN_FIELD_NOTE},
     {"format", PEN_FIELD_WORD, .required = true, .offset = offsetof(struct target, format),
      .words = formats},
     {"name", PEN_FIELD_STRING, .offset = offsetof(struct target, name)},
@@ -50,6 +51,10 @@ static bool check_view_name(struct pen_reader *r, const struct pen_place *up,
         return pen_reader_fail(r, &at, PEN_INVALID,
                                "must be made of one or more of A-Z, a-z, 0-9, _ and -, found %s",
                                quoted.text);
+    if (strlen(name) > VIEW_NAME_BYTES)
+        return pen_reader_fail(r, &at, PEN_INVALID,
+                               "must be at most %d bytes long, found one of %zu",
+                               (int)VIEW_NAME_BYTES, strlen(name));
     if (strcmp(name, "all") == 0)
         return pen_reader_fail(r, &at, PEN_INVALID,
                                "must not be \"all\": that stands for all views together");

@@ -84,7 +84,7 @@ bool pen_group_transform_read(struct pen_reader *r, const struct pen_place *at, 
         return read_parts(r, at, json, f);
     struct transform_parts ignored;
     bool ok = pen_fields_read(r, at, json, pen_transform_fields, &ignored);
-    if (json_object_size(json) > 1 && ok)
+    if (pen_fields_count(json) > 1 && ok)
         ok = pen_reader_fail(r, &matrix_at, PEN_INVALID,
                              "\"matrix\" excludes \"scale\", \"rotate\" and \"translate\", found "
                              "both");

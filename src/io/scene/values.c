@@ -205,11 +205,13 @@ static bool wrong_word(struct pen_reader *r, const struct pen_place *at, const j
     const char *names[WORDS_MAX + 1];
     char list[256] = "";
     int count = 0;
-    for (size_t used = 0; words[count].name && count < WORDS_MAX; count++) {
-        names[count] = words[count].name;
-        int n =
-            snprintf(list + used, sizeof list - used, "%s\"%s\"", count ? ", " : "", names[count]);
+    size_t used = 0;
+    for (const struct pen_word *w = words; w->name && count < WORDS_MAX; w++) {
+        if (w->unsupported)
+            continue;
+        int n = snprintf(list + used, sizeof list - used, "%s\"%s\"", count ? ", " : "", w->name);
         used += (size_t)n < sizeof list - used ? (size_t)n : 0;
+        names[count++] = w->name;
     }
     names[count] = NULL;
     struct pen_text found = pen_reader_found(r, at, value), near = {""};

@@ -456,8 +456,9 @@ static void add_defaults(struct pen_xml_builder *b)
 
 static void put_in_order(struct pen_xml_builder *b)
 {
-    static const char *const keys[] = {"format", "name",      "background", "ambient", "camera",
-                                       "views",  "materials", "lights",     "objects", "render"};
+    static const char *const keys[] = {"format",  PEN_COMMENT_KEY, "name",  "background",
+                                       "ambient", "camera",        "views", "materials",
+                                       "lights",  "objects",       "render"};
     json_t *document = json_object();
     pen_xml_require(b, document != NULL);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0] && !b->stopped; i++) {

@@ -9,7 +9,10 @@
 #include "io/xml/elements.h"
 
 static const struct pen_xml_attribute scene_own[] = {
-    {"background-color", PEN_XML_COLOUR, "background"}, {"", PEN_XML_HIDDEN, "ambient"}, {0}};
+    {"background-color", PEN_XML_COLOUR, "background"},
+    {"", PEN_XML_HIDDEN, "ambient"},
+    {"", PEN_XML_HIDDEN, "$schema"},
+    {0}};
 static const struct pen_xml_attribute sky_own[] = {{"zenith", PEN_XML_COLOUR, "sky/zenith"},
                                                    {"horizon", PEN_XML_COLOUR, "sky/horizon"},
                                                    {"nadir", PEN_XML_COLOUR, "sky/nadir"},
@@ -208,6 +211,7 @@ static enum pen_xml_shape shape_of(enum pen_field_type type)
         return PEN_XML_BOOL;
     case PEN_FIELD_WORD:
     case PEN_FIELD_STRING:
+    case PEN_FIELD_NOTE:
         return PEN_XML_TEXT;
     case PEN_FIELD_COLOUR:
     case PEN_FIELD_COLOUR_OR_PATTERN:
@@ -264,6 +268,25 @@ static size_t rows_of_fields(const struct pen_xml_element *element, const struct
     return count;
 }
 
+/* Whether the element becomes an object with keys of the format, which may have a comment. */
+static bool may_have_comment(const struct pen_xml_element *element)
+{
+    switch (element->build) {
+    case PEN_XML_ROOT:
+    case PEN_XML_MEMBER_OBJECT:
+    case PEN_XML_ITEM:
+    case PEN_XML_ITEM_MEMBER:
+    case PEN_XML_NAMED:
+        return element->own || element->fields; /* materials are objects with names as keys */
+    case PEN_XML_MEMBER_LIST:
+    case PEN_XML_MEMBER_VALUE:
+    case PEN_XML_ITEM_VALUE:
+    case PEN_XML_UNSUPPORTED:
+        break;
+    }
+    return false;
+}
+
 /* All attributes, or only the one called `name` unless that is NULL. Returns their number. */
 static size_t find_rows(const struct pen_xml_element *element, const char *name,
                         struct pen_xml_row *rows, size_t capacity)
@@ -274,8 +297,12 @@ static size_t find_rows(const struct pen_xml_element *element, const char *name,
             make_row(a->name, a->shape, "", a->path, &rows[count++]);
     }
     count += rows_of_fields(element, element->fields, "", name, rows + count, capacity - count);
-    return count + rows_of_fields(element, element->material, "material/", name, rows + count,
-                                  capacity - count);
+    count += rows_of_fields(element, element->material, "material/", name, rows + count,
+                            capacity - count);
+    if (may_have_comment(element) && count < capacity &&
+        (!name || strcmp(name, PEN_COMMENT_KEY) == 0))
+        make_row(PEN_COMMENT_KEY, PEN_XML_TEXT, "", PEN_COMMENT_KEY, &rows[count++]);
+    return count;
 }
 
 size_t pen_xml_rows(const struct pen_xml_element *element,

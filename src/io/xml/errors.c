@@ -141,8 +141,10 @@ void pen_xml_unknown_element(struct pen_xml_builder *b, const struct pen_xml_fra
 {
     const char *names[PEN_XML_NAMES_MAX + 1] = {NULL};
     const struct pen_xml_element *const *children = up->element->children;
-    for (size_t i = 0; children && children[i] && i < PEN_XML_NAMES_MAX; i++)
-        names[i] = children[i]->name;
+    size_t count = 0;
+    for (; children && *children && count < PEN_XML_NAMES_MAX; children++)
+        if ((*children)->build != PEN_XML_UNSUPPORTED)
+            names[count++] = (*children)->name;
     pen_xml_error(b, tag, PEN_INVALID, "<%s>: unknown element %s%s", up->element->name,
                   pen_text_quote(name).text, hint(name, "element", names).text);
 }
