@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "io/settings_json.h"
 #include "jobs/internal/request.h"
 #include "jobs/internal/request_errors.h"
 #include "render/audit.h"
@@ -288,14 +289,34 @@ static const struct {
 };
 enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
 
-static void refuse_unknown_key(const char *key, struct pen_errors *errors)
+/* Writes "; the keys here are a, b, c": those of the job's kind. */
+static void list_keys(const struct pen_request *request, char *out, size_t bytes)
+{
+    size_t used = (size_t)snprintf(out, bytes, "; the keys here are ");
+    const char *comma = "";
+    for (int i = 0; i < KEY_COUNT && used < bytes; i++) {
+        if (keys[i].kinds && !(keys[i].kinds >> request->kind & 1))
+            continue;
+        used += (size_t)snprintf(out + used, bytes - used, "%s%s", comma, keys[i].key);
+        comma = ", ";
+    }
+}
+
+static void refuse_unknown_key(const struct pen_request *request, const char *key,
+                               struct pen_errors *errors)
 {
     const char *names[KEY_COUNT + 1] = {NULL};
+    char hint[384];
     for (int i = 0; i < KEY_COUNT; i++)
         names[i] = keys[i].key;
     const char *near = pen_nearest_name(key, names);
-    pen_request_fail(errors, PEN_INVALID, "", key, "unknown key in a job%s%s%s",
-                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    if (pen_settings_has(key))
+        snprintf(hint, sizeof hint, "; it is a setting: write {\"render\": {\"%s\": …}}", key);
+    else if (near)
+        snprintf(hint, sizeof hint, "; did you mean \"%s\"?", near);
+    else
+        list_keys(request, hint, sizeof hint);
+    pen_request_fail(errors, PEN_INVALID, "", key, "unknown key in a job%s", hint);
 }
 
 /* Refuses the keys that only another kind of job may have. */
@@ -313,19 +334,37 @@ static void refuse_keys_of_other_kinds(const struct pen_request *request, struct
     }
 }
 
+/* The index of a key's row; KEY_COUNT if there is none. */
+static int find_key(const char *key)
+{
+    int i = 0;
+    while (i < KEY_COUNT && strcmp(keys[i].key, key) != 0)
+        i++;
+    return i;
+}
+
+/* This comes after the job's kind, which may be its last key, is known. */
+static void refuse_unknown_keys(const struct pen_request *request, struct pen_errors *errors)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach(request->body, key, value)
+    {
+        if (find_key(key) == KEY_COUNT)
+            refuse_unknown_key(request, key, errors);
+    }
+}
+
 void pen_request_keys_read(struct pen_request *request, struct pen_errors *errors)
 {
     const char *key;
     json_t *value;
     json_object_foreach(request->body, key, value)
     {
-        int i = 0;
-        while (i < KEY_COUNT && strcmp(keys[i].key, key) != 0)
-            i++;
-        if (i == KEY_COUNT)
-            refuse_unknown_key(key, errors);
-        else if (keys[i].read)
+        int i = find_key(key);
+        if (i < KEY_COUNT && keys[i].read)
             keys[i].read(request, value, errors);
     }
+    refuse_unknown_keys(request, errors);
     refuse_keys_of_other_kinds(request, errors);
 }
