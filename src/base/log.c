@@ -98,21 +98,16 @@ static const char *level_name(enum pen_log_level level)
     return (unsigned)level < sizeof names / sizeof names[0] ? names[level] : "error";
 }
 
-/* Copies text with control characters escaped as in JSON, and quotes and backslashes too if
- * `quoted`. Text that does not fit is cut between characters. */
+/* Copies text with hidden characters escaped as in JSON, and quotes and backslashes too if
+ * `quoted`: a log may be read on a terminal. Text that does not fit is cut between characters. */
 static void escape(char out[ESCAPED_BYTES], const char *text, bool quoted)
 {
     size_t used = 0;
     for (size_t length; *text; text += length) {
-        char piece[8];
-        length = pen_utf8_char(text, strnlen(text, 4));
-        unsigned char c = (unsigned char)*text;
-        if (c < 0x20 || c == 0x7F)
-            snprintf(piece, sizeof piece, c == '\n' ? "\\n" : "\\u%04x", c);
-        else if (quoted && (c == '"' || c == '\\'))
-            snprintf(piece, sizeof piece, "\\%c", c);
-        else
-            snprintf(piece, sizeof piece, "%.*s", (int)length, text);
+        char piece[PEN_UTF8_SHOWN_BYTES];
+        length = pen_utf8_show_char(text, strnlen(text, 4), piece);
+        if (quoted && (*text == '"' || *text == '\\'))
+            snprintf(piece, sizeof piece, "\\%c", *text);
         size_t bytes = strlen(piece);
         if (used + bytes >= ESCAPED_BYTES)
             break;

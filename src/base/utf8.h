@@ -15,4 +15,16 @@ size_t pen_utf8_char(const char *text, size_t bytes);
  * least 1, and text and out do not overlap. Returns whether all of the text fitted. */
 bool pen_utf8_copy(char *out, size_t out_bytes, const char *text);
 
+/* Copies the character at the start of `bytes` (at least 1) of text to out, with a terminating
+ * zero, as it may be shown on a terminal. Control characters, and those that change the direction
+ * or the visibility of other text, are written as in JSON: U+202E as the six characters \u202e,
+ * U+E0001 as two such; a line feed as \n. A byte that is not part of a valid character becomes '?'.
+ * Returns how many bytes of text that was. */
+enum { PEN_UTF8_SHOWN_BYTES = 16 };
+size_t pen_utf8_show_char(const char *text, size_t bytes, char out[PEN_UTF8_SHOWN_BYTES]);
+
+/* Copies all characters of text so. Text that does not fit is cut between characters. out_bytes is
+ * at least 1, and text and out do not overlap. Returns whether all of the text fitted. */
+bool pen_utf8_show(char *out, size_t out_bytes, const char *text);
+
 #endif

@@ -2,9 +2,11 @@
 #include "cmd/report.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "io/message.h"
 #include "jobs/jobs.h"
 
@@ -26,9 +28,52 @@ int pen_report_errors(const char *program, const char *file, const struct pen_er
     for (size_t i = 0; i < errors->count; i++)
         pen_report(program, file, &errors->item[i]);
     if (errors->total > errors->count)
-        fprintf(stderr, "%s: %s%s%zu more errors\n", program, file ? file : "", file ? ": " : "",
-                errors->total - errors->count);
+        pen_report_say(stderr, "%s: %s%s%zu more errors", program, file ? file : "",
+                       file ? ": " : "", errors->total - errors->count);
     return pen_code_exit(errors->item[0].code);
+}
+
+/* Appends the text as it may be shown. Characters of `kept` stay as they are. */
+static void add_shown(struct pen_buf *out, const char *text, const char *kept)
+{
+    for (size_t left = strlen(text); left > 0;) {
+        char shown[PEN_UTF8_SHOWN_BYTES] = {*text};
+        size_t taken = 1;
+        if (!strchr(kept, *text))
+            taken = pen_utf8_show_char(text, left, shown);
+        pen_buf_puts(out, shown);
+        text += taken, left -= taken;
+    }
+}
+
+/* Prints the text in one call, so that lines of several processes do not mix. */
+static void print_shown(FILE *out, const char *text, const char *kept, const char *end)
+{
+    struct pen_buf shown = {0};
+    add_shown(&shown, text, kept);
+    pen_buf_puts(&shown, end);
+    if (shown.failed)
+        fputs("out of memory\n", out);
+    else
+        fwrite(shown.data, 1, shown.bytes, out);
+    pen_buf_release(&shown);
+}
+
+void pen_report_say(FILE *out, const char *format, ...)
+{
+    char *text = NULL;
+    va_list args;
+    va_start(args, format);
+    if (vasprintf(&text, format, args) < 0)
+        text = NULL;
+    va_end(args);
+    print_shown(out, text ? text : "out of memory", "", "\n");
+    free(text);
+}
+
+void pen_report_show(FILE *out, const char *text)
+{
+    print_shown(out, text, "\n\t", "");
 }
 
 enum { DIGITS = 15, EXACT_DIGITS = 17 };
@@ -36,7 +81,8 @@ enum { DIGITS = 15, EXACT_DIGITS = 17 };
 static void print_line(json_t *value, size_t digits)
 {
     char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(digits)) : NULL;
-    puts(text ? text : "{\"type\":\"no-memory\"}");
+    /* Within JSON, what may not be shown is escaped and so means the same. */
+    pen_report_say(stdout, "%s", text ? text : "{\"type\":\"no-memory\"}");
     free(text);
     json_decref(value);
 }

@@ -22,6 +22,12 @@ int pen_report_errors(const char *program, const char *file, const struct pen_er
 int pen_report_json(const char *file, bool json, const struct pen_status *st);
 int pen_report_errors_json(const char *file, bool json, const struct pen_errors *errors);
 
+/* Prints formatted text as one line, with a line feed behind it, as it may be shown on a terminal:
+ * names from scenes, files and servers cannot control it (base/utf8.h). pen_report_show prints a
+ * text of several lines so. */
+void pen_report_say(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void pen_report_show(FILE *out, const char *text);
+
 /* Prints a JSON value as one line on standard output. Numbers have 15 digits, so that a value
  * rounded to thousandths is printed as such; pen_report_exact prints 17, which read back as the
  * same doubles. Owns: takes over the caller's reference. */

@@ -19,7 +19,8 @@ const char *pen_nearest_name(const char *word, const char *const *names);
 void pen_value_describe(const json_t *value, char *out, size_t bytes);
 
 /* Writes an error as one line for the command line: "FILE:LINE:COLUMN: message", "FILE: at POINTER:
- * message" or "FILE: message". `file` may be NULL or empty. A line that does not fit is cut. */
+ * message" or "FILE: message". `file` may be NULL or empty. Control characters are escaped
+ * (base/utf8.h), so that it may be shown on a terminal. A line that does not fit is cut. */
 void pen_status_describe(const struct pen_status *st, const char *file, char *out, size_t bytes);
 
 #endif

@@ -63,12 +63,13 @@ START_TEST(test_log__json_lines)
     pen_log_set_name("a \"name\" that is too long");
     log_begin();
     pen_log(PEN_LOG_INFO, "not shown");
-    pen_log(PEN_LOG_WARN, "say \"%s\" \\ \t \xC3\xA9", "x");
+    pen_log(PEN_LOG_WARN, "say \"%s\" \\ \t \xC3\xA9\xE2\x80\xAE", "x");
     const char *text = log_end();
     ck_assert_int_eq(strncmp(text, "{\"time\":\"20", 11), 0);
     ck_assert_ptr_nonnull(
         strstr(text, "\"level\":\"warn\",\"process\":\"a \\\"name\\\" that i\","));
-    ck_assert_ptr_nonnull(strstr(text, ",\"message\":\"say \\\"x\\\" \\\\ \\u0009 \xC3\xA9\"}\n"));
+    ck_assert_ptr_nonnull(
+        strstr(text, ",\"message\":\"say \\\"x\\\" \\\\ \\u0009 \xC3\xA9\\u202e\"}\n"));
     ck_assert_ptr_eq(strchr(text, '\n'), strrchr(text, '\n'));
 }
 END_TEST

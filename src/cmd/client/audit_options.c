@@ -3,11 +3,13 @@
 
 #include <inttypes.h>
 
+#include "cmd/report.h"
+
 void pen_audit_print(const struct pen_audit *audit, const char *label, FILE *out)
 {
-    fprintf(
+    pen_report_say(
         out,
         "penumbra: %s: with 95 %% confidence at most %.3g %% of the pixels are off by more than "
-        "%g (%" PRIu64 " audited, %" PRIu64 " wrong, %" PRIu64 " undecided)\n",
+        "%g (%" PRIu64 " audited, %" PRIu64 " wrong, %" PRIu64 " undecided)",
         label, 100 * audit->bound, audit->threshold, audit->pixels, audit->wrong, audit->undecided);
 }

@@ -132,7 +132,7 @@ static void print(const struct pen_bench_history *h, json_t *history)
         pen_report_line(json_incref(history));
     } else if (!h->quiet) {
         pen_history_write_text(history, &text);
-        fputs(text.data ? (const char *)text.data : "", stdout);
+        pen_report_show(stdout, text.data ? (const char *)text.data : "");
         pen_buf_release(&text);
     }
 }

@@ -195,7 +195,7 @@ static void print_report(const struct study *s)
         pen_report_line(json_incref(s->report));
     else if (!s->values->quiet && !pen_output_is_standard(&s->values->output) &&
              pen_accuracy_write(s->report, "text", &text, &st))
-        fputs((const char *)text.data, stdout);
+        pen_report_show(stdout, (const char *)text.data);
     pen_buf_release(&text);
 }
 

@@ -260,7 +260,7 @@ static void print_report(const struct benchmark *b)
             pen_buf_puts(&text, "\n");
             pen_comparison_write_text(json_object_get(b->report, "comparison"), &text);
         }
-        fputs(text.data ? (const char *)text.data : "", stdout);
+        pen_report_show(stdout, text.data ? (const char *)text.data : "");
         pen_buf_release(&text);
     }
 }

@@ -125,7 +125,7 @@ static void print_bill(const struct effects *e)
         pen_report_line(pen_bill_json(&e->bill, scene_name(e)));
     else if (!e->values->quiet && !pen_output_is_standard(&e->values->output) &&
              pen_bill_write(&e->bill, scene_name(e), "text", &text, &st))
-        fputs((const char *)text.data, stdout);
+        pen_report_show(stdout, (const char *)text.data);
     pen_buf_release(&text);
 }
 

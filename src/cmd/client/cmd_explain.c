@@ -91,8 +91,8 @@ static void print_explanation(const struct explain *e)
     }
     if (json)
         pen_explain_write_text(json, &text);
-    if (text.data && !text.failed)
-        fwrite(text.data, 1, text.bytes, stdout);
+    if (pen_buf_add(&text, "", 1))
+        pen_report_show(stdout, (const char *)text.data);
     pen_buf_release(&text);
     json_decref(json);
 }

@@ -47,7 +47,7 @@ static void print_state(const json_t *job, const struct values *values)
     if (values->json)
         pen_report_line(json_deep_copy(job));
     else if (!values->quiet)
-        printf("%s %s\n", pen_remote_text(job, "id"), pen_remote_text(job, "state"));
+        pen_report_say(stdout, "%s %s", pen_remote_text(job, "id"), pen_remote_text(job, "state"));
 }
 
 static int wait_one(struct pen_client *client, const char *id, const struct values *values)
@@ -121,7 +121,7 @@ static int delete_one(struct pen_client *client, const char *id, const struct va
     if (values->json)
         pen_report_line(json_pack("{s:s, s:b}", "id", id, "deleted", 1));
     else if (!values->quiet)
-        printf("%s deleted\n", id);
+        pen_report_say(stdout, "%s deleted", id);
     return 0;
 }
 

@@ -107,8 +107,8 @@ static void print_row(const json_t *job)
     snprintf(created, sizeof created, "%.19s", pen_remote_text(job, "created_at"));
     if (strlen(created) > 10)
         created[10] = ' ';
-    printf("%-36s  %-9s  %4.0f %%  %-19s  %9s  %s\n", pen_remote_text(job, "id"),
-           pen_remote_text(job, "state"), 100 * fraction, created, took, name);
+    pen_report_say(stdout, "%-36s  %-9s  %4.0f %%  %-19s  %9s  %s", pen_remote_text(job, "id"),
+                   pen_remote_text(job, "state"), 100 * fraction, created, took, name);
 }
 
 static void print_table(const json_t *jobs)

@@ -182,11 +182,11 @@ static void check_precision(struct render *r)
     char text[PEN_MSG_BYTES];
     r->has_precision = pen_scene_precision(r->scene, r->view, s->width, s->height, &r->precision);
     if (r->has_precision && pen_precision_warning(&r->precision, text, sizeof text))
-        fprintf(stderr, "penumbra: %s: view \"%s\": warning: %s\n", r->input.source.label,
-                r->scene->views[r->view].name, text);
+        pen_report_say(stderr, "penumbra: %s: view \"%s\": warning: %s", r->input.source.label,
+                       r->scene->views[r->view].name, text);
     if (r->has_precision && pen_thinness_warning(&r->precision, text, sizeof text))
-        fprintf(stderr, "penumbra: %s: primitive %u: warning: %s\n", r->input.source.label,
-                (unsigned)r->precision.thin_prim, text);
+        pen_report_say(stderr, "penumbra: %s: primitive %u: warning: %s", r->input.source.label,
+                       (unsigned)r->precision.thin_prim, text);
 }
 
 /* Warns of samples that the picture does not hold. */
@@ -194,8 +194,8 @@ static void check_dropped(const struct render *r, const struct pen_ray_counts *r
 {
     char text[PEN_MSG_BYTES];
     if (pen_dropped_warning(rays, text, sizeof text))
-        fprintf(stderr, "penumbra: %s: view \"%s\": warning: %s\n", r->input.source.label,
-                r->scene->views[r->view].name, text);
+        pen_report_say(stderr, "penumbra: %s: view \"%s\": warning: %s", r->input.source.label,
+                       r->scene->views[r->view].name, text);
 }
 
 static void tile_done(void *user, struct pen_rect rect)
@@ -271,24 +271,25 @@ static void warn_truncated(const struct render *r)
 {
     const struct pen_settings sampling = pen_settings_sampling(&r->input.desc.settings);
     if (r->stats.rays.truncated_paths)
-        fprintf(stderr,
-                "penumbra: %s: view \"%s\": warning: %" PRIu64
-                " paths are cut off, because their pixel samples have %d surfaces; lower max_depth "
-                "or raise min_contribution\n",
-                r->input.source.label, r->scene->views[r->view].name, r->stats.rays.truncated_paths,
-                pen_tree_surfaces_max(&sampling, pen_effects_blur(r->stats.effects)));
+        pen_report_say(
+            stderr,
+            "penumbra: %s: view \"%s\": warning: %" PRIu64
+            " paths are cut off, because their pixel samples have %d surfaces; lower max_depth "
+            "or raise min_contribution",
+            r->input.source.label, r->scene->views[r->view].name, r->stats.rays.truncated_paths,
+            pen_tree_surfaces_max(&sampling, pen_effects_blur(r->stats.effects)));
 }
 
 /* Says that some surfaces of solids are missing, or that the eye is on one. */
 static void warn_unmatched(const struct render *r)
 {
     if (r->stats.rays.unmatched_exits)
-        fprintf(stderr,
-                "penumbra: %s: view \"%s\": warning: %" PRIu64
-                " paths leave a solid that they have not entered; penumbra validate tells which "
-                "solids do not close\n",
-                r->input.source.label, r->scene->views[r->view].name,
-                r->stats.rays.unmatched_exits);
+        pen_report_say(
+            stderr,
+            "penumbra: %s: view \"%s\": warning: %" PRIu64
+            " paths leave a solid that they have not entered; penumbra validate tells which "
+            "solids do not close",
+            r->input.source.label, r->scene->views[r->view].name, r->stats.rays.unmatched_exits);
 }
 
 static enum pen_cost cost_of(const struct render *r)
@@ -307,10 +308,11 @@ static void print_layer(const struct render *r, double white)
                                   "format", r->format, "view", r->scene->views[r->view].name,
                                   "layer", name, "white", pen_figure(white)));
     else if (white > 0 && !r->values->quiet)
-        fprintf(stderr, "penumbra: %s: %s: white is %.6g%s\n", r->input.source.label, name, white,
-                r->layer != PEN_LAYER_COST     ? ""
-                : cost_of(r) == PEN_COST_TESTS ? " tests per pixel"
-                                               : " nanoseconds per pixel");
+        pen_report_say(stderr, "penumbra: %s: %s: white is %.6g%s", r->input.source.label, name,
+                       white,
+                       r->layer != PEN_LAYER_COST     ? ""
+                       : cost_of(r) == PEN_COST_TESTS ? " tests per pixel"
+                                                      : " nanoseconds per pixel");
 }
 
 static bool write_layer(struct render *r, struct pen_status *st)

@@ -307,7 +307,7 @@ static int follow(struct pen_client *client, const struct values *values, json_t
     snprintf(id, sizeof id, "%s", pen_remote_text(job, "id"));
     bool waits = values->wait || values->output;
     if (!values->json)
-        puts(id);
+        pen_report_say(stdout, "%s", id);
     else if (!waits)
         pen_report_line(json_incref(job));
     fflush(stdout);

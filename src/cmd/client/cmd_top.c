@@ -92,10 +92,11 @@ static void write_worker(const json_t *worker, struct pen_buf *out)
                    seen > 0 ? seen : 0);
     json_array_foreach(batches, i, batch)
     {
-        char view[33];
+        char view[33], job_id[14], kind[16];
         pen_remote_label(batch, "view", view, sizeof view);
-        pen_buf_printf(out, "%s%.13s… %s of %s, attempt %d", i ? "; " : "",
-                       pen_remote_text(batch, "job"), pen_remote_text(batch, "kind"), view,
+        pen_remote_label(batch, "job", job_id, sizeof job_id);
+        pen_remote_label(batch, "kind", kind, sizeof kind);
+        pen_buf_printf(out, "%s%s… %s of %s, attempt %d", i ? "; " : "", job_id, kind, view,
                        (int)json_integer_value(json_object_get(batch, "attempt")));
     }
     pen_buf_puts(out, json_array_size(batches) ? "\n" : "nothing\n");
@@ -103,11 +104,12 @@ static void write_worker(const json_t *worker, struct pen_buf *out)
 
 static void write_job(const json_t *job, int columns, struct pen_buf *out)
 {
-    char name[25], label[64], bar[256];
+    char name[25], id[41], label[64], bar[256];
     const json_t *progress = json_object_get(job, "progress");
     const json_t *eta = json_object_get(progress, "eta_seconds");
     pen_remote_label(job, "name", name, sizeof name);
-    snprintf(label, sizeof label, "%-36s", pen_remote_text(job, "id"));
+    pen_remote_label(job, "id", id, sizeof id);
+    snprintf(label, sizeof label, "%-36s", id);
     pen_progress_text(label, json_number_value(json_object_get(progress, "fraction")),
                       json_is_number(eta) ? json_number_value(eta) : -1, columns, bar, sizeof bar);
     pen_buf_printf(out, "%s  %s\n", bar, name);
@@ -162,7 +164,7 @@ static void show(const struct state *state, const struct values *values, bool li
         if (live)
             draw(&text);
         else
-            fputs((const char *)text.data, stdout);
+            pen_report_show(stdout, (const char *)text.data);
     }
     pen_buf_release(&text);
 }

@@ -32,11 +32,11 @@ static void print_warnings(const char *file, const json_t *answer)
         json_int_t line = json_integer_value(json_object_get(warning, "line"));
         json_int_t column = json_integer_value(json_object_get(warning, "column"));
         if (line > 0)
-            fprintf(stderr, "penumbra: %s:%d:%d: warning: %s\n", file, (int)line, (int)column,
-                    detail ? detail : "");
+            pen_report_say(stderr, "penumbra: %s:%d:%d: warning: %s", file, (int)line, (int)column,
+                           detail ? detail : "");
         else
-            fprintf(stderr, "penumbra: %s: %s%swarning: %s\n", file, pointer ? pointer : "",
-                    pointer && *pointer ? ": " : "", detail ? detail : "");
+            pen_report_say(stderr, "penumbra: %s: %s%swarning: %s", file, pointer ? pointer : "",
+                           pointer && *pointer ? ": " : "", detail ? detail : "");
     }
 }
 
@@ -62,7 +62,7 @@ static int validate(const char *name, const struct values *values)
         if (values->json)
             pen_report_line(json_incref(answer));
         else if (!values->quiet)
-            printf("%s: valid\n", source.label);
+            pen_report_say(stdout, "%s: valid", source.label);
     }
     json_decref(answer);
     pen_source_release(&source);

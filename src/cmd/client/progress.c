@@ -15,7 +15,7 @@ void pen_progress_begin(struct pen_progress *progress, const char *label, bool q
 {
     *progress =
         (struct pen_progress){.on = !quiet && isatty(STDERR_FILENO), .start_ns = pen_clock_ns()};
-    pen_utf8_copy(progress->label, sizeof progress->label, label);
+    pen_utf8_show(progress->label, sizeof progress->label, label);
 }
 
 void pen_progress_time(double seconds, char out[16])
@@ -86,8 +86,9 @@ void pen_progress_note(struct pen_progress *progress, const char *note)
 {
     if (!due(progress, true))
         return;
-    char text[256];
-    snprintf(text, sizeof text, "%.63s: %.180s", progress->label, note);
+    char text[256], shown[181];
+    pen_utf8_show(shown, sizeof shown, note);
+    snprintf(text, sizeof text, "%.63s: %s", progress->label, shown);
     draw(text);
 }
 

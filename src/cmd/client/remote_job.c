@@ -25,11 +25,7 @@ const char *pen_remote_text(const json_t *object, const char *key)
 
 void pen_remote_label(const json_t *object, const char *key, char *out, size_t bytes)
 {
-    pen_utf8_copy(out, bytes, pen_remote_text(object, key));
-    for (char *c = out; *c; c++) {
-        if ((unsigned char)*c < 0x20 || *c == 0x7F)
-            *c = '?';
-    }
+    pen_utf8_show(out, bytes, pen_remote_text(object, key));
 }
 
 double pen_remote_time(const json_t *object, const char *key)

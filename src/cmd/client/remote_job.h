@@ -38,7 +38,7 @@ bool pen_remote_fetch(struct pen_client *client, const char *id, const struct pe
 /* A string member; "" if there is none. */
 const char *pen_remote_text(const json_t *object, const char *key);
 
-/* The same for a terminal: cut to fit, with '?' for every control character. */
+/* The same for a terminal: cut to fit, with control characters escaped (base/utf8.h). */
 void pen_remote_label(const json_t *object, const char *key, char *out, size_t bytes);
 
 /* A string member that is a time, in seconds since 1970; negative if there is none. */

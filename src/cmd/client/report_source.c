@@ -130,7 +130,7 @@ static int compare(const struct pen_report_compare *c, const json_t *before, con
     if (c->json)
         pen_report_line(json_incref(comparison));
     else if (!c->quiet)
-        fputs(text.data ? (const char *)text.data : "", stdout);
+        pen_report_show(stdout, text.data ? (const char *)text.data : "");
     pen_buf_release(&text);
     const bool same = pen_comparison_judge(comparison, c->time, &st);
     json_decref(comparison);

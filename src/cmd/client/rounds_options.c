@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
+#include "cmd/report.h"
 #include "io/stats_json.h"
 
 static bool read_repeat(struct pen_rounds_wanted *rounds, struct pen_scene_input *input,
@@ -49,14 +50,14 @@ void pen_rounds_tell(const struct pen_adaptive_stats *adaptive, const char *labe
 {
     const struct pen_round *last = &adaptive->round[adaptive->rounds - 1];
     if (!adaptive->met && !adaptive->timed)
-        fprintf(stderr,
-                "penumbra: %s: view \"%s\": warning: the estimated error is %.4g (%.4g to %.4g), "
-                "above the target of %.4g: max_samples keeps %" PRIu64
-                " pixels from having more samples\n",
-                label, view, last->error, last->low, last->high, adaptive->target,
-                adaptive->capped);
+        pen_report_say(
+            stderr,
+            "penumbra: %s: view \"%s\": warning: the estimated error is %.4g (%.4g to %.4g), "
+            "above the target of %.4g: max_samples keeps %" PRIu64
+            " pixels from having more samples",
+            label, view, last->error, last->low, last->high, adaptive->target, adaptive->capped);
     else if (!quiet)
-        fprintf(stderr,
-                "penumbra: %s: estimated error %.4g (%.4g to %.4g) with %.3g samples per pixel\n",
-                label, last->error, last->low, last->high, adaptive->samples.mean);
+        pen_report_say(
+            stderr, "penumbra: %s: estimated error %.4g (%.4g to %.4g) with %.3g samples per pixel",
+            label, last->error, last->low, last->high, adaptive->samples.mean);
 }

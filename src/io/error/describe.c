@@ -24,5 +24,5 @@ void pen_status_describe(const struct pen_status *st, const char *file, char *ou
         snprintf(text, sizeof text, "%s%sat %s: %s", name, colon, st->at, st->msg);
     else
         snprintf(text, sizeof text, "%s%s%s", name, colon, st->msg);
-    pen_utf8_copy(out, bytes, text);
+    pen_utf8_show(out, bytes, text);
 }

@@ -22,21 +22,14 @@ size_t pen_text_append(char *out, size_t bytes, size_t used, const char *text, b
     return used;
 }
 
-/* Copies the first character of a string to `out`, escaped as in JSON. Returns its length in the
- * string. */
-static size_t quote_char(const char *string, char out[8])
+/* Copies the first character of a string to `out`, escaped as in JSON, also where it could be
+ * shown as something else. Returns its length in the string. */
+static size_t quote_char(const char *string, char out[PEN_UTF8_SHOWN_BYTES])
 {
-    size_t length = pen_utf8_char(string, strnlen(string, 4));
-    unsigned char c = (unsigned char)*string;
-    if (c == '"' || c == '\\')
-        snprintf(out, 8, "\\%c", c);
-    else if (c < 0x20 || c == 0x7F)
-        snprintf(out, 8, "\\u%04x", c);
-    else if (length == 0)
-        snprintf(out, 8, "?");
-    else
-        snprintf(out, 8, "%.*s", (int)length, string);
-    return length ? length : 1;
+    size_t length = pen_utf8_show_char(string, strnlen(string, 4), out);
+    if (*string == '"' || *string == '\\')
+        snprintf(out, PEN_UTF8_SHOWN_BYTES, "\\%c", *string);
+    return length;
 }
 
 struct pen_text pen_text_quote(const char *string)
@@ -45,7 +38,7 @@ struct pen_text pen_text_quote(const char *string)
     struct pen_text out = {"\""};
     size_t used = 1;
     for (int shown = 0; *string && shown < SHOWN; shown++) {
-        char quoted[8];
+        char quoted[PEN_UTF8_SHOWN_BYTES];
         string += quote_char(string, quoted);
         used = pen_text_append(out.text, sizeof out.text - 8, used, quoted, false);
     }
