@@ -25,6 +25,7 @@
 #ifndef PEN_STORE_STORE_H
 #define PEN_STORE_STORE_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -146,16 +147,18 @@ struct pen_store_observer {
 void pen_store_observe(struct pen_store *store, const struct pen_store_observer *observer);
 
 struct pen_backup {
-    int64_t jobs, bytes; /* of the copy */
+    const atomic_bool *stop; /* given: ends the call when it becomes true; NULL: never */
+    int64_t jobs, bytes;     /* of the copy */
 };
 
 /* Copies a store, which may be in use, to a file. The copy is the store as of one moment, with
- * everything that was acknowledged before the call. It is made under another name, checked, synced
- * and then renamed. Fails: PEN_CONFLICT (the file exists, and `replace` is false), PEN_USAGE (the
- * name is a folder, the store itself, or too long), PEN_IO, PEN_STORAGE_FULL (the copy cannot be
- * written), PEN_STORAGE (the store is damaged or cannot be read), PEN_NOT_FOUND (there is no
- * store), PEN_UNAVAILABLE, PEN_NO_MEMORY. A failed call leaves no file. Cost: reads every page, and
- * the copy twice. */
+ * everything that was acknowledged before the call. It is made under another name,
+ * FILE.part-XXXXXX, checked, synced and then renamed. Copies under such names that a killed process
+ * has left are removed. Fails: PEN_TIMEOUT (stopped), PEN_CONFLICT (the file exists, and `replace`
+ * is false), PEN_USAGE (the name is a folder, the store itself, or too long), PEN_IO,
+ * PEN_STORAGE_FULL (the copy cannot be written), PEN_STORAGE (the store is damaged or cannot be
+ * read), PEN_NOT_FOUND (there is no store), PEN_UNAVAILABLE, PEN_NO_MEMORY. A failed call leaves no
+ * file. Cost: reads every page, and the copy twice. */
 bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
                       struct pen_status *st);
 

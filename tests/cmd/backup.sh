@@ -36,6 +36,29 @@ exits "a backup finds the store by the environment variable" 0 env PENUMBRA_STOR
 exits "--replace replaces an existing file" 0 "$build/penumbrad" backup c.db --store "$store" --replace
 : >enough
 wait $load
+
+# One that is killed leaves nothing. The store is so big that a copy takes a while.
+for i in 1 2 3 4 5; do
+    {
+        printf '{"format": "penumbra-scene/1", "comment": "'
+        head -c 6000000 /dev/urandom | base64 -w 0
+        printf '", "camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]}, "render": {"width": 4, "height": 4}}'
+    } >big.json
+    "$penumbra" submit big.json >>log
+done
+is_copying() { [ "$(find . -name 'd.db.part-*' -size +1000k | wc -l)" -gt 0 ]; }
+for signal in TERM=143 INT=130 KILL=137; do
+    code=${signal#*=} signal=${signal%=*}
+    env --default-signal=INT "$build/penumbrad" backup d.db --store "$store" >stdout 2>stderr &
+    backup=$!
+    within 20 is_copying || not_ok "the backup begins" "$(ls -l)"
+    kill "-$signal" $backup
+    wait $backup 2>>log
+    expect "a backup dies of SIG$signal" "$?" "$code"
+    [ "$signal" = KILL ] || expect "and leaves nothing" "$(find . -name 'd.db*' | wc -l | tr -d ' ')" 0
+done
+exits "the next backup" 0 "$build/penumbrad" backup d.db --store "$store"
+expect "removes what SIGKILL has left" "$(find . -name 'd.db*')" ./d.db
 expect "no temporary file of a backup remains" "$(find . -name '*.part-*' | wc -l | tr -d ' ')" 0
 
 # Restores the copy over the store of a killed daemon. Its children end by themselves, and until then they

@@ -3,6 +3,7 @@
  * never replaces a file without being told to. */
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <sqlite3.h>
 #include <stdatomic.h>
@@ -43,7 +44,7 @@ static struct pen_backup must_back_up(bool replace)
 
 static void refuse(enum pen_code code, const char *hint)
 {
-    struct pen_backup backup;
+    struct pen_backup backup = {0};
     struct pen_status st = {0};
     ck_assert(!pen_store_backup(bed.url, file, false, &backup, &st));
     ck_assert_msg(st.code == code, "%s: %s", pen_code_name(st.code), st.msg);
@@ -210,7 +211,7 @@ START_TEST(test_backup__that_cannot_be_written_leaves_nothing)
         submit(n);
     for (int i = 0; i < 2; i++) {
         for (long n = 1;; n++) {
-            struct pen_backup backup;
+            struct pen_backup backup = {0};
             struct pen_status st = {0};
             struct fault_plan plan = {
                 .calls = FAULT_WRITE, .mode = FAULT_FROM, .n = n, .error = errors[i]};
@@ -233,7 +234,69 @@ START_TEST(test_backup__that_cannot_be_written_leaves_nothing)
 }
 END_TEST
 
-PEN_SUITE("backup", test_backup__is_a_store_of_one_file, test_backup__replaces_only_what_it_may,
+START_TEST(test_backup__that_is_stopped_leaves_nothing)
+{
+    atomic_bool now = true;
+    struct pen_backup backup = {.stop = &now};
+    struct pen_status st = {0};
+    open_bed();
+    submit(1);
+    ck_assert(!pen_store_backup(bed.url, file, false, &backup, &st));
+    ck_assert_msg(st.code == PEN_TIMEOUT && strstr(st.msg, "stopped"), "%s", st.msg);
+    ck_assert_int_ne(access(file, F_OK), 0);
+    expect_no_parts();
+    atomic_store(&now, false);
+    store_must(pen_store_backup(bed.url, file, false, &backup, &st), &st, "backup");
+    store_bed_close(&bed);
+}
+END_TEST
+
+static void make_file(const char *end)
+{
+    char path[160];
+    snprintf(path, sizeof path, "%s%s", file, end);
+    FILE *made = fopen(path, "w");
+    ck_assert(made && fputs("pages", made) >= 0 && fclose(made) == 0);
+}
+
+static bool is_there(const char *end)
+{
+    char path[160];
+    snprintf(path, sizeof path, "%s%s", file, end);
+    return access(path, F_OK) == 0;
+}
+
+/* What a killed process has left is removed; what a living one writes, and what only looks similar,
+ * is not. */
+START_TEST(test_backup__removes_what_killed_ones_left)
+{
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_len = 1};
+    char held[160];
+    open_bed();
+    submit(1);
+    make_file(".part-Dead01");
+    make_file(".part-Dead01-journal");
+    make_file(".part-Dead02");
+    make_file(".part-Held03");
+    make_file(".part-longer7");
+    make_file("2.part-Dead01");
+    snprintf(held, sizeof held, "%s.part-Held03", file);
+    int fd = open(held, O_RDWR);
+    ck_assert(fd >= 0 && fcntl(fd, F_OFD_SETLK, &lock) == 0);
+    must_back_up(false);
+    ck_assert(!is_there(".part-Dead01") && !is_there(".part-Dead01-journal"));
+    ck_assert(!is_there(".part-Dead02"));
+    ck_assert(is_there(".part-Held03") && is_there(".part-longer7") && is_there("2.part-Dead01"));
+    close(fd);
+    must_back_up(true);
+    ck_assert(!is_there(".part-Held03"));
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("backup", test_backup__that_is_stopped_leaves_nothing,
+          test_backup__removes_what_killed_ones_left, test_backup__is_a_store_of_one_file,
+          test_backup__replaces_only_what_it_may,
           test_backup__under_load_has_what_was_acknowledged_before,
           test_backup__of_nothing_or_of_a_damaged_store_is_refused,
           test_backup__that_cannot_be_written_leaves_nothing)

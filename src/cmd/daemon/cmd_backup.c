@@ -4,6 +4,8 @@
 #include "cmd/daemon/cmd_backup.h"
 
 #include <inttypes.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 
 #include "cmd/daemon/config.h"
@@ -67,14 +69,47 @@ static int find_store(const struct settings *settings, struct pen_config *config
     return pen_config_load(config, argc, argv);
 }
 
+static atomic_bool stop;       /* set by a signal handler, which it is lock-free for */
+static atomic_int stop_signal; /* the signal */
+
+static void note_signal(int signal)
+{
+    atomic_store(&stop_signal, signal);
+    atomic_store(&stop, true);
+}
+
+/* Lets the signals that end a program stop the backup, which then removes its unfinished file. */
+static void catch_signals(void)
+{
+    static const int signals[] = {SIGTERM, SIGINT, SIGHUP};
+    struct sigaction action = {.sa_handler = note_signal, .sa_flags = SA_RESTART}, before;
+    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
+        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, NULL);
+    }
+}
+
+/* Ends the process as the signal would have. */
+static void end_by_signal(void)
+{
+    if (!atomic_load(&stop))
+        return;
+    signal(atomic_load(&stop_signal), SIG_DFL);
+    raise(atomic_load(&stop_signal));
+}
+
 static int back_up(const char *store, const char *file, bool replace)
 {
-    struct pen_backup backup;
+    struct pen_backup backup = {.stop = &stop};
     struct pen_status st;
-    if (!pen_store_backup(store, file, replace, &backup, &st))
-        return pen_report(command.program, NULL, &st);
-    printf("%s: %" PRId64 " jobs, %" PRId64 " bytes, from %s\n", file, backup.jobs, backup.bytes,
-           store);
+    catch_signals();
+    if (!pen_store_backup(store, file, replace, &backup, &st)) {
+        int code = pen_report(command.program, NULL, &st);
+        end_by_signal();
+        return code;
+    }
+    pen_report_say(stdout, "%s: %" PRId64 " jobs, %" PRId64 " bytes, from %s", file, backup.jobs,
+                   backup.bytes, store);
     return 0;
 }
 

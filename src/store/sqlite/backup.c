@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Copies a store while others read and write it.
- *  - The copy has all pages as of one moment: SQLite's backup in one step is one read
- *    transaction, which writers do not restart.
+ *  - The copy has all pages as of one moment: all steps of SQLite's backup are in one read
+ *    transaction of the store, which writers do not restart.
  *  - It is made under another name, checked, synced and then renamed. So the name always stands
  *    for a complete backup, or for the file that was there before.
+ *  - Its process locks it. So a copy that is not locked was left by a process that was killed, and
+ *    the next backup to that name removes it.
  *  - It has no log: it is one file. It has an identity of its own (meta.c).
  *  - The store itself is only read. A store of an older schema is copied as it is. */
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,10 +20,14 @@
 
 #include "store/sqlite/sqlite.h"
 
-enum { PATH_BYTES = 4096 };
+enum { PATH_BYTES = 4096, STEP_PAGES = 1024, CHECK_STEPS = 100000 };
+
+static const char part_end[] = ".part-XXXXXX";
 
 struct copy {
     struct pen_sqlite_store from, to;
+    int lock_fd; /* of the copy, -1: none */
+    const atomic_bool *stop;
     char path[PATH_BYTES + 16]; /* of the unfinished copy */
     const char *name;           /* the final name */
     bool replace;
@@ -62,16 +70,81 @@ static bool check_name(const char *url, const char *name, bool replace, struct p
                                name);
 }
 
+/* Locks a byte that SQLite does not lock. Closing other descriptors of the file does not unlock it.
+ */
+static bool lock_part(int fd)
+{
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_len = 1};
+    return fcntl(fd, F_OFD_SETLK, &lock) == 0;
+}
+
+/* Tells whether the path still names the open file. */
+static bool is_named(int fd, const char *path)
+{
+    struct stat open_file, named;
+    return fstat(fd, &open_file) == 0 && stat(path, &named) == 0 &&
+           open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
+}
+
+static void remove_files(const char *part)
+{
+    char journal[PATH_BYTES + 300];
+    snprintf(journal, sizeof journal, "%s-journal", part);
+    unlink(part);
+    unlink(journal);
+}
+
+static void remove_if_left(const char *part)
+{
+    int fd = open(part, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (fd < 0)
+        return;
+    if (lock_part(fd) && is_named(fd, part))
+        remove_files(part);
+    close(fd);
+}
+
+/* Removes the copies that killed processes have left beside the name. */
+static void remove_left(const char *name)
+{
+    char part[PATH_BYTES + 280];
+    const char *slash = strrchr(name, '/'), *last = slash ? slash + 1 : name;
+    size_t length = strlen(last);
+    snprintf(part, sizeof part, "%.*s", slash ? (int)(last - name) : 2, slash ? name : "./");
+    DIR *folder = opendir(part);
+    for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;) {
+        const char *end = entry->d_name + length;
+        if (strlen(entry->d_name) != length + sizeof part_end - 1 ||
+            memcmp(entry->d_name, last, length) != 0 || strncmp(end, part_end, 6) != 0)
+            continue;
+        snprintf(part, sizeof part, "%.*s%s", (int)(last - name), name, entry->d_name);
+        remove_if_left(part);
+    }
+    if (folder)
+        closedir(folder);
+}
+
+/* Makes the file of the copy, and locks it. Another process may remove it before it is locked. */
+static bool make_part(struct copy *copy, struct pen_status *st)
+{
+    for (int tries = 0; tries < 100; tries++) {
+        snprintf(copy->path, sizeof copy->path, "%s%s", copy->name, part_end);
+        copy->lock_fd = mkostemp(copy->path, O_CLOEXEC); /* 0600, as the store */
+        if (copy->lock_fd < 0)
+            break;
+        if (lock_part(copy->lock_fd) && is_named(copy->lock_fd, copy->path))
+            return true;
+        unlink(copy->path);
+        close(copy->lock_fd);
+    }
+    copy->path[0] = '\0';
+    return cannot_write(copy->name, errno, st);
+}
+
 static bool open_copy(struct copy *copy, struct pen_status *st)
 {
-    snprintf(copy->path, sizeof copy->path, "%s.part-XXXXXX", copy->name);
-    int fd = mkostemp(copy->path, O_CLOEXEC); /* 0600, as the store */
-    if (fd < 0) {
-        bool ok = cannot_write(copy->name, errno, st);
-        copy->path[0] = '\0';
-        return ok;
-    }
-    close(fd);
+    if (!make_part(copy, st))
+        return false;
     copy->to.path = copy->path;
     int rc = sqlite3_open_v2(copy->path, &copy->to.db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX,
                              NULL);
@@ -98,16 +171,33 @@ static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
     }
 }
 
+static int is_stopped(void *user)
+{
+    const struct copy *copy = user;
+    return copy->stop && atomic_load(copy->stop);
+}
+
+static bool stopped(struct pen_status *st)
+{
+    return pen_fail(st, PEN_TIMEOUT, "stopped; no backup was made");
+}
+
 /* The copy needs no journal: after a power failure it is not used. */
 static bool copy_pages(struct copy *copy, struct pen_status *st)
 {
-    if (!pen_sqlite_exec(&copy->to, "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF", st))
+    if (!pen_sqlite_exec(&copy->to, "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF", st) ||
+        !pen_sqlite_exec(&copy->from, "BEGIN; SELECT count(*) FROM sqlite_schema", st))
         return false;
     sqlite3_backup *backup = sqlite3_backup_init(copy->to.db, "main", copy->from.db, "main");
     if (!backup)
         return copy_failed(copy, sqlite3_errcode(copy->to.db), st);
-    int rc = sqlite3_backup_step(backup, -1);
+    int rc;
+    do
+        rc = sqlite3_backup_step(backup, STEP_PAGES);
+    while (rc == SQLITE_OK && !is_stopped(copy));
     sqlite3_backup_finish(backup);
+    if (is_stopped(copy))
+        return stopped(st);
     if (rc != SQLITE_DONE)
         return copy_failed(copy, rc, st);
     rc = sqlite3_exec(copy->to.db, "PRAGMA journal_mode = DELETE", NULL, NULL, NULL);
@@ -129,8 +219,11 @@ static bool count_jobs(struct copy *copy, int64_t *jobs, struct pen_status *st)
 static bool check_copy(struct copy *copy, int64_t *jobs, struct pen_status *st)
 {
     struct pen_status why;
+    sqlite3_progress_handler(copy->to.db, CHECK_STEPS, is_stopped, copy);
     if (pen_sqlite_check_pages(&copy->to, &why) && count_jobs(copy, jobs, &why))
         return true;
+    if (is_stopped(copy))
+        return stopped(st);
     return pen_fail(st, why.code, "no backup was made, its check failed: %s", why.msg);
 }
 
@@ -172,18 +265,18 @@ static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_st
         return copy_failed(copy, sqlite3_extended_errcode(copy->to.db), st);
     if (sqlite3_close(copy->to.db) == SQLITE_OK)
         copy->to.db = NULL;
-    return sync_file(copy->path, &out->bytes, st) && name_copy(copy, st);
+    if (!sync_file(copy->path, &out->bytes, st))
+        return false;
+    return is_stopped(copy) ? stopped(st) : name_copy(copy, st);
 }
 
 /* Removes the files of a failed backup. */
 static void remove_part(struct copy *copy)
 {
-    char journal[sizeof copy->path + 8];
-    if (!copy->path[0])
-        return;
-    snprintf(journal, sizeof journal, "%s-journal", copy->path);
-    unlink(copy->path);
-    unlink(journal);
+    if (copy->path[0])
+        remove_files(copy->path);
+    if (copy->lock_fd >= 0)
+        close(copy->lock_fd);
 }
 
 bool pen_sqlite_backup(const char *url, const char *name, bool replace, struct pen_backup *out,
@@ -198,6 +291,9 @@ bool pen_sqlite_backup(const char *url, const char *name, bool replace, struct p
         copy->from.path = path;
         copy->from.patience_ms = 5000;
         copy->name = name;
+        copy->lock_fd = -1;
+        copy->stop = out->stop;
+        remove_left(name);
         copy->replace = replace;
         ok = make_backup(copy, out, st);
         sqlite3_close(copy->to.db);
