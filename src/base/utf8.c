@@ -37,6 +37,17 @@ size_t pen_utf8_char(const char *text, size_t bytes)
     return length;
 }
 
+size_t pen_utf8_count(const char *text)
+{
+    size_t count = 0;
+    for (size_t left = strlen(text); left > 0; count++) {
+        size_t length = pen_utf8_char(text, left);
+        length = length ? length : 1;
+        text += length, left -= length;
+    }
+    return count;
+}
+
 bool pen_utf8_copy(char *out, size_t out_bytes, const char *text)
 {
     size_t left = strlen(text), free_bytes = out_bytes - 1;

@@ -10,6 +10,10 @@
  * not start with a complete and valid character. A zero byte is a character of length 1. */
 size_t pen_utf8_char(const char *text, size_t bytes);
 
+/* The number of characters of text, as JSON Schema counts them: code points. Each byte that is not
+ * part of a valid character counts as one. */
+size_t pen_utf8_count(const char *text);
+
 /* Copies text into out as valid UTF-8 with a terminating zero. Each byte that is not part of a
  * valid character becomes '?'; text that does not fit is cut between characters. out_bytes is at
  * least 1, and text and out do not overlap. Returns whether all of the text fitted. */

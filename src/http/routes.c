@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "http/internal/handlers.h"
 #include "http/server.h"
 #include "io/scene_json.h"
@@ -212,9 +213,9 @@ static bool check_value(const struct param_rule *rule, const char *value, struct
                         "allowed",
                         rule->name, value, rule->low, rule->high);
     }
-    size_t length = strlen(value);
+    size_t length = pen_utf8_count(value);
     return (length > 0 && length <= rule->longest) ||
-           pen_fail(st, PEN_USAGE, "query parameter %s has %zu bytes; 1 to %zu are allowed",
+           pen_fail(st, PEN_USAGE, "query parameter %s has %zu characters; 1 to %zu are allowed",
                     rule->name, length, rule->longest);
 }
 

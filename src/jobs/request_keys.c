@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "io/settings_json.h"
 #include "jobs/internal/request.h"
 #include "jobs/internal/request_errors.h"
@@ -97,16 +98,22 @@ static void read_analyze(struct pen_request *request, const json_t *value,
     request->analyze = json_is_true(value);
 }
 
+/* The length of a string. The strings of a body hold no zero byte. */
+static size_t characters(const json_t *string)
+{
+    return pen_utf8_count(json_string_value(string));
+}
+
 static void read_name(struct pen_request *request, const json_t *value, struct pen_errors *errors)
 {
     if (!json_is_string(value))
         pen_request_fail(errors, PEN_INVALID, "", "name",
-                         "must be a string of at most %d bytes, found %s", (int)PEN_JOB_NAME_BYTES,
-                         pen_found(value).text);
-    else if (json_string_length(value) > PEN_JOB_NAME_BYTES)
+                         "must be a string of at most %d characters, found %s",
+                         (int)PEN_JOB_NAME_CHARACTERS, pen_found(value).text);
+    else if (characters(value) > PEN_JOB_NAME_CHARACTERS)
         pen_request_fail(errors, PEN_INVALID, "", "name",
-                         "must be a string of at most %d bytes, found one of %zu",
-                         (int)PEN_JOB_NAME_BYTES, json_string_length(value));
+                         "must be a string of at most %d characters, found one of %zu",
+                         (int)PEN_JOB_NAME_CHARACTERS, characters(value));
     request->name = value;
 }
 
@@ -115,10 +122,11 @@ static void read_label(const char *key, const json_t *label, struct pen_errors *
     if (!json_is_string(label))
         pen_request_fail(errors, PEN_INVALID, "/labels", key, "must be a string, found %s",
                          pen_found(label).text);
-    else if (json_string_length(label) > PEN_JOB_NAME_BYTES || strlen(key) > PEN_JOB_NAME_BYTES)
+    else if (characters(label) > PEN_JOB_NAME_CHARACTERS ||
+             pen_utf8_count(key) > PEN_JOB_NAME_CHARACTERS)
         pen_request_fail(errors, PEN_INVALID, "/labels", key,
-                         "must be at most %d bytes long, and its key too; found %zu and %zu",
-                         (int)PEN_JOB_NAME_BYTES, json_string_length(label), strlen(key));
+                         "must have at most %d characters, and its key too; found %zu and %zu",
+                         (int)PEN_JOB_NAME_CHARACTERS, characters(label), pen_utf8_count(key));
 }
 
 static void read_labels(struct pen_request *request, const json_t *value, struct pen_errors *errors)

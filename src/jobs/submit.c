@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/utf8.h"
 #include "io/figures.h"
 #include "io/settings_json.h"
 #include "jobs/internal/batch_layout.h"
@@ -19,7 +20,7 @@
 #include "render/layers.h"
 #include "scene/scene.h"
 
-enum { KEY_BYTES_MAX = 255 };
+enum { KEY_CHARACTERS_MAX = 255 };
 
 static json_t *views_json(const struct pen_request *request)
 {
@@ -272,9 +273,10 @@ static bool store_job(struct pen_jobs *jobs, const struct prepared *job, struct 
 static bool check_key(const char *key, struct pen_errors *errors)
 {
     struct pen_status st;
-    if (!key || (key[0] && strlen(key) <= KEY_BYTES_MAX))
+    if (!key || (key[0] && pen_utf8_count(key) <= KEY_CHARACTERS_MAX))
         return true;
-    pen_fail(&st, PEN_USAGE, "Idempotency-Key must have 1 to %d bytes", (int)KEY_BYTES_MAX);
+    pen_fail(&st, PEN_USAGE, "Idempotency-Key must have 1 to %d characters",
+             (int)KEY_CHARACTERS_MAX);
     pen_errors_add(errors, &st);
     return false;
 }

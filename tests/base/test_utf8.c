@@ -49,5 +49,13 @@ START_TEST(test_utf8__text_is_cut_between_characters)
 }
 END_TEST
 
-PEN_SUITE("utf8", test_utf8__hidden_characters_are_escaped, test_utf8__other_text_is_shown_as_it_is,
-          test_utf8__text_is_cut_between_characters)
+START_TEST(test_utf8__characters_are_counted)
+{
+    ck_assert_uint_eq(pen_utf8_count(""), 0);
+    ck_assert_uint_eq(pen_utf8_count("a\xC3\xBC\xE6\x97\xA5\xF0\x9F\x91\xA9"), 4);
+    ck_assert_uint_eq(pen_utf8_count("\xFF\xC3"), 2);
+}
+END_TEST
+
+PEN_SUITE("utf8", test_utf8__characters_are_counted, test_utf8__hidden_characters_are_escaped,
+          test_utf8__other_text_is_shown_as_it_is, test_utf8__text_is_cut_between_characters)

@@ -168,6 +168,7 @@ samples = {
     "getImage": [("200", done, {}), ("404", measured, {}), ("200", done + "?format=pfm", {}),
                  ("206", done, {"Range": "bytes=0-9"}), ("304", done, everything),
                  ("400", done + "?format=gif", {}), ("404", done + "?view=x", {}),
+                 ("404", done + "?view=" + "%C3%BC" * 200, {}), ("400", done + "?view=" + "x" * 201, {}),
                  ("404", done + "?layer=depth", {}), ("404", NOBODY, {}), ("409", busy, {}), ("410", gone, {}),
                  ("416", done, {"Range": "bytes=9999999-"})],
     "getPreview": [("200", done, {}), ("200", busy, {}), ("304", done, everything),

@@ -295,6 +295,48 @@ START_TEST(test_submit__too_many_bytes_and_labels_are_refused)
 }
 END_TEST
 
+/* Writes text of `count` times U+00FC, of two bytes. */
+static int write_umlauts(char *out, int count)
+{
+    for (int i = 0; i < count; i++)
+        memcpy(out + 2 * i, "\xC3\xBC", 3);
+    return 2 * count;
+}
+
+/* As the schema counts, in characters. */
+START_TEST(test_submit__lengths_are_those_of_characters)
+{
+    static const struct {
+        int name, label, key, idempotency;
+        const char *at; /* NULL: accepted */
+    } cases[] = {{200, 200, 200, 255, NULL},
+                 {201, 1, 1, 1, "/name"},
+                 {1, 201, 1, 1, "/labels/"},
+                 {1, 1, 201, 1, "/labels/"},
+                 {1, 1, 1, 256, ""}};
+    jobs_bed_open(&bed);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct pen_submitted out = {0};
+        struct pen_errors errors;
+        char body[8192], key[600];
+        int n = snprintf(body, sizeof body, "{\"scene\": %s, \"name\": \"", jobs_scene(""));
+        n += write_umlauts(body + n, cases[i].name);
+        n += snprintf(body + n, 100, "\", \"labels\": {\"");
+        n += write_umlauts(body + n, cases[i].key);
+        n += snprintf(body + n, 100, "\": \"");
+        n += write_umlauts(body + n, cases[i].label);
+        snprintf(body + n, 100, "\"}}");
+        write_umlauts(key, cases[i].idempotency);
+        bool ok = submit(body, key, &out, &errors);
+        ck_assert_msg(ok == !cases[i].at, "case %zu: %s", i, errors.item[0].msg);
+        if (!ok)
+            ck_assert_int_eq(strncmp(errors.item[0].at, cases[i].at, strlen(cases[i].at)), 0);
+        pen_buf_release(&out.answer);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_submit__xml_is_a_bare_scene_and_is_returned_as_sent)
 {
     static const char xml[] = "<scene name='x'><render width='8' height='6'/><geometries>"
@@ -614,6 +656,7 @@ END_TEST
 PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__errors_of_job_and_scene_are_collected,
           test_submit__too_many_bytes_and_labels_are_refused,
+          test_submit__lengths_are_those_of_characters,
           test_submit__timeouts_are_those_that_the_operator_allows,
           test_submit__exploding_paths_count_as_work,
           test_submit__xml_is_a_bare_scene_and_is_returned_as_sent,

@@ -32,7 +32,7 @@ enum queue_id {
 };
 
 /* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a
- * number from low to high; else a text of 1 to `longest` bytes. */
+ * number from low to high; else a text of 1 to `longest` characters. */
 struct param_rule {
     const char *name;
     const char *const *allowed; /* ends with NULL */
