@@ -82,7 +82,7 @@ setting() { # ASSIGNMENT: the error that it causes
 
 "$build/penumbra" scenes | awk '{ print "scene\t" $1 }'
 for key in $(setting '?=0' | sed -n 's/.*the keys here are //p' | tr -d ,); do
-    known=$(setting "$key=?" | sed -n 's/.*must be one of \(.*\), found .*/\1/p' | tr -d '",')
+    known=$(setting "$key=?" | sed -n 's/.*must be \(one of \)*\(".*"\), found .*/\2/p' | tr -d '",')
     words=
     for word in $known; do
         case $(setting "$key=$word") in

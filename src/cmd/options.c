@@ -9,6 +9,7 @@
 
 #include "cmd/report.h"
 #include "io/message.h"
+#include "io/settings_json.h"
 
 int pen_option_find(const struct pen_option *options, const char *name)
 {
@@ -167,6 +168,9 @@ static bool unknown_option(const struct pen_command *command, const char *name,
     const char *near = pen_option_nearest(command->options, name);
     if (near)
         return pen_fail(st, PEN_USAGE, "unknown option --%s, nearest is --%s", name, near);
+    if (pen_settings_has(name) && pen_option_find(command->options, "set") >= 0)
+        return pen_fail(st, PEN_USAGE, "unknown option --%s; it is a setting: --set %s=VALUE", name,
+                        name);
     return pen_fail(st, PEN_USAGE, "unknown option --%s, see --help", name);
 }
 
@@ -210,12 +214,28 @@ static bool take_long(struct scan *scan, const char *word, struct pen_status *st
     return take_option(scan, i, where, equals ? equals + 1 : NULL, st);
 }
 
+/* A word behind a single dash, whose first letter is no option or which is the name of one: a dash
+ * is missing. */
+static bool unknown_long(const struct pen_command *command, const char *word, struct pen_status *st)
+{
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(word, "="), word);
+    const char *near = pen_option_find(command->options, name) >= 0
+                           ? name
+                           : pen_option_nearest(command->options, name);
+    if (near)
+        return pen_fail(st, PEN_USAGE, "unknown option -%s, nearest is --%s", name, near);
+    return pen_fail(st, PEN_USAGE, "unknown option -%s, see --help", name);
+}
+
 static bool take_short(struct scan *scan, const char *word, struct pen_status *st)
 {
     char where[3] = {'-', word[0], '\0'};
     if (strcmp(word, "h") == 0)
         return scan->parsed->help = true;
     int i = find_letter(scan->command->options, word[0]);
+    if (word[1] && (i < 0 || pen_option_find(scan->command->options, word) >= 0))
+        return unknown_long(scan->command, word, st);
     if (i < 0)
         return pen_fail(st, PEN_USAGE, "unknown option -%s, see --help", word);
     if (word[1] && scan->command->options[i].kind == PEN_OPTION_FLAG)

@@ -38,8 +38,9 @@ static bool note_load(const struct pen_bench_result *result, json_t *notes)
     if (result->load_before <= 0.25 * pen_cpu_count())
         return true;
     return add_note(notes, json_sprintf("the machine was not idle at the beginning: load average "
-                                        "%.2f on %d cores; ratios say more than times",
-                                        result->load_before, pen_cpu_count()));
+                                        "%.2f on %d core%s; ratios say more than times",
+                                        result->load_before, pen_cpu_count(),
+                                        pen_cpu_count() == 1 ? "" : "s"));
 }
 
 /* Notes if runs of a row, which `name` names, are spoiled. */

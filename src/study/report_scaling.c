@@ -293,7 +293,7 @@ static void describe(const struct chart *chart, struct pen_buf *out)
         write_name(chart, &chart->series[s], out);
         for (size_t row; (row = next_row(chart, &chart->series[s], threads)) < chart->rows;) {
             threads = threads_of(chart, row);
-            pen_buf_printf(out, "; %g threads: %.2f times", threads,
+            pen_buf_printf(out, "; %g thread%s: %.2f times", threads, threads == 1 ? "" : "s",
                            point_of(chart, &chart->series[s], row).median);
         }
         pen_buf_puts(out, ". ");

@@ -125,7 +125,7 @@ exits "submit an unknown built-in scene" 4 "$penumbra" submit builtin:nowhere
 # List
 exits "list" 0 "$penumbra" list
 prints "list prints a heading" stdout "STATE"
-prints "list prints the first job" stdout "$id  succeeded"
+prints "list prints the first job" stdout "$id  render     succeeded"
 prints "list prints the job's name" stdout "first"
 total=$(($(wc -l <stdout) - 1))
 exits "list --limit" 0 "$penumbra" list --limit 2 --json
@@ -176,7 +176,7 @@ check "top --json shows the worker's batch" within 30 working
 expect "top --json shows the worker's threads" "$(jq '.workers[0].threads' top.json)" 2
 exits "top" 0 "$penumbra" top
 prints "top counts workers and jobs" stdout "workers 1, running 1, queued 0"
-prints "top shows the worker's batch" stdout "render of main, attempt 1"
+prints "top shows the worker's batch" stdout "render of main"
 prints "top shows the job" stdout "$long_id ["
 kill -KILL "$(child api)"
 sleep 1.5

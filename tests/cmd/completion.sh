@@ -42,7 +42,7 @@ cd "$work" || exit 1
 expect "built-in scenes" "$(complete 'penumbra render builtin:')" "$scenes"
 expect "and their names alone" "$(complete 'penumbra scenes ')" "$scenes"
 expect "settings" "$(complete 'penumbra render x --set ' | tr -d = | sort)" \
-    "$(jq -r '."$defs".render.properties | keys[]' "$root/api/scene.schema.json" | sort)"
+    "$(jq -r '."$defs".render.properties | keys[] | select(. != "comment")' "$root/api/scene.schema.json" | sort)"
 expect "views" "$(complete 'penumbra render builtin:forest -o x.png --view ')" \
     "$(jq -r '.views[].name' "$root/scenes/forest.json" | sort)"
 "$penumbra" scenes forest -o forest.json

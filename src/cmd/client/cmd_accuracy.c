@@ -93,8 +93,9 @@ static void show_forecast(void *user, const struct pen_accuracy_forecast *foreca
     const double budget_s = s->task.budget_ms / 1000;
     if (s->values->quiet)
         return;
-    fprintf(stderr, "%d rows, %d seeds: expected to take %.3g s (%.3g to %.3g)", s->task.row_count,
-            s->task.seeds, forecast->expected_ms / 1000, forecast->low_ms / 1000,
+    fprintf(stderr, "%d row%s, %d seed%s: expected to take %.3g s (%.3g to %.3g)",
+            s->task.row_count, s->task.row_count == 1 ? "" : "s", s->task.seeds,
+            s->task.seeds == 1 ? "" : "s", forecast->expected_ms / 1000, forecast->low_ms / 1000,
             forecast->high_ms / 1000);
     if (forecast->expected_ms > s->task.budget_ms)
         fprintf(stderr, ", of which %g s are allowed: --budget", budget_s);

@@ -2,6 +2,8 @@
 /* `penumbra list`: the jobs of a daemon as a table, newest first. */
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "cmd/client/commands.h"
@@ -97,29 +99,73 @@ static void format_time(const json_t *job, char out[16])
         pen_progress_time(to - from, out);
 }
 
-static void print_row(const json_t *job)
+/* The widths of the table: a terminal of 80 columns has space for all but the time of creation. */
+struct table {
+    bool created;
+    int name_columns;
+};
+
+static struct table table_for_output(void)
 {
-    char took[16], name[41], created[20];
+    enum { CREATED = 21, OTHERS = 71, LEAST = 9, ALL = 200 };
+    struct winsize size;
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
+        return (struct table){.created = true, .name_columns = ALL};
+    int left = size.ws_col - OTHERS;
+    struct table table = {.created = left >= CREATED + LEAST};
+    left -= table.created ? CREATED : 0;
+    table.name_columns = left < LEAST ? LEAST : left;
+    return table;
+}
+
+/* The number of bytes of the first `count` characters. */
+static int bytes_of(const char *text, int count)
+{
+    int bytes = 0;
+    for (; text[bytes]; bytes++) {
+        if ((text[bytes] & 0xC0) != 0x80 && count-- == 0)
+            break;
+    }
+    return bytes;
+}
+
+static void print_line(const struct table *table, const char *id, const char *kind,
+                       const char *state, const char *created, const char *took, const char *name)
+{
+    char when[24] = "";
+    if (table->created)
+        snprintf(when, sizeof when, "%-19s  ", created);
+    pen_report_say(stdout, "%-36s  %-9s  %-11s  %s%7s  %.*s", id, kind, state, when, took,
+                   bytes_of(name, table->name_columns), name);
+}
+
+static void print_row(const struct table *table, const json_t *job)
+{
+    char took[16], id[64], kind[16], state[24], name[820], created[20];
     double fraction =
         json_number_value(json_object_get(json_object_get(job, "progress"), "fraction"));
     format_time(job, took);
+    pen_remote_label(job, "id", id, sizeof id);
+    pen_remote_label(job, "kind", kind, sizeof kind);
+    pen_remote_label(job, "state", state, sizeof state);
     pen_remote_label(job, "name", name, sizeof name);
-    snprintf(created, sizeof created, "%.19s", pen_remote_text(job, "created_at"));
+    pen_remote_label(job, "created_at", created, sizeof created);
     if (strlen(created) > 10)
         created[10] = ' ';
-    pen_report_say(stdout, "%-36s  %-9s  %4.0f %%  %-19s  %9s  %s", pen_remote_text(job, "id"),
-                   pen_remote_text(job, "state"), 100 * fraction, created, took, name);
+    if (fraction > 0 && strcmp(state, "running") == 0)
+        snprintf(state, sizeof state, "running %2.0f%%", 100 * fraction);
+    print_line(table, id, kind, state, created, took, name);
 }
 
 static void print_table(const json_t *jobs)
 {
+    const struct table table = table_for_output();
     size_t i;
     const json_t *job;
     if (json_array_size(jobs) == 0)
         return;
-    printf("%-36s  %-9s  %6s  %-19s  %9s  %s\n", "ID", "STATE", "DONE", "CREATED (UTC)", "TIME",
-           "NAME");
-    json_array_foreach(jobs, i, job) print_row(job);
+    print_line(&table, "ID", "KIND", "STATE", "CREATED (UTC)", "TIME", "NAME");
+    json_array_foreach(jobs, i, job) print_row(&table, job);
 }
 
 static int run(int argc, char **argv)

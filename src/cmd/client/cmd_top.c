@@ -2,17 +2,21 @@
 /* `penumbra top`: the workers and running jobs of a daemon, redrawn every second on a terminal. */
 #include <stdio.h>
 #include <sys/ioctl.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
+#include "cmd/client/keys.h"
 #include "cmd/client/progress.h"
 #include "cmd/client/remote_job.h"
 #include "cmd/report.h"
 
-enum { COLUMNS = 100 }; /* if the width of the terminal is not known */
+enum {
+    COLUMNS = 126,     /* if the width of the terminal is not known */
+    NAME_COLUMNS = 26, /* of a job, behind its bar */
+    BAR_COLUMNS = 100  /* so many have space for a bar */
+};
 
 struct values {
     struct pen_remote remote;
@@ -81,12 +85,12 @@ static bool get_state(struct pen_client *client, struct state *state, struct pen
 
 static void write_worker(const json_t *worker, struct pen_buf *out)
 {
-    char host[33];
+    char host[21];
     double seen = (double)pen_clock_wall_ms() * 1e-3 - pen_remote_time(worker, "last_seen_at");
     const json_t *batches = json_object_get(worker, "batches"), *batch;
     size_t i;
     pen_remote_label(worker, "host", host, sizeof host);
-    pen_buf_printf(out, "%-32s  %8d  %7d  %4.0f s  ", host,
+    pen_buf_printf(out, "%-20s  %7d  %7d  %4.0f s  ", host,
                    (int)json_integer_value(json_object_get(worker, "pid")),
                    (int)json_integer_value(json_object_get(worker, "threads")),
                    seen > 0 ? seen : 0);
@@ -96,23 +100,32 @@ static void write_worker(const json_t *worker, struct pen_buf *out)
         pen_remote_label(batch, "view", view, sizeof view);
         pen_remote_label(batch, "job", job_id, sizeof job_id);
         pen_remote_label(batch, "kind", kind, sizeof kind);
-        pen_buf_printf(out, "%s%s… %s of %s, attempt %d", i ? "; " : "", job_id, kind, view,
-                       (int)json_integer_value(json_object_get(batch, "attempt")));
+        int attempt = (int)json_integer_value(json_object_get(batch, "attempt"));
+        pen_buf_printf(out, "%s%s… %s of %s", i ? "; " : "", job_id, kind, view);
+        if (attempt > 1)
+            pen_buf_printf(out, ", attempt %d", attempt);
     }
     pen_buf_puts(out, json_array_size(batches) ? "\n" : "nothing\n");
 }
 
+/* A job's line. Where there is no space for a bar, it has the percentage alone. */
 static void write_job(const json_t *job, int columns, struct pen_buf *out)
 {
-    char name[25], id[41], label[64], bar[256];
+    char name[25], id[41], label[64], bar[256], left[16];
     const json_t *progress = json_object_get(job, "progress");
     const json_t *eta = json_object_get(progress, "eta_seconds");
+    double fraction = json_number_value(json_object_get(progress, "fraction"));
+    double seconds = json_is_number(eta) ? json_number_value(eta) : -1;
     pen_remote_label(job, "name", name, sizeof name);
     pen_remote_label(job, "id", id, sizeof id);
-    snprintf(label, sizeof label, "%-36s", id);
-    pen_progress_text(label, json_number_value(json_object_get(progress, "fraction")),
-                      json_is_number(eta) ? json_number_value(eta) : -1, columns, bar, sizeof bar);
-    pen_buf_printf(out, "%s  %s\n", bar, name);
+    if (columns >= BAR_COLUMNS) {
+        snprintf(label, sizeof label, "%-36s", id);
+        pen_progress_text(label, fraction, seconds, columns - NAME_COLUMNS, bar, sizeof bar);
+        pen_buf_printf(out, "%s  %s\n", bar, name);
+        return;
+    }
+    pen_progress_time(seconds, left);
+    pen_buf_printf(out, "%-36s  %3d %%  %7s left  %s\n", id, (int)(fraction * 100), left, name);
 }
 
 static void write_state(const struct state *state, int columns, struct pen_buf *out)
@@ -126,7 +139,7 @@ static void write_state(const struct state *state, int columns, struct pen_buf *
                    state->more_running ? " and more" : "", json_array_size(state->queued),
                    state->more_queued ? " and more" : "");
     if (json_array_size(state->workers) > 0)
-        pen_buf_printf(out, "\n%-32s  %8s  %7s  %6s  %s\n", "WORKER", "PID", "THREADS", "SEEN",
+        pen_buf_printf(out, "\n%-20s  %7s  %7s  %6s  %s\n", "WORKER", "PID", "THREADS", "SEEN",
                        "WORKS ON");
     json_array_foreach(state->workers, i, item) write_worker(item, out);
     if (json_array_size(state->running) > 0)
@@ -134,14 +147,19 @@ static void write_state(const struct state *state, int columns, struct pen_buf *
     json_array_foreach(state->running, i, item) write_job(item, columns, out);
 }
 
-/* Draws over the last text: clears each line behind its end, and at last the lines below. */
-static void draw(const struct pen_buf *text)
+/* Draws over the last text: cuts each line at the width, clears what is behind its end, and at last
+ * the lines below. */
+static void draw(const struct pen_buf *text, int columns)
 {
+    int column = 0;
     fputs("\033[H", stdout);
     for (const char *c = (const char *)text->data; *c; c++) {
         if (*c == '\n')
-            fputs("\033[K", stdout);
-        fputc(*c, stdout);
+            fputs("\033[K", stdout), column = 0;
+        else
+            column += (*c & 0xC0) != 0x80; /* the first byte of a character */
+        if (column <= columns)
+            fputc(*c, stdout);
     }
     fputs("\033[J", stdout);
     fflush(stdout);
@@ -158,34 +176,41 @@ static void show(const struct state *state, const struct values *values, bool li
         return;
     }
     if (live && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 30)
-        columns = size.ws_col - 26; /* for the name behind the bar */
+        columns = size.ws_col;
     write_state(state, columns, &text);
     if (!text.failed && pen_buf_add(&text, "", 1)) {
         if (live)
-            draw(&text);
+            draw(&text, columns);
         else
             pen_report_show(stdout, (const char *)text.data);
     }
     pen_buf_release(&text);
 }
 
+static bool update(struct pen_client *client, const struct values *values, bool live,
+                   struct pen_errors *errors)
+{
+    struct state state;
+    bool ok = get_state(client, &state, errors);
+    if (ok)
+        show(&state, values, live);
+    state_release(&state);
+    return ok;
+}
+
 static bool watch(struct pen_client *client, const struct values *values, struct pen_errors *errors)
 {
     bool live = !values->once && !values->json && isatty(STDOUT_FILENO);
-    struct timespec pause = {.tv_sec = (time_t)values->interval};
-    pause.tv_nsec = (long)((values->interval - (double)pause.tv_sec) * 1e9);
-    if (live)
-        fputs("\033[2J", stdout);
+    struct pen_keys keys;
+    if (!live)
+        return update(client, values, false, errors);
+    fputs("\033[2J", stdout);
+    pen_keys_begin(&keys);
     bool ok;
-    do {
-        struct state state;
-        ok = get_state(client, &state, errors);
-        if (ok)
-            show(&state, values, live);
-        state_release(&state);
-        if (ok && live)
-            nanosleep(&pause, NULL);
-    } while (ok && live);
+    do
+        ok = update(client, values, true, errors);
+    while (ok && pen_keys_wait(&keys, (int)(values->interval * 1000)));
+    pen_keys_end(&keys);
     return ok;
 }
 
@@ -210,7 +235,7 @@ const struct pen_command pen_command_top = {
     .program = "penumbra",
     .name = "top",
     .arguments = "",
-    .summary = "Shows the workers and running jobs of a daemon, updated every second.",
+    .summary = "Shows the workers and running jobs of a daemon, updated every second; q ends it.",
     .options = options,
     .min_args = 0,
     .max_args = 0,

@@ -28,6 +28,8 @@ static const char *find_format(const char *path, const char *format, const char 
 const char *pen_output_format(const char *path, const char *format, struct pen_status *st)
 {
     static const char *const endings[] = {"png", "pfm", NULL};
+    if (!format && strcmp(path, "-") == 0)
+        return endings[0];
     const char *found = find_format(path, format, format ? pen_output_formats : endings);
     if (!found && format)
         pen_fail(st, PEN_USAGE, "--format: a picture is png, png16 or pfm, not %s", format);

@@ -17,8 +17,9 @@
 extern const char *const pen_output_formats[];     /* of pictures */
 extern const char *const pen_output_all_formats[]; /* of pictures and reports */
 
-/* The format of a picture: `format`, or if that is NULL the one that `path` ends in. Returns "png",
- * "png16" or "pfm". Fails: NULL and PEN_USAGE, also for the format of a report. */
+/* The format of a picture: `format`, or if that is NULL the one that `path` ends in; PNG for "-",
+ * standard output. Returns "png", "png16" or "pfm". Fails: NULL and PEN_USAGE, also for the format
+ * of a report. */
 const char *pen_output_format(const char *path, const char *format, struct pen_status *st);
 
 /* The same for a report: "json", "csv", "md" or "html". Fails: NULL and PEN_USAGE, also for the

@@ -34,8 +34,8 @@ static void print_help(FILE *out)
 {
     fputs(
         "Usage: penumbra COMMAND …\n\n"
-        "Renders scenes, in this process or through a daemon. `penumbra COMMAND --help` describes "
-        "a command.\n\n"
+        "Renders scenes, in this process or through a daemon. `penumbra help COMMAND` describes a "
+        "command.\n\n"
         "Without a daemon:\n",
         out);
     print_commands(out, false);
@@ -60,6 +60,25 @@ static int unknown_command(const char *word)
     return pen_report("penumbra", NULL, &st);
 }
 
+static const struct pen_command *find_command(const char *word)
+{
+    for (int i = 0; i < COMMAND_COUNT; i++) {
+        if (strcmp(word, commands[i]->name) == 0)
+            return commands[i];
+    }
+    return NULL;
+}
+
+/* `penumbra help render` is `penumbra render --help`. */
+static int help_of(const char *word)
+{
+    const struct pen_command *command = find_command(word);
+    if (!command)
+        return unknown_command(word);
+    pen_options_help(command, stdout);
+    return 0;
+}
+
 static int run(int argc, char **argv)
 {
     const char *word = argc > 1 ? argv[1] : NULL;
@@ -67,10 +86,11 @@ static int run(int argc, char **argv)
         print_help(stderr);
         return pen_code_exit(PEN_USAGE);
     }
-    for (int i = 0; i < COMMAND_COUNT; i++) {
-        if (strcmp(word, commands[i]->name) == 0)
-            return commands[i]->run(argc - 1, argv + 1);
-    }
+    const struct pen_command *command = find_command(word);
+    if (command)
+        return command->run(argc - 1, argv + 1);
+    if (strcmp(word, "help") == 0 && argc > 2)
+        return help_of(argv[2]);
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0)
         print_help(stdout);
     else if (strcmp(word, "--version") == 0)

@@ -31,6 +31,15 @@ void pen_progress_time(double seconds, char out[16])
         snprintf(out, 16, "%d:%02d", s / 60, s % 60);
 }
 
+void pen_progress_count(double count, char out[16])
+{
+    static const char *const units[] = {"", " k", " M", " G", " T", " P"};
+    size_t unit = 0;
+    for (; count >= 999.5 && unit + 1 < sizeof units / sizeof units[0]; unit++)
+        count /= 1000;
+    snprintf(out, 16, unit > 0 && count < 99.95 ? "%.1f%s" : "%.0f%s", count, units[unit]);
+}
+
 void pen_progress_text(const char *label, double fraction, double eta_seconds, int columns,
                        char *out, size_t bytes)
 {

@@ -30,6 +30,9 @@ void pen_progress_end(struct pen_progress *progress);
 /* Writes a duration: "1:05", "2:00:03". */
 void pen_progress_time(double seconds, char out[16]);
 
+/* Writes a count in three digits or so: "950", "6.8 M". */
+void pen_progress_count(double count, char out[16]);
+
 /* Writes a bar of at most `columns` columns, such as "room [#####     ]  50 %  0:10 left"; without
  * label and bar if there is no space for them. */
 void pen_progress_text(const char *label, double fraction, double eta_seconds, int columns,

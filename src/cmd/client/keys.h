@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* Single keys of a terminal, for a display that is redrawn until somebody ends it. */
+#ifndef PEN_CMD_CLIENT_KEYS_H
+#define PEN_CMD_CLIENT_KEYS_H
+
+#include <stdbool.h>
+#include <termios.h>
+
+struct pen_keys {
+    bool on; /* standard input is a terminal, and this process is in its foreground */
+    struct termios before;
+};
+
+/* Begins to read keys without waiting for a line and without showing them. Signals of the terminal
+ * (Ctrl-C) and SIGTERM end pen_keys_wait from now on, instead of the process. */
+void pen_keys_begin(struct pen_keys *keys);
+
+/* Waits so many milliseconds. Returns false as soon as q is pressed or such a signal has come. */
+bool pen_keys_wait(const struct pen_keys *keys, int milliseconds);
+
+/* Sets the terminal back. Ends the process if a signal has come, as the signal would have. */
+void pen_keys_end(struct pen_keys *keys);
+
+#endif

@@ -1,0 +1,86 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# What the command line prints on a terminal: a closing line, tables that fit, a display that ends by a key.
+. "$(dirname "$0")/lib.sh"
+display() { # COLUMNS KEYS COMMAND…
+    columns=$1 keys=$2
+    shift 2
+    python3 "$root/tests/cmd/display.py" "$columns" 60 "$keys" "$@"
+}
+fits() { # NAME COLUMNS: no line of the last output is longer; the text has no escape sequences
+    longest=$(sed 's/\x1b\[[0-9]*[A-Z]//g' "$work/stdout" | python3 -c 'import sys; print(max(len(l.rstrip("\n")) for l in sys.stdin))')
+    expect "$1 ($longest)" "$((longest <= $2))" 1
+}
+small="--set width=16 --set height=12"
+cd "$work" || exit 1
+
+# A render's closing line
+# shellcheck disable=SC2086
+exits "render on a terminal" 0 display 80 "" "$penumbra" render builtin:spheres $small -o out.png
+check "ends with a line about the picture" grep -qE 'out\.png 16×12, [0-9.]+ s, [0-9.]+ k? ?rays$' stdout
+# shellcheck disable=SC2086
+exits "render -q on a terminal" 0 display 80 "" "$penumbra" render builtin:spheres $small -o out.png -q
+expect "prints nothing" "$(cat stdout)" ""
+# shellcheck disable=SC2086
+exits "render --layer on a terminal" 0 display 80 "" "$penumbra" render builtin:spheres $small -o d.png --layer normal
+check "has no rays in it" grep -qE 'd\.png 16×12, [0-9.]+ s$' stdout
+# shellcheck disable=SC2086
+exits "render for a script" 0 "$penumbra" render builtin:spheres $small -o out.png
+expect "prints nothing" "$(cat stdout stderr)" ""
+
+# Standard output takes a PNG unless told otherwise
+# shellcheck disable=SC2086
+"$penumbra" render builtin:spheres $small -o - >piped.png
+check "render -o - writes a PNG" cmp piped.png out.png
+# shellcheck disable=SC2086
+"$penumbra" render builtin:spheres $small -o - --format pfm >piped.pfm
+expect "or what --format says" "$(head -c 2 piped.pfm)" PF
+
+daemon_start
+export PENUMBRA_URL="$url"
+# shellcheck disable=SC2086
+id=$("$penumbra" submit builtin:spheres $small --name "a name that is longer than eighty columns have space for, grün")
+"$penumbra" wait "$id" >log
+"$penumbra" fetch "$id" -o - >fetched.png
+check "fetch -o - gets a PNG" cmp fetched.png out.png
+# shellcheck disable=SC2086
+"$penumbra" submit builtin:spheres $small --kind effects --repeats 1 --wait -q >log
+long=$("$penumbra" submit builtin:spheres --set width=3000 --set height=3000 --set samples_per_pixel=64 --name long)
+
+# Tables
+exits "list on 80 columns" 0 display 80 "" "$penumbra" list
+fits "list fits 80 columns" 80
+prints "and has kinds" stdout "  effects    "
+prints "ids whole" stdout "$id  render     succeeded  "
+exits "list on 120 columns" 0 display 120 "" "$penumbra" list
+fits "list fits 120 columns" 120
+prints "with the time of creation" stdout "CREATED"
+exits "list into a pipe" 0 "$penumbra" list
+prints "has whole names" stdout "eighty columns have space for, grün"
+running() { "$penumbra" list --json | jq -e ".jobs[] | select(.id == \"$long\" and .state == \"running\")"; }
+within 20 running || not_ok "the long job starts" "$("$penumbra" list)"
+exits "q ends top" 0 display 80 q "$penumbra" top --interval 60
+fits "top fits 80 columns" 80
+prints "with ids of running jobs" stdout "$long"
+exits "so does Ctrl-C, as a signal" 130 display 80 "$(printf '\003')" "$penumbra" top --interval 60
+exits "top on 120 columns" 0 display 120 q "$penumbra" top --interval 60
+fits "top fits 120 columns" 120
+prints "with bars" stdout "["
+"$penumbra" cancel "$long" >log
+
+# Help and suggestions
+exits "help COMMAND" 0 "$penumbra" help render
+"$penumbra" render --help >wanted
+check "is COMMAND --help" cmp stdout wanted
+exits "help of an unknown command" 2 "$penumbra" help rendr
+prints "names the nearest" stderr 'nearest is "render"'
+exits "a setting as an option" 2 "$penumbra" render builtin:spheres --width 3 -o x.png
+prints "says how to write it" stderr "--set width=VALUE"
+exits "a long option with one dash" 2 "$penumbra" render builtin:spheres -output x.png
+prints "names the option" stderr "unknown option -output, nearest is --output"
+exits "a misspelt one with one dash" 2 "$penumbra" render builtin:spheres -viev x -o x.png
+prints "names the nearest" stderr "nearest is --view"
+# shellcheck disable=SC2086
+exits "one thread" 0 "$penumbra" bench builtin:spheres $small --threads 1 --repeats 1 --warmup 0
+prints "is one thread" stdout "1 thread in the pool"
+finish
