@@ -8,7 +8,7 @@
 #   install-deps.sh --bench   also what the comparisons in tests/bench use
 set -eu
 
-packages="gcc g++ make libc6-dev pkg-config libmicrohttpd-dev libjansson-dev libpng-dev libsqlite3-dev
+packages="gcc g++ make libc6-dev pkg-config libjansson-dev libpng-dev zlib1g-dev libsqlite3-dev
     libzstd-dev libsodium-dev libcurl4-openssl-dev libexpat1-dev check curl ca-certificates jq procps
     python3-minimal python3-yaml python3-jsonschema"
 for option in "$@"; do

@@ -62,7 +62,7 @@ count "$work/out"
 
 # 2. Every header compiles alone, without warnings, with both compilers.
 flags="-std=c11 -D_GNU_SOURCE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Isrc -Iinclude"
-flags="$flags $(pkg-config --cflags jansson libmicrohttpd)"
+flags="$flags $(pkg-config --cflags jansson zlib)"
 git ls-files 'src/*/*.h' 'include/*.h' | grep -E '^(include|src/[a-z]+)/[a-z0-9_]+\.h$' >"$work/headers"
 cat >"$work/alone.sh" <<'EOF'
 name=${1#src/}
@@ -237,7 +237,7 @@ function offence(name) {
 }
 BEGIN {
     all = ARGV[1]
-    split("png.h math.h sqlite3.h jansson.h microhttpd.h expat.h zstd.h sodium.h pthread.h sysexits.h report.md table.md", list, " ")
+    split("png.h math.h sqlite3.h jansson.h zlib.h expat.h zstd.h sodium.h pthread.h sysexits.h report.md table.md", list, " ")
     for (i in list) other[list[i]] = 1
 }' "$work/all" $(cat "$work/files") >"$work/out"
 count "$work/out"

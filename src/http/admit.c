@@ -2,7 +2,8 @@
 /* Admission: a request that can be refused by its request line and header fields is refused before
  * its body is read. The body of a refused request, if it has an allowed size, is still read and
  * discarded, so that a client that writes before it reads gets its answer and keeps its connection.
- * With `Expect: 100-continue`, or with a body over the limit, the answer is sent at once. */
+ * With `Expect: 100-continue`, or with a body over the limit, the answer is sent at once and the
+ * connection closed. */
 #include "http/internal/admit.h"
 
 #include <ctype.h>
@@ -20,30 +21,42 @@
  * 503. */
 enum { INTAKE_BYTES = 256 << 20 };
 
-/* Takes the client's own request id if it can be written into logs safely, else makes one. */
-static void name_request(struct request *request)
+/* Reads a length, or UINT64_MAX if it is larger than that. */
+static bool read_length(const char *text, uint64_t *length)
 {
-    const char *theirs = request->fields.request_id;
-    size_t length = theirs ? strspn(theirs, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                                            "0123456789._-")
-                           : 0;
-    if (length > 0 && length < sizeof request->id && theirs[length] == '\0') {
-        memcpy(request->id, theirs, length + 1);
-        return;
-    }
-    struct pen_http *http = request->http;
-    unsigned n = atomic_fetch_add_explicit(&http->request_count, 1, memory_order_relaxed);
-    snprintf(request->id, sizeof request->id, "%08" PRIx32 "-%06x", http->id_prefix, n);
+    size_t digits = strspn(text, "0123456789");
+    if (digits == 0 || text[digits] != '\0')
+        return false;
+    *length = strtoull(text, NULL, 10);
+    return true;
 }
 
-/* Checks Host and Origin, and fields that could make two servers read one request differently. */
-static bool check_sender(const struct request *request, struct pen_status *st)
+/* Checks how long the body is: whatever two servers could read differently is refused. */
+static bool check_framing(struct request *request, struct pen_status *st)
 {
     const struct fields *fields = &request->fields;
     if (fields->repeated)
         return pen_fail(st, PEN_SYNTAX, "a header field that may be sent only once was repeated");
     if (fields->content_length && fields->transfer_encoding)
         return pen_fail(st, PEN_SYNTAX, "both Content-Length and Transfer-Encoding were sent");
+    if (fields->content_length && !read_length(fields->content_length, &request->declared_bytes))
+        return pen_fail(st, PEN_SYNTAX, "Content-Length is \"%.40s\"; a number is allowed",
+                        fields->content_length);
+    if (!fields->transfer_encoding)
+        return true;
+    if (request->minor == 0)
+        return pen_fail(st, PEN_SYNTAX, "HTTP/1.0 has no Transfer-Encoding");
+    return strcasecmp(fields->transfer_encoding, "chunked") == 0 ||
+           pen_fail(st, PEN_SYNTAX, "Transfer-Encoding is \"%.40s\"; \"chunked\" is allowed",
+                    fields->transfer_encoding);
+}
+
+/* Checks Host and Origin. */
+static bool check_sender(const struct request *request, struct pen_status *st)
+{
+    const struct fields *fields = &request->fields;
+    if (request->minor > 0 && !fields->host)
+        return pen_fail(st, PEN_SYNTAX, "malformed HTTP: there is no Host");
     const char *host = request->target.authority ? request->target.authority : fields->host;
     if (!pen_host_is_loopback(host))
         return pen_fail(st, PEN_FORBIDDEN,
@@ -86,11 +99,10 @@ static bool check_length(struct request *request, struct pen_status *st)
 {
     const struct fields *fields = &request->fields;
     size_t limit = request->http->limits.body_bytes;
-    if (fields->transfer_encoding)
-        return pen_fail(st, PEN_LENGTH, "chunked bodies are not accepted; send Content-Length");
-    if (!fields->content_length)
+    if (!fields->content_length && !fields->transfer_encoding)
         return !request->route->takes_body ||
-               pen_fail(st, PEN_LENGTH, "a body with Content-Length is required here");
+               pen_fail(st, PEN_LENGTH,
+                        "a body is required here, with Content-Length or in chunks");
     if (request->declared_bytes > limit)
         return pen_fail(st, PEN_TOO_LARGE, "the body has %" PRIu64 " bytes, %zu are allowed",
                         request->declared_bytes, limit);
@@ -126,35 +138,29 @@ static bool check_drain(const struct request *request, struct pen_status *st)
     return true;
 }
 
-/* How much of a refused request's body is read and dropped. Without that the connection would be
- * closed with unread bytes, which resets it: a client that is still sending may lose its answer. */
-static uint64_t discard_max(const struct request *request)
-{
-    return 2 * (uint64_t)request->http->limits.body_bytes;
-}
-
-/* Whether to read and discard the body of a refused request. The length of a chunked body is not
- * known yet; pen_http_request_receive bounds it. */
+/* Whether to read and discard the body of a refused request, so that the next request can follow.
+ * The length of a chunked body is not known yet; pen_http_request_receive bounds it. */
 static bool wants_discard(const struct request *request)
 {
-    const struct fields *fields = &request->fields;
-    bool waits = fields->expect && strcasecmp(fields->expect, "100-continue") == 0;
-    if (fields->repeated || waits)
-        return false;
-    if (fields->transfer_encoding)
-        return !fields->content_length && strcasecmp(fields->transfer_encoding, "chunked") == 0;
-    return fields->content_length && request->declared_bytes <= discard_max(request);
+    return !request->close && !pen_http_request_waits(request) &&
+           (request->declared_bytes > 0 || request->fields.transfer_encoding) &&
+           request->declared_bytes <= request->http->limits.body_bytes;
+}
+
+bool pen_http_request_waits(const struct request *request)
+{
+    const char *expect = request->fields.expect;
+    return expect && request->minor > 0 && strcasecmp(expect, "100-continue") == 0;
 }
 
 void pen_http_request_admit(struct request *request)
 {
     struct pen_status st;
     char allow[ALLOW_BYTES] = "";
-    request->head = strcmp(request->method, "HEAD") == 0;
-    name_request(request);
-    if (request->fields.content_length)
-        request->declared_bytes = strtoull(request->fields.content_length, NULL, 10);
-    bool ok = pen_target_parse(request->raw_target, &request->target, &st) &&
+    if (request->phase == PHASE_ANSWERED)
+        return;
+    bool framed = check_framing(request, &st);
+    bool ok = framed && pen_target_parse(request->raw_target, &request->target, &st) &&
               check_sender(request, &st) && find_route(request, allow, &st) &&
               check_length(request, &st) && check_media(request, &st) && check_drain(request, &st);
     if (ok) {
@@ -162,19 +168,33 @@ void pen_http_request_admit(struct request *request)
         return;
     }
     request->route = NULL;
+    request->close = request->close || !framed;
     pen_http_request_fail(request, &st);
     if (allow[0])
         pen_http_reply_field(&request->reply, "Allow", "%s", allow);
     request->phase = wants_discard(request) ? PHASE_DISCARD : PHASE_ANSWERED;
 }
 
+/* Answers a request in the middle of its body; the rest of it is read and dropped. */
+static void refuse_body(struct request *request, const struct pen_status *st)
+{
+    pen_http_request_drop_body(request);
+    pen_http_request_fail(request, st);
+    request->phase = PHASE_DISCARD;
+}
+
 bool pen_http_request_receive(struct request *request, const char *data, size_t bytes)
 {
+    struct pen_status st;
+    size_t limit = request->http->limits.body_bytes;
     request->received_bytes += bytes;
-    const bool dropped = request->phase == PHASE_DISCARD;
-    if (request->received_bytes >
-        (dropped ? discard_max(request) : request->http->limits.body_bytes))
+    if (request->received_bytes > limit) {
+        pen_fail(&st, PEN_TOO_LARGE, "the body has more than the %zu bytes that are allowed",
+                 limit);
+        if (request->phase == PHASE_BODY)
+            refuse_body(request, &st);
         return false;
+    }
     if (request->phase != PHASE_BODY || !request->route->takes_body)
         return true;
     atomic_size_t *intake = &request->http->intake_bytes;
@@ -183,10 +203,7 @@ bool pen_http_request_receive(struct request *request, const char *data, size_t 
     if (fits)
         return true;
     atomic_fetch_sub_explicit(intake, bytes, memory_order_relaxed);
-    pen_http_request_drop_body(request);
-    struct pen_status st;
     pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for this body now; try again later");
-    pen_http_request_fail(request, &st);
-    request->phase = PHASE_DISCARD;
+    refuse_body(request, &st);
     return true;
 }

@@ -6,8 +6,8 @@
 #include <pthread.h>
 #include <stdlib.h>
 
+#include "http/internal/loop.h"
 #include "http/internal/request.h"
-#include "http/internal/suspend.h"
 #include "jobs/jobs.h"
 
 enum {

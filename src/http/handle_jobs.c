@@ -119,13 +119,13 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs,
         result = pen_http_watch_add(http->watch, request, changes);
     /* A request that the watcher has accepted must not be touched here any more. Where the request
      * has made the job, being unable to wait for it is no failure. */
-    const bool full = result == WATCH_FULL && !request->route->handle_again;
-    if (result == WATCH_CLOSED || (result == WATCH_FULL && !full))
+    const bool no_place = result == WATCH_FULL || result == WATCH_ADDRESS_FULL;
+    const bool refused = no_place && !request->route->handle_again;
+    if (result == WATCH_CLOSED || (no_place && !refused))
         reply(request, jobs, &snapshot);
     pen_http_snapshot_release(&snapshot);
-    if (full) {
-        pen_fail(&st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
-                 WATCH_MAX);
+    if (refused) {
+        pen_http_watch_fail(http->watch, result, &st);
         return answer_status(request, &st);
     }
     *again = result == WATCH_CHANGED;

@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads and sockets. The acceptor thread accepts connections and gives them to libmicrohttpd,
- * which does not accept any itself, for two reasons:
- *   - To end libmicrohttpd's own accepting is a race between MHD_quiesce_daemon and its threads,
- *     which can end the process.
- *   - MHD_stop_daemon shuts the listening socket down, but the socket belongs to the supervisor.
- *
- * libmicrohttpd's limits are set so high that it never refuses a connection itself: in version
- * 0.9.75 a thread that refuses a connection which another thread added never releases its lock.
- * The acceptor counts connections instead. */
+/* The acceptor thread accepts connections and deals them out to the loops. It accepts always: the
+ * loops close idle connections for new ones (loop.h), so that nobody waits outside. The listening
+ * socket belongs to the supervisor and stays open. */
 #include "http/internal/listener.h"
 
 #include <errno.h>
@@ -16,66 +10,61 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <pthread.h>
-#include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "base/cpu.h"
-#include "base/log.h"
-#include "http/internal/adapter.h"
+#include "http/internal/addresses.h"
+#include "http/internal/http.h"
+#include "http/internal/loop.h"
 
 enum {
-    CONNECTIONS = 1024,
+    CONNECTIONS = 8192,
     SPARE_FILES = 128, /* descriptors for the store and everything else */
-    CONNECTION_BYTES = 64 << 10,
-    THREADS_MAX = 4,
-    ACK_TIMEOUT_MS = 30000,
-    FULL_WAIT_MS = 20 /* before checking again whether a connection may be accepted */
+    LOOPS_MAX = 4,
+    BURST = 64, /* connections that the loops have not looked at yet */
+    IDLE_S = 30,
+    HEAD_S = 10,
+    BODY_S = 10,
+    ACCEPT_AGAIN_MS = 5
 };
+
+/* A host that has vanished closes nothing. Probes find that out on a silent connection, a missing
+ * acknowledgement on one that is sent to; the latter begins with the heartbeat of a stream, 10 s
+ * after the last text at most. */
+enum { PROBE_AFTER_S = 10, PROBE_EVERY_S = 5, UNANSWERED_MS = 15000 };
 
 struct listener {
     struct pen_http *http;
-    struct MHD_Daemon *daemon;
     int listen_fd;
     int stop_fd; /* an eventfd: readable once accepting has to end */
     pthread_t acceptor;
     bool accepting; /* the acceptor thread runs and has to be joined */
-    int connection_max;
-    atomic_int connections; /* accepted and not yet closed. atomic: relaxed, a bound */
+    bool count_loopback, has_trusted;
+    unsigned char trusted[16];
+    int loop_count, next_loop;
+    struct loop *loop[LOOPS_MAX];
 };
 
-static void on_message(void *cls, const char *format, va_list args)
+/* Accepted sockets get the options of the listening one. */
+static void set_options(int fd)
 {
-    (void)cls;
-    char text[300];
-    if (vsnprintf(text, sizeof text, format, args) < 0)
-        return;
-    text[strcspn(text, "\n")] = '\0';
-    pen_log(PEN_LOG_DEBUG, "%s", text);
+    static const struct {
+        int level, name, value;
+    } options[] = {{IPPROTO_TCP, TCP_NODELAY, 1}, /* answers are written whole */
+                   {SOL_SOCKET, SO_KEEPALIVE, 1},
+                   {IPPROTO_TCP, TCP_KEEPIDLE, PROBE_AFTER_S},
+                   {IPPROTO_TCP, TCP_KEEPINTVL, PROBE_EVERY_S},
+                   {IPPROTO_TCP, TCP_USER_TIMEOUT, UNANSWERED_MS}};
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
+        setsockopt(fd, options[i].level, options[i].name, &options[i].value, sizeof(int));
 }
 
-static void on_connection(void *cls, struct MHD_Connection *connection, void **context,
-                          enum MHD_ConnectionNotificationCode code)
-{
-    (void)connection, (void)context;
-    struct listener *listener = cls;
-    if (code == MHD_CONNECTION_NOTIFY_CLOSED)
-        atomic_fetch_sub_explicit(&listener->connections, 1, memory_order_relaxed);
-}
-
-/* Leaves percent-encoding in targets: target.c splits them before it decodes them. */
-static size_t keep_escapes(void *cls, struct MHD_Connection *connection, char *text)
-{
-    (void)cls, (void)connection;
-    return strlen(text);
-}
-
-static void accept_one(struct listener *listener)
+/* Accepts one connection. Returns whether there may be more. */
+static bool accept_one(struct listener *listener)
 {
     struct sockaddr_storage peer;
     socklen_t bytes = sizeof peer;
@@ -84,65 +73,81 @@ static void accept_one(struct listener *listener)
     if (fd < 0) {
         /* Out of descriptors or memory: the connection stays in the backlog. */
         if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM)
-            poll(NULL, 0, FULL_WAIT_MS);
-        return;
+            poll(NULL, 0, ACCEPT_AGAIN_MS);
+        return false;
     }
-    /* A host that has vanished closes nothing: data it does not acknowledge in time ends the
-     * connection. */
-    setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &(unsigned){ACK_TIMEOUT_MS}, sizeof(unsigned));
-    atomic_fetch_add_explicit(&listener->connections, 1, memory_order_relaxed);
-    if (MHD_add_connection(listener->daemon, fd, (struct sockaddr *)&peer, bytes) != MHD_YES)
-        atomic_fetch_sub_explicit(&listener->connections, 1, memory_order_relaxed);
+    struct pen_address_key key = pen_http_address_key(
+        (struct sockaddr *)&peer, listener->has_trusted ? listener->trusted : NULL,
+        listener->count_loopback);
+    pen_http_loop_add(listener->loop[listener->next_loop], fd, &key);
+    listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
+    return true;
+}
+
+/* Whether the loops have kept up with the connections that they were given. */
+static bool loops_keep_up(const struct listener *listener)
+{
+    return atomic_load_explicit(&listener->http->arriving, memory_order_relaxed) < BURST;
 }
 
 static void *accept_all(void *arg)
 {
     struct listener *listener = arg;
     for (;;) {
-        bool below_limit = atomic_load_explicit(&listener->connections, memory_order_relaxed) <
-                           listener->connection_max;
+        bool ready = loops_keep_up(listener);
         struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
                                {.fd = listener->listen_fd, .events = POLLIN}};
-        int n = poll(fds, below_limit ? 2 : 1, below_limit ? -1 : FULL_WAIT_MS);
+        int n = poll(fds, ready ? 2 : 1, ready ? -1 : ACCEPT_AGAIN_MS);
         if (n < 0 && errno != EINTR)
-            poll(NULL, 0, FULL_WAIT_MS); /* the kernel is out of memory */
+            poll(NULL, 0, ACCEPT_AGAIN_MS); /* the kernel is out of memory */
         if (n > 0 && fds[0].revents)
             break;
-        if (n > 0 && fds[1].revents)
-            accept_one(listener);
+        if (n > 0 && ready && fds[1].revents) {
+            for (int i = 0; i < BURST && loops_keep_up(listener) && accept_one(listener); i++)
+                ;
+        }
     }
     return NULL;
 }
 
-static int connection_max(void)
+/* The number of connections that the process has descriptors for. */
+static int connection_max(int wanted)
 {
+    const int others = SPARE_FILES + BURST + RESERVED_SLOTS;
     struct rlimit files;
-    if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= CONNECTIONS + SPARE_FILES)
-        return CONNECTIONS;
-    return files.rlim_cur > 2 * SPARE_FILES ? (int)files.rlim_cur - SPARE_FILES : SPARE_FILES;
+    wanted = wanted > 0 ? wanted : CONNECTIONS;
+    if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= (rlim_t)(wanted + others))
+        return wanted;
+    return files.rlim_cur > (rlim_t)(2 * others) ? (int)files.rlim_cur - others : others / 4;
 }
 
-static struct MHD_Daemon *start_daemon(struct listener *listener, int idle_seconds)
+static bool start_loops(struct listener *listener, int idle_seconds, struct pen_status *st)
 {
+    const int64_t second_ns = INT64_C(1000000000);
+    int idle = idle_seconds > 0 ? idle_seconds : IDLE_S;
+    const struct loop_times times = {.idle_ns = idle * second_ns,
+                                     .head_ns = (idle < HEAD_S ? idle : HEAD_S) * second_ns,
+                                     .body_ns = (idle < BODY_S ? idle : BODY_S) * second_ns};
     int cpus = pen_cpu_count();
-    unsigned threads = cpus < 2 ? 2 : cpus > THREADS_MAX ? THREADS_MAX : (unsigned)cpus;
-    unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC |
-                     MHD_USE_ERROR_LOG | MHD_USE_NO_LISTEN_SOCKET;
-    /* One thread may get all connections, and those that are being closed still count: twice as
-     * many. */
-    unsigned limit = threads * 2 * CONNECTIONS;
-    return MHD_start_daemon(
-        flags, 0, NULL, NULL, pen_http_adapter_on_access, listener->http,
-        MHD_OPTION_EXTERNAL_LOGGER, on_message, NULL, MHD_OPTION_THREAD_POOL_SIZE, threads,
-        MHD_OPTION_CONNECTION_LIMIT, limit, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)idle_seconds,
-        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_BYTES, MHD_OPTION_STRICT_FOR_CLIENT,
-        1, MHD_OPTION_URI_LOG_CALLBACK, pen_http_adapter_on_line, listener->http,
-        MHD_OPTION_UNESCAPE_CALLBACK, keep_escapes, NULL, MHD_OPTION_NOTIFY_COMPLETED,
-        pen_http_adapter_on_completed, listener->http, MHD_OPTION_NOTIFY_CONNECTION, on_connection,
-        listener, MHD_OPTION_END);
+    int count = cpus < 2 ? 2 : cpus > LOOPS_MAX ? LOOPS_MAX : cpus;
+    while (listener->loop_count < count) {
+        struct loop *loop = pen_http_loop_start(listener->http, &times, st);
+        if (!loop)
+            return false;
+        listener->loop[listener->loop_count++] = loop;
+    }
+    return true;
 }
 
-struct listener *pen_http_listener_start(struct pen_http *http, int listen_fd, int idle_seconds,
+/* Another process may accept the connection that poll() announced: accept must not block. */
+static bool make_nonblocking(int fd)
+{
+    int flags = fcntl(fd, F_GETFL);
+    return flags >= 0 && fcntl(fd, F_SETFL, flags | O_NONBLOCK) == 0;
+}
+
+struct listener *pen_http_listener_start(struct pen_http *http,
+                                         const struct pen_http_options *options,
                                          struct pen_status *st)
 {
     struct listener *listener = calloc(1, sizeof *listener);
@@ -151,17 +156,18 @@ struct listener *pen_http_listener_start(struct pen_http *http, int listen_fd, i
         return NULL;
     }
     *listener = (struct listener){.http = http,
-                                  .listen_fd = listen_fd,
+                                  .listen_fd = options->listen_fd,
                                   .stop_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK),
-                                  .connection_max = connection_max()};
-    /* Another process may accept the connection that poll() announced: accept must not block. */
-    int flags = fcntl(listen_fd, F_GETFL);
-    if (flags >= 0 && fcntl(listen_fd, F_SETFL, flags | O_NONBLOCK) == 0 && listener->stop_fd >= 0)
-        listener->daemon = start_daemon(listener, idle_seconds);
-    if (listener->daemon)
+                                  .count_loopback = options->count_loopback};
+    listener->has_trusted =
+        options->trusted_proxy && pen_http_address_parse(options->trusted_proxy, listener->trusted);
+    http->connection_max = connection_max(options->connections);
+    set_options(options->listen_fd);
+    bool ok = (make_nonblocking(options->listen_fd) && listener->stop_fd >= 0) ||
+              pen_fail(st, PEN_UNAVAILABLE, "the HTTP server does not start");
+    if (ok && start_loops(listener, options->idle_seconds, st))
         return listener;
     pen_http_listener_stop(listener);
-    pen_fail(st, PEN_UNAVAILABLE, "the HTTP server does not start");
     return NULL;
 }
 
@@ -185,8 +191,8 @@ void pen_http_listener_stop(struct listener *listener)
     if (!listener)
         return;
     pen_http_listener_stop_accepting(listener);
-    if (listener->daemon)
-        MHD_stop_daemon(listener->daemon);
+    for (int i = 0; i < listener->loop_count; i++)
+        pen_http_loop_stop(listener->loop[i]);
     if (listener->stop_fd >= 0)
         close(listener->stop_fd);
     free(listener);

@@ -2,24 +2,116 @@
 /* Making, answering and freeing a request. */
 #include "http/internal/request.h"
 
+#include <inttypes.h>
+#include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/clock.h"
 #include "http/internal/http.h"
+#include "http/wire.h"
 #include "jobs/jobs.h"
 
-struct request *pen_http_request_new(struct pen_http *http, const char *raw_target)
+/* The header fields that the server reads. */
+static const struct {
+    const char *name;
+    size_t offset;
+    bool single; /* a request that has the field twice is refused */
+} read_fields[] = {
+    {.name = "Host", .offset = offsetof(struct fields, host), .single = true},
+    {.name = "Content-Length", .offset = offsetof(struct fields, content_length), .single = true},
+    {.name = "Transfer-Encoding",
+     .offset = offsetof(struct fields, transfer_encoding),
+     .single = true},
+    {.name = "Content-Type", .offset = offsetof(struct fields, content_type), .single = true},
+    {.name = "Content-Encoding",
+     .offset = offsetof(struct fields, content_encoding),
+     .single = true},
+    {.name = "Idempotency-Key", .offset = offsetof(struct fields, idempotency_key), .single = true},
+    {.name = "If-None-Match", .offset = offsetof(struct fields, if_none_match)},
+    {.name = "Range", .offset = offsetof(struct fields, range)},
+    {.name = "If-Range", .offset = offsetof(struct fields, if_range)},
+    {.name = "Origin", .offset = offsetof(struct fields, origin), .single = true},
+    {.name = "X-Request-Id", .offset = offsetof(struct fields, request_id)},
+    {.name = "Expect", .offset = offsetof(struct fields, expect)},
+    {.name = "Last-Event-ID", .offset = offsetof(struct fields, last_event_id)},
+    {.name = "Accept", .offset = offsetof(struct fields, accept)},
+    {.name = "Accept-Encoding", .offset = offsetof(struct fields, accept_encoding)},
+    {.name = "Connection", .offset = offsetof(struct fields, connection)},
+};
+
+/* Keeps the value of a header field that the server reads; notes a repeated one. */
+static void read_field(struct fields *fields, const struct pen_head_field *sent)
+{
+    for (size_t i = 0; i < sizeof read_fields / sizeof read_fields[0]; i++) {
+        if (strcasecmp(sent->name, read_fields[i].name) != 0)
+            continue;
+        const char **field = (const char **)((char *)fields + read_fields[i].offset);
+        if (*field)
+            fields->repeated = fields->repeated || read_fields[i].single;
+        else
+            *field = sent->value;
+    }
+}
+
+/* Takes the client's own request id if it can be written into logs safely, else makes one. */
+static void name_request(struct request *request)
+{
+    const char *theirs = request->fields.request_id;
+    size_t length = theirs ? strspn(theirs, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                            "0123456789._-")
+                           : 0;
+    if (length > 0 && length < sizeof request->id && theirs[length] == '\0') {
+        memcpy(request->id, theirs, length + 1);
+        return;
+    }
+    struct pen_http *http = request->http;
+    unsigned n = atomic_fetch_add_explicit(&http->request_count, 1, memory_order_relaxed);
+    snprintf(request->id, sizeof request->id, "%08" PRIx32 "-%06x", http->id_prefix, n);
+}
+
+static void read_head(struct request *request, size_t bytes)
+{
+    struct pen_head head;
+    struct pen_status st;
+    int refused = pen_head_parse(request->text, bytes, &head, &st);
+    for (int i = 0; i < head.field_count; i++)
+        read_field(&request->fields, &head.field[i]);
+    name_request(request);
+    if (refused) {
+        pen_http_request_refuse(request, refused, &st);
+        return;
+    }
+    request->raw_target = head.target;
+    request->method = head.method;
+    request->minor = head.minor;
+    request->head = strcmp(head.method, "HEAD") == 0;
+}
+
+struct request *pen_http_request_new(struct pen_http *http, const char *head, size_t bytes)
 {
     struct request *request = calloc(1, sizeof *request);
-    if (!request)
-        return NULL;
-    request->http = http;
-    request->begun_ns = pen_clock_ns();
-    request->raw_target = strdup(raw_target);
-    if (!request->raw_target) {
+    char *text = malloc(bytes + 1);
+    if (!request || !text) {
         free(request);
+        free(text);
         return NULL;
+    }
+    if (bytes > 0)
+        memcpy(text, head, bytes);
+    *request = (struct request){.http = http,
+                                .begun_ns = pen_clock_ns(),
+                                .text = text,
+                                .raw_target = "-",
+                                .method = "-",
+                                .minor = 1};
+    if (bytes > 0) {
+        read_head(request, bytes);
+    } else {
+        name_request(request);
+        request->phase = PHASE_ANSWERED;
     }
     return request;
 }
@@ -31,7 +123,7 @@ void pen_http_request_free(struct request *request)
     pen_http_request_drop_body(request);
     pen_http_reply_release(&request->reply);
     pen_target_release(&request->target);
-    free(request->raw_target);
+    free(request->text);
     free(request);
 }
 
@@ -40,6 +132,16 @@ void pen_http_request_drop_body(struct request *request)
     atomic_fetch_sub_explicit(&request->http->intake_bytes, request->body.bytes,
                               memory_order_relaxed);
     pen_buf_release(&request->body);
+}
+
+void pen_http_request_refuse(struct request *request, int http_status, const struct pen_status *st)
+{
+    json_t *problem = pen_problem(st);
+    if (problem)
+        json_object_set_new(problem, "status", json_integer(http_status));
+    pen_http_reply_problem(&request->reply, problem, request->id);
+    request->phase = PHASE_ANSWERED;
+    request->close = true;
 }
 
 void pen_http_request_fail(struct request *request, const struct pen_status *st)

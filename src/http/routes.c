@@ -7,6 +7,7 @@
 
 #include "base/utf8.h"
 #include "http/internal/handlers.h"
+#include "http/internal/request.h"
 #include "http/server.h"
 #include "io/scene_json.h"
 #include "render/layers.h"
@@ -43,12 +44,14 @@ static const struct route table[] = {
      .path = "/v1/jobs",
      .handle = pen_http_handle_list,
      .queue = QUEUE_STORE,
+     .is_short = true,
      .params = list_params},
     {.method = "GET",
      .path = "/v1/jobs/{id}",
      .handle = pen_http_handle_job,
      .quick = pen_http_quick_job,
      .queue = QUEUE_STORE,
+     .is_short = true,
      .params = job_params},
     {.method = "DELETE",
      .path = "/v1/jobs/{id}",
@@ -84,7 +87,8 @@ static const struct route table[] = {
     {.method = "POST",
      .path = "/v1/jobs/{id}/cancel",
      .handle = pen_http_handle_cancel,
-     .queue = QUEUE_STORE},
+     .queue = QUEUE_STORE,
+     .is_short = true},
     {.method = "POST",
      .path = "/v1/validate",
      .handle = pen_http_handle_validate,
@@ -103,8 +107,12 @@ static const struct route table[] = {
      .path = "/v1/workers",
      .handle = pen_http_handle_workers,
      .queue = QUEUE_STORE},
-    {.method = "GET", .path = "/healthz", .handle = pen_http_handle_healthz},
-    {.method = "GET", .path = "/readyz", .handle = pen_http_handle_readyz, .queue = QUEUE_STORE},
+    {.method = "GET", .path = "/healthz", .handle = pen_http_handle_healthz, .is_short = true},
+    {.method = "GET",
+     .path = "/readyz",
+     .handle = pen_http_handle_readyz,
+     .queue = QUEUE_STORE,
+     .is_short = true},
     {.method = "GET", .path = "/openapi.yaml", .handle = pen_http_handle_api_file},
     {.method = "GET", .path = "/scene.schema.json", .handle = pen_http_handle_api_file},
 };
@@ -242,8 +250,9 @@ bool pen_http_route_check_params(const struct route *route, const struct pen_tar
     return true;
 }
 
-enum queue_id pen_http_route_queue(const struct route *route, const struct pen_target *target)
+enum queue_id pen_http_route_queue(const struct route *route, const struct request *request)
 {
+    const struct pen_target *target = &request->target;
     if (route->handle != pen_http_handle_image)
         return route->queue;
     const char *layer = pen_target_param(target, "layer");

@@ -22,7 +22,7 @@
 #include "http/internal/watch.h"
 #include "jobs/jobs.h"
 
-enum { STORE_THREADS = 4, COMPUTE_THREADS = 2, IDLE_SECONDS = 30, HEARTBEAT_MS = 10000 };
+enum { STORE_THREADS = 4, COMPUTE_THREADS = 2, HEARTBEAT_MS = 10000, WAITING_PER_ADDRESS = 32 };
 static const int64_t finish_max_ns = INT64_C(1500000000);
 
 /* Frees the server and those of its parts that exist. No connection may be open. */
@@ -34,7 +34,6 @@ static void release(struct pen_http *http)
     pen_http_streams_free(http->streams);
     pen_http_static_files_free(http->static_files);
     pthread_mutex_destroy(&http->ready_lock);
-    pthread_mutex_destroy(&http->suspend_lock);
     free(http);
 }
 
@@ -44,7 +43,9 @@ static bool start_threads(struct pen_http *http, const struct pen_http_options *
     struct pen_jobs *jobs = pen_jobs_open(options->store_url, &http->limits, st);
     if (!jobs)
         return false;
-    http->watch = pen_http_watch_start(http, jobs, st);
+    int address_max = options->waiting_per_address;
+    address_max = address_max > 0 ? address_max : WAITING_PER_ADDRESS;
+    http->watch = pen_http_watch_start(http, jobs, address_max, st);
     if (!http->watch)
         return false;
     const struct executor_options executor = {
@@ -85,10 +86,8 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     http->limits = options->limits;
     http->id_prefix = randombytes_random();
     pthread_mutex_init(&http->ready_lock, NULL);
-    pthread_mutex_init(&http->suspend_lock, NULL);
-    int idle = options->idle_seconds > 0 ? options->idle_seconds : IDLE_SECONDS;
     bool ok = prepare(http, options->heartbeat_ms, st) && start_threads(http, options, st) &&
-              (http->listener = pen_http_listener_start(http, options->listen_fd, idle, st)) &&
+              (http->listener = pen_http_listener_start(http, options, st)) &&
               pen_http_listener_accept(http->listener, st);
     if (ok)
         return http;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The HTTP server of the api process: libmicrohttpd in front of the room jobs. There is one route
- * table; api/openapi.yaml defines every route's method, path, parameters and answers, and a test
- * compares the two. Nothing blocks in a libmicrohttpd callback: work on the store runs on a few
- * threads of its own while the connection is suspended. README.md lists the files and threads. */
+/* The HTTP server of the api process, in front of the room jobs. There is one route table;
+ * api/openapi.yaml defines every route's method, path, parameters and answers, and a test compares
+ * the two. Connections are served by a few threads that never block: work on the store runs on
+ * threads of its own. README.md lists the files and threads. */
 #ifndef PEN_HTTP_SERVER_H
 #define PEN_HTTP_SERVER_H
 
@@ -17,8 +17,13 @@ struct pen_http_options {
     const char *store_url;
     struct pen_limits limits;
     int store_threads; /* 0: 4 */
-    int idle_seconds;  /* time after which an idle connection is closed; 0: 30 */
-    int heartbeat_ms;  /* time after which a silent event stream gets a heartbeat; 0: 10 s */
+    int idle_seconds;  /* time after which an idle connection is closed; 0: 30. The times for a head
+                        * and for the beginning of a body are 10 s, and not longer than this */
+    int connections;   /* open at once; 0: 8192. Not more than the process may open files */
+    int waiting_per_address;   /* long polls of one client's address, and streams; 0: 32 */
+    const char *trusted_proxy; /* a numeric address whose requests are not counted; NULL: none */
+    bool count_loopback;       /* count the requests of loopback addresses too */
+    int heartbeat_ms; /* time after which a silent event stream gets a heartbeat; 0: 10 s */
 };
 
 struct pen_http;

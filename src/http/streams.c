@@ -5,7 +5,7 @@
  *   2. write_update, without it: each text, from the store;
  *   3. deliver, under the lock: the texts to the streams, without those that closed meanwhile.
  *
- * Order of locks: the streams' lock, then pen_http.suspend_lock (in pen_http_resume). */
+ * Order of locks: the streams' lock, then that of a loop (in pen_http_resume). */
 #include "http/internal/streams.h"
 
 #include <pthread.h>
@@ -14,9 +14,9 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "http/internal/loop.h"
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
-#include "http/internal/suspend.h"
 
 struct stream {
     struct streams *streams;
@@ -168,8 +168,8 @@ uint64_t pen_http_stream_close(struct stream *stream)
     return total;
 }
 
-/* Gives a waiting stream a text. A stream that waits has sent its first text, so its request has
- * been answered and its connection may be resumed. Called with the lock held. */
+/* Gives a waiting stream a text. A stream that waits has sent its first text, so its request is
+ * no longer with a store thread and may be resumed. Called with the lock held. */
 static void send_text(struct stream *stream, struct blob *text, int64_t now_ns)
 {
     stream->text = pen_http_blob_ref(text);

@@ -12,12 +12,13 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "http/internal/conn.h"
 #include "http/internal/executor.h"
 #include "http/internal/http.h"
+#include "http/internal/loop.h"
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/streams.h"
-#include "http/internal/suspend.h"
 #include "jobs/jobs.h"
 
 enum {
@@ -37,8 +38,10 @@ struct watch {
     struct request *list; /* guarded by lock */
     int count;            /* guarded by lock: long polls, in the list or being checked */
     int streams;          /* guarded by lock: open event streams */
-    uint32_t seen;        /* guarded by lock: the change counter at the last check */
-    bool closed;          /* guarded by lock */
+    int address_max;      /* polls of one address, and streams */
+    struct addresses polling, streaming; /* guarded by lock */
+    uint32_t seen;                       /* guarded by lock: the change counter at the last check */
+    bool closed;                         /* guarded by lock */
 };
 
 uint32_t pen_http_watch_changes(struct watch *watch)
@@ -75,6 +78,7 @@ static struct request *take_requests(struct watch *watch, bool all, int64_t now)
         struct request *request = *link;
         if (all || request->deadline_ns <= now) {
             *link = request->next;
+            request->watched = false;
             request->next = taken;
             taken = request;
         } else {
@@ -82,6 +86,21 @@ static struct request *take_requests(struct watch *watch, bool all, int64_t now)
         }
     }
     return taken;
+}
+
+/* Puts a request into the list. Called with the lock held. */
+static void enlist(struct watch *watch, struct request *request)
+{
+    request->watched = true;
+    request->next = watch->list;
+    watch->list = request;
+}
+
+/* Counts a request no more that has left the list. Called with the lock held. */
+static void forget(struct watch *watch, struct request *request)
+{
+    watch->count--;
+    pen_http_addresses_give(&watch->polling, &request->conn->address);
 }
 
 /* Gives a request whose wait is over to the connection, or to its handler. */
@@ -106,12 +125,11 @@ static void check_requests(struct watch *watch, struct request *taken, uint32_t 
         bool late = closing || taken->deadline_ns <= pen_clock_ns();
         bool answered = answer(watch, taken, changes, late);
         pthread_mutex_lock(&watch->lock);
-        if (answered) {
-            watch->count--;
-        } else {
-            taken->next = watch->list;
-            watch->list = taken;
-        }
+        answered = answered || taken->gone;
+        if (answered)
+            forget(watch, taken);
+        else
+            enlist(watch, taken);
         pthread_mutex_unlock(&watch->lock);
         if (answered)
             pass_on(watch, taken);
@@ -187,7 +205,7 @@ static void *run(void *arg)
     return NULL;
 }
 
-struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
+struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs, int address_max,
                                    struct pen_status *st)
 {
     struct watch *watch = calloc(1, sizeof *watch);
@@ -196,7 +214,7 @@ struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
         pen_fail(st, PEN_NO_MEMORY, "no memory for the watcher");
         return NULL;
     }
-    *watch = (struct watch){.http = http, .jobs = jobs};
+    *watch = (struct watch){.http = http, .jobs = jobs, .address_max = address_max};
     pthread_mutex_init(&watch->lock, NULL);
     pthread_cond_init(&watch->filled, NULL);
     watch->seen = pen_http_watch_changes(watch);
@@ -226,21 +244,43 @@ void pen_http_watch_free(struct watch *watch)
     free(watch);
 }
 
+bool pen_http_watch_fail(const struct watch *watch, enum watch_result result, struct pen_status *st)
+{
+    if (result == WATCH_ADDRESS_FULL)
+        return pen_fail(st, PEN_QUOTA,
+                        "%d requests of your address are waiting already; try again later",
+                        watch->address_max);
+    if (result == WATCH_FULL)
+        return pen_fail(st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
+                        WATCH_MAX);
+    return pen_fail(st, PEN_UNAVAILABLE, "the daemon is stopping");
+}
+
+/* Whether one request more may wait, of `count` of its kind; if so, counts its address. Called with
+ * the lock held. */
+static enum watch_result take_place(struct watch *watch, int count, struct addresses *addresses,
+                                    const struct pen_address_key *address)
+{
+    if (watch->closed)
+        return WATCH_CLOSED;
+    if (count >= WATCH_MAX)
+        return WATCH_FULL;
+    return pen_http_addresses_take(addresses, address, watch->address_max) ? WATCH_ACCEPTED
+                                                                           : WATCH_ADDRESS_FULL;
+}
+
 enum watch_result pen_http_watch_add(struct watch *watch, struct request *request, uint32_t changes)
 {
-    enum watch_result result = WATCH_ACCEPTED;
     pthread_mutex_lock(&watch->lock);
     if (!watch->count && !watch->streams)
         watch->seen = changes; /* no other request waited, so no check was due before this one */
-    if (watch->closed)
+    enum watch_result result = WATCH_CHANGED;
+    if (request->gone)
         result = WATCH_CLOSED;
-    else if (watch->count + watch->streams >= WATCH_MAX)
-        result = WATCH_FULL;
-    else if ((int32_t)(changes - watch->seen) < 0)
-        result = WATCH_CHANGED;
+    else if (watch->closed || (int32_t)(changes - watch->seen) >= 0)
+        result = take_place(watch, watch->count, &watch->polling, &request->conn->address);
     if (result == WATCH_ACCEPTED) {
-        request->next = watch->list;
-        watch->list = request;
+        enlist(watch, request);
         watch->count++;
         pthread_cond_signal(&watch->filled);
     }
@@ -248,24 +288,41 @@ enum watch_result pen_http_watch_add(struct watch *watch, struct request *reques
     return result;
 }
 
-enum watch_result pen_http_watch_add_stream(struct watch *watch)
+bool pen_http_watch_abandon(struct watch *watch, struct request *request)
 {
-    enum watch_result result = WATCH_ACCEPTED;
     pthread_mutex_lock(&watch->lock);
-    if (watch->closed)
-        result = WATCH_CLOSED;
-    else if (watch->count + watch->streams >= WATCH_MAX)
-        result = WATCH_FULL;
-    else if (watch->streams++ == 0)
+    request->gone = true;
+    bool taken = request->watched && !request->route->handle_again;
+    if (taken) {
+        struct request **link = &watch->list;
+        while (*link != request)
+            link = &(*link)->next;
+        *link = request->next;
+        request->watched = false;
+        forget(watch, request);
+    } else if (request->watched) {
+        request->deadline_ns = 0; /* its handler is called once more, at the next check */
+    }
+    pthread_mutex_unlock(&watch->lock);
+    return taken;
+}
+
+enum watch_result pen_http_watch_add_stream(struct watch *watch,
+                                            const struct pen_address_key *address)
+{
+    pthread_mutex_lock(&watch->lock);
+    enum watch_result result = take_place(watch, watch->streams, &watch->streaming, address);
+    if (result == WATCH_ACCEPTED && watch->streams++ == 0)
         pthread_cond_signal(&watch->filled);
     pthread_mutex_unlock(&watch->lock);
     return result;
 }
 
-void pen_http_watch_remove_stream(struct watch *watch)
+void pen_http_watch_remove_stream(struct watch *watch, const struct pen_address_key *address)
 {
     pthread_mutex_lock(&watch->lock);
     watch->streams--;
+    pen_http_addresses_give(&watch->streaming, address);
     pthread_mutex_unlock(&watch->lock);
 }
 

@@ -147,7 +147,7 @@ for line in ask("GET", f"/v1/jobs/{done}/events").content.decode().splitlines():
     if line.startswith("id: "):
         known["Last_Event_ID"] = line[4:]
 body_samples = [
-    ("400", "", {"body": "{"}), ("411", "", {}), ("411", "", {"chunked": True}),
+    ("400", "", {"body": "{"}), ("411", "", {}), ("422", "", {"chunked": True}),
     ("413", "", {"body": '{"scene": "builtin:spheres", "render": {"width": 60000, "height": 60000}}'}),
     ("415", "", {"body": "x", "Content_Type": "text/plain"}),
     ("400", "", {"body": "<scene>"}), ("422", "", {"body": "<fog/>", "Content_Type": "text/xml"}),

@@ -65,18 +65,22 @@ END
 # Bodies: length, type, size.
 call /v1/jobs -X POST
 expect_problem no-length 411
-call /v1/jobs -H 'Transfer-Encoding: chunked' -d '{}'
-expect_problem chunked 411
+call /v1/jobs -H 'Transfer-Encoding: chunked' -d "$small"
+expect chunked "$status" 202
 call /v1/validate -H 'Transfer-Encoding: chunked' -d '{}'
-expect_problem chunked-validate 411
+expect_problem chunked-validate 422
 call /v1/jobs -X GET -H 'Transfer-Encoding: chunked' -d '{}'
-expect_problem chunked-get 411
+expect chunked-get "$status" 200
+call /v1/jobs -H 'Transfer-Encoding: gzip' -H 'Content-Length:' -d '{}'
+expect_problem coded-transfer 400 '*Transfer-Encoding*chunked*'
 head -c 16777217 /dev/zero >"$work/big"
 call /v1/jobs --data-binary "@$work/big"
 expect_problem too-large 413 '*16777217*16777216*'
 expect too-large-was-not-sent "$(curl -s -o /dev/null -w '%{size_upload}' --data-binary "@$work/big" "$url/v1/jobs")" 0
 call /v1/jobs -H 'Expect:' --data-binary "@$work/big"
 expect_problem too-large-without-asking 413
+call /v1/jobs -H 'Transfer-Encoding: chunked' -H 'Expect:' --data-binary "@$work/big"
+expect_problem too-large-in-chunks 413 '*16777216*'
 call /v1/validate --data-binary "@$work/big"
 expect_problem too-large-to-validate 413
 call "$none" -X DELETE -H 'Expect:' --data-binary "@$work/big"

@@ -404,26 +404,25 @@ static void allow_many_files(void)
     ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &files), 0);
 }
 
-/* Opens streams and long polls in turn. */
-static void fill_waiters(int fds[WAITERS_MAX])
+static void open_waiters(int fds[WAITERS_MAX], const char *what)
 {
     char text[200];
+    snprintf(text, sizeof text, "GET %s%s HTTP/1.1\r\nHost: localhost\r\n\r\n", path, what);
     for (int i = 0; i < WAITERS_MAX; i++) {
         fds[i] = server_connect(&server);
-        snprintf(text, sizeof text, "GET %s%s HTTP/1.1\r\nHost: localhost\r\n\r\n", path,
-                 i % 2 ? "/events" : "?wait=60");
         ck_assert(client_send(fds[i], text));
     }
 }
 
-START_TEST(test_events__share_a_limit_with_polls_and_release_it)
+START_TEST(test_events__have_a_limit_of_their_own_and_release_it)
 {
     allow_many_files();
-    static int fds[WAITERS_MAX];
+    static int fds[WAITERS_MAX], polls[WAITERS_MAX];
     struct answer answer;
     char head[160], text[32];
     set_up(some_batches, 100);
-    fill_waiters(fds);
+    open_waiters(polls, "?wait=60");
+    open_waiters(fds, "/events");
     pause_ms(1000);
     snprintf(head, sizeof head, "GET %s/events HTTP/1.1", path);
     server_ask(&server, head, NULL, &answer);
@@ -431,7 +430,7 @@ START_TEST(test_events__share_a_limit_with_polls_and_release_it)
     ck_assert_str_ne(answer_field(&answer, "Retry-After", text, sizeof text), "");
     answer_release(&answer);
     ck_assert_int_eq(status_of("GET /v1/jobs HTTP/1.1"), 200);
-    for (int i = 1; i < WAITERS_MAX; i += 2)
+    for (int i = 0; i < WAITERS_MAX; i++)
         close(fds[i]); /* the streams disconnect, the polls stay */
     static struct client client;
     int64_t begun = pen_clock_ns();
@@ -449,8 +448,8 @@ START_TEST(test_events__share_a_limit_with_polls_and_release_it)
     ck_assert_int_eq(status, 200);
     open_stream(&client, NULL);
     read_job_events(&client, 1);
-    for (int i = 0; i < WAITERS_MAX; i += 2)
-        close(fds[i]);
+    for (int i = 0; i < WAITERS_MAX; i++)
+        close(polls[i]);
     close_stream(&client);
     tear_down();
 }
@@ -503,5 +502,5 @@ PEN_SUITE("events", test_events__follow_a_job_from_queue_to_end,
           test_events__unusable_ids_begin_anew_and_the_last_id_ends,
           test_events__many_missed_events_come_in_several_texts,
           test_events__silent_streams_get_heartbeats,
-          test_events__share_a_limit_with_polls_and_release_it, test_events__reach_all_clients,
+          test_events__have_a_limit_of_their_own_and_release_it, test_events__reach_all_clients,
           test_events__end_when_the_server_stops)

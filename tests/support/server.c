@@ -53,7 +53,11 @@ void server_start(struct server *server, const struct server_options *options)
                                     .store_url = server->store,
                                     .limits = pen_limits_default(),
                                     .idle_seconds = options->idle_seconds,
-                                    .heartbeat_ms = options->heartbeat_ms};
+                                    .heartbeat_ms = options->heartbeat_ms,
+                                    .connections = options->connections,
+                                    .waiting_per_address = options->waiting_per_address,
+                                    .trusted_proxy = options->trusted_proxy,
+                                    .count_loopback = options->waiting_per_address > 0};
     if (options->body_bytes)
         http.limits.body_bytes = options->body_bytes;
     server->http = pen_http_start(&http, &st);
@@ -86,6 +90,12 @@ void server_stop(struct server *server)
 
 int server_connect(const struct server *server)
 {
+    return server_connect_from(server, "127.0.0.1");
+}
+
+int server_connect_from(const struct server *server, const char *from)
+{
+    struct sockaddr_in own = {.sin_family = AF_INET};
     struct sockaddr_in address = {.sin_family = AF_INET,
                                   .sin_port = htons((uint16_t)server->port),
                                   .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
@@ -94,6 +104,8 @@ int server_connect(const struct server *server)
     ck_assert_int_ge(fd, 0);
     setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+    ck_assert_int_eq(inet_pton(AF_INET, from, &own.sin_addr), 1);
+    ck_assert_int_eq(bind(fd, (struct sockaddr *)&own, sizeof own), 0);
     ck_assert_int_eq(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
     return fd;
 }

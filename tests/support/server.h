@@ -21,10 +21,14 @@ struct server {
 };
 
 struct server_options {
-    bool worker;       /* whether jobs get rendered */
-    int idle_seconds;  /* as pen_http_options */
-    int heartbeat_ms;  /* as pen_http_options */
-    size_t body_bytes; /* the limit; 0: the default */
+    bool worker;               /* whether jobs get rendered */
+    int idle_seconds;          /* as pen_http_options */
+    int heartbeat_ms;          /* as pen_http_options */
+    int connections;           /* as pen_http_options */
+    int waiting_per_address;   /* as pen_http_options; loopback addresses are counted unless it is 0
+                                */
+    const char *trusted_proxy; /* as pen_http_options */
+    size_t body_bytes;         /* the limit; 0: the default */
 };
 
 /* Start and stop the server. The test fails if that fails. */
@@ -33,6 +37,9 @@ void server_stop(struct server *server);
 
 /* A connected socket whose reads time out after 20 s. */
 int server_connect(const struct server *server);
+
+/* As server_connect, from another loopback address, such as "127.0.0.2". */
+int server_connect_from(const struct server *server, const char *address);
 
 /* Sends text. Returns false if the server has closed the connection. */
 bool client_send(int fd, const char *text);

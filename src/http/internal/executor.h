@@ -32,8 +32,9 @@ void pen_http_executor_stop(struct executor *executor);
  * allowed. */
 void pen_http_executor_free(struct executor *executor);
 
-/* Queues a suspended request; a thread runs the handler of its route and resumes it. Returns false
- * once pen_http_executor_stop was called; the request then stays the caller's. Threads: any. */
+/* Queues a request in PHASE_WORK; a thread runs the handler of its route and resumes it. Returns
+ * false once pen_http_executor_stop was called; the request then stays the caller's. Threads: any.
+ */
 bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request);
 
 #endif

@@ -13,6 +13,8 @@
 
 #include "http/server.h"
 
+enum { RESERVED_SLOTS = 64 }; /* kept for health and short reads when all connections are at work */
+
 struct pen_http {
     struct pen_limits limits;
     struct listener *listener;
@@ -22,7 +24,11 @@ struct pen_http {
     struct streams *streams;
     struct static_files *static_files;
 
-    pthread_mutex_t suspend_lock; /* guards `suspended` and `resume_pending` of all requests */
+    int connection_max;       /* beyond it new connections replace idle ones */
+    atomic_int arriving;      /* accepted and not yet with their loops. atomic: relaxed, a bound */
+    atomic_int connections;   /* with the loops and not yet closed. atomic: relaxed, a bound */
+    atomic_int reserved;      /* connections in reserved slots. atomic: relaxed, a bound */
+    atomic_size_t head_bytes; /* kept of incomplete heads. atomic: relaxed, a sum */
 
     atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The listening socket and libmicrohttpd's threads: start, accept, stop. */
+/* The listening socket and the loops: start, accept, stop. */
 #ifndef PEN_HTTP_INTERNAL_LISTENER_H
 #define PEN_HTTP_INTERNAL_LISTENER_H
 
@@ -9,10 +9,12 @@
 
 struct listener;
 struct pen_http;
+struct pen_http_options;
 
-/* Starts libmicrohttpd's threads; no connection is accepted yet. Owns: pen_http_listener_stop
+/* Starts the loops; no connection is accepted yet. Owns: pen_http_listener_stop
  * frees. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
-struct listener *pen_http_listener_start(struct pen_http *http, int listen_fd, int idle_seconds,
+struct listener *pen_http_listener_start(struct pen_http *http,
+                                         const struct pen_http_options *options,
                                          struct pen_status *st);
 
 /* Starts the acceptor thread. Fails: PEN_UNAVAILABLE. */
@@ -21,7 +23,8 @@ bool pen_http_listener_accept(struct listener *listener, struct pen_status *st);
 /* Ends the acceptor thread. No new connections are accepted; those that exist go on. */
 void pen_http_listener_stop_accepting(struct listener *listener);
 
-/* Closes all connections and frees the listener. No request may be suspended. NULL is allowed. */
+/* Closes all connections and frees the listener. No request may be with another
+ * thread. NULL is allowed. */
 void pen_http_listener_stop(struct listener *listener);
 
 #endif

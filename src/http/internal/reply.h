@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A reply, until it is handed to libmicrohttpd: status, header fields and a body that may be
- * shared.
+/* A reply: status, header fields and a body that may be shared.
  *
- * Invariant: once `failed` is set (out of memory) the other members do not matter; the adapter
- * then answers 503 without a body. */
+ * Invariant: once `failed` is set (out of memory) the other members do not matter; the client gets
+ * 503 without a body. */
 #ifndef PEN_HTTP_INTERNAL_REPLY_H
 #define PEN_HTTP_INTERNAL_REPLY_H
 

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* One request, from its request line to the end of its answer.
+/* One request, from its head to the end of its answer.
  *
- *   LINE ──admit──► BODY ───────────────────────► dispatch ──► ANSWERED ──► (sent, freed)
+ *   HEAD ──admit──► BODY ───────────────────────► dispatch ──► ANSWERED ──► (sent, freed)
  *     │               │ over the intake budget       │            ▲
  *     │               ▼                              ▼            │ resume
- *     └─refused──► DISCARD (read, not kept) ──►   SUSPENDED ──────┘
+ *     └─refused──► DISCARD (read, not kept) ──►    WORK ──────────┘
  *
- * LINE, BODY, DISCARD and ANSWERED belong to the connection's libmicrohttpd thread. SUSPENDED
- * belongs to exactly one other thread: a store or compute thread, which may pass the request to the
- * watcher. The hand-over is pen_http_suspend and pen_http_resume; the thread that has resumed a
- * request must not touch it any more. */
+ * HEAD, BODY, DISCARD and ANSWERED belong to the thread of the connection's loop. WORK belongs to
+ * exactly one other thread: a store or compute thread, which may pass the request to the watcher.
+ * The hand-over back is pen_http_resume; the thread that has resumed a request must not touch it
+ * any more. */
 #ifndef PEN_HTTP_INTERNAL_REQUEST_H
 #define PEN_HTTP_INTERNAL_REQUEST_H
 
@@ -21,18 +21,18 @@
 #include "http/message.h"
 #include "store/store.h"
 
-struct MHD_Connection;
+struct conn;
 struct pen_http;
 struct route;
 
-enum phase { PHASE_LINE, PHASE_BODY, PHASE_DISCARD, PHASE_SUSPENDED, PHASE_ANSWERED };
+enum phase { PHASE_HEAD, PHASE_BODY, PHASE_DISCARD, PHASE_WORK, PHASE_ANSWERED };
 
-/* The header fields that the server reads; NULL: not sent. Owns: libmicrohttpd, as long as the
- * request lives. */
+/* The header fields that the server reads; NULL: not sent. They point into the request's head. */
 struct fields {
     const char *host, *origin, *content_type, *content_length, *transfer_encoding;
     const char *if_none_match, *range, *if_range, *idempotency_key, *request_id, *expect;
-    const char *last_event_id, *accept;
+    const char *last_event_id, *accept, *connection;
+    const char *accept_encoding, *content_encoding;
     bool repeated; /* a field that must be sent at most once was sent twice */
 };
 
@@ -40,15 +40,16 @@ enum { REQUEST_ID_BYTES = 65 };
 
 struct request {
     struct pen_http *http;
-    struct MHD_Connection *connection;
+    struct conn *conn;
     enum phase phase;
-    bool suspended, resume_pending; /* guarded by pen_http.suspend_lock */
 
     int64_t begun_ns;
     char id[REQUEST_ID_BYTES];
-    char *raw_target;
-    const char *method; /* owned as fields are */
-    bool head;          /* the method is HEAD */
+    char *text;                      /* the head as it was received, in pieces */
+    const char *raw_target, *method; /* "-" if the head could not be read */
+    int minor;                       /* the version is HTTP/1.minor */
+    bool head;                       /* the method is HEAD */
+    bool close;                      /* nothing may follow it on its connection */
     struct fields fields;
     struct pen_target target;
     const struct route *route; /* NULL: refused */
@@ -63,14 +64,20 @@ struct request {
 
     struct request *next; /* link in the queue or list of the thread that holds it */
     int64_t deadline_ns;  /* of a long poll */
+    bool watched;         /* guarded by the watcher's lock: it is in the watcher's list */
+    bool gone;            /* guarded by the watcher's lock: its client has closed the connection */
 };
 
-/* A request whose line is `raw_target`. Fails: NULL when out of memory. */
-struct request *pen_http_request_new(struct pen_http *http, const char *raw_target);
+/* A request with this head; one that cannot be parsed is answered already. Without a head (0 bytes)
+ * it is for the caller to answer. Fails: NULL when out of memory. */
+struct request *pen_http_request_new(struct pen_http *http, const char *head, size_t bytes);
 void pen_http_request_free(struct request *request); /* NULL is allowed */
 
 /* Frees the body and gives its bytes back to the intake budget. */
 void pen_http_request_drop_body(struct request *request);
+
+/* Answers with an HTTP status that no pen_code has, such as 431, and closes the connection. */
+void pen_http_request_refuse(struct request *request, int http_status, const struct pen_status *st);
 
 /* Answers with the problem document of a status. */
 void pen_http_request_fail(struct request *request, const struct pen_status *st);

@@ -21,12 +21,12 @@ enum outcome {
 /* Fills request->reply. jobs is NULL where the route has no queue. */
 typedef enum outcome route_handler(struct request *request, struct pen_jobs *jobs);
 
-/* Answers from memory, in the libmicrohttpd callback, if possible. Returns whether it did. */
+/* Answers from memory, in the thread of the connection, if possible. Returns whether it did. */
 typedef bool route_quick(struct request *request);
 
 /* Where a handler runs. */
 enum queue_id {
-    QUEUE_NONE,   /* in the libmicrohttpd callback: it must not block */
+    QUEUE_NONE,   /* in the thread of the connection: it must not block */
     QUEUE_STORE,  /* on a store thread: short reads and writes of the store */
     QUEUE_COMPUTE /* on a compute thread: encoding pictures, writing reports, checking scenes */
 };
@@ -45,6 +45,7 @@ struct route {
     route_handler *handle;
     route_quick *quick; /* tried before queueing; NULL: none */
     enum queue_id queue;
+    bool is_short;     /* answered even when all connections are at work */
     bool takes_body;   /* a scene or a job; otherwise a body is discarded */
     bool submits;      /* refused while draining */
     bool handle_again; /* a request that has waited in the watcher goes to the handler again,
@@ -64,8 +65,8 @@ const struct route *pen_http_route_find(const char *method, const struct pen_tar
 bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
                                  struct pen_status *st);
 
-/* The queue for this request. A picture that the store has in the wanted format needs no compute
- * thread. */
-enum queue_id pen_http_route_queue(const struct route *route, const struct pen_target *target);
+/* The queue for a request whose body was received. A picture that the store has in the wanted
+ * format needs no compute thread. */
+enum queue_id pen_http_route_queue(const struct route *route, const struct request *request);
 
 #endif

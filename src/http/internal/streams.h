@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Event streams: answers that go on until their job has ended. A stream costs its connection and a
  * few hundred bytes. The watcher's thread writes each new text once for all streams that need the
- * same one; the libmicrohttpd thread of each connection sends it.
+ * same one; the loop of each connection sends it.
  *
  *   open ──► SENDING ──all is sent──► WAITING        at the job's end, or by pen_http_streams_end:
  *               ▲                        │           ENDED
  *               └────update, heartbeat───┘
  *
  * A stream gets no new text while it is SENDING: a slow client costs the memory of one text, and
- * continues afterwards from its own place. A client that has disconnected is noticed only when
- * something is sent to it, and then only at the second text or heartbeat: the first one still fits
- * into the socket's buffer. */
+ * continues afterwards from its own place. */
 #ifndef PEN_HTTP_INTERNAL_STREAMS_H
 #define PEN_HTTP_INTERNAL_STREAMS_H
 
@@ -43,7 +41,7 @@ struct stream *pen_http_stream_open(struct streams *streams, struct request *req
 ssize_t pen_http_stream_read(struct stream *stream, char *out, size_t bytes, bool *behind);
 
 /* Ends and frees a stream. Returns the number of bytes that were read from it. Threads: the
- * connection's. */
+ * loop's. */
 uint64_t pen_http_stream_close(struct stream *stream);
 
 /* Gives every waiting stream the events that it has not been sent yet. `changes` is the store's

@@ -12,16 +12,18 @@
 
 #include "base/status.h"
 
+struct pen_address_key;
 struct pen_http;
 struct pen_jobs;
 struct request;
 struct watch;
 
-enum { WATCH_MAX = 512 }; /* polls and streams; half of the connections stay free for others */
+enum { WATCH_MAX = 512 }; /* polls, and as many streams */
 
-/* Starts the thread; takes the jobs handle, after failure too. Owns: stop, then free. Fails:
+/* Starts the thread; takes the jobs handle, after failure too. `address_max` is the number of polls
+ * that one client's address may have, and of streams. Owns: stop, then free. Fails:
  * PEN_UNAVAILABLE (threads), PEN_NO_MEMORY. */
-struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
+struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs, int address_max,
                                    struct pen_status *st);
 
 /* Answers all waiting requests with their jobs as they are, ends the streams, and ends the thread.
@@ -35,21 +37,31 @@ void pen_http_watch_free(struct watch *watch);
 uint32_t pen_http_watch_changes(struct watch *watch);
 
 enum watch_result {
-    WATCH_ACCEPTED, /* the request belongs to the watcher now */
-    WATCH_CHANGED,  /* the store has changed meanwhile: read the job again */
-    WATCH_FULL,     /* WATCH_MAX requests are waiting already */
-    WATCH_CLOSED    /* the daemon is stopping */
+    WATCH_ACCEPTED,     /* the request belongs to the watcher now */
+    WATCH_CHANGED,      /* the store has changed meanwhile: read the job again */
+    WATCH_FULL,         /* WATCH_MAX requests are waiting already */
+    WATCH_ADDRESS_FULL, /* as many of this client's address as are allowed are waiting already */
+    WATCH_CLOSED        /* the daemon is stopping, or the client has gone */
 };
 
-/* Gives a suspended request with its deadline to the watcher. `changes` is the change counter from
+/* Fails with what a client is told of WATCH_FULL, WATCH_ADDRESS_FULL or WATCH_CLOSED. */
+bool pen_http_watch_fail(const struct watch *watch, enum watch_result result,
+                         struct pen_status *st);
+
+/* Gives a request with its deadline to the watcher. `changes` is the change counter from
  * before the caller read the job; thus no change between reading and waiting is missed. */
 enum watch_result pen_http_watch_add(struct watch *watch, struct request *request,
                                      uint32_t changes);
 
-/* Counts an event stream among the waiting requests, and removes it again. WATCH_CHANGED is not
- * returned. */
-enum watch_result pen_http_watch_add_stream(struct watch *watch);
-void pen_http_watch_remove_stream(struct watch *watch);
+/* The client of a request that another thread has closes the connection. Returns true if the
+ * request was in the watcher's list; it is the caller's then. Otherwise it does not wait any more,
+ * and will be resumed soon. */
+bool pen_http_watch_abandon(struct watch *watch, struct request *request);
+
+/* Counts an event stream, and removes it again. WATCH_CHANGED is not returned. */
+enum watch_result pen_http_watch_add_stream(struct watch *watch,
+                                            const struct pen_address_key *address);
+void pen_http_watch_remove_stream(struct watch *watch, const struct pen_address_key *address);
 
 /* Call it when a stream was opened; `changes` is the change counter from before its first text was
  * written. If the other streams have had an update since then, this one gets it too. */

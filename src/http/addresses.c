@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/* Counts in a list, which is searched from its beginning: it is as long as there are addresses
+ * whose requests wait. */
+#include "http/internal/addresses.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <string.h>
+#include <sys/socket.h>
+
+/* Writes an address as IPv6. */
+static bool write_ipv6(const struct sockaddr *peer, unsigned char out[16])
+{
+    if (peer->sa_family == AF_INET6) {
+        memcpy(out, &((const struct sockaddr_in6 *)(const void *)peer)->sin6_addr, 16);
+        return true;
+    }
+    if (peer->sa_family != AF_INET)
+        return false;
+    memset(out, 0, 10);
+    out[10] = out[11] = 0xff;
+    memcpy(out + 12, &((const struct sockaddr_in *)(const void *)peer)->sin_addr, 4);
+    return true;
+}
+
+static bool is_ipv4(const unsigned char bytes[16])
+{
+    static const unsigned char prefix[12] = {[10] = 0xff, [11] = 0xff};
+    return memcmp(bytes, prefix, sizeof prefix) == 0;
+}
+
+static bool is_loopback(const unsigned char bytes[16])
+{
+    static const unsigned char loopback[16] = {[15] = 1};
+    return is_ipv4(bytes) ? bytes[12] == 127 : memcmp(bytes, loopback, sizeof loopback) == 0;
+}
+
+bool pen_http_address_parse(const char *text, unsigned char out[16])
+{
+    struct sockaddr_in v4 = {.sin_family = AF_INET};
+    struct sockaddr_in6 v6 = {.sin6_family = AF_INET6};
+    if (inet_pton(AF_INET, text, &v4.sin_addr) == 1)
+        return write_ipv6((const struct sockaddr *)&v4, out);
+    return inet_pton(AF_INET6, text, &v6.sin6_addr) == 1 &&
+           write_ipv6((const struct sockaddr *)&v6, out);
+}
+
+struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
+                                            const unsigned char trusted[16], bool count_loopback)
+{
+    struct pen_address_key key = {0};
+    if (!write_ipv6(peer, key.bytes))
+        return (struct pen_address_key){.exempt = true};
+    key.exempt = (is_loopback(key.bytes) && !count_loopback) ||
+                 (trusted && memcmp(key.bytes, trusted, sizeof key.bytes) == 0);
+    if (!is_ipv4(key.bytes))
+        memset(key.bytes + 8, 0, 8);
+    return key;
+}
+
+static struct address_count *find(struct addresses *addresses, const struct pen_address_key *key)
+{
+    for (int i = 0; i < addresses->count; i++) {
+        if (memcmp(addresses->item[i].bytes, key->bytes, sizeof key->bytes) == 0)
+            return &addresses->item[i];
+    }
+    return NULL;
+}
+
+bool pen_http_addresses_take(struct addresses *addresses, const struct pen_address_key *key,
+                             int limit)
+{
+    if (key->exempt)
+        return true;
+    struct address_count *item = find(addresses, key);
+    if (item)
+        return item->waiting < limit && ++item->waiting > 0;
+    if (addresses->count == ADDRESSES_MAX)
+        return false;
+    item = &addresses->item[addresses->count++];
+    memcpy(item->bytes, key->bytes, sizeof item->bytes);
+    item->waiting = 1;
+    return true;
+}
+
+void pen_http_addresses_give(struct addresses *addresses, const struct pen_address_key *key)
+{
+    struct address_count *item = key->exempt ? NULL : find(addresses, key);
+    if (item && --item->waiting == 0)
+        *item = addresses->item[--addresses->count];
+}

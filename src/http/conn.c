@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: MIT */
+/* The states of a connection, and reading requests from it. */
+#include "http/internal/conn.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "http/internal/admit.h"
+#include "http/internal/exchange.h"
+#include "http/internal/http.h"
+#include "http/internal/loop.h"
+#include "http/internal/request.h"
+
+enum {
+    STEPS_AT_ONCE = 32,    /* before other connections get their turn */
+    SMALL_BYTES = 4 << 10, /* of a head: always kept; more of it from HEADS_BYTES only */
+    DROP_BYTES = 1 << 20   /* dropped at once while a connection lingers */
+};
+static const size_t heads_max = (size_t)48 << 20; /* bytes of incomplete heads, together */
+static const int64_t linger_max_ns = 10 * INT64_C(1000000000);
+
+/* Keeps the bytes that were not read, while other connections use the loop's buffer. Returns false
+ * when there is no memory for them. */
+static bool keep_unread(struct conn *conn)
+{
+    struct pen_buf *kept = &conn->kept;
+    atomic_size_t *total = &conn->loop->http->head_bytes;
+    bool in_kept = kept->data && conn->data == (const char *)kept->data;
+    if (conn->bytes > 0 && in_kept && conn->bytes == kept->bytes)
+        return true;
+    struct pen_buf rest = {0};
+    if (conn->bytes > 0 && !pen_buf_add(&rest, conn->data, conn->bytes))
+        return false;
+    if (kept->data || rest.data) {
+        atomic_fetch_add_explicit(total, rest.capacity - kept->capacity, memory_order_relaxed);
+        pen_buf_release(kept);
+        *kept = rest;
+    }
+    conn->data = (const char *)kept->data;
+    return true;
+}
+
+/* Notes what the kernel said about a read. Returns whether bytes came. */
+static bool note_read(struct conn *conn, ssize_t got, size_t wanted)
+{
+    if (got < 0 && errno != EAGAIN && errno != EINTR)
+        conn->reset = true;
+    if (got == 0)
+        conn->half_closed = true;
+    /* With fewer bytes than wanted there are no more: an edge-triggered epoll reports the next. */
+    conn->readable = got > 0 && ((size_t)got == wanted || conn->half_closed);
+    return got > 0;
+}
+
+/* Receives more bytes, behind those that were not read. Returns whether there are new ones. */
+static bool receive(struct conn *conn)
+{
+    char *buffer = conn->loop->buffer;
+    if (!conn->readable)
+        return false;
+    if (conn->bytes > 0 && !keep_unread(conn)) {
+        conn->reset = true;
+        return false;
+    }
+    ssize_t got = recv(conn->fd, buffer, LOOP_BYTES, 0);
+    if (!note_read(conn, got, LOOP_BYTES))
+        return false;
+    if (conn->bytes == 0) {
+        conn->data = buffer;
+        conn->bytes = (size_t)got;
+        return true;
+    }
+    size_t before = conn->kept.capacity;
+    bool added = pen_buf_add(&conn->kept, buffer, (size_t)got);
+    atomic_fetch_add_explicit(&conn->loop->http->head_bytes, conn->kept.capacity - before,
+                              memory_order_relaxed);
+    conn->data = (const char *)conn->kept.data;
+    conn->bytes = conn->kept.bytes;
+    conn->reset = conn->reset || !added;
+    return added;
+}
+
+static void consume(struct conn *conn, size_t bytes)
+{
+    conn->data += bytes;
+    conn->bytes -= bytes;
+}
+
+void pen_http_conn_end_request(struct conn *conn, bool complete)
+{
+    struct request *request = conn->request;
+    conn->request = NULL;
+    if (request)
+        pen_http_exchange_end(request, complete);
+}
+
+void pen_http_conn_close(struct conn *conn)
+{
+    if (conn->fd >= 0)
+        close(conn->fd);
+    conn->fd = -1;
+    conn->bytes = 0;
+    keep_unread(conn);
+    pen_buf_release(&conn->out);
+    if (conn->state == CONN_WORK && !pen_http_exchange_abandon(conn->request)) {
+        conn->state = CONN_ORPHAN;
+        pen_http_loop_wait(conn, WAIT_WORK);
+        return;
+    }
+    pen_http_conn_end_request(conn, false);
+    conn->state = CONN_DEAD;
+    pen_http_loop_remove(conn);
+}
+
+/* Answers with an error of HTTP itself, for which no whole head was read, and closes. */
+static enum conn_step refuse(struct conn *conn, int http_status, const char *why)
+{
+    struct pen_status st;
+    conn->request = pen_http_exchange_begin(conn, NULL, 0);
+    if (!conn->request)
+        return STEP_END;
+    pen_fail(&st, http_status == 503 ? PEN_UNAVAILABLE : PEN_SYNTAX, "%s", why);
+    pen_http_request_refuse(conn->request, http_status, &st);
+    pen_http_conn_answer(conn);
+    return STEP_ON;
+}
+
+/* The whole body was read, or is not wanted. */
+static void end_body(struct conn *conn)
+{
+    struct request *request = conn->request;
+    if (request->phase == PHASE_BODY) {
+        conn->state = CONN_WORK;
+        pen_http_exchange_dispatch(request);
+    } else {
+        request->phase = PHASE_ANSWERED;
+    }
+    if (request->phase == PHASE_ANSWERED)
+        pen_http_conn_answer(conn);
+    else
+        pen_http_loop_wait(conn, WAIT_WORK);
+}
+
+/* Asks a client that waits for it to send the body. */
+static void ask_for_body(struct conn *conn)
+{
+    static const char go_on[] = "HTTP/1.1 100 Continue\r\n\r\n";
+    if (conn->bytes == 0 && pen_http_request_waits(conn->request) &&
+        send(conn->fd, go_on, sizeof go_on - 1, MSG_NOSIGNAL) != (ssize_t)sizeof go_on - 1)
+        conn->reset = true;
+}
+
+/* A head has arrived. */
+static enum conn_step begin_request(struct conn *conn, size_t head_bytes)
+{
+    struct request *request = pen_http_exchange_begin(conn, conn->data, head_bytes);
+    conn->request = request;
+    consume(conn, head_bytes);
+    if (!request)
+        return STEP_END;
+    bool has_body = request->declared_bytes > 0 || request->fields.transfer_encoding;
+    if (request->phase == PHASE_ANSWERED) {
+        request->close = request->close || has_body;
+        pen_http_conn_answer(conn);
+    } else if (!has_body) {
+        end_body(conn);
+    } else {
+        conn->state = CONN_BODY;
+        conn->chunks = (struct pen_chunks){0};
+        conn->begun_ns = conn->loop->now_ns;
+        pen_http_loop_wait(conn, WAIT_BODY);
+        ask_for_body(conn);
+    }
+    return STEP_ON;
+}
+
+static enum conn_step read_head(struct conn *conn)
+{
+    size_t head_bytes;
+    enum pen_head_found found = PEN_HEAD_PART;
+    bool was_empty = conn->bytes == 0;
+    do {
+        if (conn->bytes > 0)
+            found = pen_head_find(conn->data, conn->bytes, &conn->scan, &head_bytes);
+    } while (found == PEN_HEAD_PART && conn->bytes <= PEN_HEAD_BYTES && receive(conn));
+    if (conn->reset || (found == PEN_HEAD_PART && conn->half_closed))
+        return STEP_END;
+    if (found == PEN_HEAD_BAD)
+        return refuse(conn, 400, "malformed HTTP: a line of the head does not end in CR and LF");
+    if ((found == PEN_HEAD_WHOLE ? head_bytes : conn->bytes) > PEN_HEAD_BYTES)
+        return refuse(conn, 431, "the head of the request is longer than 32768 bytes");
+    if (found == PEN_HEAD_WHOLE)
+        return begin_request(conn, head_bytes);
+    size_t all = atomic_load_explicit(&conn->loop->http->head_bytes, memory_order_relaxed);
+    if (conn->bytes > SMALL_BYTES && all > heads_max)
+        return refuse(conn, 503, "there is no memory for this head now; try again later");
+    if (conn->used && was_empty && conn->bytes > 0)
+        pen_http_loop_wait(conn, WAIT_HEAD);
+    return STEP_WAIT;
+}
+
+/* Gives bytes to the request. Returns whether the body may go on. */
+static bool give(struct conn *conn, const char *data, size_t bytes)
+{
+    return bytes == 0 || pen_http_request_receive(conn->request, data, bytes);
+}
+
+/* Reads what has arrived of a body in chunks. Returns false if the request is over. */
+static bool read_chunks(struct conn *conn, bool *complete)
+{
+    struct request *request = conn->request;
+    while (conn->bytes > 0 && conn->chunks.state != PEN_CHUNKS_DONE) {
+        const char *data;
+        size_t bytes;
+        ptrdiff_t used = pen_chunks_read(&conn->chunks, conn->data, conn->bytes, &data, &bytes);
+        if (used < 0) {
+            struct pen_status st;
+            pen_fail(&st, PEN_SYNTAX,
+                     "malformed HTTP: the body is not in chunks as RFC 9112 has "
+                     "them");
+            pen_http_request_refuse(request, 400, &st);
+            return false;
+        }
+        bool goes_on = give(conn, data, bytes);
+        consume(conn, (size_t)used);
+        if (!goes_on)
+            return false;
+    }
+    *complete = conn->chunks.state == PEN_CHUNKS_DONE;
+    return true;
+}
+
+static bool read_plain(struct conn *conn, bool *complete)
+{
+    struct request *request = conn->request;
+    uint64_t left = request->declared_bytes - request->received_bytes;
+    size_t part = left < conn->bytes ? (size_t)left : conn->bytes;
+    bool goes_on = give(conn, conn->data, part);
+    consume(conn, part);
+    *complete = request->received_bytes == request->declared_bytes;
+    return goes_on;
+}
+
+static enum conn_step read_body(struct conn *conn)
+{
+    struct request *request = conn->request;
+    bool complete = false;
+    if (conn->bytes == 0 && !receive(conn))
+        return conn->reset || conn->half_closed ? STEP_END : STEP_WAIT;
+    bool chunked = request->fields.transfer_encoding != NULL;
+    if (!(chunked ? read_chunks(conn, &complete) : read_plain(conn, &complete))) {
+        request->close = true;
+        pen_http_conn_answer(conn);
+    } else if (complete) {
+        end_body(conn);
+    }
+    return STEP_ON;
+}
+
+/* Drops what the client still sends. */
+static enum conn_step drop_input(struct conn *conn)
+{
+    conn->bytes = 0;
+    if (!conn->readable)
+        return conn->reset || conn->half_closed ? STEP_END : STEP_WAIT;
+    ssize_t got = recv(conn->fd, NULL, DROP_BYTES, MSG_TRUNC);
+    conn->dropped += note_read(conn, got, DROP_BYTES) ? (size_t)got : 0;
+    if (conn->loop->now_ns - conn->begun_ns > linger_max_ns ||
+        conn->dropped > 2 * conn->loop->http->limits.body_bytes)
+        return STEP_END;
+    pen_http_loop_wait(conn, WAIT_LINGER);
+    return conn->reset || conn->half_closed ? STEP_END : STEP_ON;
+}
+
+void pen_http_conn_linger(struct conn *conn)
+{
+    conn->state = CONN_LINGER;
+    conn->dropped = 0;
+    conn->begun_ns = conn->loop->now_ns;
+    shutdown(conn->fd, SHUT_WR);
+    pen_http_loop_wait(conn, WAIT_LINGER);
+}
+
+/* Another thread has the request: only a client that has gone matters. */
+static enum conn_step watch_client(struct conn *conn)
+{
+    if (conn->reset)
+        return STEP_END;
+    if (!conn->half_closed || !pen_http_exchange_abandon(conn->request))
+        return STEP_WAIT;
+    conn->state = CONN_HEAD; /* the request is the loop's again */
+    return STEP_END;
+}
+
+static enum conn_step take_step(struct conn *conn)
+{
+    switch (conn->state) {
+    case CONN_HEAD:
+        return read_head(conn);
+    case CONN_BODY:
+        return read_body(conn);
+    case CONN_WORK:
+        return watch_client(conn);
+    case CONN_SEND:
+        return pen_http_conn_send(conn);
+    case CONN_STREAM:
+        return pen_http_conn_send_stream(conn);
+    case CONN_LINGER:
+        return drop_input(conn);
+    case CONN_ORPHAN:
+    case CONN_DEAD:
+        break;
+    }
+    return STEP_WAIT;
+}
+
+void pen_http_conn_run(struct conn *conn)
+{
+    enum conn_step step = STEP_ON;
+    for (int i = 0; i < STEPS_AT_ONCE && step == STEP_ON; i++)
+        step = take_step(conn);
+    if (step == STEP_END || !keep_unread(conn))
+        pen_http_conn_close(conn);
+    else if (step == STEP_ON)
+        pen_http_loop_again(conn);
+}
+
+void pen_http_conn_resume(struct conn *conn)
+{
+    conn->wakened = false;
+    if (conn->state == CONN_WORK) {
+        conn->request->phase = PHASE_ANSWERED;
+        pen_http_conn_answer(conn);
+    } else if (conn->state == CONN_ORPHAN) {
+        conn->state = CONN_HEAD;
+        pen_http_conn_close(conn);
+        return;
+    }
+    pen_http_conn_run(conn);
+}
+
+/* Whether a body comes too slowly. */
+static bool body_is_slow(const struct conn *conn)
+{
+    int64_t ns = conn->loop->now_ns - conn->begun_ns;
+    return ns >= conn->loop->times.body_ns &&
+           (double)conn->request->received_bytes < (double)BODY_RATE * (double)ns * 1e-9;
+}
+
+void pen_http_conn_expire(struct conn *conn)
+{
+    if (conn->wait == WAIT_BODY && !body_is_slow(conn)) {
+        pen_http_loop_wait(conn, WAIT_BODY);
+        return;
+    }
+    if (conn->wait == WAIT_BODY) {
+        struct pen_status st;
+        pen_fail(&st, PEN_UNAVAILABLE,
+                 "the body comes too slowly: %d bytes per second are the least", BODY_RATE);
+        pen_http_request_refuse(conn->request, 408, &st);
+        pen_http_conn_answer(conn);
+        pen_http_conn_run(conn);
+    } else if (conn->wait == WAIT_HEAD && conn->bytes > 0) {
+        if (refuse(conn, 408, "the head of the request comes too slowly") == STEP_ON)
+            pen_http_conn_run(conn);
+        else
+            pen_http_conn_close(conn);
+    } else {
+        pen_http_conn_close(conn);
+    }
+}

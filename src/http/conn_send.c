@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+/* Sending answers and event streams. */
+#include <errno.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+
+#include "http/internal/conn.h"
+#include "http/internal/http.h"
+#include "http/internal/loop.h"
+#include "http/internal/request.h"
+#include "http/internal/streams.h"
+#include "http/internal/watch.h"
+
+enum {
+    BODY_BYTES = 128 << 10, /* of a body, sent at once */
+    STREAM_BYTES = 16 << 10 /* of a stream, sent at once */
+};
+
+/* The reason phrases of the statuses that the server sends. */
+static const char *reason_of(int status)
+{
+    static const struct {
+        int status;
+        const char *text;
+    } reasons[] = {{200, "OK"},
+                   {202, "Accepted"},
+                   {204, "No Content"},
+                   {206, "Partial Content"},
+                   {304, "Not Modified"},
+                   {400, "Bad Request"},
+                   {403, "Forbidden"},
+                   {404, "Not Found"},
+                   {405, "Method Not Allowed"},
+                   {406, "Not Acceptable"},
+                   {408, "Request Timeout"},
+                   {409, "Conflict"},
+                   {410, "Gone"},
+                   {411, "Length Required"},
+                   {413, "Content Too Large"},
+                   {415, "Unsupported Media Type"},
+                   {416, "Range Not Satisfiable"},
+                   {422, "Unprocessable Content"},
+                   {429, "Too Many Requests"},
+                   {431, "Request Header Fields Too Large"},
+                   {500, "Internal Server Error"},
+                   {503, "Service Unavailable"},
+                   {505, "HTTP Version Not Supported"},
+                   {507, "Insufficient Storage"}};
+    for (size_t i = 0; i < sizeof reasons / sizeof reasons[0]; i++) {
+        if (reasons[i].status == status)
+            return reasons[i].text;
+    }
+    return "Status";
+}
+
+/* Whether the connection stays open after this answer. */
+static bool is_kept(const struct conn *conn)
+{
+    const struct request *request = conn->request;
+    const char *options = request->fields.connection ? request->fields.connection : "";
+    if (request->close || conn->reserved ||
+        atomic_load_explicit(&request->http->stopping, memory_order_relaxed))
+        return false;
+    return request->minor > 0 ? !pen_list_has_token(options, "close")
+                              : pen_list_has_token(options, "keep-alive");
+}
+
+/* Whether the answer has a body that is sent. */
+static bool has_body(const struct request *request)
+{
+    const struct reply *reply = &request->reply;
+    return !request->head && reply->status != 204 && reply->status != 304;
+}
+
+static void write_head(struct conn *conn)
+{
+    const struct request *request = conn->request;
+    const struct reply *reply = &request->reply;
+    struct pen_buf *out = &conn->out;
+    pen_buf_printf(out, "HTTP/1.1 %d %s\r\nDate: %s\r\n", reply->status, reason_of(reply->status),
+                   pen_http_loop_date(conn->loop));
+    for (int i = 0; !reply->failed && i < reply->field_count; i++)
+        pen_buf_printf(out, "%s: %s\r\n", reply->field[i].name, reply->field[i].value);
+    pen_buf_printf(out, "X-Request-Id: %s\r\nX-Content-Type-Options: nosniff\r\n", request->id);
+    if (request->close)
+        pen_buf_puts(out, "Connection: close\r\n");
+    else if (request->minor == 0)
+        pen_buf_puts(out, "Connection: keep-alive\r\n");
+    if (reply->streaming && !reply->failed)
+        pen_buf_puts(out, request->minor > 0 ? "Transfer-Encoding: chunked\r\n" : "");
+    else if (reply->status != 204)
+        pen_buf_printf(out, "Content-Length: %zu\r\n", reply->failed ? (size_t)0 : reply->bytes);
+    pen_buf_puts(out, "\r\n");
+}
+
+void pen_http_conn_answer(struct conn *conn)
+{
+    struct request *request = conn->request;
+    struct reply *reply = &request->reply;
+    if (reply->failed || reply->status == 0) {
+        reply->failed = true;
+        reply->status = 503;
+    }
+    bool streams = reply->streaming && !reply->failed && has_body(request);
+    request->close = !is_kept(conn) || (streams && request->minor == 0);
+    pen_buf_release(&conn->out);
+    write_head(conn);
+    conn->out_sent = conn->body_sent = 0;
+    conn->stream_over = false;
+    conn->state = streams ? CONN_STREAM : CONN_SEND;
+    conn->begun_ns = conn->loop->now_ns;
+    pen_http_loop_wait(conn, WAIT_READER);
+    conn->reset = conn->reset || conn->out.failed;
+}
+
+/* Sends what is left of `out`, and then of a body. Returns whether something was sent. */
+static bool send_parts(struct conn *conn, const unsigned char *body, size_t body_bytes)
+{
+    struct iovec parts[2] = {
+        {.iov_base = conn->out.data + conn->out_sent, .iov_len = conn->out.bytes - conn->out_sent},
+        {.iov_base = (void *)body, .iov_len = body_bytes}};
+    struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
+    if (!conn->writable || conn->reset)
+        return false;
+    ssize_t sent = sendmsg(conn->fd, &message, MSG_NOSIGNAL);
+    if (sent < 0) {
+        conn->writable = false;
+        conn->reset = errno != EAGAIN && errno != EINTR;
+        return false;
+    }
+    size_t of_out = (size_t)sent < parts[0].iov_len ? (size_t)sent : parts[0].iov_len;
+    conn->out_sent += of_out;
+    conn->body_sent += (size_t)sent - of_out;
+    return true;
+}
+
+/* The answer was sent. */
+static enum conn_step finish(struct conn *conn)
+{
+    bool kept = !conn->request->close;
+    pen_http_conn_end_request(conn, true);
+    pen_buf_release(&conn->out);
+    conn->scan = (struct pen_head_scan){0};
+    conn->used = true;
+    if (kept) {
+        conn->state = CONN_HEAD;
+        pen_http_loop_wait(conn, conn->bytes > 0 ? WAIT_HEAD : WAIT_IDLE);
+    } else {
+        pen_http_conn_linger(conn);
+    }
+    return STEP_ON;
+}
+
+enum conn_step pen_http_conn_send(struct conn *conn)
+{
+    const struct request *request = conn->request;
+    const struct reply *reply = &request->reply;
+    bool body = has_body(request) && reply->body && !reply->failed;
+    size_t all = body ? reply->bytes : 0;
+    size_t left = all - conn->body_sent;
+    const unsigned char *from =
+        body ? reply->body->content.data + reply->first + conn->body_sent : NULL;
+    if (!send_parts(conn, from, left < BODY_BYTES ? left : BODY_BYTES))
+        return conn->reset ? STEP_END : STEP_WAIT;
+    if (conn->out_sent == conn->out.bytes && conn->body_sent == all)
+        return finish(conn);
+    pen_http_loop_wait(conn, WAIT_READER);
+    return STEP_ON;
+}
+
+/* Reads the next piece of the stream into `out`. Returns false if there is none now. */
+static bool next_piece(struct conn *conn)
+{
+    struct request *request = conn->request;
+    char *piece = conn->loop->buffer;
+    bool behind, chunked = request->minor > 0;
+    pen_buf_release(&conn->out);
+    conn->out_sent = 0;
+    ssize_t bytes = pen_http_stream_read(request->stream, piece, STREAM_BYTES, &behind);
+    if (behind)
+        pen_http_watch_check_soon(request->http->watch);
+    if (bytes == 0)
+        return false;
+    conn->stream_over = bytes < 0;
+    if (chunked)
+        pen_buf_printf(&conn->out, "%zx\r\n", bytes > 0 ? (size_t)bytes : (size_t)0);
+    if (bytes > 0)
+        pen_buf_add(&conn->out, piece, (size_t)bytes);
+    if (chunked)
+        pen_buf_puts(&conn->out, "\r\n");
+    conn->reset = conn->reset || conn->out.failed;
+    return true;
+}
+
+enum conn_step pen_http_conn_send_stream(struct conn *conn)
+{
+    if (conn->half_closed || conn->reset)
+        return STEP_END;
+    if (conn->out_sent == conn->out.bytes) {
+        if (conn->stream_over)
+            return finish(conn);
+        if (!next_piece(conn)) {
+            pen_http_loop_wait(conn, WAIT_WORK);
+            return STEP_WAIT;
+        }
+    }
+    if (!send_parts(conn, NULL, 0))
+        return conn->reset ? STEP_END : STEP_WAIT;
+    pen_http_loop_wait(conn, WAIT_READER);
+    return STEP_ON;
+}

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT */
+/* The way of a request through its phases (see request.h). */
+#include "http/internal/exchange.h"
+
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "http/internal/admit.h"
+#include "http/internal/conn.h"
+#include "http/internal/executor.h"
+#include "http/internal/http.h"
+#include "http/internal/loop.h"
+#include "http/internal/request.h"
+#include "http/internal/routes.h"
+#include "http/internal/streams.h"
+#include "http/internal/watch.h"
+
+/* Of the slots that are kept when all others are taken. */
+static void check_slot(struct request *request)
+{
+    struct pen_status st;
+    if (request->phase != PHASE_BODY || !request->conn->reserved || request->route->is_short)
+        return;
+    pen_fail(&st, PEN_UNAVAILABLE, "there are too many connections; try again later");
+    pen_http_request_fail(request, &st);
+    request->phase = PHASE_ANSWERED;
+    request->close = true;
+}
+
+struct request *pen_http_exchange_begin(struct conn *conn, const char *head, size_t bytes)
+{
+    struct pen_http *http = conn->loop->http;
+    struct request *request = pen_http_request_new(http, head, bytes);
+    if (!request)
+        return NULL;
+    request->conn = conn;
+    atomic_fetch_add_explicit(&http->active, 1, memory_order_relaxed);
+    pen_http_request_admit(request);
+    check_slot(request);
+    return request;
+}
+
+void pen_http_exchange_dispatch(struct request *request)
+{
+    const struct route *route = request->route;
+    enum queue_id id = pen_http_route_queue(route, request);
+    request->phase = PHASE_ANSWERED;
+    if (route->quick && route->quick(request))
+        return;
+    if (id == QUEUE_NONE) {
+        route->handle(request, NULL);
+        return;
+    }
+    request->phase = PHASE_WORK;
+    if (pen_http_executor_submit(request->http->executor, id, request))
+        return;
+    struct pen_status st;
+    pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
+    pen_http_request_fail(request, &st);
+    request->phase = PHASE_ANSWERED;
+}
+
+bool pen_http_exchange_abandon(struct request *request)
+{
+    return pen_http_watch_abandon(request->http->watch, request);
+}
+
+/* Logs a request. Requests that only read, or are refused, are logged at debug level, because they
+ * could fill a disk. */
+static void log_access(const struct request *request, uint64_t streamed, bool complete)
+{
+    const struct reply *reply = &request->reply;
+    bool reads = request->head || strcmp(request->method, "GET") == 0;
+    bool refused = reply->status >= 400;
+    enum pen_log_level level = reply->status >= 500 ? PEN_LOG_WARN
+                               : reads || refused   ? PEN_LOG_DEBUG
+                                                    : PEN_LOG_INFO;
+    int64_t us = (pen_clock_ns() - request->begun_ns) / 1000;
+    bool sent = !request->head && reply->status != 304;
+    uint64_t bytes = streamed + (sent ? reply->bytes : 0);
+    const struct pen_log_about about = {.job = request->job_id, .request = request->id};
+    pen_log_about(level, &about, "%s %.300s %d %llu bytes %lld.%03lld ms%s", request->method,
+                  request->raw_target, reply->status, (unsigned long long)bytes,
+                  (long long)(us / 1000), (long long)(us % 1000), complete ? "" : " (cut short)");
+}
+
+void pen_http_exchange_end(struct request *request, bool complete)
+{
+    struct pen_http *http = request->http;
+    uint64_t streamed = 0;
+    if (request->stream) {
+        streamed = pen_http_stream_close(request->stream);
+        pen_http_watch_remove_stream(http->watch, &request->conn->address);
+    }
+    log_access(request, streamed, complete);
+    pen_http_request_free(request);
+    atomic_fetch_sub_explicit(&http->active, 1, memory_order_relaxed);
+}

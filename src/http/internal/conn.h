@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/* One connection of a client, and the request on it.
+ *
+ *   HEAD ──whole head──► BODY ──whole body──► WORK ──resumed──► SEND ──► HEAD (kept), or
+ *    │                    │                    ▲                 │       LINGER ──► DEAD
+ *    └─ no body, answered at once ─────────────┼────────────────►│
+ *                                              └─ STREAM ────────┘
+ *
+ * Requests follow each other on a connection: nothing is read from it between the end of a request
+ * and the end of its answer, so a client that sends many requests at once costs no memory.
+ *
+ * WORK: another thread has the request. If the client closes the connection meanwhile, a request
+ * that waits in the watcher is taken back and freed; any other goes on, and its answer is sent as
+ * far as that is possible. After a reset the descriptor is closed at once, and the connection is
+ * freed when the request comes back (ORPHAN).
+ *
+ * LINGER: the answer was sent and the server's side is shut down. What the client still sends is
+ * dropped, up to a time and a number of bytes: to close a socket with unread bytes would reset the
+ * connection, and the client would lose the answer.
+ *
+ * Threads: that of the loop, except where a field says otherwise. */
+#ifndef PEN_HTTP_INTERNAL_CONN_H
+#define PEN_HTTP_INTERNAL_CONN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+#include "http/internal/addresses.h"
+#include "http/wire.h"
+
+struct loop;
+struct request;
+
+enum conn_state {
+    CONN_HEAD,
+    CONN_BODY,
+    CONN_WORK,
+    CONN_SEND,
+    CONN_STREAM,
+    CONN_LINGER,
+    CONN_ORPHAN,
+    CONN_DEAD
+};
+
+/* What a connection waits for: the lists of a loop. In each list the connections are in the order
+ * of `since_ns`. Those for which no time is set in the loop wait without a limit. */
+enum conn_wait { WAIT_IDLE, WAIT_HEAD, WAIT_BODY, WAIT_READER, WAIT_LINGER, WAIT_WORK, WAITS };
+
+struct conn {
+    struct loop *loop;
+    int fd; /* -1: closed */
+    enum conn_state state;
+    struct pen_address_key address; /* of the client */
+
+    enum conn_wait wait;
+    struct conn *previous, *next; /* in the list of `wait` */
+    int64_t since_ns;             /* when it came to the end of that list */
+    int64_t begun_ns;             /* when the head, body or answer began */
+
+    bool readable, writable; /* as far as the kernel has told */
+    bool half_closed;        /* the client sends nothing more */
+    bool reset;              /* the connection is broken */
+    bool used;               /* a request was answered */
+    bool reserved;           /* it holds a slot that is kept for short requests */
+    bool ready;              /* it is in the loop's list of connections that can go on */
+    bool wakened;            /* its request was resumed */
+    struct conn *next_ready;
+
+    const char *data; /* received and not yet read: in `kept`, or in the loop's buffer while the
+                       * loop runs this connection */
+    size_t bytes;
+    struct pen_buf kept;
+    struct pen_head_scan scan;
+    struct pen_chunks chunks;
+
+    struct request *request; /* NULL: none */
+    struct pen_buf out;      /* the head of an answer, or a piece of a stream */
+    size_t out_sent;
+    size_t body_sent; /* bytes of the answer's body */
+    size_t dropped;   /* bytes, while it lingers */
+    bool stream_over; /* `out` holds the last piece */
+
+    bool resumed;              /* guarded by the loop's lock: it is in the loop's list of those */
+    struct conn *next_resumed; /* guarded by the loop's lock */
+};
+
+/* Goes on with a connection as far as the kernel allows. */
+void pen_http_conn_run(struct conn *conn);
+
+/* The request was resumed: its answer is ready, or more of its stream. */
+void pen_http_conn_resume(struct conn *conn);
+
+/* The time for which a connection may wait in its list is over. */
+void pen_http_conn_expire(struct conn *conn);
+
+/* Ends a connection at once. */
+void pen_http_conn_close(struct conn *conn);
+
+/* Ends the request and frees it. */
+void pen_http_conn_end_request(struct conn *conn, bool complete);
+
+/* How a step of a connection ended. */
+enum conn_step {
+    STEP_ON,   /* go on with the next one */
+    STEP_WAIT, /* nothing more can be done now */
+    STEP_END   /* the connection was closed or is to be */
+};
+
+/* Begins to send the answer of the request. */
+void pen_http_conn_answer(struct conn *conn);
+
+/* Sends more of an answer, or of an event stream. */
+enum conn_step pen_http_conn_send(struct conn *conn);
+enum conn_step pen_http_conn_send_stream(struct conn *conn);
+
+/* Shuts the server's side down; what the client still sends is dropped. */
+void pen_http_conn_linger(struct conn *conn);
+
+#endif

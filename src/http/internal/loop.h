@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* A thread with an epoll set, which serves its connections: reads requests, answers them or hands
+ * them to the executor, sends answers. It never blocks, and it closes connections that keep it
+ * waiting:
+ *
+ *   waits for                time
+ *   a first or next request  idle_ns
+ *   the rest of a head       head_ns from its first byte, or from accepting
+ *   the rest of a body       body_ns, then as long as it comes at BODY_RATE on average
+ *   a client that reads      idle_ns without any progress
+ *   the end of a client      2 s, or 10 s while it still sends
+ *
+ * A client that vanishes without a word is found by the kernel (listener.c sets keep-alive probes
+ * and TCP_USER_TIMEOUT), a client that closes its connection by epoll at once.
+ *
+ * When there are as many connections as allowed, one more takes the place of the one that has been
+ * idle longest: one that is being closed, waits for a request, or has not sent its head. */
+#ifndef PEN_HTTP_INTERNAL_LOOP_H
+#define PEN_HTTP_INTERNAL_LOOP_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+#include "http/internal/conn.h"
+
+struct pen_http;
+
+enum {
+    LOOP_BYTES = 64 << 10, /* read at once */
+    BODY_RATE = 4096       /* bytes per second */
+};
+
+struct loop_times {
+    int64_t idle_ns, head_ns, body_ns;
+};
+
+struct loop {
+    struct pen_http *http;
+    struct loop_times times;
+    int epoll_fd, wake_fd; /* wake_fd: an eventfd, readable when there is something under `lock` */
+    pthread_t thread;
+    int64_t now_ns; /* when the loop last woke */
+    struct conn_list {
+        struct conn *first, *last;
+    } list[WAITS];
+    struct conn *ready; /* connections that can go on without an event */
+    struct conn *dead;  /* closed, freed at the end of a turn; linked by `next` */
+    char date[40];      /* the value of a Date field */
+    int64_t date_s;     /* the second for which it was made */
+    char *buffer;       /* LOOP_BYTES */
+
+    pthread_mutex_t lock;
+    struct conn *resumed;  /* guarded by lock: connections whose requests were resumed */
+    struct conn *accepted; /* guarded by lock: new connections, linked by `next` */
+    bool stop;             /* guarded by lock */
+};
+
+/* Starts a loop. Owns: pen_http_loop_stop frees. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
+struct loop *pen_http_loop_start(struct pen_http *http, const struct loop_times *times,
+                                 struct pen_status *st);
+
+/* Closes all connections, ends the thread and frees the loop. No request may be with another
+ * thread. NULL is allowed. */
+void pen_http_loop_stop(struct loop *loop);
+
+/* Gives an accepted socket to the loop, which closes it. Threads: any. */
+void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *address);
+
+/* Moves a connection to the end of a list. Threads: the loop's. */
+void pen_http_loop_wait(struct conn *conn, enum conn_wait wait);
+
+/* Makes the loop run this connection again in this turn or the next. Threads: the loop's. */
+void pen_http_loop_again(struct conn *conn);
+
+/* Takes a closed connection out of the loop. Threads: the loop's. */
+void pen_http_loop_remove(struct conn *conn);
+
+/* Tells the loop of a request's connection that its answer is ready, or more of its stream. Unless
+ * it is a stream, the caller must not touch the request afterwards. Locks: the loop's. Threads:
+ * any. */
+void pen_http_resume(struct request *request);
+
+/* The value of a Date field now. */
+const char *pen_http_loop_date(struct loop *loop);
+
+#endif

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT */
+/* A loop's turn: events of the kernel; new connections and resumed requests, which come through one
+ * lock; connections that have more to do; deadlines. */
+#include "http/internal/loop.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+
+enum { EVENTS = 128, LINGER_S = 2 };
+static const int64_t second_ns = INT64_C(1000000000);
+
+static void append(struct conn *conn, enum conn_wait wait)
+{
+    struct conn_list *list = &conn->loop->list[wait];
+    conn->wait = wait;
+    conn->since_ns = conn->loop->now_ns;
+    conn->next = NULL;
+    conn->previous = list->last;
+    *(list->last ? &list->last->next : &list->first) = conn;
+    list->last = conn;
+}
+
+static void take_out(struct conn *conn)
+{
+    struct conn_list *list = &conn->loop->list[conn->wait];
+    *(conn->previous ? &conn->previous->next : &list->first) = conn->next;
+    *(conn->next ? &conn->next->previous : &list->last) = conn->previous;
+}
+
+void pen_http_loop_wait(struct conn *conn, enum conn_wait wait)
+{
+    take_out(conn);
+    append(conn, wait);
+}
+
+void pen_http_loop_again(struct conn *conn)
+{
+    if (conn->ready)
+        return;
+    conn->ready = true;
+    conn->next_ready = conn->loop->ready;
+    conn->loop->ready = conn;
+}
+
+void pen_http_loop_remove(struct conn *conn)
+{
+    struct loop *loop = conn->loop;
+    take_out(conn);
+    conn->next = loop->dead;
+    loop->dead = conn;
+    struct pen_http *http = loop->http;
+    if (conn->reserved)
+        atomic_fetch_sub_explicit(&http->reserved, 1, memory_order_relaxed);
+    atomic_fetch_sub_explicit(&http->connections, 1, memory_order_relaxed);
+}
+
+static void wake(struct loop *loop)
+{
+    eventfd_write(loop->wake_fd, 1);
+}
+
+void pen_http_resume(struct request *request)
+{
+    struct conn *conn = request->conn;
+    struct loop *loop = conn->loop;
+    pthread_mutex_lock(&loop->lock);
+    bool first = !loop->resumed;
+    if (!conn->resumed) {
+        conn->resumed = true;
+        conn->next_resumed = loop->resumed;
+        loop->resumed = conn;
+    }
+    pthread_mutex_unlock(&loop->lock);
+    if (first)
+        wake(loop);
+}
+
+void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *address)
+{
+    struct conn *conn = calloc(1, sizeof *conn);
+    if (!conn) {
+        close(fd);
+        return;
+    }
+    *conn = (struct conn){.loop = loop, .fd = fd, .address = *address};
+    atomic_fetch_add_explicit(&loop->http->arriving, 1, memory_order_relaxed);
+    pthread_mutex_lock(&loop->lock);
+    bool first = !loop->accepted;
+    conn->next = loop->accepted;
+    loop->accepted = conn;
+    pthread_mutex_unlock(&loop->lock);
+    if (first)
+        wake(loop);
+}
+
+const char *pen_http_loop_date(struct loop *loop)
+{
+    int64_t now_s = pen_clock_wall_ms() / 1000;
+    if (now_s != loop->date_s) {
+        time_t time = (time_t)now_s;
+        struct tm utc;
+        gmtime_r(&time, &utc);
+        strftime(loop->date, sizeof loop->date, "%a, %d %b %Y %H:%M:%S GMT", &utc);
+        loop->date_s = now_s;
+    }
+    return loop->date;
+}
+
+/* Closes the connection that can best be spared. Returns false if all are at work. */
+static bool close_idlest(struct loop *loop)
+{
+    static const enum conn_wait order[] = {WAIT_LINGER, WAIT_IDLE, WAIT_HEAD};
+    for (size_t i = 0; i < sizeof order / sizeof order[0]; i++) {
+        struct conn *conn = loop->list[order[i]].first;
+        if (!conn)
+            continue;
+        pen_http_conn_close(conn);
+        return true;
+    }
+    return false;
+}
+
+/* Makes place for a new connection. Returns false if there is none even among the reserved. */
+static bool make_place(struct conn *conn)
+{
+    struct pen_http *http = conn->loop->http;
+    int others = atomic_fetch_add_explicit(&http->connections, 1, memory_order_relaxed);
+    atomic_fetch_sub_explicit(&http->arriving, 1, memory_order_relaxed);
+    if (others < http->connection_max || close_idlest(conn->loop))
+        return true;
+    conn->reserved = true;
+    return atomic_fetch_add_explicit(&http->reserved, 1, memory_order_relaxed) < RESERVED_SLOTS;
+}
+
+static void begin(struct conn *conn)
+{
+    struct epoll_event event = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
+                                .data.ptr = conn};
+    bool placed = make_place(conn);
+    append(conn, WAIT_HEAD);
+    if (!placed || epoll_ctl(conn->loop->epoll_fd, EPOLL_CTL_ADD, conn->fd, &event) != 0)
+        pen_http_conn_close(conn);
+}
+
+/* Takes what other threads have left. Returns whether the loop goes on. */
+static bool take_messages(struct loop *loop)
+{
+    pthread_mutex_lock(&loop->lock);
+    struct conn *accepted = NULL;
+    for (struct conn *conn = loop->accepted, *next; conn; conn = next) {
+        next = conn->next;
+        conn->next = accepted; /* the first that came is the first in the list now */
+        accepted = conn;
+    }
+    bool goes_on = !loop->stop;
+    for (struct conn *conn = loop->resumed; conn; conn = conn->next_resumed) {
+        conn->resumed = false;
+        conn->wakened = true;
+        pen_http_loop_again(conn);
+    }
+    loop->accepted = loop->resumed = NULL;
+    pthread_mutex_unlock(&loop->lock);
+    for (struct conn *next; accepted; accepted = next) {
+        next = accepted->next;
+        begin(accepted);
+    }
+    return goes_on;
+}
+
+static void run_ready(struct loop *loop)
+{
+    struct conn *ready = loop->ready;
+    loop->ready = NULL;
+    for (struct conn *next; ready; ready = next) {
+        next = ready->next_ready;
+        ready->ready = false;
+        if (ready->wakened)
+            pen_http_conn_resume(ready);
+        else
+            pen_http_conn_run(ready);
+    }
+}
+
+/* How long connections of each list may wait; 0: without a limit. */
+static int64_t time_of(const struct loop *loop, enum conn_wait wait)
+{
+    switch (wait) {
+    case WAIT_IDLE:
+    case WAIT_READER:
+        return loop->times.idle_ns;
+    case WAIT_HEAD:
+        return loop->times.head_ns;
+    case WAIT_BODY:
+        return second_ns; /* then its rate is looked at again */
+    case WAIT_LINGER:
+        return LINGER_S * second_ns;
+    case WAIT_WORK:
+    case WAITS:
+        break;
+    }
+    return 0;
+}
+
+/* Ends the connections that have waited too long. Returns the time until the next one has, in ms.
+ */
+static int expire(struct loop *loop)
+{
+    int64_t wait_ns = 60 * second_ns;
+    for (enum conn_wait wait = 0; wait < WAITS; wait++) {
+        int64_t time = time_of(loop, wait);
+        for (struct conn *conn; time && (conn = loop->list[wait].first) != NULL;) {
+            int64_t left = conn->since_ns + time - loop->now_ns;
+            if (left > 0) {
+                wait_ns = left < wait_ns ? left : wait_ns;
+                break;
+            }
+            pen_http_conn_expire(conn);
+        }
+    }
+    return loop->ready ? 0 : (int)(wait_ns / 1000000) + 1;
+}
+
+/* Frees the connections that were closed in this turn. No list has them any more, but the kernel's
+ * events of this turn and `ready` could still have had them. */
+static void free_dead(struct loop *loop)
+{
+    if (!loop->dead)
+        return;
+    for (struct conn **link = &loop->ready; *link;) {
+        if ((*link)->state == CONN_DEAD)
+            *link = (*link)->next_ready;
+        else
+            link = &(*link)->next_ready;
+    }
+    pthread_mutex_lock(&loop->lock);
+    for (struct conn **link = &loop->resumed; *link;) {
+        if ((*link)->state == CONN_DEAD)
+            *link = (*link)->next_resumed;
+        else
+            link = &(*link)->next_resumed;
+    }
+    pthread_mutex_unlock(&loop->lock);
+    for (struct conn *next; loop->dead; loop->dead = next) {
+        next = loop->dead->next;
+        free(loop->dead);
+    }
+}
+
+static void handle_event(struct loop *loop, const struct epoll_event *event)
+{
+    struct conn *conn = event->data.ptr;
+    eventfd_t ignored;
+    if (!conn) {
+        eventfd_read(loop->wake_fd, &ignored);
+        return;
+    }
+    if (event->events & (EPOLLIN | EPOLLRDHUP))
+        conn->readable = true;
+    if (event->events & EPOLLOUT)
+        conn->writable = true;
+    if (event->events & EPOLLRDHUP)
+        conn->half_closed = true;
+    if (event->events & (EPOLLERR | EPOLLHUP))
+        conn->reset = true;
+    pen_http_conn_run(conn);
+}
+
+static void close_all(struct loop *loop)
+{
+    for (enum conn_wait wait = 0; wait < WAITS; wait++) {
+        while (loop->list[wait].first)
+            pen_http_conn_close(loop->list[wait].first);
+    }
+    free_dead(loop);
+}
+
+static void *run(void *arg)
+{
+    struct loop *loop = arg;
+    struct epoll_event events[EVENTS];
+    int wait_ms = 0;
+    bool goes_on = true;
+    while (goes_on) {
+        int count = epoll_wait(loop->epoll_fd, events, EVENTS, wait_ms);
+        loop->now_ns = pen_clock_ns();
+        for (int i = 0; i < count; i++)
+            handle_event(loop, &events[i]);
+        goes_on = take_messages(loop);
+        run_ready(loop);
+        wait_ms = expire(loop);
+        free_dead(loop);
+    }
+    close_all(loop);
+    return NULL;
+}
+
+static void release(struct loop *loop)
+{
+    if (loop->epoll_fd >= 0)
+        close(loop->epoll_fd);
+    if (loop->wake_fd >= 0)
+        close(loop->wake_fd);
+    pthread_mutex_destroy(&loop->lock);
+    free(loop->buffer);
+    free(loop);
+}
+
+struct loop *pen_http_loop_start(struct pen_http *http, const struct loop_times *times,
+                                 struct pen_status *st)
+{
+    struct loop *loop = calloc(1, sizeof *loop);
+    char *buffer = malloc(LOOP_BYTES);
+    if (!loop || !buffer) {
+        free(loop);
+        free(buffer);
+        pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
+        return NULL;
+    }
+    *loop = (struct loop){.http = http,
+                          .times = *times,
+                          .buffer = buffer,
+                          .now_ns = pen_clock_ns(),
+                          .epoll_fd = epoll_create1(EPOLL_CLOEXEC),
+                          .wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
+    struct epoll_event event = {.events = EPOLLIN, .data.ptr = NULL};
+    pthread_mutex_init(&loop->lock, NULL);
+    if (loop->epoll_fd >= 0 && loop->wake_fd >= 0 &&
+        epoll_ctl(loop->epoll_fd, EPOLL_CTL_ADD, loop->wake_fd, &event) == 0 &&
+        pthread_create(&loop->thread, NULL, run, loop) == 0)
+        return loop;
+    release(loop);
+    pen_fail(st, PEN_UNAVAILABLE, "the HTTP server does not start");
+    return NULL;
+}
+
+void pen_http_loop_stop(struct loop *loop)
+{
+    if (!loop)
+        return;
+    pthread_mutex_lock(&loop->lock);
+    loop->stop = true;
+    pthread_mutex_unlock(&loop->lock);
+    wake(loop);
+    pthread_join(loop->thread, NULL);
+    release(loop);
+}
