@@ -8,19 +8,23 @@
 #include <string.h>
 #include <sys/socket.h>
 
+#include "http/server.h"
+
+static void map_ipv4(const void *address, unsigned char out[16])
+{
+    memset(out, 0, 10);
+    out[10] = out[11] = 0xff;
+    memcpy(out + 12, address, 4);
+}
+
 /* Writes an address as IPv6. */
 static bool write_ipv6(const struct sockaddr *peer, unsigned char out[16])
 {
-    if (peer->sa_family == AF_INET6) {
+    if (peer->sa_family == AF_INET6)
         memcpy(out, &((const struct sockaddr_in6 *)(const void *)peer)->sin6_addr, 16);
-        return true;
-    }
-    if (peer->sa_family != AF_INET)
-        return false;
-    memset(out, 0, 10);
-    out[10] = out[11] = 0xff;
-    memcpy(out + 12, &((const struct sockaddr_in *)(const void *)peer)->sin_addr, 4);
-    return true;
+    else if (peer->sa_family == AF_INET)
+        map_ipv4(&((const struct sockaddr_in *)(const void *)peer)->sin_addr, out);
+    return peer->sa_family == AF_INET6 || peer->sa_family == AF_INET;
 }
 
 static bool is_ipv4(const unsigned char bytes[16])
@@ -37,12 +41,19 @@ static bool is_loopback(const unsigned char bytes[16])
 
 bool pen_http_address_parse(const char *text, unsigned char out[16])
 {
-    struct sockaddr_in v4 = {.sin_family = AF_INET};
-    struct sockaddr_in6 v6 = {.sin6_family = AF_INET6};
-    if (inet_pton(AF_INET, text, &v4.sin_addr) == 1)
-        return write_ipv6((const struct sockaddr *)&v4, out);
-    return inet_pton(AF_INET6, text, &v6.sin6_addr) == 1 &&
-           write_ipv6((const struct sockaddr *)&v6, out);
+    unsigned char v4[4];
+    if (inet_pton(AF_INET6, text, out) == 1)
+        return true;
+    if (inet_pton(AF_INET, text, v4) != 1)
+        return false;
+    map_ipv4(v4, out);
+    return true;
+}
+
+bool pen_http_is_address(const char *text)
+{
+    unsigned char ignored[16];
+    return pen_http_address_parse(text, ignored);
 }
 
 struct pen_address_key pen_http_address_key(const struct sockaddr *peer,

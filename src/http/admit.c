@@ -127,6 +127,14 @@ static bool check_media(const struct request *request, struct pen_status *st)
                     request->fields.content_type);
 }
 
+static bool check_encoding(const struct request *request, struct pen_status *st)
+{
+    const char *encoding = request->fields.content_encoding;
+    return !encoding || !request->route->takes_body || strcasecmp(encoding, "gzip") == 0 ||
+           pen_fail(st, PEN_MEDIA_TYPE,
+                    "the Content-Encoding \"%.40s\" is not accepted; \"gzip\" is", encoding);
+}
+
 static bool check_drain(const struct request *request, struct pen_status *st)
 {
     struct pen_http *http = request->http;
@@ -162,7 +170,8 @@ void pen_http_request_admit(struct request *request)
     bool framed = check_framing(request, &st);
     bool ok = framed && pen_target_parse(request->raw_target, &request->target, &st) &&
               check_sender(request, &st) && find_route(request, allow, &st) &&
-              check_length(request, &st) && check_media(request, &st) && check_drain(request, &st);
+              check_length(request, &st) && check_media(request, &st) &&
+              check_encoding(request, &st) && check_drain(request, &st);
     if (ok) {
         request->phase = PHASE_BODY;
         return;

@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "http/internal/admit.h"
 #include "http/internal/conn.h"
+#include "http/internal/encoding.h"
 #include "http/internal/executor.h"
 #include "http/internal/http.h"
 #include "http/internal/loop.h"
@@ -46,10 +47,11 @@ void pen_http_exchange_dispatch(struct request *request)
     const struct route *route = request->route;
     enum queue_id id = pen_http_route_queue(route, request);
     request->phase = PHASE_ANSWERED;
-    if (route->quick && route->quick(request))
-        return;
-    if (id == QUEUE_NONE) {
-        route->handle(request, NULL);
+    bool answered = route->quick && route->quick(request);
+    if (!answered && id == QUEUE_NONE)
+        answered = route->handle(request, NULL) == OUTCOME_ANSWERED;
+    if (answered) {
+        pen_http_request_encode(request);
         return;
     }
     request->phase = PHASE_WORK;

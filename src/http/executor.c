@@ -1,21 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/* Two queues and one lock, which is held for a few instructions at a time. */
+/* The queues and one lock, which is held for a few instructions at a time. */
 #include "http/internal/executor.h"
 
 #include <malloc.h>
 #include <pthread.h>
 #include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include "http/internal/encoding.h"
 #include "http/internal/loop.h"
 #include "http/internal/request.h"
 #include "jobs/jobs.h"
 
 enum {
-    QUEUES = QUEUE_COMPUTE + 1, /* that of QUEUE_NONE stays empty */
+    QUEUES = QUEUE_INTAKE + 1, /* that of QUEUE_NONE stays empty */
     THREADS_MAX = 64,
     LARGE_BYTES = 256 << 10 /* from here on a body counts as large, see trim_memory */
 };
-_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_COMPUTE == 2,
+_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_COMPUTE == 2 && QUEUE_INTAKE == 3,
                "queues are indexed by enum queue_id");
 
 struct queue {
@@ -83,13 +86,33 @@ static void finish_request(struct executor *executor, bool large)
     pthread_mutex_unlock(&executor->lock);
 }
 
+/* Decodes the body, and runs the handler. */
+static enum outcome handle(struct request *request, struct pen_jobs *jobs)
+{
+    enum outcome outcome = OUTCOME_ANSWERED;
+    if (pen_http_request_decode(request))
+        outcome = request->route->handle(request, jobs);
+    if (outcome == OUTCOME_ANSWERED)
+        pen_http_request_encode(request);
+    return outcome;
+}
+
+/* Work on large bodies leaves the processors to everybody else. */
+static void lower_priority(enum queue_id id)
+{
+    enum { NICER = 5 };
+    if (id == QUEUE_INTAKE)
+        setpriority(PRIO_PROCESS, (id_t)gettid(), getpriority(PRIO_PROCESS, 0) + NICER);
+}
+
 static void *work(void *arg)
 {
     struct thread *thread = arg;
+    lower_priority(thread->id);
     struct request *request;
     while ((request = next_request(thread->executor, thread->id)) != NULL) {
         bool large = request->body.bytes >= LARGE_BYTES;
-        if (request->route->handle(request, thread->jobs) == OUTCOME_ANSWERED) {
+        if (handle(request, thread->jobs) == OUTCOME_ANSWERED) {
             pen_http_request_drop_body(request);
             pen_http_resume(request);
         }
@@ -117,7 +140,10 @@ static bool add_thread(struct executor *executor, enum queue_id id,
 struct executor *pen_http_executor_start(const struct executor_options *options,
                                          struct pen_status *st)
 {
-    int threads = options->store_threads + options->compute_threads;
+    const int count[QUEUES] = {[QUEUE_STORE] = options->store_threads,
+                               [QUEUE_COMPUTE] = options->compute_threads,
+                               [QUEUE_INTAKE] = options->intake_threads};
+    int threads = count[QUEUE_STORE] + count[QUEUE_COMPUTE] + count[QUEUE_INTAKE];
     struct executor *executor = threads <= THREADS_MAX ? calloc(1, sizeof *executor) : NULL;
     if (!executor) {
         pen_fail(st, PEN_NO_MEMORY, "no memory for %d request threads", threads);
@@ -128,13 +154,15 @@ struct executor *pen_http_executor_start(const struct executor_options *options,
         executor->queue[id].tail = &executor->queue[id].head;
         pthread_cond_init(&executor->queue[id].filled, NULL);
     }
-    for (int i = 0; i < threads; i++) {
-        if (!add_thread(executor, i < options->store_threads ? QUEUE_STORE : QUEUE_COMPUTE, options,
-                        st)) {
-            pen_http_executor_stop(executor);
-            pen_http_executor_free(executor);
-            return NULL;
-        }
+    bool ok = true;
+    for (int id = QUEUE_STORE; ok && id < QUEUES; id++) {
+        for (int i = 0; ok && i < count[id]; i++)
+            ok = add_thread(executor, (enum queue_id)id, options, st);
+    }
+    if (!ok) {
+        pen_http_executor_stop(executor);
+        pen_http_executor_free(executor);
+        return NULL;
     }
     return executor;
 }

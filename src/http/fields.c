@@ -3,6 +3,7 @@
  * way: as no match, no range, another type, a host that is not loopback. */
 #include <ctype.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -104,6 +105,16 @@ bool pen_etag_listed(const char *if_none_match, const char *etag)
     return false;
 }
 
+bool pen_etag_known(const char *if_none_match, const char *etag)
+{
+    enum { TAG_BYTES = 100 };
+    char compressed[TAG_BYTES];
+    int length = (int)strlen(etag);
+    snprintf(compressed, sizeof compressed, "%.*s" PEN_GZIP_TAG "\"", length > 0 ? length - 1 : 0,
+             etag);
+    return pen_etag_listed(if_none_match, etag) || pen_etag_listed(if_none_match, compressed);
+}
+
 /* How closely a media range of `length` bytes names a type: 3 exactly, 2 as "main/" and a star, 1
  * as any type, 0 not at all. */
 static int range_fits(const char *range, size_t length, const char *type)
@@ -130,6 +141,22 @@ static double quality_of(const char *at, const char *end)
             break;
     }
     return 1;
+}
+
+bool pen_encoding_is_gzip(const char *accept_encoding)
+{
+    double gzip = -1, any = 0;
+    for (const char *at = accept_encoding ? accept_encoding : ""; *at;) {
+        at += strspn(at, ", \t");
+        const char *end = at + strcspn(at, ",");
+        size_t length = strcspn(at, ";, \t");
+        if (length == 4 && strncasecmp(at, "gzip", length) == 0)
+            gzip = quality_of(at + length, end);
+        else if (length == 1 && *at == '*')
+            any = quality_of(at + length, end);
+        at = end;
+    }
+    return (gzip < 0 ? any : gzip) > 0;
 }
 
 /* How much a type is preferred: the q of the media range that names it most closely. */

@@ -4,13 +4,11 @@
 
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
+#include "http/internal/pictures.h"
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/watch.h"
 #include "io/document.h"
-
-/* The limit of all pictures in memory together, those being sent to slow clients included. */
-enum { PICTURE_BYTES = 1 << 30 };
 
 static const char forever[] = "private, max-age=86400, immutable";
 
@@ -34,24 +32,12 @@ static enum outcome answer_status(struct request *request, struct pen_jobs *jobs
     return OUTCOME_ANSWERED;
 }
 
-static bool has_memory(struct request *request)
+/* Answers with a picture; takes the reference to its blob. */
+static void answer_picture(struct request *request, const struct picture *picture, bool final)
 {
-    atomic_size_t *total = &request->http->picture_bytes;
-    if (atomic_load_explicit(total, memory_order_relaxed) <= PICTURE_BYTES)
-        return true;
-    struct pen_status st;
-    pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for a picture now; try again later");
-    pen_http_request_fail(request, &st);
-    return false;
-}
-
-static void answer_picture(struct request *request, struct pen_image *image, bool final)
-{
-    struct blob *blob = pen_http_blob_take(&image->bytes);
-    pen_http_blob_count(blob, &request->http->picture_bytes);
-    const struct content content = {.blob = blob,
-                                    .type = image->type,
-                                    .etag = image->etag,
+    const struct content content = {.blob = picture->blob,
+                                    .type = picture->type,
+                                    .etag = picture->etag,
                                     .cache_control = final ? forever : "no-cache",
                                     .ranges = final};
     pen_http_request_content(request, &content);
@@ -68,31 +54,70 @@ static void answer_hashed(struct request *request, struct blob *blob, const char
     pen_http_request_content(request, &content);
 }
 
+static struct picture_key key_of(const struct request *request)
+{
+    return (struct picture_key){.job = request->job_id,
+                                .view = pen_http_request_param(request, "view"),
+                                .layer = pen_http_request_param(request, "layer"),
+                                .format = pen_http_request_param(request, "format")};
+}
+
+bool pen_http_quick_image(struct request *request)
+{
+    struct pen_http *http = request->http;
+    const struct picture_key key = key_of(request);
+    struct snapshot snapshot;
+    struct picture picture;
+    if (!pen_http_snapshot_cache_peek(http->snapshot_cache, pen_http_watch_changes(http->watch),
+                                      request->job_id, &snapshot))
+        return false;
+    pen_http_snapshot_release(&snapshot); /* the job is there */
+    if (!pen_http_pictures_find(http->pictures, &key, &picture))
+        return false;
+    answer_picture(request, &picture, true);
+    return true;
+}
+
+/* Gets the picture from memory if the job is there, or else from the store. */
+static bool get_picture(struct request *request, struct pen_jobs *jobs, struct picture *picture,
+                        struct pen_status *st)
+{
+    struct pen_http *http = request->http;
+    const struct picture_key key = key_of(request);
+    const struct pen_image_query query = {
+        .view = key.view, .layer = key.layer, .format = key.format};
+    struct pen_image image = {0};
+    struct snapshot snapshot;
+    if (pen_http_snapshot_cache_read(http->snapshot_cache, pen_http_watch_changes(http->watch),
+                                     jobs, request->job_id, &snapshot, st)) {
+        pen_http_snapshot_release(&snapshot);
+        if (pen_http_pictures_find(http->pictures, &key, picture))
+            return true;
+    }
+    return pen_jobs_image(jobs, request->job_id, &query, &image, st) &&
+           pen_http_pictures_take(http->pictures, &key, &image, picture, st);
+}
+
 enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *jobs)
 {
-    const struct pen_image_query query = {.view = pen_http_request_param(request, "view"),
-                                          .layer = pen_http_request_param(request, "layer"),
-                                          .format = pen_http_request_param(request, "format")};
-    struct pen_image image = {0};
+    struct picture picture;
     struct pen_status st;
-    if (!has_memory(request))
-        return OUTCOME_ANSWERED;
-    if (!pen_jobs_image(jobs, request->job_id, &query, &image, &st))
+    if (!get_picture(request, jobs, &picture, &st))
         return answer_status(request, jobs, &st);
-    answer_picture(request, &image, true);
+    answer_picture(request, &picture, true);
     return OUTCOME_ANSWERED;
 }
 
 enum outcome pen_http_handle_preview(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_image image = {0};
+    struct picture picture;
     struct pen_status st;
-    if (!has_memory(request))
-        return OUTCOME_ANSWERED;
     if (!pen_jobs_preview(jobs, request->job_id, pen_http_request_param(request, "view"), &image,
-                          &st))
+                          &st) ||
+        !pen_http_pictures_take(request->http->pictures, NULL, &image, &picture, &st))
         return answer_status(request, jobs, &st);
-    answer_picture(request, &image, false);
+    answer_picture(request, &picture, false);
     return OUTCOME_ANSWERED;
 }
 

@@ -74,6 +74,7 @@ void pen_http_resume(struct request *request)
     struct loop *loop = conn->loop;
     pthread_mutex_lock(&loop->lock);
     bool first = !loop->resumed;
+    request->resumed = true;
     if (!conn->resumed) {
         conn->resumed = true;
         conn->next_resumed = loop->resumed;
@@ -164,7 +165,7 @@ static bool take_messages(struct loop *loop)
     bool goes_on = !loop->stop;
     for (struct conn *conn = loop->resumed; conn; conn = conn->next_resumed) {
         conn->resumed = false;
-        conn->wakened = true;
+        conn->wakened = conn->request && conn->request->resumed;
         pen_http_loop_again(conn);
     }
     loop->accepted = loop->resumed = NULL;

@@ -66,6 +66,16 @@ enum pen_media pen_media_parse(const char *content_type);
  * Source: RFC 9110, section 13.1.2. */
 bool pen_etag_listed(const char *if_none_match, const char *etag);
 
+/* What the entity tag of a compressed representation has before its closing quote. */
+#define PEN_GZIP_TAG "-gzip"
+
+/* As pen_etag_listed; the tag of the compressed representation counts as well. */
+bool pen_etag_known(const char *if_none_match, const char *etag);
+
+/* Whether an Accept-Encoding field (NULL: not sent) accepts gzip. Source: RFC 9110, section
+ * 12.5.3. */
+bool pen_encoding_is_gzip(const char *accept_encoding);
+
 /* The index of the media type, of `count`, that an Accept field prefers; of equally preferred ones
  * the first; -1: it accepts none of them. An absent or empty field accepts anything. Parameters
  * other than q are ignored.

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "http/internal/encoding.h"
 #include "http/message.h"
 
 struct blob *pen_http_blob_take(struct pen_buf *content)
@@ -20,6 +21,7 @@ struct blob *pen_http_blob_take(struct pen_buf *content)
     atomic_init(&blob->refs, 1);
     blob->content = *content;
     blob->total = NULL;
+    atomic_init(&blob->gzip, NULL);
     pen_buf_init(content);
     return blob;
 }
@@ -44,8 +46,26 @@ void pen_http_blob_unref(struct blob *blob)
         return;
     if (blob->total)
         atomic_fetch_sub_explicit(blob->total, blob->content.bytes, memory_order_relaxed);
+    pen_http_blob_unref(atomic_load_explicit(&blob->gzip, memory_order_acquire));
     pen_buf_release(&blob->content);
     free(blob);
+}
+
+struct blob *pen_http_blob_gzip(struct blob *blob)
+{
+    struct blob *gzip = atomic_load_explicit(&blob->gzip, memory_order_acquire);
+    struct pen_buf text = {0};
+    if (gzip)
+        return pen_http_blob_ref(gzip);
+    if (!pen_http_gzip(blob->content.data, blob->content.bytes, &text) ||
+        !(gzip = pen_http_blob_take(&text)))
+        return NULL;
+    struct blob *other = NULL;
+    if (atomic_compare_exchange_strong_explicit(&blob->gzip, &other, gzip, memory_order_acq_rel,
+                                                memory_order_acquire))
+        return pen_http_blob_ref(gzip);
+    pen_http_blob_unref(gzip); /* another thread was quicker */
+    return pen_http_blob_ref(other);
 }
 
 static int append(const char *text, size_t bytes, void *content)
@@ -138,7 +158,7 @@ static enum pen_range_kind granted_range(const struct reply_conditions *conditio
 bool pen_http_reply_content(struct reply *reply, struct blob *blob, const char *type,
                             const char *etag, const struct reply_conditions *conditions)
 {
-    if (conditions->if_none_match && pen_etag_listed(conditions->if_none_match, etag)) {
+    if (conditions->if_none_match && pen_etag_known(conditions->if_none_match, etag)) {
         /* The body is not sent, but the Content-Length of a 304 is that of the 200. */
         pen_http_reply_body(reply, 304, blob, type);
         pen_http_reply_field(reply, "ETag", "%s", etag);

@@ -65,6 +65,7 @@ static const struct route table[] = {
     {.method = "GET",
      .path = "/v1/jobs/{id}/image",
      .handle = pen_http_handle_image,
+     .quick = pen_http_quick_image,
      .queue = QUEUE_COMPUTE,
      .params = image_params},
     {.method = "GET",
@@ -117,6 +118,7 @@ static const struct route table[] = {
     {.method = "GET", .path = "/scene.schema.json", .handle = pen_http_handle_api_file},
 };
 
+enum { LARGE_BODY = 64 << 10 }; /* bytes; takes some milliseconds to parse */
 enum { ROUTES = sizeof table / sizeof table[0] };
 
 /* Paths of resources that are not supported yet: they get a 404 with that explanation. */
@@ -253,6 +255,9 @@ bool pen_http_route_check_params(const struct route *route, const struct pen_tar
 enum queue_id pen_http_route_queue(const struct route *route, const struct request *request)
 {
     const struct pen_target *target = &request->target;
+    if (request->body.bytes > LARGE_BODY ||
+        (request->body.bytes > 0 && request->fields.content_encoding))
+        return QUEUE_INTAKE;
     if (route->handle != pen_http_handle_image)
         return route->queue;
     const char *layer = pen_target_param(target, "layer");

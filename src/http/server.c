@@ -16,13 +16,20 @@
 #include "http/internal/executor.h"
 #include "http/internal/http.h"
 #include "http/internal/listener.h"
+#include "http/internal/pictures.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/static_files.h"
 #include "http/internal/streams.h"
 #include "http/internal/watch.h"
 #include "jobs/jobs.h"
 
-enum { STORE_THREADS = 4, COMPUTE_THREADS = 2, HEARTBEAT_MS = 10000, WAITING_PER_ADDRESS = 32 };
+enum {
+    STORE_THREADS = 4,
+    COMPUTE_THREADS = 2,
+    INTAKE_THREADS = 1,
+    HEARTBEAT_MS = 10000,
+    WAITING_PER_ADDRESS = 32
+};
 static const int64_t finish_max_ns = INT64_C(1500000000);
 
 /* Frees the server and those of its parts that exist. No connection may be open. */
@@ -32,6 +39,7 @@ static void release(struct pen_http *http)
     pen_http_watch_free(http->watch);
     pen_http_snapshot_cache_free(http->snapshot_cache);
     pen_http_streams_free(http->streams);
+    pen_http_pictures_free(http->pictures);
     pen_http_static_files_free(http->static_files);
     pthread_mutex_destroy(&http->ready_lock);
     free(http);
@@ -52,7 +60,8 @@ static bool start_threads(struct pen_http *http, const struct pen_http_options *
         .store_url = options->store_url,
         .limits = &http->limits,
         .store_threads = options->store_threads > 0 ? options->store_threads : STORE_THREADS,
-        .compute_threads = COMPUTE_THREADS};
+        .compute_threads = COMPUTE_THREADS,
+        .intake_threads = INTAKE_THREADS};
     http->executor = pen_http_executor_start(&executor, st);
     return http->executor != NULL;
 }
@@ -70,7 +79,8 @@ static bool prepare(struct pen_http *http, int heartbeat_ms, struct pen_status *
     http->snapshot_cache = pen_http_snapshot_cache_new();
     http->streams =
         pen_http_streams_new(http->snapshot_cache, heartbeat_ms > 0 ? heartbeat_ms : HEARTBEAT_MS);
-    if (!http->snapshot_cache || !http->streams)
+    http->pictures = pen_http_pictures_new();
+    if (!http->snapshot_cache || !http->streams || !http->pictures)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
     http->static_files = pen_http_static_files_new(st);
     return http->static_files != NULL;

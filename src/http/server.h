@@ -28,6 +28,9 @@ struct pen_http_options {
 
 struct pen_http;
 
+/* Whether a text is a numeric IPv4 or IPv6 address. */
+bool pen_http_is_address(const char *text);
+
 /* Starts serving. Owns: stop with pen_http_stop; the strings in options may go after the call.
  * Fails: PEN_STORAGE (store), PEN_UNAVAILABLE (sockets, threads), PEN_NO_MEMORY. */
 struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st);

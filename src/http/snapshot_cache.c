@@ -114,7 +114,7 @@ bool pen_http_snapshot_is_due(const struct snapshot *snapshot, const struct requ
     const char *known = request->fields.if_none_match;
     char etag[ETAG_BYTES];
     tag_of(snapshot, etag);
-    return pen_job_state_ended(snapshot->state) || (known && !pen_etag_listed(known, etag));
+    return pen_job_state_ended(snapshot->state) || (known && !pen_etag_known(known, etag));
 }
 
 void pen_http_snapshot_reply(const struct snapshot *snapshot, struct request *request)

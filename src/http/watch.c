@@ -13,6 +13,7 @@
 
 #include "base/clock.h"
 #include "http/internal/conn.h"
+#include "http/internal/encoding.h"
 #include "http/internal/executor.h"
 #include "http/internal/http.h"
 #include "http/internal/loop.h"
@@ -113,6 +114,7 @@ static void pass_on(struct watch *watch, struct request *request)
         pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
         pen_http_request_fail(request, &st);
     }
+    pen_http_request_encode(request);
     pen_http_resume(request);
 }
 

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "http/internal/encoding.h"
 #include "support/server.h"
 #include "support/suite.h"
 
@@ -325,6 +326,92 @@ START_TEST(test_server__ambiguous_heads_are_refused)
 }
 END_TEST
 
+/* Sends a head and a body of bytes. */
+static void ask_bytes(const struct server *server, const char *head, const struct pen_buf *body,
+                      struct answer *answer)
+{
+    char text[400];
+    int fd = server_connect(server);
+    snprintf(text, sizeof text, "%s\r\nHost: localhost\r\nContent-Length: %zu\r\n\r\n", head,
+             body->bytes);
+    client_send(fd, text);
+    send(fd, body->data, body->bytes, MSG_NOSIGNAL);
+    client_read(fd, false, answer);
+    close(fd);
+}
+
+START_TEST(test_server__compressed_bodies_are_decoded_under_the_limit)
+{
+    static const char job[] = "{\"scene\": \"builtin:spheres\"}";
+    static const char gzip[] = "POST /v1/validate HTTP/1.1\r\nContent-Encoding: gzip";
+    struct server server;
+    server_start(&server, &(struct server_options){.body_bytes = 1000000});
+    struct pen_buf body = {0}, bomb = {0};
+    struct answer answer;
+    ck_assert(pen_http_gzip(job, sizeof job - 1, &body));
+    ask_bytes(&server, gzip, &body, &answer);
+    ck_assert_msg(answer.status == 200, "%s", answer.body);
+    answer_release(&answer);
+    body.bytes -= 3;
+    ask_bytes(&server, gzip, &body, &answer);
+    ck_assert_int_eq(answer.status, 400);
+    answer_release(&answer);
+    ask_bytes(&server, "POST /v1/validate HTTP/1.1\r\nContent-Encoding: br", &body, &answer);
+    ck_assert_int_eq(answer.status, 415);
+    answer_release(&answer);
+    char *spaces = malloc(50000000);
+    memset(spaces, ' ', 50000000);
+    ck_assert(pen_http_gzip(spaces, 50000000, &bomb));
+    ck_assert_uint_lt(bomb.bytes, 1000000);
+    ask_bytes(&server, gzip, &bomb, &answer);
+    ck_assert_int_eq(answer.status, 413);
+    answer_release(&answer);
+    free(spaces);
+    pen_buf_release(&body);
+    pen_buf_release(&bomb);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_server__answers_are_compressed_on_demand)
+{
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    struct answer plain, packed, known;
+    struct pen_status st;
+    struct pen_buf text = {0};
+    char value[100], tag[100], head[300];
+    server_ask(&server, "GET /openapi.yaml HTTP/1.1", NULL, &plain);
+    ck_assert_str_eq(answer_field(&plain, "Content-Encoding", value, sizeof value), "");
+    ck_assert_str_eq(answer_field(&plain, "Vary", value, sizeof value), "Accept-Encoding");
+    server_ask(&server, "GET /openapi.yaml HTTP/1.1\r\nAccept-Encoding: br, gzip;q=0.5", NULL,
+               &packed);
+    ck_assert_str_eq(answer_field(&packed, "Content-Encoding", value, sizeof value), "gzip");
+    ck_assert_str_eq(answer_field(&packed, "Vary", value, sizeof value), "Accept-Encoding");
+    size_t bytes = packed.text.bytes - (size_t)(packed.body - (const char *)packed.text.data);
+    size_t plain_bytes = plain.text.bytes - (size_t)(plain.body - (const char *)plain.text.data);
+    ck_assert_uint_lt(bytes, plain_bytes / 2);
+    ck_assert(pen_http_gunzip(packed.body, bytes, plain_bytes, &text, &st));
+    ck_assert_uint_eq(text.bytes, plain_bytes);
+    ck_assert_mem_eq(text.data, plain.body, plain_bytes);
+    answer_field(&packed, "ETag", tag, sizeof tag);
+    ck_assert_str_ne(answer_field(&plain, "ETag", value, sizeof value), tag);
+    snprintf(head, sizeof head,
+             "GET /openapi.yaml HTTP/1.1\r\nAccept-Encoding: gzip\r\nIf-None-Match: %s", tag);
+    server_ask(&server, head, NULL, &known);
+    ck_assert_int_eq(known.status, 304);
+    ck_assert_str_eq(answer_field(&known, "ETag", value, sizeof value), tag);
+    answer_release(&known);
+    server_ask(&server, "GET /openapi.yaml HTTP/1.1\r\nAccept-Encoding: gzip;q=0", NULL, &known);
+    ck_assert_str_eq(answer_field(&known, "Content-Encoding", value, sizeof value), "");
+    answer_release(&known);
+    answer_release(&plain);
+    answer_release(&packed);
+    pen_buf_release(&text);
+    server_stop(&server);
+}
+END_TEST
+
 START_TEST(test_server__body_is_requested_only_if_accepted)
 {
     struct server server;
@@ -580,7 +667,7 @@ END_TEST
 /* The places of polls whose clients have gone are free soon, though the job does not change. */
 START_TEST(test_server__abandoned_polls_are_forgotten)
 {
-    enum { WAITING = 512 };
+    enum { WAITING = 530 }; /* more than there are places, since the question below takes one too */
     allow_many_files();
     struct server server;
     server_start(&server, &(struct server_options){0});
@@ -881,13 +968,14 @@ PEN_SUITE("server", test_server__partial_requests_are_ended, test_server__slow_r
           test_server__aborted_uploads_leave_nothing,
           test_server__pipelined_requests_are_answered_in_order,
           test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
-          test_server__ambiguous_lengths_are_refused, test_server__ambiguous_heads_are_refused,
-          test_server__body_is_requested_only_if_accepted, test_server__endless_chunks_are_dropped,
-          test_server__body_limit_is_exact, test_server__old_clients_are_served,
-          test_server__long_polls_end_with_the_job, test_server__long_poll_ends_with_its_time,
-          test_server__long_poll_of_a_deleted_job, test_server__waiting_requests_are_bounded,
-          test_server__disconnected_waiters_do_no_harm, test_server__stop_answers_waiting_requests,
-          test_server__drain_refuses_new_jobs_only,
+          test_server__compressed_bodies_are_decoded_under_the_limit,
+          test_server__answers_are_compressed_on_demand, test_server__ambiguous_lengths_are_refused,
+          test_server__ambiguous_heads_are_refused, test_server__body_is_requested_only_if_accepted,
+          test_server__endless_chunks_are_dropped, test_server__body_limit_is_exact,
+          test_server__old_clients_are_served, test_server__long_polls_end_with_the_job,
+          test_server__long_poll_ends_with_its_time, test_server__long_poll_of_a_deleted_job,
+          test_server__waiting_requests_are_bounded, test_server__disconnected_waiters_do_no_harm,
+          test_server__stop_answers_waiting_requests, test_server__drain_refuses_new_jobs_only,
           test_server__store_that_takes_no_writes_is_reported,
           test_server__concurrent_submits_are_all_kept,
           test_server__concurrent_submits_with_one_key_are_one_job, test_server__jobs_are_rendered,

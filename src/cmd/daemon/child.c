@@ -121,6 +121,8 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     add_limits(arguments, &config->max);
     if (is_worker(child))
         add_worker(arguments, child, config);
+    else
+        add(arguments, "--trusted-proxy", config->trusted_proxy);
     arguments->list[arguments->count] = NULL;
 }
 

@@ -10,6 +10,7 @@
 
 #include "cmd/files.h"
 #include "cmd/report.h"
+#include "http/server.h"
 #include "io/scene_json.h"
 
 static const char *const roles[] = {"all", "api", "worker", NULL};
@@ -128,6 +129,14 @@ static const struct pen_option options[] = {
      .value = "FILE",
      .env = "PENUMBRA_TOKENS",
      .help = "who may do what; not supported yet"},
+    {.name = "trusted-proxy",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, trusted_proxy),
+     .value = "ADDRESS",
+     .env = "PENUMBRA_TRUSTED_PROXY",
+     .help =
+         "the numeric address of a proxy: any number of the requests that come through it may "
+         "wait (wait=, events). Of other addresses 32 may, of the loopback interface any number"},
     {.name = "log-file",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, log_file),
@@ -363,6 +372,11 @@ static bool check(struct pen_config *config, struct pen_status *st)
         return false;
     if (!pen_address_parse(config->listen, &config->address, st))
         return false;
+    if (config->trusted_proxy && !pen_http_is_address(config->trusted_proxy))
+        return pen_fail(
+            st, PEN_USAGE,
+            "--trusted-proxy: found \"%.60s\"; a numeric IPv4 or IPv6 address is allowed",
+            config->trusted_proxy);
     if (!(config->store && *config->store) && !make_default_store(config, st))
         return false;
     config->store_url = config->store;

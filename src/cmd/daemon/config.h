@@ -24,6 +24,7 @@ struct pen_job_limits {
 
 struct pen_config {
     const char *listen, *store, *role, *tokens, *file, *log_file, *log_format, *log_level;
+    const char *trusted_proxy; /* NULL: none */
     int threads, memory_limit; /* memory_limit: MiB; 0: three quarters of the machine's */
     struct pen_job_limits max; /* what a job may ask for */
     int keep_days, keep_jobs;  /* 0: without limit */

@@ -138,8 +138,10 @@ int pen_role_api(const struct pen_config *config, int listen_fd)
     mallopt(M_ARENA_MAX, 2); /* answers are small: more arenas would only keep memory */
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
-    struct pen_http_options options = {
-        .listen_fd = listen_fd, .store_url = config->store_url, .limits = limits_of(config)};
+    struct pen_http_options options = {.listen_fd = listen_fd,
+                                       .store_url = config->store_url,
+                                       .limits = limits_of(config),
+                                       .trusted_proxy = config->trusted_proxy};
     struct pen_http *http = pen_http_start(&options, &st);
     if (!http) {
         int code = fail(&st);

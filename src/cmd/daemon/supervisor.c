@@ -115,6 +115,12 @@ static void advance_drain(struct supervisor *s)
         kill_child(&s->api);
 }
 
+/* Whether two texts differ; either may be NULL. */
+static bool differ(const char *a, const char *b)
+{
+    return strcmp(a ? a : "", b ? b : "") != 0;
+}
+
 /* Reads the configuration again, and applies the settings of the log and the number of threads. A
  * wrong configuration changes nothing. */
 static void reload(struct supervisor *s)
@@ -130,16 +136,18 @@ static void reload(struct supervisor *s)
         strcmp(s->first->role, fresh.role) != 0 ||
         memcmp(&s->first->max, &fresh.max, sizeof fresh.max) != 0 ||
         s->first->keep_days != fresh.keep_days || s->first->keep_jobs != fresh.keep_jobs ||
-        s->first->keep_bytes_max != fresh.keep_bytes_max)
+        s->first->keep_bytes_max != fresh.keep_bytes_max ||
+        differ(s->first->trusted_proxy, fresh.trusted_proxy))
         pen_log(PEN_LOG_WARN,
-                "listen, store, role, the bounds of jobs (max_…), keep_days, keep_bytes and "
-                "keep_jobs change only when the daemon is started again");
+                "listen, store, role, trusted_proxy, the bounds of jobs (max_…), keep_days, "
+                "keep_bytes and keep_jobs change only when the daemon is started again");
     bool other_threads = s->now.threads != fresh.threads;
     pen_config_release(&s->reloaded);
     s->reloaded = s->now = fresh;
     s->now.store = s->first->store;
     s->now.store_identity = s->first->store_identity;
     s->now.max = s->first->max;
+    s->now.trusted_proxy = s->first->trusted_proxy;
     struct pen_log_target target = {
         .level = fresh.log_level, .format = fresh.log_format, .file = fresh.log_file};
     if (!pen_config_log(&target, &st))

@@ -65,7 +65,7 @@ struct conn {
     bool used;               /* a request was answered */
     bool reserved;           /* it holds a slot that is kept for short requests */
     bool ready;              /* it is in the loop's list of connections that can go on */
-    bool wakened;            /* its request was resumed */
+    bool wakened;            /* the request that it has now was resumed */
     struct conn *next_ready;
 
     const char *data; /* received and not yet read: in `kept`, or in the loop's buffer while the

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The threads that may block: store threads and compute threads, each with a jobs handle of its
+/* The threads that may block: store, compute and intake threads, each with a jobs handle of its
  * own. All threads of a kind serve one queue of requests, first in, first out. The number of
  * connections bounds the queues. */
 #ifndef PEN_HTTP_INTERNAL_EXECUTOR_H
@@ -16,7 +16,7 @@ struct executor;
 struct executor_options {
     const char *store_url;
     const struct pen_limits *limits;
-    int store_threads, compute_threads;
+    int store_threads, compute_threads, intake_threads;
 };
 
 /* Starts the threads. Owns: stop, then free. Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads),

@@ -23,6 +23,7 @@ struct pen_http {
     struct snapshot_cache *snapshot_cache;
     struct streams *streams;
     struct static_files *static_files;
+    struct pictures *pictures;
 
     int connection_max;       /* beyond it new connections replace idle ones */
     atomic_int arriving;      /* accepted and not yet with their loops. atomic: relaxed, a bound */
@@ -34,7 +35,6 @@ struct pen_http {
     atomic_int active;              /* requests whose head was seen and that have not ended.
                                      * atomic: relaxed, read only in a loop that waits for 0 */
     atomic_size_t intake_bytes;     /* bodies in memory. atomic: relaxed, a sum */
-    atomic_size_t picture_bytes;    /* pictures in memory. atomic: relaxed, a sum */
     atomic_uint request_count;      /* atomic: relaxed, values only have to differ */
     uint32_t id_prefix;             /* distinguishes this process's request ids from others' */
 

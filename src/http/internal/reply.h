@@ -19,6 +19,8 @@ struct blob {
     atomic_int refs; /* atomic: acquire-release, so that the thread that frees sees all reads */
     struct pen_buf content;
     atomic_size_t *total; /* a sum that includes these bytes while the blob exists; NULL: none */
+    _Atomic(struct blob *) gzip; /* these bytes compressed; NULL: not yet. atomic: acquire-release,
+                                  * the thread that finds it reads it */
 };
 
 /* Takes the contents of a buffer, which is empty afterwards, also on failure.
@@ -29,6 +31,10 @@ struct blob *pen_http_blob_take(struct pen_buf *content);
 void pen_http_blob_count(struct blob *blob, atomic_size_t *total);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
+
+/* A reference to these bytes compressed with gzip; they are compressed once. Fails: NULL when out
+ * of memory. */
+struct blob *pen_http_blob_gzip(struct blob *blob);
 
 /* A JSON text with a line end. Fails: NULL when out of memory. */
 struct blob *pen_http_blob_json(const json_t *json);

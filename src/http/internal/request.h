@@ -64,6 +64,7 @@ struct request {
 
     struct request *next; /* link in the queue or list of the thread that holds it */
     int64_t deadline_ns;  /* of a long poll */
+    bool resumed;         /* guarded by the loop's lock: pen_http_resume was called for it */
     bool watched;         /* guarded by the watcher's lock: it is in the watcher's list */
     bool gone;            /* guarded by the watcher's lock: its client has closed the connection */
 };

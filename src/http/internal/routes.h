@@ -26,9 +26,10 @@ typedef bool route_quick(struct request *request);
 
 /* Where a handler runs. */
 enum queue_id {
-    QUEUE_NONE,   /* in the thread of the connection: it must not block */
-    QUEUE_STORE,  /* on a store thread: short reads and writes of the store */
-    QUEUE_COMPUTE /* on a compute thread: encoding pictures, writing reports, checking scenes */
+    QUEUE_NONE,    /* in the thread of the connection: it must not block */
+    QUEUE_STORE,   /* on a store thread: short reads and writes of the store */
+    QUEUE_COMPUTE, /* on a compute thread: encoding pictures, writing reports, checking scenes */
+    QUEUE_INTAKE   /* on an intake thread: whatever has a large body */
 };
 
 /* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+#include "http/internal/encoding.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/message.h"
+
+enum {
+    PART_BYTES = 64 << 10,
+    GZIP_BITS = 15 + 16,    /* zlib's way to say gzip */
+    LEVEL = 5,              /* beyond it, reports take twice the time and become 2 % smaller */
+    SMALL_BYTES = 1400,     /* one packet */
+    LARGE_BYTES = 32 << 20, /* would keep a thread for too long */
+};
+
+/* Decompresses one member and those that follow it. */
+static bool inflate_all(z_stream *stream, size_t limit, struct pen_buf *out, struct pen_status *st)
+{
+    unsigned char *part = malloc(PART_BYTES);
+    int result = part ? Z_OK : Z_MEM_ERROR;
+    while (result == Z_OK) {
+        stream->next_out = part;
+        stream->avail_out = PART_BYTES;
+        result = inflate(stream, Z_NO_FLUSH);
+        size_t got = PART_BYTES - stream->avail_out;
+        if (result != Z_OK && result != Z_STREAM_END)
+            break;
+        if (out->bytes + got > limit) {
+            free(part);
+            return pen_fail(st, PEN_TOO_LARGE,
+                            "the body has more than %zu bytes when it is decompressed", limit);
+        }
+        if (!pen_buf_add(out, part, got))
+            result = Z_MEM_ERROR;
+        else if (result == Z_STREAM_END && stream->avail_in > 0)
+            result = inflateReset(stream);
+    }
+    free(part);
+    if (result == Z_MEM_ERROR)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory to decompress the body");
+    return result == Z_STREAM_END ||
+           pen_fail(st, PEN_SYNTAX, "the body is not gzip as its Content-Encoding says");
+}
+
+bool pen_http_gunzip(const void *data, size_t bytes, size_t limit, struct pen_buf *out,
+                     struct pen_status *st)
+{
+    z_stream stream = {.next_in = (Bytef *)data, .avail_in = (uInt)bytes};
+    if (inflateInit2(&stream, GZIP_BITS) != Z_OK)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory to decompress the body");
+    bool ok = inflate_all(&stream, limit, out, st);
+    inflateEnd(&stream);
+    if (!ok)
+        pen_buf_release(out);
+    return ok;
+}
+
+bool pen_http_gzip(const void *data, size_t bytes, struct pen_buf *out)
+{
+    z_stream stream = {.next_in = (Bytef *)data, .avail_in = (uInt)bytes};
+    if (deflateInit2(&stream, LEVEL, Z_DEFLATED, GZIP_BITS, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+        return false;
+    size_t most = deflateBound(&stream, (uLong)bytes);
+    unsigned char *text = malloc(most);
+    stream.next_out = text;
+    stream.avail_out = (uInt)most;
+    bool ok = text && deflate(&stream, Z_FINISH) == Z_STREAM_END &&
+              pen_buf_add(out, text, most - stream.avail_out);
+    free(text);
+    deflateEnd(&stream);
+    if (!ok)
+        pen_buf_release(out);
+    return ok;
+}
+
+bool pen_http_request_decode(struct request *request)
+{
+    struct pen_http *http = request->http;
+    struct pen_buf plain = {0};
+    struct pen_status st;
+    if (!request->fields.content_encoding || request->body.bytes == 0)
+        return true;
+    if (!pen_http_gunzip(request->body.data, request->body.bytes, http->limits.body_bytes, &plain,
+                         &st)) {
+        pen_http_request_fail(request, &st);
+        return false;
+    }
+    pen_http_request_drop_body(request);
+    atomic_fetch_add_explicit(&http->intake_bytes, plain.bytes, memory_order_relaxed);
+    request->body = plain;
+    return true;
+}
+
+static struct reply_field *find_field(struct reply *reply, const char *name)
+{
+    for (int i = 0; i < reply->field_count; i++) {
+        if (strcmp(reply->field[i].name, name) == 0)
+            return &reply->field[i];
+    }
+    return NULL;
+}
+
+/* Whether a body of this type becomes smaller: texts do, and pictures are compressed already. */
+static bool is_text(const char *type)
+{
+    static const char *const types[] = {"application/json", "application/problem+json",
+                                        "application/xml",  "application/yaml",
+                                        "image/svg+xml",    "text/csv",
+                                        "text/html",        "text/markdown"};
+    size_t length = strcspn(type, ";");
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
+        if (strlen(types[i]) == length && strncmp(types[i], type, length) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* A strong tag names the bytes that are sent, so the compressed ones have a tag of their own. */
+static void change_tag(struct reply *reply)
+{
+    struct reply_field *tag = find_field(reply, "ETag");
+    size_t length = tag ? strlen(tag->value) : 0;
+    char *text = NULL;
+    if (length < 2)
+        return;
+    if (asprintf(&text, "%.*s" PEN_GZIP_TAG "\"", (int)length - 1, tag->value) < 0) {
+        reply->failed = true;
+        return;
+    }
+    free(tag->value);
+    tag->value = text;
+}
+
+void pen_http_request_encode(struct request *request)
+{
+    struct reply *reply = &request->reply;
+    const struct reply_field *type = find_field(reply, "Content-Type");
+    if (reply->failed || !reply->body || !type || !is_text(type->value) || reply->status == 206)
+        return;
+    pen_http_reply_field(reply, "Vary", "Accept-Encoding");
+    if (reply->bytes < SMALL_BYTES || reply->bytes > LARGE_BYTES ||
+        !pen_encoding_is_gzip(request->fields.accept_encoding))
+        return;
+    struct blob *gzip = pen_http_blob_gzip(reply->body);
+    if (!gzip)
+        return; /* the plain body is as good */
+    pen_http_blob_unref(reply->body);
+    reply->body = gzip;
+    reply->bytes = gzip->content.bytes;
+    pen_http_reply_field(reply, "Content-Encoding", "gzip");
+    change_tag(reply);
+}
