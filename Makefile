@@ -98,7 +98,8 @@ FILMS := $(BUILD)/tests/property/films
 INSTRUCTIONS := $(BUILD)/tests/effects/instructions
 FAULTS := $(BUILD)/tests/faults/preload.so
 BENCHES := $(patsubst %.c,$(BUILD)/%,$(sort $(wildcard tests/bench/*.c)))
-tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(STABILITY) $(FILMS) $(INSTRUCTIONS) $(BENCHES)
+LOAD := $(BUILD)/tests/load/load
+tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(LOAD) $(STABILITY) $(FILMS) $(INSTRUCTIONS) $(BENCHES)
 
 have-deps:
 	@pkg-config --exists $(PKGS) || { \
@@ -276,6 +277,16 @@ $(CRASH_TEST): $(CRASH_OBJ) $(BUILD)/libservice.a $(BUILD)/librender.a
 crash: all $(CRASH_TEST)
 	$(CRASH_TEST) $(BUILD) $(ROUNDS) $(SEED)
 
+# Clients that hold connections without using them, send bad requests or large ones: some minutes.
+LOAD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/load/*.c)))
+$(LOAD_OBJ): EXTRA := -Itests
+$(LOAD): $(LOAD_OBJ) $(BUILD)/src/base/clock.o
+	$(call say,LD ,$@)
+	$(Q)$(LINK) -o $@ $^
+.PHONY: load
+load: all $(LOAD)
+	@sh tests/load/load.sh $(BUILD)
+
 # A failing disk, which a test preloads into a daemon. Compiled without sanitizers, since it is loaded
 # before their library.
 $(FAULTS): tests/faults/preload.c
@@ -449,7 +460,7 @@ uninstall:
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-tsan $(BUILD)-fuzz
 
--include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) $(BENCH_SCENES:.o=.d) \
+-include $(LIB_OBJ:.o=.d) $(SVC_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) $(LOAD_OBJ:.o=.d) $(BENCH_SCENES:.o=.d) \
     $(PROPERTY_OBJ:.o=.d) $(STABILITY_OBJ:.o=.d) $(BUILD)/tests/property/main_films.d \
     $(STRIPPED_OBJ:.o=.d) $(INSTRUCTIONS).d
 -include $(CLIENT_OBJ:.o=.d) $(DAEMON_OBJ:.o=.d)

@@ -37,18 +37,18 @@ struct executor {
     pthread_mutex_t lock;
     struct queue queue[QUEUES];
     bool closed; /* guarded by lock */
-    int busy;    /* guarded by lock: threads with a request */
     bool trim;   /* guarded by lock: a large body was handled since the last malloc_trim */
     int thread_count;
     struct thread thread[THREADS_MAX];
 };
 
-/* Returns free memory to the system when no thread is busy any more after a large body: the body's
- * parsed form consisted of many small blocks, and the allocator would keep their pages. Called with
- * the lock held, and releases it meanwhile. Returns whether memory was trimmed. */
-static bool trim_memory(struct executor *executor)
+/* Returns free memory to the system when an intake thread has no more to do after a large body: the
+ * body's parsed form consisted of many small blocks, and the allocator would keep their pages. The
+ * other threads do not do it, as it takes a while. Called with the lock held, and releases it
+ * meanwhile. Returns whether memory was trimmed. */
+static bool trim_memory(struct executor *executor, enum queue_id id)
 {
-    if (!executor->trim || executor->busy > 0)
+    if (!executor->trim || id != QUEUE_INTAKE)
         return false;
     executor->trim = false;
     pthread_mutex_unlock(&executor->lock);
@@ -64,12 +64,11 @@ static struct request *next_request(struct executor *executor, enum queue_id id)
     struct queue *queue = &executor->queue[id];
     pthread_mutex_lock(&executor->lock);
     while (!queue->head && !executor->closed) {
-        if (!trim_memory(executor))
+        if (!trim_memory(executor, id))
             pthread_cond_wait(&queue->filled, &executor->lock);
     }
     struct request *request = queue->head;
     if (request) {
-        executor->busy++;
         queue->head = request->next;
         if (!queue->head)
             queue->tail = &queue->head;
@@ -81,7 +80,6 @@ static struct request *next_request(struct executor *executor, enum queue_id id)
 static void finish_request(struct executor *executor, bool large)
 {
     pthread_mutex_lock(&executor->lock);
-    executor->busy--;
     executor->trim = executor->trim || large;
     pthread_mutex_unlock(&executor->lock);
 }
@@ -100,7 +98,7 @@ static enum outcome handle(struct request *request, struct pen_jobs *jobs)
 /* Work on large bodies leaves the processors to everybody else. */
 static void lower_priority(enum queue_id id)
 {
-    enum { NICER = 5 };
+    enum { NICER = 10 };
     if (id == QUEUE_INTAKE)
         setpriority(PRIO_PROCESS, (id_t)gettid(), getpriority(PRIO_PROCESS, 0) + NICER);
 }
