@@ -155,6 +155,17 @@ static void reply_error(struct request *request, const struct snapshot *snapshot
     json_decref(job);
 }
 
+/* Nobody knows of the job but a client that has gone: it is not made any more, nor kept. */
+static void drop_job(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_job_snapshot job;
+    struct pen_status st;
+    if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
+        return;
+    json_decref(job.json);
+    pen_jobs_delete(jobs, request->job_id, &st);
+}
+
 /* Answers with the explanation, the error that took its place, or the job if it takes long. The job
  * of an explanation that was answered is not kept, nor is a cancelled one. A failed job stays,
  * since its error says how to repeat it from the job's scene. */
@@ -164,6 +175,8 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
     struct pen_image report = {0};
     struct pen_status st;
     if (!pen_job_state_ended(snapshot->state)) {
+        if (pen_http_watch_is_abandoned(request->http->watch, request))
+            drop_job(request, jobs);
         pen_http_reply_body(&request->reply, 202, pen_http_blob_ref(snapshot->json),
                             "application/json");
         pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);

@@ -309,6 +309,14 @@ bool pen_http_watch_abandon(struct watch *watch, struct request *request)
     return taken;
 }
 
+bool pen_http_watch_is_abandoned(struct watch *watch, const struct request *request)
+{
+    pthread_mutex_lock(&watch->lock);
+    bool gone = request->gone;
+    pthread_mutex_unlock(&watch->lock);
+    return gone;
+}
+
 enum watch_result pen_http_watch_add_stream(struct watch *watch,
                                             const struct pen_address_key *address)
 {

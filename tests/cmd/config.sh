@@ -20,6 +20,13 @@ for address in 0.0.0.0:8080 127.0.0.2:80 192.168.1.2:80 '[::]:80' '[2001:db8::1]
     exits "the address $address, which is not loopback" 2 timeout 20 "$penumbrad" --listen "$address"
     prints "the error says that only loopback is allowed" stderr "allowed is a loopback address"
 done
+for address in localhost 127.0.0.1:80 10.0.0.0/8 ''; do
+    exits "the proxy <$address>" 2 "$penumbrad" --trusted-proxy "$address"
+    prints "the error shows what is allowed" stderr "a numeric IPv4 or IPv6 address is allowed"
+done
+exits "a wrong proxy in the environment" 2 env PENUMBRA_TRUSTED_PROXY=proxy "$penumbrad"
+echo '{"trusted_proxy": "proxy"}' >proxy.json
+exits "a wrong proxy in the file" 2 "$penumbrad" --config proxy.json
 exits "--tokens" 2 "$penumbrad" --tokens tokens.json
 prints "are known, not supported yet" stderr "--tokens: known, not supported yet"
 exits "a wrong environment variable" 2 env PENUMBRA_THREADS=-1 "$penumbrad"

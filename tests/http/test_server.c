@@ -693,6 +693,39 @@ START_TEST(test_server__abandoned_polls_are_forgotten)
 }
 END_TEST
 
+/* Without a worker the explanation would wait for 10 s, and its job for a worker. */
+START_TEST(test_server__abandoned_explanations_leave_no_job)
+{
+    static const char body[] = "{\"scene\": \"builtin:spheres\"}";
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char text[300];
+    struct answer answer;
+    snprintf(text, sizeof text,
+             "POST /v1/explain HTTP/1.1\r\nHost: localhost\r\nContent-Length: %zu\r\n\r\n%s",
+             sizeof body - 1, body);
+    int fd = server_connect(&server);
+    client_send(fd, text);
+    bool listed = false;
+    for (int i = 0; i < 100 && !listed; i++) {
+        pause_ms(50);
+        server_ask(&server, "GET /v1/jobs?kind=explain HTTP/1.1", NULL, &answer);
+        listed = strstr(answer.body, "\"queued\"") != NULL;
+        answer_release(&answer);
+    }
+    ck_assert(listed);
+    close(fd);
+    for (int i = 0; i < 100 && listed; i++) {
+        pause_ms(50);
+        server_ask(&server, "GET /v1/jobs?kind=explain HTTP/1.1", NULL, &answer);
+        listed = strstr(answer.body, "\"id\"") != NULL;
+        answer_release(&answer);
+    }
+    ck_assert(!listed);
+    server_stop(&server);
+}
+END_TEST
+
 static int status_of_poll(const struct server *server, const char *path, const char *from,
                           const char *what)
 {
@@ -962,6 +995,7 @@ PEN_SUITE("server", test_server__partial_requests_are_ended, test_server__slow_r
           test_server__idle_connections_give_way,
           test_server__short_requests_have_slots_of_their_own,
           test_server__abandoned_polls_are_forgotten,
+          test_server__abandoned_explanations_leave_no_job,
           test_server__one_address_cannot_take_all_places,
           test_server__aborted_uploads_leave_nothing,
           test_server__pipelined_requests_are_answered_in_order,

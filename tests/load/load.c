@@ -11,8 +11,10 @@
  * connection of its own; with `accept` before the numbers the same load comes to a server of this
  * program that only accepts and closes load post PORT FILE CLIENTS SECONDS clients that post a file
  * to /v1/jobs again and again load ask PORT PATH SECONDS nothing but the good requests */
+#include <arpa/inet.h>
 #include <dirent.h>
 #include <errno.h>
+#include <netinet/in.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -203,12 +205,41 @@ static void run_clients(struct clients *clients, void *(*work)(void *), int coun
            atomic_load(&clients->done) / ((double)(pen_clock_ns() - begun) * 1e-9));
 }
 
+static void *accept_and_close(void *arg)
+{
+    const int listening = *(const int *)arg;
+    for (;;)
+        close(accept(listening, NULL, NULL));
+    return NULL;
+}
+
+/* Starts a server that only accepts and closes. Returns its port. */
+static int start_closer(void)
+{
+    static int listening;
+    struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t bytes = sizeof address;
+    pthread_t thread;
+    listening = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (bind(listening, (struct sockaddr *)&address, bytes) != 0 || listen(listening, 4096) != 0 ||
+        getsockname(listening, (struct sockaddr *)&address, &bytes) != 0 ||
+        pthread_create(&thread, NULL, accept_and_close, &listening) != 0)
+        exit(2);
+    pthread_detach(thread);
+    return ntohs(address.sin_port);
+}
+
 static int run_bad(char **arg)
 {
     enum { THREADS = 16 };
     struct clients clients = {.port = atoi(arg[0]),
                               .per_second = (atoi(arg[1]) + THREADS - 1) / THREADS,
                               .seconds = atoi(arg[2])};
+    if (!clients.port) {
+        clients.port = start_closer();
+        run_clients(&clients, send_bad, THREADS);
+        return 0;
+    }
     struct probe *health = probe_start(clients.port, "/healthz", PROBE_MS);
     run_clients(&clients, send_bad, THREADS);
     printf("answered %d\n", atomic_load(&clients.refused));

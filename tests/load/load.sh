@@ -28,9 +28,6 @@ below resident-mib 300
 below closed-freed-s 5
 below vanished-freed-s 30
 
-run bad "$port" 10000 "$seconds"
-expect bad-health-failed "$(value health-failed)" 0
-
 # A scene of 12 MB.
 awk 'BEGIN {
     printf "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0,0,9], \"look_at\": [0,0,0]}, \"objects\": ["
@@ -44,4 +41,26 @@ expect list-failed "$(value list-failed)" 0
 expect ready-failed "$(value ready-failed)" 0
 below list-p99-ms 20
 below ready-p99-ms 100
+
+# Bad requests beside a render. The same requests to a server that only accepts and closes show what the
+# clients themselves take of the processors.
+daemon_stop
+daemon_start
+port=${url##*:}
+render_beside() { # PORT: milliseconds of a render beside bad requests to this port
+    "$load" bad "$1" 10000 "$seconds" >"$work/values" &
+    sleep 1
+    submit '{"scene": "builtin:room", "render": {"width": 1000, "height": 1400, "samples_per_pixel": 4}}'
+    while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
+    curl -s "$url$job/stats" | jq .timing.render_ms
+    wait $!
+}
+alone=$(render_beside 0)
+echo "== a render beside bad requests to a server that only closes: $alone ms"
+beside=$(render_beside "$port")
+echo "== and to the daemon: $beside ms"
+cat "$work/values"
+expect bad-health-failed "$(value health-failed)" 0
+echo "slower $(awk -v a="$beside" -v b="$alone" 'BEGIN {print a / b}')" >"$work/values"
+below slower 1.1
 finish

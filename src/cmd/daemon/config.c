@@ -373,10 +373,9 @@ static bool check(struct pen_config *config, struct pen_status *st)
     if (!pen_address_parse(config->listen, &config->address, st))
         return false;
     if (config->trusted_proxy && !pen_http_is_address(config->trusted_proxy))
-        return pen_fail(
-            st, PEN_USAGE,
-            "--trusted-proxy: found \"%.60s\"; a numeric IPv4 or IPv6 address is allowed",
-            config->trusted_proxy);
+        return pen_fail(st, PEN_USAGE,
+                        "trusted-proxy: found \"%.60s\"; a numeric IPv4 or IPv6 address is allowed",
+                        config->trusted_proxy);
     if (!(config->store && *config->store) && !make_default_store(config, st))
         return false;
     config->store_url = config->store;

@@ -58,6 +58,9 @@ enum watch_result pen_http_watch_add(struct watch *watch, struct request *reques
  * and will be resumed soon. */
 bool pen_http_watch_abandon(struct watch *watch, struct request *request);
 
+/* Whether pen_http_watch_abandon was called for a request. */
+bool pen_http_watch_is_abandoned(struct watch *watch, const struct request *request);
+
 /* Counts an event stream, and removes it again. WATCH_CHANGED is not returned. */
 enum watch_result pen_http_watch_add_stream(struct watch *watch,
                                             const struct pen_address_key *address);
